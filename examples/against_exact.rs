@@ -4,7 +4,6 @@
 //! cargo run --release --example against_exact [WAVES]
 //! ```
 
-use echomarch::experiment::median;
 use echomarch::glam::Vec3;
 use echomarch::gpu::{Context, ContextOptions};
 use echomarch::reference::ExactScene;
@@ -31,13 +30,13 @@ fn main() -> Result<(), Box<dyn Error>> {
                 .with_iterations(iterations);
             let (frame, marched) = tracer.frame_with_waves(&scene, &settings)?;
 
-            // The very directions that the GPU started with, in f64 from here on.
+            // The start directions of the GPU, in f64 from here on.
             let starts: Vec<Vec3> = marched.iter().map(|wave| wave.start_direction).collect();
             let source = scene.source.position.as_dvec3();
             let exact = exact_scene.trace_all(source, &starts, iterations);
             let heard = exact.iter().filter(|wave| wave.status == 0).count();
 
-            // Where waves end that have not died (closed rooms let none escape).
+            // Ends of the waves that have not died (no wave escapes from a closed room).
             let offs: Vec<f64> = marched
                 .iter()
                 .zip(&exact)
@@ -54,4 +53,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     Ok(())
+}
+
+/// The median of some values.
+fn median(values: impl IntoIterator<Item = f64>) -> f64 {
+    let mut sorted: Vec<f64> = values.into_iter().collect();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN)
 }

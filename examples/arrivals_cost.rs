@@ -1,4 +1,4 @@
-//! What arrivals cost beside the march alone, interleaved: `arrivals_cost SCENE WAVES ITERATIONS RUNS`.
+//! Cost of arrivals compared with a plain frame, interleaved: `arrivals_cost SCENE WAVES ITERATIONS RUNS`.
 
 use echomarch::gpu::{Context, ContextOptions};
 use echomarch::scene::Material;

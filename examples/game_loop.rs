@@ -1,5 +1,5 @@
-//! A game's loop: each picture begins or goes on with a frame of waves, and never waits for it;
-//! what is heard becomes the gains of one voice of the game's own audio engine.
+//! A game's loop: each picture begins or continues a frame of waves, and never waits for it; the result
+//! sets the gains of one voice of the game's own audio engine.
 //!
 //! ```sh
 //! cargo run --release --example game_loop
@@ -10,16 +10,16 @@ use echomarch::gpu::{Context, ContextOptions};
 use echomarch::{Error, Scene, Settings, Tracer};
 use std::time::{Duration, Instant};
 
-/// Time of one picture at 60 a second.
+/// Duration of one picture at 60 a second.
 const PICTURE: Duration = Duration::from_micros(16_667);
 
-/// What each picture spends on the waves, in milliseconds.
+/// Milliseconds of each picture spent on the waves.
 const WAVES_MS: f64 = 4.0;
 
-/// Metres that the source moves from one picture to the next.
+/// Metres that the source moves per picture.
 const STEP_M: f32 = 0.05;
 
-/// Stands for the voice of an audio engine, which glides to the gains that it is given.
+/// Stands for the voice of an audio engine, which glides to the given gains.
 #[derive(Default)]
 struct Voice {
     gains: Gains,
@@ -42,9 +42,9 @@ fn main() -> Result<(), Error> {
 
     for picture in 0..120 {
         let began = Instant::now();
-        // The game moves what it moves.
+        // The game moves its objects.
         scene.source.position.x += STEP_M;
-        // The waves: a new frame when the last one is there, and a share of this picture's time.
+        // The waves: a new frame when the last one is complete, and a share of this picture's time.
         if !tracer.is_frame_pending() {
             tracer.frame_begin(&scene, &settings)?;
         }

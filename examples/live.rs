@@ -1,4 +1,4 @@
-//! A sound that wanders from left to right, through the sound card:
+//! A sound that moves from left to right, through the sound card:
 //!
 //! ```sh
 //! cargo run --release --example live -- --sound speech --seconds 10
@@ -54,7 +54,7 @@ fn play(arguments: Arguments) -> Result<(), Failure> {
             break;
         }
         let along = place(time / arguments.seconds, arguments.steps);
-        // As a tracer would tell it: what arrived from the left, and from the right.
+        // As from a tracer: the sums of the left and of the right.
         live.set_panning(1.0 - along, along);
         if time >= next_line {
             next_line += 0.25;
@@ -71,7 +71,7 @@ fn play(arguments: Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Where the sound is, 0 for left to 1 for right.
+/// The position of the sound, 0 for left to 1 for right.
 fn place(along: f64, steps: Option<u32>) -> f64 {
     match steps {
         Some(steps) if steps > 1 => {
@@ -104,7 +104,7 @@ fn print_line(live: &Live, time: f64, along: f64) {
     );
 }
 
-/// None if there is nothing left to do.
+/// Returns `None` if there is nothing left to do.
 fn read_arguments() -> Result<Option<Arguments>, Failure> {
     let mut arguments = Arguments {
         sound: "speech".to_owned(),

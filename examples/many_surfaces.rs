@@ -1,21 +1,20 @@
-//! What a hall of many pillars costs: time a wave and iteration by the number of pillars, and
-//! what it adds to a frame that one of them moves.
+//! Cost of a hall with many pillars: time per wave and iteration by the number of pillars, and the time that
+//! moving one of them adds to a frame.
 //!
 //! ```sh
 //! cargo run --release --example many_surfaces
 //! ```
 
-use echomarch::experiment::median;
 use echomarch::gpu::{Api, Context, ContextOptions};
 use echomarch::scene::shape::{Cylinder, Room};
 use echomarch::{Error, Listener, Node, Scene, Settings, Source, Surface, Tracer};
 use glam::Vec3;
 use std::time::Instant;
 
-/// Metres from one pillar to the next.
+/// Metres between neighbouring pillars.
 const SPACING: f32 = 4.0;
 
-/// Frames that a median is taken of: of many waves, and of hardly any.
+/// Number of frames per median: with many waves, and with hardly any.
 const FRAMES: usize = 9;
 const SMALL_FRAMES: usize = 101;
 
@@ -55,13 +54,13 @@ fn main() -> Result<(), Error> {
     Ok(())
 }
 
-/// Milliseconds that the waves of a frame march.
+/// Milliseconds of the march in a frame.
 fn march(tracer: &mut Tracer, scene: &Scene, settings: &Settings) -> Result<f64, Error> {
     let frames = (0..FRAMES).map(|_| Ok(tracer.frame(scene, settings)?.milliseconds.march));
     Ok(median(frames.collect::<Result<Vec<f64>, Error>>()?))
 }
 
-/// Milliseconds of a whole frame when nothing moves, and when a pillar has moved, in turns.
+/// Milliseconds of a whole frame without a move, and after a pillar has moved, in turns.
 fn still_and_moving(
     tracer: &mut Tracer,
     scene: &Scene,
@@ -85,7 +84,7 @@ fn whole(tracer: &mut Tracer, scene: &Scene, settings: &Settings) -> Result<f64,
     Ok(began.elapsed().as_secs_f64() * 1e3)
 }
 
-/// A room with pillars from floor to ceiling, as many along x as along z.
+/// A room with pillars from floor to ceiling, in a square grid along x and z.
 fn hall(side: usize) -> Scene {
     let width = SPACING * side as f32;
     let mut surfaces = vec![Surface::new(Node::Room(Room {
@@ -105,4 +104,11 @@ fn hall(side: usize) -> Scene {
         Source::at(Vec3::new(0.0, 0.0, 0.0)),
         Listener::at(Vec3::new(SPACING, 0.0, SPACING), 0.5),
     )
+}
+
+/// The median of some values.
+fn median(values: impl IntoIterator<Item = f64>) -> f64 {
+    let mut sorted: Vec<f64> = values.into_iter().collect();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN)
 }

@@ -1,5 +1,5 @@
-//! What a response costs, and how far it is off, in the room of docs/acoustics.md in which another program was
-//! measured (8 × 3 × 5 m, absorption 0.2): `response_cost WAVES ORDER SEEDS`. `scripts/peers/compute_rir.py` is that
+//! Cost and error of a response, in the room of docs/acoustics.md that was also measured with another program
+//! (8 × 3 × 5 m, absorption 0.2): `response_cost WAVES ORDER SEEDS`. `scripts/peers/compute_rir.py` measures that
 //! program.
 
 use echomarch::acoustics::{BandFigures, Figures};
@@ -51,7 +51,7 @@ fn scene() -> Scene {
     scene
 }
 
-/// The figures by image sources, in all bands the same.
+/// The figures by image sources, the same in all bands.
 fn truth() -> Option<BandFigures> {
     const SECONDS: f64 = 1.0;
     let [size, source, listener] = [SIZE, SOURCE, LISTENER].map(|place| place.as_dvec3());
@@ -60,7 +60,7 @@ fn truth() -> Option<BandFigures> {
     figures.bands.into_iter().next()
 }
 
-/// T30 in per cent, C80 and G in decibels; NaN for what was not told.
+/// T30 in per cent, C80 and G in decibels; NaN for missing figures.
 fn off(found: &BandFigures, truth: &BandFigures) -> [f64; 3] {
     let off = |found: Option<f64>, truth: Option<f64>| {
         let both = found.zip(truth);
@@ -74,7 +74,7 @@ fn off(found: &BandFigures, truth: &BandFigures) -> [f64; 3] {
     ]
 }
 
-/// Seconds that the threads of this process that live have had of processors, by Linux' count; NaN elsewhere.
+/// Processor seconds of this process' live threads, as Linux counts them; NaN elsewhere.
 fn processor_seconds() -> f64 {
     let of_thread = |thread: std::io::Result<std::fs::DirEntry>| {
         let counts = std::fs::read_to_string(thread.ok()?.path().join("schedstat")).ok()?;

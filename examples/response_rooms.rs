@@ -1,6 +1,6 @@
-//! What responses of random rectangular rooms tell, and how far it is off by image sources (docs/acoustics.md):
-//! `response_rooms WAVES ROOMS SEED LEAST MOST`. Each wall absorbs its own share of each band, LEAST to MOST, evenly
-//! drawn on a logarithmic scale.
+//! Figures of responses of random rectangular rooms, and their errors against image sources (docs/acoustics.md):
+//! `response_rooms WAVES ROOMS SEED LEAST MOST`. Each wall absorbs its own share of each band, LEAST to MOST, drawn
+//! evenly on a logarithmic scale.
 
 use echomarch::acoustics::{BandFigures, Figures};
 use echomarch::bands::{BAND_COUNT, Bands};
@@ -13,17 +13,17 @@ use fastrand::Rng;
 
 const SPEED: f64 = 343.0;
 
-/// Radius of the listener in metres, and how far source and listener keep from walls.
+/// Radius of the listener, and least distance of source and listener from walls, in metres.
 const RADIUS: f32 = 0.3;
 const FROM_WALLS: f32 = 0.5;
 
-/// A figure, how it is compared, and what is known of it.
+/// A figure, how it is compared, and its counts.
 struct Tally {
     name: &'static str,
     of: fn(&BandFigures) -> Option<f64>,
-    /// Whether it counts as a share of the truth, in per cent.
+    /// Whether its error is relative to the truth, in per cent.
     is_relative: bool,
-    /// How far off it may be at the most, in per cent or in its own unit.
+    /// Maximum acceptable error, in per cent or in its own unit.
     limit: f64,
     exist: u32,
     told: u32,
@@ -81,7 +81,7 @@ impl Tally {
     }
 }
 
-/// A room of 20 to 4,500 m³, its walls' absorption, and two places in it.
+/// A room of 20 to 4,500 m³, its walls' absorption, and two positions in it.
 struct Case {
     size: Vec3,
     source: Vec3,
@@ -160,7 +160,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for tally in &tallies {
         let unit = if tally.is_relative { "%" } else { "dB" };
         println!(
-            "{}: {} of {} bands told, {} within two errors, at most {:.3} {unit} off, {} more than {} {unit}",
+            "{}: {} of {} bands reported, {} within two errors, at most {:.3} {unit} off, {} more than {} {unit}",
             tally.name,
             tally.told,
             tally.exist,

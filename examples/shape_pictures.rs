@@ -1,5 +1,5 @@
-//! Draws the pictures of `docs/scene-format.md`: one of every shape and operator, from the
-//! words that a scene file would have for it, and one of the built-in scenes that show them.
+//! Draws the pictures of `docs/scene-format.md`: one of every shape and operator, from its text in a scene
+//! file, and one of each built-in scene that shows them.
 //!
 //! `cargo run --release --example shape_pictures` writes `docs/images/shapes/*.png`; with
 //! names after `--` only those.
@@ -13,17 +13,17 @@ use glam::{UVec2, Vec3};
 use std::path::Path;
 use std::sync::Arc;
 
-/// File name, what the file says for `shape:`, and where the eye stands.
+/// File name, the text of `shape:`, and the position of the eye.
 type Picture = (&'static str, &'static str, Eye);
 
-/// Where a picture is taken from.
+/// Camera position of a picture.
 #[derive(Clone, Copy)]
 enum Eye {
-    /// Before a shape that stands on a floor.
+    /// In front of a shape that stands on a floor.
     Outside,
     /// The same, from further away.
     Far,
-    /// Within the air of a shape.
+    /// In the air inside a shape.
     Inside,
 }
 
@@ -169,7 +169,7 @@ const SHAPES: &[Picture] = &[
 /// The eye's position (metres), yaw and pitch (degrees).
 type Gaze = (Vec3, f32, f32);
 
-/// Built-in scenes, and the eye where it is not the listener's.
+/// Built-in scenes, and the eye's position if it is not the listener's.
 const SCENES: &[(&str, Option<Gaze>)] = &[
     (
         "whispering-gallery",
@@ -225,7 +225,7 @@ fn main() -> Result<(), Error> {
     Ok(())
 }
 
-/// A shape, the light, and the floor that an outer one stands on.
+/// A shape, the light, and the floor that an outer shape stands on.
 fn stage(shape: &str, eye: Eye) -> Result<Scene, SceneError> {
     let (eye, gaze, light, floor) = match eye {
         Outside => (
@@ -247,7 +247,7 @@ fn stage(shape: &str, eye: Eye) -> Result<Scene, SceneError> {
             false,
         ),
     };
-    // A plane of its own would hide the floor.
+    // A second plane would hide the floor.
     let floor = match floor && shape != "Plane" {
         true => ", Surface(shape: Plane, position: (0, -1.3, 0))",
         false => "",

@@ -1,4 +1,4 @@
-// What a pass adds to a wave's counters.
+// Adds the counts of a pass to a wave's counters.
 float countPass(float counters, bool zeroLength, bool limitReached) {
     return counters + (zeroLength ? ZERO_LENGTH_PASS : 0.0) + (limitReached ? LIMIT_REACHED : 0.0);
 }

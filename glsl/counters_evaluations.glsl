@@ -1,4 +1,4 @@
-// In a frame that counts evaluations of the distance, these take the counters' place.
+// In a frame that counts evaluations of the distance, this file replaces counters.glsl.
 float evaluations = 0.0;
 float countPass(float counters, bool zeroLength, bool limitReached) {
     return counters;

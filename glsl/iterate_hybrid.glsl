@@ -1,9 +1,9 @@
-// One iteration in closed form, where there is one: profile `hybrid`.
+// One iteration in closed form where there is one: profile `hybrid`.
 //
-// Every surface that has a closed form is solved for where the line of the wave meets it; the
-// nearest wins. There is no march among them, so there is no minimum distance and no start offset,
-// and no step limit but for traversals of copies without end (operator/repeat.glsl). Fields without
-// a closed form are marched, no further than to the nearest of those hits.
+// The intersection of the wave's line with every surface that has a closed form is solved for; the nearest
+// wins. These surfaces need no march, so they have neither a minimum distance nor a start offset, and no
+// step limit except for traversals of copies without end (operator/repeat.glsl). Fields without a closed
+// form are marched, no further than to the nearest of those hits.
 
 uniform float uMaxDistance;   // a wave counts as dead beyond this, metres; far below NO_HIT
 
@@ -32,7 +32,7 @@ void iterate(inout vec4 origin, inout vec4 direction) {
 #endif
     bool met = !limitReached && t < maxDistance;
     bool reflects = met && object != STATUS_LISTENER;
-    // Waves of every fate go the same way, each with its own values: waves that are drawn together
+    // Waves of every fate execute the same code, each with its own values: waves that are drawn together
     // wait for each other at every branch.
     vec3 p = origin.xyz;
     vec3 d = direction.xyz;

@@ -1,26 +1,24 @@
-// One iteration of sphere tracing done right: profile `march`.
+// One iteration of accurate sphere tracing: profile `march`.
 //
-// Theory. Outside of a shell about the surfaces (uShell; by default it is so wide that there is
-// no outside) the wave steps by the distance divided by the Lipschitz bound (Hart 1996).
-// Inside it the gradient of the one surface met gives a
-// Newton step along the ray, distance / -(direction . gradient). The distance to a convex
-// solid is convex along a line, so its tangent never overshoots; the step is also limited
-// by the distance to every other object, so nothing is jumped over. A convex surface that
-// the wave recedes from is never met on this line, and so it is out of the way
-// (directedDistance): where several faces lie in one plane, a wave that leaves one of them is
-// held up by none. The wave has reached the surface when its distance is rounding: the shell can be wide
-// without a loss of accuracy.
+// Theory. Outside a shell about the surfaces (uShell; by default so wide that it contains everything) the
+// wave steps by the distance divided by the Lipschitz bound (Hart 1996). Inside it the gradient of the one
+// surface met gives a Newton step along the ray, distance / -(direction . gradient). The distance to a
+// convex solid is convex along a line, so its tangent never overshoots; the step is also limited by the
+// distance to every other object, so no object is jumped over. A convex surface that the wave moves away
+// from is never met on this line, and is skipped (directedDistance): where several faces lie in one plane,
+// none of them slows down a wave that leaves one of them. The wave has reached the surface when its
+// distance is within rounding, so a wide shell does not cost accuracy.
 //
-// Departures from the thesis: no start offset (what the wave left is known from its
-// status and cannot be met next); the stored point lies on the surface; the normal is of
-// the surface met; dead waves stop; directions are kept at length 1.
+// Departures from the thesis: no start offset (the status names the surface that the wave left, which
+// cannot be met next); the stored point lies on the surface; the normal is that of the surface met; dead
+// waves stop; directions are kept at length 1.
 
 uniform float uShell;           // width of the shell in which Newton's steps are taken, metres
 uniform float uMaxDistance;     // a wave counts as dead beyond this, metres
-uniform float uLipschitz;       // how much faster than 1 the distance may grow at most
+uniform float uLipschitz;       // greatest growth of the distance per metre
 uniform float uDistanceFactor;  // the distance is multiplied by this: 1, or a test's distortion
-uniform int uStepLimit;         // evaluations in one march at the most
-uniform float uNormalStep;      // of difference normals, metres
+uniform int uStepLimit;         // maximum number of evaluations in one march
+uniform float uNormalStep;      // step of difference normals, metres
 
 float shell = 0.0;
 float maxDistance = 0.0;
@@ -40,7 +38,7 @@ bool finished(float status) {
 
 const float GLANCE = 16.0;   // roundings along the ray that make a projection inexact
 
-// How far the wave gets along its direction, or -1.
+// Distance that the wave flies along its direction, or -1.
 float traceWave(vec3 origin, vec3 direction, float last, out float object, out bool limitReached) {
     float t = 0.0;
     bool refined = false;
@@ -61,26 +59,25 @@ float traceWave(vec3 origin, vec3 direction, float last, out float object, out b
             float closing = -dot(direction, directedGradient(p, direction, object, errorBound));
             // The point is as coarse as the largest number it was computed from.
             float rounding = roundingAt(p, max(errorBound, coarseness));
-            // There is no way back beyond the start: what the wave is in there is met at once.
+            // A wave cannot go back beyond its start: a solid that contains the start is met at once.
             bool within = nearest <= rounding && (nearest >= -rounding || t <= 0.0);
             if (closing > 0.0 && within) {
-                // At a glance a rounding of the distance is a long way along the ray:
-                // there one whole step of Newton's more is taken, if another object that is
-                // as near does not forbid it.
+                // At a grazing angle a rounding of the distance is a long way along the ray: one more full
+                // Newton step is taken there, unless another object is as near.
                 if (refined || nearest <= GLANCE * closing * rounding || second <= rounding) {
                     return t;
                 }
                 refined = nearest <= second * closing;
             }
-            // What is ahead comes nearer, but for rounding: then only the others can be met.
+            // The surface ahead comes nearer, within rounding; otherwise only the other objects can be met.
             float step = closing > 0.0 ? min(nearest / closing, second) : second;
-            // Whatever rounding says, the march goes on.
+            // The march always advances, whatever the rounding.
             t = max(t + step, closing > 0.0 && nearest < 0.0 ? 0.0 : t + 0.5 * rounding);
 #else
             return t;
 #endif
         } else {
-            // The second nearest is never nearer, but nothing is known beyond a cell.
+            // The second nearest is never nearer, but a step must not leave the cell.
             t += min(nearest, second);
         }
         if (!(t < maxDistance)) {
@@ -92,8 +89,8 @@ float traceWave(vec3 origin, vec3 direction, float last, out float object, out b
 }
 
 #if !EXACT_NORMALS
-// As the thesis has them: central differences of the distance to all surfaces; 0 where there is no
-// normal.
+// As in the thesis: central differences of the distance to all surfaces; 0 where the normal is
+// undefined.
 vec3 differenceGradient(vec3 p) {
     vec2 e = vec2(uNormalStep, 0.0);
     float object;
@@ -110,7 +107,7 @@ void iterate(inout vec4 origin, inout vec4 direction) {
     bool limitReached;
     float t = traceWave(origin.xyz, direction.xyz, origin.w, object, limitReached);
 #if MARCHES_FIELDS
-    // Where the basic shapes gave up, nothing is known of what lies ahead.
+    // If the march of the basic shapes was given up, the fields cannot be decided either.
     float fieldMet;
     bool fieldLimitReached = false;
     float limit = t < 0.0 ? maxDistance : t;

@@ -1,16 +1,15 @@
 // One iteration of the thesis' design, faithful to its figures 8 and 9.
 //
-// Kept on purpose: the start offset that is not stored; hits up to the minimum distance
-// short of the surface; normals from differences of the whole scene's distance; waves
-// that are dead are marched again from the origin with direction 0. Departures: the
-// march has a step limit, counters ride in the direction's last component, and a wave dies
-// where all differences are 0: normalize(0) is what each driver makes of it.
+// Kept on purpose: the start offset is not stored; hits lie up to the minimum distance short of the surface;
+// normals come from differences of the whole scene's distance; dead waves are marched again from the origin
+// with direction 0. Departures: the march has a step limit, counters are stored in the direction's last
+// component, and a wave dies where all differences are 0, because normalize(0) depends on the driver.
 
 uniform float uMinDistance;   // a surface counts as met below this distance, metres
 uniform float uMaxDistance;   // a wave counts as dead beyond this, metres
 uniform float uStartOffset;   // along the direction, metres
 uniform float uNormalStep;    // of the central differences, metres
-uniform int uStepLimit;       // evaluations in one march at the most
+uniform int uStepLimit;       // maximum number of evaluations in one march
 
 float minDistance = 0.0;
 float maxDistance = 0.0;
@@ -27,7 +26,7 @@ bool finished(float status) {
     return reachedListener(status);
 }
 
-// Figure 9: how far the wave gets along its direction, or -1.
+// Figure 9: distance that the wave flies along its direction, or -1.
 float traceWave(vec3 origin, vec3 direction, out float object, out bool limitReached) {
     float t = 0.0;
     limitReached = false;
@@ -47,8 +46,8 @@ float traceWave(vec3 origin, vec3 direction, out float object, out bool limitRea
     return -1.0;
 }
 
-// Hart 1996: the gradient by central differences, independent of the surface; 0 where there is no
-// normal.
+// Hart 1996: the gradient by central differences, whatever the surface; 0 where the normal is
+// undefined.
 vec3 traceGradient(vec3 p) {
     vec2 e = vec2(uNormalStep, 0.0);
     float object;

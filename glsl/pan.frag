@@ -1,4 +1,4 @@
-// The final pass: what each wave gives to the left and the right.
+// The final pass: the contribution of each wave to the left and the right.
 
 uniform highp sampler2D uOrigins;
 uniform highp sampler2D uDirections;

@@ -1,6 +1,6 @@
-// All passes of a frame in one: starts each wave, takes it through all iterations, and writes what
-// it gives to the left and the right. Where no one asks for the waves themselves, no texture pair
-// is written or read.
+// All passes of a frame in one: starts each wave, takes it through all iterations, and writes its contribution
+// to the left and the right. If the caller does not read the waves themselves, no texture pair is written or
+// read.
 
 uniform int uIterationsInPass;
 

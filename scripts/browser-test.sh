@@ -10,7 +10,7 @@ take_no_options "usage: scripts/browser-test.sh" "$@"
 
 page="$PWD/target/page-tested"
 provide_packages "${NEEDED_TO_TEST[@]}"
-# Nothing but what is built now is tested.
+# Only the current build is tested.
 rm -rf "$page"
 run scripts/browser.sh -o "$page" --check-size
 # One browser at a time: each draws with the processor.

@@ -1,20 +1,20 @@
 #!/usr/bin/env bash
-# Builds examples/browser, a page that walks through a scene and plays it, to static files that any
-# web server gives out.
+# Builds examples/browser, a page that walks through a scene and plays it, to static files for any web
+# server.
 set -euo pipefail
 
 usage() {
     cat <<'END'
 usage: scripts/browser.sh [-o DIR] [--serve [PORT]] [--check-size | --update-size]
 
-Builds the page to DIR (target/page): a new or empty folder, or one that this script has made. With --serve
-gives it out at http://localhost:PORT/ (8000) until it is ended, by python3.
+Builds the page to DIR (target/page): a new or empty folder, or one that this script has made. --serve
+then serves it at http://localhost:PORT/ (8000) with python3 until interrupted.
 
-  --check-size   fails if docs/browser.md states another size, in tenths of a megabyte, than was built
-  --update-size  writes that size anew
+  --check-size   fails if the size in docs/browser.md, in tenths of a megabyte, is not that of the build
+  --update-size  updates that size
 
-Where the installed Rust has no wasm32-unknown-unknown it is added by rustup; where that cannot be done,
-Debian's compiler for browsers is unpacked beneath target/tools and used for the page alone.
+If the installed Rust lacks wasm32-unknown-unknown, rustup adds it; if that is not possible, Debian's
+compiler for browsers is unpacked beneath target/tools and used for the page alone.
 END
 }
 
@@ -55,24 +55,24 @@ source scripts/lib.sh
 
 readonly WASM=wasm32-unknown-unknown
 readonly MANIFEST=examples/browser/Cargo.toml
-# Apart from the program's: another set of features and, with Debian's compiler, another compiler.
+# Separate from the program's build: other features and, with Debian's compiler, another compiler.
 readonly BUILT=target/browser
 readonly DEBIAN=target/tools/rustc-web
 readonly DEBIAN_PACKAGES=(rustc-web libstd-rust-web-dev rust-web-src)
-# In a folder that this script has made: the files that it has put there, one a line.
+# In a folder made by this script: lists the files that it has written, one per line.
 readonly MARKER=.echomarch-page
-# It states the size of the wasm.
+# States the size of the wasm.
 readonly DOCUMENT=docs/browser.md
 out="${out:-$PWD/target/page}"
 
-# What is half made goes, however the script ends.
+# Unfinished files are removed, however the script ends.
 temporary=()
 clean_up() {
     ((${#temporary[@]} == 0)) || rm -rf -- "${temporary[@]}"
 }
 trap clean_up EXIT
 
-# Refuses a folder with files of someone else.
+# Refuses a folder with files of another origin.
 check_out() {
     [[ -e "$out" ]] || return 0
     if [[ ! -d "$out" ]]; then
@@ -90,7 +90,7 @@ has_wasm() {
     [[ -d "$(rustc --print target-libdir --target "$WASM" 2>/dev/null)" ]]
 }
 
-# Unpacks, without installing, Debian's compiler for browsers and the libraries that it brings.
+# Unpacks, without installing, Debian's compiler for browsers and its libraries.
 unpack_debian() {
     if [[ -x "$DEBIAN/usr/bin/rustc" && -d "$DEBIAN/usr/lib/rustlib/src/rust/library" ]]; then
         return 0
@@ -104,7 +104,7 @@ unpack_debian() {
     mkdir -p "$(dirname "$DEBIAN")"
     unpacked="$(mktemp -d "$DEBIAN.XXXXXX")"
     temporary+=("$folder" "$unpacked")
-    # The libraries' packages have versions in their names: those that the newest compiler asks for.
+    # The libraries' packages have versions in their names: takes those that the newest compiler depends on.
     packages="$(apt-cache depends --recurse --no-recommends --no-suggests --no-conflicts --no-breaks \
         --no-replaces --no-enhances "${DEBIAN_PACKAGES[@]}" |
         grep -E '^(rustc-web|rust-web-src|libstd-rust-web.*|libllvm[0-9]+|libz3-4)$' | sort -u)"
@@ -113,7 +113,7 @@ unpack_debian() {
     for package in "$folder"/*.deb; do
         run dpkg -x "$package" "$unpacked"
     done
-    # Only a whole compiler has this name.
+    # Only a complete compiler gets this name.
     rm -rf "$DEBIAN"
     mv "$unpacked" "$DEBIAN"
 }
@@ -131,7 +131,7 @@ debian_libraries() {
     return 1
 }
 
-# Sets `cargo_wasm` to what builds for browsers.
+# Sets `cargo_wasm` to the command that builds for browsers.
 choose_compiler() {
     cargo_wasm=(cargo)
     if has_wasm; then
@@ -140,18 +140,18 @@ choose_compiler() {
     if command -v rustup >/dev/null && run rustup target add "$WASM" && has_wasm; then
         return 0
     fi
-    say "this Rust has no standard library for $WASM, and no rustup that can add it: Debian's compiler is taken"
-    provide_packages "command:wasm-ld lld links what is compiled for browsers"
+    say "this Rust has no standard library for $WASM, and no rustup that can add it: using Debian's compiler"
+    provide_packages "command:wasm-ld lld links programs for browsers"
     unpack_debian
     local root="$PWD/$DEBIAN/usr" libraries
     libraries="$(debian_libraries)"
     cargo_wasm=(env "LD_LIBRARY_PATH=$libraries" "RUSTC=$root/bin/rustc"
-        # Its standard library is built from source with it, which stable compilers do only so.
+        # Builds the standard library from source too, which stable compilers only do with this variable.
         RUSTC_BOOTSTRAP=1 CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_LINKER=wasm-ld
         cargo -Zbuild-std=std,panic_abort)
 }
 
-# The page, its wasm and the JavaScript that loads it, in place of the files that were put there before.
+# Puts the page, its wasm and the JavaScript that loads it in place of the files written before.
 assemble() {
     local parts file
     mkdir -p "$out"
@@ -187,7 +187,7 @@ size_in_words() {
         'BEGIN { printf "The wasm has %.1f MB, %.1f MB with `gzip -9`", whole / 1e6, small / 1e6 }'
 }
 
-# Compares the size in docs/browser.md with what was built, or writes it anew.
+# Compares the size in docs/browser.md with the build, or rewrites it.
 settle_size() {
     local told
     told="$(size_in_words "$1" "$2")"

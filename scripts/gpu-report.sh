@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Measures one graphics card, or a software renderer, and writes it all into one Markdown file.
+# Measures one graphics card, or a software renderer, and writes all results into one Markdown file.
 set -euo pipefail
 
 usage() {
@@ -7,22 +7,22 @@ usage() {
 usage: scripts/gpu-report.sh [--bandwidth GB/S] [--arithmetic GOPS] [-o FILE] [OPTION ...]
 
 Runs on the first renderer that echomarch finds and writes a report to add under docs/benchmarks/:
-what it is (info), the hard cases (verify), the thesis' tables (figures), the share of memory
-bandwidth and of arithmetic that each part of a frame has, and time and memory against waves,
-iterations and surfaces, with a picture beside it (.svg). A graphics card takes minutes, a software
+the renderer (info), the hard cases (verify), the thesis' tables (figures), the share of memory
+bandwidth and of arithmetic that each part of a frame uses, and time and memory against waves,
+iterations and surfaces, also as a picture (.svg). A graphics card takes minutes, a software
 renderer half an hour.
 
-  --bandwidth GB/S   of the card's memory, by its data sheet
-  --arithmetic GOPS  its additions and multiplications of 32 bits, by its data sheet, in billions a
-                     second; a fused multiply-add is two
-  --growth           time and memory against waves, iterations and surfaces alone
-  --sweeps NAMES     of those three these alone, separated by commas
-  --profiles NAMES   these alone (default hybrid,march,thesis)
-  --one-core         on one core: for software renderers
-  --quick            few waves and surfaces, to try it: its figures mean little
+  --bandwidth GB/S   the card's memory bandwidth, from its data sheet
+  --arithmetic GOPS  its additions and multiplications of 32 bits, from its data sheet, in billions a
+                     second; a fused multiply-add counts as two
+  --growth           only time and memory against waves, iterations and surfaces
+  --sweeps NAMES     only these of those three, separated by commas
+  --profiles NAMES   only these profiles (default hybrid,march,thesis)
+  --one-core         run on one core: for software renderers
+  --quick            few waves and surfaces, for a trial: its figures mean little
   -o FILE            where to write (default docs/benchmarks/report-RENDERER.md)
 
-  ECHOMARCH=PATH     this program, and nothing is installed or built
+  ECHOMARCH=PATH     the program to measure; nothing is then installed or built
 TEXT
 }
 

@@ -1,18 +1,18 @@
-# Shared by the scripts beside it; to be sourced from bash.
+# Shared by the scripts in this folder; to be sourced from bash.
 # shellcheck shell=bash
 
-# What has to be there, the Debian package that brings it, and what it is for.
-#   what                  package           what for
+# The requirement, the Debian package that provides it, and its purpose.
+#   requirement           package           purpose
 readonly -a NEEDED=(
-    "command:cc           gcc               links what Rust compiles"
+    "command:cc           gcc               links Rust programs"
     "start:crt1.o         libc6-dev         the C library to link against"
     "libEGL.so.1          libegl1           finds the graphics devices without a window"
     "libEGL_mesa.so.0     libegl-mesa0      Mesa's share of EGL, for the renderer below"
     "dri:swrast           libgl1-mesa-dri   the drivers, among them the software renderer llvmpipe"
     "libOSMesa.so.8       libosmesa6        OpenGL in memory, without EGL (--gl osmesa)"
     "libasound.so.2       libasound2        sound cards"
-    "file:/usr/include/alsa/asoundlib.h libasound2-dev what sound cards are linked against"
-    "command:pkg-config   pkg-config        tells where that is"
+    "file:/usr/include/alsa/asoundlib.h libasound2-dev linking with the sound cards' library"
+    "command:pkg-config   pkg-config        finds that library"
     "libX11.so.6          libx11-6          the window (echomarch demo): the display"
     "libX11-xcb.so.1      libx11-xcb1       the window: the display, the other way"
     "libXcursor.so.1      libxcursor1       the window: the mouse's shape"
@@ -20,19 +20,19 @@ readonly -a NEEDED=(
     "libxkbcommon-x11.so.0 libxkbcommon-x11-0 the window: the keyboard"
 )
 
-# What only the tests need: a sound server whose loudspeaker is a file, a browser, a display
-# without a screen, and fingers.
+# Needed by the tests alone: a sound server that plays to a file, a browser, a display without a screen, and
+# simulated key presses.
 # shellcheck disable=SC2034 # Used by test.sh.
 readonly -a NEEDED_TO_TEST=(
     "command:pulseaudio   pulseaudio        a sound server that needs no sound card"
     "command:parec        pulseaudio-utils  records what it plays"
     "command:chromium     chromium          fills in the localisation form"
-    "command:chromedriver chromium-driver   steers it"
+    "command:chromedriver chromium-driver   controls it"
     "command:Xvfb         xvfb              a display without a screen, for the window"
     "command:xdotool      xdotool           presses the window's keys"
-    "command:sox          sox               reads the WAV files that were written"
+    "command:sox          sox               reads written WAV files"
     "command:python3      python3           writes the report of a renderer"
-    "icd:lvp              mesa-vulkan-drivers Vulkan in software, under OpenGL of another kind (zink)"
+    "icd:lvp              mesa-vulkan-drivers Vulkan in software, for another OpenGL (zink)"
 )
 
 say() {
@@ -43,7 +43,7 @@ complain() {
     printf '%s\n' "$*" >&2
 }
 
-# Prints the usage ($1) where the first of the options asks for it, and refuses every other one.
+# Prints the usage ($1) if the first option asks for it, and refuses every other option.
 take_no_options() {
     case "${2:-}" in
     "") ;;
@@ -58,7 +58,7 @@ take_no_options() {
     esac
 }
 
-# Whether the loader knows a library of that name.
+# Whether the loader finds a library of that name.
 has_library() {
     local cache
     # ldconfig lives in /sbin, which is not in every user's PATH.
@@ -66,7 +66,7 @@ has_library() {
     grep -qF "$1 " <<<"$cache"
 }
 
-# Whether Mesa's drivers are there: they are no library of the loader's cache.
+# Whether Mesa's drivers are installed; the loader's cache does not list them.
 has_dri_driver() {
     local file
     for file in /usr/lib/dri/"$1"_dri.so /usr/lib64/dri/"$1"_dri.so \
@@ -77,7 +77,7 @@ has_dri_driver() {
     return 1
 }
 
-# Whether Vulkan knows a driver of that name.
+# Whether Vulkan has a driver of that name.
 has_vulkan_driver() {
     local file
     for file in /usr/share/vulkan/icd.d/"$1"_icd*.json; do
@@ -86,7 +86,7 @@ has_vulkan_driver() {
     return 1
 }
 
-# Whether the C library can be linked against: its start-up code is there.
+# Whether programs can be linked with the C library: its start-up code is installed.
 has_start_code() {
     local file
     for file in /usr/lib/"$1" /usr/lib64/"$1" /usr/lib/*/"$1"; do
@@ -121,8 +121,8 @@ install_packages() {
         apt-get install -y --no-install-recommends "$@"
 }
 
-# Installs what building, OpenGL without a window, and sound need and the machine lacks, and
-# what else is named, in lines as above.
+# Installs the missing packages that building, OpenGL without a window, and sound need, and those of the
+# given lines, which have the form above.
 provide_packages() {
     local -a needed=("${NEEDED[@]}" "$@") missing=()
     local entry library package purpose
@@ -134,20 +134,20 @@ provide_packages() {
         fi
     done
     if ((${#missing[@]} == 0)); then
-        say "Debian packages: all there, nothing to install"
+        say "Debian packages: all are installed"
         return 0
     fi
     if ! command -v apt-get >/dev/null; then
-        complain "This is no Debian. Please install what these Debian packages hold, then run again if"
-        complain "something fails below: ${missing[*]}"
+        complain "This is not Debian. If a step below fails, install the contents of these Debian packages"
+        complain "and run again: ${missing[*]}"
         return 0
     fi
     say "installing: ${missing[*]}"
-    # A graphics card with its own driver works without some of them: go on and see.
-    install_packages "${missing[@]}" || complain "They are not installed; going on without: ${missing[*]}"
+    # A graphics card with its own driver works without some of them: continue anyway.
+    install_packages "${missing[@]}" || complain "They could not be installed; continuing without: ${missing[*]}"
 }
 
-# What installs a cargo subcommand.
+# The command that installs a cargo subcommand.
 how_to_install_cargo() {
     case "$1" in
         mutants) echo "cargo install --locked cargo-mutants" ;;
@@ -155,7 +155,7 @@ how_to_install_cargo() {
     esac
 }
 
-# Fails unless cargo and the named cargo subcommands are there.
+# Fails unless cargo and the named cargo subcommands are installed.
 need_cargo() {
     if ! command -v cargo >/dev/null; then
         complain "cargo is missing: install Rust 1.95 or later, as https://rustup.rs says"
@@ -171,7 +171,7 @@ need_cargo() {
     cargo --version
 }
 
-# Says what runs, then runs it; the line can be pasted.
+# Prints a command in a form that can be pasted, then runs it.
 run() {
     printf '\n$ %s\n' "$*"
     "$@"
@@ -182,9 +182,9 @@ is_among() {
     [[ "$1" != *" "* && " $2 " == *" $1 "* ]]
 }
 
-# What a measuring script in Python is called with: sets `options` for it, and `program`, this
-# program where ECHOMARCH names one. $1 and $2: the options without a value and those with one, in
-# words, besides -o FILE. Then the arguments. Files are meant from where the script is called.
+# Parses the arguments of a measuring script in Python: sets `options` for it, and `program` to the program that
+# ECHOMARCH names, if any. $1 and $2: the options without and with a value, separated by spaces, besides -o FILE.
+# Then the arguments. Relative file names refer to the folder of the caller.
 take_measuring_options() {
     local flags="$1" valued="$2"
     shift 2
@@ -210,7 +210,7 @@ take_measuring_options() {
     done
 }
 
-# Builds what measuring scripts measure, and sets `program` to it: neither sound nor window.
+# Builds the program to measure, without sound and window, and sets `program` to it.
 # shellcheck disable=SC2034 # Used by the scripts.
 build_program() {
     need_cargo build

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Changes the code a statement at a time and runs the tests: what survives is protected by no
-# test. By hand; a file of shaders takes minutes to hours.
+# Changes the code one statement at a time and runs the tests: a change that survives is covered by no
+# test. Run by hand; a file of shaders takes minutes to hours.
 set -euo pipefail
 
 usage() {
@@ -8,12 +8,12 @@ usage() {
 usage: scripts/mutate.sh glsl [--every N] [FILE...]
        scripts/mutate.sh rust [ARGUMENT...]
 
-  glsl   changes the shaders (all of glsl/, or the files named) by scripts/mutate/glsl.rules,
-         one change a run of the tests of shaders, surfaces and frames; --every N tries each N-th
-         of all changes alone
-  rust   runs cargo-mutants over scene, kernel, trace and audio, with these arguments more
+  glsl   changes the shaders (all of glsl/, or the named files) by scripts/mutate/glsl.rules, and
+         runs the tests of shaders, surfaces and frames for each change; --every N tries only each
+         N-th of all changes
+  rust   runs cargo-mutants over scene, kernel, trace and audio, with these additional arguments
 
-What survived stands in target/mutate/survivors.txt (glsl), or in target/mutate/mutants.out.
+Surviving changes are written to target/mutate/survivors.txt (glsl), or to target/mutate/mutants.out.
 
 examples:
   scripts/mutate.sh glsl glsl/shape/cylinder.glsl
@@ -27,10 +27,10 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/lib.sh
 
 readonly WORK="$PWD/target/mutate"
-# Longer than the slowest tests take on two cores that do something else too.
+# Longer than the slowest tests take on two busy cores.
 readonly LONGEST_S=1200
 
-# The mutating program, in an environment of its own.
+# The mutating program, in its own Python environment.
 provide_universalmutator() {
     local environment="$WORK/python"
     if [[ ! -x "$environment/bin/mutate" ]]; then
@@ -40,7 +40,7 @@ provide_universalmutator() {
     readonly MUTATE="$environment/bin/mutate"
 }
 
-# Builds the tests that read the shaders when they run; sets UNITS, SURFACES and TRACER.
+# Builds the tests that read the shaders at run time; sets UNITS, SURFACES and TRACER.
 build_tests() {
     local built
     built="$(RUSTFLAGS="--cfg glsl_at_run_time" CARGO_TARGET_DIR="$WORK/build" \
@@ -50,8 +50,8 @@ build_tests() {
     TRACER="$WORK/build/$(grep -oE 'debug/deps/tracer-[0-9a-f]+' <<<"$built")"
 }
 
-# Whether all tests pass with the shaders in ECHOMARCH_GLSL: first those that find the most.
-# Those that compare the shaders' text with what it was would fail at every change.
+# Whether all tests pass with the shaders in ECHOMARCH_GLSL; those that find the most run first. Tests that
+# compare the shaders' text with goldens are excluded, because they would fail at every change.
 tests_pass() {
     local limited=(timeout "$LONGEST_S")
     "${limited[@]}" "$UNITS" trace::tests::gpu_against_cpu &&
@@ -62,7 +62,7 @@ tests_pass() {
         "${limited[@]}" "$TRACER"
 }
 
-# Tries every N-th change of all files, those of this one: $1 the file, $2 N.
+# Tries every N-th change of all files that falls into this file: $1 the file, $2 N.
 try_file() {
     local file="$1" every="$2" mutant folder
     folder="$WORK/mutants/${file//\//_}"

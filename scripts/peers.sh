@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Measures Echomarch beside other ways to trace the same waves in the same scenes, on one core.
+# Measures Echomarch and other programs on the same waves in the same scenes, on one core.
 set -euo pipefail
 
 usage() {
@@ -11,19 +11,19 @@ Builds and runs, one after the other in each round and each on the same core:
   Embree 3 (Debian's libembree-dev), by packets of 16
   pyroomacoustics 0.10.1 (PyPI)
   echomarch, profiles hybrid and march, whole frames
-on the scenes A (an empty room), B (two walls and three pillars more), B16, B64, B256 and B1024 (so
-many thin pillars), and writes what they did as Markdown. What cannot be installed is left out.
+on the scenes A (an empty room), B (two more walls and three pillars), B16, B64, B256 and B1024 (16
+to 1024 thin pillars), and writes the results as Markdown. Peers that cannot be installed are left out.
 
-  --rounds N       rounds; results are medians over them (default 5)
-  --scenes NAMES   these scenes alone
-  --quick          few waves and two rounds, to try it: its figures mean little
-  --add            keep the rounds that were measured before, and add to them
+  --rounds N       number of rounds; results are medians over them (default 5)
+  --scenes NAMES   only these scenes
+  --quick          few waves and two rounds, for a trial: its figures mean little
+  --add            keep the rounds measured before, and add to them
   -o FILE          where to write (default docs/benchmarks/peers-RENDERER.md)
 
-  ECHOMARCH=PATH   this program, and none is built
+  ECHOMARCH=PATH   the program to measure; none is then built
   CXX=PATH         the compiler (default g++)
 
-All that is built, and the results by round (rounds.jsonl), stand in target/peers.
+The built programs and the results by round (rounds.jsonl) are in target/peers.
 TEXT
 }
 
@@ -37,7 +37,7 @@ readonly WORK="$PWD/target/peers"
 readonly COMPILER="${CXX:-g++}"
 readonly PYROOM=pyroomacoustics==0.10.1
 
-# Installs what is missing of the packages that the peers need.
+# Installs the missing packages that the peers need.
 provide_peers() {
     provide_packages \
         "command:g++ g++ compiles the peers" \
@@ -46,23 +46,23 @@ provide_peers() {
         "file:/usr/include/embree3/rtcore.h libembree-dev Embree, a peer"
 }
 
-# A peer in C++: $1 its name, then what it is linked with. Without it the others are measured.
+# Builds a peer in C++: $1 its name, then its libraries. The others are measured even if this fails.
 build_peer() {
     local name="$1" flags=(-std=c++17 -O3 -mavx2 -mfma)
     shift
     rm -f "$WORK/$name"
     run "$COMPILER" "${flags[@]}" -o "$WORK/$name" "scripts/peers/$name.cpp" "$@" ||
-        complain "$name cannot be built; going on without it"
+        complain "$name cannot be built; continuing without it"
 }
 
-# pyroomacoustics, in an environment of its own.
+# pyroomacoustics, in its own Python environment.
 provide_pyroomacoustics() {
     local environment="$WORK/python"
     [[ -e "$environment/has-$PYROOM" ]] && return
     if python3 -m venv "$environment" && "$environment/bin/pip" install --quiet "$PYROOM"; then
         touch "$environment/has-$PYROOM"
     else
-        complain "$PYROOM cannot be installed; going on without it"
+        complain "$PYROOM cannot be installed; continuing without it"
     fi
 }
 

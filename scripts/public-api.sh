@@ -1,15 +1,15 @@
 #!/usr/bin/env bash
-# Lists what the library makes public, and compares it with docs/public-api.txt. The list is read
-# off rustdoc's pages: each item, its fields, variants and methods, and the traits that it has.
+# Lists the public items of the library, and compares the list with docs/public-api.txt. The list comes from
+# rustdoc's pages: each item, its fields, variants and methods, and its traits.
 set -euo pipefail
 
 usage() {
     cat <<'END'
 usage: scripts/public-api.sh [--update]
 
-  --update  writes docs/public-api.txt anew
+  --update  rewrites docs/public-api.txt
 
-Builds the documentation, of the library alone and with its default features, and allows no warning.
+Builds the documentation, of the library alone and with its default features, and fails on any warning.
 END
 }
 
@@ -59,7 +59,7 @@ list_parts() {
         }' "$1"
 }
 
-# All public items in rustdoc's pages, one a line, with their parts.
+# All public items in rustdoc's pages, one per line, with their parts.
 list_items() {
     local page file name path
     grep -o '<li><a href="[^"]*\.html">' "$PAGES/all.html" | cut -d'"' -f2 | while read -r page; do

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds the program and runs it once through: tables, a sound, pictures.
+# Builds the program and runs it once: tables, a sound, pictures.
 set -euo pipefail
 
 usage() {
@@ -32,14 +32,14 @@ if (($# > 1)); then
     exit 2
 fi
 
-# The folder is meant from where the script is called.
+# The folder is relative to the caller's.
 mkdir -p "${1:-out}"
 out="$(cd "${1:-out}" && pwd)"
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 # shellcheck source=scripts/lib.sh
 source scripts/lib.sh
 
-# shellcheck disable=SC2119 # Nothing but what is always needed.
+# shellcheck disable=SC2119 # Only the packages that are always needed.
 provide_packages
 need_cargo build
 run cargo build --release --locked
@@ -52,7 +52,7 @@ for scene in corner obstacles open-pillars; do
     run "$program" view "$scene" -o "$out/$scene.png"
 done
 run "$program" slice corner -o "$out/corner-paths.png" --paths 150 --iterations 5
-# In obstacles few waves are heard: it takes more of them, and longer.
+# In obstacles few waves are heard: this takes more of them, and longer.
 run "$program" slice obstacles -o "$out/obstacles-paths.png" --paths 600 --iterations 16
 
 say

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Runs a study on a real Slurm of one node, started for this in a temporary folder: an array of 16
-# shards of 2,000 points, two of whose tasks are killed in the middle and requeued. The joined
-# tables must be the very bytes of a run in one process.
+# Runs a study on a real single-node Slurm, started in a temporary folder: an array of 16 shards of 2,000
+# points, two of whose tasks are killed midway and requeued. The joined tables must equal those of a run in
+# one process byte for byte.
 set -euo pipefail
 
 # shellcheck source=scripts/lib.sh
@@ -10,7 +10,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 take_no_options "usage: scripts/slurm-test.sh     (ECHOMARCH names a program that is built already)" "$@"
 program="${ECHOMARCH:+$(realpath "$ECHOMARCH")}"
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
-# Daemons lie in /usr/sbin, which is not in every user's PATH.
+# Daemons are in /usr/sbin, which is not in every user's PATH.
 export PATH="$PATH:/usr/sbin:/sbin"
 provide_packages \
     "command:slurmctld    slurmctld         Slurm: gives tasks to nodes" \
@@ -107,7 +107,7 @@ node_is_idle() {
     sinfo -h -o %t | grep -q '^idle$'
 }
 
-# The file of shard $1 while it is worked on, and how many lines it has.
+# The working file of shard $1, and its number of lines.
 work_of() {
     printf 'array/shards/%05d-of-%05d.work' "$1" "$SHARDS"
 }
@@ -153,7 +153,7 @@ RON
 
 start_slurm
 sinfo --version
-# The renderer of this machine is the one that is demanded.
+# The study demands this machine's renderer.
 renderer="$("$program" study study.ron --count --json --quiet |
     python3 -c 'import json, sys; print(json.load(sys.stdin)["renderer"])')"
 export ECHOMARCH="$program" ECHOMARCH_RENDERER="$renderer"
@@ -165,7 +165,7 @@ say "job $job: an array of $SHARDS shards of $POINTS points"
 # One task is requeued while it runs: Slurm kills it, and starts it again.
 wait_for "task 2" is_in_the_middle 2
 run scontrol requeue "${job}_2"
-# The program of another is killed, and the task requeued when that is known.
+# The program of another task is killed, and the task requeued once Slurm knows.
 wait_for "task 7" is_in_the_middle 7
 run kill_program "${job}_7"
 wait_for "the end of task 7" has_failed "${job}_7"

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Lets the window run for long under random keys and mouse moves, with a sound server and a
-# display of its own, and prints its report: GL errors, late sound, memory, frame times.
+# Runs the window for long under random keys and mouse moves, with its own sound server and display, and
+# prints its report: GL errors, late sound, memory, frame times.
 set -euo pipefail
 
 usage() {
@@ -60,7 +60,7 @@ done
 DISPLAY=":$(<"$folder/display")"
 export DISPLAY
 
-# What is saved goes there and away with it.
+# Folder for saved files, removed at the end.
 cd "$folder"
 "$program" demo --json --seconds "$seconds" --sound noise "$@" >report.json &
 demo=$!
@@ -72,7 +72,7 @@ for ((wait = 0; wait < 600; wait++)); do
 done
 xdotool windowfocus --sync "$window"
 
-# Keys that are held, keys that are pressed once, clicks and moves. Not Ctrl+Q.
+# Keys that are held, keys that are pressed once, clicks and moves; not Ctrl+Q.
 held=(w a s d q e Left Right Up Down)
 once=(1 2 3 f p n l m t h F1 Tab BackSpace Escape F5 bracketleft bracketright comma period
     minus equal)
@@ -90,9 +90,9 @@ while kill -0 "$demo" 2>/dev/null; do
     sleep 0.1
 done
 if ! wait "$demo"; then
-    complain "the window did not end well"
+    complain "the window ended with an error"
     exit 1
 fi
 
-# The pans are the bulk of it, and nobody reads them.
+# Omits the pans, which are most of the report and not needed.
 sed '/^  "pans": \[/,/^  \]/c\  "pans": []' report.json

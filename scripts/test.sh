@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Checks everything that is checked before a change is taken: format, lints, docs,
-# tests, package. No graphics card is needed; OpenGL is (llvmpipe will do).
+# Runs all checks required before a change is accepted: format, lints, docs, tests, package. It needs OpenGL, but
+# not a graphics card (llvmpipe will do).
 set -euo pipefail
 
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -9,7 +9,7 @@ source scripts/lib.sh
 
 take_no_options "usage: scripts/test.sh" "$@"
 
-# Everything that the package has to hold, and what it must not.
+# The files that the package must contain, and those it must not.
 check_package() {
     local list file
     list="$(cargo package --list --locked --allow-dirty)"
@@ -28,8 +28,8 @@ check_package() {
     say "the package holds $(wc -l <<<"$list") files"
 }
 
-# Tests that draw, on another implementation of OpenGL: $1 is how its renderer's name begins, $2 the
-# variables that choose it, the rest what cargo test takes. Fails where another one answers.
+# Runs drawing tests on another implementation of OpenGL: $1 is the start of its renderer's name, $2 the
+# variables that choose it, the rest the arguments of cargo test. Fails if another renderer answers.
 test_on() {
     local renderer="$1" names
     local -a with
@@ -38,7 +38,7 @@ test_on() {
     names="$(env "${with[@]}" cargo test --locked --lib -- --nocapture gpu_context_describes_itself 2>&1)"
     if ! grep -qF "gl: $renderer" <<<"$names"; then
         complain "$names"
-        complain "not tested on $renderer: it is not what draws with ${with[*]}"
+        complain "not tested on $renderer: another renderer draws with ${with[*]}"
         return 1
     fi
     say
@@ -50,8 +50,8 @@ test_on() {
     run env "${with[@]}" cargo test --locked "$@"
 }
 
-# zink on lavapipe is OpenGL by way of Vulkan. There tests run one after the other, and one of them without Mesa's thread
-# for GL: docs/portability.md says why. softpipe is slow and takes the smallest tests.
+# zink on lavapipe is OpenGL on top of Vulkan. Its tests run one after the other, and one of them without Mesa's
+# thread for GL: docs/portability.md explains why. softpipe is slow and runs the smallest tests.
 check_other_implementations() {
     local zink="LIBGL_ALWAYS_SOFTWARE=1 MESA_LOADER_DRIVER_OVERRIDE=zink"
     local softpipe="LIBGL_ALWAYS_SOFTWARE=1 GALLIUM_DRIVER=softpipe"

@@ -1,4 +1,4 @@
-//! What arrives at a listener: crossings of its sphere by waves, and exact taps.
+//! Sound that arrives at a listener: crossings of its sphere by waves, and exact taps.
 
 use crate::bands::Bands;
 use glam::DVec3;
@@ -12,20 +12,21 @@ use glam::DVec3;
 pub struct Arrival {
     /// The wave's number.
     pub wave: u32,
-    /// Whether the wave was mirrored alone, and no more often than the exact paths go: then such a
+    /// Whether the wave was only mirrored, and at most as often as exact paths are: then such a
     /// path replaces it.
     pub is_early: bool,
     /// Reflections before the crossing, mirrored and scattered ones.
     pub reflections: u32,
     /// Metres flown from the source to the middle of the chord through the sphere. The middle is
-    /// the place next to the sphere's centre, so that for mirrored waves this is the length of
-    /// the path to the centre, but for b² / 2 l (b: how far the wave passes the centre, l: metres
-    /// from the source's image).
+    /// the point nearest to the sphere's centre, so that for mirrored waves this is the length of
+    /// the path to the centre, except for b² / 2 l (b: distance at which the wave passes the
+    /// centre, l: metres from the source's image).
     pub length_m: f64,
     /// Direction of flight: a unit vector, world axes.
     pub direction: DVec3,
-    /// This crossing's share of the energy density for a source of unit power, times the speed of
-    /// sound, in 1/m²: reflectances × chord ÷ (open volume of the sphere × waves). Without air.
+    /// The contribution of this crossing to the energy density for a source of unit power, times
+    /// the speed of sound, in 1/m²: reflectances × chord ÷ (open volume of the sphere × waves).
+    /// Without the loss in the air.
     pub energy: Bands,
 }
 

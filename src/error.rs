@@ -1,4 +1,4 @@
-//! The one error type that everything public returns.
+//! The error type of all public functions.
 
 pub use crate::file_input::{InputError, MalformedText};
 #[cfg(feature = "picture")]
@@ -12,37 +12,37 @@ use crate::gpu::GpuError;
 use crate::scene::SceneError;
 use crate::trace::TraceError;
 
-/// What can go wrong, by the room it went wrong in.
+/// An error, by the module that it comes from.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// A scene that cannot be used.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// Settings that cannot be traced with.
+    /// Invalid settings for tracing.
     #[error(transparent)]
     Trace(#[from] TraceError),
-    /// A renderer that is not there, or fails.
+    /// A renderer that is missing or fails.
     #[error(transparent)]
     Gpu(#[from] GpuError),
     /// A sound that cannot be read, or a WAV that cannot be written.
     #[error(transparent)]
     Audio(#[from] AudioError),
-    /// Echograms or impulse responses that cannot be made.
+    /// Echograms or impulse responses that cannot be computed.
     #[error(transparent)]
     Acoustics(#[from] AcousticsError),
-    /// A SOFA file that no head-related impulse responses are read from.
+    /// A SOFA file whose head-related impulse responses cannot be read.
     #[cfg(feature = "sofa")]
     #[error(transparent)]
     Sofa(#[from] SofaError),
-    /// A picture that cannot be made or kept.
+    /// A picture that cannot be drawn or saved.
     #[cfg(feature = "picture")]
     #[error(transparent)]
     Picture(#[from] crate::picture::PictureError),
 }
 
 impl Error {
-    /// What is wrong with a scene at a time on its paths.
+    /// The error of a scene, at a time on its paths.
     pub(crate) fn at(self, seconds: f64) -> Error {
         match self {
             Error::Scene(refused) => Error::Scene(refused.at(seconds)),
@@ -50,7 +50,7 @@ impl Error {
         }
     }
 
-    /// Whether the input is to blame (the program then exits with 2, else with 1).
+    /// Whether the input is at fault (the program then exits with 2, otherwise with 1).
     pub fn is_bad_input(&self) -> bool {
         match self {
             Error::Scene(_) => true,

@@ -1,51 +1,63 @@
-//! Files in: regular ones alone, none larger than its kind may be, and each remembered as an
-//! input, so that no output replaces it.
+//! Reads files: only regular ones, up to a size limit for each kind, and remembers each as an input
+//! so that no output replaces it.
 //!
-//! A scene may be untrusted, and it names other files. A pipe would be waited for, a
-//! device has no end, and a file may be larger than the memory: all are rejected before a byte
-//! is taken in.
+//! A scene may be untrusted, and it names other files. Reading a pipe would block, a device is
+//! endless, and a file may exceed the memory: all are rejected before a byte is read.
 
 use crate::platform;
 use std::collections::BTreeSet;
 use std::fs::{File, FileType, OpenOptions};
-#[cfg(feature = "experiment")]
 use std::io::Seek;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-/// A place in a text that is not what it must be, and why.
+/// An error at a position in a text.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{origin}:{line}:{column}: {message}")]
 #[non_exhaustive]
 pub struct MalformedText {
-    /// File path, or what stands for it.
+    /// File path, or another name of the text's origin.
     pub origin: String,
     /// Line, counted from 1.
     pub line: usize,
     /// Column in characters, counted from 1.
     pub column: usize,
-    /// What is wrong there.
+    /// Description of the error.
     pub message: String,
+}
+
+/// The reason why a file is not read.
+impl MalformedText {
+    /// The fault at a line and column of a text.
+    #[doc(hidden)]
+    pub fn new(origin: &str, (line, column): (usize, usize), message: String) -> MalformedText {
+        MalformedText {
+            origin: origin.to_owned(),
+            line,
+            column,
+            message,
+        }
+    }
 }
 
 /// A file that is not read, and why.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum InputError {
-    /// The program runs where there are no files: in a browser.
+    /// The program runs in a browser, which has no files.
     #[error("there are no files in a browser")]
     NoFiles,
-    /// The system rejects it, or it is no text where it must be.
+    /// The system's error, or the file is not text where it must be.
     #[error(transparent)]
     Io(#[from] io::Error),
-    /// What has that name holds no bytes of its own.
+    /// The path does not lead to a regular file.
     #[error("it is {found}, not a regular file")]
     NotRegular {
-        /// What it is, with its article.
+        /// Its kind, with the article.
         found: &'static str,
     },
-    /// More than is read of a file of this kind.
+    /// The file is larger than files of this kind may be.
     #[error("it is larger than {limit_bytes} bytes, the most that is read")]
     TooLarge {
         /// The limit in bytes.
@@ -53,9 +65,9 @@ pub enum InputError {
     },
 }
 
-/// An open regular file, of which no more than its limit is read.
+/// An open regular file that is read at most up to its limit.
 #[derive(Debug)]
-pub(crate) struct InputFile {
+pub struct InputFile {
     file: File,
     length: u64,
     limit_bytes: u64,
@@ -72,10 +84,10 @@ impl InputFile {
         if !platform::HAS_FILES {
             return Err(InputError::NoFiles);
         }
-        // Before it is opened: that alone makes some devices act.
+        // Checked before opening, which alone makes some devices act.
         check_regular(std::fs::metadata(path)?.file_type())?;
         let file = options().open(path)?;
-        // And of what was opened, which may be another by now.
+        // The opened file is checked too, since it may be another one by now.
         let about = file.metadata()?;
         check_regular(about.file_type())?;
         if about.len() > limit_bytes {
@@ -90,13 +102,12 @@ impl InputFile {
         })
     }
 
-    /// Bytes that the file had when it was opened.
+    /// Length in bytes when the file was opened.
     pub fn length(&self) -> u64 {
         self.length
     }
 
-    /// Goes to a byte, from the beginning.
-    #[cfg(feature = "experiment")]
+    /// Moves to a byte position, from the beginning.
     pub fn skip_to(&mut self, byte: u64) -> io::Result<()> {
         self.left = self.limit_bytes.saturating_sub(byte);
         self.file.seek(io::SeekFrom::Start(byte)).map(drop)
@@ -113,15 +124,15 @@ impl InputFile {
     fn text(self) -> Result<String, InputError> {
         String::from_utf8(self.bytes()?).map_err(|error| {
             let at = error.utf8_error().valid_up_to();
-            let text = format!("it is no UTF-8 text from byte {at} on");
+            let text = format!("it is not UTF-8 text from byte {at} on");
             io::Error::new(io::ErrorKind::InvalidData, text).into()
         })
     }
 }
 
 impl Read for InputFile {
-    /// Fails with [`InputError::TooLarge`] in the error where the file has grown beyond its
-    /// limit since it was opened.
+    /// Fails with [`InputError::TooLarge`] in the error if the file has grown beyond its limit
+    /// since it was opened.
     fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
         if self.left == 0 && !into.is_empty() {
             return match self.file.read(&mut [0])? {
@@ -141,8 +152,8 @@ impl Read for InputFile {
 }
 
 impl InputError {
-    /// What [`InputFile`] reported through a reader's error, or that error.
-    pub(crate) fn from_reading(error: io::Error) -> InputError {
+    /// The error that [`InputFile`] passed through a reader's error, or that error itself.
+    pub fn from_reading(error: io::Error) -> InputError {
         match error.downcast::<InputError>() {
             Ok(ours) => ours,
             Err(error) => InputError::Io(error),
@@ -150,19 +161,19 @@ impl InputError {
     }
 }
 
-/// The bytes of a file of at most `limit_bytes`, which is remembered as an input.
+/// Reads the bytes of a file of at most `limit_bytes` and remembers it as an input.
 ///
 /// # Errors
 /// [`InputError`].
-pub(crate) fn read(path: &Path, limit_bytes: u64) -> Result<Vec<u8>, InputError> {
+pub fn read(path: &Path, limit_bytes: u64) -> Result<Vec<u8>, InputError> {
     InputFile::open(path, limit_bytes)?.bytes()
 }
 
-/// The text of a file of at most `limit_bytes`, which is remembered as an input.
+/// Reads the text of a file of at most `limit_bytes` and remembers it as an input.
 ///
 /// # Errors
-/// [`InputError`]; [`InputError::Io`] for what is no UTF-8.
-pub(crate) fn read_text(path: &Path, limit_bytes: u64) -> Result<String, InputError> {
+/// [`InputError`]; [`InputError::Io`] for text that is not UTF-8.
+pub fn read_text(path: &Path, limit_bytes: u64) -> Result<String, InputError> {
     InputFile::open(path, limit_bytes)?.text()
 }
 
@@ -172,7 +183,7 @@ fn options() -> OpenOptions {
     #[cfg(unix)]
     {
         use std::os::unix::fs::OpenOptionsExt;
-        // A pipe that took the file's place since it was looked at is not waited for.
+        // Does not wait for a pipe that has replaced the file since it was checked.
         options.custom_flags(libc::O_NONBLOCK | libc::O_NOCTTY);
     }
     options
@@ -207,11 +218,10 @@ fn special(_: FileType) -> &'static str {
     "a device"
 }
 
-/// Every file that was read as an input, by its real path.
+/// Real paths of all files read as inputs.
 static INPUTS: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
-/// Every file that this run has written, by its real path: read again it is not an input, since
-/// this run made it.
+/// Real paths of all files that this run has written: reading one again does not make it an input.
 static OUTPUTS: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
 fn note(path: &Path) {
@@ -226,16 +236,15 @@ fn note(path: &Path) {
 }
 
 /// Remembers a file as written by this run.
-pub(crate) fn note_output(path: &Path) {
+pub fn note_output(path: &Path) {
     if let Ok(real) = std::fs::canonicalize(path) {
         let mut outputs = OUTPUTS.lock().unwrap_or_else(PoisonError::into_inner);
         outputs.insert(real);
     }
 }
 
-/// Whether a file that was read as an input is the one that `path` leads to: by whatever
-/// path, symbolic or hard link.
-pub(crate) fn is_input(path: &Path) -> bool {
+/// Whether `path` leads to a file that was read as an input, by any path, symbolic or hard link.
+pub fn is_input(path: &Path) -> bool {
     let is_regular = std::fs::metadata(path).is_ok_and(|about| about.is_file());
     if !is_regular {
         return false;
@@ -245,7 +254,7 @@ pub(crate) fn is_input(path: &Path) -> bool {
     let inputs = INPUTS.lock().unwrap_or_else(PoisonError::into_inner);
     inputs.iter().any(|input| {
         let same = || {
-            // What an input's name leads to by now may be anything.
+            // By now an input's name may lead to anything.
             let is_regular = std::fs::metadata(input).is_ok_and(|about| about.is_file());
             is_regular && same_file::Handle::from_path(input).ok() == handle
         };
@@ -257,7 +266,7 @@ pub(crate) fn is_input(path: &Path) -> bool {
 mod tests {
     use super::*;
 
-    /// Protects the memory: the limit is reported, and applies to the file's size and to what is read.
+    /// Protects the memory: the limit is reported, and applies to the file's size and to the bytes read.
     #[test]
     fn no_more_than_the_limit_is_read() {
         let folder = tempfile::tempdir().unwrap();
@@ -266,7 +275,7 @@ mod tests {
         assert_eq!(read(&path, 5).unwrap(), b"12345");
         let refused = read(&path, 4).unwrap_err().to_string();
         assert!(refused.contains("larger than 4 bytes"), "{refused}");
-        // It grows after it was opened.
+        // The file grows after it was opened.
         let open = InputFile::open(&path, 5).unwrap();
         std::fs::write(&path, b"123456").unwrap();
         assert!(matches!(
@@ -275,7 +284,7 @@ mod tests {
         ));
     }
 
-    /// Protects from waiting for a pipe, and from devices without an end.
+    /// Protects from blocking on a pipe, and from endless devices.
     #[cfg(unix)]
     #[test]
     fn only_regular_files_are_read() {
@@ -296,7 +305,7 @@ mod tests {
         }
     }
 
-    /// Protects inputs from outputs that reach them in other ways.
+    /// Protects inputs from outputs that reach them by another path.
     #[cfg(unix)]
     #[test]
     fn links_lead_to_the_same_input() {
@@ -315,7 +324,7 @@ mod tests {
         assert!(!is_input(&other) && !is_input(&folder.path().join("absent")));
     }
 
-    /// Protects what a run has written from being held for an input once it was read again.
+    /// Protects files that a run has written from counting as inputs once they are read again.
     #[test]
     fn a_run_replaces_what_it_wrote() {
         let folder = tempfile::tempdir().unwrap();

@@ -1,16 +1,14 @@
 //! Atomic file writes.
 //!
-//! Everything is written beside its target and renamed at the end, so that a run that
-//! is interrupted leaves an older file as it was. What was read as an input (a scene, a file
-//! that it names, a sound, answers) is never replaced, whatever path or link leads to it.
+//! Everything is written to a temporary file in the target's folder and renamed at the end, so that
+//! an interrupted run leaves an older file unchanged. Inputs (a scene, a file that it names, a
+//! sound, answers) are never replaced, whatever path or link leads to them.
 //!
 //! # Links
-//! A path that the user typed is written as it is meant: where it is a symbolic link, the file that
-//! the link names is replaced ([`write_whole`], [`check_file`]). Files that the program names itself, in a
-//! folder that the user typed, lie in that folder: a symbolic link of such a name is rejected
-//! ([`write_inside`], [`check_inside`], [`prepare_folder_inside`]). No file is ever written to in its place,
-//! so the other names of a file (hard links) keep the older bytes.
-#![cfg_attr(not(feature = "cli"), allow(dead_code))] // The library alone writes sounds alone.
+//! For a path that the user typed, a symbolic link is followed and the file that it names is replaced ([`write_whole`],
+//! [`check_file`]). Files that the program itself names, in a folder that the user typed, must lie in that folder: a
+//! symbolic link of such a name is rejected ([`write_inside`], [`check_inside`], [`prepare_folder_inside`]). Existing
+//! files are never written in place, so the other names of a file (hard links) keep the older bytes.
 
 use crate::file_input::is_input;
 use crate::plain_file;
@@ -28,22 +26,29 @@ use tempfile::NamedTempFile;
 pub struct OutputError {
     /// The file or folder.
     pub path: PathBuf,
-    /// Why.
+    /// The reason.
     pub source: io::Error,
 }
 
 impl OutputError {
+    /// Whether the given place is at fault rather than the disk.
+    #[doc(hidden)]
+    pub fn new(path: &Path, source: io::Error) -> OutputError {
+        let path = path.to_owned();
+        OutputError { path, source }
+    }
+
     /// Whether the place that was named is to blame, rather than the disk.
     pub fn is_bad_input(&self) -> bool {
         is_bad_place(&self.source)
     }
 }
 
-/// Why something cannot be written, in the same words for all callers.
+/// The reason why something cannot be written, in the same words for all callers.
 fn reason(error: &io::Error) -> String {
     let is_of_system = error.raw_os_error().is_some();
     if !is_of_system && error.to_string() != error.kind().to_string() {
-        // A sentence of ours.
+        // The text is already one of this crate's.
         return error.to_string();
     }
     match error.kind() {
@@ -56,8 +61,8 @@ fn reason(error: &io::Error) -> String {
     }
 }
 
-/// Whether an error of writing means that the place cannot be written to at all.
-pub(crate) fn is_bad_place(error: &io::Error) -> bool {
+/// Whether an error means that this place can never be written to.
+pub fn is_bad_place(error: &io::Error) -> bool {
     use io::ErrorKind::{
         AlreadyExists, InvalidFilename, InvalidInput, IsADirectory, NotADirectory, NotFound,
         PermissionDenied, ReadOnlyFilesystem,
@@ -75,10 +80,10 @@ pub(crate) fn is_bad_place(error: &io::Error) -> bool {
     )
 }
 
-/// Writes a file that the user named through `fill`, beside its place, and renames it there.
+/// Writes a file that the user named: `fill` writes to a temporary file in its folder, which is then renamed.
 ///
 /// # Errors
-/// [`OutputError`] with the path when any step fails; nothing is left behind.
+/// [`OutputError`] with the path when any step fails; no temporary file remains.
 pub fn write_whole(
     path: &Path,
     fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
@@ -86,7 +91,7 @@ pub fn write_whole(
     write_at(&followed(path), path, fill)
 }
 
-/// As [`write_whole`], for a file that the program names itself in a folder: a link is rejected.
+/// As [`write_whole`], for a file in a folder, named by the program itself: a link is rejected.
 ///
 /// # Errors
 /// As [`write_whole`].
@@ -117,35 +122,35 @@ fn write_at(
     Ok(())
 }
 
-/// The file that a path of the user leads to: a link stays a link, and its file is replaced.
-pub(crate) fn followed(path: &Path) -> PathBuf {
+/// The file that a user's path leads to: a link is kept, and the file that it names is replaced.
+pub fn followed(path: &Path) -> PathBuf {
     std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned())
 }
 
-/// Every temporary file there is, for [`remove_parts`].
+/// All existing temporary files, for [`remove_parts`].
 static PARTS: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 fn parts() -> MutexGuard<'static, Vec<PathBuf>> {
     PARTS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes every temporary file, and prevents new ones: a thread that begins one blocks for
-/// ever. For a program that is being interrupted, as its last act.
+/// Removes every temporary file, and prevents new ones: a thread that begins one blocks for ever.
+/// Must be the last act of a program that is being interrupted.
 ///
-/// Recordings of what is heard stay: their temporary files are to be found.
+/// Recordings of live sound stay: their temporary files must be found later.
 #[cfg(unix)]
 pub fn remove_parts() {
     let parts = parts();
     for path in parts.iter() {
-        // It may have been renamed or removed by now; and there is nobody to tell.
+        // It may have been renamed or removed by now, and errors cannot be reported any more.
         let _ = std::fs::remove_file(path);
     }
     std::mem::forget(parts);
 }
 
-/// A file on its way to its name: removed when dropped, and when the program is interrupted.
+/// A temporary file to be renamed: removed when dropped, and when the program is interrupted.
 #[derive(Debug)]
-pub(crate) struct PartFile {
+pub struct PartFile {
     /// There until the file has its name.
     file: Option<NamedTempFile>,
     path: PathBuf,
@@ -153,7 +158,7 @@ pub(crate) struct PartFile {
 
 impl PartFile {
     fn new(made: impl FnOnce() -> io::Result<NamedTempFile>) -> io::Result<PartFile> {
-        // Made and known at once, seen from who removes them.
+        // Under this lock, [`remove_parts`] sees the file as soon as it exists.
         let mut parts = parts();
         let file = made()?;
         let path = file.path().to_owned();
@@ -164,14 +169,13 @@ impl PartFile {
         })
     }
 
-    /// Another handle to the very file that was made, whatever has its name by now.
+    /// Another handle to the file that was created, whatever file has its name by now.
     pub fn writer(&self) -> io::Result<File> {
         let file = self.file.as_ref().ok_or(io::ErrorKind::NotFound)?;
         file.as_file().try_clone()
     }
 
-    /// Gives the file its name once it is on the disk, replacing an older file that is no
-    /// input.
+    /// Renames the file once it is on the disk, replacing an older file that is not an input.
     pub fn persist(mut self, target: &Path) -> io::Result<()> {
         check_place(target)?;
         let Some(file) = self.file.take() else {
@@ -201,21 +205,21 @@ fn refuse_inputs(target: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// A temporary file in the folder of `target`, to be renamed to it: readable by others
-/// as any new file is. A target that is there but no plain file (a link, a folder, a device), or
-/// is an input, is rejected, since a rename would replace it.
-pub(crate) fn temporary_beside(target: &Path) -> io::Result<PartFile> {
+/// A temporary file in the folder of `target`, to be renamed to it: readable by others like any new
+/// file. An existing target that is not a plain file (a link, a folder, a device), or is an input,
+/// is rejected, since a rename would replace it.
+pub fn temporary_beside(target: &Path) -> io::Result<PartFile> {
     PartFile::new(|| temporary_named(target, ".echomarch-".as_ref(), ".part"))
 }
 
-/// The same under a name that is seen: what an interrupted program leaves is to be found.
-/// `heard.wav` becomes `heard-XXXXXX.part.wav`.
+/// The same with a visible name, so that users find the file of an interrupted program. `heard.wav`
+/// becomes `heard-XXXXXX.part.wav`.
 #[cfg(feature = "audio")]
-pub(crate) fn visible_part_beside(target: &Path) -> io::Result<PartFile> {
+pub fn visible_part_beside(target: &Path) -> io::Result<PartFile> {
     let mut begin = target.file_stem().unwrap_or_default().to_owned();
     begin.push("-");
     let file = temporary_named(target, &begin, ".part.wav")?;
-    // Not among those that are removed.
+    // Not in the list of removed files.
     Ok(PartFile {
         path: file.path().to_owned(),
         file: Some(file),
@@ -235,27 +239,26 @@ fn temporary_named(target: &Path, begin: &OsStr, end: &str) -> io::Result<NamedT
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    // The error of the call alone: tempfile's names the temporary file, which nobody asked for.
+    // Only the error of the call: tempfile's error names the temporary file, which the user does not know.
     builder
         .tempfile_in(folder_of(target))
         .map_err(|error| refused_in(folder_of(target), error.kind()))
 }
 
-/// Rejects a place where something stands that must not be replaced: anything but a plain file, and
-/// inputs.
+/// Rejects a place whose content must not be replaced: anything except a plain file, and inputs.
 fn check_place(target: &Path) -> io::Result<()> {
-    // First, by whatever link: it is what the user has to know.
+    // Checked first, through any link: this is what the user has to know.
     refuse_inputs(target)?;
     match std::fs::symlink_metadata(target) {
         Ok(found) => plain_file::check(target, &found)?,
-        // A name that cannot even be asked for (too long, say) cannot be written either.
+        // A name whose metadata cannot be read (too long, for example) cannot be written either.
         Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
         Err(_) => {}
     }
     Ok(())
 }
 
-/// Why no file can be made in a folder; where the folder is missing, that it is.
+/// The reason why no file can be created in a folder; a missing folder is named.
 fn refused_in(folder: &Path, kind: io::ErrorKind) -> io::Error {
     if kind == io::ErrorKind::NotFound && !folder.exists() {
         let text = format!("there is no folder {}", folder.display());
@@ -264,8 +267,8 @@ fn refused_in(folder: &Path, kind: io::ErrorKind) -> io::Error {
     kind.into()
 }
 
-/// Makes a folder if need be and proves that files can be written in it: to be called
-/// before long work whose results go there.
+/// Creates a folder if need be and verifies that files can be written in it: call it before long
+/// work whose results go there.
 ///
 /// # Errors
 /// [`OutputError`] with the folder.
@@ -279,8 +282,8 @@ pub fn prepare_folder(folder: &Path) -> Result<(), OutputError> {
     Ok(())
 }
 
-/// As [`prepare_folder`], for a folder that the program names itself in one that is there: a link
-/// is rejected, since what is written in it would lie elsewhere.
+/// As [`prepare_folder`], for a folder in an existing one, named by the program itself: a link is
+/// rejected, since its contents would lie elsewhere.
 ///
 /// # Errors
 /// [`OutputError`] with the folder.
@@ -294,8 +297,8 @@ pub fn prepare_folder_inside(folder: &Path) -> Result<(), OutputError> {
     prepare_folder(folder)
 }
 
-/// Proves that a file that the user named can be written, and is not an input of this run: to be
-/// called after the inputs are read, before long work that ends in it.
+/// Verifies that a file that the user named can be written and is not an input of this run: call it
+/// after reading the inputs, before long work.
 ///
 /// # Errors
 /// [`OutputError`] with the file.
@@ -303,7 +306,7 @@ pub fn check_file(path: &Path) -> Result<(), OutputError> {
     check_at(&followed(path), path)
 }
 
-/// As [`check_file`], for a file that the program names itself in a folder: a link is rejected.
+/// As [`check_file`], for a file in a folder, named by the program itself: a link is rejected.
 ///
 /// # Errors
 /// [`OutputError`] with the file.
@@ -347,7 +350,7 @@ mod tests {
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 
-    /// Protects links: what they name is replaced, they stay.
+    /// Protects links: the files that they name are replaced, the links stay.
     #[cfg(unix)]
     #[test]
     fn a_link_is_followed() {
@@ -360,8 +363,8 @@ mod tests {
         assert_eq!(std::fs::read(&real).unwrap(), b"new");
     }
 
-    /// Protects files outside a folder from names in it that the program chooses: no link of such a name is
-    /// followed or replaced, and none that leads nowhere.
+    /// Protects files outside a folder from names that the program chooses in it: links of such names are neither
+    /// followed nor replaced, even if they lead nowhere.
     #[cfg(unix)]
     #[test]
     fn links_inside_a_folder_are_refused() {
@@ -382,7 +385,7 @@ mod tests {
         assert!(check_file(&link).is_ok() && check_file(&dangling).is_err());
         assert!(write_whole(&dangling, |out| out.write_all(b"new")).is_err());
         assert_eq!(std::fs::read(&real).unwrap(), b"old");
-        // A link that came up while the file was written.
+        // A link that appears while the file is written.
         let (late, place) = (folder.path().join("late"), folder.path().join("place"));
         let part = temporary_beside(&place).unwrap();
         symlink(&real, &place).unwrap();
@@ -399,7 +402,7 @@ mod tests {
         std::fs::hard_link(&real, &other).unwrap();
         write(&other).unwrap();
         assert_eq!(std::fs::read(&real).unwrap(), b"old");
-        // A folder that is a link leads out.
+        // A folder that is a link leads out of the folder.
         let out = folder.path().join("out");
         symlink(std::env::temp_dir(), &out).unwrap();
         assert!(prepare_folder_inside(&out).is_err());

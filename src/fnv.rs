@@ -1,18 +1,17 @@
-//! FNV-1a with 64 bits: one number for a sequence of numbers, the same on every machine.
+//! FNV-1a with 64 bits: a hash of a sequence of numbers, the same on every machine.
 //!
-//! G. Fowler, L. C. Noll, K.-P. Vo, D. Eastlake, *The FNV Non-Cryptographic Hash Algorithm*, IETF draft. The standard one
-//! takes bytes; here whole numbers go in as well.
+//! G. Fowler, L. C. Noll, K.-P. Vo, D. Eastlake, *The FNV Non-Cryptographic Hash Algorithm*, IETF draft. The standard
+//! algorithm takes bytes; here whole numbers are accepted as well.
 
-/// The hash of nothing.
+/// The hash of an empty sequence.
 pub const OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
 
-/// The hash with one more number behind it.
+/// The hash with one more number appended.
 pub fn with(hash: u64, number: u64) -> u64 {
     (hash ^ number).wrapping_mul(0x0000_0100_0000_01b3)
 }
 
 /// The hash of these bytes.
-#[cfg(any(test, feature = "experiment"))]
 pub fn of_bytes(bytes: &[u8]) -> u64 {
     bytes
         .iter()
@@ -21,7 +20,7 @@ pub fn of_bytes(bytes: &[u8]) -> u64 {
 
 #[cfg(test)]
 mod tests {
-    /// Protects fingerprints from other constants: the numbers of the draft's test vectors.
+    /// Protects fingerprints from wrong constants: the draft's test vectors.
     #[test]
     fn hashes_are_those_of_fnv_1a() {
         assert_eq!(super::of_bytes(b""), 0xcbf2_9ce4_8422_2325);

@@ -1,14 +1,14 @@
 //! Sound for worlds made of implicit surfaces.
 //!
-//! Echomarch follows sound waves through a scene given as a signed distance function, by
-//! sphere tracing in fragment shaders, and turns the waves that reach a listener into one
-//! panning value a frame. It is a faithful port of P. Sjöberg, *Real-Time Audio Simulation
-//! with Implicit Surfaces using Sphere Tracing on the GPU* (University of Skövde, 2011), to
-//! OpenGL 3.3 and OpenGL ES 3.0. It needs no window: contexts come from EGL or OSMesa, on
-//! a graphics card or on Mesa's software renderer.
+//! Echomarch follows sound waves through a scene given as a signed distance function, by sphere
+//! tracing in fragment shaders, and turns the waves that reach a listener into one panning value
+//! per frame. It is a faithful port of P. Sjöberg, *Real-Time Audio Simulation with Implicit
+//! Surfaces using Sphere Tracing on the GPU* (University of Skövde, 2011), to OpenGL 3.3 and OpenGL
+//! ES 3.0. It needs no window: contexts come from EGL or OSMesa, on a graphics card or on Mesa's
+//! software renderer.
 //!
-//! First make a [`Context`](gpu::Context) and a [`Tracer`] on it. Then trace a [`Scene`] by some
-//! [`Settings`], frame by frame: each [`Frame`] describes what arrives at the listener.
+//! First make a [`Context`](gpu::Context) and a [`Tracer`] on it. Then trace a [`Scene`] with
+//! [`Settings`], frame by frame: each [`Frame`] describes the sound that arrives at the listener.
 //!
 //! ```
 //! use echomarch::gpu::{Context, ContextOptions};
@@ -30,43 +30,43 @@
 //! metres, angles are radians in code and degrees in scene files.
 //!
 //! # Modules
-//! | module | what it holds |
+//! | module | contents |
 //! | --- | --- |
 //! | [`scene`] | surfaces, source, listener, paths; RON files; distances |
 //! | [`trace`] | settings, the [`Tracer`], one [`Frame`], [`Panning`] |
 //! | [`acoustics`] | exact specular paths, echograms, the figures of ISO 3382-1, impulse responses, head-related ones |
-//! | [`response`] | all of these of a scene, traced |
+//! | [`response`] | all of these for a scene, from traced waves |
 //! | [`audio`] | sounds, panning laws, mixer, WAV files; live sound (feature `audio`) |
-//! | [`auralisation`] | what a listener hears of a source, as sound |
-//! | [`offline`] | a moving scene to sound, without a sound card |
-//! | [`gpu`] | contexts with no window, and the renderers that there are |
+//! | [`auralisation`] | a source as a listener hears it, as sound |
+//! | [`offline`] | sound of a moving scene, without a sound card |
+//! | [`gpu`] | contexts without a window, and the available renderers |
 //! | [`mod@reference`] | exact waves on the CPU, to check against |
-//! | `picture` | what the listener sees, and the plan with paths (feature `picture`) |
-//! | `experiment` | the thesis' experiments, run for real, and what accuracy costs (feature `experiment`) |
-//! | `report` | what experiments found, for people and for programs (feature `experiment`) |
-//! | `study` | sweeps and maps in shards that are computed anywhere and joined (feature `experiment`) |
-//! | `walkthrough` | a walk through a scene, as the window and a page in a browser have it (feature `walkthrough`) |
+//! | `picture` | the listener's view, and the plan with paths (feature `picture`) |
+//! | `experiment` | the thesis' experiments, and the cost of accuracy (feature `experiment`) |
+//! | `report` | reports of experiments, for people and for programs (feature `experiment`) |
+//! | `study` | sweeps and maps, divided into shards that any machine can compute (feature `experiment`) |
+//! | `walkthrough` | a walk through a scene, for the window and for a page in a browser (feature `walkthrough`) |
 //! | `demo` | the window: walk through a scene and hear it (feature `demo`) |
-//! | [`error`] | what can go wrong |
+//! | [`error`] | the error type |
 //!
 //! # Untrusted scenes
-//! A scene may name GLSL of its own, which the driver compiles within this process, and which can
-//! end it, fill its memory or never return. For untrusted scenes let fields be tried in a child
-//! process first: see [`trace::FieldTrial`].
+//! A scene may contain its own GLSL, which the driver compiles within this process, and which can
+//! end the process, fill its memory or never return. For untrusted scenes let fields be tried in a
+//! child process first: see [`trace::FieldTrial`].
 //!
 //! # Features
-//! | feature | default | what it adds |
+//! | feature | default | adds |
 //! | --- | --- | --- |
 //! | `audio` | yes | live output through a sound card, in [`audio`] |
 //! | `picture` | with `experiment`, `demo` | pictures and plans of scenes as PNG |
 //! | `experiment` | with `cli` | the experiments, studies and their reports |
 //! | `sofa` | with `cli` | head-related impulse responses from SOFA files |
-//! | `parquet` | yes | the tables of studies as Parquet files too |
+//! | `parquet` | yes | the tables of studies also as Parquet files |
 //! | `walkthrough` | with `demo` | a walk through a scene, for your own window or page |
 //! | `demo` | yes | the window, as a module; needs no crate of the command line |
 //! | `cli` | yes | the program `echomarch`; its subcommand `demo` with the feature `demo` |
 //!
-//! A library user without the program takes `default-features = false`.
+//! To use only the library, set `default-features = false`.
 //!
 //! # Threads
 //! Scenes, settings, frames and everything in [`audio`] may move between threads. A
@@ -82,17 +82,13 @@ mod arrival;
 pub mod audio;
 pub mod auralisation;
 pub mod bands;
-#[cfg(feature = "cli")]
-pub mod cli;
-#[cfg(feature = "demo")]
-pub mod demo;
 pub mod error;
-#[cfg(feature = "experiment")]
-pub mod experiment;
 mod file_input;
 mod file_output;
 mod fnv;
 pub mod gpu;
+#[doc(hidden)]
+pub mod internals;
 mod kernel;
 pub mod offline;
 #[cfg(feature = "picture")]
@@ -100,29 +96,22 @@ pub mod picture;
 mod plain_file;
 mod platform;
 pub mod reference;
-#[cfg(feature = "experiment")]
-pub mod report;
 pub mod response;
 mod rng;
 mod ron_error;
 pub mod scene;
 mod sphere_directions;
-#[cfg(any(feature = "experiment", feature = "demo"))]
 mod stats;
-#[cfg(feature = "experiment")]
-pub mod study;
 mod text;
 pub mod trace;
-#[cfg(feature = "walkthrough")]
-pub mod walkthrough;
 
-/// What is shared with the integration tests calls the crate by its name.
+/// Code shared with the integration tests calls the crate by its name.
 #[cfg(test)]
 extern crate self as echomarch;
 #[cfg(test)]
 mod test_common;
 
-/// What is promised of threads above, checked when this is compiled.
+/// The statements on threads above, checked at compile time.
 const _: () = {
     const fn may_move<T: Send>() {}
     may_move::<Scene>();

@@ -1,28 +1,26 @@
-//! Files of a folder that anybody may have put something into: what is opened is a plain file of that
-//! very name, never what a link leads to, and never a pipe or a device.
+//! Files in a folder that others can write to: only a plain file of exactly the given name is opened, never the target
+//! of a link, a pipe or a device.
 //!
-//! What stands at a path is looked at first, since opening alone makes some devices act. It may be
-//! another thing a moment later, so that the file is opened without following links or waiting, and what was
-//! opened is looked at again.
-#![cfg_attr(not(feature = "experiment"), allow(dead_code))] // Studies alone open files in folders.
+//! The path is checked first, since opening alone makes some devices act. It may be another file a moment later, so the
+//! file is opened without following links or waiting, and the opened file is checked again.
 
 use std::fs::{File, Metadata, OpenOptions};
 use std::io::{self, ErrorKind};
 use std::path::Path;
 
-/// Why a pipe or a device is rejected.
-const NO_PLAIN_FILE: &str = "it is there already and no plain file";
+/// The reason for rejecting a pipe or a device.
+const NO_PLAIN_FILE: &str = "it exists already and is not a plain file";
 
-/// Opens what has this very name, if it is a plain file.
+/// Opens the file of exactly this name, if it is a plain file.
 ///
 /// # Errors
-/// [`ErrorKind::InvalidInput`] for a link, a pipe, a device; [`ErrorKind::IsADirectory`]; what the system
-/// says, as [`ErrorKind::NotFound`].
-pub(crate) fn open(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
+/// [`ErrorKind::InvalidInput`] for a link, a pipe, a device; [`ErrorKind::IsADirectory`]; other errors of the system,
+/// such as [`ErrorKind::NotFound`].
+pub fn open(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
     match std::fs::symlink_metadata(path) {
         Ok(about) => check(path, &about)?,
         Err(error) if error.kind() != ErrorKind::NotFound => return Err(error),
-        // It may be made by the opening.
+        // Opening may create it.
         Err(_) => {}
     }
     unfollowed(options);
@@ -34,11 +32,11 @@ pub(crate) fn open(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
     Ok(file)
 }
 
-/// Rejects anything but a plain file at `path`, by its metadata.
+/// Rejects anything except a plain file at `path`, by its metadata.
 ///
 /// # Errors
 /// As [`open`].
-pub(crate) fn check(path: &Path, about: &Metadata) -> io::Result<()> {
+pub fn check(path: &Path, about: &Metadata) -> io::Result<()> {
     if about.is_symlink() {
         return Err(link_refused(path));
     }
@@ -52,7 +50,7 @@ pub(crate) fn check(path: &Path, about: &Metadata) -> io::Result<()> {
 }
 
 /// The error for a symbolic link at `path`.
-pub(crate) fn link_refused(path: &Path) -> io::Error {
+pub fn link_refused(path: &Path) -> io::Error {
     let leads = match path.exists() {
         true => "is not followed here",
         false => "leads nowhere",
@@ -78,7 +76,7 @@ fn unfollowed(options: &mut OpenOptions) {
 #[cfg(not(any(unix, windows)))]
 fn unfollowed(_: &mut OpenOptions) {}
 
-/// Whether the system rejected a link that came up since it was looked for.
+/// Whether the system rejected a link that has appeared since the check.
 #[cfg(unix)]
 fn is_link(error: &io::Error) -> bool {
     error.raw_os_error() == Some(libc::ELOOP)
@@ -89,16 +87,15 @@ fn is_link(_: &io::Error) -> bool {
     false
 }
 
-/// The number of names of a file: two or more where it has hard links; one where the system cannot count
-/// them.
+/// The number of names of a file: two or more with hard links; one if the system cannot count them.
 #[cfg(unix)]
-pub(crate) fn names(about: &Metadata) -> u64 {
+pub fn names(about: &Metadata) -> u64 {
     use std::os::unix::fs::MetadataExt;
     about.nlink()
 }
 
 #[cfg(not(unix))]
-pub(crate) fn names(_: &Metadata) -> u64 {
+pub fn names(_: &Metadata) -> u64 {
     1
 }
 
@@ -107,7 +104,7 @@ mod tests {
     use super::*;
     use std::os::unix::fs::symlink;
 
-    /// Protects what links lead to, and the program from pipes and devices: none of them is opened.
+    /// Protects the targets of links, and the program from pipes and devices: none of them is opened.
     #[test]
     fn only_a_plain_file_of_that_name_is_opened() {
         let folder = tempfile::tempdir().unwrap();
@@ -126,7 +123,7 @@ mod tests {
             assert!(opened(&path(name)).is_err(), "{name}");
         }
         assert!(opened(Path::new("/dev/null")).is_err());
-        // A link that leads nowhere gets no file.
+        // No file is created for a link that leads nowhere.
         let mut making = File::options();
         making.write(true).create(true);
         assert!(open(&path("dangling"), &mut making).is_err());

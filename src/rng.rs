@@ -1,10 +1,10 @@
-//! Random numbers that are the same for the same seed on every machine: SplitMix64.
+//! Reproducible random numbers, the same for a seed on every machine: SplitMix64.
 //!
-//! G. L. Steele, D. Lea and C. H. Flood, *Fast Splittable Pseudorandom Number Generators*,
-//! OOPSLA 2014: a counter advances by a fixed odd number, and each of its values is mixed. So
-//! a number can also be had by its index alone, without those before it.
+//! G. L. Steele, D. Lea and C. H. Flood, *Fast Splittable Pseudorandom Number Generators*, OOPSLA
+//! 2014: a counter advances by a fixed odd number, and each of its values is mixed. So a number can
+//! also be computed from its index, without the previous ones.
 
-/// The odd integer next to 2^64 ÷ the golden ratio, by which the counter advances.
+/// The odd integer next to 2^64 ÷ the golden ratio, the step of the counter.
 pub const GOLDEN_GAMMA: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// The number with this index, from 0, of the sequence of seed 0: 64 well mixed bits.
@@ -12,7 +12,7 @@ pub fn hash(index: u64) -> u64 {
     mix(index.wrapping_add(1).wrapping_mul(GOLDEN_GAMMA))
 }
 
-/// Uniform in 0 … 1, without 1, from the upper 53 bits: as many as an `f64` holds.
+/// Uniform in 0 … 1, excluding 1, from the upper 53 bits, the precision of an `f64`.
 pub fn unit_interval(bits: u64) -> f64 {
     (bits >> 11) as f64 / (1_u64 << 53) as f64
 }
@@ -24,13 +24,11 @@ fn mix(counter: u64) -> u64 {
 }
 
 /// A sequence of random numbers: for resampling and for the order of trials, never for waves.
-#[cfg(feature = "experiment")]
 #[derive(Clone, Debug)]
 pub struct Random(u64);
 
-#[cfg(feature = "experiment")]
 impl Random {
-    /// A sequence of its own for each seed.
+    /// Creates the sequence of a seed.
     pub fn new(seed: u64) -> Random {
         Random(seed)
     }
@@ -40,14 +38,14 @@ impl Random {
         mix(self.0)
     }
 
-    /// Uniform in 0 … `count` − 1; 0 for none. The high half of a product, whose bias is
+    /// Uniform in 0 … `count` − 1; 0 if `count` is 0. The high half of a product, whose bias is
     /// below `count` ÷ 2^64.
     pub fn below(&mut self, count: usize) -> usize {
         ((u128::from(self.next()) * count as u128) >> 64) as usize
     }
 
-    /// Puts the items into an order that depends on the seed and their number alone
-    /// (Fisher and Yates).
+    /// Shuffles the items into an order that depends only on the seed and their number (Fisher and
+    /// Yates).
     pub fn shuffle<T>(&mut self, items: &mut [T]) {
         for end in (1..items.len()).rev() {
             items.swap(end, self.below(end + 1));
@@ -67,7 +65,7 @@ mod tests {
         assert_eq!(hash(u64::MAX), 0);
     }
 
-    /// Protects the interval's ends: 0 is in it and 1 is not.
+    /// Protects the interval's ends: it includes 0 and excludes 1.
     #[test]
     fn the_unit_interval_lacks_its_upper_end() {
         assert_eq!(unit_interval(0), 0.0);
@@ -76,7 +74,6 @@ mod tests {
     }
 
     /// Protects sequences from those of other seeds: the first numbers of seed 1234567.
-    #[cfg(feature = "experiment")]
     #[test]
     fn a_sequence_begins_at_its_seed() {
         let mut random = Random::new(1_234_567);
@@ -89,9 +86,8 @@ mod tests {
         assert_eq!(first, expected);
     }
 
-    /// Protects the order of trials: a permutation, the same for the same seed, and another
-    /// for another.
-    #[cfg(feature = "experiment")]
+    /// Protects the order of trials: a permutation, the same for the same seed and another for
+    /// another seed.
     #[test]
     fn shuffling_permutes_by_the_seed_alone() {
         let order = |seed| {

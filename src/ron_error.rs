@@ -1,4 +1,4 @@
-//! What is wrong with a text in RON, in the words of scene files and study files.
+//! Errors in RON texts, in the terms of scene files and study files.
 //!
 //! RON's own errors mention structs, enums and identifiers. An author of a scene or a study knows
 //! fields, names, lists and numbers.
@@ -6,31 +6,30 @@
 use crate::text::{there_is_no, which_there_are};
 use ron::error::{Error, Position, SpannedError};
 
-/// The units of fields that are lengths, as the sentence on a missing one names them.
+/// Fields that are lengths in metres: the message on a missing one states the unit.
 const METRES: [&str; 3] = ["radius", "size", "radii"];
 
 /// A kind of file in RON.
 #[derive(Clone, Copy)]
-pub(crate) struct FileKind {
+pub struct FileKind {
     /// What its text begins with: `Scene`.
     pub outermost: &'static str,
-    /// What such a file is called: `scene`.
+    /// The name of such a file in messages: `scene`.
     pub what: &'static str,
 }
 
-pub(crate) const SCENE: FileKind = FileKind {
+pub const SCENE: FileKind = FileKind {
     outermost: "Scene",
     what: "scene",
 };
 
-#[cfg(feature = "experiment")]
-pub(crate) const STUDY: FileKind = FileKind {
+pub const STUDY: FileKind = FileKind {
     outermost: "Study",
     what: "study",
 };
 
-/// The sentence for an error in this text of a file of this kind.
-pub(crate) fn sentence(text: &str, error: &SpannedError, kind: FileKind) -> String {
+/// The message for an error in this text of a file of this kind.
+pub fn sentence(text: &str, error: &SpannedError, kind: FileKind) -> String {
     if text.trim().is_empty() {
         return format!("the file is empty: {}", begins(kind));
     }
@@ -58,14 +57,14 @@ fn ends(kind: FileKind) -> String {
     format!("the file ends before {}(…) is closed", kind.outermost)
 }
 
-/// Whatever a text that is cut off lacks, it lacks because it is cut off.
+/// An error at the end of a text: the text is cut off, whatever else is missing.
 fn of_end(text: &str, error: &SpannedError, kind: FileKind) -> Option<String> {
     let is_of_value = matches!(error.code, Error::Message(_));
     let at = offset(text, error.span.end)?;
     (!is_of_value && text[at..].trim().is_empty()).then(|| ends(kind))
 }
 
-/// Something has another name than what must be there.
+/// Another name than the expected one.
 fn other_name(kind: FileKind, expected: &str, found: &str) -> String {
     match (expected == kind.outermost, found) {
         (true, "Scene") => {
@@ -104,13 +103,13 @@ fn of_name(code: &Error) -> Option<String> {
             format!("`{field}`{unit} is missing{}", within(outer))
         }
         Error::DuplicateStructField { field, outer } => {
-            format!("`{field}` is said twice{}", within(outer))
+            format!("`{field}` is given twice{}", within(outer))
         }
         _ => return None,
     })
 }
 
-/// Reports that a part has no such field, and which it has.
+/// Reports an unknown field of a part, and the known ones.
 fn field_unknown(found: &str, within: &str, known: &[&str]) -> String {
     which_there_are(
         &format!("there is no field `{found}`{within}"),
@@ -122,9 +121,9 @@ fn field_unknown(found: &str, within: &str, known: &[&str]) -> String {
 /// The text around an error.
 #[derive(Clone, Copy, Default)]
 struct Around<'a> {
-    /// The field whose value is wrong, where the error is at its beginning.
+    /// The field whose value is wrong, if the error is at the beginning of the value.
     field: Option<&'a str>,
-    /// The word, number or text at that place.
+    /// The word, number or text at the error.
     found: &'a str,
 }
 
@@ -147,7 +146,7 @@ impl<'a> Around<'a> {
         }
     }
 
-    /// That this must be written differently: the field, or the text here.
+    /// States the required form of the field, or of the text here.
     fn must_be(self, what: &str, example: &str) -> String {
         match self.field {
             Some(field) => format!("{field} must be {what}: {field}: {example}"),
@@ -156,7 +155,7 @@ impl<'a> Around<'a> {
     }
 }
 
-/// Errors of the form of a value.
+/// Errors in the form of a value.
 fn of_form(code: &Error, around: Around) -> Option<String> {
     Some(match code {
         Error::ExpectedArray => {
@@ -197,7 +196,7 @@ fn of_form(code: &Error, around: Around) -> Option<String> {
     })
 }
 
-/// Errors of numbers and signs.
+/// Errors of numbers and punctuation.
 fn of_sign(code: &Error) -> Option<String> {
     let told = match code {
         Error::ExpectedInteger | Error::InvalidIntegerDigit { .. } => {
@@ -218,8 +217,8 @@ fn of_sign(code: &Error) -> Option<String> {
     Some(told.to_owned())
 }
 
-/// Bytes before a place in a text.
-pub(crate) fn offset(text: &str, place: Position) -> Option<usize> {
+/// Byte offset of a position in a text.
+pub fn offset(text: &str, place: Position) -> Option<usize> {
     let mut lines = text.split_inclusive('\n');
     let above = lines.by_ref().take(place.line.checked_sub(1)?);
     let start: usize = above.map(str::len).sum();
@@ -236,7 +235,7 @@ mod tests {
         Scene::from_ron(text, "f").unwrap_err().to_string()
     }
 
-    /// Errors of a file that is wrong as a whole: empty, cut, or of another kind.
+    /// Protects messages on files that are wrong as a whole: empty, cut off, or of another kind.
     #[test]
     fn a_file_that_is_no_scene_is_told_what_it_is() {
         for (text, sentence) in [
@@ -259,7 +258,7 @@ mod tests {
         assert!(told(early).contains("closed too early?"), "{}", told(early));
     }
 
-    /// The error for a value in another form than its field has contains no word of Rust.
+    /// Protects messages on values of the wrong form from Rust terms.
     #[test]
     fn values_of_the_wrong_form_are_told_how_they_are_written() {
         for (field, sentence) in [
@@ -290,7 +289,7 @@ mod tests {
             ),
             (
                 "name: \"a\", name: \"b\"",
-                "`name` is said twice in `Scene`",
+                "`name` is given twice in `Scene`",
             ),
         ] {
             let said = told(&format!("Scene(surfaces: [],\n {field})"));

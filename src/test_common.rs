@@ -1,10 +1,9 @@
-//! What unit tests share with the integration tests, written once in `tests/common`.
+//! Code shared by unit tests and integration tests, from `tests/common`.
 
 #[path = "../tests/common/random.rs"]
 mod random;
 #[path = "../tests/common/shared.rs"]
 mod shared;
-#[cfg(feature = "sofa")]
 #[path = "../tests/common/sofa.rs"]
 pub mod sofa;
 

@@ -1,38 +1,38 @@
-// A pass over the waves of a block: takes each through a chunk of iterations, and writes where it
-// stands then, a tally, and records of its crossings of the listener.
+// A pass over the waves of a block: takes each wave through a chunk of iterations, and writes its new
+// state, a tally, and records of its crossings of the listener.
 //
 //   first texture:   position x, y, z in metres, status
 //   second texture:  direction x, y, z, metres flown from the source (rounded)
-//   tally:           metres flown in the chunk as whole sixteenths and rest, crossings + 1024 * fate,
+//   tally:           metres flown in the chunk as whole sixteenths and remainder, crossings + 1024 * fate,
 //                    the first word of events
-//   words:           four more words of events, where there are materials
+//   words:           four more words of events, only with materials
 //   each record:     metres from the chunk's start to the middle of the chord; iteration +
 //                    chord * uChordScale, with the sign of the direction's z; direction x, y
 //
-// A wave with more crossings than there are records is drawn once more, as one of a list, with
-// those that are recorded passed over.
+// A wave with more crossings than records is drawn again as an entry of a list; the crossings already
+// recorded are then skipped.
 
 uniform highp sampler2D uOrigins;      // the waves at the chunk's start
 uniform highp sampler2D uDirections;
-uniform highp sampler2D uList;         // number in the block or -1, crossings to pass over
+uniform highp sampler2D uList;         // number in the block or -1, crossings to skip
 uniform bool uIsListed;
 uniform bool uIsStart;                 // the waves are at the source
-uniform uint uFirstWave;               // of the block
+uniform uint uFirstWave;               // number of the block's first wave
 uniform int uIterationsInChunk;
 
 layout(location = 0) out vec4 outOrigin;
 layout(location = 1) out vec4 outDirection;
 layout(location = 2) out vec4 outTally;
 
-const float CROSSINGS = 1024.0;   // more than a chunk has
+const float CROSSINGS = 1024.0;   // more than a chunk can contain
 
 float fate(float status) {
     return status >= 0.1 ? 0.0 : -status;
 }
 
 #if EVENT_BITS > 0
-// 30 bits in a float that is none of those that may change on their way (NaN, subnormal): bits 29
-// and 30 of its exponent are 1 and 0, and the sign is one bit of the word.
+// 30 bits in a float that is neither NaN nor subnormal, since drivers may change those: bits 29 and 30
+// of its exponent are 1 and 0, and the sign is one bit of the word.
 float inFloat(uint bits) {
     return uintBitsToFloat(0x20000000u | (bits & 0x1FFFFFFFu) | ((bits & 0x20000000u) << 2u));
 }
@@ -41,7 +41,7 @@ void prepareEvents(uint wave) {
     copyMaterials();
 #if SCATTERS
     waveNumber = wave;
-    // Not the numbers by which waves start.
+    // Differs from the numbers of the start directions.
     scatterSeed = uSeed ^ 0x5CA77E2Du;
     startIteration = uStartIteration;
     materialCount = uMaterialCount;

@@ -1,10 +1,10 @@
 // One iteration of a wave that the listener does not stop, and the record of its crossing.
 
-const float STATUS_GIVEN_UP = -2.0;   // a march reached its step limit: followed no more
-const float STATUS_OVER = -3.0;       // has flown as far as is asked for
+const float STATUS_GIVEN_UP = -2.0;   // a march reached its step limit; the wave is not followed further
+const float STATUS_OVER = -3.0;       // has flown the requested length
 
-uniform float uLengthLimit;   // metres from the source after which a wave is followed no more
-uniform float uChordScale;    // 1 / (4 listener radii): of a chord it makes at most a half
+uniform float uLengthLimit;   // metres from the source after which a wave is not followed further
+uniform float uChordScale;    // 1 / (4 listener radii): scales a chord to at most a half
 
 float lengthLimit = 0.0;
 float chordScale = 0.0;
@@ -20,9 +20,9 @@ uint startIteration = 0u;
 float materialCount = 0.0;
 #endif
 
-// Metres flown in the chunk: whole sixteenths, and what is beyond them. Sixteenths add up exactly
-// (to 2^20 m), and the rests stay so small that rounding takes 1e-7 m from each at the most. (Of
-// one sum in floats it would take 3e-5 m from each flight behind 512 m.)
+// Metres flown in the chunk: whole sixteenths, and the remainders. Sixteenths add up exactly (to 2^20 m),
+// and the sum of remainders stays so small that rounding costs at most 1e-7 m per flight. (A single sum in
+// floats would lose 3e-5 m per flight beyond 512 m.)
 float sixteenths = 0.0;
 float rest = 0.0;
 float crossings = 0.0;   // in the chunk
@@ -33,8 +33,8 @@ void addLength(float t) {
     rest += t - whole;
 }
 
-// Records where the flight from p along d, t long, crosses the listener, whose centre is where coordinates
-// begin. (A wave that begins or ends within crosses as much of it as it flies through.)
+// Records the crossing of the listener by the flight from p along d over t metres. The listener's centre is
+// the origin of the coordinates. (A wave that begins or ends inside crosses only the part that it flies through.)
 void crossListener(vec3 p, vec3 d, float t, float iteration) {
     float along = dot(p, d);
     vec3 aside = p - along * d;
@@ -42,7 +42,7 @@ void crossListener(vec3 p, vec3 d, float t, float iteration) {
     float enters = max(-along - halfChord, 0.0);
     float leaves = min(halfChord - along, t);
     bool crosses = leaves > enters;
-    // The third component of the direction is known from the others, but for its sign.
+    // The third component of the direction follows from the others, except for its sign.
     float share = iteration + (leaves - enters) * chordScale;
     float middle = sixteenths + (rest + 0.5 * (enters + leaves));
     vec4 record = vec4(middle, d.z < 0.0 ? -share : share, d.xy);
@@ -50,8 +50,8 @@ void crossListener(vec3 p, vec3 d, float t, float iteration) {
     crossings += crosses ? 1.0 : 0.0;
 }
 
-// Takes the wave to the next surface and mirrors or scatters it there. What happens to its energy
-// is told by the event (src/kernel/materials.rs).
+// Takes the wave to the next surface and mirrors or scatters it there. The returned event describes
+// the change of its energy (src/kernel/materials.rs).
 uint flyOn(float iteration, inout vec3 p, inout vec3 d, inout float status) {
     float object;
     float t = fly(p, d, status, object);

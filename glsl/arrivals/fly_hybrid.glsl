@@ -1,8 +1,8 @@
-// The flight of a wave to the next surface past a transparent listener: profile `hybrid`
-// (iterate_hybrid.glsl has the theory).
+// Flight of a wave to the next surface past a transparent listener: profile `hybrid`
+// (theory: iterate_hybrid.glsl).
 
-// How far the wave at p flies along d to the next surface, and which that is; at least maxDistance
-// where there is none, and -1 where a step limit left open what comes first.
+// Distance that the wave at p flies along d to the next surface, and the surface's number; at least
+// maxDistance if it meets none, and -1 if a step limit left open which comes first.
 float fly(vec3 p, vec3 d, float last, out float object) {
     float t = closestHit(p, d, last, maxDistance, object);
 #if MARCHES_FIELDS

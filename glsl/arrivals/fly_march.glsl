@@ -1,14 +1,14 @@
-// The flight of a wave to the next surface past a transparent listener: profile `march`
-// (iterate_march.glsl has the theory).
+// Flight of a wave to the next surface past a transparent listener: profile `march`
+// (theory: iterate_march.glsl).
 
-// How far the wave at p flies along d to the next surface, and which that is; at least maxDistance
-// where there is none, and -1 where a step limit left open what comes first.
+// Distance that the wave at p flies along d to the next surface, and the surface's number; at least
+// maxDistance if it meets none, and -1 if a step limit left open which comes first.
 float fly(vec3 p, vec3 d, float last, out float object) {
     bool limitReached;
     float t = traceWave(p, d, last, object, limitReached);
     t = t < 0.0 ? maxDistance : t;
 #if MARCHES_FIELDS
-    // Where the basic shapes gave up, nothing is known of what lies ahead.
+    // If the march of the basic shapes was given up, the fields cannot be decided either.
     float fieldMet;
     bool fieldLimitReached = false;
     float marched = limitReached ? -1.0

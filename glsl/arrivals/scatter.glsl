@@ -1,9 +1,9 @@
-// Diffuse reflection, by Lambert's law: as much into each angle as its cosine with the normal says.
+// Diffuse reflection by Lambert's law: the density in a direction is proportional to its cosine with the normal.
 
-// A direction about the normal along which a wave is turned: the sum of the unit normal and a point
-// of the unit sphere is distributed so.
+// A random direction about the normal of a reflection that turned the wave by `turned`: the sum of the unit
+// normal and a random point of the unit sphere has this distribution.
 vec3 scattered(vec3 turned, vec3 mirrored, uvec3 bits) {
-    const float LEAST = 1e-5;   // a turn less than that tells no normal; a sum has no direction
+    const float LEAST = 1e-5;   // a shorter turn gives no normal, a shorter sum no direction
     float size = length(turned);
     vec3 normal = turned / max(size, LEAST);
     float share = unitInterval(bits.y);

@@ -1,5 +1,5 @@
-// Which wall of a room turns a wave, by how much it turns it, in the room's own axes: a pair of
-// walls is the one with the least coordinate and the other one.
+// Material of the wall of a room that turned a wave, from the turn in the room's own axes. Each pair is
+// the wall with the lower coordinate, then the other one.
 float materialOfWall(vec3 turned, vec2 x, vec2 y, vec2 z) {
     vec3 size = abs(turned);
     float ofX = turned.x > 0.0 ? x.x : x.y;

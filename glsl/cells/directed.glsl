@@ -1,4 +1,4 @@
-// The nearest of the surfaces in the cell of p, and how far ahead nothing else can be met.
+// The nearest surface in the cell of p, and the distance ahead within which no other can be met.
 void directedInCells(vec3 p, vec3 d, float last, inout float nearest, inout float object, inout float second) {
     vec4 cell;
     float reach;

@@ -1,5 +1,5 @@
-// The least distance to the surfaces in cells. Of several at the very same distance the first
-// one counts, as where each surface has its own lines of text.
+// The least distance to the surfaces in cells. Of several at exactly the same distance the first
+// one counts, as with unrolled surfaces.
 
 uniform int uGroups;       // index of the first group in the scene's data
 uniform int uGroupCount;
@@ -15,9 +15,9 @@ void nearestListed(int first, int count, vec3 p, inout float nearest, inout floa
     }
 }
 
-// In the grid: the surfaces that can be nearest in the cell of p. Outside of it: those of each
-// group whose box is no further away than what is known. A group is two vectors: the least
-// coordinates of its box and the place of its list, the greatest ones and the list's length.
+// Inside the grid: the surfaces that can be nearest in the cell of p. Outside: those of each group whose
+// box is nearer than the least distance found. A group is two vectors: the least coordinates of its box
+// and the start of its list, the greatest coordinates and the list's length.
 void distanceInCells(vec3 p, inout float nearest, inout float object) {
     const float ROUNDED_DOWN = 0.999999;   // eight roundings of a length
     vec3 place;

@@ -1,5 +1,5 @@
 // The least value of the marched fields in the cell of p, how far ahead it holds, and how far the
-// same fields are asked.
+// same fields are evaluated.
 void fieldsInCells(vec3 p, vec3 d, float last, inout float nearest, inout float object, inout float reach, inout float within) {
     vec4 cell;
     if (cellAhead(p, d, cell, reach, within)) {

@@ -1,4 +1,4 @@
-// How far along d from p the marched fields in its cell leave the way free.
+// Distance along d from p that is free of the marched fields in its cell.
 void fieldsFreeInCells(vec3 p, vec3 d, float last, float errorBound, inout float way) {
     vec4 cell;
     float reach;

@@ -1,7 +1,7 @@
-// Cells of space (docs/architecture.md): which surfaces matter where. In the scene's data a
-// cell is a vector (first of its list, length of the list); an entry of a list is (number of
-// the surface, its kind, index of its values, its material); and so is the entry of each surface in the
-// directory, by its number.
+// Cells of space (docs/architecture.md): the surfaces that matter in each place. In the scene's data a
+// cell is a vector (first of its list, length of the list); an entry of a list is (number of the
+// surface, its kind, index of its values, its material). The directory has such an entry for each
+// surface, by its number.
 
 uniform vec3 uCellOrigin;   // corner with the least coordinates, metres
 uniform vec3 uCellSize;     // metres

@@ -1,17 +1,17 @@
-// Grid traversal by a line (DDA; Amanatides and Woo 1987). The faces that it crosses next are
-// computed from their number each time: sums would drift.
+// Grid traversal by a line (DDA; Amanatides and Woo 1987). The next crossings of faces are computed
+// from the faces' numbers each time, because sums would drift.
 vec3 nextCrossings(vec3 p, vec3 inverse, vec3 place) {
     vec3 ahead = vec3(inverse.x > 0.0 ? 1.0 : 0.0, inverse.y > 0.0 ? 1.0 : 0.0, inverse.z > 0.0 ? 1.0 : 0.0);
     return (uCellOrigin + (place + ahead) * uCellSize - p) * inverse;
 }
 
-// Where the line enters the grid, at which it is then `over` its face, and where it leaves it.
+// Metres along the line at which it enters the grid, `over` of the face that it enters by, and at which it leaves.
 vec3 throughGrid(vec3 p, vec3 inverse, vec3 over) {
     vec3 a = (uCellOrigin - p) * inverse;
     vec3 b = (uCellOrigin + uCellCount * uCellSize - p) * inverse;
     vec3 enters = min(a, b);
     vec3 leaves = max(a, b);
-    // The face by which it enters is the one that it reaches last.
+    // The line enters by the face that it reaches last.
     float beyond = enters.x >= enters.y && enters.x >= enters.z ? over.x : enters.y >= enters.z ? over.y : over.z;
     return vec3(
         max(max(enters.x, max(enters.y, enters.z)), 0.0),
@@ -19,13 +19,13 @@ vec3 throughGrid(vec3 p, vec3 inverse, vec3 over) {
         min(leaves.x, min(leaves.y, leaves.z)));
 }
 
-// How far a step goes beyond a face, as a share of a cell: so far that a line that hardly
-// moves across the face has left it for sure, and half as far as what the lists are made for.
+// How far a step goes beyond a face, as a share of a cell: enough that even a line nearly parallel to the
+// face has certainly crossed it, and half the margin with which the lists are made.
 const float BEYOND = 5e-4;
 
-// What lies ahead of p along d: its cell if it is in the grid, how far that, or the way to the
-// grid, reaches, and how far a place along d is within it for sure. What was asked of two places
-// within goes together; beyond, another list is asked.
+// The cell ahead of p along d if p is in the grid; the distance to its end, or to the grid (`reach`); and the
+// distance along d that is certainly still within it (`within`). Values at two places within `within` are of the
+// same surfaces; beyond it another list applies.
 bool cellAhead(vec3 p, vec3 d, out vec4 cell, out float reach, out float within) {
     vec3 inverse = safeInverse(d);
     vec3 over = BEYOND * uCellSize * abs(inverse);

@@ -3,14 +3,14 @@
 // along which cells have ends.
 
 // A line through a grid (Amanatides and Woo 1987). The line crosses face n of an axis at
-// n * between + offset metres: what is computed from a number does not drift as sums do.
+// n * between + offset metres: a product does not drift as sums do.
 struct GridLine {
     CELL_VECTOR offset;
     CELL_VECTOR between;
-    CELL_VECTOR ahead;   // 1 where it goes up along the axis: the face ahead of a cell is the next one
-    CELL_VECTOR onward;  // 1 where it goes up, else -1
-    CELL_VECTOR place;   // of its first cell
-    float enters;        // where it comes to what the cells hold, and leaves that
+    CELL_VECTOR ahead;   // 1 where the line goes up along the axis: the face ahead of a cell is the next one
+    CELL_VECTOR onward;  // 1 where the line goes up, else -1
+    CELL_VECTOR place;   // the first cell
+    float enters;        // metres along the line at which it enters and leaves the region of the cells
     float leaves;
 };
 
@@ -28,8 +28,8 @@ GridLine gridLine(CELL_VECTOR p, CELL_VECTOR d, CELL_VECTOR inverse, CELL_VECTOR
     return line;
 }
 
-// The cell behind the face that the line crosses next. One axis goes on in every turn, whatever a
-// driver's rounding says of faces that are as near.
+// The cell behind the face that the line crosses next. Every turn advances along at least one axis, however
+// a driver rounds faces that are equally near.
 CELL_VECTOR nextCell(CELL_VECTOR place, GridLine line, CELL_VECTOR faces) {
     return place + line.onward * atLeast(faces);
 }

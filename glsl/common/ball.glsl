@@ -1,5 +1,5 @@
-// Where a ray from outside meets a ball about the origin. The discriminant is taken from the
-// distance of the centre to the line, which does not cancel (Haines et al., Ray Tracing
+// Hit of a ray from outside with a ball about the origin. The discriminant is computed from the
+// distance of the centre to the line, which avoids cancellation (Haines et al., Ray Tracing
 // Gems, ch. 7).
 float hitBall(vec3 p, vec3 d, float squaredRadius) {
     float along = dot(p, d);

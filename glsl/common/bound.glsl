@@ -5,10 +5,10 @@
 // such a bound. The distance to a convex solid has bend 0 from outside, and its complement is
 // concave within: there a chord that ends in the air bounds it.
 
-const float NO_END = 1e20;   // beyond every length here, and no overflow where it is scaled
+const float NO_END = 1e20;   // beyond every length here, and does not overflow when scaled
 
-// How far along the line the bound is greater than 0, of a start that rounding may have put into
-// the solid.
+// Length along the line within which the bound is greater than 0, for a start that rounding may have put
+// into the solid.
 float freeAlong(vec4 bound, float errorBound) {
     if (bound.x < -errorBound) {
         return 0.0;
@@ -24,17 +24,17 @@ float freeAlong(vec4 bound, float errorBound) {
     return min(way, bound.w);
 }
 
-// What every field has: its value falls by no more than a metre a metre.
+// The bound of every field: its value falls by at most one metre per metre.
 vec4 plainAlong(float value) {
     return vec4(value, -1.0, 0.0, NO_END);
 }
 
-// A bound that reaches no further than the value alone is worth less than that.
+// Replaces a bound that reaches no further than the value alone.
 vec4 orPlain(vec4 bound, float errorBound) {
     return freeAlong(bound, errorBound) < bound.x ? plainAlong(bound.x) : bound;
 }
 
-// Of the lesser of two values: the lesser's as far as it stays below, or one below both.
+// Bound of the lesser of two values: that of the lesser while it stays below, or one below both.
 vec4 lowerAlong(vec4 a, vec4 b, float errorBound) {
     vec4 low = a.x < b.x ? a : b;
     vec4 high = a.x < b.x ? b : a;
@@ -45,12 +45,12 @@ vec4 lowerAlong(vec4 a, vec4 b, float errorBound) {
     return freeAlong(apart, errorBound) > freeAlong(below, errorBound) ? apart : below;
 }
 
-// Of the greater of two values: either's. The one that says more is taken.
+// Bound of the greater of two values: either is valid, and the longer one is taken.
 vec4 upperAlong(vec4 a, vec4 b, float errorBound) {
     return freeAlong(a, errorBound) >= freeAlong(b, errorBound) ? a : b;
 }
 
-// Of a value that is concave as far as a place in the air that is `way` ahead.
+// Bound of a value that is concave up to a place in the air `way` ahead.
 vec4 concaveAlong(float value, float way) {
     float end = max(way, 0.0);
     return vec4(value, -max(value, 0.0) / max(end, 1e-30), 0.0, end);

@@ -1,5 +1,5 @@
-// The part of a chord that is between the planes at -halfHeight and halfHeight; beside them the
-// chord ends before it begins.
+// Clips a chord to the slab between -halfHeight and halfHeight; where the line misses the slab the chord
+// ends before it begins.
 void clipToSlab(float y, float d, float halfHeight, inout float enter, inout float leave) {
     if (abs(d) > 1e-12) {
         float middle = -y / d;
@@ -11,8 +11,8 @@ void clipToSlab(float y, float d, float halfHeight, inout float enter, inout flo
     }
 }
 
-// A convex solid is met where the ray enters it, if it leaves it later and further ahead than
-// behind: a point that rounding put into it is on its way in, or on its way out.
+// A convex solid is met where the ray enters it, if the ray leaves it later and the exit is further ahead than
+// the entry is behind: a point that rounding put inside is either on its way in or on its way out.
 float hitChord(float enter, float leave, float errorBound) {
     float ahead = max(enter, 0.0);
     return leave > ahead + errorBound + ROUNDING * ahead && leave + enter > 0.0 ? ahead : NO_HIT;

@@ -1,5 +1,5 @@
-// The distance to a quarter plane, from the distances to its edges' lines; and what it takes
-// of the gradients of the two.
+// Distance to a quarter plane from the distances to the lines of its edges, and the weights of their two
+// gradients.
 float sdCorner(vec2 beyond) {
     return length(max(beyond, 0.0)) + min(max(beyond.x, beyond.y), 0.0);
 }

@@ -1,9 +1,9 @@
-// Cosine and sine that are as good on every driver: GLSL says nothing of how exact its own are.
+// Cosine and sine of the same accuracy on every driver: GLSL does not specify that of its own.
 //
-// Within an eighth of a turn to either side of 0 by the polynomials of Cephes (Moshier 1989, sinf.c
-// and cosf.c), which are right to a rounding there; further off by quarter turns.
+// Within an eighth of a turn either side of 0 by the polynomials of Cephes (Moshier 1989, sinf.c and
+// cosf.c), which are correct to a rounding there; other angles are reduced by quarter turns.
 
-// Of quarters quarter turns, a whole number, and an angle of at most an eighth of a turn, in
+// Cosine and sine of a whole number of quarter turns plus an angle of at most an eighth of a turn, in
 // radians.
 vec2 cosineSineNear(int quarters, float angle) {
     float z = angle * angle;
@@ -14,18 +14,18 @@ vec2 cosineSineNear(int quarters, float angle) {
     return (quarters & 2) != 0 ? -turned : turned;
 }
 
-// Of a share of a turn, 0 to 1. What is left after the quarters is exact.
+// From a share of a turn, 0 to 1. The remainder after the quarters is exact.
 vec2 cosineSineOfTurn(float share) {
     const float TWO_PI = 6.28318530718;
     float quarters = floor(4.0 * share + 0.5);
     return cosineSineNear(int(quarters), TWO_PI * (share - 0.25 * quarters));
 }
 
-// Of an angle in radians. A quarter turn is taken off in three parts, the first two of so few bits
-// that their multiples are exact (Cody and Waite 1980): right to a few roundings of the angle up to
-// 16384 quarters. Of greater angles the direction is lost in rounding, and the length stays 1.
+// From an angle in radians. A quarter turn is subtracted in three parts; the first two have so few bits
+// that their multiples are exact (Cody and Waite 1980), which is correct to a few roundings of the angle up to
+// 16384 quarters. For greater angles rounding destroys the direction, but the length stays 1.
 vec2 cosineSine(float angle) {
-    const float MOST_LEFT = 0.8;   // an eighth of a turn, 0.785, and roundings
+    const float MOST_LEFT = 0.8;   // an eighth of a turn, 0.785, plus roundings
     const float QUARTERS_A_RADIAN = 0.6366197723675814;
     const float FIRST = 1.5703125;
     const float SECOND = 4.837512969970703e-4;

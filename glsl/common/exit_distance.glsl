@@ -1,6 +1,6 @@
-// Where a line leaves a convex solid that it begins in, in metres.
+// Distance in metres at which a line leaves the convex solid that it begins in.
 
-// The greater root of a t^2 + 2 b t + c, whose a is not negative.
+// The greater root of a t^2 + 2 b t + c with non-negative a.
 float exitRoot(float a, float b, float c) {
     float root = sqrt(max(b * b - a * c, 0.0));
     if (b > 0.0) {

@@ -1,4 +1,4 @@
-// The least and the greatest component, and whose the least is.
+// The least and the greatest component, and the axis of the least.
 
 float least(float v) { return v; }
 float least(vec2 v) { return min(v.x, v.y); }
@@ -7,7 +7,7 @@ float greatest(float v) { return v; }
 float greatest(vec2 v) { return max(v.x, v.y); }
 float greatest(vec3 v) { return max(v.x, max(v.y, v.z)); }
 
-// 1 along the axis of the least component, the first of several; else 0.
+// 1 along the axis of the least component (the first of several), else 0.
 float atLeast(float v) { return 1.0; }
 vec2 atLeast(vec2 v) { return v.x <= v.y ? vec2(1.0, 0.0) : vec2(0.0, 1.0); }
 vec3 atLeast(vec3 v) {

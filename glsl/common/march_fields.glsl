@@ -1,40 +1,39 @@
-// Sphere tracing of fields: of the surfaces that have no closed form, or whose solid is not
-// convex, so that a tangent may overshoot.
+// Sphere tracing of fields: surfaces without a closed form, or whose solid is not convex, so that a
+// tangent may overshoot.
 //
-// Theory. fieldsAhead is never more than the distance (Hart 1996). Where it changes along the
-// ray by s a metre, a step of 2 f / (1 - s) is as long as two balls of no surface that touch;
-// if they turn out not to touch, the step is taken back to the first one's radius (Keinert et
-// al. 2014, "Enhanced sphere tracing"; Balint and Valasek 2018 for the step from the slope).
-// Next to a surface, and where a march takes long, each field's bound along the line takes over
-// (`along…` in glsl/shape/): it ends where a tangent or a parabola below the field's value meets 0, which is
-// far beyond the ball where the wave glances off, and never beyond a surface. No step is longer
-// than what is free of every field.
+// Theory. fieldsAhead never exceeds the distance (Hart 1996). Where it changes along the ray by s per
+// metre, a step of 2 f / (1 - s) ends where the free balls of both its ends just touch; if they turn out
+// not to touch, the step is taken back to the first ball's radius (Keinert et al. 2014, "Enhanced sphere
+// tracing"; Balint and Valasek 2018 for the step from the slope). Next to a surface, and in a long march,
+// each field's bound along the line takes over (`along…` in glsl/shape/): it ends where a tangent or a
+// parabola below the field's value meets 0, which is far beyond the ball where the wave glances off, and
+// never beyond a surface. No step is longer than the distance that is free of every field.
 
-uniform int uFieldSteps;   // evaluations in one march at the most
+uniform int uFieldSteps;   // maximum number of evaluations in one march
 
-const float NEAR = 64.0;      // roundings from the surface within which the bounds are asked
-const int PLAIN_STEPS = 12;   // steps in a row after which they are asked everywhere
-const float RELAXED = 0.95;   // of the step for which the balls would just touch
-const float PLACE = 0.25;     // of ROUNDING: what it does to a place, and to a distance from it
-const float SHALLOW = 64.0;   // roundings along the ray that the last step goes at the most
-const float FLAT = 0.0625;    // the slowest growth at which a value still tells a place
-const int LOOKS = 4;          // at a surface that is a rounding away
+const float NEAR = 64.0;      // roundings from the surface within which the bounds are evaluated
+const int PLAIN_STEPS = 12;   // steps in a row after which they are evaluated everywhere
+const float RELAXED = 0.95;   // share of the step for which the balls would just touch
+const float PLACE = 0.25;     // share of ROUNDING: its effect on a place, and on a distance from it
+const float SHALLOW = 64.0;   // maximum length of the last step, in roundings along the ray
+const float FLAT = 0.0625;    // the slowest growth at which a value still locates the surface
+const int LOOKS = 4;          // tries at a surface that is a rounding away
 
-// How far to go from a place with nothing within `ball`, or as far as `radius` ahead.
+// Step from a place that has no surface within `ball`, or none within `radius` ahead.
 float fieldStep(float radius, float ball, float slope, float reach, float within) {
     float relaxed = max(radius, RELAXED * 2.0 * ball / (1.0 - clamp(slope, -1.0, 0.9)));
-    // Beyond its cell nothing is known of what the ball holds, and the ball there knows nothing of
-    // what is here: no relaxed step goes there.
+    // The ball may contain surfaces of other cells, which this cell does not list, and a ball there would miss
+    // those of this one: no relaxed step leaves the cell.
     return relaxed < within ? relaxed : min(radius, reach);
 }
 
-// How far a wave gets along its direction before limit, or -1.
+// Distance that a wave flies along its direction before limit, or -1.
 float marchFields(vec3 origin, vec3 d, float last, float limit, out float object, out bool limitReached) {
     float t = 0.0;
-    float radius = 0.0;   // of the ball before, or how far else the way is free of surfaces
+    float radius = 0.0;   // radius of the previous ball, or a longer free distance
     float taken = 0.0;    // the step from there
     float before = 0.0;   // the value there
-    float air = -1.0;     // the last place in the air, once there was one
+    float air = -1.0;     // the last place in the air, if any
     float solid = -1.0;   // a place in a solid beyond it
     int looks = LOOKS;
     limitReached = false;
@@ -48,8 +47,8 @@ float marchFields(vec3 origin, vec3 d, float last, float limit, out float object
         float slope;
         float rounding;
         bool near;
-        // By the value alone, until next to a surface. (Waves that are drawn together stay
-        // together: none of them asks for more while another still comes by with less.)
+        // By the value alone, until next to a surface. (Waves that are drawn together stay together: none
+        // evaluates more while another still needs only the value.)
         for (int plain = 0; ; ++plain) {
             p = origin + t * d;
             f = fieldsAhead(p, d, last, object, reach, within);
@@ -85,10 +84,10 @@ float marchFields(vec3 origin, vec3 d, float last, float limit, out float object
             vec3 gradient = fieldGradient(p, object, errorBound);
             float closing = -dot(d, gradient);
             rounding = max(rounding, PLACE * errorBound);
-            // Where the value grows slowly, less of it is as far away.
+            // A value that grows slowly is smaller at the same distance.
             float touch = rounding * clamp(length(gradient), FLAT, 1.0);
-            // It went in on the way here, whatever gradients say (they are coarse at edges):
-            // from now on the way is halved.
+            // The wave entered the solid on the way here, whatever gradients say (they are coarse at edges):
+            // from now on the interval is bisected.
             solid = f < -4.0 * touch && air >= 0.0 ? t : solid;
             if (solid >= 0.0) {
                 solid = f <= 0.0 ? t : solid;
@@ -101,7 +100,7 @@ float marchFields(vec3 origin, vec3 d, float last, float limit, out float object
                 continue;
             }
             if (closing > 0.0 && f <= touch) {
-                // Beyond an edge that is closer than that there may be air: the march ends in the solid.
+                // Beyond a very near edge there may be air: the march ends in the solid.
                 if (f <= 0.0 || (looks == 0 && f <= SHALLOW * rounding * closing)) {
                     t = max(t + clamp(f / closing, -SHALLOW * rounding, SHALLOW * rounding), 0.0);
                     return t < limit ? t : -1.0;
@@ -111,7 +110,7 @@ float marchFields(vec3 origin, vec3 d, float last, float limit, out float object
                 looks = LOOKS;
             }
             slope = -closing;
-            // Whatever rounding says, the march goes on.
+            // The march always advances, whatever the rounding.
             ball = max(abs(f), rounding);
             radius = ball;
         }

@@ -1,2 +1,2 @@
-// "Met nothing" as a distance along a ray, in metres: beyond every other number here.
+// "No hit" as a distance along a ray, in metres: greater than every other number here.
 const float NO_HIT = 1e30;

@@ -1,4 +1,4 @@
-// What all quadrics share.
+// Functions that all quadrics share.
 
 // A lower bound of the distance to the surface where a quadratic function vanishes, from its
 // value, the length g of its gradient and the norm of its form: |value| <= g r + norm r^2,
@@ -7,7 +7,7 @@ float quadricDistance(float value, float g, float norm) {
     return 2.0 * value / max(g + sqrt(g * g + 4.0 * norm * abs(value)), 1e-30);
 }
 
-// Its gradient, from that of the function and the form times that.
+// The gradient of this bound, from that of the function and the form times that.
 vec4 quadricGradient(float value, vec3 gradient, vec3 formGradient, float norm) {
     float g = length(gradient);
     float off = quadricDistance(value, g, norm);
@@ -15,9 +15,9 @@ vec4 quadricGradient(float value, vec3 gradient, vec3 formGradient, float norm) 
     return vec4(growth / max(2.0 * norm * abs(off) + g, 1e-30), off);
 }
 
-// Where a t^2 + 2 b t + c goes from positive to negative, or NO_HIT: at its one root with
-// negative growth, which is never the one that a wave leaves. Of the two ways to write that
-// root the one that does not cancel is taken. It may lie behind.
+// The t at which a t^2 + 2 b t + c goes from positive to negative, or NO_HIT: its one root with
+// negative growth, which is never the one that a wave leaves. The form of that root without
+// cancellation is used. It may lie behind.
 float fallingRoot(float a, float b, float c) {
     float under = b * b - a * c;
     if (under <= 0.0) {
@@ -30,14 +30,14 @@ float fallingRoot(float a, float b, float c) {
     return a != 0.0 ? (b + root) / -a : NO_HIT;
 }
 
-// The way from p along d to where p is nearest to the origin: from there the numbers above are
-// small, however far away p is, and their difference keeps its digits.
+// The distance from p along d to the point nearest to the origin: measured from there the numbers above
+// are small, however far away p is, and their difference keeps its digits.
 float wayToOrigin(vec3 p, vec3 d) {
     return max(-dot(p, d), 0.0);
 }
 
-// A root that was counted from that place. One behind the start is none, but for a start that
-// rounding put into the solid (value) and that goes further in (growth).
+// A root measured from that point. A root behind the start does not count, unless rounding put the start
+// into the solid (value) and the ray goes further in (growth).
 float rootFrom(float way, float root, float value, float growth) {
     float t = way + root;
     if (t >= 0.0) {
@@ -46,15 +46,15 @@ float rootFrom(float way, float root, float value, float growth) {
     return value < 0.0 && growth < 0.0 ? 0.0 : NO_HIT;
 }
 
-// A quadric's value r = 2 F / (g + sqrt(g^2 + 4 norm |F|)) solves r g + norm r |r| = F. Derived
-// twice along a line, with |F'| <= g, |g'| <= 2 norm, |g''| <= 4 norm^2 / g, |F''| <= 2 norm and
-// |r'| <= 1, that gives |r''| <= 10 norm / g. Over g / (4 norm) metres g stays above its half.
+// A quadric's value r = 2 F / (g + sqrt(g^2 + 4 norm |F|)) solves r g + norm r |r| = F. Its second derivative
+// along a line, with |F'| <= g, |g'| <= 2 norm, |g''| <= 4 norm^2 / g, |F''| <= 2 norm and |r'| <= 1, is
+// bounded by |r''| <= 10 norm / g. Over g / (4 norm) metres g stays above half its value.
 vec4 quadricAlong(float side, vec4 gradient, vec3 d, float g, float norm) {
     float bend = 20.0 * norm / max(g, 1e-30);
     return vec4(side * gradient.w, side * dot(gradient.xyz, d), bend, g / max(4.0 * norm, 1e-30));
 }
 
-// Of diagonal . p^2 + constant, an ellipsoid or a hyperboloid about the origin: a bound of the
+// For diagonal . p^2 + constant, an ellipsoid or a hyperboloid about the origin: a bound of the
 // distance, exact to first order.
 float centredQuadricDistance(vec3 p, vec3 diagonal, float constant, float norm) {
     vec3 form = diagonal * p;
@@ -66,7 +66,7 @@ vec4 centredQuadricGradient(vec3 p, vec3 diagonal, float constant, float norm) {
     return quadricGradient(dot(p, form) + constant, 2.0 * form, 2.0 * diagonal * form, norm);
 }
 
-// Where a ray from the air (inside for sign -1) meets diagonal . p^2 + constant = 0.
+// Hit of a ray from the air (inside for sign -1) with diagonal . p^2 + constant = 0.
 float centredQuadricHit(vec3 p, vec3 d, float sign, vec3 diagonal, float constant) {
     float way = wayToOrigin(p, d);
     vec3 q = p + way * d;

@@ -1,10 +1,10 @@
-// Reflection at a face of a box along the axes of the coordinates, met t ahead: p, from where the
-// wave flies along d, becomes the point on the face, and d is mirrored. From inside (side 1) the
-// face is the one whose plane the line crosses first of the three ahead, from outside (side -1)
-// the one whose plane it crosses last of the three that look against it.
+// Reflection at a face of an axis-aligned box, met t ahead: p, from where the wave flies along d, becomes
+// the point on the face, and d is mirrored. From inside (side 1) the face is the first of the three ahead
+// whose plane the line crosses, from outside (side -1) the last of the three facing the wave whose plane
+// it crosses.
 //
-// The mirrored direction is an exact change of sign. A component of 0 becomes tiny: a wave in the
-// plane of a wall along which it flies meets the wall once, and then leaves it.
+// The mirrored direction is an exact change of sign. A component of 0 becomes tiny: a wave that flies in
+// the plane of a wall meets the wall once, and then leaves it.
 void reflectAtFace(inout vec3 p, inout vec3 d, float t, vec3 centre, vec3 halfSize, float side) {
     vec3 heading = headingSigns(d);
     vec3 extent = side * halfSize;

@@ -1,6 +1,6 @@
-// What rounding may do to a distance, in metres: some units in the last place of the
-// largest number that went into it, be it the wave's position or the surface's own place
-// and size (its error bound).
+// Possible rounding error of a distance, in metres: some units in the last place of the largest number
+// that entered it, either the wave's position or the surface's own position and size (its error
+// bound).
 
 const float ROUNDING = 9.5367432e-7;   // 8 * 2^-23
 
@@ -13,7 +13,7 @@ float roundingAt(vec3 p, float errorBound) {
     return max(errorBound, ROUNDING * largest(p));
 }
 
-// The error bound of a ball or a cylinder, from its place and radius.
+// The error bound of a ball or a cylinder, from its position and radius.
 float roundErrorBound(vec4 placeAndRadius) {
     return ROUNDING * (largest(placeAndRadius.xyz) + placeAndRadius.w);
 }

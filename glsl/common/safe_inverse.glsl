@@ -1,16 +1,16 @@
-// The sign of each component of a direction: -1, or 1 for none.
+// The sign of each component of a direction: -1, or 1 for 0 and above.
 vec3 headingSigns(vec3 d) {
     return vec3(d.x < 0.0 ? -1.0 : 1.0, d.y < 0.0 ? -1.0 : 1.0, d.z < 0.0 ? -1.0 : 1.0);
 }
 
-// Components of 0 are taken as a tiny number: what is divided by it lies far behind or far ahead,
-// and nothing becomes a NaN.
+// Replaces components of 0 by a tiny number: a quotient then lies far behind or far ahead, and is never
+// a NaN.
 vec3 notZero(vec3 sizes) {
     const float TINY = 1e-20;
     return max(sizes, TINY);
 }
 
-// How many metres of a line are a metre along each axis.
+// Metres along a line for one metre along each axis.
 vec3 inverseSpeeds(vec3 d) {
     return 1.0 / notZero(abs(d));
 }

@@ -1,5 +1,5 @@
-// The scene's data: a list of vectors. In OpenGL a buffer of texels: nothing but the index is to be
-// found of them. ES 3.0 has none: there they are in rows of 1024.
+// The scene's data: a list of vectors. In OpenGL a buffer of texels, addressed by the index alone; ES 3.0
+// has none, and the data are rows of 1024 texels of a texture.
 #ifdef GL_ES
 uniform highp sampler2D uSceneData;
 #else

@@ -1,5 +1,5 @@
-// The point turned back about z by rate radians a metre of x, so that what it is asked of is
-// turned right-handedly; held at the greatest radius.
+// The point turned back about z by rate radians per metre of x, so that the shape evaluated there is turned
+// right-handedly; clamped to the greatest radius.
 vec3 bend(vec3 p, float rate, float most, out float beyond) {
     float radius = length(p.xy);
     beyond = max(radius - most, 0.0);
@@ -16,7 +16,7 @@ vec4 unbend(vec4 g, vec3 p, vec3 q, float rate, float beyond, float lipschitz) {
     float turning = rate * (q.y * g.x - q.x * g.y);
     vec4 held = vec4(turn.x * g.x - turn.y * g.y + turning, turn.y * g.x + turn.x * g.y, g.z, g.w);
     if (beyond > 0.0) {
-        // What is held changes around the axis and along it, not away from it.
+        // The clamped point changes around the axis and along it, not away from it.
         vec2 outward = p.xy / radius;
         float value = max(g.w, 0.0);
         float far = beyondTurning(g.w, beyond, lipschitz);

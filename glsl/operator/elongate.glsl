@@ -1,9 +1,9 @@
-// What is left of the speed d of a coordinate q that is cut out between -by and by.
+// Speed of a coordinate q after the part between -by and by is cut out; its own speed is d.
 float cutSpeed(float q, float d, float by) {
     return by == 0.0 || abs(q) > by || (abs(q) == by && q * d > 0.0) ? d : 0.0;
 }
 
-// How far that goes on before the border of what is cut out.
+// Distance over which that speed holds, to the border of the part cut out.
 float cutReach(float q, float d, float by) {
     float side = d < 0.0 ? -by : by;
     float toFar = (side - q) / d;

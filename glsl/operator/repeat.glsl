@@ -1,18 +1,18 @@
-// A coordinate relative to one of the copies along an axis, which are numbered first to last:
-// the one whose cell it lies in, moved on by a step and held.
+// A coordinate relative to one of the copies along an axis, which are numbered first to last: the copy
+// in whose cell it lies, moved on by a step and clamped.
 float repeatCopy(float q, float period, float first, float last, float step_) {
     float own = clamp(floor(q / period + 0.5), first, last);
     return q - period * clamp(own + step_, first, last);
 }
 
-// Towards the nearer of the neighbouring cells.
+// The direction of the nearer neighbouring cell.
 float repeatSide(float q, float period, float first, float last) {
     return q >= period * clamp(floor(q / period + 0.5), first, last) ? 1.0 : -1.0;
 }
 
-// What the value of a repeated bound is held at, so that it does not jump where another copy is
-// evaluated: near among the copies; beyond the box about all of them the way to it, divided by
-// how slow the value may be.
+// Lower limit of the value of a repeated bound, so that it does not jump where another copy is evaluated:
+// near among the copies; beyond the box around all of them the distance to that box, divided by the value's
+// least growth.
 float sdRepeatCap(vec3 p, vec3 halfSize, float near, float inverse) {
     vec3 beyond = abs(p) - halfSize;
     return max(near, inverse * max(beyond.x, max(beyond.y, beyond.z)));
@@ -30,7 +30,7 @@ vec4 gdRepeatCap(vec3 p, vec3 halfSize, float near, float inverse) {
     return inverse * vec4(side * axis, most);
 }
 
-// How far a coordinate q goes on in the cell of its copy; the first and the last have no end.
+// Distance over which a coordinate q stays in the cell of its copy; the first and last cells have no end.
 float copyReach(float q, float d, float period, float first, float last) {
     float own = clamp(floor(q / period + 0.5), first, last);
     if (d == 0.0 || (d > 0.0 ? own >= last : own <= first)) {
@@ -41,34 +41,34 @@ float copyReach(float q, float d, float period, float first, float last) {
 
 // A line past repeated copies that keep apart, each within a box about its middle.
 //
-// Theory. Cell by cell (Amanatides and Woo 1987) a line is taken past every copy. Here it is
-// taken from box to box: along each axis the traversal knows the next copy that the line is level
-// with, where it comes level with its box, and where it leaves that. Where the line is level with
-// a box along all three axes, it comes into it; else every axis whose box ends before that goes on
-// to the copy that is there, however many lie between. So a line that flies between two layers of
-// copies is at their next crossing in one turn.
+// Theory. The usual cell by cell traversal (Amanatides and Woo 1987) takes a line past every copy. This one
+// goes from box to box: along each axis it keeps the next copy whose box the line will be level with, and
+// the distances at which the line enters and leaves that level. Where the line is level with a box along all
+// three axes, it enters the box; otherwise every axis whose box ends first advances to the copy at that
+// place, however many copies lie between. So a line between two layers of copies reaches their next
+// crossing in one turn.
 //
-// Every axis is seen in the direction of the line: numbers and places are mirrored where the line
-// goes down it. Numbers are whole, and exact in a float up to 2^24; boxes are grown by what
-// rounding may do to places there, so that none is passed by.
+// Every axis is seen in the direction of the line: numbers and places are mirrored where the line goes
+// down it. Numbers are whole, and exact in a float up to 2^24; boxes are enlarged by the possible rounding
+// of places there, so that no box is missed.
 
 struct CopyTraversal {
     vec3 side;      // 1, or -1 where the line goes down an axis
-    vec3 start;     // of the line, metres
-    vec3 speed;     // metres along each axis a metre of the line
+    vec3 start;     // start of the line, metres
+    vec3 speed;     // metres along each axis per metre of the line
     vec3 inverse;   // 1 / speed
-    vec3 period;    // from one copy to the next, metres; anything along an axis without repetition
-    vec3 front;     // of the box about a copy's middle: where the line comes level with it
-    vec3 back;      // where it leaves that
+    vec3 period;    // from one copy to the next, metres; arbitrary along an axis without repetition
+    vec3 front;     // of the box about a copy's middle: where the line becomes level with it
+    vec3 back;      // where the line leaves that level
     vec3 last;      // the number of the last copy
-    float errorBound;    // what rounding may do to the start, metres
-    vec3 copy;      // the copies whose boxes it is level with next
-    vec3 met;       // the copy whose box it has come into, numbered along the axes
-    float at;       // where, metres along the line
-    bool ended;     // whether there are no more
+    float errorBound;    // possible rounding error of the start, metres
+    vec3 copy;      // the copies whose boxes the line is level with next
+    vec3 met;       // the copy whose box the line has entered, numbered along the axes
+    float at;       // metres along the line at which it entered
+    bool ended;     // whether all copies are behind
 };
 
-// What rounding may do to places that far away.
+// Possible rounding errors of places at that distance.
 vec3 copyErrorBound(CopyTraversal traversal, vec3 place) {
     return traversal.errorBound + ROUNDING * (abs(traversal.start) + abs(place));
 }
@@ -79,8 +79,8 @@ vec3 copiesAhead(CopyTraversal traversal, float way) {
     return ceil((place - traversal.back - copyErrorBound(traversal, place)) / traversal.period);
 }
 
-// The traversal of the line q + t d past copies from number first to number last in their boxes from
-// least to most.
+// The traversal of the line q + t d past copies from number first to number last, in boxes from least to
+// most.
 CopyTraversal traverseCopies(vec3 q, vec3 d, float errorBound, vec3 period, vec3 least, vec3 most, vec3 first, vec3 last) {
     CopyTraversal traversal;
     traversal.inverse = safeInverse(d);
@@ -102,8 +102,8 @@ CopyTraversal traverseCopies(vec3 q, vec3 d, float errorBound, vec3 period, vec3
     return traversal;
 }
 
-// On to where the line is next level with boxes along all axes, or may be: whether it comes into the
-// box of the copy traversal.met there.
+// Advances to the next place where the line may be level with boxes along all axes. Returns whether it
+// enters the box of the copy traversal.met there.
 bool comesIntoBox(inout CopyTraversal traversal, float limit) {
     vec3 middle = traversal.period * traversal.copy;
     vec3 errorBound = copyErrorBound(traversal, middle);
@@ -115,15 +115,15 @@ bool comesIntoBox(inout CopyTraversal traversal, float limit) {
     traversal.ended = traversal.at >= limit || any(greaterThan(traversal.copy, traversal.last));
     float way = max(traversal.at, leave);
     vec3 next = max(traversal.copy + 1.0, copiesAhead(traversal, way));
-    // One axis goes on at the least, whatever a driver's rounding makes of the comparison.
+    // At least one axis advances, however a driver rounds the comparison.
     bvec3 first = greaterThan(atLeast(leaves), vec3(0.0));
     bvec3 left = bvec3(first.x || leaves.x <= way, first.y || leaves.y <= way, first.z || leaves.z <= way);
     traversal.copy = vec3(left.x ? next.x : traversal.copy.x, left.y ? next.y : traversal.copy.y, left.z ? next.z : traversal.copy.z);
     return traversal.at <= leave && !traversal.ended;
 }
 
-// One turn: whether the line comes into a box. False where there are no more before limit. Most
-// boxes are found within three tries, and turns are what a loop has few of.
+// One turn: sets whether the line enters a box. Returns false if no copies are left before limit. Most
+// boxes are found within three tries, and a loop has few turns.
 bool nextCopy(inout CopyTraversal traversal, float limit, out bool comes) {
     comes = comesIntoBox(traversal, limit);
     if (!comes && !traversal.ended) {
@@ -137,7 +137,7 @@ bool nextCopy(inout CopyTraversal traversal, float limit, out bool comes) {
 
 const int LEAPS = 4;   // turns of a traversal of copies that a bound is worth
 
-// How far a line is free of the boxes of all copies, as far as so many turns tell.
+// Distance over which a line is free of the boxes of all copies, found within LEAPS turns.
 float freeOfCopies(CopyTraversal traversal) {
     bool comes = false;
     for (int i = 0; i < LEAPS && !comes; ++i) {
@@ -148,14 +148,14 @@ float freeOfCopies(CopyTraversal traversal) {
     return traversal.at;
 }
 
-// "The step limit was reached": nothing is known of what the line intersects. Less than every hit.
+// "The step limit was reached": the first hit is unknown. Less than every hit.
 const float GIVEN_UP = -1.0;
 
-uniform int uCopySteps;   // turns of all traversals of long rows of copies in one flight at the most
+uniform int uCopySteps;   // maximum turns of all traversals of long rows of copies in one flight
 
-int copySteps;   // turns that are left of these
+int copySteps;   // turns left of these
 
-// Takes one of them. False where none is left.
+// Uses up one of them. Returns whether there was one.
 bool takeCopyStep() {
     --copySteps;
     return copySteps >= 0;

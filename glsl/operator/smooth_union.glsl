@@ -11,8 +11,8 @@ vec4 opSmoothUnion(vec4 a, vec4 b, float radius) {
     return vec4(gradient, min(a.w, b.w) - 0.25 * blend * blend / radius);
 }
 
-// Of the smooth union of two values: the blend's own second derivative is at least -(a' - b')^2
-// / (2 radius), and both grow by no more than a metre a metre as far as the bounds say so.
+// Bound of the smooth union of two values: the blend's own second derivative is at least -(a' - b')^2
+// / (2 radius), and both values grow by at most one metre per metre while their bounds hold.
 vec4 blendAlong(vec4 a, vec4 b, float radius) {
     float blend = max(radius - abs(a.x - b.x), 0.0);
     float share = 0.5 * blend / radius;
@@ -22,7 +22,7 @@ vec4 blendAlong(vec4 a, vec4 b, float radius) {
     return vec4(min(a.x, b.x) - 0.25 * blend * blend / radius, slope, max(a.z, b.z) + 2.0 / radius, reach);
 }
 
-// Of its complement, from those of the complements: a smooth maximum, which bends upwards.
+// Bound of its complement, from those of the complements: a smooth maximum, which bends upwards.
 vec4 blendSolidAlong(vec4 a, vec4 b, float radius) {
     float blend = max(radius - abs(a.x - b.x), 0.0);
     float share = 0.5 * blend / radius;

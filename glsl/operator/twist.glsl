@@ -1,5 +1,5 @@
-// The point turned back about y by rate radians a metre of y, so that what it is asked of is
-// turned right-handedly; held at the greatest radius.
+// The point turned back about y by rate radians per metre of y, so that the shape evaluated there is turned
+// right-handedly; clamped to the greatest radius.
 vec3 twist(vec3 p, float rate, float most, out float beyond) {
     float radius = length(p.xz);
     beyond = max(radius - most, 0.0);
@@ -14,7 +14,7 @@ vec4 untwist(vec4 g, vec3 p, vec3 q, float rate, float beyond, float lipschitz) 
     float turning = rate * (q.x * g.z - q.z * g.x);
     vec4 held = vec4(turn.x * g.x + turn.y * g.z, g.y + turning, turn.x * g.z - turn.y * g.x, g.w);
     if (beyond > 0.0) {
-        // What is held changes around the axis and along it, not away from it.
+        // The clamped point changes around the axis and along it, not away from it.
         float radius = length(p.xz);
         vec2 outward = p.xz / radius;
         float value = max(g.w, 0.0);

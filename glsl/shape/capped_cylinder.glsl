@@ -1,6 +1,6 @@
-// A cylinder about y that ends.
+// A finite cylinder about y.
 
-// A cylinder about y that ends. Exact.
+// A finite cylinder about y. Exact.
 float sdCappedCylinder(vec3 p, float radius, float halfHeight) {
     return sdCorner(vec2(length(p.xz) - radius, abs(p.y) - halfHeight));
 }
@@ -13,8 +13,8 @@ vec4 gdCappedCylinder(vec3 p, float radius, float halfHeight) {
     return vec4(outward.x, p.y < 0.0 ? -shares.y : shares.y, outward.y, sdCorner(beyond));
 }
 
-// Where a ray intersects a cylinder about y that ends: what it shares of the endless cylinder and
-// of the slab.
+// Hit of a ray with a finite cylinder about y: the common part of its chords through the endless
+// cylinder and the slab.
 float hitCappedCylinder(vec3 p, vec3 d, float radius, float halfHeight, float errorBound) {
     float speed = length(d.xz);
     float enter = -NO_HIT;

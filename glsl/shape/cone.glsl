@@ -1,6 +1,6 @@
-// A cone about y that ends.
+// A finite cone about y.
 
-// A cone about y: base at -halfHeight, tip at halfHeight. Exact: the nearest point of its
+// A cone about y: base at -halfHeight, tip at halfHeight. Exact: from the nearest point of its
 // side or of its base, in the half plane through the axis.
 vec2 fromCone(vec2 q, float radius, float halfHeight, out float side) {
     vec2 rim = vec2(radius, -halfHeight);
@@ -17,8 +17,8 @@ float sdCone(vec3 p, float radius, float halfHeight) {
     return side * length(q);
 }
 
-// Its normal is that of the region that the point lies in, which rounding cannot turn next to the
-// surface: the way from the nearest point is taken only beyond the tip and the rim.
+// The normal is that of the region in which the point lies, which rounding cannot turn next to the surface;
+// the direction from the nearest point is used only beyond the tip and the rim.
 vec4 gdCone(vec3 p, float radius, float halfHeight) {
     float side;
     float apart = length(p.xz);
@@ -44,8 +44,8 @@ vec4 gdCone(vec3 p, float radius, float halfHeight) {
     return vec4(outward.x, normal.y, outward.y, side * off);
 }
 
-// Where a ray intersects a cone about y that ends: its side is a quadric of which the part between
-// tip and base counts, its base a disc.
+// Hit of a ray with a finite cone about y: its side is the part of a quadric between tip and base, its base
+// a disc.
 float hitCone(vec3 p, vec3 d, float radius, float halfHeight, float errorBound) {
     float nearest = NO_HIT;
     float below = -halfHeight - p.y;
@@ -69,7 +69,7 @@ float hitCone(vec3 p, vec3 d, float radius, float halfHeight, float errorBound) 
         dot(q.xz, q.xz) - narrowing * aside * aside);
     float b = dot(p.xz, d.xz) - narrowing * tip * d.y;
     float c = dot(p.xz, p.xz) - narrowing * tip * tip;
-    // A wave that leaves the base is inside of the side's cone, and not on its way into it.
+    // A wave that leaves the base is inside the side's cone, and not on its way into it.
     float beyond = length(p.xz) + slope * tip;
     if (b < 0.0 && beyond < -2.0 * errorBound * (1.0 + slope)) {
         return nearest;
@@ -79,7 +79,7 @@ float hitCone(vec3 p, vec3 d, float radius, float halfHeight, float errorBound) 
     return t < nearest && abs(y) <= halfHeight ? t : nearest;
 }
 
-// The side is met where slope * (way down from the tip) = distance from the axis.
+// The side is met where slope * (distance down from the tip) = distance from the axis.
 float exitCone(vec3 p, vec3 d, float radius, float halfHeight) {
     float slope = radius / (2.0 * halfHeight);
     float down = slope * (halfHeight - p.y);

@@ -16,14 +16,14 @@ vec4 gdCylinder(vec3 p, float radius) {
     return vec4(outward.x, 0.0, outward.y, apart - radius);
 }
 
-// Where a ray from outside meets the endless cylinder about y: the circle in the plane.
+// Hit of a ray from outside with the endless cylinder about y: a circle in the plane.
 float hitCircle(vec3 p, vec3 d, float squaredRadius) {
     vec3 heading = planeHeading(d);
     return enterCircle(p.xz, heading.xy, heading.z, squaredRadius);
 }
 
-// The direction of a line in the plane of x and z, and its length a metre there. A line that is
-// parallel to the axis for all that matters has the direction 0, and meets no circle.
+// The direction of a line in the plane of x and z, and its length there per metre. A line that is practically
+// parallel to the axis has the direction 0, and meets no circle.
 vec3 planeHeading(vec3 d) {
     const float SLOWEST = 1e-12;
     float speed = length(d.xz);
@@ -43,14 +43,14 @@ float hitCylinder(vec3 p, vec3 d, float radius) {
     return hitCircle(p, d, radius * radius);
 }
 
-// Puts a point that is met onto the cylinder, and says the normal there.
+// Puts a hit point onto the cylinder, and returns the normal there.
 void projectCylinder(inout vec3 p, float radius, out vec3 normal) {
     vec2 outward = normalize(p.xz);
     normal = vec3(outward.x, 0.0, outward.y);
     p.xz = normal.xz * radius;
 }
 
-// Distance to a cylinder that a wave along d can still meet: one that it recedes from is never met.
+// Distance to a cylinder that a wave along d can still meet: a wave that moves away never meets it.
 float sdCylinderDirected(vec3 p, vec3 d, float radius) {
     const float NEVER = 1e30;
     return dot(p.xz, d.xz) >= 0.0 ? NEVER : length(p.xz) - radius;

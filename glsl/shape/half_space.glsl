@@ -9,7 +9,7 @@ vec4 gdHalfSpace(vec3 p, vec3 normal, float offset) {
     return vec4(normal, sdHalfSpace(p, normal, offset));
 }
 
-// Where a ray from the air meets a half-space.
+// Hit of a ray from the air with a half-space.
 float hitHalfSpace(vec3 p, vec3 d, vec3 normal, float offset, float errorBound) {
     float closing = -dot(normal, d);
     return closing > 0.0 ? max((dot(normal, p) - offset) / closing, 0.0) : NO_HIT;

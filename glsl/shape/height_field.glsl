@@ -1,13 +1,13 @@
 // Ground under an image of heights.
 
-// Ground under an image of heights, within a box. The image lies in the scene's data: its
-// pixels from first on, row by row, size.x of them in a row. Between pixels it is bilinear.
-// The height above the ground is divided by the greatest growth there is: a bound.
+// Ground under an image of heights, within a box. The image is in the scene's data: pixels from `first` on,
+// row by row, size.x in each row, interpolated bilinearly. The height above the ground is divided by the
+// greatest growth possible: a bound.
 vec3 groundAt(vec3 p, vec3 halfSize, int first, ivec2 size) {
     vec2 cells = vec2(size - 1);
     vec2 place = clamp((p.xz / (2.0 * halfSize.xz) + 0.5) * cells, vec2(0.0), cells);
     vec2 cell = min(floor(place), cells - 1.0);
-    // From the cell's own corner: a share of the whole image has lost the digits.
+    // Relative to the cell's own corner: a share of the whole image has lost digits.
     vec2 metres = 2.0 * halfSize.xz / cells;
     vec2 within = clamp((p.xz - (cell * metres - halfSize.xz)) / metres, 0.0, 1.0);
     int at = first + int(cell.y) * size.x + int(cell.x);
@@ -34,19 +34,19 @@ vec4 gdHeightField(vec3 p, vec3 halfSize, float inverseGrowth, int first, ivec2 
     if (outside > above) {
         return vec4(gradientBox(p, halfSize), outside);
     }
-    // Held at the box, the ground does not change beyond it.
+    // The ground is constant beyond the box.
     vec3 growth = vec3(-ground.x, 1.0, -ground.y) * step(abs(p), halfSize);
     return vec4(growth * inverseGrowth, above);
 }
 
-// Over one cell of its image the height above the ground is a quadratic function along a line.
-// Beyond its box the ground is held at the edge: there the box alone counts.
+// Over one cell of its image the height above the ground is a quadratic function along a line. Beyond its
+// box the ground is constant: there the box alone counts.
 vec4 aboveGroundAlong(float side, vec3 p, vec3 d, vec3 halfSize, float inverseGrowth, int first, ivec2 size, float errorBound) {
     vec3 held = clamp(p, -halfSize, halfSize);
     vec2 cells = vec2(size - 1);
     vec2 metres = 2.0 * halfSize.xz / cells;
     vec2 place = clamp((held.xz / (2.0 * halfSize.xz) + 0.5) * cells, vec2(0.0), cells);
-    // On the border of two cells the one ahead.
+    // On the border of two cells the one ahead is used.
     vec2 cell = vec2(d.x < 0.0 ? ceil(place.x) - 1.0 : floor(place.x), d.z < 0.0 ? ceil(place.y) - 1.0 : floor(place.y));
     cell = clamp(cell, vec2(0.0), cells - 1.0);
     int at = first + int(cell.y) * size.x + int(cell.x);

@@ -14,7 +14,7 @@ vec4 gdParaboloid(vec3 p, vec3 diagonal, float constant, float norm) {
     return quadricGradient(dot(p, form) - p.y, gradient, diagonal * gradient, norm);
 }
 
-// Where a ray from the air (inside for sign -1) meets diagonal . p^2 - y = 0.
+// Hit of a ray from the air (inside for sign -1) with diagonal . p^2 - y = 0.
 float hitParaboloid(vec3 p, vec3 d, float sign, vec3 diagonal, float constant) {
     float way = wayToOrigin(p, d);
     vec3 q = p + way * d;

@@ -13,18 +13,18 @@ vec4 gdPlane(vec3 p) {
     return vec4(0.0, 1.0, 0.0, p.y);
 }
 
-// Where a ray from p along the unit vector d meets the plane y = 0 from above.
+// Hit of a ray from p along the unit vector d with the plane y = 0, from above.
 float hitPlane(vec3 p, vec3 d) {
     return d.y < 0.0 ? max(p.y / -d.y, 0.0) : NO_HIT;
 }
 
-// Puts a point that is met onto the plane, and says the normal there.
+// Puts a hit point onto the plane, and returns the normal there.
 void projectPlane(inout vec3 p, out vec3 normal) {
     p.y = 0.0;
     normal = vec3(0.0, 1.0, 0.0);
 }
 
-// Distance to the plane if a wave along d can still meet it: one that it recedes from is never met.
+// Distance to the plane if a wave along d can still meet it: a wave that moves away never does.
 float sdPlaneDirected(vec3 p, vec3 d) {
     const float NEVER = 1e30;
     return d.y >= 0.0 ? NEVER : p.y;

@@ -1,6 +1,6 @@
 // A triangle, extruded.
 
-// A triangle a b c of positive sense in the xy plane, extruded along z. Exact.
+// A triangle a b c of positive orientation in the xy plane, extruded along z. Exact.
 bool isBeside(vec2 p, vec2 a, vec2 b) {
     return dot(p - a, b - a) >= 0.0 && dot(p - b, b - a) <= 0.0;
 }
@@ -18,7 +18,7 @@ vec3 triangleDistance(vec2 p, vec2 a, vec2 b, vec2 c) {
     if (most <= 0.0) {
         return vec3(face, most);
     }
-    // Beside an edge its normal is the way, which rounding cannot turn next to the surface.
+    // Beside an edge the direction is the edge's normal, which rounding cannot turn next to the surface.
     if (beyond.x > 0.0 && isBeside(p, a, b)) {
         return vec3(outAb, beyond.x);
     }
@@ -46,8 +46,8 @@ vec4 gdPrism(vec3 p, vec2 a, vec2 b, vec2 c, float halfDepth) {
     return vec4(shares.x * triangle.xy, p.z < 0.0 ? -shares.y : shares.y, sdCorner(beyond));
 }
 
-// The part of a chord that is behind the plane of an edge; beside it the chord ends before it
-// begins.
+// Clips a chord to the part behind the plane of an edge; a line beside it gets a chord that ends before
+// it begins.
 void clipToEdge(vec2 p, vec2 d, vec2 from, vec2 to, inout float enter, inout float leave) {
     vec2 outward = normalize(vec2(to.y - from.y, from.x - to.x));
     float beyond = dot(outward, p - from);
@@ -61,8 +61,8 @@ void clipToEdge(vec2 p, vec2 d, vec2 from, vec2 to, inout float enter, inout flo
     }
 }
 
-// Where a ray intersects a triangle a b c of positive sense, extruded along z: it is in where it
-// is behind all five planes.
+// Hit of a ray with a triangle a b c of positive orientation, extruded along z: the ray is inside where it is
+// behind all five planes.
 float hitPrism(vec3 p, vec3 d, vec2 a, vec2 b, vec2 c, float halfDepth, float errorBound) {
     float enter = -NO_HIT;
     float leave = NO_HIT;

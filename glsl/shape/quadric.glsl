@@ -1,6 +1,6 @@
-// Any quadric.
+// A general quadric.
 
-// Any quadric: the form of diagonal and mixed numbers (yz, zx, xy), linear, constant. A bound
+// A general quadric: the form of diagonal and mixed numbers (yz, zx, xy), linear, constant. A bound
 // of the distance, exact to first order.
 vec3 quadricForm(vec3 p, vec3 diagonal, vec3 mixed) {
     return diagonal * p + mixed.zxy * p.yzx + mixed.yzx * p.zxy;
@@ -18,7 +18,7 @@ vec4 gdQuadric(vec3 p, vec3 diagonal, vec3 mixed, vec3 linear, float constant, f
     return quadricGradient(dot(p, form + linear) + constant, gradient, bend, norm);
 }
 
-// Where a ray from the air (the complement's for sign -1) meets any quadric.
+// Hit of a ray from the air (the complement's for sign -1) with a general quadric.
 float hitQuadric(vec3 p, vec3 d, float sign, vec3 diagonal, vec3 mixed, vec3 linear, float constant) {
     float way = wayToOrigin(p, d);
     vec3 q = p + way * d;

@@ -1,14 +1,14 @@
 // The inside of a box.
 
-// Signed distance to the walls of a box from its inside. Exact in the air; in the
-// solid around it the magnitude is that of the plane passed furthest.
+// Signed distance to the walls of a box from its inside. Exact in the air; in the surrounding solid the
+// magnitude is that of the plane passed furthest.
 float sdRoom(vec3 p, vec3 halfSize) {
     vec3 within = halfSize - abs(p);
     return min(within.x, min(within.y, within.z));
 }
 
-// Distance to the three walls ahead along d, and where it grows: a wall behind cannot be
-// met, and so the wall that a wave leaves is out of its way.
+// Distance to the three walls ahead along d, and its gradient: a wall behind cannot be met, and so the wall
+// that a wave leaves is skipped.
 float sdRoomDirected(vec3 p, vec3 d, vec3 halfSize) {
     vec3 ahead = vec3(d.x < 0.0 ? -p.x : p.x, d.y < 0.0 ? -p.y : p.y, d.z < 0.0 ? -p.z : p.z);
     vec3 within = halfSize - ahead;
@@ -34,20 +34,20 @@ vec4 gdRoom(vec3 p, vec3 halfSize) {
     return within.y <= within.z ? vec4(0.0, side.y, 0.0, within.y) : vec4(0.0, 0.0, side.z, within.z);
 }
 
-// Where a ray intersects the walls of a box from its inside: the nearest of the three walls
-// ahead. It always meets one, so a wave cannot leak; a wall behind is never met, so a wave
-// cannot meet the wall it leaves.
+// Hit of a ray with the walls of a box from its inside: the nearest of the three walls ahead. It always
+// meets one, so a wave cannot leak; a wall behind is never met, so a wave cannot meet the wall it
+// leaves.
 float hitRoom(vec3 p, vec3 d, vec3 halfSize) {
     vec3 t = (halfSize - headingSigns(d) * p) * inverseSpeeds(d);
     return max(min(t.x, min(t.y, t.z)), 0.0);
 }
 
-// Puts a point that is met onto the nearest of the three walls ahead along d, and says
-// the normal there, which looks into the room.
+// Puts a hit point onto the nearest of the three walls ahead along d, and returns the normal there, which
+// points into the room.
 void projectRoom(inout vec3 p, vec3 d, vec3 halfSize, out vec3 normal) {
     vec3 ahead = vec3(d.x < 0.0 ? -1.0 : 1.0, d.y < 0.0 ? -1.0 : 1.0, d.z < 0.0 ? -1.0 : 1.0);
     vec3 within = halfSize - ahead * p;
-    // A wall along which the wave moves is not ahead.
+    // A wall parallel to the wave is not ahead.
     const float NEVER = 1e30;
     within = vec3(d.x == 0.0 ? NEVER : within.x, d.y == 0.0 ? NEVER : within.y, d.z == 0.0 ? NEVER : within.z);
     if (within.x <= within.y && within.x <= within.z) {

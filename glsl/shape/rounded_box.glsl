@@ -1,4 +1,4 @@
-// A box with round edges.
+// A box with rounded edges.
 
 // A box with rounded edges: the distance to its core, less the rounding. Exact.
 float sdRoundedBox(vec3 p, vec3 core, float rounding) {
@@ -9,7 +9,7 @@ vec4 gdRoundedBox(vec3 p, vec3 core, float rounding) {
     return vec4(gradientBox(p, core), sdRoundedBox(p, core, rounding));
 }
 
-// Where a line leaves a rounded box through a flat part of its faces; 0 for the rounded ones.
+// Distance at which a line leaves a rounded box through a flat part of its faces; 0 for the rounded parts.
 float exitRoundedBox(vec3 p, vec3 d, vec3 core, float rounding, float errorBound) {
     float way = exitBox(p, d, core + rounding);
     return sdRoundedBox(p + way * d, core, rounding) <= errorBound ? way : 0.0;

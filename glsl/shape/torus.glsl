@@ -14,8 +14,8 @@ vec4 gdTorus(vec3 p, float ring, float tube) {
     return vec4(outward.x, q.y, outward.y, off - tube);
 }
 
-// The distance to the ring's centre line bends by no less than -1 over the distance from the
-// axis, and by no more than 1 over itself; both are known to half of these on.
+// The second derivative of the distance to the ring's centre line is at least -1 over the distance from the
+// axis, and at most 1 over itself; both distances keep at least half their value along the reach.
 vec4 alongTorus(vec4 gradient, vec3 p, vec3 d, float ring, float tube) {
     float fromAxis = length(p.xz);
     return vec4(gradient.w, dot(gradient.xyz, d), 2.0 / max(fromAxis, 1e-30), 0.5 * fromAxis);

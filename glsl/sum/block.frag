@@ -1,4 +1,4 @@
-// A pass of a sum on the GPU: each texel adds up a block of what `addTexel` reads.
+// A pass of a sum on the GPU: each texel adds up a block of the texels that `addTexel` reads.
 
 uniform int uBlock;                       // side of a block in texels
 

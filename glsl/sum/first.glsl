@@ -1,4 +1,4 @@
-// What the first pass of a sum on the GPU adds up: the waves of the panning texture.
+// Input of the first pass of a sum on the GPU: the waves of the panning texture.
 // Counts are whole numbers in floats, exact up to 2^24 and rounded above.
 
 uniform highp sampler2D uContributions;   // left, right, status, counters

@@ -1,4 +1,4 @@
-// What the further passes of a sum on the GPU add up: the sums of blocks.
+// Input of the further passes of a sum on the GPU: the sums of blocks.
 
 uniform highp sampler2D uHeard;
 uniform highp sampler2D uPasses;

@@ -1,4 +1,4 @@
-// A user's field by itself: its value at each point of a list, and the gradient that it states.
+// A user's field by itself: its value at each point of a list, and its stated gradient.
 
 uniform highp sampler2D uPoints;   // metres, in the axes of the field's box
 

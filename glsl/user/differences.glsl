@@ -1,6 +1,6 @@
-// How fast the text's value grows along an axis at p, where it is `value`, and how fast that
-// changes: over h to either side, and next to a face of the box over h and 2 h away from the face,
-// which tells no change. Either is off by some h², so that their differences tell how much.
+// First and second derivative of the text's value along an axis at p, where it is `value`: from places at
+// distance h to either side, or next to a face of the box at h and 2 h away from the face, which gives no
+// second derivative (0). The error of either is of order h², so that differences of them estimate it.
 vec2 growthOfUser0(vec3 p, float value, vec3 axis, float h, vec3 halfSize) {
     float along = dot(p, axis);
     float end = dot(halfSize, axis);
@@ -14,7 +14,7 @@ vec2 growthOfUser0(vec3 p, float value, vec3 axis, float h, vec3 halfSize) {
     float toOne = dot(one - p, axis);
     float toOther = dot(other - p, axis);
     float apart = dot(one - other, axis);
-    // At a face the slope at p of the parabola through all three.
+    // At a face: the slope at p of the parabola through all three.
     float slope = isAtFace
         ? ((atOther - value) / toOther * toOne - (atOne - value) / toOne * toOther) / apart
         : (atOne - atOther) / apart;
@@ -37,8 +37,8 @@ vec3 quotientsOfUser0(
     return scale * vec3(x.x, y.x, z.x);
 }
 
-// The power of 2 next to the largest coordinate: what the text's own rounding goes by. Cut out of
-// the bits, since GLSL's exp2 need not give a power of 2.
+// The power of 2 next to the largest coordinate, which determines the rounding of the text's value. Taken
+// from the bits, since GLSL's exp2 may not give a power of 2.
 float scaleOfUser0(vec3 p, vec3 halfSize) {
     const float ROOT_OF_2 = 1.41421356237;
     const uint EXPONENT = 0x7f800000u;
@@ -46,7 +46,7 @@ float scaleOfUser0(vec3 p, vec3 halfSize) {
     return uintBitsToFloat(floatBitsToUint(ROOT_OF_2 * size) & EXPONENT);
 }
 
-// Its gradient and value for a march: right next to edges, and to some 1e-4.
+// Gradient and value for a march: correct next to edges, and elsewhere to some 1e-4.
 vec4 gdUser0(vec3 p, vec3 halfSize, float inverseLipschitz) {
     float value = sdUser0(p, halfSize, inverseLipschitz);
     float outside = sdBox(p, halfSize);
@@ -58,23 +58,23 @@ vec4 gdUser0(vec3 p, vec3 halfSize, float inverseLipschitz) {
     return vec4(quotientsOfUser0(p, value, h, halfSize, inverseLipschitz, bends), value);
 }
 
-// For a normal: differences of sixth order over h, 2 h and 4 h (Richardson's extrapolation). Wide
-// steps leave the least rounding, and tell nothing where the surface bends or breaks within
-// them. So they are halved until the fourth order says the same within half a rounding of the
-// value; what never does, next to an edge, has the narrowest. An edge 16/9 h away adds nothing to
-// that difference: the slopes' changes, whose differences it does add to, must agree as well.
+// Gradient for a normal: differences of sixth order over h, 2 h and 4 h (Richardson's extrapolation). Wide
+// steps have the least rounding, but are wrong where the surface bends or breaks within them. So they are
+// halved until the fourth order agrees within half a rounding of the value; where it never does, next to an
+// edge, the narrowest step is used. An edge 16/9 h away adds nothing to that difference, but it does to the
+// differences of the second derivatives, which must therefore agree as well.
 vec4 gnUser0(vec3 p, vec3 halfSize, float inverseLipschitz) {
-    const float WIDEST = 0.25;            // of the scale, to either side
+    const float WIDEST = 0.25;            // share of the scale, to either side
     const float NARROWEST = 9.765625e-4;
     const float AGREE = 5.9604645e-8;     // half of 2^-23
-    const float BENDS = 0.5;              // three values round them more than two round a slope
+    const float BENDS = 0.5;              // three values round a second derivative more than two round a slope
     float value = sdUser0(p, halfSize, inverseLipschitz);
     float outside = sdBox(p, halfSize);
     if (outside >= value) {
         return vec4(gradientBox(p, halfSize), outside);
     }
     float scale = scaleOfUser0(p, halfSize);
-    // Nothing is known beyond the box.
+    // The field is not evaluated beyond the box.
     float h = clamp(-outside, 16.0 * NARROWEST * scale, WIDEST * scale);
     vec3 wideBends, middleBends, narrowBends;
     vec3 wide = quotientsOfUser0(p, value, h, halfSize, inverseLipschitz, wideBends);

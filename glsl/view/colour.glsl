@@ -1,4 +1,4 @@
-// Colours: one calm hue for each surface, and the way from linear light to the screen.
+// Colours: one calm hue for each surface, and the conversion from linear light to the screen.
 
 const float GOLDEN_ANGLE = 2.39996323;
 
@@ -17,7 +17,7 @@ vec3 oklch(float lightness, float chroma, float hue) {
         -0.0041960863 * lms.x - 0.7034186147 * lms.y + 1.7076147010 * lms.z));
 }
 
-// Neighbouring numbers lie a golden angle apart, so that no two near ones look alike.
+// Neighbouring numbers lie a golden angle apart, so that near ones differ clearly.
 vec3 surfaceColour(float object, float lightness, float chroma) {
     return oklch(lightness, chroma, 1.25 + GOLDEN_ANGLE * (object - 1.0));
 }

@@ -1,4 +1,4 @@
-// The picture of what the listener sees: the eye, the lights, and the normal of a surface.
+// The picture of the listener's view: the eye, the lights, and the normal of a surface.
 
 uniform vec3 uRight;      // unit vector out of the right ear
 uniform vec3 uUp;         // unit vector out of the top of the head

@@ -1,5 +1,5 @@
-// What the listener sees: sphere tracing (Hart 1996) with the waves' own distance function, shaded so that a closed room
-// and an open field both read well.
+// The listener's view: sphere tracing (Hart 1996) with the waves' own distance function, shaded so that both a closed
+// room and an open field are easy to read.
 
 layout(location = 0) out vec4 outColour;
 
@@ -8,7 +8,7 @@ vec3 sky(vec3 direction) {
     return mix(vec3(0.74, 0.83, 0.88), vec3(0.14, 0.36, 0.66), pow(height, 0.55));
 }
 
-// How far the ray gets before it meets a surface, or -1.
+// Distance that the ray flies before it meets a surface, or -1.
 float traceView(vec3 eye, vec3 direction, out float object) {
     float t = 0.0;
     for (int i = 0; i < VIEW_STEPS; ++i) {
@@ -24,7 +24,7 @@ float traceView(vec3 eye, vec3 direction, out float object) {
     return t;
 }
 
-// Light of the source's ball and of the air about it, on a ray that ends at t.
+// Light of the source's ball and of the air around it, on a ray that ends at t.
 vec3 addSource(vec3 colour, vec3 eye, vec3 direction, float t) {
     vec3 offset = uSource.xyz - eye;
     float ahead = dot(offset, direction);

@@ -1,15 +1,15 @@
-// A still picture's shading: a lamp at the eye, a sky, a low sun, and the source itself, both of the latter with soft
+// The shading of a still picture: a lamp at the eye, a sky, a low sun, and the source itself; the last two cast soft
 // shadows. In a closed room the walls block the sun and the rest remains.
 
-const float FAR = 1000.0;           // metres; beyond lies the sky
-const int VIEW_STEPS = 384;         // evaluations for one ray at the most
-const int SHADOW_STEPS = 64;        // evaluations for one shadow at the most
-const float CLOSE = 0.0005;         // metres from a surface at which a ray has met it, at the least
+const float FAR = 1000.0;           // metres; the sky lies beyond
+const int VIEW_STEPS = 384;         // maximum number of evaluations for one ray
+const int SHADOW_STEPS = 64;        // maximum number of evaluations for one shadow
+const float CLOSE = 0.0005;         // least distance in metres from a surface at which a ray has met it
 const float CLOSE_PIXELS = 0.25;    // the same as a share of a pixel there
 const int SAMPLES_PER_SIDE = 2;     // rays along each side of a pixel
 
-// 1 where a light that far away is in full sight, 0 where it is blocked; between, by how
-// closely the ray passes a surface.
+// 1 where a light at that distance is in full sight, 0 where it is blocked; in between, by how closely the
+// ray passes a surface.
 float inSight(vec3 p, vec3 direction, float far, float sharpness) {
     float seen = 1.0;
     float t = 0.03;
@@ -29,7 +29,7 @@ float inSight(vec3 p, vec3 direction, float far, float sharpness) {
     return seen * seen * (3.0 - 2.0 * seen);
 }
 
-// Ambient occlusion: how much nearer the surfaces are than the way gone from this one.
+// Ambient occlusion: by how much the surfaces are nearer than the distance moved from this one.
 float openness(vec3 p, vec3 normal) {
     float blocked = 0.0;
     float weight = 0.5;
@@ -43,8 +43,8 @@ float openness(vec3 p, vec3 normal) {
     return clamp(1.0 - 0.62 * blocked, 0.0, 1.0);
 }
 
-// Share of lines of that half width, one at every multiple of `spacing`, over a pixel of
-// width w about x: an exact box filter, so that far lines melt instead of flickering.
+// Coverage by lines of the given half width, one at every multiple of `spacing`, of a pixel of width w about x:
+// an exact box filter, so that far lines blend instead of flickering.
 vec3 lines(vec3 x, vec3 w, float spacing, float halfWidth) {
     vec3 width = max(w, vec3(1e-4)) / spacing;
     vec3 centre = x / spacing + halfWidth / spacing;
@@ -61,7 +61,7 @@ float grid(vec3 p, vec3 normal, vec3 direction, float t) {
     vec3 across = uRight - direction * (dot(normal, uRight) / slant);
     vec3 upward = uUp - direction * (dot(normal, uUp) / slant);
     vec3 w = t * uPixel * (abs(across) + abs(upward));
-    // A plane on which a coordinate is constant has no lines of it.
+    // A plane on which a coordinate is constant shows no lines of that coordinate.
     vec3 along = smoothstep(vec3(0.05), vec3(0.3), sqrt(max(vec3(0.0), 1.0 - normal * normal)));
     vec3 fine = along * lines(p, w, 1.0, 0.012);
     vec3 coarse = along * lines(p, w, 5.0, 0.025);
@@ -78,7 +78,7 @@ vec3 shade(vec3 p, vec3 direction, float t, float object) {
     float open = openness(start, normal);
 
     vec3 light = mix(vec3(0.26, 0.25, 0.25), vec3(0.46, 0.50, 0.54), 0.5 + 0.5 * normal.y);
-    // Some difference between walls that no light tells apart.
+    // Some difference between walls that are lit alike.
     light *= 1.0 - 0.20 * normal.x + 0.10 * normal.z;
     float lamp = max(-dot(normal, direction), 0.0);
     float beam = dot(direction, uForward);

@@ -1,10 +1,10 @@
-// The shading while walking: one ray a pixel, one short shadow and two steps along the normal for the corners, so that a
-// processor without a graphics card draws it thirty times a second. The lights of shading.glsl, so that both look alike.
+// The shading while walking: one ray per pixel, one short shadow and two steps along the normal for corners, so that a
+// processor draws it thirty times a second without a graphics card. Lights as in shading.glsl, so that both look alike.
 
-const float FAR = 400.0;            // metres; beyond lies the sky
-const int VIEW_STEPS = 96;          // evaluations for one ray at the most
-const int SHADOW_STEPS = 20;        // evaluations for the shadow at the most
-const float CLOSE = 0.001;          // metres from a surface at which a ray has met it, at the least
+const float FAR = 400.0;            // metres; the sky lies beyond
+const int VIEW_STEPS = 96;          // maximum number of evaluations for one ray
+const int SHADOW_STEPS = 20;        // maximum number of evaluations for the shadow
+const float CLOSE = 0.001;          // least distance in metres from a surface at which a ray has met it
 const float CLOSE_PIXELS = 0.4;     // the same as a share of a pixel there
 const int SAMPLES_PER_SIDE = 1;     // rays along each side of a pixel
 
@@ -27,7 +27,7 @@ float inSight(vec3 p, vec3 direction, float far) {
     return clamp(seen, 0.0, 1.0);
 }
 
-// A grid of metres, every fifth line stronger, that melts with distance: 0 ... 1.
+// A grid of metres, every fifth line stronger, that fades with distance: 0 ... 1.
 float grid(vec3 p, vec3 normal, float t) {
     float width = clamp(1.6 * uPixel * t / max(0.08, abs(dot(normal, uForward))), 0.012, 4.0);
     vec3 along = step(vec3(0.3), sqrt(max(vec3(0.0), 1.0 - normal * normal)));

@@ -1,9 +1,8 @@
 #!/usr/bin/env python3
 """Lists circles of imports among the Rust files of src/, and among its folders; exits 1 if there are any.
 
-A file imports another if a `use` names something that is defined there. A file and the files of its own folder-module
-(`cells.rs` and `cells/`) are one module to the outside: between a module and its parts no circle is counted. Tests are
-left out.
+A file imports another if a `use` names something defined there. A file and the files of its own folder-module
+(`cells.rs` and `cells/`) count as one module: circles between a module and its parts are ignored, and so are tests.
 """
 
 import re
@@ -129,7 +128,7 @@ def circles(imports):
 
 
 def folders(imports):
-    """The folders of src/; single files beside them, as the error of the whole crate, are no folder."""
+    """The imports among the folders of src/, without single files such as error.rs."""
     found = {}
     for module, targets in imports.items():
         if (SOURCE / module[0]).is_dir():

@@ -3,7 +3,7 @@
 import math
 from html import escape
 
-# Told apart by colour-blind eyes too (Okabe and Ito); lines that come later are thinner.
+# Distinguishable for colour-blind readers too (Okabe and Ito); later lines are thinner.
 STROKES = [("#d55e00", 4), ("#0072b2", 3), ("#00a878", 2), ("#e69f00", 2)]
 WIDTH, HEIGHT, LEFT, BOTTOM, TOP, RIGHT = 400, 330, 62, 52, 44, 16
 

@@ -1,4 +1,4 @@
-"""Runs Echomarch and other programs for a measurement, and reads what they say."""
+"""Runs Echomarch and other programs for a measurement, and reads their output."""
 
 import json
 import os
@@ -10,10 +10,10 @@ import time
 
 
 def run(command, one_core=False):
-    """What a program prints as JSON, and the memory that it needed at most, in KiB.
+    """The JSON that a program prints, and its peak memory in KiB.
 
-    GNU time tells the memory: as a child of this process the program would be said to have needed
-    what Python does. Without GNU time it is not known.
+    The memory comes from GNU time, because a direct child of this process would be credited with
+    Python's own. Without GNU time it is unknown.
     """
     command = [str(word) for word in command]
     has_time = shutil.which("time") is not None

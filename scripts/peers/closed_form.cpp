@@ -1,14 +1,14 @@
-// The closed form, eight waves in a register: what this processor can do at most with AVX2 for a
-// room, boxes along the axes and pillars.
+// The closed form, eight waves in a register: the maximum speed of this processor with AVX2 for a room,
+// axis-aligned boxes and pillars.
 //
-// All iterations of a group of waves are done in registers; nothing is stored but sums. The counts
-// of boxes and pillars are known to the compiler. Two packets of eight go side by side, so that the
-// one is calculated while the other waits for its results.
+// All iterations of a group of waves are done in registers; only sums are stored. The numbers of boxes and
+// pillars are known to the compiler. Two packets of eight are interleaved, so that one is calculated while
+// the other waits for its results.
 //
-// Of each surface only the distance is kept, and what is not met is no number (NaN), which `min`
-// leaves out. Which face or pillar it was is told afterwards by comparing distances. At a face the
-// mirrored direction is a change of one sign, of its inverse too. The surface that a wave leaves
-// lies behind it, at a distance that is not positive, and needs no exception.
+// Only the distance of each surface is kept; a miss is NaN, which `min` ignores. The face or pillar that was
+// hit is found afterwards by comparing distances. At a face the mirrored direction is a change of one sign,
+// and so is that of its inverse. The surface that a wave leaves lies behind it, at a distance that is not
+// positive, and needs no special case.
 #include "directions.h"
 #include "peer.h"
 
@@ -22,11 +22,11 @@ struct Waves {
     Lanes3 direction;
     Lanes3 inverse; // 1 / direction
     Lanes3 reach;   // half of the room over |direction|
-    Lanes inverseA; // 1 / (dx^2 + dz^2): a mirror at a wall or a pillar keeps it
+    Lanes inverseA; // 1 / (dx^2 + dz^2): a reflection at a wall or a pillar keeps it
     Lanes travelling;
 };
 
-// A box by its middle and half its size, as slabs.
+// A box as slabs, by its middle and half its size.
 struct Slabs {
     Vec3 middle, half;
 };
@@ -41,7 +41,7 @@ struct Plan {
 
 Vec3 minus(Vec3 a, Vec3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
 
-// The scene seen from the middle of the room.
+// The scene relative to the middle of the room.
 Plan planOf(const Scene &scene) {
     const Vec3 middle{0.5f * scene.room.x, 0.5f * scene.room.y, 0.5f * scene.room.z};
     Plan plan{middle, minus(scene.source, middle), minus(scene.listener, middle), scene.listenerRadius, {},
@@ -58,16 +58,16 @@ Plan planOf(const Scene &scene) {
     return plan;
 }
 
-// The distance, or no number where the mask is set.
+// The distance, or NaN where the mask is set.
 inline Lanes unless(Lanes mask, Lanes distance) { return distance | mask; }
 
-// Of each pair of walls that which lies ahead.
+// The wall ahead of each pair of walls.
 inline Lanes3 wallDistances(const Waves &w) {
     return {fma(-w.position.x, w.inverse.x, w.reach.x), fma(-w.position.y, w.inverse.y, w.reach.y),
             fma(-w.position.z, w.inverse.z, w.reach.z)};
 }
 
-// Where the line comes into the three slabs, and into the box.
+// Distances at which the line enters the three slabs, and the box.
 inline Lanes hitBox(const Slabs &box, const Waves &w, Lanes3 &enter) {
     const auto slab = [](Lanes p, Lanes inverse, float middle, float half, Lanes &enter, Lanes &leave) {
         const Lanes at = (middle - p) * inverse;
@@ -84,7 +84,7 @@ inline Lanes hitBox(const Slabs &box, const Waves &w, Lanes3 &enter) {
     return unless((out <= in) | (in <= 0.0f), in);
 }
 
-// A circle in the plane. The root is of a negative number, and so no number, for what passes it by.
+// A circle in the plane. For a miss the root is of a negative number, and so NaN.
 inline Lanes hitPillar(const Pillar &pillar, const Waves &w) {
     const Lanes x = w.position.x - pillar.x, z = w.position.z - pillar.z;
     const Lanes b = fma(x, w.direction.x, z * w.direction.z) * w.inverseA;
@@ -94,7 +94,7 @@ inline Lanes hitPillar(const Pillar &pillar, const Waves &w) {
     return unless(t <= 0.0f, t);
 }
 
-// Adds what arrives: the listener looks along -z, its right ear is along x.
+// Adds an arrival: the listener looks along -z, its right ear is along x.
 void hear(const Plan &plan, const Waves &w, Lanes heard, Lanes t, uint32_t order, Result &result) {
     const Lanes arrival = fma(t, w.direction.x, w.position.x);
     const Lanes side = (arrival - plan.listener.x) / plan.listenerRadius;
@@ -104,7 +104,7 @@ void hear(const Plan &plan, const Waves &w, Lanes heard, Lanes t, uint32_t order
     result.left += sum((1.0f - right) & heard);
 }
 
-// Few lines meet the listener: only then the distance to it is needed.
+// Few lines meet the listener: the distance to it is needed only then.
 inline void listen(const Plan &plan, Waves &w, Lanes distance, uint32_t order, Result &result) {
     const Vec3 c = plan.listener;
     const Lanes3 offset = w.position - Lanes3{c.x, c.y, c.z};
@@ -129,7 +129,7 @@ inline void setDirection(const Plan &plan, Waves &w) {
                absolute(w.inverse.z) * plan.half.z};
 }
 
-// Mirrors what met a pillar, at the hit point; the others have no axis to be off.
+// Mirrors the waves that met a pillar, at the hit point; the others have no axis to be measured from.
 template <int PILLARS>
 void mirrorAtPillars(const Plan &plan, const Lanes (&distances)[PILLARS + 1], Lanes distance, Waves &w) {
     Lanes centreX, centreZ, scale;

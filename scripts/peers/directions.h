@@ -5,7 +5,7 @@
 #include "scene.h"
 
 // Sine and cosine of 2 pi times a share of a turn from 0 to 1. The share is folded into an eighth
-// of a turn to either side of a quarter; Taylor series from there, to 1e-7.
+// of a turn either side of a quarter; Taylor series from there, to 1e-7.
 inline void sineAndCosine(Lanes share, Lanes &sine, Lanes &cosine) {
     const Lanes quarter = _mm256_round_ps((share * 4.0f).v, _MM_FROUND_TO_NEAREST_INT);
     const Lanes angle = fma(quarter, -0.25f, share) * 6.28318530718f;
@@ -28,11 +28,11 @@ inline void sineAndCosine(Lanes share, Lanes &sine, Lanes &cosine) {
     cosine = whereNegative(swapped, s, c) ^ cosineSign;
 }
 
-// Makes the directions of the waves first … first + 7 of a lattice of so many.
+// Makes the directions of the waves first … first + 7 of a lattice of `waves` directions.
 class Lattice {
   public:
     Lattice(const Scene &scene, uint32_t waves) : waves(waves) {
-        // The columns of the rotation that the quaternion stands for.
+        // The columns of the rotation that the quaternion represents.
         const Quaternion q = scene.turn;
         columns[0] = {1 - 2 * (q.y * q.y + q.z * q.z), 2 * (q.x * q.y + q.w * q.z),
                       2 * (q.x * q.z - q.w * q.y)};

@@ -1,13 +1,13 @@
-// Embree 3, by packets of 16 (rtcIntersect16): the ray tracer that many programs are built on.
+// Embree 3, by packets of 16 (rtcIntersect16): a ray tracer used by many programs.
 //
 //   embree SCENE.txt WAVES ITERATIONS FRAMES [PILLARS]
 //
 // Walls and boxes are quads. Pillars are, as PILLARS says,
-//   user    user geometry: a callback solves for the circle, eight rays at a time (the default, for
+//   user    user geometry: a callback solves for the circle, eight rays at a time (the default, because
 //           it is the fastest and exact)
 //   prism   quads around a prism of 32 sides, of the same area as the circle: about as fast
 //   curve   Embree's own cylinders (cone-linear curves): about half as fast with three pillars
-// The listener is a closed form beside Embree, eight rays at a time, for it is not mirrored at.
+// The listener is a closed form outside Embree, eight rays at a time, because rays are not mirrored at it.
 // A mirrored ray starts 0.1 mm off its surface, on the side that it came from.
 #include "directions.h"
 #include "peer.h"
@@ -24,7 +24,7 @@ constexpr float START_OFFSET = 1e-4f;
 constexpr int SIDES = 32;
 constexpr float PI = 3.14159265f;
 
-// Four corners and no more than that: Embree takes indices.
+// A quad's four corners: Embree takes indices.
 struct Quads {
     std::vector<Vec3> vertices;
 
@@ -189,7 +189,7 @@ RTCScene build(RTCDevice device, const Scene &told, const std::string &pillars) 
     return scene;
 }
 
-// Sixteen waves on their way.
+// Sixteen waves in flight.
 class Packet {
   public:
     Packet(RTCScene scene, const Scene &told) : scene(scene), told(told) {
@@ -238,7 +238,7 @@ class Packet {
         _mm256_store_ps(ray.dir_z + at, d.z.v);
     }
 
-    // Hears or mirrors eight of the waves; returns which go on, as bits.
+    // Counts or mirrors eight of the waves; returns the mask of those that continue.
     int goOn(int at, uint32_t order, Result &result) {
         const RTCRay16 &ray = hits.ray;
         const Lanes3 p{load(ray.org_x + at), load(ray.org_y + at), load(ray.org_z + at)};

@@ -34,7 +34,7 @@ inline Lanes min(Lanes a, Lanes b) { return _mm256_min_ps(a.v, b.v); }
 inline Lanes max(Lanes a, Lanes b) { return _mm256_max_ps(a.v, b.v); }
 inline Lanes squareRoot(Lanes a) { return _mm256_sqrt_ps(a.v); }
 inline Lanes absolute(Lanes a) { return _mm256_andnot_ps(_mm256_set1_ps(-0.0f), a.v); }
-// What is set in b and not in a.
+// Bits set in b and not in a.
 inline Lanes andNot(Lanes a, Lanes b) { return _mm256_andnot_ps(a.v, b.v); }
 inline Lanes signOf(Lanes a) { return a & Lanes(-0.0f); }
 inline Lanes allSet() { return _mm256_castsi256_ps(_mm256_set1_epi32(-1)); }
@@ -43,7 +43,7 @@ inline Lanes select(Lanes condition, Lanes yes, Lanes no) {
     return _mm256_blendv_ps(no.v, yes.v, condition.v);
 }
 
-// By the sign bit of each lane.
+// Selects by the sign bit of each lane.
 inline Lanes whereNegative(Lanes sign, Lanes yes, Lanes no) { return _mm256_blendv_ps(no.v, yes.v, sign.v); }
 
 inline int bits(Lanes mask) { return _mm256_movemask_ps(mask.v); }

@@ -1,8 +1,8 @@
-"""Runs the peers in interleaved rounds and writes what they did; called by scripts/peers.sh.
+"""Runs the peers in interleaved rounds and writes their results; called by scripts/peers.sh.
 
-A round takes scene by scene, and of each scene peer by peer, each a process of its own on one core.
-A peer traces a frame to warm up and then several that are timed; the median of those is its time
-in the round.
+A round runs every peer on every scene, scene by scene, each as a separate process on one core.
+A peer traces a frame to warm up and then several timed ones, whose median is its time in the
+round.
 """
 
 import argparse
@@ -19,7 +19,7 @@ HERE = Path(__file__).resolve().parent
 
 
 class Peer:
-    """Something to measure. `command` takes a scene, a count of waves and one of timed frames."""
+    """A program to measure. `command` takes a scene, a number of waves and a number of timed frames."""
 
     def __init__(self, name, command, scenes, waves, frames=3):
         self.name, self.command, self.scenes = name, command, scenes
@@ -27,7 +27,7 @@ class Peer:
 
 
 def peers(work, echomarch, quick):
-    """All that can be run, and the names of those that cannot."""
+    """The peers that can be run, and the names of those that cannot."""
     many, few, fewest = (65_536, 4_096, 2_048) if quick else (1_048_576, 65_536, 65_536)
 
     def compiled(name):
@@ -58,7 +58,7 @@ def peers(work, echomarch, quick):
 
 
 def plain(command, work, scene, waves, frames):
-    """A peer that speaks as scripts/peers/peer.h says."""
+    """A peer with the interface of scripts/peers/peer.h."""
     arguments = [work / "scenes" / f"{scene}.txt", waves, ITERATIONS, frames]
     said, kibibytes = program.run(command + arguments, one_core=True)
     return {"milliseconds": median(said["milliseconds"]), "hits": said["hits"], "kibibytes": kibibytes}
@@ -73,7 +73,7 @@ def trace(echomarch, work, scene, profile, waves, iterations, frames):
 
 
 def hits_by_order(echomarch, work, scene, profile, waves):
-    """Of so many iterations, less those of one iteration less."""
+    """The hits of each number of iterations, minus those of one iteration fewer."""
     counts = range(1, ITERATIONS + 1)
     heard = [trace(echomarch, work, scene, profile, waves, count, 0)["heard"] for count in counts]
     return [after - before for before, after in zip([0] + heard, heard)]
@@ -90,8 +90,8 @@ def measure_round(at, chosen, there, record):
 
 
 def check_hits(there, chosen, echomarch, work, rows, record):
-    """The hits by order of echomarch, once: the others tell theirs in each round. Those of `march`, which
-    is slow among many surfaces, in A and B alone."""
+    """The hits by order of echomarch, once: the others print theirs in each round. Those of `march`, which
+    is slow among many surfaces, only in A and B."""
     known = {(row["scene"], row["peer"], row["waves"]) for row in rows if "hits" in row}
     for profile in ("hybrid", "march"):
         name = f"echomarch {profile}"

@@ -1,10 +1,10 @@
-// What the programs have in common: arguments, timing, and the line that they print.
+// Common parts of the programs: arguments, timing, and the printed line.
 //
 //   PEER SCENE.txt WAVES ITERATIONS FRAMES
 //
-// traces one frame to warm up and then so many that are timed, and prints one line of JSON: the
-// milliseconds of each frame, the waves heard by order (how often they were mirrored before), and
-// the balance. A frame makes its directions, traces all waves, and sums what arrives.
+// traces one frame to warm up and then FRAMES timed ones, and prints one line of JSON: the milliseconds of
+// each frame, the waves heard by order (number of reflections before), and the balance. A frame makes its
+// directions, traces all waves, and sums the arrivals.
 #pragma once
 
 #include "scene.h"
@@ -60,7 +60,7 @@ inline void print(const Result &result, const std::vector<double> &milliseconds)
     std::printf("], \"left\": %.3f, \"right\": %.3f}\n", result.left, result.right);
 }
 
-// `trace` takes nothing and returns a Result.
+// `trace` takes no arguments and returns a Result.
 template <typename Trace>
 void timeFrames(uint32_t frames, Trace trace) {
     Result result = trace();
@@ -74,7 +74,7 @@ void timeFrames(uint32_t frames, Trace trace) {
     print(result, milliseconds);
 }
 
-// Runs a peer's main and tells what goes wrong.
+// Runs a peer's main and prints its errors.
 template <typename Body>
 int guarded(Body body) {
     try {

@@ -1,12 +1,12 @@
-"""pyroomacoustics: its ray tracer on a scene, called as the programs in C++ are (see peer.h).
+"""pyroomacoustics: its ray tracer on a scene, with the interface of the C++ programs (see peer.h).
 
     pyroom.py SCENE.txt WAVES ITERATIONS FRAMES
 
 Room A is its shoe box, the others are its general room of polygons; pillars are prisms of 16 sides
-(its intersection tries every wall, so that more sides would only be slower). Its rays take the
-directions that we give, lose half of their energy at each wall, and end below a threshold: after so
-many segments. They are not ended by the listener, so that a few are counted twice. What is timed is
-the making of directions and the tracer itself, which is C++, not the impulse response after it.
+(its intersection tries every wall, so more sides would only be slower). Its rays take the given
+directions, lose half of their energy at each wall, and end below a threshold, that is, after
+ITERATIONS segments. The listener does not end them, so a few are counted twice. The time includes
+making the directions and the tracer itself, which is C++, but not the impulse response after it.
 """
 
 import json
@@ -84,7 +84,7 @@ def polygons(scene):
 
 
 def faces(low, high, inward):
-    """The six faces of a box, those that stand first."""
+    """The six faces of a box, the upright ones first."""
     (ax, ay, az), (bx, by, bz) = low, high
     sides = [
         [(ax, ay, az), (ax, ay, bz), (ax, by, bz), (ax, by, az)],
@@ -98,8 +98,8 @@ def faces(low, high, inward):
 
 
 def trace(made, scene, waves, iterations):
-    """Traces all waves; returns how many hits were counted."""
-    # 0.5^iterations is below it, and one wall less is not.
+    """Traces all waves; returns the number of hits."""
+    # 0.5^iterations is below the threshold, and one wall fewer is not.
     made.set_ray_tracing(
         n_rays=waves,
         receiver_radius=scene["listener"][3],
@@ -113,7 +113,7 @@ def trace(made, scene, waves, iterations):
 
 
 def main(path, waves, iterations, frames):
-    # It advises against as many rays as this, for its own purposes.
+    # It warns against this many rays, which does not matter here.
     warnings.simplefilter("ignore")
     scene = read(path)
     made = room(scene)

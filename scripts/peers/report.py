@@ -15,7 +15,7 @@ EMBREE = "Embree 3, packets of 16"
 
 
 class Rounds:
-    """What was measured, by peer (name and waves) and scene."""
+    """The measurements, by peer (name and waves) and scene."""
 
     def __init__(self, rows):
         self.timed = [row for row in rows if "milliseconds" in row]
@@ -27,7 +27,7 @@ class Rounds:
         return [row for row in self.timed if (row["peer"], row["waves"]) == peer and row["scene"] == scene]
 
     def largest(self, name):
-        """The peer of that name that has the most waves."""
+        """The peer of that name with the most waves."""
         found = [peer for peer in self.peers if peer[0] == name]
         return max(found, key=lambda peer: peer[1], default=None)
 
@@ -36,13 +36,13 @@ class Rounds:
         return min(found, key=lambda peer: peer[1], default=None)
 
     def rates(self, peer, scene, part=None):
-        """Million waves and iterations a second, by round; of one part of a frame, or all of it."""
+        """Millions of waves times iterations per second, by round; of one part of a frame, or all of it."""
         rows = [row for row in self.of(peer, scene) if part is None or "parts" in row]
         times = {row["round"]: row["parts"][part] if part else row["milliseconds"] for row in rows}
         return {at: rate(peer[1], time) for at, time in times.items()}
 
     def ratio(self, one, other, scene, part=None):
-        """How many times as fast as the other, the median over the rounds that have both."""
+        """The speed relative to the other peer: the median over the rounds with both."""
         if one is None or other is None:
             return None
         ours, theirs = self.rates(one, scene, part), self.rates(other, scene)

@@ -1,12 +1,12 @@
-// A scene of the comparison, as the driver writes it: metres, counted from a corner of the room.
+// A scene of the comparison, as the driver writes it: metres, from a corner of the room.
 //
-// One word and its numbers a line:
-//   room      x y z            the size; walls at 0 and there
+// Each line has one word and its numbers:
+//   room      x y z            the size; walls at 0 and at the size
 //   source    x y z
 //   listener  x y z radius
 //   box       x0 y0 z0 x1 y1 z1
 //   pillar    x z radius       along y, without ends
-//   turn      x y z w          the unit quaternion that turns the lattice of directions
+//   turn      x y z w          the unit quaternion that rotates the lattice of directions
 #pragma once
 
 #include <cstdio>

@@ -1,7 +1,7 @@
 """The scenes of the comparison: scene files of Echomarch and texts for the other programs.
 
-A is an empty room. B has two walls and three pillars more. B16 … B1024 have that many thin pillars
-on an even grid in the place of the three. Metres, counted from a corner of the room.
+A is an empty room. B has two walls and three pillars in it. B16 … B1024 have that many thin pillars
+on an even grid instead of the three. Metres, from a corner of the room.
 """
 
 import math
@@ -41,7 +41,7 @@ def scene(name):
 
 
 def grid(count):
-    """So many pillars on an even grid, but for one in which the source would be."""
+    """`count` pillars on an even grid, except one that would contain the source."""
     side = math.isqrt(count)
     steps = [ROOM[0] * (step + 0.5) / side for step in range(side)]
     places = [(x, z) for z in steps for x in steps]
@@ -50,7 +50,7 @@ def grid(count):
 
 
 def text(scene):
-    """For the programs in C++, see scene.h."""
+    """The text for the C++ programs, see scene.h."""
     lines = [
         words("room", ROOM),
         words("source", SOURCE),

@@ -1,12 +1,11 @@
 // Sphere tracing (Hart 1996) by a minimum distance of 1e-3 m, eight waves in a register.
 //
-// A wave steps by the distance to the nearest surface until that is below the minimum distance, and
-// is mirrored there. So that it comes away from there, only the walls of the room that lie ahead
-// count, and of the box or pillar that it was mirrored at last, which is convex, it is free. (With
-// all surfaces and a start a little off the last one it takes twice as many steps.) The waves of a
-// group step until all of them have arrived, then all are mirrored at once. Lanes that each went on
-// by themselves, new waves taking the place of those that were done, were no faster: some lane or
-// other wants its mirror at almost every step.
+// A wave steps by the distance to the nearest surface until that is below the minimum distance, and is
+// mirrored there. So that it can leave a surface, only the walls of the room that lie ahead count, and the box
+// or pillar that mirrored it last, which is convex, is skipped. (With all surfaces and a start a little off
+// the last one it takes twice as many steps.) The waves of a group step until all of them have arrived, then
+// all are mirrored at once. Lanes that continued independently, with new waves in place of finished ones,
+// were no faster: at almost every step some lane needs its reflection.
 #include "directions.h"
 #include "peer.h"
 
@@ -20,8 +19,8 @@ constexpr float MIN_DISTANCE = 1e-3f;
 struct Waves {
     Lanes3 position, direction;
     Lanes3 towards; // the sign of the direction
-    Lanes3 reach;   // where the wall ahead lies, times that sign
-    Lanes left;     // the box or pillar mirrored at last, counted from 1; 0 for the room
+    Lanes3 reach;   // coordinate of the wall ahead, times that sign
+    Lanes left;     // the box or pillar that mirrored it last, from 1; 0 for the room
     Lanes travelling;
 };
 
@@ -31,7 +30,7 @@ struct Nearest {
     Lanes listener;
 };
 
-// A distance, or no number (which `min` leaves out) for the surface that was left.
+// A distance, or NaN (which `min` ignores) for the surface that was left.
 inline Lanes unlessLeft(const Waves &w, int index, Lanes distance) {
     return distance | (w.left == static_cast<float>(index + 1));
 }
@@ -87,13 +86,13 @@ Nearest nearest(const Scene &scene, const Waves &w) {
     return {distance, squareRoot(dot(offset, offset)) - scene.listenerRadius};
 }
 
-// The axis among three along which a value is the given one.
+// Mask of the axis on which a value of three equals the given one.
 inline Lanes3 axisOf(const Lanes3 &values, Lanes value) {
     const Lanes x = values.x == value, y = andNot(x, values.y == value);
     return {x, y, andNot(x | y, allSet())};
 }
 
-// Mirrors the waves at what is nearest, which is found again: here it is seldom asked for.
+// Mirrors the waves at the nearest surface, which is found again: this is rarely needed.
 template <int BOXES, int PILLARS>
 void mirror(const Scene &scene, Waves &w) {
     const Lanes3 p = w.position;
@@ -124,8 +123,8 @@ void mirror(const Scene &scene, Waves &w) {
     lookAhead(scene, w);
 }
 
-// Steps all waves to within the minimum distance of a surface or the listener; says which of them
-// came to the listener.
+// Steps all waves to within the minimum distance of a surface or the listener; returns the mask of those that
+// reached the listener.
 template <int BOXES, int PILLARS>
 void march(const Scene &scene, Waves (&waves)[PACKETS], Lanes (&heard)[PACKETS]) {
     Lanes stepping[PACKETS];

@@ -11,8 +11,8 @@ from common.markdown import machine, short, table
 from common.program import first_line, slug, trace
 from report import growth, operations
 
-# What a part of a frame reads and writes of each wave: two texels of RGBA32F are a wave, one is what
-# it contributes. A frame that is drawn as one pass writes that alone.
+# Bytes that each part of a frame reads and writes per wave: a wave is two texels of RGBA32F, its contribution
+# one. A frame that is drawn as one pass writes only the contribution.
 BYTES = {"initialise": 32, "march": 64, "pan": 32 + 16, "whole": 16, "read_back": 16}
 SCENES = ("shoebox", "corner", "obstacles")
 PAPER = "../cost-on-paper.md"
@@ -51,7 +51,7 @@ def block(words):
 
 
 def hard_cases(asked):
-    """How many of them each profile passes, and which it does not: thesis is expected to fail."""
+    """The number of cases that each profile passes, and the names of failures; thesis is expected to fail."""
     some = ["--case", "corner"] if asked.quick else []
     cases = json.loads(said([asked.echomarch, "verify", "--json", "--quiet", *some], expected=(0, 1)))["cases"]
     lines = []
@@ -69,7 +69,7 @@ def hard_cases(asked):
 
 
 def tables_of_figures(asked, folder):
-    """The thesis' tables, their headings one level further down."""
+    """The thesis' tables, with their headings one level lower."""
     runs, most = ("1", "256") if asked.quick else ("3", "1048576")
     said([asked.echomarch, "figures", "--runs", runs, "--max-waves", most, "-o", folder, "--quiet"])
     lines = (Path(folder) / "figures.md").read_text().splitlines()
@@ -77,7 +77,7 @@ def tables_of_figures(asked, folder):
 
 
 class Pass:
-    """What a part of a frame moves and calculates, against the time it took."""
+    """Memory traffic and arithmetic of a part of a frame, over its time."""
 
     def __init__(self, name, waves, milliseconds, number_of_bytes, plain=None):
         self.name, self.milliseconds = name, milliseconds
@@ -100,15 +100,15 @@ class Pass:
 
 
 def fused(time, waves, plain):
-    """All iterations in one pass. Where that pass makes the waves and their contributions too, nothing
-    was drawn before it."""
+    """All iterations in one pass. If that pass makes the waves and their contributions too, it is the
+    whole frame."""
     if time["initialise"] == 0:
         return Pass("all in one pass: the whole frame", waves, time["march"], BYTES["whole"], plain)
     return Pass("march, all in one pass", waves, time["march"], BYTES["march"], plain)
 
 
 def passes(asked, scene, profile):
-    """The parts of a frame, with a pass an iteration and with as many as fit."""
+    """The parts of a frame, with one iteration per pass and with as many as fit."""
     waves = 4_096 if asked.quick else 1_048_576
     iterations = growth.ITERATIONS
     command = [asked.echomarch, "trace", scene]

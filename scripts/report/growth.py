@@ -11,11 +11,11 @@ from report import hall_scene
 
 SCENE = "corner"
 ITERATIONS = 8
-# Of the sweeps over iterations and surfaces; when quick.
+# Waves in the sweeps over iterations and surfaces: normally, and with --quick.
 WAVES, FEW_WAVES = 65_536, 1_024
-# Waves and iterations of all timed frames of a count: more frames where they are short.
+# Waves times iterations of all timed frames of a count: more frames where they are short.
 MOST_WORK = 8 * WAVES * ITERATIONS
-# A wave and iteration is on the straight line within this share of what it costs at most counts.
+# A count is on the straight line if its cost per wave and iteration is within this share of the usual one.
 OFF_THE_LINE = 0.25
 
 LEGENDS = {
@@ -29,7 +29,7 @@ LEGENDS = {
 
 
 class Sweep:
-    """Counts of one thing that grows, and what was found at each for each profile."""
+    """The counts of one growing quantity, and the measurements at each for each profile."""
 
     def __init__(self, name, counts, profiles, waves):
         self.name, self.counts, self.profiles, self.waves = name, counts, profiles, waves
@@ -64,12 +64,12 @@ class Sweep:
         return [self.found[count, profile] for count in self.counts]
 
     def usual(self, profile):
-        """What a wave and iteration costs: the median of the upper half of the counts."""
+        """The cost per wave and iteration: the median of the upper half of the counts."""
         costs = [found["ns"] for found in self.of(profile)]
         return median(costs[len(costs) // 2 :])
 
     def on_the_line(self, profile):
-        """The counts at which that is so, as words."""
+        """The counts at which the cost is near the usual one, as text."""
         usual = self.usual(profile)
         near = [
             count for count, found in zip(self.counts, self.of(profile)) if abs(found["ns"] / usual - 1) <= OFF_THE_LINE
@@ -115,7 +115,7 @@ class Sweep:
         return (f"time by {self.name}", self.name, "milliseconds a frame", lines)
 
     def memory(self):
-        """None where it is not known."""
+        """The memory by count; None if unknown."""
         lines = {
             profile: [(count, (found["kibibytes"] or 0) / 1024) for count, found in zip(self.counts, self.of(profile))]
             for profile in self.profiles
@@ -132,7 +132,7 @@ def powers(first, factor, last):
 
 
 def sweeps(quick, profiles, only):
-    """Waves to 16.7 million, iterations to 1024, surfaces to 65,536 (scene files have a largest size); few when quick."""
+    """Waves to 16.7 million, iterations to 1024, surfaces to 65,536 (scene files are limited); few when quick."""
     limits = {"waves": 16_777_216, "iterations": 1_024, "surfaces": 65_536}
     if quick:
         limits = {"waves": 1_024, "iterations": 4, "surfaces": 32}

@@ -1,7 +1,7 @@
-"""A hall of pillars, as large as it takes: a scene of any number of surfaces.
+"""A hall of pillars as a scene of any number of surfaces.
 
 As in examples/many_surfaces.rs: a room 6 m high, pillars 4 m apart whose radii are 0.3 to 0.7 m.
-The first surface is the room. Written short: a scene file may have 4 MiB, some 80,000 surfaces.
+The first surface is the room. The text is short because a scene file may have 4 MiB, some 80,000 surfaces.
 """
 
 import math

@@ -1,9 +1,9 @@
-"""Counts what a shader does for one wave: from its SPIR-V, a stated method.
+"""Counts the operations of a shader for one wave from its SPIR-V.
 
-`glslangValidator` compiles the printed text, `spirv-opt -O` puts all functions in their places and
-takes out what nothing uses, and what is left is counted instruction by instruction, times the
-components of the result. Every branch is counted as taken, as a renderer does that runs lanes side
-by side, and the body of a loop once: of `hybrid` without marched fields that is one iteration.
+`glslangValidator` compiles the printed text, `spirv-opt -O` inlines all functions and removes unused
+code, and each remaining instruction is counted, times the components of its result. Every branch is
+counted as taken, as on a renderer that runs lanes side by side, and the body of a loop once: for
+`hybrid` without marched fields that is one iteration.
 
 Plain: add, multiply, compare, select, minimum, sign; a dot product of n is 2n − 1, a fused
 multiply-add 2. Special: division, root, sine and the like. Moves and negations are free.
@@ -36,7 +36,7 @@ PLAIN = {
     "OpFMod",
 }
 SPECIAL = {"OpFDiv"}
-# Plain and special operations a component, and those beside.
+# Plain and special operations per component, and additional ones.
 EXTENDED = {
     "FMin": 1,
     "FMax": 1,
@@ -89,7 +89,7 @@ def count(assembly):
         elif operation in SPECIAL:
             special += width
         elif operation == "OpDot":
-            # Of two vectors whose type is not in the line: three components nearly always.
+            # For vectors whose type is not in the line: three components nearly always.
             plain += 5
         elif operation == "OpImageFetch":
             fetched += 16

@@ -37,11 +37,11 @@ SCENES = [
     ("menger", "thesis"),
 ]
 MOVED = 1e-6  # metres: about a rounding of a coordinate
-FAR = 0.01  # metres: what roundings do not come to in a few reflections without chaos
+FAR = 0.01  # metres: more than rounding causes in a few reflections without chaos
 
 
 class Waves:
-    """What a program dumped: start, place and direction, and status of each wave."""
+    """A program's dump: start, position and direction, and status of each wave."""
 
     def __init__(self, file):
         with open(file, newline="") as opened:
@@ -99,7 +99,7 @@ def arguments():
 
 
 def source_of(scene):
-    """Where its file says that the source is."""
+    """The position of the source in its file."""
     text = Path(f"examples/scenes/{scene}.ron").read_text()
     place = re.search(r"source: (?:Source)?\(position: \(([^)]*)\)", text)
     return [float(number) for number in place[1].split(",")]
@@ -121,7 +121,7 @@ def elsewhere(first, second):
 
 
 class Traced:
-    """What the first renderer makes of a scene, and with its source moved; each but once."""
+    """The first renderer's waves of a scene, and with its source moved; each is traced once."""
 
     def __init__(self, renderer, asked, folder):
         self.renderer, self.asked, self.folder = renderer, asked, Path(folder)
@@ -194,7 +194,7 @@ def section(first, name, settings):
             print(f"{name}: {' | '.join(cells)}", file=sys.stderr)
             lines.append(cells)
     except RuntimeError as error:
-        return f"## {name}\n\nNot to be had here: {error}"
+        return f"## {name}\n\nNot available here: {error}"
     return f"## {name}\n\n{renderer} (`{settings}`)\n\n{table(HEADS, lines)}"
 
 

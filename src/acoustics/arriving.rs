@@ -1,17 +1,18 @@
-//! Which numbers of arriving sound can be computed with.
+//! Checks that the numbers of arriving sound are in range.
 
 use super::{AcousticsError, Tap};
 use crate::bands::Bands;
 use glam::DVec3;
 
-/// The largest energy density, in 1/m²: its amplitude, and sums of squares of such energies, are far within what
-/// samples (`f32`) and sums (`f64`) hold. The loudest source, of 120 dB, has less at a distance of 10⁻²⁴ m.
+/// The largest energy density, in 1/m²: its amplitude, and sums of squares of such energies, are far within the
+/// range of samples (`f32`) and sums (`f64`). The loudest source, of 120 dB, reaches it only within 10⁻²⁴ m.
 const LARGEST_ENERGY: f64 = 1e60;
 
-/// How much longer than 1 the rounding of `f32` may make a unit vector.
+/// Maximum length of a unit vector after rounding to `f32`.
 const LONGEST_UNIT: f64 = 1.0 + 1e-5;
 
-/// Checks an energy by bands and its direction of flight. A direction may be shorter than 1: sound from several sides.
+/// Checks an energy by bands and its direction of flight. A direction may be shorter than 1: then the sound comes from
+/// several sides.
 ///
 /// # Errors
 /// [`AcousticsError::BadNumber`] with the first number that is out of range.

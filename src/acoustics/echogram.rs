@@ -6,24 +6,24 @@ use crate::bands::{self, BAND_COUNT, BANDS_HZ, Bands};
 use glam::DVec3;
 use std::ops::RangeInclusive;
 
-/// The shortest and the longest time bin, in seconds: from a few samples of sound, to bins that
-/// hold no decay any more.
+/// The shortest and the longest time bin, in seconds: from a few samples of sound to bins too long
+/// to resolve a decay.
 pub const BINS_S: RangeInclusive<f64> = 1e-4..=0.1;
 
-/// The least and the greatest number of batches. It is a power of two: figures are computed from
-/// orthogonal halves of the batches.
+/// The least and the greatest number of batches, which must be a power of two: figures are computed
+/// from orthogonal halves of the batches.
 pub const BATCHES: RangeInclusive<usize> = 1..=256;
 
-/// An echogram has at most so many bins: 65 s at 1 ms, 80 MiB with 16 batches. What is later is
-/// summed without its time ([`Echogram::beyond`]).
+/// Maximum number of bins: 65 s at 1 ms, 80 MiB with 16 batches. Later arrivals are summed without
+/// their time ([`Echogram::beyond`]).
 pub(super) const MAX_BINS: usize = 1 << 16;
 
-/// What arrives at a listener against time: energy, and energy × direction, by octave band.
+/// The sound arriving at a listener against time: energy, and energy × direction, by octave band.
 ///
-/// Energies are densities for a source of unit power, times the speed of sound, in 1/m²: the
-/// direct sound at r metres has 1 / (4π r²). They are kept for each batch of waves, so that
-/// figures know their error ([`Figures`](super::Figures)). All sums are in `f64`, in the order in
-/// which they are added.
+/// Energies are densities for a source of unit power, times the speed of sound, in 1/m²: the direct
+/// sound at r metres has 1 / (4π r²). They are stored for each batch of waves, so that the errors
+/// of figures can be estimated ([`Figures`](super::Figures)). All sums are in `f64`, in the order
+/// in which they are added.
 ///
 /// ```
 /// use echomarch::acoustics::Echogram;
@@ -41,26 +41,26 @@ pub struct Echogram {
     bin_s: f64,
     first_s: f64,
     batches: usize,
-    /// Bin by bin, in each bin batch by batch.
+    /// By bin, and within each bin by batch.
     energies: Vec<Bands>,
-    /// The sum of the squares of what was added, bin by bin; all batches.
+    /// Sums of the squares of the added energies, by bin; all batches together.
     squares: Vec<Bands>,
-    /// Energy × direction of flight by bin and band; all batches.
+    /// Energy × direction of flight by bin and band; all batches together.
     flows: Vec<[DVec3; BAND_COUNT]>,
     beyond: Bands,
 }
 
-/// One band of one bin, all batches.
+/// One band of one bin, all batches together.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EchogramRow {
-    /// The bin's middle: seconds from the source's impulse.
+    /// Middle of the bin: seconds from the source's impulse.
     pub time_s: f64,
-    /// The octave band's centre in hertz.
+    /// Centre of the octave band in hertz.
     pub band_hz: f64,
     /// Energy in 1/m².
     pub energy: f64,
-    /// Energy × direction of flight in 1/m², world axes: it points away from where the sound
-    /// comes from, and is as long as the energy if all comes from there.
+    /// Energy × direction of flight in 1/m², world axes: it points away from where the sound comes
+    /// from, and is as long as the energy if all comes from one direction.
     pub flow: DVec3,
 }
 
@@ -68,7 +68,7 @@ impl EchogramRow {
     /// The columns' names in CSV.
     pub const COLUMNS: [&str; 6] = ["time_s", "band_hz", "energy", "x", "y", "z"];
 
-    /// The values of these columns.
+    /// The values in these columns.
     pub fn values(&self) -> [f64; 6] {
         let DVec3 { x, y, z } = self.flow;
         [self.time_s, self.band_hz, self.energy, x, y, z]
@@ -76,7 +76,7 @@ impl EchogramRow {
 }
 
 impl Echogram {
-    /// An echogram with bins of `bin_s` seconds, and none of them yet. A bin's edge is at 0 s.
+    /// An empty echogram with bins of `bin_s` seconds. A bin's edge is at 0 s.
     ///
     /// # Errors
     /// [`AcousticsError::BadBin`] unless `bin_s` is in [`BINS_S`], [`AcousticsError::BadBatches`]
@@ -99,13 +99,12 @@ impl Echogram {
         })
     }
 
-    /// Like [`new`](Self::new), with a bin's edge at `edge_s` seconds. If that is the direct
-    /// sound's arrival, and a bin divides 10 ms, the limits of C50, C80 and D50 are edges too, and
-    /// nothing is distributed between their sides. No bin begins before 0 s: the first begins at 0 s or less than a bin
-    /// later, and also has what comes before it.
+    /// Like [`new`](Self::new), with a bin's edge at `edge_s` seconds. If that is the direct sound's arrival, and a bin
+    /// divides 10 ms, the limits of C50, C80 and D50 are edges too, and no energy is distributed between their sides.
+    /// No bin begins before 0 s: the first begins at 0 s or less than a bin later, and also contains earlier arrivals.
     ///
     /// # Errors
-    /// As [`new`](Self::new). An edge that is no finite number counts as 0 s.
+    /// As [`new`](Self::new). An edge that is not finite counts as 0 s.
     pub fn with_edge_at(
         edge_s: f64,
         bin_s: f64,
@@ -118,13 +117,13 @@ impl Echogram {
         Ok(echogram)
     }
 
-    /// Adds what arrives `seconds` after the source's impulse, flying along `direction` (a unit
-    /// vector, world axes; shorter where sound comes from several sides). What comes before the first bin counts in
-    /// it. A time beyond 65,536 bins, or none at all (infinity), goes into [`beyond`](Self::beyond).
+    /// Adds energy that arrives `seconds` after the source's impulse, flying along `direction` (a unit vector,
+    /// world axes; shorter where sound comes from several sides). Arrivals before the first bin count in it.
+    /// Arrivals beyond 65,536 bins, or at an infinite time, are added to [`beyond`](Self::beyond).
     ///
     /// # Errors
-    /// [`AcousticsError::NoSuchBatch`]; [`AcousticsError::BadNumber`] for a time that is no number, an energy that
-    /// is not 0 to 10⁶⁰, and a direction longer than 1. Then nothing is added.
+    /// [`AcousticsError::NoSuchBatch`]; [`AcousticsError::BadNumber`] for a time that is not a number, an energy
+    /// that is not 0 to 10⁶⁰, and a direction longer than 1. Then the echogram is unchanged.
     pub fn add(
         &mut self,
         batch: usize,
@@ -149,7 +148,7 @@ impl Echogram {
             bands::add(&mut self.beyond, energy);
             return Ok(());
         }
-        // A negative place is 0 then.
+        // A negative place becomes 0.
         let bin = place as usize;
         self.grow(bin + 1);
         bands::add(&mut self.energies[bin * self.batches + batch], energy);
@@ -174,7 +173,8 @@ impl Echogram {
         }
     }
 
-    /// Adds the arrivals of another echogram with the same bins and batches, each times the share of its band.
+    /// Adds the arrivals of another echogram with the same bins and batches, scaled by the share of their
+    /// band.
     pub(crate) fn add_scaled(&mut self, other: &Echogram, shares: &Bands) {
         debug_assert!(
             (self.first_s, self.bin_s, self.batches) == (other.first_s, other.bin_s, other.batches)
@@ -196,7 +196,7 @@ impl Echogram {
         bands::add(&mut self.beyond, &scaled(&other.beyond));
     }
 
-    /// Makes room for a number of bins.
+    /// Makes room for `bins` bins.
     fn grow(&mut self, bins: usize) {
         if bins <= self.flows.len() {
             return;
@@ -230,27 +230,27 @@ impl Echogram {
         self.add(batch, seconds, &energy, arrival.direction)
     }
 
-    /// Seconds that a bin takes.
+    /// Length of a bin in seconds.
     pub fn bin_s(&self) -> f64 {
         self.bin_s
     }
 
-    /// When the first bin begins, in seconds: 0, or less than a bin after that.
+    /// Beginning of the first bin in seconds: 0, or less than a bin later.
     pub fn first_s(&self) -> f64 {
         self.first_s
     }
 
-    /// How many bins there are: up to the last in which something arrived.
+    /// Number of bins, up to the last with an arrival.
     pub fn bins(&self) -> usize {
         self.flows.len()
     }
 
-    /// How many batches the waves are in.
+    /// Number of batches of the waves.
     pub fn batches(&self) -> usize {
         self.batches
     }
 
-    /// The energy of a bin in 1/m², all batches; 0 where there is no bin.
+    /// The energy of a bin in 1/m², all batches together; 0 for other bins.
     pub fn energy(&self, bin: usize) -> Bands {
         let mut sum = [0.0; BAND_COUNT];
         for energy in self.in_bin(bin) {
@@ -259,13 +259,13 @@ impl Echogram {
         sum
     }
 
-    /// The energy of a bin in 1/m², one batch; 0 where there is none such.
+    /// The energy of a bin in 1/m², one batch; 0 for other bins and batches.
     pub fn batch_energy(&self, bin: usize, batch: usize) -> Bands {
         let found = self.in_bin(bin).get(batch);
         found.copied().unwrap_or([0.0; BAND_COUNT])
     }
 
-    /// The energy of a bin × direction of flight in 1/m² by band, all batches, world axes.
+    /// The energy of a bin × direction of flight in 1/m² by band, all batches together, world axes.
     pub fn flow(&self, bin: usize) -> [DVec3; BAND_COUNT] {
         let found = self.flows.get(bin);
         found.copied().unwrap_or([DVec3::ZERO; BAND_COUNT])
@@ -280,9 +280,9 @@ impl Echogram {
         sum
     }
 
-    /// How many arrivals of one energy would be as noisy as those of a band in bins that begin at
-    /// `from_s` seconds or later: (Σ e)² / Σ e² (L. Kish, *Survey Sampling*, 1965, section 11.7). 0
-    /// where there are none, and in bands that do not exist.
+    /// Number of arrivals of equal energy that would be as noisy as those of a band in bins that
+    /// begin at `from_s` seconds or later: (Σ e)² / Σ e² (L. Kish, *Survey Sampling*, 1965, section
+    /// 11.7). 0 without arrivals, and for bands that do not exist.
     pub fn effective_arrivals(&self, band: usize, from_s: f64) -> f64 {
         if band >= BAND_COUNT {
             return 0.0;
@@ -298,7 +298,7 @@ impl Echogram {
         }
     }
 
-    /// The energy in 1/m² of what came too late for the bins.
+    /// The energy in 1/m² of arrivals too late for the bins.
     pub fn beyond(&self) -> Bands {
         self.beyond
     }
@@ -317,7 +317,7 @@ impl Echogram {
         })
     }
 
-    /// The energies of a bin by batch; none where there is no bin.
+    /// The energies of a bin by batch; empty for other bins.
     fn in_bin(&self, bin: usize) -> &[Bands] {
         let begins = bin.saturating_mul(self.batches);
         let ends = begins.saturating_add(self.batches);
@@ -342,7 +342,7 @@ mod tests {
         }
     }
 
-    /// Protects which bin and batch a crossing falls into, and the sums.
+    /// Protects the assignment of a crossing to its bin and batch, and the sums.
     #[test]
     fn a_crossing_falls_into_its_bin_and_batch() {
         let mut echogram = Echogram::new(1e-3, 4).expect("a good bin");
@@ -365,7 +365,7 @@ mod tests {
         assert_eq!(echogram.energy(4), [0.0; BAND_COUNT]);
     }
 
-    /// Protects the air's loss: by band, and by the way flown.
+    /// Protects the air's loss: by band, and by the length of the path.
     #[test]
     fn air_takes_its_share() {
         let mut echogram = Echogram::new(1e-3, 1).expect("a good bin");
@@ -393,7 +393,7 @@ mod tests {
         assert_eq!(filled, [0, 11, 12]);
     }
 
-    /// Protects memory from times that no echogram holds.
+    /// Protects memory from times that no echogram can hold.
     #[test]
     fn what_is_too_late_has_no_bin() {
         let mut echogram = Echogram::new(1e-3, 1).expect("a good bin");
@@ -404,8 +404,8 @@ mod tests {
         assert_eq!((echogram.bins(), echogram.beyond()[0]), (0, 2.0));
     }
 
-    /// Protects the count of arrivals that stand behind a decay: equal ones count each, one strong
-    /// among weak ones counts alone.
+    /// Protects the effective number of arrivals: equal ones count each, a strong one among weak
+    /// ones counts alone.
     #[test]
     fn strong_arrivals_count_for_few() {
         let mut echogram = Echogram::new(1e-3, 4).expect("a good bin");
@@ -424,7 +424,7 @@ mod tests {
         assert!((echogram.effective_arrivals(3, 0.0) - 1.0).abs() < 1e-3);
     }
 
-    /// Protects the refusal of bins and batches that make no echogram.
+    /// Protects the refusal of invalid bins and batches.
     #[test]
     fn bad_numbers_are_refused() {
         for bin_s in [0.0, 1.0, -1e-3, f64::NAN] {
@@ -436,8 +436,8 @@ mod tests {
         }
     }
 
-    /// Protects sums and figures from numbers that are no energies, times or directions: all are rejected, and the echogram
-    /// stays empty.
+    /// Protects sums and figures from numbers that are not valid energies, times or directions: all are rejected, and
+    /// the echogram stays empty.
     #[test]
     fn what_no_sound_has_is_refused() {
         let mut echogram = Echogram::new(1e-3, 4).expect("a good bin");

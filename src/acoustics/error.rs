@@ -1,6 +1,6 @@
-//! What can go wrong with echograms and impulse responses.
+//! Errors of echograms and impulse responses.
 
-/// A number that no echogram or impulse response can be made with.
+/// The reason why an echogram or impulse response cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum AcousticsError {
@@ -14,7 +14,7 @@ pub enum AcousticsError {
         /// The requested length, in seconds.
         bin_s: f64,
     },
-    /// A number of batches outside [`BATCHES`](super::BATCHES), or no power of two.
+    /// A number of batches outside [`BATCHES`](super::BATCHES), or not a power of two.
     #[error(
         "{batches} batches of waves: there must be a power of two, {} to {}",
         super::BATCHES.start(),
@@ -43,37 +43,37 @@ pub enum AcousticsError {
         /// The requested length, in seconds.
         seconds: f64,
     },
-    /// A number of what arrives that no sound has.
+    /// A number that is out of range for arriving sound.
     #[error("{what} must be {must}, not {value}")]
     BadNumber {
-        /// Which number, with its unit.
+        /// Name of the number, with its unit.
         what: &'static str,
-        /// Its range.
+        /// Its valid range.
         must: &'static str,
-        /// The value.
+        /// Its value.
         value: f64,
     },
-    /// A tap with a number that no sound has.
+    /// A tap with a number out of range.
     #[error("tap {index}: {what} must be {must}, not {value}")]
     BadTap {
-        /// Its place among the taps or paths, from 0.
+        /// Its index among the taps or paths, from 0.
         index: usize,
-        /// Which number, with its unit.
+        /// Name of the number, with its unit.
         what: &'static str,
-        /// Its range.
+        /// Its valid range.
         must: &'static str,
-        /// The value.
+        /// Its value.
         value: f64,
     },
     /// A batch that an echogram does not have.
     #[error("batch {batch} of an echogram of {batches}: they are counted from 0")]
     NoSuchBatch {
-        /// The requested one, from 0.
+        /// The requested batch, from 0.
         batch: usize,
-        /// How many there are.
+        /// Number of batches.
         batches: usize,
     },
-    /// Slices for one channel and for two whose lengths do not fit.
+    /// Slices for one channel and for two with lengths that do not match.
     #[error(
         "{stereo} samples of two channels for {mono} samples of one: there must be twice as many"
     )]
@@ -83,9 +83,9 @@ pub enum AcousticsError {
         /// Samples of both channels.
         stereo: usize,
     },
-    /// What is heard was made for another player: its delays are samples of that one.
+    /// The heard sound was made for another player: its delays are in that player's samples.
     #[error(
-        "what is heard was made for {heard_hz} Hz and {heard_s} s, and is played at {played_hz} Hz for {played_s} s: make both of one Spec"
+        "the heard sound was made for {heard_hz} Hz and {heard_s} s, but is played at {played_hz} Hz for {played_s} s: make both with one Spec"
     )]
     OtherSpec {
         /// The rate that it was made for, in hertz.
@@ -97,26 +97,26 @@ pub enum AcousticsError {
         /// The player's longest response, in seconds.
         played_s: f64,
     },
-    /// A source that is not played.
+    /// A source number that the player does not have.
     #[error("source {source_number} of a player of {sources}: they are counted from 0")]
     NoSuchSource {
-        /// The requested one, from 0.
+        /// The requested source, from 0.
         source_number: usize,
-        /// How many there are.
+        /// Number of sources.
         sources: usize,
     },
-    /// Directions of a listener that span no axes: one has no length, or both are one line.
+    /// A listener's directions that do not define axes: one has no length, or both are parallel.
     #[error(
         "a listener that looks along {forward:?} with {up:?} above: the two must have lengths \
          and must not be parallel"
     )]
     BadAxes {
-        /// Where the listener looks, world axes.
+        /// Viewing direction of the listener, world axes.
         forward: glam::DVec3,
-        /// What is above it, world axes.
+        /// Upward direction of the listener, world axes.
         up: glam::DVec3,
     },
-    /// A set of head-related impulse responses that cannot be taken to the response's rate.
+    /// A set of head-related impulse responses that cannot be resampled to the response's rate.
     #[error(transparent)]
     Hrir(#[from] super::hrir::HrirError),
 }

@@ -1,4 +1,5 @@
-//! Room acoustic figures by octave band (ISO 3382-1:2009), and how wrong the waves make them.
+//! Room acoustic figures by octave band (ISO 3382-1:2009), and their errors from the finite number
+//! of waves.
 
 mod decay;
 mod few_arrivals;
@@ -20,11 +21,11 @@ use uncertainty::Halves;
 pub(crate) use few_arrivals::uncertain_energy;
 pub(crate) use uncertainty::CommonErrors;
 
-/// *G* is 0 dB for the energy of the direct sound at so many metres, in the open.
+/// Distance in metres at which the direct sound in the open has a strength *G* of 0 dB.
 const STRENGTH_DISTANCE_M: f64 = 10.0;
 
-/// The strength *G* of an energy density in 1/m² for a source of power 1, in decibels against the same
-/// source 10 m away in the open (ISO 3382-1, A.2.1); `None` for silence.
+/// The strength *G* of an energy density in 1/m² for a source of power 1, in decibels relative to the
+/// same source 10 m away in the open (ISO 3382-1, A.2.1); `None` for silence.
 pub fn strength_db(energy: f64) -> Option<f64> {
     let reference = 1.0 / (4.0 * PI * STRENGTH_DISTANCE_M.powi(2));
     (energy > 0.0).then(|| decibels(energy / reference))
@@ -34,14 +35,13 @@ fn decibels(ratio: f64) -> f64 {
     10.0 * ratio.log10()
 }
 
-/// Number of arrivals that must come after the end of a reported decay, counted as of one energy
-/// ([`Echogram::effective_arrivals`]). Where they are fewer, a wave that comes by again and again, or a
-/// strong one without equals, may be off by more than batches show: with 50, T30 was 5 % off at an
-/// error of 1.3 % in an uneven room. Where there are none all that is known of the decay are exact
-/// paths, which end with their order.
+/// Number of arrivals of equal energy ([`Echogram::effective_arrivals`]) that must come after the end
+/// of a reported decay. With fewer, a wave that returns repeatedly, or a single strong one, may cause a
+/// larger error than the batches show: with 50, T30 was 5 % off at an error of 1.3 % in an uneven room.
+/// With none, the decay is known from exact paths only, which end with their order.
 const LEAST_ARRIVALS: f64 = 500.0;
 
-/// The figures of a band's decay, by ISO 3382-1. `None` where it is too short or too noisy, and
+/// The figures of a band, by ISO 3382-1. `None` where the decay is too short or too noisy, and
 /// where the figure is not defined: no decay time without an echo, no clarity without late sound.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
@@ -52,80 +52,78 @@ pub struct BandFigures {
     pub t20_s: Option<f64>,
     /// Reverberation time in seconds from the decay from −5 dB to −35 dB.
     pub t30_s: Option<f64>,
-    /// Clarity in decibels: energy within 50 ms of the direct sound against later energy.
+    /// Clarity in decibels: energy within 50 ms of the direct sound relative to later energy.
     pub c50_db: Option<f64>,
-    /// Clarity in decibels, parted at 80 ms.
+    /// Clarity in decibels, divided at 80 ms.
     pub c80_db: Option<f64>,
     /// Definition: the share of the energy within 50 ms, 0 … 1.
     pub d50: Option<f64>,
     /// Centre time in seconds after the direct sound.
     pub ts_s: Option<f64>,
-    /// Strength in decibels against the same source 10 m away in the open.
+    /// Strength in decibels relative to the same source 10 m away in the open.
     pub g_db: Option<f64>,
 }
 
 /// The figures of all bands, with their errors.
 ///
 /// # Method
-/// - The time counts from the direct sound. If there is none, it counts from the first tap that is less than 20 dB below
-///   the strongest tap or bin (ISO 3382-1 takes a response to start 20 dB below its maximum), or, where 10 % of the
-///   energy arrive before that or there are no taps, from when 1 % of all energy has arrived. The energy of a bin arrives
-///   evenly over the bin, that of a tap at one instant.
+/// - The time counts from the direct sound. If there is none, it counts from the first tap that is less than 20 dB
+///   below the strongest tap or bin (ISO 3382-1 takes a response to start 20 dB below its maximum), or, if 10 % of the
+///   energy arrive before that or there are no taps, from the time when 1 % of all energy has arrived. The energy of a
+///   bin arrives evenly over the bin, that of a tap at one instant.
 /// - The decay curve is the backward integral of the energy (M. R. Schroeder, JASA 37, 1965). The
 ///   energy beyond the record's end is added to it, as ISO 3382-1, 5.3.3 allows: that of an
 ///   exponential decay, at the rate of the last 10 dB of the record. Without it a decay ending at
-///   the record would look too fast. It is a guess, so a decay counts only if the record ends at
-///   least 10 dB below its lower limit (EDT −20 dB, T20 −35 dB, T30 −45 dB), and a sum of
-///   energies only if at most 1 % of it is beyond the record. In a record whose second half does
-///   not decay by 5 dB against its first the tail cannot be estimated, and no figure is given.
-/// - Decay times are by least squares on the curve in decibels, every instant with the same
-///   weight.
+///   the record would look too fast. It is an estimate, so a decay counts only if the record ends
+///   at least 10 dB below its lower limit (EDT −20 dB, T20 −35 dB, T30 −45 dB), and a sum of
+///   energies only if at most 1 % of it is beyond the record. If the second half of the record is
+///   not 5 dB below the first, the tail cannot be estimated, and no figure is given.
+/// - Decay times are least-squares fits to the curve in decibels, with the same weight at every
+///   instant.
 ///
 /// # Errors
-/// Figures are not linear in the energies, and decay times jump where a limit moves from one echo
-/// to the next. So a figure is computed from all batches, and again from orthogonal halves of them
-/// and the halves' complements (P. J. McCarthy, *Pseudo-replication: half samples*, Review of the
-/// International Statistical Institute 37, 1969): with n batches, from 2 (n − 1) halves. The mean
-/// square of these against the figure of all is its variance. For a sum of energies that is the
-/// variance of the batches' mean; for others it holds the curvature and the bias too, since a half
-/// is as far off from all waves as these are from the truth. Exact taps are in each half, and
-/// have no error of their own. The variance comes from n − 1 degrees of freedom: Student's t widens
-/// the error by t(97.5 %)/2, so that twice the error holds the truth in 95 % of cases (16 batches:
-/// by 6.6 %). Where the waves that arrived are fewer than the batches, as many as have one energy, these are what the
-/// degrees of freedom are counted from; a single arrival counts as two. A figure that some half does not have is
-/// none: its decay is too noisy.
+/// Figures are not linear in the energies, and decay times jump where a limit moves from one echo to the next. So a
+/// figure is computed from all batches, and again from orthogonal halves of them and the halves' complements (P. J.
+/// McCarthy, *Pseudo-replication: half samples*, Review of the International Statistical Institute 37, 1969): with n
+/// batches, from 2 (n − 1) halves. The mean square difference of these from the figure of all batches is its
+/// variance. For a sum of energies that is the variance of the batches' mean; for others it includes the curvature
+/// and the bias too, since a half differs from all waves as much as these differ from the truth. Exact taps are in
+/// each half, and have no error of their own. The variance has n − 1 degrees of freedom: Student's t widens the error
+/// by t(97.5 %)/2, so that twice the error contains the truth in 95 % of cases (16 batches: by 6.6 %). If fewer waves
+/// arrived than there are batches, counted as waves of equal energy, their number determines the degrees of freedom;
+/// a single arrival counts as two. If some half does not have the figure, it is not reported: its decay is too noisy.
 ///
-/// A decay time is reported if its error, by the noise of the waves alone, is at most 1.5 % of it, and if after the
-/// end of its decay at least 500 waves of one energy arrive (strong ones count for few), where there are batches. EDT
-/// is none if it is longer than the record.
+/// A decay time is reported if its error from the noise of the waves alone is at most 1.5 % of it, and, where there
+/// are batches, if at least 500 waves of equal energy arrive after the end of its decay (strong ones count for few).
+/// EDT is not reported if it is longer than the record.
 ///
-/// What all waves share is not in it, as paths that a wave cannot take. A [`Response`](crate::response::Response) adds
-/// what the listener's size is known to do, and what one arrival more would change. In bands with fewer than 64 arrivals it
-/// keeps C50, C80 and G only with errors of at most 1 dB, D50 of 0.05 and Ts of 10 ms.
+/// The error does not include errors common to all waves, such as paths that a wave cannot take. A
+/// [`Response`](crate::response::Response) adds the known effects of the listener's size and the effect of one further
+/// arrival. In bands with fewer than 64 arrivals it keeps C50, C80 and G only with errors of at most 1 dB, D50 of 0.05
+/// and Ts of 10 ms.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Figures {
     /// The figures by band.
     pub bands: [BandFigures; BAND_COUNT],
-    /// Their errors, in the same units: one standard deviation. `None` where there is no figure,
-    /// and with fewer than two batches.
+    /// Their errors, in the same units: one standard deviation. `None` without a figure, and with
+    /// fewer than two batches.
     pub errors: [BandFigures; BAND_COUNT],
-    /// The share of the energy that is beyond the record by the tail that was added; `None` if it
-    /// cannot be estimated.
+    /// The share of the energy in the tail beyond the record; `None` if it cannot be estimated.
     pub cut_off: [Option<f64>; BAND_COUNT],
-    /// What the times count from: seconds after the source's impulse. `None` if nothing arrived.
+    /// Time origin of the figures: seconds after the source's impulse. `None` if nothing arrived.
     pub begins_s: Option<f64>,
-    /// The error of `begins_s`, one standard deviation in seconds: 0 where it is the direct sound. It is in the errors of
-    /// the figures. `None` if nothing arrived.
+    /// The error of `begins_s`, one standard deviation in seconds: 0 for the direct sound. It is included in the errors
+    /// of the figures. `None` if nothing arrived.
     pub begins_error_s: Option<f64>,
-    /// Bands in which a figure was taken out because few waves arrived.
+    /// Bands in which a figure was removed because few waves arrived.
     pub(crate) have_few_arrivals: [bool; BAND_COUNT],
 }
 
-/// The figures as a list, so that they can be computed with.
+/// The figures as a list, for computations.
 const FIGURE_COUNT: usize = 8;
 
-/// The first of them are times of decay.
+/// The first of them are decay times.
 const DECAY_TIMES: usize = 3;
 
 /// Levels between which these are evaluated, in decibels.
@@ -163,10 +161,10 @@ impl BandFigures {
 }
 
 impl Figures {
-    /// The figures of what arrived: `taps` exactly, and all else in `echogram`, in a record that
-    /// ends `ends_s` seconds after the source's impulse. `direct_s` is when the direct sound
-    /// arrives; without it the times count from when the other sound begins (see *Method*). There are none if a tap has
-    /// a time, an energy or a direction that no sound has.
+    /// The figures of the arriving sound: `taps` are exact, everything else is in `echogram`, in a record that ends
+    /// `ends_s` seconds after the source's impulse. `direct_s` is the arrival time of the direct sound; without it the
+    /// times count from the beginning of the other sound (see *Method*). There are no figures if a tap has a time, an
+    /// energy or a direction out of range.
     pub fn new(taps: &[Tap], echogram: &Echogram, direct_s: Option<f64>, ends_s: f64) -> Figures {
         let energy = |bin| echogram.energy(bin);
         let are_good = check_taps(taps).is_ok();
@@ -239,7 +237,7 @@ fn list(decay: &Decay) -> (List, DecayEnds) {
     let lines = DECAYS_DB.map(|(upper_db, lower_db)| decay.line(upper_db, lower_db));
     let [edt_s, t20_s, t30_s] = lines.map(|line| line.map(|line| line.time_s));
     let list = [
-        // Six times a decay of 10 dB: beyond the record it says nothing that was traced.
+        // Six times a decay of 10 dB: beyond the record it does not describe traced sound.
         edt_s.filter(|edt_s| *edt_s <= decay.length_s()),
         t20_s,
         t30_s,

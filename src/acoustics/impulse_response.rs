@@ -1,4 +1,4 @@
-//! Impulse responses that can be heard: taps, and noise shaped by an echogram.
+//! Audible impulse responses: taps, and noise shaped by an echogram.
 
 mod axes;
 mod binaural;
@@ -26,20 +26,20 @@ pub const RATES_HZ: RangeInclusive<u32> = 8_000..=192_000;
 /// The longest impulse response, in seconds.
 pub const MAX_SECONDS: f64 = 60.0;
 
-/// The rate of an impulse response unless another is requested, in hertz.
+/// The default rate of an impulse response, in hertz.
 const DEFAULT_RATE_HZ: u32 = 48_000;
 
-/// How an impulse response is made.
+/// Settings of an impulse response.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ImpulseSettings {
     /// Samples a second, in [`RATES_HZ`].
     pub rate_hz: u32,
-    /// How long it is, from the source's impulse on: above 0, to [`MAX_SECONDS`].
+    /// Length in seconds from the source's impulse on: above 0, at most [`MAX_SECONDS`].
     pub seconds: f64,
     /// Its channels.
     pub format: Format,
-    /// Chooses the late part's noise. The same seed gives the same samples.
+    /// Seed of the late part's noise. The same seed gives the same samples.
     pub seed: u64,
 }
 
@@ -55,25 +55,24 @@ impl ImpulseSettings {
     }
 }
 
-/// A sampled impulse response: what a listener hears of an impulse at the source.
+/// A sampled impulse response: the sound at a listener after an impulse at the source.
 ///
 /// The direct sound of a source of unit power is an impulse of amplitude 1 at 1 m: an energy E
-/// (1/m²) has the amplitude √(4π E). The first sample is the source's impulse.
+/// (1/m²) has the amplitude √(4π E). The first sample is the time of the source's impulse.
 ///
 /// # Method
-/// - **Taps** are at their time, between samples too (windowed sinc). Each is filtered to the
-///   energies of its bands, zero-phase: at a band's centre its amplitude is √(4π E) exactly, and
-///   from centre to centre it goes over smoothly. So its peak is at its time whatever its bands.
-///   Taps at one time add their amplitudes, where figures add their energies.
-/// - **The echogram** is Gaussian noise, independent for each band and mean-free, with the
-///   energy of each bin. Then it is filtered to its octave; the filters' powers add up to 1. A
-///   filter spreads the energy of a bin in time, by some 20 ms at 63 Hz and less than 1 ms from
-///   2 kHz on, to both sides: no filter is sharp in time and in frequency.
-/// - **Binaural**: each tap is convolved with the HRIRs of its direction, at its time between
-///   samples. The noise comes from 32 directions around the listener, independent in each, through
-///   their HRIRs. Of a bin and band whose mean direction has the length m (0 diffuse, 1 one wave)
-///   the share 1 − m comes from all of them evenly, the share m from those three about the mean
-///   direction.
+/// - **Taps** are at their exact time, also between samples (windowed sinc). Each is filtered to
+///   the energies of its bands, zero-phase: at a band's centre its amplitude is √(4π E) exactly,
+///   with a smooth transition between centres. So its peak is at its time whatever its bands. Taps
+///   at one time add their amplitudes, while figures add their energies.
+/// - **The echogram** becomes Gaussian noise, independent for each band and with zero mean, with
+///   the energy of each bin. Then it is filtered to its octave; the filters' powers add up to 1. A
+///   filter spreads the energy of a bin in time, by about 20 ms at 63 Hz and less than 1 ms from 2
+///   kHz on, in both directions: no filter is sharp both in time and in frequency.
+/// - **Binaural**: each tap is convolved with the HRIRs of its direction, at its exact time. The
+///   noise comes from 32 directions around the listener, independent in each, through their HRIRs.
+///   If the mean direction of a bin and band has the length m (0 diffuse, 1 one wave), the share 1
+///   − m comes from all of them evenly, and the share m from the three around the mean direction.
 /// - Below 63 Hz the energy is that of 63 Hz, above 8 kHz that of 8 kHz.
 ///
 /// ```
@@ -99,12 +98,12 @@ pub struct ImpulseResponse {
 }
 
 impl ImpulseResponse {
-    /// Makes the response to what arrives: `taps` one by one, `echogram` as noise. `axes` are the
-    /// listener's; [`Format::Mono`] does not ask for them.
+    /// Computes the response to the arriving sound: `taps` one by one, `echogram` as noise. `axes`
+    /// are the listener's; [`Format::Mono`] does not use them.
     ///
     /// # Errors
     /// [`AcousticsError::BadRate`] and [`AcousticsError::BadLength`] if the settings are out of
-    /// range, [`AcousticsError::BadTap`] for a tap whose time, energy or direction no sound has,
+    /// range, [`AcousticsError::BadTap`] for a tap whose time, energy or direction is out of range,
     /// [`AcousticsError::Hrir`] if a set of head-related impulse responses cannot be resampled.
     pub fn new(
         taps: &[Tap],
@@ -152,7 +151,7 @@ impl ImpulseResponse {
         self.rate_hz
     }
 
-    /// What the channels are.
+    /// Format of the channels.
     pub fn format(&self) -> &Format {
         &self.format
     }
@@ -180,7 +179,7 @@ pub(crate) fn amplitude(energy: f64) -> f64 {
     (4.0 * PI * energy.max(0.0)).sqrt()
 }
 
-/// What a response is made for.
+/// Parameters of a response.
 struct Sound {
     axes: ListenerAxes,
     rate_hz: f64,

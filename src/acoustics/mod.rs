@@ -1,5 +1,5 @@
-//! What a listener hears of a place: energy against time, the figures of room acoustics, and
-//! impulse responses. All of it is plain arithmetic on the CPU, in `f64`.
+//! Sound at a listener: energy against time, the figures of room acoustics, and impulse responses.
+//! All of it is plain arithmetic on the CPU, in `f64`.
 //!
 //! ```text
 //!  crossings of the listener ─▶ Echogram ─┬─▶ Figures (ISO 3382-1), with their errors
@@ -8,10 +8,10 @@
 //! ```
 //!
 //! # Units
-//! The source gives out power 1. Energies are energy densities at the listener times the speed of
-//! sound, in 1/m²: 1 / (4π r²) for the direct sound at r metres. Times are seconds from the
-//! source's impulse, but for the figures, which count from the direct sound. Directions are those
-//! of flight, away from where sound comes from, in world axes.
+//! The source has power 1. Energies are energy densities at the listener times the speed of sound,
+//! in 1/m²: 1 / (4π r²) for the direct sound at r metres. Times are seconds from the source's
+//! impulse, except those of figures, which count from the direct sound. Directions are those of
+//! flight, away from where sound comes from, in world axes.
 //!
 //! ```
 //! use echomarch::acoustics::{Echogram, Figures, Tap};

@@ -2,19 +2,19 @@
 
 use super::Signal;
 
-/// How long a loop's start takes to grow out of its end, in seconds: much longer than a click,
-/// and too short to be heard as a change of its own.
+/// Length of the cross-fade from a loop's end into its start, in seconds: much longer than a click,
+/// and too short to be heard as a separate change.
 const SEAM_S: f64 = 0.005;
 
-/// A clip shorter than so many seams starts over at more than 50 Hz: its seam is a part of its
-/// tone and stays as it is.
+/// A clip shorter than this number of seams starts over at more than 50 Hz: its seam is part of its
+/// tone and is not cross-faded.
 const SEAMS_AT_LEAST: usize = 4;
 
-/// Mono samples with a place to read from.
+/// Mono samples with a read position.
 ///
 /// A looping clip whose end does not fit its start is cross-faded there: as it starts over, the
 /// sound comes from the end, played backwards so that it continues without a step, and fades to the
-/// start. The first time the start is heard as it is, and the loop is as long as the clip.
+/// start. The first start is played unchanged, and the loop is as long as the clip.
 #[derive(Debug, Clone)]
 pub(super) struct Clip {
     /// Never empty.
@@ -23,7 +23,7 @@ pub(super) struct Clip {
     looping: bool,
     /// Whether the clip has started over.
     is_again: bool,
-    /// Samples of the cross-fade; 0 where the end fits the start.
+    /// Samples of the cross-fade; 0 if the end fits the start.
     seam: usize,
 }
 
@@ -40,12 +40,12 @@ impl Clip {
         }
     }
 
-    /// Cross-fades what lies in the seam of `out`, which holds the samples from the next one on.
+    /// Cross-fades the part of `out` that lies in the seam; `out` holds the samples from the next one on.
     fn cross_fade(&self, out: &mut [f32]) {
         let last = self.samples.len() - 1;
         for (i, sample) in (self.next..self.seam).zip(out) {
             let share = i as f64 / self.seam as f64;
-            // In `f64`, where no difference of two samples overflows.
+            // In `f64`, where the difference of two samples cannot overflow.
             let end = f64::from(self.samples[last - i]);
             *sample = (end + (f64::from(*sample) - end) * share) as f32;
         }
@@ -75,7 +75,7 @@ impl Signal for Clip {
         }
     }
 
-    /// Makes the sample with this number the next one; a looping clip's numbers go on past its end.
+    /// Makes the sample with this number the next one; the numbers of a looping clip continue past its end.
     fn seek(&mut self, index: u64) {
         let length = self.samples.len() as u64;
         self.is_again = self.looping && index >= length;
@@ -99,8 +99,8 @@ impl Signal for Clip {
     }
 }
 
-/// How many samples are cross-faded where a clip starts over: none if the step there is no larger
-/// than those of the sound itself close by, as in a clip that was made to loop.
+/// Number of samples to cross-fade where a clip starts over: zero if the step there does not exceed
+/// the nearby steps of the sound itself, as in a clip made to loop.
 fn seam(samples: &[f32], rate_hz: u32) -> usize {
     let length = (f64::from(rate_hz) * SEAM_S) as usize;
     if length == 0 || samples.len() < SEAMS_AT_LEAST * length {
@@ -126,7 +126,7 @@ mod tests {
     /// Samples of each clip below: 0.1 s.
     const LENGTH: usize = 4800;
 
-    /// What a looping clip plays in three rounds and a half, in blocks of an odd size.
+    /// Plays a looping clip for three and a half rounds, in blocks of an odd size.
     fn rounds(samples: &[f32]) -> Vec<f32> {
         let mut clip = Clip::new(samples.to_vec(), RATE_HZ);
         let mut played = vec![0.0; samples.len() * 7 / 2];
@@ -134,26 +134,26 @@ mod tests {
         played
     }
 
-    /// Protects loops from clicks: where the end of a clip does not fit its start, no step is larger than a fade over the
-    /// seam makes.
+    /// Protects loops from clicks: if the end of a clip does not fit its start, no step is larger than that of a fade
+    /// over the seam.
     #[test]
     fn a_clip_that_does_not_fit_itself_starts_over_without_a_click() {
         let ramp: Vec<f32> = (0..LENGTH).map(|n| n as f32 / LENGTH as f32).collect();
         let played = rounds(&ramp);
         let seam = (f64::from(RATE_HZ) * SEAM_S) as usize;
-        // From the end to the start in the seam, besides what the clip itself rises.
+        // The step of the fade from end to start in the seam, plus the clip's own rise.
         let most = 1.0 / seam as f32 + 2.0 / LENGTH as f32;
         assert!(largest_step(&played) <= most, "{}", largest_step(&played));
-        // Beyond the seam it is the clip, and its first start is its own.
+        // Beyond the seam the clip is unchanged, and so is its first start.
         assert_eq!(played[..LENGTH], ramp[..]);
         assert_eq!(played[LENGTH + seam..2 * LENGTH], ramp[seam..]);
         assert_eq!(played[LENGTH..2 * LENGTH], played[2 * LENGTH..3 * LENGTH]);
     }
 
-    /// Protects clips that were made to loop: not a sample changes.
+    /// Protects clips that were made to loop: no sample changes.
     #[test]
     fn a_clip_that_fits_itself_is_played_as_it_is() {
-        // Each of ten turns has the same samples.
+        // Each of the ten turns has the same samples.
         let turn = |n: usize| ((n % 480) as f64 * std::f64::consts::TAU / 480.0).sin() as f32;
         let sine: Vec<f32> = (0..LENGTH).map(turn).collect();
         for (n, sample) in rounds(&sine).into_iter().enumerate() {
@@ -161,7 +161,7 @@ mod tests {
         }
     }
 
-    /// A clip that is sought plays what it would have played there.
+    /// Protects seeking in a clip: it plays what it would have played there.
     #[test]
     fn seeking_finds_what_playing_comes_to() {
         let ramp: Vec<f32> = (0..LENGTH).map(|n| n as f32 / LENGTH as f32).collect();

@@ -1,20 +1,20 @@
-//! What can go wrong with sounds and WAV files.
+//! Errors of sounds and WAV files.
 
 use crate::file_input::InputError;
 use crate::text::there_is_no;
 use std::io;
 use std::path::PathBuf;
 
-/// What went wrong with a sound, a panning law, a frame rate or a WAV file.
+/// Error of a sound, a panning law, a frame rate or a WAV file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum AudioError {
-    /// The sound file is missing, or may not be read.
+    /// The sound file is missing or must not be read.
     #[error("cannot open the sound file {}: {source}", path.display())]
     OpenWav {
         /// The requested file.
         path: PathBuf,
-        /// The operating system's error, or the reason why it is not read.
+        /// The operating system's error, or the reason why the file is not read.
         source: InputError,
     },
     /// The file's header is not that of a WAV file.
@@ -22,10 +22,10 @@ pub enum AudioError {
     NotWav {
         /// The file that was read.
         path: PathBuf,
-        /// What the WAV reader stumbled over.
+        /// The WAV reader's error.
         source: hound::Error,
     },
-    /// A WAV file whose samples are stored in a way, or at a rate, that is not read here.
+    /// A WAV file whose sample format or sample rate is not supported.
     #[error(
         "{} holds {found}: convert it to 8, 16, 24 or 32-bit integer or 32-bit float samples at \
          {} to {} Hz",
@@ -36,20 +36,20 @@ pub enum AudioError {
     UnsupportedWav {
         /// The file that was read.
         path: PathBuf,
-        /// What the file holds, in words.
+        /// Description of what the file holds.
         found: String,
     },
-    /// A WAV file that breaks off, or whose samples cannot be decoded.
+    /// A WAV file that is cut short, or whose samples cannot be decoded.
     #[error("{} ends early, at sample {sample} ({source}): write the file again", path.display())]
     DamagedWav {
         /// The file that was read.
         path: PathBuf,
         /// The first sample that could not be read, counted over all channels from 0.
         sample: u64,
-        /// What the WAV reader stumbled over.
+        /// The WAV reader's error.
         source: hound::Error,
     },
-    /// A WAV file without a single sample.
+    /// A WAV file without samples.
     #[error("{} holds no samples: give a file with some sound in it", path.display())]
     EmptyWav {
         /// The file that was read.
@@ -67,7 +67,7 @@ pub enum AudioError {
         /// The first such sample, counted over all channels from 0.
         sample: u64,
     },
-    /// More sound than is read into memory.
+    /// More sound than may be read into memory.
     #[error(
         "{} holds {frames} samples in {channels} channels at {rate_hz} Hz, which are {needed} \
          at {to_hz} Hz: at most {limit} are read, 11 minutes at 48000 Hz, so cut it",
@@ -78,15 +78,15 @@ pub enum AudioError {
         path: PathBuf,
         /// Samples of each channel.
         frames: u64,
-        /// Channels.
+        /// Number of channels.
         channels: u16,
         /// The file's sample rate, in hertz.
         rate_hz: u32,
-        /// Samples that would be kept.
+        /// Samples that would have to be kept.
         needed: u64,
-        /// The wanted sample rate, in hertz.
+        /// The requested sample rate, in hertz.
         to_hz: u32,
-        /// How many samples may be kept.
+        /// Maximum number of samples kept.
         limit: u64,
     },
     /// A float WAV file that is to be resampled holds a sample far beyond full scale.
@@ -100,19 +100,19 @@ pub enum AudioError {
         path: PathBuf,
         /// The first such sample, counted over all channels from 0.
         sample: u64,
-        /// What it is.
+        /// The sample's value.
         value: f32,
-        /// The largest magnitude that is read.
+        /// The largest magnitude accepted.
         limit: f32,
     },
-    /// The WAV file could not be brought to the wanted sample rate.
+    /// The WAV file could not be converted to the requested sample rate.
     #[error("cannot resample {} from {from_hz} Hz to {to_hz} Hz: {reason}", path.display())]
     Resample {
         /// The file that was read.
         path: PathBuf,
         /// The file's sample rate, in hertz.
         from_hz: u32,
-        /// The wanted sample rate, in hertz.
+        /// The requested sample rate, in hertz.
         to_hz: u32,
         /// The resampler's error.
         reason: String,
@@ -141,19 +141,19 @@ pub enum AudioError {
          `speech:SEED` with a whole number, or the path of a .wav file"
     )]
     UnknownSound {
-        /// The description that was given.
+        /// The given description.
         spec: String,
     },
-    /// A panning law's name that is not known.
+    /// An unknown name of a panning law.
     #[error("{}", there_is_no("panning law", name, &["constant-power", "linear"]))]
     UnknownPanningLaw {
-        /// The name that was given.
+        /// The given name.
         name: String,
     },
-    /// A frame rate that is not 0.001 to 1,000,000.
+    /// A frame rate outside 0.001 to 1,000,000.
     #[error("a rate of {fps} frames a second cannot be used: choose 0.001 to 1000000")]
     BadFrameRate {
-        /// The requested frame rate, in frames a second.
+        /// The requested frame rate, in frames per second.
         fps: f64,
     },
     /// More sound than a WAV file can hold.
@@ -164,25 +164,25 @@ pub enum AudioError {
         /// The longest sound that fits, in whole seconds.
         limit_s: u64,
     },
-    /// A number of channels that no WAV file is written with.
+    /// A number of channels that WAV files are not written with.
     #[error("a WAV file of {channels} channels cannot be written: choose 1 to {limit}")]
     BadChannels {
         /// The requested number.
         channels: u16,
-        /// The most there may be.
+        /// The maximum.
         limit: u16,
     },
     /// Interleaved samples that end within a frame.
-    #[error("{}: {samples} samples are no whole number of frames of {channels} channels", path.display())]
+    #[error("{}: {samples} samples are not a whole number of frames of {channels} channels", path.display())]
     CutFrame {
         /// The file that was to be written.
         path: PathBuf,
-        /// How many samples were given.
+        /// Number of given samples.
         samples: usize,
         /// Channels of the file.
         channels: u16,
     },
-    /// Slices for one channel and for two whose lengths do not fit.
+    /// Slices for one channel and for two whose lengths do not match.
     #[error(
         "{stereo} samples of two channels for {mono} samples of one: there must be twice as many"
     )]
@@ -192,12 +192,12 @@ pub enum AudioError {
         /// Samples of both channels.
         stereo: usize,
     },
-    /// Not as many sounds as sources.
+    /// The number of sounds differs from the number of sources.
     #[error("{given} sounds for {sources} sources: give one for each")]
     NotASoundEach {
-        /// How many sounds were given.
+        /// Number of given sounds.
         given: usize,
-        /// How many sources there are.
+        /// Number of sources.
         sources: usize,
     },
     /// The WAV file could not be written.
@@ -211,8 +211,8 @@ pub enum AudioError {
 }
 
 impl AudioError {
-    /// Whether the caller's input is at fault (a name, a number, a file that was given), rather
-    /// than this program or the disk that it writes to.
+    /// Whether the caller's input is at fault (a name, a number, a given file), rather than this
+    /// program or the disk that it writes to.
     pub fn is_bad_input(&self) -> bool {
         match self {
             Self::WriteWav { source, .. } => crate::file_output::is_bad_place(source),

@@ -1,10 +1,10 @@
-//! Which audio samples belong to which video frame.
+//! Assignment of audio samples to video frames.
 
 use std::ops::Range;
 
 use super::AudioError;
 
-/// Shares out audio samples to video frames, without gap, overlap or drift.
+/// Divides audio samples among video frames, without gap, overlap or drift.
 ///
 /// Frame `i` starts at the sample nearest to `i · rate / fps`. Each border is rounded on its own,
 /// so frames differ by at most one sample in length, and after any number of frames picture and
@@ -16,7 +16,7 @@ pub struct FrameBlocks {
 }
 
 impl FrameBlocks {
-    /// Frames at `fps` frames a second over `rate_hz` samples a second.
+    /// Creates the division for `fps` frames per second and `rate_hz` samples per second.
     ///
     /// # Errors
     /// [`AudioError::BadFrameRate`] if `fps` is not 0.001 to 1,000,000, and
@@ -42,13 +42,13 @@ impl FrameBlocks {
         (samples.end - samples.start) as usize
     }
 
-    /// A number of samples that no frame exceeds, to size a buffer by.
+    /// An upper bound of the samples in a frame, to size a buffer by.
     pub fn longest(&self) -> usize {
         (f64::from(self.rate_hz) / self.fps).ceil() as usize + 1
     }
 }
 
-/// A frame of more than a quarter of an hour is no frame; one below a microsecond holds no
+/// Rejects frames longer than a quarter of an hour, and frames below a microsecond, which hold no
 /// sample at any rate.
 fn is_usable(fps: f64) -> bool {
     (1e-3..=1e6).contains(&fps)

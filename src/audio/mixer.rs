@@ -1,12 +1,12 @@
-//! Mono and gains in, interleaved stereo out.
+//! Mixes mono samples with gains to interleaved stereo.
 
 use super::{AudioError, Gains, PanningLaw};
 
 /// Mixes one mono sound to two channels, block by block, with gains that glide.
 ///
-/// A block's gains run linearly from the last block's to its own target, which its last sample
-/// has; the first block starts at its own. No sample's gain differs from the one before it by
-/// more than the block's gain change divided by its length, borders included.
+/// A block's gains run linearly from the previous block's to its own target, which its last sample
+/// reaches; the first block starts at its own. The gain of a sample differs from that of the
+/// previous one by at most the block's gain change divided by its length, borders included.
 ///
 /// ```
 /// use echomarch::audio::{Mixer, PanningLaw};
@@ -22,12 +22,12 @@ use super::{AudioError, Gains, PanningLaw};
 #[derive(Debug, Clone)]
 pub struct Mixer {
     law: PanningLaw,
-    /// The gains of the last sample mixed; none before the first block.
+    /// The gains of the last sample mixed; `None` before the first block.
     current: Option<Gains>,
 }
 
 impl Mixer {
-    /// A mixer that has mixed nothing yet.
+    /// Creates a mixer that has mixed nothing yet.
     pub fn new(law: PanningLaw) -> Self {
         Self { law, current: None }
     }
@@ -37,7 +37,7 @@ impl Mixer {
         self.law
     }
 
-    /// The gains of the last sample mixed; none before the first.
+    /// The gains of the last sample mixed; `None` before the first.
     pub fn current(&self) -> Option<Gains> {
         self.current
     }
@@ -47,7 +47,7 @@ impl Mixer {
         self.current = None;
     }
 
-    /// Mixes one block towards the gains that the law gives `pan`, −1 (left) to 1 (right).
+    /// Mixes one block towards the gains of the law for `pan`, −1 (left) to 1 (right).
     ///
     /// `out` is interleaved (left, right, …) and is overwritten. An empty block changes nothing.
     ///
@@ -90,7 +90,7 @@ impl Mixer {
     }
 }
 
-/// The gain at `along` (0 to 1) of the way; exactly `start` where both ends are equal.
+/// The gain at `along` (0 to 1) of the way; exactly `start` if both ends are equal.
 fn glide(start: f32, target: f32, along: f32) -> f32 {
     start + (target - start) * along
 }

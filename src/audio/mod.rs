@@ -1,12 +1,12 @@
-//! Audio output: one mono sound and one panning value a video frame make two channels.
+//! Audio output: a mono sound and one pan per video frame make two channels.
 //!
-//! This is the third part of the thesis (P. Sjöberg, 2011, section 3.2.4). Nothing here needs a
-//! graphics card or a sound card: a [`Sound`] fills a mono slice, a [`Mixer`] turns it into an
-//! interleaved stereo slice (left, right, left, right, …), and a player or a [`WavWriter`] takes
-//! it from there.
+//! This is the third part of the thesis (P. Sjöberg, 2011, section 3.2.4). It needs neither a
+//! graphics card nor a sound card: a [`Sound`] fills a mono slice, a [`Mixer`] turns it into an
+//! interleaved stereo slice (left, right, left, right, …), and a player or a [`WavWriter`] takes it
+//! from there.
 //!
 //! # Theory
-//! The tracer answers each video frame with one *pan*, −1 for all left and +1 for all right. A
+//! The tracer returns one *pan* for each video frame, −1 for all left and +1 for all right. A
 //! [`PanningLaw`] turns it into two amplitude [`Gains`], and every sample of the frame is
 //! multiplied by both. With the linear law the two gains always sum to one: this is the thesis'
 //! "equal level". With the constant-power law their squares sum to one, which keeps the loudness
@@ -14,15 +14,15 @@
 //!
 //! # Where this departs from the thesis
 //! The thesis applies a new pan at once, which steps the gains at each frame border and clicks.
-//! Here the gains *glide*: they run linearly from the last frame's to this frame's over the
-//! block, so that the output is continuous and a pan is fully reached on the last sample of its
-//! frame. The price is that a pan arrives up to one frame late. The constant-power law is an
-//! addition; the thesis has the linear law alone.
+//! Here the gains *glide*: they run linearly from the last frame's to this frame's over the block,
+//! so that the output is continuous and a pan is fully reached on the last sample of its frame. In
+//! return a pan arrives up to one frame late. The constant-power law is an addition; the thesis has
+//! only the linear law.
 //!
 //! # Cost
-//! [`Sound::fill`] and [`Mixer`] allocate nothing and take constant time a sample, so an audio
+//! [`Sound::fill`] and [`Mixer`] do not allocate and take constant time per sample, so an audio
 //! thread may call them. A WAV clip is read, mixed to mono and resampled once, when it is loaded,
-//! and is held in memory whole (4 bytes a sample).
+//! and is held in memory as a whole (4 bytes per sample).
 //!
 //! ```
 //! use echomarch::audio::{FrameBlocks, Mixer, PanningLaw, SAMPLE_RATE, Sound};
@@ -74,11 +74,11 @@ pub use spec::SoundSpec;
 pub use speech::SPEECH_PEAK;
 pub use stereo::{StereoSignal, StereoSource};
 pub use wav_write::WavWriter;
-#[cfg(feature = "experiment")]
-pub(crate) use wav_write::wav_to_io;
+#[doc(hidden)]
+pub use wav_write::wav_to_io;
 
-/// Samples a second on each channel of everything that is played or written, in hertz.
+/// Sample rate of everything that is played or written, in hertz.
 pub const SAMPLE_RATE: u32 = 48_000;
 
-/// The lowest and the highest sample rate that is accepted, in hertz.
+/// The lowest and the highest accepted sample rate, in hertz.
 pub const SAMPLE_RATES: std::ops::RangeInclusive<u32> = 1_000..=768_000;

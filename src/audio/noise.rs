@@ -1,12 +1,12 @@
-//! White noise that can be repeated.
+//! Reproducible white noise.
 
 use super::Signal;
 use crate::rng::hash;
 
-/// The peak of the noise, of full scale 1: −6.02 dBFS, at a level of −10.8 dBFS (RMS).
+/// The peak of the noise, relative to full scale 1: −6.02 dBFS, at a level of −10.8 dBFS (RMS).
 pub const NOISE_AMPLITUDE: f32 = 0.5;
 
-/// White noise, evenly distributed; a sample depends on its index and the seed alone.
+/// White noise, uniformly distributed; a sample depends only on its index and the seed.
 #[derive(Debug, Clone)]
 pub(super) struct Noise {
     seed: u64,
@@ -33,7 +33,7 @@ impl Signal for Noise {
     }
 }
 
-/// The noise at one index. The seed is hashed first, so that near seeds give unlike noises.
+/// The noise at one index. The seed is hashed first, so that similar seeds give different noises.
 fn noise_at(seed: u64, index: u64) -> f32 {
     let bits = hash(hash(seed).wrapping_add(index));
     let signed = (bits >> 40) as i32 - (1 << 23); // 24 bits: exact in f32

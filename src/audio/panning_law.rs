@@ -7,7 +7,7 @@ use std::str::FromStr;
 use super::AudioError;
 use crate::trace::Profile;
 
-/// The amplitude factors of the two channels, without a unit; 1 leaves the sound as it is.
+/// The amplitude factors of the two channels, without a unit; 1 leaves the sound unchanged.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Gains {
     /// The left channel's factor.
@@ -17,23 +17,23 @@ pub struct Gains {
 }
 
 impl Gains {
-    /// No sound on either channel.
+    /// Silence on both channels.
     pub const SILENT: Self = Self {
         left: 0.0,
         right: 0.0,
     };
 }
 
-/// How a pan is distributed to two channels.
+/// The law that distributes a pan to two channels.
 ///
 /// | law | all left (−1) | centre (0) | all right (+1) | constant |
 /// | --- | --- | --- | --- | --- |
 /// | linear | 0 dB, silent | −6.02 dB each | silent, 0 dB | sum of the gains, 1 |
 /// | constant power | 0 dB, silent | −3.01 dB each | silent, 0 dB | sum of their squares, 1 |
 ///
-/// Sounds from two loudspeakers add up in a room by their power, not by their amplitude: by the
-/// linear law a source in front is 3 dB quieter than one at the side, by constant power it is
-/// as loud. So constant power is the default, but for the thesis' own profile
+/// Sounds from two loudspeakers add up in a room by their power, not by their amplitude: with the
+/// linear law a source in front is 3 dB quieter than one at the side, with constant power it is
+/// equally loud. So constant power is the default, except for the thesis' own profile
 /// ([`for_profile`](Self::for_profile)).
 ///
 /// Names, for `FromStr` and `Display`: `linear`, `constant-power`.
@@ -41,14 +41,14 @@ impl Gains {
 pub enum PanningLaw {
     /// The gains are (1 ∓ pan) / 2: the thesis' "equal level".
     Linear,
-    /// The gains are a quarter turn of sine and cosine.
+    /// The gains are sine and cosine over a quarter turn.
     #[default]
     ConstantPower,
 }
 
 impl PanningLaw {
-    /// The default law of a profile: the thesis' own for its
-    /// algorithm, constant power for the others.
+    /// The default law of a profile: linear for the thesis' algorithm, constant power for the
+    /// others.
     pub fn for_profile(profile: Profile) -> PanningLaw {
         match profile {
             Profile::Thesis => Self::Linear,

@@ -2,7 +2,7 @@
 
 use super::{AudioError, SAMPLE_RATES};
 
-/// Rejects a sample rate that nothing is made for.
+/// Rejects an unsupported sample rate.
 pub(super) fn check_rate(sample_rate_hz: u32) -> Result<(), AudioError> {
     if SAMPLE_RATES.contains(&sample_rate_hz) {
         Ok(())

@@ -1,13 +1,13 @@
-//! A whole clip from one sample rate to another.
+//! Resampling of a whole clip.
 
 use rubato::audioadapter_buffers::direct::InterleavedSlice;
 use rubato::{Fft, FixedSync, Resampler};
 
-/// The least length of the resampler's filter, in input samples. The longer it is, the narrower
-/// the band that is lost beneath half the lower rate.
+/// Minimum length of the resampler's filter, in input samples. The longer the filter, the narrower
+/// the band that is lost below half the lower rate.
 const LEAST_BLOCK: u32 = 1024;
 
-/// Resamples a mono clip, delay taken out, to `samples.len() · to_hz / from_hz` samples, rounded.
+/// Resamples a mono clip to `samples.len() · to_hz / from_hz` samples, rounded, and removes the filter's delay.
 pub(crate) fn to_rate(samples: Vec<f32>, from_hz: u32, to_hz: u32) -> Result<Vec<f32>, String> {
     if from_hz == to_hz {
         return Ok(samples);
@@ -32,8 +32,8 @@ pub(crate) fn to_rate(samples: Vec<f32>, from_hz: u32, to_hz: u32) -> Result<Vec
     Ok(resampled)
 }
 
-/// The filter's length: whole periods of the two rates, and an even number of them, because the
-/// delay of an odd filter lies between two samples and could not be taken out exactly.
+/// The filter's length: an even number of whole periods of the two rates, because the delay of an
+/// odd filter lies between two samples and could not be removed exactly.
 fn block_for(from_hz: u32, to_hz: u32) -> u32 {
     let period = from_hz / greatest_common_divisor(from_hz, to_hz);
     2 * period * LEAST_BLOCK.div_ceil(2 * period)
@@ -57,8 +57,8 @@ pub(super) fn length_after(count: usize, from_hz: u32, to_hz: u32) -> usize {
 mod tests {
     use super::*;
 
-    /// Protects the sharpness of the filter, the delay that is taken out, and the cost: an even number of whole
-    /// periods, at least as many samples as are asked for, and not a pair of periods more.
+    /// Protects the sharpness of the filter, the removal of its delay, and the cost: the smallest even number of whole
+    /// periods with at least the required number of samples.
     #[test]
     fn the_filter_has_the_least_even_number_of_periods_that_suffices() {
         for (from_hz, to_hz, period) in [

@@ -1,6 +1,6 @@
-//! The trait of everything that can be played as a sound.
+//! The trait of all playable sounds.
 
-/// Mono samples, one after another; 1 is full scale.
+/// Consecutive mono samples; 1 is full scale.
 ///
 /// A caller's own sound implements this and becomes a [`Sound`](super::Sound) by
 /// [`Sound::new`](super::Sound::new). An audio thread calls these methods: they must not allocate,
@@ -37,18 +37,18 @@ pub trait Signal: Send {
     /// Makes the sample with this number, counted from 0, the next one.
     fn seek(&mut self, sample: u64);
 
-    /// Chooses whether a sound with an end starts over there or falls silent. One without an end
-    /// ignores this.
+    /// Chooses whether a sound with an end starts over there or falls silent. A sound without an
+    /// end ignores this.
     fn set_looping(&mut self, looping: bool) {
         let _ = looping;
     }
 
-    /// The number of samples from the start to the end; none where there is no end.
+    /// The number of samples from the start to the end; `None` for endless sounds.
     fn length(&self) -> Option<usize> {
         None
     }
 
-    /// Whether all that is left is silence.
+    /// Whether only silence is left.
     fn is_finished(&self) -> bool {
         false
     }

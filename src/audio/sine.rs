@@ -4,13 +4,13 @@ use std::f64::consts::TAU;
 
 use super::{AudioError, Signal};
 
-/// The peak of a sine, of full scale 1: −6.02 dBFS.
+/// The peak of a sine, relative to full scale 1: −6.02 dBFS.
 pub const SINE_AMPLITUDE: f32 = 0.5;
 
 /// An endless sine that starts at phase 0.
 ///
 /// The phase is kept in turns, between 0 and 1, in `f64`: each step rounds by at most 2⁻⁵³ turns,
-/// so even errors that all pull the same way reach only 2·10⁻⁸ turns in an hour.
+/// so even errors that all have the same sign reach only 2·10⁻⁸ turns in an hour.
 #[derive(Debug, Clone)]
 pub(super) struct Sine {
     phase_turns: f64,
@@ -58,7 +58,7 @@ impl Signal for Sine {
 mod tests {
     use super::*;
 
-    /// The phase after a whole number of seconds is known exactly: the frequency times the time.
+    /// Protects the phase, which is known exactly after whole seconds: the frequency times the time.
     #[test]
     fn phase_is_kept_for_an_hour() {
         for frequency_hz in [440.0, 997.0, 1234.5, 23_999.0] {

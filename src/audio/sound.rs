@@ -1,4 +1,4 @@
-//! The one mono sound that is played.
+//! The mono sound that is played.
 
 use super::clip::Clip;
 use super::noise::Noise;
@@ -9,12 +9,12 @@ use super::{AudioError, Signal, SoundSpec, resample, wav_read};
 use std::fmt;
 use std::path::Path;
 
-/// A mono sound that is read forwards, sample by sample; 1 is full scale. A caller's own is made
-/// of a [`Signal`].
+/// A mono sound that is read forwards, sample by sample; 1 is full scale. A caller's own sound is
+/// made from a [`Signal`].
 ///
 /// A sine, noise and speech never end. A WAV clip starts over at its end unless
-/// [`set_looping`](Self::set_looping) turned that off: then it ends in silence. Where its end does
-/// not fit its start, the first 5 ms are cross-faded with the end each time that it starts over.
+/// [`set_looping`](Self::set_looping) turned that off: then it ends in silence. If its end does not
+/// fit its start, the first 5 ms are cross-faded with the end each time it starts over.
 ///
 /// ```
 /// use echomarch::audio::{SAMPLE_RATE, Sound};
@@ -30,15 +30,15 @@ pub struct Sound {
 }
 
 impl Sound {
-    /// A sound of the caller's own.
+    /// Creates a sound from a caller's own signal.
     pub fn new(signal: impl Signal + 'static) -> Self {
         Self {
             signal: Box::new(signal),
         }
     }
 
-    /// Reads a description such as `sine:440` (see [`SoundSpec`]) and loads it at `sample_rate`
-    /// samples a second, commonly [`SAMPLE_RATE`](super::SAMPLE_RATE).
+    /// Parses a description such as `sine:440` (see [`SoundSpec`]) and loads it at `sample_rate`
+    /// samples per second, commonly [`SAMPLE_RATE`](super::SAMPLE_RATE).
     ///
     /// # Errors
     /// [`AudioError::UnknownSound`], or as [`load`](Self::load).
@@ -46,13 +46,13 @@ impl Sound {
         Self::load(&text.parse()?, sample_rate)
     }
 
-    /// Makes the sound at `sample_rate` samples a second.
+    /// Creates the sound at `sample_rate` samples per second.
     ///
-    /// A WAV file of several channels becomes their mean. At another rate it is resampled with a
-    /// linear-phase filter whose delay is taken out: what starts at `t` seconds in the file starts
-    /// at `t` seconds here, and `n` samples become `n · sample_rate / rate` rounded. Resampling
-    /// keeps what lies below both rates' halves, up to a narrow band beneath the lower one, and may
-    /// overshoot full scale a little.
+    /// A WAV file of several channels is mixed to their mean. At another rate it is resampled with
+    /// a linear-phase filter whose delay is removed: a sound that starts at `t` seconds in the file
+    /// starts at `t` seconds here, and `n` samples become `n · sample_rate / rate`, rounded.
+    /// Resampling keeps frequencies below half of both rates, except a narrow band below half the
+    /// lower one, and may overshoot full scale a little.
     ///
     /// # Errors
     /// [`AudioError::BadSampleRate`] for a rate outside [`SAMPLE_RATES`](super::SAMPLE_RATES);
@@ -71,7 +71,7 @@ impl Sound {
         })
     }
 
-    /// Overwrites `out` with the next `out.len()` samples. Allocates nothing.
+    /// Overwrites `out` with the next `out.len()` samples. Does not allocate.
     pub fn fill(&mut self, out: &mut [f32]) {
         self.signal.fill(out);
     }
@@ -81,10 +81,10 @@ impl Sound {
         self.seek(0);
     }
 
-    /// Makes the sample with this number, counted from 0, the next one. Allocates nothing.
+    /// Makes the sample with this number, counted from 0, the next one. Does not allocate.
     ///
-    /// In a looping clip the numbers go on past its end; without looping, all that lies there is
-    /// silence.
+    /// The numbers of a looping clip continue past its end; without looping, only silence follows
+    /// there.
     pub fn seek(&mut self, sample: u64) {
         self.signal.seek(sample);
     }
@@ -95,12 +95,12 @@ impl Sound {
         self.signal.set_looping(looping);
     }
 
-    /// The number of samples from the start to the end; none for sounds without an end.
+    /// The number of samples from the start to the end; `None` for sounds without an end.
     pub fn length(&self) -> Option<usize> {
         self.signal.length()
     }
 
-    /// Whether all that is left is silence: of the sounds here, only ever true of a clip that does
+    /// Whether only silence is left: of the built-in sounds, only ever true for a clip that does
     /// not loop.
     pub fn is_finished(&self) -> bool {
         self.signal.is_finished()

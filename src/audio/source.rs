@@ -9,7 +9,7 @@ type Make = dyn Fn(u32) -> Result<Sound, AudioError> + Send + Sync;
 
 /// Makes one sound at any sample rate: live output calls it again when the device's rate changes.
 ///
-/// It is made of a [`SoundSpec`], of its text, or of a caller's own function:
+/// It is made from a [`SoundSpec`], from its text, or from a caller's own function:
 ///
 /// ```
 /// use echomarch::audio::{Sound, SoundSource, SoundSpec};
@@ -27,8 +27,8 @@ pub struct SoundSource {
 }
 
 impl SoundSource {
-    /// A caller's own sound: `make` is given the rate in samples a second, and is called on the
-    /// thread that supervises live output.
+    /// Creates a source of a caller's own sound: `make` gets the rate in samples per second and is
+    /// called on the thread that supervises live output.
     pub fn new(
         name: impl Into<String>,
         make: impl Fn(u32) -> Result<Sound, AudioError> + Send + Sync + 'static,
@@ -39,7 +39,7 @@ impl SoundSource {
         }
     }
 
-    /// The sound at `rate_hz` samples a second, at its start.
+    /// Returns the sound at `rate_hz` samples per second, at its start.
     ///
     /// # Errors
     /// As [`Sound::load`], or what the caller's own function answers.
@@ -57,7 +57,7 @@ impl From<SoundSpec> for SoundSource {
 impl FromStr for SoundSource {
     type Err = AudioError;
 
-    /// Reads the text of a [`SoundSpec`]; opens nothing.
+    /// Parses the text of a [`SoundSpec`]; opens no file.
     fn from_str(text: &str) -> Result<Self, AudioError> {
         text.parse::<SoundSpec>().map(Self::from)
     }

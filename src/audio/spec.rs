@@ -1,4 +1,4 @@
-//! How a sound is named on a command line or in a file.
+//! Names of sounds on a command line or in a file.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -6,7 +6,7 @@ use std::str::FromStr;
 
 use super::AudioError;
 
-/// Which sound is meant; [`Sound::load`](super::Sound::load) makes it.
+/// A description of a sound; [`Sound::load`](super::Sound::load) makes the sound.
 ///
 /// | text | sound |
 /// | --- | --- |
@@ -36,7 +36,7 @@ pub enum SoundSpec {
     },
     /// A WAV file.
     Wav {
-        /// Where the file is; read when the sound is loaded.
+        /// Path of the file, which is read when the sound is loaded.
         path: PathBuf,
     },
 }
@@ -44,7 +44,7 @@ pub enum SoundSpec {
 impl FromStr for SoundSpec {
     type Err = AudioError;
 
-    /// Reads the text of the table above; opens nothing. Anything else is
+    /// Parses the text of the table above; opens no file. Anything else is
     /// [`AudioError::UnknownSound`].
     fn from_str(text: &str) -> Result<Self, AudioError> {
         known(text).ok_or_else(|| AudioError::UnknownSound {

@@ -2,48 +2,48 @@
 //!
 //! # Theory
 //! A voice is a train of glottal pulses at a gliding pitch, shaped by the resonances of the mouth,
-//! the *formants*, and cut into syllables. The pulse train is a sum of harmonics of the pitch:
-//! here each is a cosine whose complex amplitude is the response of three formants (two-pole
-//! low-passes in cascade) at its frequency, times a source that falls a little with the frequency.
-//! Time is cut into slots of a syllable each, and ten slots are a phrase that ends in a pause;
-//! vowels, lengths, accents and hissed consonants of a slot are hashed from the seed and the
-//! slot's number, and formants glide between the vowels.
+//! the *formants*, and cut into syllables. The pulse train is a sum of harmonics of the pitch: here
+//! each is a cosine whose complex amplitude is the response of three formants (two-pole low-passes
+//! in cascade) at its frequency, times a source that falls a little with the frequency. Time is
+//! divided into slots of one syllable each, and ten slots form a phrase that ends in a pause; the
+//! vowel, length, accent and hissed consonant of a slot are hashed from the seed and the slot's
+//! number, and formants glide between the vowels.
 //!
-//! A sample depends on its number, the rate and the seed alone: the phase is the pitch's integral
-//! in closed form, counted from the start of the phrase, where all is silent. The amplitudes are
-//! computed every 5 ms and run linearly in between.
+//! A sample depends only on its number, the rate and the seed: the phase is the pitch's integral in
+//! closed form, counted from the start of the phrase, where the voice is silent. The amplitudes are
+//! computed every 5 ms and interpolated linearly.
 
 use super::Signal;
 use std::f64::consts::TAU;
 
 use crate::rng::{hash, unit_interval};
 
-/// No sample of the voice is further from 0 than this, of full scale 1.
+/// Peak of the voice: no sample is further from 0, relative to full scale 1.
 pub const SPEECH_PEAK: f32 = 0.95;
 
-/// What the sum of all harmonics' amplitudes may reach, and the hiss beside it.
+/// Limit of the sum of all harmonics' amplitudes; the hiss is added to it.
 const VOICE_PEAK: f64 = 0.9;
 const HISS_PEAK: f64 = 0.05;
 
-/// The level (RMS) of a vowel at its loudest, of full scale 1.
+/// The level (RMS) of a vowel at its loudest, relative to full scale 1.
 const VOWEL_LEVEL: f64 = 0.4;
 
 /// Length of a slot, which holds one syllable, in seconds.
 const SLOT_S: f64 = 0.21;
-/// Slots of a phrase, its pause included.
+/// Slots of a phrase, including its pause.
 const PHRASE_SLOTS: u64 = 10;
-/// How far the syllable's sound rises and falls, in seconds.
+/// Duration of the rise and fall of a syllable, in seconds.
 const RISE_S: f64 = 0.045;
 
-/// Times a second that the amplitudes are computed.
+/// Rate at which the amplitudes are computed, in hertz.
 const CONTROL_HZ: u32 = 200;
 const MAX_HARMONICS: usize = 24;
 /// The lowest pitch, in hertz; the highest is 80 Hz above.
 const LOWEST_PITCH_HZ: f64 = 190.0;
-/// Harmonics fade between these frequencies, in hertz.
+/// The harmonics fade out between these frequencies, in hertz.
 const FADE_HZ: (f64, f64) = (3000.0, 3800.0);
 
-/// The middle of the hiss and its half width, in hertz.
+/// The centre of the hiss and its half width, in hertz.
 const HISS_HZ: f64 = 3200.0;
 const HISS_KNOTS_HZ: f64 = 2000.0;
 
@@ -70,15 +70,15 @@ pub(super) struct Speech {
     index: u64,
     /// Samples between two computations of the amplitudes.
     hop: u64,
-    /// Which hop the amplitudes are of; none yet.
+    /// The hop that the amplitudes belong to; `None` at first.
     at: Option<u64>,
     from: Harmonics,
     to: Harmonics,
-    /// The pitch of the slot that was heard last.
+    /// The pitch of the slot heard last.
     pitch: SlotPitch,
 }
 
-/// How the pitch goes in a slot: it is hashed once a slot, not once a sample.
+/// The course of the pitch in a slot, hashed once per slot instead of once per sample.
 #[derive(Debug, Clone, Copy)]
 struct SlotPitch {
     slot: u64,
@@ -124,7 +124,7 @@ impl Speech {
         (f64::from(voice) + hiss) as f32
     }
 
-    /// Makes the amplitudes at both ends of a hop.
+    /// Computes the amplitudes at both ends of a hop.
     fn prepare(&mut self, hop: u64) {
         if self.at == Some(hop) {
             return;
@@ -137,8 +137,8 @@ impl Speech {
         self.at = Some(hop);
     }
 
-    /// The harmonics' sum at a phase of the pitch; each turn comes from the one before it by the
-    /// addition theorem.
+    /// The sum of the harmonics at a phase of the pitch; each turn is computed from the previous
+    /// one with the addition theorem.
     fn sum(&self, along: f32, phase_turns: f64) -> f32 {
         let (sin, cos) = (TAU * phase_turns).sin_cos();
         let (step_cos, step_sin) = (cos as f32, sin as f32);
@@ -155,7 +155,7 @@ impl Speech {
         sum
     }
 
-    /// The amplitudes at the start of a hop.
+    /// Computes the amplitudes at the start of a hop.
     fn harmonics(&self, hop: u64) -> Harmonics {
         let time = hop as f64 * self.hop as f64 / f64::from(self.rate_hz);
         let moment = Moment::at(time);
@@ -174,7 +174,7 @@ impl Speech {
             power += size * size / 2.0;
             peak += size;
         }
-        // Every vowel has the same level, unless its peak could then pass the limit.
+        // Every vowel has the same level, unless its peak would then exceed the limit.
         let gain = loudness * (VOWEL_LEVEL / power.sqrt()).min(VOICE_PEAK / peak);
         for (amplitude, exact) in harmonics.iter_mut().zip(exact) {
             if gain.is_finite() {
@@ -184,7 +184,7 @@ impl Speech {
         harmonics
     }
 
-    /// A number from 0 to 1 that belongs to a slot.
+    /// A number from 0 to 1, hashed from a slot.
     fn chance(&self, slot: u64, what: u64) -> f64 {
         let bits = hash(self.seed ^ hash(slot.wrapping_mul(8).wrapping_add(what)));
         unit_interval(bits)
@@ -197,7 +197,7 @@ impl Speech {
         slot % PHRASE_SLOTS < syllables
     }
 
-    /// How loud the voice is, 0 to 1: 0 at both ends of every slot.
+    /// The loudness of the voice, 0 to 1: 0 at both ends of every slot.
     fn loudness(&self, moment: &Moment) -> f64 {
         if !self.is_spoken(moment.slot) {
             return 0.0;
@@ -209,7 +209,7 @@ impl Speech {
         rise * (0.75 + 0.25 * self.chance(moment.slot, 2))
     }
 
-    /// The pitch that the slot starts with, in hertz: it falls over the phrase, with accents.
+    /// The pitch at the start of the slot, in hertz: it falls over the phrase, with accents.
     fn pitch_of(&self, slot: u64) -> f64 {
         let along = (slot % PHRASE_SLOTS) as f64 / PHRASE_SLOTS as f64;
         LOWEST_PITCH_HZ + 35.0 * (1.0 - along) + 45.0 * self.chance(slot, 3)
@@ -248,7 +248,7 @@ impl Speech {
         &VOWELS[(self.chance(slot, 4) * VOWELS.len() as f64) as usize % VOWELS.len()]
     }
 
-    /// The formants: they come from the vowel before, and stand still in the syllable's middle.
+    /// The formants: they glide from the previous vowel and are constant in the syllable's middle.
     fn formants(&self, moment: &Moment) -> [f64; 3] {
         let before = self.vowel(moment.slot.wrapping_sub(1));
         let (here, next) = (self.vowel(moment.slot), self.vowel(moment.slot + 1));
@@ -261,7 +261,7 @@ impl Speech {
         })
     }
 
-    /// How loud the hiss is, 0 to 1: two syllables of five begin with one.
+    /// The loudness of the hiss, 0 to 1: two of five syllables begin with one.
     fn hiss_level(&self, moment: &Moment) -> f64 {
         let is_hissed = self.is_spoken(moment.slot) && self.chance(moment.slot, 5) < 0.4;
         let fits = HISS_HZ + HISS_KNOTS_HZ < f64::from(self.rate_hz) / 2.0;
@@ -272,7 +272,7 @@ impl Speech {
         smooth(time / 0.02) * smooth((0.07 - time) / 0.03)
     }
 
-    /// Noise about [`HISS_HZ`]: random knots, joined smoothly, times a carrier.
+    /// Noise around [`HISS_HZ`]: random knots, joined smoothly, times a carrier.
     fn hiss(&self, time: f64) -> f64 {
         let at = time * HISS_KNOTS_HZ;
         let knot = at.floor();
@@ -297,7 +297,7 @@ impl Signal for Speech {
     }
 }
 
-/// A time as a slot and a place in it, 0 to 1.
+/// A time as a slot and a position in it, 0 to 1.
 struct Moment {
     slot: u64,
     along: f64,
@@ -313,7 +313,7 @@ impl Moment {
     }
 }
 
-/// 0 up to 0, 1 from 1, and without a corner in between.
+/// A smooth step: 0 up to 0, 1 from 1, and without a corner in between.
 fn smooth(x: f64) -> f64 {
     let x = x.clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)
@@ -328,7 +328,7 @@ fn response(frequency_hz: f64, formants: &[f64; 3], rate_hz: u32) -> [f64; 2] {
     if fade == 0.0 {
         return [0.0; 2];
     }
-    // A bright voice: 3 dB an octave down, lips counted in, and little below 200 Hz.
+    // A bright voice: −3 dB per octave, including radiation from the lips, and little below 200 Hz.
     let bass = (frequency_hz / 220.0).powi(4);
     let source = fade * (500.0 / frequency_hz).sqrt() * bass / (1.0 + bass);
     let (mut re, mut im) = (source, 0.0);
@@ -345,7 +345,7 @@ fn response(frequency_hz: f64, formants: &[f64; 3], rate_hz: u32) -> [f64; 2] {
 mod tests {
     use super::*;
 
-    /// Some voices, and the slots of sixty phrases of each.
+    /// Several voices, each with the slots of sixty phrases.
     fn slots() -> impl Iterator<Item = (Speech, u64)> {
         let voices = (0..4).map(|seed| Speech::new(seed, 48_000));
         voices.flat_map(|voice| (0..60 * PHRASE_SLOTS).map(move |slot| (voice.clone(), slot)))
@@ -367,8 +367,8 @@ mod tests {
         }
     }
 
-    /// Protects the consonants: two syllables of five begin with a hiss, which is heard in full and is over after
-    /// 70 ms; there is none in a pause, nor at a rate that has no room for it.
+    /// Protects the consonants: two of five syllables begin with a hiss, which is heard in full and is over after 70
+    /// ms; pauses have none, and neither has a sample rate too low for it.
     #[test]
     fn two_syllables_of_five_begin_with_a_hiss() {
         let (mut spoken, mut hissed) = (0, 0);
@@ -390,7 +390,7 @@ mod tests {
         assert!((share - 0.4).abs() < 0.04, "{share}");
     }
 
-    /// Protects the level: every vowel is as loud as it should be, or its peak reaches the limit; none passes either.
+    /// Protects the level: every vowel has the intended loudness, or its peak reaches the limit; neither is exceeded.
     #[test]
     fn every_vowel_has_its_level_or_its_peak() {
         let mut vowels = [0; 2];
@@ -414,8 +414,8 @@ mod tests {
         assert!(vowels.iter().all(|&count| count > 0), "{vowels:?}");
     }
 
-    /// Protects the melody: the pitch keeps within its range and falls over the phrase by what it should, accents
-    /// aside.
+    /// Protects the melody: the pitch stays within its range and falls over the phrase by the intended amount, apart
+    /// from accents.
     #[test]
     fn the_pitch_falls_over_the_phrase() {
         let mut sums = [0.0; PHRASE_SLOTS as usize];
@@ -430,7 +430,7 @@ mod tests {
         assert!((fall_hz - 0.9 * 35.0).abs() < 5.0, "{fall_hz} Hz");
     }
 
-    /// Protects the timbre: apart from the formants, here far above, the voice falls by 3 dB an octave, has little
+    /// Protects the timbre: apart from the formants, here far above, the voice falls by 3 dB per octave, has little
     /// bass, and ends where the harmonics have faded.
     #[test]
     fn the_source_falls_by_3_db_an_octave() {
@@ -443,8 +443,7 @@ mod tests {
         assert_eq!(size(FADE_HZ.1), 0.0);
     }
 
-    /// Protects the pitch that is heard: the phase goes on by it within a slot, and from one slot of a phrase to the
-    /// next.
+    /// Protects the audible pitch: the phase advances by it within a slot, and from one slot of a phrase to the next.
     #[test]
     fn the_phase_is_the_integral_of_the_pitch() {
         const STEP: f64 = 1e-4;
@@ -453,7 +452,7 @@ mod tests {
                 voice.pitch = voice.slot_pitch(slot);
                 voice.phase_turns(&Moment { slot, along })
             };
-            // Whole turns do not count.
+            // Whole turns are ignored.
             let turned = |from: f64, to: f64| (to - from + 0.5).rem_euclid(1.0) - 0.5;
             let turns = [0.1, 0.5, 0.9].map(|along| {
                 turned(phase(slot, along - STEP), phase(slot, along + STEP)) / (2.0 * STEP)
@@ -468,7 +467,7 @@ mod tests {
         }
     }
 
-    /// Protects the vowels: a syllable's middle is its own vowel, and where two syllables meet both are halfway
+    /// Protects the vowels: a syllable's middle is its own vowel, and at the border of two syllables both are halfway
     /// between their vowels.
     #[test]
     fn formants_stand_in_the_middle_and_meet_at_the_ends() {

@@ -1,13 +1,13 @@
-//! Sounds of two channels that are made as they are heard.
+//! Stereo sounds that are computed while they are heard.
 
 use std::fmt;
 use std::sync::Arc;
 
-/// A caller's own sound of two channels, such as sources heard in a scene: live output plays it in
-/// place of one sound and its pan.
+/// A caller's own stereo sound, such as the sources heard in a scene: live output plays it instead
+/// of a mono sound and its pan.
 pub trait StereoSignal: Send {
-    /// Adds the next samples of both channels to `stereo` (left, right, …). Called on the thread that
-    /// must not be late: it shall allocate nothing, lock nothing and wait for nothing.
+    /// Adds the next samples of both channels to `stereo` (left, right, …). Called on the thread that must not be late,
+    /// so it must not allocate, lock or wait.
     fn add(&mut self, stereo: &mut [f32]);
 }
 
@@ -20,7 +20,7 @@ pub struct StereoSource {
 }
 
 impl StereoSource {
-    /// `make` is given the rate in samples a second, and is called on the thread that supervises live
+    /// Creates a source: `make` gets the rate in samples per second and is called on the thread that supervises live
     /// output.
     pub fn new(make: impl Fn(u32) -> Box<dyn StereoSignal> + Send + Sync + 'static) -> Self {
         Self {
@@ -28,7 +28,7 @@ impl StereoSource {
         }
     }
 
-    /// The sound at `rate_hz` samples a second, at its start.
+    /// Returns the sound at `rate_hz` samples per second, at its start.
     pub fn signal(&self, rate_hz: u32) -> Box<dyn StereoSignal> {
         (self.make)(rate_hz)
     }

@@ -1,8 +1,8 @@
-//! The head of a WAV file of 32-bit float samples (Microsoft, *New Multimedia Data Types and Data Techniques*, 1994).
+//! The header of a WAV file of 32-bit float samples (Microsoft, *New Multimedia Data Types and Data Techniques*, 1994).
 //!
-//! Samples that are no PCM need a `fmt` chunk that says how long its extension is, and a `fact` chunk with the number of
-//! frames; readers call a file without them incomplete. `WAVE_FORMAT_EXTENSIBLE` would add at which loudspeakers the
-//! channels are, which those of ambisonics are not, and SoX calls it incomplete with such samples.
+//! Samples other than PCM need a `fmt` chunk with the length of its extension, and a `fact` chunk with the number of
+//! frames; readers call a file without them incomplete. `WAVE_FORMAT_EXTENSIBLE` would add the loudspeaker positions of
+//! the channels, which ambisonic channels lack, and SoX calls it incomplete with such samples.
 
 /// Bytes of a sample.
 pub(super) const SAMPLE_BYTES: u32 = 4;
@@ -10,7 +10,7 @@ pub(super) const SAMPLE_BYTES: u32 = 4;
 /// `WAVE_FORMAT_IEEE_FLOAT`.
 const FLOAT: u16 = 3;
 
-/// The bytes before the first sample, of a file with a number of frames.
+/// The bytes before the first sample of a file with `frames` frames.
 pub(super) fn header(channels: u16, rate_hz: u32, frames: u32) -> Vec<u8> {
     let frame_bytes = u32::from(channels) * SAMPLE_BYTES;
     let data_bytes = frames * frame_bytes;
@@ -31,7 +31,7 @@ fn chunk(name: &[u8; 4], content: &[u8]) -> Vec<u8> {
     [name, &length[..], content].concat()
 }
 
-/// `WAVEFORMATEX`, with an extension of no bytes.
+/// `WAVEFORMATEX`, with an empty extension.
 fn format(channels: u16, rate_hz: u32, frame_bytes: u32) -> Vec<u8> {
     let bits = (8 * SAMPLE_BYTES) as u16;
     let mut format = FLOAT.to_le_bytes().to_vec();
@@ -60,7 +60,7 @@ mod tests {
         }
     }
 
-    /// Protects other programs from heads that they call incomplete: the extension's length is there, and the frames.
+    /// Protects other programs from incomplete headers: the extension's length and the number of frames are present.
     #[test]
     fn a_head_is_complete() {
         for channels in [1, 2, 4] {

@@ -1,4 +1,4 @@
-//! WAV files in: any channel count to mono.
+//! Reads WAV files with any number of channels to mono.
 
 use std::io::{self, BufReader};
 use std::path::Path;
@@ -10,16 +10,16 @@ use super::rate::check_rate;
 use super::resample::length_after;
 use crate::file_input::{InputError, InputFile};
 
-/// Bytes of a WAV file at most: [`MOST_SAMPLES`] in stereo, 32 bits each.
+/// Maximum size of a WAV file in bytes: [`MOST_SAMPLES`] in stereo, 32 bits each.
 const LARGEST_FILE: u64 = 2 * 4 * MOST_SAMPLES;
 
-/// Samples of a clip at most, as they stand in the file or after resampling: 128 MiB of
-/// memory, 11 minutes at 48 kHz.
+/// Maximum samples of a clip, in the file or after resampling: 128 MiB of memory, 11 minutes at 48
+/// kHz.
 const MOST_SAMPLES: u64 = 1 << 25;
 
 /// The largest magnitude of a sample that is to be resampled, where 1 is full scale: float files
-/// that were made of 32-bit integers have it. The sums over the filter stay finite by far; the
-/// resampler panics where they do not.
+/// made from 32-bit integers contain it. The sums over the filter stay far below overflow; the
+/// resampler panics if they are not finite.
 const LOUDEST: f32 = 2_147_483_648.0;
 
 /// A WAV file's sound at its own rate; never empty, always finite.
@@ -50,7 +50,7 @@ pub(super) fn read_mono(path: &Path, to_hz: u32) -> Result<MonoWav, AudioError> 
     Ok(MonoWav { samples, rate_hz })
 }
 
-/// The reader, behind the file's header, and the file's length in bytes.
+/// The reader, positioned after the file's header, and the file's length in bytes.
 fn open(path: &Path) -> Result<(Reader, u64), AudioError> {
     let cannot_open = |source| AudioError::OpenWav {
         path: path.into(),
@@ -63,7 +63,7 @@ fn open(path: &Path) -> Result<(Reader, u64), AudioError> {
             cannot_open(InputError::from_reading(source))
         }
         hound::Error::Unsupported => unsupported(path, "an encoding that is not plain PCM".into()),
-        // The reader knows that it is a WAV file, but not this width of sample.
+        // The reader recognises a WAV file, but does not support this sample width.
         hound::Error::FormatError(reason) if reason.starts_with("bits per sample") => {
             unsupported(path, format!("samples of an unread width ({reason})"))
         }
@@ -75,7 +75,7 @@ fn open(path: &Path) -> Result<(Reader, u64), AudioError> {
     Ok((reader, bytes))
 }
 
-/// Rejects what would not fit into memory, by the header and the file's length alone.
+/// Rejects files that would not fit into memory, by the header and the file's length alone.
 fn check_length(
     path: &Path,
     reader: &Reader,
@@ -83,8 +83,8 @@ fn check_length(
     to_hz: u32,
 ) -> Result<(), AudioError> {
     let spec = reader.spec();
-    // A header may say more than there is: what is read ends with the file. A sample is
-    // stored in one byte at the least.
+    // A header may claim more than the file holds; reading ends with the file. A sample is stored
+    // in at least one byte.
     let channels = u64::from(spec.channels);
     let frames = u64::from(reader.duration()).min(file_bytes / channels);
     let after = length_after(frames as usize, spec.sample_rate, to_hz) as u64;
@@ -103,7 +103,7 @@ fn check_length(
     })
 }
 
-/// Whether the file ended before its header did; the WAV reader reports that as "other".
+/// Whether the file is shorter than its header states; the WAV reader reports that as "other".
 fn is_short(error: &io::Error) -> bool {
     match error.kind() {
         io::ErrorKind::UnexpectedEof => true,
@@ -121,7 +121,7 @@ fn unsupported(path: &Path, found: String) -> AudioError {
     }
 }
 
-/// The channels' mean, sample by sample, scaled so that full scale is 1.
+/// The mean of the channels, sample by sample, scaled so that full scale is 1.
 fn read_samples(reader: Reader, path: &Path, loudest: f32) -> Result<Vec<f32>, AudioError> {
     let spec = reader.spec();
     let channels = spec.channels.into();
@@ -144,8 +144,8 @@ fn read_samples(reader: Reader, path: &Path, loudest: f32) -> Result<Vec<f32>, A
     }
 }
 
-/// Sums each frame in `f64`, so that no sum overflows, and keeps nothing but the means. A last
-/// frame that is not whole is left out.
+/// Sums each frame in `f64`, so that no sum overflows, and keeps only the means. Drops an
+/// incomplete last frame.
 fn mean_of_channels<S>(
     read: impl Iterator<Item = hound::Result<S>>,
     channels: usize,

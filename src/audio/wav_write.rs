@@ -1,4 +1,4 @@
-//! WAV files out: written beside the target, then renamed.
+//! Writes WAV files: first to a temporary file in the target's directory, which is then renamed.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
@@ -10,32 +10,32 @@ use super::{AudioError, SAMPLE_RATE};
 use crate::file_output::visible_part_beside;
 use crate::file_output::{PartFile, followed, temporary_beside};
 
-/// A WAV file counts its bytes in 32 bits, its header's included; this leaves room for that.
+/// A WAV file counts its bytes in 32 bits, including its header; this leaves room for that.
 const MAX_BYTES: u64 = u32::MAX as u64 - 1024;
 
-/// The channels of what is panned: left and right.
+/// The channels of a panned sound: left and right.
 const STEREO: u16 = 2;
 
-/// Channels of a file at most: first-order ambisonics has four, and no format here more.
+/// Maximum channels of a file: first-order ambisonics has four, and no format used here has more.
 const MOST_CHANNELS: u16 = 64;
 
 /// Writes a WAV file of 32-bit float samples, in stereo up to 3.1 hours at [`SAMPLE_RATE`].
 ///
-/// The sound goes to a temporary file in the target's directory, which takes the target's name
-/// in [`finish`](Self::finish). Until then an older file of that name stays whole, and a writer
-/// that is dropped without it leaves nothing behind.
+/// The sound goes to a temporary file in the target's directory, which takes the target's name in
+/// [`finish`](Self::finish). Until then an older file of that name stays unchanged, and dropping
+/// the writer without `finish` removes the temporary file.
 #[derive(Debug)]
 pub struct WavWriter {
     target: PathBuf,
     rate_hz: u32,
     channels: u16,
-    // Dropped in this order: the file is closed before it goes.
+    // Field order matters: the file is closed before it is removed.
     wav: BufWriter<File>,
     temporary: PartFile,
     frames: u64,
 }
 
-/// Makes a temporary file beside another.
+/// Creates a temporary file in the directory of another file.
 type Beside = fn(&Path) -> io::Result<PartFile>;
 
 impl WavWriter {
@@ -56,7 +56,7 @@ impl WavWriter {
         Self::start(target.into(), rate_hz, STEREO, temporary_beside)
     }
 
-    /// As [`create_at`](Self::create_at), with so many channels: 1, 2, or 4 of first-order
+    /// As [`create_at`](Self::create_at), with `channels` channels: 1, 2, or the 4 of first-order
     /// ambisonics.
     ///
     /// # Errors
@@ -69,7 +69,7 @@ impl WavWriter {
         Self::start(target.into(), rate_hz, channels, temporary_beside)
     }
 
-    /// As [`create_at`](Self::create_at), for a sound that comes as it is heard: the temporary
+    /// As [`create_at`](Self::create_at), for a sound written while it is heard: the temporary
     /// file's name is not hidden, so that it is found if the program is interrupted.
     #[cfg(feature = "audio")]
     pub(super) fn record_at(target: &Path, rate_hz: u32) -> Result<Self, AudioError> {
@@ -101,11 +101,11 @@ impl WavWriter {
         }
     }
 
-    /// Appends interleaved samples (left, right, left …); 1 is full scale, and more is kept.
+    /// Appends interleaved samples (left, right, left …); 1 is full scale, and larger values are kept.
     ///
     /// # Errors
-    /// [`AudioError::WriteWav`] if the disk rejects, [`AudioError::WavTooLong`] past 4 GiB, and
-    /// [`AudioError::CutFrame`] if the samples are no whole number of frames: then nothing is written.
+    /// [`AudioError::WriteWav`] if writing to the disk fails, [`AudioError::WavTooLong`] past 4 GiB, and
+    /// [`AudioError::CutFrame`] if the samples are not a whole number of frames: then nothing is written.
     pub fn write(&mut self, interleaved: &[f32]) -> Result<(), AudioError> {
         let channels = usize::from(self.channels);
         if !interleaved.len().is_multiple_of(channels) {
@@ -132,16 +132,16 @@ impl WavWriter {
         Ok(())
     }
 
-    /// Makes the temporary file playable as far as it is.
+    /// Makes the temporary file playable up to the last sample written.
     #[cfg(feature = "audio")]
     pub(super) fn flush(&mut self) -> Result<(), AudioError> {
         self.complete()
             .map_err(|error| write_error(&self.target, error))
     }
 
-    /// Writes what is under way, and the head of as many frames as there are.
+    /// Flushes pending samples and writes the header for the current number of frames.
     fn complete(&mut self) -> io::Result<()> {
-        // No more than a head can count are written.
+        // The frames fit a header: `write` rejects more.
         let head = header(self.channels, self.rate_hz, self.frames as u32);
         self.wav.seek(SeekFrom::Start(0))?;
         self.wav.write_all(&head)?;
@@ -152,7 +152,7 @@ impl WavWriter {
     /// Completes the file and gives it the target's name, replacing an older one.
     ///
     /// # Errors
-    /// [`AudioError::WriteWav`] if the disk rejects; the target is then as it was before.
+    /// [`AudioError::WriteWav`] if writing to the disk fails; the target is then unchanged.
     pub fn finish(mut self) -> Result<(), AudioError> {
         let completed = self.complete();
         let Self {
@@ -181,9 +181,8 @@ fn start(
     Ok((temporary, wav))
 }
 
-/// The error of `hound` as an error of the system.
-#[cfg(feature = "experiment")]
-pub(crate) fn wav_to_io(error: hound::Error) -> io::Error {
+/// Converts an error of `hound` to an I/O error.
+pub fn wav_to_io(error: hound::Error) -> io::Error {
     match error {
         hound::Error::IoError(error) => error,
         other => io::Error::other(other),
@@ -201,14 +200,14 @@ fn write_error(target: &Path, source: io::Error) -> AudioError {
 mod tests {
     use super::*;
 
-    /// Protects long files: up to the last frame that a header can count all is written, and nothing past it, whether
-    /// it is missed by one frame or by more.
+    /// Protects long files: every frame up to the last that a header can count is written, and none beyond, whether the
+    /// limit is exceeded by one frame or by more.
     #[test]
     fn a_file_is_full_at_the_last_frame_that_its_header_can_count() {
         let folder = tempfile::tempdir().unwrap();
         let mut writer = WavWriter::create(folder.path().join("long.wav")).unwrap();
         let limit = MAX_BYTES / u64::from(2 * SAMPLE_BYTES);
-        // As if so many had been written.
+        // Simulates that number of frames.
         writer.frames = limit - 2;
         for too_long in [6, 8] {
             let refused = writer.write(&vec![0.0; too_long]);
@@ -220,7 +219,7 @@ mod tests {
         assert!(writer.write(&[0.0; 2]).is_err());
     }
 
-    /// Protects a file from frames that are cut, and callers from channels that are none.
+    /// Protects files from cut frames, and callers from a file without channels.
     #[test]
     fn cut_frames_and_no_channels_are_refused() {
         let folder = tempfile::tempdir().unwrap();

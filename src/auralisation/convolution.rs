@@ -2,23 +2,23 @@
 //! convolution and correlation*, AFIPS 1966; G. García, *Optimal filter partition for efficient
 //! convolution with short input/output delay*, AES 113, 2002).
 //!
-//! The spectra of the newest blocks of a signal are kept; what a kernel makes of them is one
-//! multiplication for each of its partitions, and one inverse transform.
+//! The spectra of the newest blocks of a signal are kept; convolving a block with a kernel takes
+//! one multiplication for each partition of the kernel, and one inverse transform.
 
 use realfft::num_complex::Complex;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use std::fmt;
 use std::sync::Arc;
 
-/// Samples that are convolved at once: 10.7 ms at 48 kHz. A kernel of a second then has 94
-/// partitions; half the block would halve the delay and double the work.
+/// Samples per block: 10.7 ms at 48 kHz. A kernel of one second then has 94 partitions; half the
+/// block would halve the delay and double the work.
 pub(super) const BLOCK: usize = 512;
 
-/// Samples of a transform, and the numbers of its spectrum.
+/// Samples of a transform, and values of its spectrum.
 const TRANSFORM: usize = 2 * BLOCK;
 const BINS: usize = BLOCK + 1;
 
-/// A spectrum: real parts and imaginary parts apart, so that products of whole rows are vectors'.
+/// A spectrum, with real and imaginary parts in separate rows so that products of whole rows are vectorised.
 #[derive(Clone)]
 struct Spectrum {
     real: [f32; BINS],
@@ -47,15 +47,15 @@ impl Spectrum {
     }
 }
 
-/// Responses of some channels to one signal, as spectra of their partitions. The default is silent, and
-/// owns no memory.
+/// Responses of several channels to one signal, as spectra of their partitions. The default is silent and owns no
+/// memory.
 #[derive(Clone, Default)]
 pub(super) struct Kernel {
     channels: Vec<Vec<Spectrum>>,
 }
 
 impl Kernel {
-    /// Takes the samples of each channel.
+    /// Creates a kernel from the samples of each channel.
     pub fn new(channels: &[Vec<f32>]) -> Kernel {
         let forward = RealFftPlanner::new().plan_fft_forward(TRANSFORM);
         let mut spectrum = forward.make_output_vec();
@@ -79,7 +79,7 @@ impl Kernel {
         }
     }
 
-    /// Partitions of the longest channel.
+    /// Number of partitions of the longest channel.
     pub fn partitions(&self) -> usize {
         self.channels.iter().map(Vec::len).max().unwrap_or(0)
     }
@@ -98,11 +98,11 @@ impl fmt::Debug for Kernel {
 pub(super) struct Signal {
     forward: Arc<dyn RealToComplex<f32>>,
     inverse: Arc<dyn ComplexToReal<f32>>,
-    /// The block before and the newest.
+    /// The previous block and the newest.
     newest: [f32; TRANSFORM],
-    /// Of the last blocks, as a ring.
+    /// Spectra of the last blocks, as a ring.
     spectra: Vec<Spectrum>,
-    /// Where the newest block's spectrum is.
+    /// Position of the newest block's spectrum.
     at: usize,
     sum: Spectrum,
     samples: Vec<f32>,
@@ -111,7 +111,7 @@ pub(super) struct Signal {
 }
 
 impl Signal {
-    /// Silence so far, for kernels of at most so many partitions.
+    /// Creates a silent signal, for kernels of at most `partitions` partitions.
     pub fn new(partitions: usize) -> Signal {
         let mut planner = RealFftPlanner::new();
         let forward = planner.plan_fft_forward(TRANSFORM);
@@ -130,7 +130,7 @@ impl Signal {
         }
     }
 
-    /// Takes the next block. Allocates nothing.
+    /// Adds the next block. Does not allocate.
     pub fn push(&mut self, block: &[f32; BLOCK]) {
         self.newest.copy_within(BLOCK.., 0);
         self.newest[BLOCK..].copy_from_slice(block);
@@ -145,8 +145,8 @@ impl Signal {
         self.spectra[self.at].set(&self.values);
     }
 
-    /// What one channel of a kernel makes of the newest block. Allocates nothing; partitions beyond
-    /// those that are kept are not heard.
+    /// Convolves the newest block with one channel of a kernel. Does not allocate; partitions
+    /// beyond the kept ones are ignored.
     pub fn convolve(&mut self, kernel: &Kernel, channel: usize, out: &mut [f32; BLOCK]) {
         let partitions = kernel.channels.get(channel).map_or(&[][..], Vec::as_slice);
         if partitions.is_empty() {
@@ -162,7 +162,7 @@ impl Signal {
         for (bin, value) in self.values.iter_mut().enumerate() {
             *value = Complex::new(self.sum.real[bin], self.sum.imaginary[bin]);
         }
-        // Of a real signal these are real; rounding is not to be refused.
+        // For a real signal these are real, but rounding may leave an imaginary part, which would be rejected.
         self.values[0].im = 0.0;
         self.values[BINS - 1].im = 0.0;
         let done = self.inverse.process_with_scratch(
@@ -195,8 +195,8 @@ mod tests {
         (0..count as u64).map(sample).collect()
     }
 
-    /// Protects every sample of a convolution, of kernels of less than a block, of several and of
-    /// channels of unlike lengths, from their sum of products.
+    /// Protects every sample of a convolution against the sum of products: with kernels shorter
+    /// than a block, of several blocks, and with channels of different lengths.
     #[test]
     fn blocks_are_convolved_as_a_whole_signal_is() {
         let kernels = [noise(1, 3 * BLOCK + 7), noise(2, 90)];
@@ -215,7 +215,7 @@ mod tests {
                     let sum: f64 = terms
                         .map(|(age, h)| f64::from(*h) * f64::from(input[at - age]))
                         .sum();
-                    // 1,500 products of numbers below a half in f32.
+                    // 1,500 products of numbers below one half in f32.
                     assert!((f64::from(*out) - sum).abs() < 1e-4, "{at}: {out} {sum}");
                 }
             }

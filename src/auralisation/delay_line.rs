@@ -1,18 +1,18 @@
-//! The last seconds of a signal, by bands, readable between samples.
+//! A delay line: the last seconds of a signal in bands, readable between samples.
 
 use std::f64::consts::PI;
 
-/// Samples to both sides of a place that is read.
+/// Samples used on each side of a read position.
 pub(super) const REACH: usize = 8;
 
-/// What is read from a place: so many samples, weighted.
+/// Number of samples weighted for a read.
 const WIDTH: usize = 2 * REACH;
 
-/// Places between two samples for which weights are kept; between these they are interpolated, to
-/// some −100 dB.
+/// Positions between two samples for which weights are stored; between these they are interpolated,
+/// to about −100 dB.
 const PHASES: usize = 256;
 
-/// Weights for the samples about a place.
+/// Weights of the samples around a position.
 type Weights = [f32; WIDTH];
 
 /// A signal of `BANDS` bands.
@@ -20,14 +20,13 @@ type Weights = [f32; WIDTH];
 pub(super) struct DelayLine<const BANDS: usize> {
     /// A ring whose length is a power of two.
     frames: Vec<[f32; BANDS]>,
-    /// Frames written so far.
+    /// Total frames written.
     written: u64,
     weights: Vec<Weights>,
 }
 
 impl<const BANDS: usize> DelayLine<BANDS> {
-    /// Silence so far; delays of up to `longest` samples can be read while blocks of up to `block` are
-    /// written.
+    /// Creates a silent line; delays of up to `longest` samples can be read while blocks of up to `block` are written.
     pub fn new(longest: usize, block: usize) -> Self {
         let length = (longest + block + WIDTH).next_power_of_two();
         Self {
@@ -48,15 +47,14 @@ impl<const BANDS: usize> DelayLine<BANDS> {
         self.written += length as u64;
     }
 
-    /// The frame `delay` samples before the one that was written `back` frames before the newest, and
-    /// [`REACH`] earlier than that.
+    /// The frame `delay` + [`REACH`] samples before the one that was written `back` frames before the newest.
     pub fn read(&self, back: usize, delay: f64) -> [f32; BANDS] {
         let whole = delay.ceil();
         let place = (whole - delay) * PHASES as f64;
         let phase = (place as usize).min(PHASES - 1);
         let share = (place - phase as f64) as f32;
         let (near, far) = (&self.weights[phase], &self.weights[phase + 1]);
-        // The newest frame that is weighted is 2 REACH − 1 after the oldest.
+        // The newest weighted frame is 2 REACH − 1 after the oldest.
         let age = back + whole as usize + WIDTH;
         let oldest = (self.written as usize).wrapping_sub(age);
         let mask = self.frames.len() - 1;
@@ -72,7 +70,7 @@ impl<const BANDS: usize> DelayLine<BANDS> {
     }
 }
 
-/// A sinc function under Blackman's window about a place `phase` / [`PHASES`] after the sample
+/// A sinc function with Blackman's window around the position `phase` / [`PHASES`] after the sample
 /// [`REACH`] − 1.
 fn weights(phase: usize) -> Weights {
     let place = (REACH - 1) as f64 + phase as f64 / PHASES as f64;
@@ -87,7 +85,7 @@ fn weights(phase: usize) -> Weights {
         window * turn.sin() / turn
     };
     let weights: [f64; WIDTH] = std::array::from_fn(weight);
-    // What does not change is not changed.
+    // Normalised so that a constant signal is unchanged.
     let sum: f64 = weights.iter().sum();
     weights.map(|weight| (weight / sum) as f32)
 }
@@ -97,7 +95,7 @@ mod tests {
     use super::*;
     use std::f64::consts::TAU;
 
-    /// Protects amplitude and phase of what is read between samples, to 0.1 dB below 15 kHz at 48 kHz.
+    /// Protects amplitude and phase of reads between samples, to 0.1 dB below 15 kHz at 48 kHz.
     #[test]
     fn a_sine_is_read_between_samples() {
         for turns in [0.001, 0.02, 0.1, 0.25, 15.0 / 48.0] {
@@ -115,7 +113,7 @@ mod tests {
         }
     }
 
-    /// Protects whole delays: they are the samples themselves.
+    /// Protects whole delays: they return the samples themselves.
     #[test]
     fn a_whole_delay_is_exact() {
         let samples: Vec<f32> = (0..100).map(|index| index as f32).collect();

@@ -1,15 +1,15 @@
-//! Single echoes, the direct sound among them, whose delays and amplitudes glide.
+//! Single echoes, including the direct sound, with gliding delays and amplitudes.
 
 use super::convolution::BLOCK;
 use super::delay_line::DelayLine;
 use super::heard::Echo;
 use super::{CHANNELS, MOST_ECHOES};
 
-/// A delay does not change faster than this share of time: beyond (a source at a fifth of the speed
-/// of sound, 250 km/h) the echo fades out where it was and in where it is.
+/// Maximum rate of change of a delay: beyond it (a source at a fifth of the speed of sound, 250
+/// km/h) the echo fades out at its old delay and in at the new one.
 const MOST_DOPPLER: f64 = 0.2;
 
-/// Echoes that sound at once: those of now, and those that fade.
+/// Echoes that can sound at once: the current ones and the fading ones.
 const VOICES: usize = 2 * MOST_ECHOES;
 
 /// An amplitude for each band and channel.
@@ -25,7 +25,7 @@ struct Voice<const BANDS: usize> {
     target: Amplitudes<BANDS>,
     /// Samples until the targets are reached.
     to_go: u32,
-    /// Whether it fades out, and is free when it has.
+    /// Whether it fades out, after which its place is free.
     is_ending: bool,
 }
 
@@ -37,7 +37,7 @@ pub(super) struct Echoes<const BANDS: usize> {
 }
 
 impl<const BANDS: usize> Echoes<BANDS> {
-    /// None yet; for delays of up to so many samples.
+    /// Creates an empty set, for delays of up to `longest` samples.
     pub fn new(longest: usize) -> Self {
         Self {
             line: DelayLine::new(longest, BLOCK),
@@ -45,7 +45,7 @@ impl<const BANDS: usize> Echoes<BANDS> {
         }
     }
 
-    /// Glides to other echoes within so many samples; 0 takes them at once. Allocates nothing.
+    /// Glides to other echoes within `samples` samples; 0 takes them at once. Does not allocate.
     pub fn glide_to(&mut self, echoes: &[Echo], samples: u32) {
         for voice in &mut self.voices {
             voice.end(samples);
@@ -78,14 +78,14 @@ impl<const BANDS: usize> Echoes<BANDS> {
             self.voices.push(voice);
             return;
         }
-        // Updates came faster than fades: the faintest of these gives its place.
+        // Updates came faster than fades: the faintest fading voice is replaced.
         let fading = self.voices.iter_mut().filter(|voice| voice.is_ending);
         if let Some(faintest) = fading.min_by(|a, b| a.power().total_cmp(&b.power())) {
             *faintest = voice;
         }
     }
 
-    /// Takes the next block of each band, and adds what is heard to the channels. Allocates nothing.
+    /// Takes the next block of each band, and adds the echoes to the channels. Does not allocate.
     pub fn render(&mut self, bands: &[&[f32]; BANDS], out: &mut [[f32; BLOCK]; CHANNELS]) {
         self.line.write(bands);
         for voice in &mut self.voices {
@@ -139,7 +139,7 @@ impl<const BANDS: usize> Voice<BANDS> {
         }
     }
 
-    /// One sample nearer to the targets.
+    /// Moves one sample closer to the targets.
     fn step(&mut self) {
         self.to_go -= 1;
         if self.to_go == 0 {

@@ -1,4 +1,4 @@
-//! What is heard of a source at one moment, made ready to be played.
+//! A source as heard at one moment, prepared for playback.
 
 use super::convolution::Kernel;
 use super::delay_line::REACH;
@@ -14,7 +14,7 @@ use crate::rng::hash;
 /// One of the strongest paths.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Echo {
-    /// The same from moment to moment for a path over the same surfaces.
+    /// The key of the path: stays the same over time for a path over the same surfaces.
     pub key: u64,
     /// Samples from the source to the ear.
     pub delay: f64,
@@ -36,7 +36,7 @@ impl Echo {
         }
     }
 
-    /// By band and channel; one band stands for all.
+    /// Amplitudes by band and channel; a single band has the mean amplitude.
     pub fn amplitudes<const BANDS: usize>(&self) -> [[f32; BANDS]; CHANNELS] {
         self.gains.map(|gain| match BANDS {
             BAND_COUNT => std::array::from_fn(|band| gain * self.bands[band]),
@@ -45,19 +45,19 @@ impl Echo {
     }
 }
 
-/// What a listener hears of a source from some moment on, made ready off the thread that plays it:
-/// the strongest paths as single echoes, all else as a kernel to convolve with.
+/// A source as a listener hears it from some moment on, prepared outside the thread that plays it:
+/// the strongest paths as single echoes, everything else as a kernel to convolve with.
 #[derive(Debug)]
 pub struct Heard {
     pub(super) echoes: Vec<Echo>,
     pub(super) late: Option<Kernel>,
-    /// The rate and length of its samples; `None` for silence, which fits all.
+    /// The rate and length of its samples; `None` for silence, which fits every player.
     pub(super) spec: Option<Spec>,
 }
 
 impl Heard {
-    /// What a response has, for a listener with these axes. The late part is noise by `seed`: with the
-    /// same seed it changes no more than the echogram does.
+    /// Prepares a response for a listener with these axes. The late part is noise from `seed`: with the same seed it
+    /// changes only as much as the echogram does.
     ///
     /// # Errors
     /// [`AcousticsError::BadLength`] for a response of no length, or of more than
@@ -74,7 +74,7 @@ impl Heard {
         Ok(heard)
     }
 
-    /// The samples of all that is no single echo, by channel.
+    /// The samples of everything except the single echoes, by channel.
     fn late_samples(
         response: &Response,
         axes: &ListenerAxes,
@@ -92,11 +92,12 @@ impl Heard {
         Ok(late.channels().to_vec())
     }
 
-    /// The paths alone: what is late stays as it is.
+    /// Prepares the paths alone: the late part stays unchanged.
     ///
     /// # Errors
-    /// [`AcousticsError::BadRate`] and [`AcousticsError::BadLength`] for what no [`Auralisation`](super::Auralisation)
-    /// is made for, [`AcousticsError::BadTap`] for a path whose delay, energy or direction no sound has.
+    /// [`AcousticsError::BadRate`] and [`AcousticsError::BadLength`] for numbers that
+    /// [`Auralisation`](super::Auralisation) rejects, [`AcousticsError::BadTap`] for a path with an invalid delay,
+    /// energy or direction.
     pub fn of_paths(
         paths: &[HeardPath],
         axes: &ListenerAxes,
@@ -108,7 +109,7 @@ impl Heard {
         let mut echoes: Vec<Echo> = Vec::new();
         for path in strongest(paths, spec) {
             let mut key = key(path);
-            // Another path over the same surfaces.
+            // Another path over the same surfaces has this key.
             while echoes.iter().any(|echo| echo.key == key) {
                 key = hash(key);
             }
@@ -121,7 +122,7 @@ impl Heard {
         })
     }
 
-    /// A late part alone.
+    /// Prepares a late part without echoes.
     pub(super) fn of_late(channels: &[Vec<f32>], spec: Spec) -> Heard {
         Heard {
             echoes: Vec::new(),
@@ -130,7 +131,7 @@ impl Heard {
         }
     }
 
-    /// Nothing: all falls silent.
+    /// Silence: everything fades out.
     pub fn silence() -> Heard {
         Heard {
             echoes: Vec::new(),
@@ -139,13 +140,13 @@ impl Heard {
         }
     }
 
-    /// Single echoes.
+    /// Number of single echoes.
     pub fn echo_count(&self) -> usize {
         self.echoes.len()
     }
 }
 
-/// As late as the echoes are. A sample that is no finite number is silent.
+/// Delays the samples like the echoes. A sample that is not finite becomes silent.
 fn kernel(channels: &[Vec<f32>], spec: Spec) -> Kernel {
     let delayed = |samples: &Vec<f32>| {
         let mut delayed = vec![0.0; spec.filter_delay() + REACH];
@@ -156,7 +157,7 @@ fn kernel(channels: &[Vec<f32>], spec: Spec) -> Kernel {
     Kernel::new(&channels.iter().map(delayed).collect::<Vec<_>>())
 }
 
-/// The paths in the order of their energy, those that can be single echoes first.
+/// The paths in the order of their energy, split into those that can be single echoes and the rest.
 fn by_energy(paths: &[HeardPath], spec: Spec) -> (Vec<&HeardPath>, Vec<&HeardPath>) {
     let (mut near, far): (Vec<_>, Vec<_>) = paths
         .iter()
@@ -175,7 +176,7 @@ fn faint(paths: &[HeardPath], spec: Spec) -> impl Iterator<Item = &HeardPath> {
     near.into_iter().skip(MOST_ECHOES).chain(far)
 }
 
-/// A number for the surfaces and walls that a path is mirrored at.
+/// A hash of the surfaces and walls that reflect a path.
 fn key(path: &HeardPath) -> u64 {
     let mirrors = path.path.surfaces.iter().zip(&path.path.walls);
     mirrors.fold(0, |key, (surface, wall)| {
@@ -184,25 +185,23 @@ fn key(path: &HeardPath) -> u64 {
     })
 }
 
-/// What is heard of a source as plain numbers, for a player that shares no memory with the tracing thread.
-#[cfg(feature = "walkthrough")]
+/// A [`Heard`] as plain numbers, for a player that shares no memory with the tracing thread.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct HeardParts {
+pub struct HeardParts {
     /// [`HeardParts::ECHO`] numbers for each single echo.
     pub echoes: Vec<f64>,
-    /// The samples of the late part, one channel after the other; none where it stays as it is.
+    /// The samples of the late part, one channel after the other; `None` if it stays unchanged.
     pub late: Option<Vec<f32>>,
 }
 
-#[cfg(feature = "walkthrough")]
 impl HeardParts {
-    /// Numbers of an echo: its key in two halves, its delay, gains by channel, amplitudes by band, their mean.
+    /// Numbers per echo: its key in two halves, its delay, gains by channel, amplitudes by band, their mean.
     const ECHO: usize = 2 + 1 + CHANNELS + BAND_COUNT + 1;
 
-    /// Half of a key: what a float holds exactly.
+    /// Bits of half a key, which a float holds exactly.
     const HALF: u32 = 32;
 
-    /// What a response has; its late part only where it is due.
+    /// Prepares a response; its late part only if it is due.
     ///
     /// # Errors
     /// As [`Heard::new`].
@@ -220,8 +219,8 @@ impl HeardParts {
         })
     }
 
-    /// Made ready to be played. Left out are numbers that are too few for another echo, and echoes that no sound has: by
-    /// a delay that is negative or longer than what is heard, or numbers that are not finite.
+    /// Prepares the numbers for playback. Ignores an incomplete last echo, and invalid echoes: with a delay that is
+    /// negative or beyond the player's length, or with numbers that are not finite.
     pub fn heard(&self, spec: Spec) -> Heard {
         let channels = |samples: &Vec<f32>| {
             let length = samples.len() / CHANNELS;
@@ -241,7 +240,6 @@ impl HeardParts {
     }
 }
 
-#[cfg(feature = "walkthrough")]
 impl Echo {
     fn numbers(&self) -> Vec<f64> {
         let low = self.key & u64::from(u32::MAX);
@@ -261,7 +259,7 @@ impl Echo {
         are_finite && (0.0..=spec.longest() as f64).contains(&self.delay)
     }
 
-    /// The reverse; of as many numbers as there are.
+    /// Reads an echo back from its numbers, as far as they go.
     fn of(numbers: &[f64]) -> Echo {
         let floats = |first: usize| move |index: usize| numbers[first + index] as f32;
         Echo {

@@ -1,20 +1,20 @@
 //! Keeps loud sound within full scale.
 
-/// The largest sample that is left as it is, of full scale 1.
+/// The largest sample that is not reduced, relative to full scale 1.
 const CEILING: f32 = 0.98;
 
-/// Samples in which all becomes softer: 0.7 ms at 48 kHz. What is too loud meanwhile is cut at full
-/// scale.
+/// Samples over which the gain falls: 0.7 ms at 48 kHz. Samples still too loud meanwhile are
+/// clipped at full scale.
 const ATTACK: usize = 32;
 
-/// Seconds in which all becomes louder again by a factor of e.
+/// Seconds in which the gain rises again by a factor of e.
 const RELEASE_S: f32 = 0.4;
 
-/// A gain that falls at once when a block is too loud, and rises slowly.
+/// A gain that falls immediately when a block is too loud, and rises slowly.
 #[derive(Debug)]
 pub(super) struct Limiter {
     gain: f32,
-    /// Samples a second.
+    /// Samples per second.
     rate_hz: f32,
 }
 
@@ -54,7 +54,7 @@ impl Limiter {
 mod tests {
     use super::*;
 
-    /// Protects full scale, and that soft sounds stay what they are.
+    /// Protects full scale, and soft sounds, which must not change.
     #[test]
     fn loud_is_limited_and_soft_is_not_touched() {
         let mut limiter = Limiter::new(48_000);

@@ -1,22 +1,22 @@
-//! What is listened to.
+//! The ways to listen.
 
 use crate::text::there_is_no;
 use crate::trace::Profile;
 use std::fmt;
 use std::str::FromStr;
 
-/// What is listened to. Names, for `FromStr` and `Display`: `full`, `balance`.
+/// A way to listen. Names, for `FromStr` and `Display`: `full`, `balance`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Listen {
     /// Loudness, delays, echoes, reverberation.
     Full,
-    /// Left against right alone, as in the thesis: one pan, at one loudness.
+    /// Only the balance of left and right, as in the thesis: one pan, at one loudness.
     Balance,
 }
 
 impl Listen {
-    /// The default mode of listening for an algorithm: waves of the thesis
-    /// end at the listener and have a balance alone.
+    /// The default way to listen for an algorithm: waves of the thesis end at the listener and only
+    /// give a balance.
     pub fn for_profile(profile: Profile) -> Listen {
         match profile {
             Profile::Thesis => Listen::Balance,

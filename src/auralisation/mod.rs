@@ -1,23 +1,22 @@
-//! What a listener hears of a source, as sound: delays, loudness, echoes, reverberation.
+//! A source as sound at the listener: delays, loudness, echoes, reverberation.
 //!
-//! A [`Response`](crate::response::Response) describes what arrives. [`Heard`] is made of it, on any thread:
-//! the strongest exact paths as single echoes, all else as a kernel. An [`Auralisation`] plays a
-//! source's own sound through it into two channels, on a thread that must not wait: it allocates
-//! nothing and locks nothing.
+//! A [`Response`](crate::response::Response) describes the arriving sound. [`Heard`] is made from it, on any thread:
+//! the strongest exact paths as single echoes, everything else as a kernel. An [`Auralisation`] plays a source's own
+//! sound through it into two channels, on a thread that must not wait: it never allocates or locks.
 //!
 //! # Method
-//! - **Echoes**, the direct sound among them, are read from a delay line, between samples, each with
-//!   an amplitude for each band and channel (panned with constant power). When source, listener or
-//!   surfaces move, delays and amplitudes run linearly to their next values: nothing clicks, and a
-//!   source that moves is heard with its Doppler shift. An echo whose delay would run faster than a
-//!   fifth of time, or that is another path, fades instead.
-//! - **The late part** is convolved in blocks. The next kernel is faded to; both are made of the same
-//!   noise, so that a fade between two that are alike is not heard.
-//! - **Bands**: where materials or the air change the timbre, the sound is parted into octave bands
-//!   once for all echoes, by filters without phase. Elsewhere there is one band, and no filter.
+//! - **Echoes**, including the direct sound, are read from a delay line, between samples, each with an amplitude for
+//!   each band and channel (panned with constant power). When source, listener or surfaces move, delays and amplitudes
+//!   run linearly to their next values: there are no clicks, and a moving source is heard with its Doppler shift. An
+//!   echo whose delay would change faster than a fifth of the elapsed time, or that belongs to another path, fades
+//!   instead.
+//! - **The late part** is convolved in blocks and fades to the next kernel; both are made from the same noise, so that
+//!   a fade between two similar ones is inaudible.
+//! - **Bands**: if materials or the air change the timbre, the sound is split into octave bands
+//!   once for all echoes, by zero-phase filters. Otherwise there is one band and no filter.
 //!
-//! The amplitude is that of [`ImpulseResponse`](crate::acoustics::ImpulseResponse): the direct sound of
-//! a source at 1 m is the sound itself. All comes [`Auralisation::latency`] samples late.
+//! The amplitude is that of [`ImpulseResponse`](crate::acoustics::ImpulseResponse): the direct sound of a source at 1 m
+//! is the sound itself. The output is delayed by [`Auralisation::latency`] samples.
 //!
 //! ```
 //! use echomarch::auralisation::{Auralisation, Heard, Spec};
@@ -47,20 +46,17 @@ mod convolution;
 mod delay_line;
 mod echoes;
 mod heard;
-#[cfg(any(feature = "audio", feature = "walkthrough"))]
 mod limiter;
 mod listen;
 mod octaves;
-#[cfg(any(feature = "audio", feature = "walkthrough"))]
 mod player;
 #[cfg(test)]
 mod tests;
 
 pub use heard::Heard;
-#[cfg(feature = "walkthrough")]
-pub(crate) use heard::HeardParts;
+#[doc(hidden)]
+pub use heard::HeardParts;
 pub use listen::Listen;
-#[cfg(any(feature = "audio", feature = "walkthrough"))]
 pub use player::{Player, PlayerRemote};
 
 use crate::acoustics::{AcousticsError, MAX_SECONDS, RATES_HZ};
@@ -73,28 +69,27 @@ use echoes::Echoes;
 /// Left and right.
 const CHANNELS: usize = 2;
 
-/// Single echoes of a source: the strongest paths. All others are in the late part, where they do not
-/// glide. A room has 63 paths of up to three reflections.
+/// Maximum single echoes of a source: the strongest paths. All others are in the late part, where they do not glide. A
+/// room has 63 paths of up to three reflections.
 pub const MOST_ECHOES: usize = 64;
 
-/// What is heard of a source ends so many seconds after it has sounded, unless another bound is
-/// given: as long as a large hall's reverberation time.
+/// Default length of a response in seconds: the reverberation time of a large hall.
 const USUAL_LONGEST_S: f64 = 3.0;
 
-/// What an [`Auralisation`] and what it plays are made for.
+/// The format that an [`Auralisation`] and its [`Heard`] are made for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Spec {
-    /// Samples a second, in [`RATES_HZ`].
+    /// Samples per second, in [`RATES_HZ`].
     pub rate_hz: u32,
-    /// Whether the octave bands are apart: needed where materials or the air change the timbre.
+    /// Whether octave bands are separate: required if materials or the air change the timbre.
     pub has_bands: bool,
-    /// Seconds of a response that are heard, above 0, to [`MAX_SECONDS`]: memory and work grow with it.
+    /// Seconds of a response that are played, above 0, to [`MAX_SECONDS`]: memory and work grow with it.
     pub longest_s: f64,
 }
 
 impl Spec {
-    /// The needs of a scene at a sampling rate in hertz. Constructors that take it check its numbers.
+    /// The format for a scene at a sampling rate in hertz. Constructors that take it check its numbers.
     pub fn of(scene: &Scene, rate_hz: u32) -> Spec {
         Spec {
             rate_hz,
@@ -103,7 +98,7 @@ impl Spec {
         }
     }
 
-    /// The same for responses of up to so many seconds.
+    /// Sets the length of the longest response, in seconds.
     pub fn with_longest(mut self, seconds: f64) -> Spec {
         self.longest_s = seconds;
         self
@@ -124,7 +119,7 @@ impl Spec {
         Ok(())
     }
 
-    /// Checks that what is heard was made for this, if it was made for anything.
+    /// Checks that `heard` was made for this format, if it has one.
     fn check(self, heard: &Heard) -> Result<(), AcousticsError> {
         match heard.spec {
             Some(other) if other != self => Err(AcousticsError::OtherSpec {
@@ -137,7 +132,7 @@ impl Spec {
         }
     }
 
-    /// Samples that the filters of the bands delay all.
+    /// Samples by which the band filters delay the output.
     fn filter_delay(self) -> usize {
         if self.has_bands { octaves::DELAY } else { 0 }
     }
@@ -148,21 +143,21 @@ impl Spec {
     }
 }
 
-/// Plays the sound of one source as it is heard.
+/// Plays the sound of one source as heard by the listener.
 #[derive(Debug)]
 pub struct Auralisation {
     spec: Spec,
     signal: Signal,
     echoes: Bank,
     late: Kernel,
-    /// What is faded to.
+    /// The target of the current fade.
     next: Option<Fade>,
-    /// What was faded from: to be freed on another thread.
+    /// The kernel before the last fade, to be freed on another thread.
     retired: Kernel,
-    /// The block that is being filled, and how far.
+    /// The block being filled, and its fill level.
     input: [f32; BLOCK],
     filled: usize,
-    /// What is heard while it is filled.
+    /// The output while the next block is filled.
     output: [[f32; BLOCK]; CHANNELS],
 }
 
@@ -180,13 +175,13 @@ enum Bank {
 #[derive(Debug)]
 struct Fade {
     to: Kernel,
-    /// In samples.
+    /// Progress in samples.
     done: u32,
     length: u32,
 }
 
 impl Fade {
-    /// Of what is faded to, at a sample of the next block.
+    /// Weight of the fade's target at a sample of the next block.
     fn share(&self, index: usize) -> f32 {
         let done = self.done.saturating_add(index as u32 + 1);
         done.min(self.length) as f32 / self.length as f32
@@ -194,11 +189,11 @@ impl Fade {
 }
 
 impl Auralisation {
-    /// Silence so far. At 48 kHz a second that is heard takes about 0.7 MiB, with bands 3 MiB.
+    /// Creates a silent player. At 48 kHz it takes about 0.7 MiB per second of response, with bands 3 MiB.
     ///
     /// # Errors
-    /// [`AcousticsError::BadRate`] and [`AcousticsError::BadLength`] for a rate outside [`RATES_HZ`] and for seconds
-    /// that are not above 0 and at most [`MAX_SECONDS`].
+    /// [`AcousticsError::BadRate`] for a rate outside [`RATES_HZ`], and [`AcousticsError::BadLength`] for seconds that
+    /// are not above 0 and at most [`MAX_SECONDS`].
     pub fn new(spec: Spec) -> Result<Auralisation, AcousticsError> {
         spec.validate()?;
         let longest = spec.longest();
@@ -224,21 +219,21 @@ impl Auralisation {
         })
     }
 
-    /// What it is made for.
+    /// The format that it was made for.
     pub fn spec(&self) -> Spec {
         self.spec
     }
 
-    /// Samples that all is late: a block that has to be full, and the reach of the filters.
+    /// Delay of the output in samples: one block that must be filled, and the reach of the filters.
     pub fn latency(&self) -> usize {
         BLOCK + REACH + self.spec.filter_delay()
     }
 
-    /// Glides to the single echoes of `heard` within so many samples, from the next block on; 0 takes
-    /// them at once. Allocates nothing.
+    /// Glides to the single echoes of `heard` within `samples` samples, from the next block on; 0 takes them at once.
+    /// Does not allocate.
     ///
     /// # Errors
-    /// [`AcousticsError::OtherSpec`] for what was made for another rate or length: then nothing changes.
+    /// [`AcousticsError::OtherSpec`] if `heard` was made for another rate or length: then nothing changes.
     pub fn glide_echoes(&mut self, heard: &Heard, samples: u32) -> Result<(), AcousticsError> {
         self.spec.check(heard)?;
         match &mut self.echoes {
@@ -248,12 +243,12 @@ impl Auralisation {
         Ok(())
     }
 
-    /// Takes the late part of `heard`, if it has one, and fades to it within so many samples, from the
-    /// next block on; what is not needed any more is put in its place. False while a fade is in progress:
-    /// then nothing changes. Allocates nothing, frees nothing.
+    /// Takes the late part of `heard`, if it has one, and fades to it within `samples` samples, from the next block on;
+    /// puts the kernel that is no longer needed in its place. Returns false while a fade is in progress: then nothing
+    /// changes. Neither allocates nor frees.
     ///
     /// # Errors
-    /// [`AcousticsError::OtherSpec`] for what was made for another rate or length: then nothing changes.
+    /// [`AcousticsError::OtherSpec`] if `heard` was made for another rate or length: then nothing changes.
     pub fn glide_late(&mut self, heard: &mut Heard, samples: u32) -> Result<bool, AcousticsError> {
         self.spec.check(heard)?;
         if self.next.is_some() {
@@ -275,12 +270,12 @@ impl Auralisation {
         Ok(true)
     }
 
-    /// Adds what is heard of the next samples of the source's sound to the interleaved samples of both
-    /// channels. A sample that is no finite number counts as 0: it would be heard as long as a response is. Allocates
-    /// nothing.
+    /// Adds the response to the next samples of the source's sound to the interleaved samples of both channels. A
+    /// sample that is not finite counts as 0: it would otherwise last as long as the response. Does not allocate.
     ///
     /// # Errors
-    /// [`AcousticsError::BadStereoLength`] if `stereo` is not twice as long as `mono`: then nothing is played.
+    /// [`AcousticsError::BadStereoLength`] if `stereo` is not twice as long as `mono`: then the player does not
+    /// advance.
     pub fn add(&mut self, mono: &[f32], stereo: &mut [f32]) -> Result<(), AcousticsError> {
         if stereo.len() / CHANNELS != mono.len() || !stereo.len().is_multiple_of(CHANNELS) {
             let (mono, stereo) = (mono.len(), stereo.len());
@@ -301,7 +296,7 @@ impl Auralisation {
         Ok(())
     }
 
-    /// What is heard of the block that is full, without the echoes.
+    /// Computes the output for the full block, without the echoes.
     fn render_late(&mut self) {
         for (channel, out) in self.output.iter_mut().enumerate() {
             self.signal.convolve(&self.late, channel, out);
@@ -324,7 +319,7 @@ impl Auralisation {
         self.retired = std::mem::replace(&mut self.late, fade.to);
     }
 
-    /// What is heard of the block that is full.
+    /// Computes the output for the full block.
     fn render(&mut self) {
         self.signal.push(&self.input);
         self.render_late();

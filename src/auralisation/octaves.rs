@@ -1,5 +1,5 @@
-//! A signal, parted into its octave bands by filters without phase: what is done to each band
-//! apart adds up to what [`ImpulseResponse`](crate::acoustics::ImpulseResponse) does to a tap.
+//! Splits a signal into its octave bands by zero-phase filters: scaling each band separately has
+//! the same effect as [`ImpulseResponse`](crate::acoustics::ImpulseResponse) has on a tap.
 
 use super::convolution::{BLOCK, Kernel};
 use crate::acoustics::tap_filter_gain;
@@ -7,12 +7,12 @@ use crate::bands::BAND_COUNT;
 use realfft::RealFftPlanner;
 use std::f64::consts::PI;
 
-/// Samples that the parted signal is late: the filters reach as far to both sides (21 ms at 48 kHz).
-/// Where 63 Hz and 125 Hz differ by 20 dB they would reach further: the weaker of the two is then up
-/// to 0.7 dB off. From 250 Hz on it is 0.05 dB.
+/// Delay of the split signal in samples: the filters reach this far to both sides (21 ms at 48 kHz). If 63 Hz and 125
+/// Hz differ by 20 dB they would have to reach further: the weaker of the two is then up to 0.7 dB off. From 250 Hz on
+/// the error is 0.05 dB.
 pub(super) const DELAY: usize = 2 * BLOCK;
 
-/// The share of this reach in which the filters are not faded.
+/// The share of this reach in which the filters are not tapered.
 const FLAT: f64 = 0.75;
 
 const LENGTH: usize = 2 * DELAY;
@@ -20,7 +20,7 @@ const LENGTH: usize = 2 * DELAY;
 /// Partitions of the filters.
 pub(super) const PARTITIONS: usize = LENGTH / BLOCK;
 
-/// The filters of all bands, a channel each.
+/// The filters of all bands, one channel each.
 pub(super) fn filters(rate_hz: u32) -> Kernel {
     let filters: Vec<Vec<f32>> = (0..BAND_COUNT)
         .map(|band| filter(band, rate_hz.into()))
@@ -28,9 +28,9 @@ pub(super) fn filters(rate_hz: u32) -> Kernel {
     Kernel::new(&filters)
 }
 
-/// The filter of a band: its response without phase, delayed, cut and windowed.
+/// The filter of a band: its zero-phase response, delayed, cut and windowed.
 fn filter(band: usize, rate_hz: f64) -> Vec<f32> {
-    // Long enough that what is cut off is not folded in.
+    // Long enough to keep the cut-off part from folding in.
     let length = 8 * LENGTH;
     let inverse = RealFftPlanner::<f64>::new().plan_fft_inverse(length);
     let mut spectrum = inverse.make_input_vec();

@@ -1,4 +1,4 @@
-//! Several sources, played as they are heard on the thread that must not wait.
+//! Plays several sources as heard by the listener, on the thread that must not wait.
 
 use super::limiter::Limiter;
 use super::{Auralisation, Heard, Spec};
@@ -7,25 +7,25 @@ use crate::audio::{Sound, StereoSignal};
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::fmt;
 
-/// Frames that are played at once.
+/// Frames played at once.
 const BLOCK: usize = 256;
 
-/// Updates that may be queued.
+/// Maximum queued updates.
 const UPDATES: usize = 32;
 
 /// Seconds in which one late part fades to the next.
 const LATE_FADE_S: f64 = 0.2;
 
-/// What is heard of a source from now on.
+/// The new state of a source.
 struct Update {
     source: usize,
     heard: Box<Heard>,
-    /// Samples in which echoes glide there.
+    /// Samples in which the echoes glide to it.
     glide: u32,
 }
 
-/// Plays sources, and adds them up; too loud a sum is limited. Make it with [`Player::new`] and give it
-/// to live output as its two channels.
+/// Plays sources and adds them up; limits a sum that is too loud. Create it with [`Player::new`] and pass it to live
+/// output as its two channels.
 pub struct Player {
     spec: Spec,
     sources: Vec<Playing>,
@@ -36,7 +36,7 @@ pub struct Player {
     mono: [f32; BLOCK],
 }
 
-/// The other end of a [`Player`]: sets what it plays, from any thread.
+/// The other end of a [`Player`], which controls it from any thread.
 pub struct PlayerRemote {
     spec: Spec,
     sources: usize,
@@ -52,7 +52,7 @@ struct Playing {
 }
 
 impl Player {
-    /// Plays these sounds, one a source, made for the rate of `spec`; `gain` is an amplitude.
+    /// Creates a player of these sounds, one for each source, made for the rate of `spec`; `gain` is an amplitude.
     ///
     /// # Errors
     /// As [`Auralisation::new`]; [`AcousticsError::BadNumber`] for a gain that is not finite.
@@ -70,7 +70,7 @@ impl Player {
             });
         }
         let (to_inbox, inbox) = RingBuffer::new(UPDATES);
-        // Room for all that can be inside: what is under way, and a late part for each source.
+        // Room for everything that can be inside: queued updates, and a late part for each source.
         let (outbox, from_outbox) = RingBuffer::new(UPDATES + sounds.len());
         let remote = PlayerRemote {
             spec,
@@ -103,7 +103,7 @@ impl Player {
                 hand_out(&mut self.outbox, update.heard);
                 continue;
             };
-            // `PlayerRemote::hear` has rejected sound for another rate or length.
+            // `PlayerRemote::hear` has already rejected other rates or lengths.
             let _ = source.ears.glide_echoes(&update.heard, update.glide);
             if update.heard.late.is_none() {
                 hand_out(&mut self.outbox, update.heard);
@@ -123,7 +123,7 @@ impl Player {
     }
 
     fn play(&mut self, stereo: &mut [f32]) {
-        // A last sample without its pair is left as it is.
+        // A last sample without its pair stays unchanged.
         let whole = stereo.len() / 2 * 2;
         let stereo = &mut stereo[..whole];
         let mono = &mut self.mono[..whole / 2];
@@ -138,7 +138,7 @@ impl Player {
     }
 }
 
-/// To be freed by the remote.
+/// Hands a late part to the remote, which frees it.
 fn hand_out(outbox: &mut Producer<Box<Heard>>, heard: Box<Heard>) {
     // There is always room: see `Player::new`.
     let _ = outbox.push(heard);
@@ -155,22 +155,23 @@ impl StereoSignal for Player {
 }
 
 impl PlayerRemote {
-    /// What is heard has to be made for this.
+    /// The format that each [`Heard`] must be made for.
     pub fn spec(&self) -> Spec {
         self.spec
     }
 
-    /// How many sources are played.
+    /// Number of sources.
     pub fn source_count(&self) -> usize {
         self.sources
     }
 
-    /// Glides within some seconds to what is heard of a source (from 0), and frees what was heard
-    /// before. False, and nothing changes, if too much is queued: the player stands still.
+    /// Glides to a new state of a source (counted from 0) within the given seconds, and frees the
+    /// previous one. Returns false, and nothing changes, if too much is queued because the player
+    /// stands still.
     ///
     /// # Errors
-    /// [`AcousticsError::NoSuchSource`], [`AcousticsError::OtherSpec`] for what was made for another player, and
-    /// [`AcousticsError::BadNumber`] for seconds that are negative or no number. Then nothing changes.
+    /// [`AcousticsError::NoSuchSource`], [`AcousticsError::OtherSpec`] if `heard` was made for another player, and
+    /// [`AcousticsError::BadNumber`] for seconds that are negative or NaN. Then nothing changes.
     pub fn hear(
         &mut self,
         source: usize,

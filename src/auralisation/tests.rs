@@ -39,12 +39,12 @@ fn heard(taps: &[Tap], spec: Spec) -> Heard {
     }
 }
 
-/// What is heard of a sound at the left ear, without the latency.
+/// The output of a sound at the left ear, without the latency.
 fn play(ears: &mut Auralisation, sound: &[f32]) -> Vec<f32> {
     let mut ahead = sound.to_vec();
     ahead.resize(sound.len() + ears.latency(), 0.0);
     let mut stereo = vec![0.0; 2 * ahead.len()];
-    // Blocks of odd lengths: they have nothing to do with those of the convolution.
+    // Blocks of odd lengths, unrelated to those of the convolution.
     for (mono, stereo) in ahead.chunks(333).zip(stereo.chunks_mut(2 * 333)) {
         ears.add(mono, stereo).unwrap();
     }
@@ -89,8 +89,8 @@ fn an_echo_comes_when_it_shall() {
     }
 }
 
-/// Protects the timbre: at the centre of each band the amplitude is that of its energy, but for what
-/// the cut of the filters costs.
+/// Protects the timbre: at the centre of each band the amplitude is that of its energy, except for the error of the cut
+/// filters.
 #[test]
 fn bands_have_their_energies() {
     let spec = spec(true);
@@ -116,7 +116,7 @@ fn bands_have_their_energies() {
     }
 }
 
-/// Protects the late part: it is the impulse response of its echogram, at its time.
+/// Protects the late part: it is the impulse response of its echogram, at the right time.
 #[test]
 fn the_late_part_is_the_impulse_response() {
     let spec = spec(true);
@@ -142,7 +142,7 @@ fn the_late_part_is_the_impulse_response() {
     }
 }
 
-/// The largest step of a sine's own, and the largest step found.
+/// The largest step of a sine alone, and the largest step found.
 fn steps(sound: &[f32], heard: &[f32]) -> (f32, f32) {
     let largest = |samples: &[f32]| {
         let steps = samples.windows(2).map(|pair| (pair[1] - pair[0]).abs());
@@ -156,8 +156,8 @@ fn sine(frequency_hz: f64, length: usize) -> Vec<f32> {
     (0..length).map(|index| turn(index).sin() as f32).collect()
 }
 
-/// Protects from clicks and zipper: echoes that move, come, go and jump, and late parts that change,
-/// step no further than the sound itself does.
+/// Protects from clicks and zipper noise: echoes that move, come, go and jump, and late parts that change, do not step
+/// further than the sound itself does.
 #[test]
 fn nothing_clicks() {
     for has_bands in [false, true] {
@@ -167,7 +167,7 @@ fn nothing_clicks() {
         let mut left: Vec<f32> = Vec::new();
         for (frame, mono) in sound.chunks(1600).enumerate() {
             let mut taps = vec![tap(0.02 + 0.0005 * frame as f64, [0.3; BAND_COUNT])];
-            // One that comes and goes, and one that jumps.
+            // One echo that comes and goes, and one that jumps.
             taps.push(tap(0.1 + 0.2 * (frame % 2) as f64, [0.05; BAND_COUNT]));
             if frame % 3 == 0 {
                 taps.push(tap(0.05, [0.1; BAND_COUNT]));
@@ -180,7 +180,7 @@ fn nothing_clicks() {
             ears.add(mono, &mut stereo).unwrap();
             left.extend(stereo.iter().step_by(2));
         }
-        // All at once have amplitude √0.3 + 2 √0.05 + √0.1 + 0.2 at the most.
+        // All together have amplitude √0.3 + 2 √0.05 + √0.1 + 0.2 at most.
         let most = 0.3_f32.sqrt() + 2.0 * 0.05_f32.sqrt() + 0.1_f32.sqrt() + 0.2;
         let (own, found) = steps(&sound, &left);
         assert!(found < own * most * 1.05, "{has_bands}: {found} {own}");
@@ -188,8 +188,7 @@ fn nothing_clicks() {
     }
 }
 
-/// Protects the Doppler shift: a source that goes away at a tenth of the speed of sound is heard a tenth
-/// lower.
+/// Protects the Doppler shift: a source that moves away at a tenth of the speed of sound is heard a tenth lower.
 #[test]
 fn a_source_that_goes_away_sounds_lower() {
     let spec = spec(false);
@@ -213,7 +212,7 @@ fn a_source_that_goes_away_sounds_lower() {
     assert!((count - 900.0).abs() <= 2.0, "{count} Hz");
 }
 
-/// Protects silence: what is not heard any more fades out and is gone.
+/// Protects silence: removed echoes fade out and leave no residue.
 #[test]
 fn nothing_stays_behind() {
     let spec = spec(true);
@@ -230,8 +229,7 @@ fn nothing_stays_behind() {
     assert!(left[4 * BLOCK..].iter().all(|sample| *sample == 0.0));
 }
 
-/// Protects memory and silence from numbers that no player is made for: each is refused with its name, and nothing is
-/// allocated for it.
+/// Protects memory and silence from invalid numbers: each is rejected by name, before any memory is allocated for it.
 #[test]
 fn bad_specs_are_refused() {
     let good = spec(false);
@@ -251,18 +249,16 @@ fn bad_specs_are_refused() {
     ] {
         assert!(Auralisation::new(spec).is_err(), "{spec:?}");
         assert!(Heard::of_paths(&[], &axes(), spec).is_err(), "{spec:?}");
-        #[cfg(any(feature = "audio", feature = "walkthrough"))]
         assert!(
             super::Player::new(Vec::new(), spec, 1.0).is_err(),
             "{spec:?}"
         );
     }
-    #[cfg(any(feature = "audio", feature = "walkthrough"))]
     assert!(super::Player::new(Vec::new(), good, f32::NAN).is_err());
 }
 
-/// Protects what is heard from delays of another rate or length, and from slices that do not fit: each is refused, and
-/// what was heard before is heard on.
+/// Protects a player from delays of another rate or length, and from slices of the wrong length: each is rejected, and
+/// the previous sound continues.
 #[test]
 fn what_was_made_for_another_player_is_refused() {
     let own = spec(false);
@@ -299,7 +295,7 @@ fn what_was_made_for_another_player_is_refused() {
     assert!((left[480] - 0.5).abs() < 1e-4, "{}", left[480]);
 }
 
-/// Protects a player from one sample that is no number: it would be heard for as long as a response is.
+/// Protects a player from a NaN sample, which would last as long as the response.
 #[test]
 fn a_sample_that_is_no_number_is_silent() {
     let spec = spec(true);

@@ -11,13 +11,12 @@ pub enum Api {
     Gl,
     /// OpenGL ES 3.0 with `EXT_color_buffer_float` through EGL.
     Gles,
-    /// OpenGL 3.3 core through Mesa's off-screen library, on the processor: it needs no EGL, no device and no
-    /// display.
+    /// OpenGL 3.3 core through Mesa's off-screen library, on the processor; needs no EGL, device or display.
     OsMesa,
 }
 
 impl Api {
-    /// All of them, in the order of preference.
+    /// All APIs, in order of preference.
     pub const ALL: [Api; 3] = [Api::Gl, Api::Gles, Api::OsMesa];
 }
 
@@ -46,7 +45,7 @@ impl FromStr for Api {
 mod tests {
     use super::*;
 
-    /// The names on the command line are the names printed.
+    /// Protects the API names: the command line accepts the names that are printed.
     #[test]
     fn names_read_back() {
         for api in Api::ALL {

@@ -7,12 +7,12 @@ use glow::{HasContext, PixelPackData};
 use super::{Context, GpuError, RenderTarget, bytes};
 use crate::platform;
 
-/// Longest wait in one call, in nanoseconds; then the wait is repeated after checking whether the driver has lost the
+/// Longest wait in one call, in nanoseconds; the wait is repeated after checking whether the driver has lost the
 /// context.
 const WAIT_NANOSECONDS: i32 = 100_000_000;
 
-/// A pending read-back: the texels are copied into a GL buffer when the drawing before it is done, and a fence signals
-/// when that has happened. One at a time; the buffer is reused.
+/// A pending read-back: a GL buffer receives the texels once the preceding drawing is done, and a fence signals when
+/// that has happened. Holds one read at a time and reuses the buffer.
 ///
 /// Dropping it frees the buffer, and drops a read in progress.
 #[derive(Debug)]
@@ -23,7 +23,7 @@ pub struct AsyncRead {
     pending: Option<Pending>,
 }
 
-/// A read that was begun.
+/// A read in progress.
 #[derive(Debug)]
 struct Pending {
     fence: glow::Fence,
@@ -49,8 +49,7 @@ impl AsyncRead {
         })
     }
 
-    /// Requests the first `width` texels of each of the first `rows` rows, and returns at once. A pending read is
-    /// given up.
+    /// Requests the first `width` texels of each of the first `rows` rows, and returns at once. Cancels a pending read.
     ///
     /// # Errors
     /// [`GpuError::ReadOutOfRange`], and what GL reports.
@@ -75,7 +74,7 @@ impl AsyncRead {
             what: "a fence".into(),
             code,
         })?;
-        // SAFETY: the context is current. Without the flush the driver may never submit it.
+        // SAFETY: the context is current. Without the flush the driver may never submit the fence.
         unsafe { self.context.gl().flush() };
         self.pending = Some(Pending { fence, floats });
         self.context.debug_check("an asynchronous read-back")
@@ -101,12 +100,12 @@ impl AsyncRead {
                 glow::FLOAT,
                 PixelPackData::BufferOffset(0),
             );
-            // Reads into memory would otherwise go to the buffer.
+            // Later reads into memory would otherwise go to the buffer.
             gl.bind_buffer(glow::PIXEL_PACK_BUFFER, None);
         }
     }
 
-    /// The result of `read` on the texels, if they have arrived; the read is then complete. Never waits.
+    /// Returns the result of `read` on the texels once they have arrived; the read is then complete. Never waits.
     ///
     /// # Errors
     /// What GL reports.
@@ -117,7 +116,7 @@ impl AsyncRead {
         }
     }
 
-    /// Waits for the texels, however long the drawing before them takes; `None` where no read is in progress.
+    /// Waits for the texels, however long the preceding drawing takes; returns `None` if no read is in progress.
     ///
     /// # Errors
     /// What GL reports; [`GpuError::ContextLost`] when the driver reports that.
@@ -133,7 +132,7 @@ impl AsyncRead {
         self.take(floats, read).map(Some)
     }
 
-    /// Gives up the read in progress, if there is one.
+    /// Cancels the read in progress, if any.
     pub fn cancel(&mut self) {
         if let Some(pending) = self.pending.take() {
             // SAFETY: the context is current, and the fence its own and not used again.
@@ -141,14 +140,14 @@ impl AsyncRead {
         }
     }
 
-    /// The number of floats requested, where reading them is the only way to wait for them.
+    /// The number of floats requested, on platforms where reading them is the only way to wait for them.
     fn floats_begun(&mut self) -> usize {
         let floats = self.pending.as_ref().map_or(0, |pending| pending.floats);
         self.cancel();
         floats
     }
 
-    /// The number of floats that have come; `Continue` where there are none yet.
+    /// Returns the number of floats available once they have arrived, `Continue` before.
     fn wait_for(&mut self, nanoseconds: i32) -> Result<ControlFlow<usize>, GpuError> {
         let Some(pending) = &self.pending else {
             return Ok(ControlFlow::Continue(()));
@@ -166,7 +165,7 @@ impl AsyncRead {
                 self.context.check_not_lost()?;
                 Ok(ControlFlow::Break(floats))
             }
-            // Slow or lost: the driver knows.
+            // Slow or lost: the driver knows which.
             glow::TIMEOUT_EXPIRED => match self.context.check_not_lost() {
                 Ok(()) => Ok(ControlFlow::Continue(())),
                 Err(lost) => {
@@ -184,7 +183,7 @@ impl AsyncRead {
         }
     }
 
-    /// Lets `read` see the texels.
+    /// Passes the texels to `read`.
     fn take<T>(&self, floats: usize, read: impl FnOnce(&[f32]) -> T) -> Result<T, GpuError> {
         if platform::CAN_MAP_BUFFERS {
             self.take_mapped(floats, read)
@@ -196,7 +195,7 @@ impl AsyncRead {
     fn take_copied<T>(&self, floats: usize, read: impl FnOnce(&[f32]) -> T) -> Result<T, GpuError> {
         let mut copied = vec![0.0; floats];
         let gl = self.context.gl();
-        // SAFETY: the context is current and the buffer its own; it holds as many bytes as are asked for.
+        // SAFETY: the context is current and the buffer its own, which holds all the bytes requested.
         unsafe {
             gl.bind_buffer(glow::PIXEL_PACK_BUFFER, Some(self.buffer));
             let bytes = bytes::of_floats_mut(&mut copied);
@@ -207,12 +206,12 @@ impl AsyncRead {
         Ok(read(&copied))
     }
 
-    /// Lets `read` see the texels where GL has mapped them: a copy of a large texture would take as long as its sum.
+    /// Passes the texels to `read` where GL has mapped them: copying a large texture would take as long as summing it.
     fn take_mapped<T>(&self, floats: usize, read: impl FnOnce(&[f32]) -> T) -> Result<T, GpuError> {
         let length = floats * size_of::<f32>();
         let gl = self.context.gl();
-        // SAFETY: the context is current and the buffer its own; GL maps as many bytes as were asked for, or answers
-        // null, and they are read before they are unmapped.
+        // SAFETY: the context is current and the buffer its own; GL maps the number of bytes requested or returns null,
+        // and they are read before the buffer is unmapped.
         let result = unsafe {
             gl.bind_buffer(glow::PIXEL_PACK_BUFFER, Some(self.buffer));
             let mapped = gl.map_buffer_range(
@@ -241,7 +240,7 @@ impl AsyncRead {
     }
 }
 
-/// Polls until something has come. A frame may take as long as it takes: only an error ends the wait.
+/// Polls until a result is available, without a limit on the time: only an error ends the wait.
 fn until_there(
     mut ask: impl FnMut() -> Result<ControlFlow<usize>, GpuError>,
 ) -> Result<usize, GpuError> {
@@ -276,7 +275,7 @@ mod tests {
     use std::rc::Rc;
 
     thread_local! {
-        /// What the driver of [`Resetting`] says of resets.
+        /// The reset status that the driver of [`Resetting`] reports.
         static RESET_STATUS: Cell<u32> = const { Cell::new(glow::NO_ERROR) };
     }
 
@@ -284,7 +283,7 @@ mod tests {
         RESET_STATUS.get()
     }
 
-    /// A driver that has lost its context when the test says so.
+    /// A driver that reports a lost context when the test says so.
     struct Resetting(OsMesa);
 
     impl Backend for Resetting {
@@ -308,8 +307,8 @@ mod tests {
         }
     }
 
-    /// Protects from results that a lost context leaves, and from waits without an end for those that it never
-    /// will: a reset is found by the next poll, whether the fence says that the texels are there or not.
+    /// Protects from using results of a lost context and from waiting for them forever: the next poll reports a reset,
+    /// whether the fence is signalled or not.
     #[test]
     fn a_reset_is_told() {
         let driver = Rc::new(Resetting(OsMesa::new().unwrap()));
@@ -320,7 +319,7 @@ mod tests {
         read.begin(&target, 0, 2, 2).unwrap();
         assert_eq!(read.wait(<[f32]>::len).unwrap(), Some(16));
         read.begin(&target, 0, 2, 2).unwrap();
-        // What it is called by KHR_robustness.
+        // The status named GUILTY_CONTEXT_RESET in KHR_robustness.
         const GUILTY_CONTEXT_RESET: u32 = 0x8253;
         RESET_STATUS.set(GUILTY_CONTEXT_RESET);
         let lost = |error| matches!(error, GpuError::ContextLost { .. });
@@ -331,7 +330,8 @@ mod tests {
         RESET_STATUS.set(glow::NO_ERROR);
     }
 
-    /// Protects frames that take minutes: no number of waits in vain is a loss, and a loss is reported at once.
+    /// Protects frames that take minutes: no number of timed-out waits counts as a loss, and a loss is reported at
+    /// once.
     #[test]
     fn slowness_is_no_loss() {
         let mut asked = 0;

@@ -2,22 +2,23 @@
 
 use std::ffi::{CStr, c_void};
 
-/// One GL context, as the library that made it sees it: EGL or OSMesa without a window, or a window's own.
+/// One GL context as seen by the library that made it: EGL or OSMesa without a window, or a window's own library.
 ///
-/// Dropping it destroys the context; `current` sees to it that no context at all is current then.
+/// Dropping it destroys the context; `current` ensures that no context is current at that time.
 pub(super) trait Backend {
-    /// Makes the context current on this thread. No other may be current: Mesa's libraries share one slot for the
-    /// current context, and each believes what it last put there itself.
+    /// Makes the context current on this thread. No other context may be current: Mesa's libraries share one slot for
+    /// the current context, and each assumes that the slot still holds what it last stored there.
     ///
     /// # Errors
-    /// What the library answered.
+    /// The library's answer.
     fn make_current(&self) -> Result<(), String>;
 
-    /// Whether the library reports that calls on this thread go to this context: others may have made theirs current.
+    /// Whether the library reports this context as current on this thread: other code may have made another one
+    /// current.
     #[cfg_attr(target_arch = "wasm32", expect(dead_code))]
     fn is_current(&self) -> bool;
 
-    /// Makes no context current on this thread. The context is the current one.
+    /// Makes no context current on this thread. This context is the current one.
     fn release(&self);
 
     /// Whether the library itself reports that the context is lost: a browser does, and its calls then do nothing and
@@ -31,20 +32,20 @@ pub(super) trait Backend {
         glow::RENDERER
     }
 
-    /// Address of a GL function, null where the library has none of that name.
+    /// Address of a GL function, or null if the library has no function of that name.
     fn proc_address(&self, name: &CStr) -> *const c_void;
 
-    /// Whose context it is, and who makes it current.
+    /// The owner: whether echomarch or the caller made the context, and who makes it current.
     #[cfg_attr(target_arch = "wasm32", expect(dead_code))]
     fn owner(&self) -> Owner {
         Owner::Echomarch
     }
 }
 
-/// Whose a context is.
+/// Owner of a context.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Owner {
-    /// Made here, and free to stay current.
+    /// Made by echomarch; may stay current.
     Echomarch,
     /// Made by the caller, whose functions make it current and not current.
     Caller,

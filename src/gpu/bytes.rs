@@ -1,4 +1,4 @@
-//! Floats seen as the bytes that GL takes and gives.
+//! Conversion between floats and the bytes that GL takes and returns.
 
 use std::borrow::Cow;
 
@@ -8,16 +8,16 @@ pub(super) fn of_floats(floats: &[f32]) -> &[u8] {
     unsafe { std::slice::from_raw_parts(floats.as_ptr().cast(), size_of_val(floats)) }
 }
 
-/// The floats as bytes to be overwritten.
+/// The floats as mutable bytes.
 pub(super) fn of_floats_mut(floats: &mut [f32]) -> &mut [u8] {
-    // SAFETY: as above; besides, every pattern of bits is an f32, so that any bytes may be written.
+    // SAFETY: as above; in addition, every bit pattern is a valid f32, so any bytes may be written.
     unsafe { std::slice::from_raw_parts_mut(floats.as_mut_ptr().cast(), size_of_val(floats)) }
 }
 
-/// Bytes in memory order as floats, without what is left over at the end; copied where the bytes do not lie as floats
-/// have to.
+/// Bytes in memory order as floats, without the incomplete float at the end; copied if the bytes are not aligned for
+/// floats.
 pub(super) fn as_floats(bytes: &[u8]) -> Cow<'_, [f32]> {
-    // SAFETY: every pattern of bits is an f32.
+    // SAFETY: every bit pattern is a valid f32.
     match unsafe { bytes.align_to::<f32>() } {
         ([], floats, _) => Cow::Borrowed(floats),
         _ => bytes
@@ -33,7 +33,7 @@ pub(super) fn as_floats(bytes: &[u8]) -> Cow<'_, [f32]> {
 mod tests {
     use super::*;
 
-    /// Protects read-backs of drivers that map a buffer at any address.
+    /// Protects read-backs with drivers that map a buffer at any address.
     #[test]
     fn bytes_at_any_address_are_the_same_floats() {
         let floats = [1.5_f32, -2.0, 1e30];

@@ -1,4 +1,4 @@
-//! Contexts that a caller made: of a game's window, of another library.
+//! Contexts made by a caller: that of a game's window or of another library.
 
 use std::cell::Cell;
 use std::ffi::{CStr, c_void};
@@ -14,33 +14,33 @@ use super::caller_state::{CallerPart, Traits};
 use super::driver::load;
 use super::{Api, Context, GpuError, current};
 
-/// The least version of OpenGL, and of OpenGL ES: major and minor.
+/// Lowest supported versions of OpenGL and of OpenGL ES: major and minor.
 const LEAST_GL: (u32, u32) = (3, 3);
 const LEAST_ES: (u32, u32) = (3, 0);
 
-/// How a context that the caller made is made current.
+/// How a caller's context is made current.
 #[non_exhaustive]
 pub enum MakeCurrent {
-    /// By the caller alone: it is current on this thread whenever a function of this crate is called that works with
-    /// it, and whenever a [`Tracer`](crate::Tracer) on it or the last reference to the [`Context`] is dropped.
+    /// By the caller alone: the context is current on this thread whenever a function of this crate that works with it
+    /// is called, and whenever a [`Tracer`](crate::Tracer) on it or the last reference to the [`Context`] is dropped.
     ByCaller,
-    /// By these functions of the caller's, where it is not current already. After each call what was current before is
-    /// so again: this context, or none, or another one of EGL's if this crate has made a context through EGL.
+    /// By these functions of the caller, unless it is current already. Each call restores what was current before: this
+    /// context, none, or another EGL context if this crate has made a context through EGL.
     With(Box<dyn SwitchContext>),
 }
 
-/// Makes one context current on this thread, and not current, by whatever library made it.
+/// Makes one context current or not current on this thread, whichever library made it.
 pub trait SwitchContext {
     /// Makes the context current on this thread.
     ///
     /// # Errors
-    /// Why it cannot be; afterwards [`GpuError::ContextLost`].
+    /// The reason why it cannot be made current; reported as [`GpuError::ContextLost`].
     fn make_current(&self) -> Result<(), String>;
 
     /// Whether the library reports that the context is current on this thread.
     fn is_current(&self) -> bool;
 
-    /// Makes no context current on this thread. The context is the current one.
+    /// Makes no context current on this thread. This context is the current one.
     fn release(&self);
 }
 
@@ -53,41 +53,41 @@ impl fmt::Debug for MakeCurrent {
     }
 }
 
-/// Where a library has the functions of GL: the address of the one of a name, null where there is none.
+/// Looks up a GL function by name: returns its address, or null if it is missing.
 type Loader = Box<dyn Fn(&CStr) -> *const c_void>;
 
-/// The caller's share in a [`Context`].
+/// The [`Backend`] of a caller's context.
 struct CallerBackend {
     make_current: MakeCurrent,
     loader: Option<Loader>,
 }
 
 impl Context {
-    /// A context that the caller made: waves are traced beside his own drawing, and results can stay in
-    /// [textures](crate::Tracer::frame_to_texture) that he draws with. OpenGL 3.3 or later, of the core or the
+    /// A context that the caller made: waves are traced alongside the caller's own drawing, and results can stay in
+    /// [textures](crate::Tracer::frame_to_texture) that the caller draws with. Requires OpenGL 3.3 or later, core or
     /// compatibility profile, or OpenGL ES 3.0 with `EXT_color_buffer_float`.
     ///
     /// `loader` returns the address of a GL function: `get_proc_address` of glutin, SDL, GLFW or eframe. `current`
     /// states who makes the context current.
     ///
     /// # State
-    /// Each call of this crate that works with the context keeps the state that it changes or depends on, sets what it
-    /// needs, and puts all back before it returns, on errors too: the program, the vertex array, both framebuffers, the
-    /// renderbuffer; viewport, scissor, blending, colour masks, culling, tests, polygon mode, rasterizer discard,
-    /// multisampling, clip distances and the like; of the texture units 0 to 3 and 31 what is bound, samplers included;
-    /// buffers for pixels, texels and queries; how pixels are stored; transform feedback, which is paused. The caller need
-    /// not set anything before a call, nor after it. Four things the caller has to see to:
+    /// Each call of this crate that works with the context saves the state that it changes or depends on, sets what it
+    /// needs, and restores everything before it returns, on errors too: the program, the vertex array, both
+    /// framebuffers, the renderbuffer; viewport, scissor, blending, colour masks, culling, tests, polygon mode,
+    /// rasterizer discard, multisampling, clip distances and the like; the bindings of texture units 0 to 3 and 31,
+    /// samplers included; buffers for pixels, texels and queries; pixel storage; transform feedback, which is paused.
+    /// The caller need not set anything before or after a call, but has four obligations:
     ///
-    /// - GL errors that were not queried are cleared by a call.
-    /// - What is bound is not deleted before a call: GL cannot bind it again after it.
-    /// - Queries that count (samples, primitives, time) count this crate's drawing too, and conditional rendering
-    ///   may skip it: both are to be ended first. So is transform feedback of OpenGL 3.3, which cannot be paused.
-    /// - In the compatibility profile `glPixelTransfer` and pixel maps are to be as they are at first.
+    /// - A call clears GL errors that were not queried.
+    /// - Bound objects must not be deleted before a call: GL could not bind them again afterwards.
+    /// - Counting queries (samples, primitives, time) would count this crate's drawing too, and conditional rendering
+    ///   might skip it: end both first. The same holds for transform feedback in OpenGL 3.3, which cannot be paused.
+    /// - In the compatibility profile `glPixelTransfer` and pixel maps must have their initial values.
     ///
-    /// Keeping and putting back takes some 90 questions to the driver a call, for which a driver that works on a thread of
-    /// its own has to be waited for. State by index that only extensions have (`ARB_viewport_array` below OpenGL 4.1,
-    /// `EXT_draw_buffers_indexed` below OpenGL ES 3.2) becomes that of index 0. With EGL the API that is bound where no
-    /// context is current may be another one after a call.
+    /// Saving and restoring takes about 90 driver queries per call, each of which waits for a driver that runs on its
+    /// own thread. Indexed state that only extensions have (`ARB_viewport_array` below OpenGL 4.1,
+    /// `EXT_draw_buffers_indexed` below OpenGL ES 3.2) becomes that of index 0. With EGL, the API bound while no
+    /// context is current may differ after a call.
     ///
     /// ```no_run
     /// use echomarch::gpu::{Context, MakeCurrent};
@@ -105,16 +105,16 @@ impl Context {
     /// ```
     ///
     /// # Errors
-    /// [`GpuError::NoFunctions`] where no context is current although `current` states that, or `loader` gives no
-    /// functions; [`GpuError::TooOld`], [`GpuError::MissingExtension`], [`GpuError::ContextLost`] where the context
+    /// [`GpuError::NoFunctions`] if no context is current although `current` states that one is, or if `loader` returns
+    /// no functions; [`GpuError::TooOld`], [`GpuError::MissingExtension`]; [`GpuError::ContextLost`] if the context
     /// cannot be made current.
     ///
     /// # Safety
-    /// - `loader` gives functions of GL that are those of the context, and stay so as long as the context lives.
-    /// - With [`MakeCurrent::ByCaller`] the context is current on this thread in this call, in every call that works with
-    ///   the answer or what is made of it, and when these are dropped; so it lives longer than they do.
-    /// - With [`MakeCurrent::With`] the three functions do what they are to do for the very context that the functions of
-    ///   GL belong to. They answer with an error, and do not crash, when it is gone.
+    /// - `loader` returns the GL functions of the context, which stay valid as long as the context lives.
+    /// - With [`MakeCurrent::ByCaller`] the context is current on this thread during this call, during every call that
+    ///   works with the returned context or anything made from it, and when these are dropped; so it outlives them.
+    /// - With [`MakeCurrent::With`] the three functions act on the context that the GL functions belong to. They return
+    ///   an error, and do not crash, when it is gone.
     #[cfg(not(target_arch = "wasm32"))]
     pub unsafe fn from_loader(
         loader: impl Fn(&CStr) -> *const c_void + 'static,
@@ -127,18 +127,17 @@ impl Context {
         of_caller(backend.clone(), || load(&*backend).map(Arc::new))
     }
 
-    /// [`from_loader`](Context::from_loader) for a program that has the functions of GL from the crate
-    /// [`glow`](super::glow) already, in the version that this module names.
+    /// [`from_loader`](Context::from_loader) for a program that already has the GL functions from the crate
+    /// [`glow`](super::glow), in the version that this module re-exports.
     ///
-    /// State that glow cannot query is not restored, but set to its initial value: colour masks that differ between the
-    /// draw buffers of one framebuffer (all become that of the first), and `glClampColor`. The driver does not report
-    /// resets either.
+    /// State that glow cannot query is not restored but set to its initial value: colour masks that differ between the
+    /// draw buffers of one framebuffer (all become that of the first), and `glClampColor`. Resets are not reported.
     ///
     /// # Errors
-    /// As [`from_loader`](Context::from_loader).
+    /// Same as [`from_loader`](Context::from_loader).
     ///
     /// # Safety
-    /// As [`from_loader`](Context::from_loader); `gl` stands for its functions.
+    /// Same as [`from_loader`](Context::from_loader), with `gl` in place of its functions.
     pub unsafe fn from_glow(
         gl: Arc<glow::Context>,
         current: MakeCurrent,
@@ -151,7 +150,7 @@ impl Context {
     }
 }
 
-/// Describes a context of the caller's, and leaves it as it was.
+/// Describes a caller's context and leaves its state unchanged.
 fn of_caller(
     backend: Rc<CallerBackend>,
     functions: impl FnOnce() -> Result<Arc<glow::Context>, GpuError>,

@@ -1,7 +1,7 @@
-//! The state of a context that the caller made: kept before a call, set to what passes need, put back after it.
+//! The state of a caller's context: saved before a call, set to what passes need, restored after it.
 //!
-//! Listed is what this crate changes, and what its drawing, uploads and read-backs depend on. Where other files of
-//! this module change more state, it is added here; `tests/foreign_state.rs` queries all of it, and
+//! The lists contain what this crate changes, and what its drawing, uploads and read-backs depend on. When other files
+//! of this module change more state, add it here; `tests/foreign_state.rs` queries all of it, and
 //! `trace/tests/caller_contexts.rs` compares.
 
 use std::cell::Cell;
@@ -13,14 +13,14 @@ use super::backend::Backend;
 use super::error::ERRORS_AT_MOST;
 use super::texture_units::UNITS;
 
-// What glow has no names for.
+// Constants that glow does not define.
 const ALPHA_TEST: u32 = 0x0BC0;
 const POLYGON_STIPPLE: u32 = 0x0B42;
 const CLAMP_VERTEX_COLOR: u32 = 0x891A;
 const CLAMP_FRAGMENT_COLOR: u32 = 0x891B;
 
-/// How pixels lie in memory, in every version: the names, and what the read-backs and uploads need, which is how it is at
-/// first.
+/// Pixel storage parameters of every version, with the values that read-backs and uploads need, which are the initial
+/// ones.
 const PIXEL_STORE: [(u32, i32); 10] = [
     (glow::PACK_ALIGNMENT, 4),
     (glow::PACK_ROW_LENGTH, 0),
@@ -34,7 +34,7 @@ const PIXEL_STORE: [(u32, i32); 10] = [
     (glow::UNPACK_SKIP_IMAGES, 0),
 ];
 
-/// The same of OpenGL alone.
+/// Pixel storage parameters of OpenGL only.
 const PIXEL_STORE_OF_GL: [(u32, i32); 4] = [
     (glow::PACK_SWAP_BYTES, 0),
     (glow::PACK_LSB_FIRST, 0),
@@ -42,8 +42,8 @@ const PIXEL_STORE_OF_GL: [(u32, i32); 4] = [
     (glow::UNPACK_LSB_FIRST, 0),
 ];
 
-/// What would change or discard what a pass draws, in every version. Blending and the scissor, which can be of one draw
-/// buffer or viewport, are apart.
+/// Capabilities of every version that would change or discard what a pass draws. Blending and the scissor, which can be
+/// set per draw buffer or viewport, are handled separately.
 const CAPABILITIES: [u32; 7] = [
     glow::CULL_FACE,
     glow::DEPTH_TEST,
@@ -54,7 +54,7 @@ const CAPABILITIES: [u32; 7] = [
     glow::RASTERIZER_DISCARD,
 ];
 
-/// The same of OpenGL alone.
+/// The same for OpenGL only.
 const CAPABILITIES_OF_GL: [u32; 7] = [
     glow::COLOR_LOGIC_OP,
     glow::POLYGON_SMOOTH,
@@ -65,30 +65,30 @@ const CAPABILITIES_OF_GL: [u32; 7] = [
     glow::DEPTH_CLAMP,
 ];
 
-/// The same of the compatibility profile alone.
+/// The same for the compatibility profile only.
 const CAPABILITIES_OF_COMPATIBILITY: [u32; 2] = [ALPHA_TEST, POLYGON_STIPPLE];
 
 type GetBooleans = unsafe extern "system" fn(u32, u32, *mut u8);
 type ClampColor = unsafe extern "system" fn(u32, u32);
 
-/// What a [`Context`](super::Context) knows of one that the caller made.
+/// Data of a [`Context`](super::Context) that the caller made.
 pub(super) struct CallerPart {
     pub traits: Traits,
-    /// Calls into this crate that are in progress, one within the other.
+    /// Nesting depth of the calls into this crate that are in progress.
     pub entered: Cell<u32>,
 }
 
-/// What there is to be kept in a context.
+/// The kinds of state that a context has.
 pub(super) struct Traits {
     is_gl: bool,
     capabilities: Vec<u32>,
     pixel_store: Vec<(u32, i32)>,
-    /// Buffer bindings: the target, and the name to ask by.
+    /// Buffer bindings: the target and the parameter that queries it.
     buffers: Vec<(u32, u32)>,
     clamps: &'static [u32],
-    /// Draw buffers that blend and have masks of their own; 0 where all have the same.
+    /// Draw buffers with separate blending and colour masks; 0 if all share the same.
     draw_buffers: u32,
-    /// Whether there is a viewport and a scissor for each of several indices.
+    /// Whether there is an indexed set of viewports and scissors.
     pub has_viewport_arrays: bool,
     can_pause_feedback: bool,
     get_booleans: Option<GetBooleans>,
@@ -101,7 +101,7 @@ impl Traits {
         let version = gl.version();
         let is_gl = !version.is_embedded;
         let is_from = |major, minor| (version.major, version.minor) >= (major, minor);
-        // SAFETY: the context is current, and its version has these parameters; so below.
+        // SAFETY: the context is current, and its version has these parameters; the same holds below.
         let number = |name| unsafe { gl.get_parameter_i32(name) };
         let is_compatible = is_gl
             && number(glow::CONTEXT_PROFILE_MASK) & glow::CONTEXT_COMPATIBILITY_PROFILE_BIT as i32
@@ -155,7 +155,7 @@ impl Traits {
     }
 }
 
-/// What clamps colours: of OpenGL alone, vertices and fragments in the compatibility profile alone.
+/// Colour clamps: OpenGL only, vertices and fragments only in the compatibility profile.
 fn clamps_of(is_gl: bool, is_compatible: bool) -> &'static [u32] {
     match (is_gl, is_compatible) {
         (true, true) => &[
@@ -168,10 +168,10 @@ fn clamps_of(is_gl: bool, is_compatible: bool) -> &'static [u32] {
     }
 }
 
-/// What is bound to one texture unit.
+/// Bindings of one texture unit.
 struct Unit {
     texture: Option<glow::Texture>,
-    /// Of OpenGL alone.
+    /// OpenGL only.
     buffer_texture: Option<glow::Texture>,
     sampler: Option<glow::Sampler>,
 }
@@ -182,7 +182,7 @@ struct Output {
     mask: [bool; 4],
 }
 
-/// The state that a context had.
+/// A saved context state.
 pub(super) struct CallerState {
     is_feedback_paused: bool,
     program: Option<glow::Program>,
@@ -194,7 +194,7 @@ pub(super) struct CallerState {
     scissor: [i32; 4],
     is_scissored: bool,
     capabilities: Vec<(u32, bool)>,
-    /// One for all draw buffers, or one for each.
+    /// One entry for all draw buffers, or one for each.
     outputs: Vec<Output>,
     polygon_modes: [i32; 2],
     clamps: Vec<(u32, u32)>,
@@ -205,9 +205,9 @@ pub(super) struct CallerState {
 }
 
 impl CallerState {
-    /// Keeps the state of the context, which is current, and sets what passes need.
+    /// Saves the state of the context, which is current, and sets what passes need.
     pub fn keep(gl: &glow::Context, traits: &Traits) -> CallerState {
-        // SAFETY: the context is current, and all that is asked for is there in its version.
+        // SAFETY: the context is current, and its version has everything that is queried.
         unsafe {
             forget_errors(gl);
             let kept = CallerState::ask(gl, traits);
@@ -254,7 +254,7 @@ impl CallerState {
         }
     }
 
-    /// What passes, uploads and read-backs need and do not set themselves.
+    /// Sets what passes, uploads and read-backs need and do not set themselves.
     unsafe fn set_needed(&self, gl: &glow::Context, traits: &Traits) {
         // SAFETY: as in `keep`.
         unsafe {
@@ -283,7 +283,7 @@ impl CallerState {
         }
     }
 
-    /// Puts all back; the context is current.
+    /// Restores the state; the context is current.
     pub fn put_back(&self, gl: &glow::Context, traits: &Traits) {
         // SAFETY: the context is current, and what is bound was bound before.
         unsafe {
@@ -291,7 +291,7 @@ impl CallerState {
             gl.bind_framebuffer(glow::READ_FRAMEBUFFER, self.read_framebuffer);
             gl.bind_renderbuffer(glow::RENDERBUFFER, self.renderbuffer);
             gl.bind_vertex_array(self.vertex_array);
-            // One that was marked for deletion while it was in use is gone now.
+            // A program that was marked for deletion while in use is gone now.
             gl.use_program(self.program.filter(|program| gl.is_program(*program)));
             if self.is_feedback_paused {
                 gl.resume_transform_feedback();
@@ -315,7 +315,7 @@ impl CallerState {
     }
 
     unsafe fn put_back_area(&self, gl: &glow::Context, traits: &Traits) {
-        // SAFETY: as in `put_back`; the functions with indices are there where there are several.
+        // SAFETY: as in `put_back`; the indexed functions exist if there are several viewports.
         unsafe {
             let [x, y, width, height] = self.scissor;
             if traits.has_viewport_arrays {
@@ -334,9 +334,10 @@ impl CallerState {
         let Some(first) = self.outputs.first() else {
             return;
         };
-        // SAFETY: as in `put_back`; the functions with an index are there where there are several draw buffers.
+        // SAFETY: as in `put_back`; the indexed functions exist if there are several draw buffers.
         unsafe {
-            // Without an index first: Mesa's glthread answers glIsEnabled(GL_BLEND) from the last call in this form.
+            // The call without an index comes first: Mesa's glthread answers glIsEnabled(GL_BLEND) from the last such
+            // call.
             switch(gl, glow::BLEND, first.is_blended);
             let [red, green, blue, alpha] = first.mask;
             gl.color_mask(red, green, blue, alpha);
@@ -377,7 +378,7 @@ impl CallerState {
 
     unsafe fn put_back_polygon_modes(&self, gl: &glow::Context) {
         let [front, back] = self.polygon_modes.map(|mode| mode as u32);
-        // SAFETY: as in `put_back`; front and back differ in the compatibility profile alone.
+        // SAFETY: as in `put_back`; front and back differ in the compatibility profile only.
         unsafe {
             if front == back || back == 0 {
                 gl.polygon_mode(glow::FRONT_AND_BACK, front);
@@ -389,9 +390,9 @@ impl CallerState {
     }
 }
 
-/// Turns the scissor on or off for what passes draw, of a context that is current.
+/// Turns the scissor on or off for passes; the context is current.
 pub(super) fn set_scissor_test(gl: &glow::Context, traits: &Traits, is_on: bool) {
-    // SAFETY: the context is current, and the functions with an index are there where there are several scissors.
+    // SAFETY: the context is current, and the indexed functions exist if there are several scissors.
     unsafe {
         match (traits.has_viewport_arrays, is_on) {
             (true, true) => gl.enable_draw_buffer(glow::SCISSOR_TEST, 0),
@@ -402,7 +403,7 @@ pub(super) fn set_scissor_test(gl: &glow::Context, traits: &Traits, is_on: bool)
 }
 
 unsafe fn switch(gl: &glow::Context, name: u32, is_on: bool) {
-    // SAFETY: the caller's: the context is current, and has what is switched.
+    // SAFETY: guaranteed by the caller: the context is current and has the capability.
     unsafe {
         if is_on {
             gl.enable(name);
@@ -412,9 +413,9 @@ unsafe fn switch(gl: &glow::Context, name: u32, is_on: bool) {
     }
 }
 
-/// Whether there was a transform feedback in progress, which is paused now: no other program can be used in one.
+/// Pauses a transform feedback in progress, during which no other program can be used; returns whether there was one.
 unsafe fn pause_feedback(gl: &glow::Context, traits: &Traits) -> bool {
-    // SAFETY: the caller's: the context is current.
+    // SAFETY: guaranteed by the caller: the context is current.
     unsafe {
         let is_under_way = traits.can_pause_feedback
             && gl.get_parameter_bool(glow::TRANSFORM_FEEDBACK_ACTIVE)
@@ -427,7 +428,7 @@ unsafe fn pause_feedback(gl: &glow::Context, traits: &Traits) -> bool {
 }
 
 unsafe fn outputs(gl: &glow::Context, traits: &Traits) -> Vec<Output> {
-    // SAFETY: the caller's: the context is current.
+    // SAFETY: guaranteed by the caller: the context is current.
     unsafe {
         let first_mask = gl.get_parameter_bool_array::<4>(glow::COLOR_WRITEMASK);
         if traits.draw_buffers == 0 {
@@ -454,7 +455,7 @@ unsafe fn outputs(gl: &glow::Context, traits: &Traits) -> Vec<Output> {
 }
 
 unsafe fn unit_of(gl: &glow::Context, traits: &Traits, unit: u32) -> Unit {
-    // SAFETY: the caller's: the context is current.
+    // SAFETY: guaranteed by the caller: the context is current.
     unsafe {
         gl.active_texture(glow::TEXTURE0 + unit);
         Unit {
@@ -468,10 +469,10 @@ unsafe fn unit_of(gl: &glow::Context, traits: &Traits, unit: u32) -> Unit {
     }
 }
 
-/// Errors that the caller has not queried would be attributed to this crate.
+/// Clears errors that the caller has not queried, which would otherwise be attributed to this crate.
 unsafe fn forget_errors(gl: &glow::Context) {
     for _ in 0..ERRORS_AT_MOST {
-        // SAFETY: the caller's: the context is current.
+        // SAFETY: guaranteed by the caller: the context is current.
         if unsafe { gl.get_error() } == glow::NO_ERROR {
             return;
         }

@@ -1,4 +1,4 @@
-//! Contexts without a window on macOS: CGL needs none.
+//! Contexts without a window on macOS, through CGL.
 
 use std::ffi::c_void;
 use std::ptr;
@@ -13,7 +13,7 @@ use raw_window_handle::{AppKitDisplayHandle, RawDisplayHandle};
 
 use super::backend::Backend;
 use super::glutin_context::{GlutinContext, attributes, new_context, template};
-#[cfg(feature = "demo")]
+#[cfg(feature = "window")]
 pub(super) use super::only_place::prepare;
 pub(super) use super::only_place::{Place, places};
 use super::{Api, GpuError};
@@ -21,7 +21,7 @@ use super::{Api, GpuError};
 /// Makes a context; it is not current yet.
 ///
 /// # Errors
-/// [`GpuError::NoContext`] with what macOS answered; of OpenGL ES it has none.
+/// [`GpuError::NoContext`] with the answer of macOS, which has no OpenGL ES.
 pub(super) fn open(_: &Place, api: Api) -> Result<Rc<dyn Backend>, GpuError> {
     let refused = |reason: String| GpuError::NoContext { api, reason };
     if api == Api::Gles {
@@ -33,7 +33,7 @@ pub(super) fn open(_: &Place, api: Api) -> Result<Rc<dyn Backend>, GpuError> {
     }
 }
 
-/// A context that draws into no surface.
+/// Creates a context without a surface.
 fn create() -> Result<impl Backend + use<>, glutin::error::Error> {
     // SAFETY: no native display handle is given that would have to be valid.
     let display = unsafe { Display::new(RawDisplayHandle::AppKit(AppKitDisplayHandle::new())) }?;
@@ -56,13 +56,13 @@ unsafe extern "C" {
     fn CGLReleaseContext(context: *mut c_void);
 }
 
-/// A context of CGL's that echomarch did not make, as it was current.
+/// A current CGL context that echomarch did not make.
 pub(super) struct Foreign(*mut c_void);
 
 impl Foreign {
-    /// What is current on this thread, if anything.
+    /// The CGL context that is current on this thread, if any.
     pub fn of_system() -> Option<Foreign> {
-        // SAFETY: asks only.
+        // SAFETY: only a query.
         let context = unsafe { CGLGetCurrentContext() };
         // SAFETY: the context is the current one, and released when this is dropped.
         (!context.is_null()).then(|| Foreign(unsafe { CGLRetainContext(context) }))

@@ -19,24 +19,24 @@ use super::osmesa::OsMesa;
 use super::software::is_software;
 use super::{Api, GpuError, current};
 
-/// Which context to make.
+/// Selects the context to make.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct ContextOptions {
     /// The way to reach OpenGL.
     pub api: Api,
-    /// Index of the device, from 0, in the order of [`list_gpus`](super::list_gpus); `None` takes the first on
-    /// which a context of the API can be made. OSMesa has the device 0 alone.
+    /// Index of the device, from 0, in the order of [`list_gpus`](super::list_gpus); `None` takes the first device on
+    /// which a context of the API can be made. OSMesa has only device 0.
     pub gpu: Option<usize>,
 }
 
 impl ContextOptions {
-    /// The first device on which a context of the API can be made.
+    /// Options for the first device on which a context of the API can be made.
     pub fn new(api: Api) -> ContextOptions {
         ContextOptions { api, gpu: None }
     }
 
-    /// The same on one device, by its index from 0.
+    /// Selects one device, by its index from 0.
     pub fn with_gpu(mut self, gpu: usize) -> ContextOptions {
         self.gpu = Some(gpu);
         self
@@ -53,25 +53,25 @@ pub struct Context {
     passed_over: Rc<[String]>,
 }
 
-/// What the clones of a context share.
+/// Data shared by the clones of a context.
 struct Inner {
     backend: Rc<dyn Backend>,
     gl: Arc<glow::Context>,
     vertex_array: glow::VertexArray,
     api: Api,
     driver: Driver,
-    /// Of a context that the caller made.
+    /// Present if the caller made the context.
     caller: Option<CallerPart>,
 }
 
 impl Drop for Inner {
     fn drop(&mut self) {
         if self.caller.is_none() {
-            // The vertex array goes with the context.
+            // The vertex array is destroyed with the context.
             current::release();
             return;
         }
-        // Where the context cannot be made current it is gone, and the vertex array with it.
+        // A context that cannot be made current is gone, and the vertex array with it.
         let Ok(_entered) = current::enter(&self.backend) else {
             return;
         };
@@ -81,11 +81,11 @@ impl Drop for Inner {
 }
 
 impl Context {
-    /// Makes a context without a window, and leaves it current on this thread. With `gpu: None` print the
+    /// Makes a context without a window and leaves it current on this thread. With `gpu: None`, print the
     /// [`renderer`](Context::renderer): it may be a software one.
     ///
     /// # Errors
-    /// A library, a device, a context or an extension that is not there.
+    /// A missing library, device, context or extension.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn headless(options: &ContextOptions) -> Result<Context, GpuError> {
         if options.api == Api::OsMesa {
@@ -125,8 +125,8 @@ impl Context {
         })
     }
 
-    /// Devices tried before this one, for a context requested without a number, and why each was not
-    /// used: to be reported to the user, who may have meant one of them.
+    /// Devices tried before this one, for a context requested without an index, with the reason why each was not used.
+    /// Report them to the user, who may have meant one of them.
     pub fn passed_over(&self) -> &[String] {
         &self.passed_over
     }
@@ -137,7 +137,7 @@ impl Context {
         Context::from_backend_with(backend, api, load)
     }
 
-    /// The same with another way to GL's functions, which is called with the context current.
+    /// The same with another way to look up GL functions, called with the context current.
     pub(super) fn from_backend_with(
         backend: Rc<dyn Backend>,
         api: Api,
@@ -155,7 +155,7 @@ impl Context {
         Ok(context)
     }
 
-    /// The first reference to a context that is current.
+    /// Creates the first reference to a context that is current.
     pub(super) fn described(
         backend: Rc<dyn Backend>,
         gl: Arc<glow::Context>,
@@ -179,7 +179,7 @@ impl Context {
         })
     }
 
-    /// What there is besides of a context that the caller made.
+    /// Extra data of a context that the caller made.
     pub(super) fn caller_part(&self) -> Option<&CallerPart> {
         self.inner.caller.as_ref()
     }
@@ -196,11 +196,11 @@ impl Context {
         }
     }
 
-    /// Sets the size of the viewport, which begins at (0, 0). A caller's further viewports stay as they are.
+    /// Sets the size of the viewport, which begins at (0, 0). Further viewports of a caller stay unchanged.
     pub(super) fn set_viewport(&self, width: u32, height: u32) {
         let gl = self.gl();
-        // SAFETY: the context is current, and has the function where there are several viewports. Mesa 22 writes to the
-        // numbers: they are no constants.
+        // SAFETY: the context is current and has the function if there are several viewports. Mesa 22 writes to the
+        // numbers, so they are not constants.
         unsafe {
             match self.has_viewport_arrays() {
                 true => gl.viewport_f32_slice(0, 1, &[[0.0, 0.0, width as f32, height as f32]]),
@@ -209,11 +209,11 @@ impl Context {
         }
     }
 
-    /// Sets the rectangle of the scissor. A caller's further scissors stay as they are.
+    /// Sets the scissor rectangle. Further scissors of a caller stay unchanged.
     pub(super) fn set_scissor(&self, x: u32, y: u32, width: u32, height: u32) {
         let gl = self.gl();
         let [x, y, width, height] = [x, y, width, height].map(|number| number as i32);
-        // SAFETY: the context is current, and has the function where there are several scissors.
+        // SAFETY: the context is current and has the function if there are several scissors.
         unsafe {
             match self.has_viewport_arrays() {
                 true => gl.scissor_slice(0, 1, &[[x, y, width, height]]),
@@ -242,7 +242,7 @@ impl Context {
         &self.inner.driver.vendor
     }
 
-    /// GL_VERSION, the driver's version included.
+    /// GL_VERSION, which includes the driver's version.
     pub fn version(&self) -> &str {
         &self.inner.driver.version
     }
@@ -252,22 +252,21 @@ impl Context {
         &self.inner.driver.shading_language
     }
 
-    /// Whether the processor draws, rather than a graphics card.
+    /// Whether the processor draws rather than a graphics card.
     pub fn is_software(&self) -> bool {
         is_software(self.renderer())
     }
 
-    /// What the driver allows.
+    /// The driver's limits.
     pub(crate) fn limits(&self) -> Limits {
         self.inner.driver.limits
     }
 
-    /// GL itself, with this context current on this thread. For use at once: whatever touches another context makes
-    /// that one current.
+    /// The GL functions, with this context current on this thread. Use the reference at once: any use of another
+    /// context makes that one current.
     ///
-    /// Where the context cannot be made current none is; then GL calls do nothing, and [`check`](Context::check)
-    /// reports it.
-    pub(crate) fn gl(&self) -> &glow::Context {
+    /// If this context cannot be made current, GL calls do nothing, and [`check`](Context::check) reports it.
+    pub fn gl(&self) -> &glow::Context {
         debug_assert!(
             self.caller_part().is_none_or(|part| part.entered.get() > 0),
             "a context of the caller's is used without keeping its state"
@@ -276,12 +275,12 @@ impl Context {
         &self.inner.gl
     }
 
-    /// Queries the GL errors since the last call, and clears them.
+    /// Queries the GL errors since the last call and clears them.
     ///
     /// # Errors
-    /// The first of them, named after what was being done: [`GpuError::OutOfMemory`], [`GpuError::ContextLost`] or
+    /// The first error, with the operation that caused it: [`GpuError::OutOfMemory`], [`GpuError::ContextLost`] or
     /// [`GpuError::Gl`].
-    pub(crate) fn check(&self, what: &str) -> Result<(), GpuError> {
+    pub fn check(&self, what: &str) -> Result<(), GpuError> {
         current::make(&self.inner.backend).map_err(|reason| GpuError::ContextLost { reason })?;
         // SAFETY: the context is current.
         let next = || unsafe { self.inner.gl.get_error() };
@@ -294,14 +293,14 @@ impl Context {
             last = next();
         }
         match first {
-            // After a reset calls do nothing, and most of them report no error.
+            // After a reset GL calls do nothing, and most of them report no error.
             glow::NO_ERROR => self.check_not_lost(),
             glow::OUT_OF_MEMORY => Err(GpuError::OutOfMemory { what: what.into() }),
             glow::CONTEXT_LOST => Err(GpuError::ContextLost {
                 reason: format!("GL_CONTEXT_LOST in {what}"),
             }),
             code => {
-                // A browser's code for a loss is another one.
+                // A browser has its own code for a loss.
                 self.check_not_lost()?;
                 Err(GpuError::Gl {
                     what: what.into(),
@@ -311,7 +310,7 @@ impl Context {
         }
     }
 
-    /// Makes the context current until the answer is dropped, and leaves its state alone.
+    /// Makes the context current until the result is dropped, and leaves its state unchanged.
     ///
     /// # Errors
     /// [`GpuError::ContextLost`] if it cannot be made current.
@@ -319,8 +318,8 @@ impl Context {
         current::enter(&self.inner.backend).map_err(|reason| GpuError::ContextLost { reason })
     }
 
-    /// Queries whether the driver has lost the context, where it can report that: for contexts made with reports of
-    /// resets (`egl::new_context`), and for a browser's.
+    /// Checks whether the driver has lost the context, if it can report that: for contexts made with reset notification
+    /// (`egl::new_context`) and in a browser.
     ///
     /// # Errors
     /// [`GpuError::ContextLost`] if it has.
@@ -331,7 +330,7 @@ impl Context {
                 reason: "the browser has taken it away".into(),
             });
         }
-        // SAFETY: the context is current, and has the extension that the function is of.
+        // SAFETY: the context is current and has the extension of this function.
         let status = self.inner.driver.reset_status.map(|ask| unsafe { ask() });
         match status {
             None | Some(glow::NO_ERROR) => Ok(()),
@@ -341,11 +340,11 @@ impl Context {
         }
     }
 
-    /// [`check`](Context::check) in debug builds, or where the environment has `ECHOMARCH_GL_CHECK=1`; else nothing,
-    /// since asking can stall a driver that works on another thread.
+    /// Calls [`check`](Context::check) in debug builds, or if the environment has `ECHOMARCH_GL_CHECK=1`; otherwise
+    /// does nothing, since a query can stall a driver that works on another thread.
     ///
     /// # Errors
-    /// Those of [`check`](Context::check).
+    /// The errors of [`check`](Context::check).
     pub(crate) fn debug_check(&self, what: &str) -> Result<(), GpuError> {
         static ASKED: OnceLock<bool> = OnceLock::new();
         let asked = || std::env::var_os("ECHOMARCH_GL_CHECK").is_some_and(|value| value == "1");
@@ -356,7 +355,7 @@ impl Context {
         }
     }
 
-    /// The vertex array without attributes that the full-screen triangle is drawn with.
+    /// The vertex array without attributes used to draw the full-screen triangle.
     pub(super) fn vertex_array(&self) -> glow::VertexArray {
         self.inner.vertex_array
     }

@@ -1,11 +1,11 @@
-//! Which context is current on this thread.
+//! The context that is current on this thread.
 //!
-//! EGL and OSMesa each remember the context that they made current last, but share Mesa's slot for the one that
-//! calls go to. So a context is always released by its own library before the other's is made current; otherwise
-//! EGL would take its context for current still, and its calls would silently go to OSMesa's.
+//! EGL and OSMesa each remember the context that they made current last, but share Mesa's slot for the context that
+//! receives calls. So a context is always released by its own library before the other library makes one current;
+//! otherwise EGL would still assume that its context is current, and its calls would silently go to OSMesa's.
 //!
-//! A program may have contexts of its own, which echomarch does not know: so the library is queried each time whether
-//! the context is still the current one, and [`Entered`] restores what was current before.
+//! A program may have contexts that echomarch does not know, so each time the library is asked whether its context is
+//! still the current one, and [`Entered`] restores what was current before.
 
 use std::cell::RefCell;
 use std::rc::{Rc, Weak};
@@ -20,7 +20,7 @@ thread_local! {
 /// Makes the context current on this thread, unless it is.
 ///
 /// # Errors
-/// What the library answered; then no context is current, and GL calls do nothing.
+/// The library's answer; then no context is current, and GL calls do nothing.
 pub(super) fn make(context: &Rc<dyn Backend>) -> Result<(), String> {
     CURRENT
         .try_with(|current| {
@@ -28,7 +28,7 @@ pub(super) fn make(context: &Rc<dyn Backend>) -> Result<(), String> {
             let is_last = last
                 .as_ref()
                 .is_some_and(|last| std::ptr::addr_eq(Rc::as_ptr(last), Rc::as_ptr(context)));
-            // What the caller has made current needs no switch, which would flush it.
+            // A context that the caller has made current needs no switch, which would flush it.
             let is_callers = last.is_none() && context.owner() == Owner::Caller;
             let is_kept = context.owner() == Owner::KeptCurrentByCaller;
             if is_kept || ((is_last || is_callers) && context.is_current()) {
@@ -37,11 +37,11 @@ pub(super) fn make(context: &Rc<dyn Backend>) -> Result<(), String> {
             }
             drop(last);
             release_in(current);
-            // Its library still takes it for current where another library's context took its place.
+            // Its library still considers it current although another library's context took its place.
             if context.owner() == Owner::Caller && context.is_current() {
                 context.release();
             }
-            // Of others': OSMesa cannot replace one of EGL's.
+            // OSMesa cannot replace an EGL context made by other code.
             if let Some(foreign) = Foreign::of_system() {
                 foreign.release();
             }
@@ -53,10 +53,10 @@ pub(super) fn make(context: &Rc<dyn Backend>) -> Result<(), String> {
         .unwrap_or_else(|_| context.make_current())
 }
 
-/// Makes no context current on this thread. To be called before one is destroyed, too: the driver may itself switch to
-/// the one it destroys and back again, and OSMesa cannot switch back to one of EGL's.
+/// Makes no context current on this thread. Must also be called before a context is destroyed: the driver may switch to
+/// the destroyed context and back again, and OSMesa cannot switch back to an EGL context.
 pub(super) fn release() {
-    // Where the slot is gone the thread is ending, and takes the current context along.
+    // Without a slot the thread is ending, and the current context ends with it.
     let _ = CURRENT.try_with(release_in);
 }
 
@@ -68,36 +68,36 @@ fn release_in(current: &RefCell<Option<Weak<dyn Backend>>>) {
     }
 }
 
-/// The context that was made current last, while it lives.
+/// The context made current last, if it still exists.
 fn last_made(current: &RefCell<Option<Weak<dyn Backend>>>) -> Option<Rc<dyn Backend>> {
     current.borrow().as_ref().and_then(Weak::upgrade)
 }
 
-/// While it lives a context is current; then what the caller had made current is again.
+/// Keeps a context current; when dropped, restores what the caller had made current.
 #[must_use]
 pub(super) struct Entered {
     foreign: Option<Foreign>,
     then: Then,
 }
 
-/// What becomes of a context that was entered.
+/// The action when an [`Entered`] is dropped.
 enum Then {
-    /// It stays current, as the one made current last.
+    /// The context stays current, as the one made current last.
     Stays,
-    /// One of the caller's stays current, and is the caller's alone again.
+    /// A caller's context stays current, and only the caller manages it again.
     StaysCallers,
-    /// One of the caller's is made not current, as it was; one of echomarch's that was current is so again.
+    /// A caller's context is made not current, as before; echomarch's context that was current becomes current again.
     Goes {
         entered: Rc<dyn Backend>,
         before: Option<Rc<dyn Backend>>,
     },
 }
 
-/// Makes the context current, and restores the previously current context when the result is dropped. Where nothing
-/// was current a context of echomarch's stays so, and one of the caller's does not.
+/// Makes the context current, and restores the previously current context when the result is dropped. If none was
+/// current, echomarch's own context stays current, and a caller's does not.
 ///
 /// # Errors
-/// Those of [`make`].
+/// The errors of [`make`].
 pub(super) fn enter(context: &Rc<dyn Backend>) -> Result<Entered, String> {
     let known = CURRENT.try_with(last_made).ok().flatten();
     let known = known.filter(|known| known.owner() == Owner::Echomarch && known.is_current());
@@ -114,7 +114,7 @@ pub(super) fn enter(context: &Rc<dyn Backend>) -> Result<Entered, String> {
         }
         Owner::Caller | Owner::KeptCurrentByCaller => (None, Then::StaysCallers),
     };
-    // Dropped if the context cannot be made current, which puts back what was so before.
+    // If the context cannot be made current, dropping this restores the previous one.
     let entered = Entered { foreign, then };
     make(context)?;
     Ok(entered)
@@ -128,11 +128,11 @@ impl Drop for Entered {
             Then::StaysCallers => forget(),
             Then::Goes { entered, before } => {
                 forget();
-                // It is not where it could not be made so.
+                // It is not current if making it current failed.
                 if entered.is_current() {
                     entered.release();
                 }
-                // Where that fails the next use of it tells.
+                // If that fails, the next use of the context reports it.
                 let _ = before.as_ref().map(make);
             }
         }
@@ -142,7 +142,7 @@ impl Drop for Entered {
     }
 }
 
-/// No context is the one made current last any more, whichever is current.
+/// Forgets which context was made current last, whichever is current.
 fn forget() {
     let _ = CURRENT.try_with(|current| current.replace(None));
 }

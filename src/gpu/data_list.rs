@@ -4,9 +4,9 @@ use super::texel_buffer::{TexelBuffer, floats};
 use super::{Api, Context, DataTexture, GpuError, Program};
 use glam::Vec4;
 
-/// A list of vectors: in OpenGL in a buffer (`samplerBuffer`), in ES, which has none, in rows of a texture
-/// (`sampler2D`). A buffer's texels have no row and no level to find, and so are read faster. It grows as needed and
-/// is only sent again when something in it has changed.
+/// A list of vectors: a buffer in OpenGL (`samplerBuffer`); in ES, which has no such buffers, rows of a texture
+/// (`sampler2D`). Buffers are faster to read since they have neither rows nor levels. The list grows as needed and is
+/// sent again only when it has changed.
 #[derive(Debug)]
 pub struct DataList {
     store: Store,
@@ -22,10 +22,10 @@ enum Store {
 }
 
 impl DataList {
-    /// An empty list; where it is a texture, in rows of `width` vectors.
+    /// Creates an empty list; a list in a texture has rows of `width` vectors.
     ///
     /// # Errors
-    /// [`GpuError`] when it cannot be made.
+    /// [`GpuError`] if it cannot be created.
     pub fn new(context: &Context, width: usize) -> Result<DataList, GpuError> {
         let store = match context.api() {
             Api::Gles => Store::Rows(DataTexture::new(context, width)?),
@@ -37,10 +37,10 @@ impl DataList {
         Ok(DataList { store })
     }
 
-    /// Makes the list hold these values.
+    /// Sets the values of the list.
     ///
     /// # Errors
-    /// [`GpuError`] when there is no room for them.
+    /// [`GpuError`] if they do not fit.
     pub fn set(&mut self, new: &[Vec4]) -> Result<(), GpuError> {
         match &mut self.store {
             Store::Rows(texture) => texture.set(new),
@@ -53,7 +53,7 @@ impl DataList {
         }
     }
 
-    /// Binds the list to a unit for a program's uniform of that name, if it has one.
+    /// Binds the list to a unit and to the program's uniform of that name, if it has one.
     pub fn bind(&self, program: &Program, name: &str, unit: u32) {
         match &self.store {
             Store::Rows(texture) => program.set_texture(name, unit, texture.texture()),

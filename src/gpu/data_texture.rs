@@ -3,8 +3,8 @@
 use super::{Context, GpuError, Texture};
 use glam::Vec4;
 
-/// A list of vectors in rows of one width, as a float texture. It grows as needed and is
-/// only sent again when something in it has changed.
+/// A list of vectors in rows of equal width, as a float texture. It grows as needed and is sent again only when it has
+/// changed.
 #[derive(Debug)]
 pub struct DataTexture {
     context: Context,
@@ -27,10 +27,10 @@ impl DataTexture {
         })
     }
 
-    /// Makes the texture hold these values.
+    /// Sets the values of the texture.
     ///
     /// # Errors
-    /// [`GpuError`] when there is no room for them.
+    /// [`GpuError`] if they do not fit.
     pub fn set(&mut self, values: &[Vec4]) -> Result<(), GpuError> {
         if self.values == values {
             return Ok(());
@@ -48,7 +48,7 @@ impl DataTexture {
         Ok(())
     }
 
-    /// The texture, to be bound.
+    /// The texture to bind.
     pub fn texture(&self) -> &Texture {
         &self.texture
     }

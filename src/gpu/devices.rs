@@ -9,13 +9,13 @@ use super::{Api, Context, ContextOptions, GpuError, Limits};
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct GpuInfo {
-    /// The number to ask for in [`ContextOptions::gpu`], from 0.
+    /// The index for [`ContextOptions::gpu`], from 0.
     pub index: usize,
-    /// How the driver names itself, or why there is no context.
+    /// The driver's description, or the reason why making a context failed.
     pub outcome: Result<Renderer, GpuError>,
 }
 
-/// How a driver names itself.
+/// A driver's description of itself.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Renderer {
@@ -29,8 +29,8 @@ pub struct Renderer {
     pub shading_language: String,
     /// Whether the processor draws.
     pub is_software: bool,
-    /// What the driver allows.
-    pub(crate) limits: Limits,
+    /// The driver's limits.
+    pub limits: Limits,
 }
 
 impl fmt::Display for GpuInfo {
@@ -53,12 +53,11 @@ impl fmt::Display for GpuInfo {
     }
 }
 
-/// The devices of an API, each tried by making a context on it and dropping it again. No context is current
+/// Lists the devices of an API, each tested by making a context on it and dropping it again. No context is current
 /// afterwards.
 ///
 /// # Errors
-/// Only where there is no list: no library or no device. A device that gives no context is in the list with its
-/// reason.
+/// Only if the library or all devices are missing. A device without a context is listed with the reason.
 pub fn list_gpus(api: Api) -> Result<Vec<GpuInfo>, GpuError> {
     if api == Api::OsMesa {
         let outcome = Context::headless(&ContextOptions { api, gpu: None });

@@ -1,4 +1,4 @@
-//! What a driver says of a context, and its functions.
+//! The driver's description of a context, and its GL functions.
 
 #[cfg(not(target_arch = "wasm32"))]
 use std::ffi::{CStr, CString, c_char, c_void};
@@ -10,10 +10,10 @@ use glow::HasContext;
 use super::backend::Backend;
 use super::{Api, GpuError};
 
-/// The extension by which OpenGL ES draws into textures of floats.
+/// The extension that lets OpenGL ES draw into float textures.
 const FLOAT_TARGETS: &str = "GL_EXT_color_buffer_float";
 
-/// What the driver allows.
+/// The driver's limits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Limits {
@@ -21,40 +21,40 @@ pub struct Limits {
     pub max_texture_size: u32,
     /// Uniforms of a fragment shader, counted in vectors of four.
     pub max_fragment_uniform_vectors: u32,
-    /// Outputs of a fragment shader that can be drawn at once.
+    /// Maximum outputs of a fragment shader.
     pub max_draw_buffers: u32,
-    /// Textures that a framebuffer can hold.
+    /// Maximum textures of a framebuffer.
     pub max_color_attachments: u32,
 }
 
 impl Limits {
-    /// Textures that one pass can write to: four at least.
+    /// Maximum textures that one pass can write to: at least four.
     pub fn most_outputs(&self) -> u32 {
         self.max_draw_buffers.min(self.max_color_attachments)
     }
 }
 
-/// glGetGraphicsResetStatus, under whatever name the driver has it.
+/// glGetGraphicsResetStatus, under the name that the driver has for it.
 type ResetStatus = unsafe extern "system" fn() -> u32;
 
-/// What a driver says of one context.
+/// A driver's description of one context.
 pub(super) struct Driver {
     pub renderer: String,
     pub vendor: String,
     pub version: String,
     pub shading_language: String,
     pub limits: Limits,
-    /// Reports resets, where the driver can.
+    /// The function that reports resets, if the driver has one.
     pub reset_status: Option<ResetStatus>,
 }
 
 impl Driver {
-    /// Queries all of it; the context is current.
+    /// Queries the driver; the context is current.
     ///
     /// # Errors
     /// [`GpuError::MissingExtension`].
     pub fn ask(backend: &dyn Backend, gl: &glow::Context, api: Api) -> Result<Driver, GpuError> {
-        // SAFETY: the context is current, and the strings asked for exist in every version.
+        // SAFETY: the context is current, and the queried strings exist in every version.
         let text = |name| unsafe { gl.get_parameter_string(name) };
         let renderer = text(backend.renderer_parameter(gl));
         if api == Api::Gles && !has_float_targets(gl) {
@@ -74,14 +74,14 @@ impl Driver {
     }
 }
 
-/// Whether OpenGL ES draws into textures of floats; WebGL's names have no `GL_` before them.
+/// Whether OpenGL ES can draw into float textures; WebGL's extension names lack the prefix `GL_`.
 fn has_float_targets(gl: &glow::Context) -> bool {
     let names = [FLOAT_TARGETS, FLOAT_TARGETS.trim_start_matches("GL_")];
     let known = gl.supported_extensions();
     names.iter().any(|name| known.contains(*name))
 }
 
-/// The function that reports resets, of an extension that the context has.
+/// The function that reports resets, from an extension that the context has.
 fn reset_status(backend: &dyn Backend, gl: &glow::Context, api: Api) -> Option<ResetStatus> {
     let of_khr = match api {
         Api::Gles => c"glGetGraphicsResetStatusKHR",
@@ -95,7 +95,7 @@ fn reset_status(backend: &dyn Backend, gl: &glow::Context, api: Api) -> Option<R
     let has = |extension: &str| gl.supported_extensions().contains(extension);
     let (_, name) = names.into_iter().find(|(extension, _)| has(extension))?;
     let address = backend.proc_address(name);
-    // SAFETY: the address is that of the function of this name, which takes nothing and answers with a GLenum, or null.
+    // SAFETY: the address is that of the function of this name, which takes no arguments and returns a GLenum, or null.
     (!address.is_null()).then(|| unsafe { std::mem::transmute(address) })
 }
 
@@ -113,7 +113,7 @@ fn limits(gl: &glow::Context, api: Api) -> Limits {
     }
 }
 
-/// The functions of GL, with the context current.
+/// Loads the GL functions, with the context current.
 ///
 /// # Errors
 /// [`GpuError::NoFunctions`].
@@ -126,8 +126,8 @@ pub(super) fn load(backend: &dyn Backend) -> Result<glow::Context, GpuError> {
     };
     let find_or_core = |name: &str| {
         let address = find(name);
-        // glow reads a timer query by the extension's function on drivers without glGetQueryBufferObjectiv; the
-        // core's is the same function.
+        // glow reads a timer query with the extension's function on drivers without glGetQueryBufferObjectiv; the core
+        // function is the same.
         if address.is_null() && name == "glGetQueryObjectui64vEXT" {
             find("glGetQueryObjectui64v")
         } else {
@@ -138,7 +138,7 @@ pub(super) fn load(backend: &dyn Backend) -> Result<glow::Context, GpuError> {
     Ok(unsafe { glow::Context::from_loader_function(find_or_core) })
 }
 
-/// Sees that GL has a version that can be read: glow panics where it has none.
+/// Checks that GL has a version that can be parsed: glow panics otherwise.
 #[cfg(not(target_arch = "wasm32"))]
 fn check_version(backend: &dyn Backend) -> Result<(), String> {
     type GetString = unsafe extern "system" fn(u32) -> *const c_char;
@@ -154,7 +154,7 @@ fn check_version(backend: &dyn Backend) -> Result<(), String> {
     if version.is_null() {
         return Err("GL_VERSION has no answer: no context is current".to_owned());
     }
-    // SAFETY: GL answers with a text that ends in zero.
+    // SAFETY: GL returns a text that ends in zero.
     let version = unsafe { CStr::from_ptr(version) }.to_string_lossy();
     match has_numbers(&version) {
         true => Ok(()),
@@ -162,7 +162,7 @@ fn check_version(backend: &dyn Backend) -> Result<(), String> {
     }
 }
 
-/// Whether a version has two numbers where they stand in every version: `4.6 …`, `OpenGL ES 3.2 …`.
+/// Whether a version has two numbers where every version has them: `4.6 …`, `OpenGL ES 3.2 …`.
 #[cfg(not(target_arch = "wasm32"))]
 fn has_numbers(version: &str) -> bool {
     let numbers = version.rsplit(" ES ").next().unwrap_or(version);
@@ -175,7 +175,7 @@ fn has_numbers(version: &str) -> bool {
 mod tests {
     use super::has_numbers;
 
-    /// Protects programs that hand in the functions of something else: an error, no panic.
+    /// Protects programs that pass functions of something else: they get an error, not a panic.
     #[test]
     fn versions_without_numbers_are_known() {
         for version in [

@@ -1,27 +1,27 @@
-//! Calls into this crate: a context is current in them, and what was before is so again after them.
+//! Guard of a call into this crate: a context is current during the call, and the previous one is restored after it.
 
 use super::caller_state::CallerState;
 use super::{Context, GpuError, current};
 
-/// While it lives a [`Context`] is current, in the state that passes need. Then what was current before is so again, and a
-/// context of the caller's has the state that it had.
+/// Keeps a [`Context`] current, in the state that passes need. When dropped, restores what was current before, and the
+/// state of a caller's context.
 #[must_use]
 pub(crate) struct Entered {
     _callers: Option<CallersEntered>,
-    // After the state: the context is current as long as that is put back.
+    // Dropped after the state, whose restoration needs the context to be current.
     _current: current::Entered,
 }
 
-/// A context of the caller's, and what is to be put back there.
+/// A caller's context, and the state to restore in it.
 struct CallersEntered {
     context: Context,
-    /// None within another call, and where no state is touched.
+    /// `None` within another call, and if no state is changed.
     state: Option<CallerState>,
 }
 
 impl Entered {
-    /// Counts the call where the context is the caller's; the state of such a one is kept if it is to be put back, and
-    /// this is no call within another.
+    /// Counts the call if the context is the caller's; saves its state if `keeps_state` is set and this call is not
+    /// within another.
     fn new(context: &Context, current: current::Entered, keeps_state: bool) -> Entered {
         let callers = context.caller_part().map(|part| {
             let before = part.entered.replace(part.entered.get() + 1);
@@ -52,9 +52,9 @@ impl Drop for CallersEntered {
 }
 
 impl Context {
-    /// Makes the context current until the result is dropped, and then the EGL context that was current on this
-    /// thread before. Where nothing was current the context stays so, unless it is the caller's. The state of a
-    /// caller's context is saved and restored.
+    /// Makes the context current until the result is dropped, which restores the EGL context that was current on this
+    /// thread before. If none was current the context stays current, unless it is the caller's. The state of a caller's
+    /// context is saved and restored.
     ///
     /// # Errors
     /// [`GpuError::ContextLost`] if it cannot be made current.
@@ -62,8 +62,8 @@ impl Context {
         Ok(Entered::new(self, self.make_current()?, true))
     }
 
-    /// Frees objects with the context current; they are bound nowhere outside calls, so that no state is touched. Where
-    /// the context cannot be made current it is gone, and its objects with it.
+    /// Frees objects with the context current; they are not bound outside calls, so no state changes. A context that
+    /// cannot be made current is gone, and its objects with it.
     pub(super) fn free(&self, delete: impl FnOnce(&glow::Context)) {
         if let Ok(current) = self.make_current() {
             let _entered = Entered::new(self, current, false);

@@ -1,8 +1,8 @@
-//! What can go wrong between the program and the graphics driver.
+//! Errors between the program and the graphics driver.
 
 use super::Api;
 
-/// What can go wrong between the program and the graphics driver. Sizes are in texels unless stated otherwise.
+/// Error between the program and the graphics driver. Sizes are in texels unless stated otherwise.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum GpuError {
@@ -11,59 +11,57 @@ pub enum GpuError {
         "libEGL was not found: install it (on Debian the packages libegl1, libegl-mesa0 and libgl1-mesa-dri) or use the API osmesa"
     )]
     NoEglLibrary,
-    /// The libEGL that is found first is not one.
+    /// The first libEGL found is incomplete.
     #[error(
-        "the first libEGL that is found is incomplete ({reason}): see that the right one is found first (LD_LIBRARY_PATH), or use the API osmesa"
+        "the first libEGL that is found is incomplete ({reason}): make sure that the right one is found first (LD_LIBRARY_PATH), or use the API osmesa"
     )]
     StrangeEglLibrary {
-        /// What it lacks.
+        /// The missing function, or the reason why it is unusable.
         reason: String,
     },
-    /// libEGL is there, but lists no device, and opens no display without one.
+    /// libEGL is present, but lists no device and opens no display without one.
     #[error(
         "EGL lists no device ({reason}): install a driver (on Debian the packages libegl-mesa0 and libgl1-mesa-dri) or use the API osmesa"
     )]
     NoEglDevice {
-        /// What EGL answered.
+        /// EGL's answer.
         reason: String,
     },
-    /// There is no device of that number.
+    /// The requested device index is out of range.
     #[error("there is no GPU {asked}: {found} found, counted from 0")]
     NoSuchGpu {
         /// The requested index, from 0.
         asked: usize,
-        /// How many devices there are.
+        /// Number of devices.
         found: usize,
     },
-    /// No device gave a context of this API, or the one requested did not.
+    /// No device, or not the requested one, gave a context of this API.
     #[error("no context for the API {api} could be made: {reason}")]
     NoContext {
         /// The requested API.
         api: Api,
-        /// What each device answered.
+        /// The answer of each device.
         reason: String,
     },
-    /// A context that the caller made is of a version below the least that is needed.
-    #[error(
-        "the context is of \"{version}\": OpenGL 3.3, or OpenGL ES 3.0, is the least that is needed"
-    )]
+    /// A context that the caller made has a version below the lowest supported one.
+    #[error("the context has version \"{version}\": OpenGL 3.3, or OpenGL ES 3.0, is required")]
     TooOld {
         /// GL_VERSION.
         version: String,
     },
-    /// A context that the caller made, or its loader, gives no functions of OpenGL.
+    /// A context that the caller made, or its loader, has no OpenGL functions.
     #[error("there is no OpenGL in the context: {reason}")]
     NoFunctions {
-        /// What is missing.
+        /// The missing part.
         reason: String,
     },
     /// libOSMesa could not be loaded.
     #[error("libOSMesa was not found ({reason}): install it (on Debian the package libosmesa6)")]
     NoOsMesaLibrary {
-        /// What the loader answered, for the last name tried.
+        /// The loader's answer for the last name tried.
         reason: String,
     },
-    /// The driver cannot draw into textures of 32-bit floats, or lacks another extension that is needed.
+    /// The driver cannot draw into 32-bit float textures, or lacks another required extension.
     #[error(
         "{renderer} lacks the extension {extension}, which is needed: choose another GPU or the API gl"
     )]
@@ -76,7 +74,7 @@ pub enum GpuError {
     /// The context can no longer be made current, or the driver has lost it.
     #[error("the GL context was lost: {reason}; make a new one")]
     ContextLost {
-        /// What EGL or OSMesa answered.
+        /// The answer of EGL or OSMesa.
         reason: String,
     },
     /// A shader did not compile.
@@ -86,7 +84,7 @@ pub enum GpuError {
         stage: &'static str,
         /// The program's label.
         label: String,
-        /// The driver's log, verbatim; lines are counted from the first of the text given.
+        /// The driver's log, verbatim; lines are counted from the first of the given text.
         log: String,
     },
     /// A program did not link.
@@ -100,7 +98,7 @@ pub enum GpuError {
     /// A framebuffer cannot be drawn into.
     #[error("the framebuffer is incomplete: {reason}")]
     IncompleteFramebuffer {
-        /// The GL status or the rule broken.
+        /// The GL status or the violated rule.
         reason: String,
     },
     /// A side of the texture is above the driver's limit.
@@ -110,7 +108,7 @@ pub enum GpuError {
         width: u32,
         /// Height requested.
         height: u32,
-        /// The longest side allowed.
+        /// Longest side allowed.
         limit: u32,
     },
     /// A side of the texture is zero.
@@ -140,7 +138,7 @@ pub enum GpuError {
         width: u32,
         /// Rows requested.
         rows: u32,
-        /// Attachments there are.
+        /// Number of attachments.
         attachments: usize,
         /// Width of the target.
         target_width: u32,
@@ -150,13 +148,13 @@ pub enum GpuError {
     /// The driver ran out of memory.
     #[error("the GPU has no memory for {what}: ask for less at a time")]
     OutOfMemory {
-        /// What was being done.
+        /// The operation that failed.
         what: String,
     },
     /// Any other error that GL reported.
     #[error("GL reported {code} in {what}: a fault of the program or the driver")]
     Gl {
-        /// What was being done.
+        /// The operation that failed.
         what: String,
         /// The error's name, such as GL_INVALID_OPERATION.
         code: String,
@@ -164,8 +162,8 @@ pub enum GpuError {
 }
 
 impl GpuError {
-    /// Whether the cause is the user's request, rather than the machine or the program: a GPU that is not there,
-    /// or a texture of a size that cannot be.
+    /// Whether the cause is the user's request rather than the machine or the program: a GPU that does not exist, or a
+    /// texture of an impossible size.
     pub fn is_bad_input(&self) -> bool {
         matches!(
             self,
@@ -174,7 +172,7 @@ impl GpuError {
     }
 }
 
-/// Errors drained from one context at most: a lost one may answer without end.
+/// Maximum errors drained from one context: a lost one may report errors forever.
 pub(super) const ERRORS_AT_MOST: usize = 32;
 
 /// The name of an error code of glGetError.

@@ -1,4 +1,4 @@
-//! Contexts by the library glutin, whichever way to OpenGL it takes.
+//! Contexts made by the library glutin, on any of its platforms.
 
 use glutin::config::{Api as ConfigApi, ConfigSurfaceTypes, ConfigTemplateBuilder};
 use glutin::context::{ContextApi, ContextAttributesBuilder, GlProfile, Robustness, Version};
@@ -8,8 +8,8 @@ use std::ffi::{CStr, c_void};
 use super::Api;
 use super::backend::Backend;
 
-/// Requirements of a configuration for such surfaces: passes draw into textures, so that the surface needs neither
-/// alpha, depth nor stencil.
+/// Requirements of a configuration for such surfaces: passes draw into textures, so the surface needs neither alpha,
+/// depth nor stencil.
 pub(super) fn template(api: Api, surfaces: ConfigSurfaceTypes) -> ConfigTemplateBuilder {
     ConfigTemplateBuilder::new()
         .with_surface_type(surfaces)
@@ -22,7 +22,7 @@ pub(super) fn template(api: Api, surfaces: ConfigSurfaceTypes) -> ConfigTemplate
         .with_stencil_size(0)
 }
 
-/// The least version that this crate works with: OpenGL 3.3 core, or OpenGL ES 3.0.
+/// The lowest supported version: OpenGL 3.3 core, or OpenGL ES 3.0.
 pub(super) fn attributes(api: Api) -> ContextAttributesBuilder {
     ContextAttributesBuilder::new()
         .with_profile(GlProfile::Core)
@@ -32,11 +32,10 @@ pub(super) fn attributes(api: Api) -> ContextAttributesBuilder {
         })
 }
 
-/// A context with reports of resets, where the driver offers them: otherwise a lost context looks like a slow
-/// one.
+/// Creates a context with reset notification if the driver offers it: otherwise a lost context looks like a slow one.
 ///
 /// # Errors
-/// What the library answered to a context without.
+/// The library's answer to the request for a context without it.
 pub(super) fn new_context<D: GlDisplay>(
     display: &D,
     config: &D::Config,
@@ -52,9 +51,9 @@ pub(super) fn new_context<D: GlDisplay>(
     })
 }
 
-/// A context by glutin, and how it is made current: without a surface, or with the one that it was made with.
+/// A context made by glutin, and the way to make it current: without a surface, or with its own.
 pub(super) struct GlutinContext<C, D, M> {
-    // In this order: the context goes first, then its surface, then the display.
+    // Field order matters: the context is dropped first, then its surface, then the display.
     pub context: C,
     pub make_current: M,
     pub display: D,
@@ -75,7 +74,7 @@ where
     }
 
     fn release(&self) {
-        // A failure leaves a context current that the next make_current replaces.
+        // After a failure a context stays current, which the next make_current replaces.
         let _ = self.context.make_not_current_in_place();
     }
 

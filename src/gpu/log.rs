@@ -3,7 +3,7 @@
 /// One error in a driver's log.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LogError {
-    /// The text's number, as `#line` gave it; 0 before any.
+    /// The text's number, as `#line` gave it; 0 before the first `#line`.
     pub file: u32,
     /// The line, as `#line` counts it.
     pub line: u32,
@@ -13,8 +13,8 @@ pub struct LogError {
 
 /// The errors in a log, in order; lines of an unknown form are skipped.
 ///
-/// Known are Mesa's `2:12(5): error: ...`, NVIDIA's `2(12) : error C1008: ...` and ANGLE's
-/// `ERROR: 2:12: ...`. Warnings are none.
+/// Known forms are Mesa's `2:12(5): error: ...`, NVIDIA's `2(12) : error C1008: ...` and ANGLE's `ERROR: 2:12: ...`.
+/// Warnings are skipped.
 pub fn log_errors(log: &str) -> Vec<LogError> {
     log.lines().filter_map(log_error).collect()
 }
@@ -35,7 +35,7 @@ fn log_error(line: &str) -> Option<LogError> {
         return None;
     }
     if let Some(rest) = message.strip_prefix("error") {
-        // NVIDIA has a code there.
+        // NVIDIA puts a code there.
         message = rest.split_once(':').map_or(rest, |(_, rest)| rest).trim();
     }
     let message = message.replace('`', "'");
@@ -46,7 +46,7 @@ fn log_error(line: &str) -> Option<LogError> {
     })
 }
 
-/// The number that a text begins with, and what follows.
+/// The number that a text begins with, and the rest.
 fn number(text: &str) -> Option<(u32, &str)> {
     let digits = text.len() - text.trim_start_matches(|c: char| c.is_ascii_digit()).len();
     let (number, rest) = text.split_at(digits);
@@ -57,7 +57,7 @@ fn number(text: &str) -> Option<(u32, &str)> {
 mod tests {
     use super::*;
 
-    /// The place of an error is found in the logs of all drivers.
+    /// Protects finding the place of an error in the logs of all drivers.
     #[test]
     fn errors_are_found_in_every_known_form() {
         let log = "2:3(1): warning: 'x' is never used\n2:12(5): error: `foo' undeclared\n\

@@ -1,7 +1,7 @@
-//! OpenGL contexts with no window, and the renderers that there are.
+//! OpenGL contexts without a window, and the available renderers.
 //!
-//! A [`Context`] is what a [`Tracer`](crate::Tracer) computes with, by fragment shaders alone: OpenGL 3.3 core or
-//! OpenGL ES 3.0 with `EXT_color_buffer_float`, on a graphics card or on Mesa's software renderer.
+//! A [`Tracer`](crate::Tracer) computes with a [`Context`], by fragment shaders alone: OpenGL 3.3 core or OpenGL ES 3.0
+//! with `EXT_color_buffer_float`, on a graphics card or on Mesa's software renderer.
 //!
 //! ```
 //! use echomarch::gpu::{Api, Context, ContextOptions, list_gpus};
@@ -15,23 +15,23 @@
 //! ```
 //!
 //! # Ownership and threads
-//! A [`Context`] is a counted reference and belongs to the thread that made it; neither it nor anything made with
-//! it can be sent to another thread. What is made with a context holds a reference to it, so all may be dropped in
-//! any order. Several contexts, of different [`Api`]s too, may be used in turns on one thread: every operation makes
-//! its own context current first.
+//! A [`Context`] is a counted reference and belongs to the thread that made it; neither it nor anything made with it
+//! can be sent to another thread. Everything made with a context holds a reference to it, so all may be dropped in any
+//! order. Several contexts, of different [`Api`]s too, may be used in turn on one thread: every operation makes its own
+//! context current first.
 //!
 //! # Cost
-//! Making a context current that already is costs a question to its library. Switching between contexts flushes
-//! the one left. Making a context takes some milliseconds with Mesa's llvmpipe. Reading texels back waits for all the
-//! drawing requested before. glGetError is called after each pass in debug builds, or where the environment has
+//! Making a context current that already is costs one query to its library. Switching between contexts flushes the
+//! previous one. Making a context takes some milliseconds with Mesa's llvmpipe. Reading texels back waits for all
+//! drawing requested before. glGetError is called after each pass in debug builds, or if the environment has
 //! `ECHOMARCH_GL_CHECK=1`; after creation and read-back always.
 //!
 //! All unsafe code of the crate that talks to a driver is in this module.
 //
-// Private to the crate: programs, textures of four floats a texel, full-screen passes, read-back and timers. A pass
-// reads textures, and draws one triangle over a `RenderTarget`, whose texels are the results. A `PingPong` keeps two
-// pairs of textures, so that a pass reads from the one and writes to the other. A reference got from `Context::gl` is
-// for use at once; ask for it again after anything that touched (or dropped) another context.
+// Private to the crate: programs, textures of four floats per texel, full-screen passes, read-back and timers. A pass
+// reads textures and draws one triangle over a `RenderTarget`, whose texels are the results. A `PingPong` keeps two
+// pairs of textures, so that a pass reads from one and writes to the other. Use a reference from `Context::gl` at once;
+// call it again after anything that used (or dropped) another context.
 #![deny(clippy::undocumented_unsafe_blocks)]
 
 mod api;
@@ -71,10 +71,10 @@ mod texture_units;
 mod timer;
 #[cfg(target_arch = "wasm32")]
 mod web;
-#[cfg(feature = "demo")]
+#[cfg(feature = "window")]
 mod window;
 
-// What the system has for contexts without a window.
+// The system's library for contexts without a window.
 #[cfg(target_os = "macos")]
 mod cgl;
 #[cfg(any(windows, target_os = "macos"))]
@@ -102,19 +102,25 @@ pub use error::GpuError;
 /// The functions of OpenGL, in the version that [`Context::from_glow`] takes.
 pub use glow;
 pub(crate) use log::log_errors;
-pub(crate) use pass::{Target, full_screen_pass, full_screen_pass_rows};
+#[doc(hidden)]
+pub use pass::{Target, full_screen_pass, full_screen_pass_rows};
 #[cfg(any(test, feature = "picture"))]
-pub(crate) use picture::Picture;
+#[doc(hidden)]
+pub use picture::Picture;
 pub(crate) use ping_pong::{PingPong, TexturePair};
-pub(crate) use program::Program;
-#[cfg(feature = "cli")]
-pub(crate) use program::header;
-pub(crate) use program_cache::ProgramCache;
+#[doc(hidden)]
+pub use program::Program;
+#[doc(hidden)]
+pub use program::header;
+#[doc(hidden)]
+pub use program_cache::ProgramCache;
 pub(crate) use render_target::RenderTarget;
 pub(crate) use texture::Texture;
-pub(crate) use timer::GpuTimer;
-#[cfg(feature = "demo")]
-pub(crate) use window::{WindowContext, WindowDisplay};
+#[doc(hidden)]
+pub use timer::GpuTimer;
+#[cfg(feature = "window")]
+#[doc(hidden)]
+pub use window::{WindowContext, WindowDisplay};
 
 #[cfg(test)]
 pub(crate) mod tests;

@@ -1,12 +1,12 @@
-//! Systems that choose the graphics card themselves: contexts are made in one place.
+//! Systems that choose the graphics card themselves: there is one place to make contexts.
 
 use super::GpuError;
 
-/// Where a context can be made.
+/// The place where a context can be made.
 #[derive(Debug)]
 pub(super) struct Place;
 
-/// The one place.
+/// Returns the one place.
 ///
 /// # Errors
 /// None.
@@ -14,11 +14,11 @@ pub(super) fn places() -> Result<Vec<Place>, GpuError> {
     Ok(vec![Place])
 }
 
-/// Sees that there is a library: it is there with the system.
+/// Checks for the library, which is part of the system.
 ///
 /// # Errors
 /// None.
-#[cfg(feature = "demo")]
+#[cfg(feature = "window")]
 pub(super) fn prepare() -> Result<(), GpuError> {
     Ok(())
 }

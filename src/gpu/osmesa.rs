@@ -13,7 +13,7 @@ use super::{Api, GpuError};
 /// Names under which the library is looked for, newest first.
 const LIBRARY_NAMES: [&str; 3] = ["libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so"];
 
-// Values of GL/osmesa.h.
+// Values from GL/osmesa.h.
 const OSMESA_RGBA: c_int = 0x1908;
 const OSMESA_FORMAT: c_int = 0x22;
 const OSMESA_DEPTH_BITS: c_int = 0x30;
@@ -23,7 +23,7 @@ const OSMESA_CORE_PROFILE: c_int = 0x34;
 const OSMESA_CONTEXT_MAJOR_VERSION: c_int = 0x36;
 const OSMESA_CONTEXT_MINOR_VERSION: c_int = 0x37;
 
-/// Side in pixels of the colour buffer that every context must have; nothing is drawn into it.
+/// Side in pixels of the unused colour buffer that every context must have.
 const SIDE: usize = 16;
 
 type CreateContext = unsafe extern "C" fn(*const c_int, *mut c_void) -> *mut c_void;
@@ -32,7 +32,7 @@ type MakeCurrent = unsafe extern "C" fn(*mut c_void, *mut c_void, c_uint, c_int,
 type GetCurrentContext = unsafe extern "C" fn() -> *mut c_void;
 type GetProcAddress = unsafe extern "C" fn(*const c_char) -> *const c_void;
 
-/// The functions of the library. Once loaded it stays: drivers do not survive being unloaded.
+/// The functions of the library. It stays loaded: drivers do not survive being unloaded.
 struct Functions {
     create_context: CreateContext,
     destroy_context: DestroyContext,
@@ -55,7 +55,7 @@ impl Functions {
 
     fn load() -> Result<Functions, libloading::Error> {
         let library = load_library()?;
-        // SAFETY: the symbols have the types given in GL/osmesa.h, and the library is kept beside them.
+        // SAFETY: the symbols have the types given in GL/osmesa.h, and the library is kept along with them.
         unsafe {
             Ok(Functions {
                 create_context: *library.get(b"OSMesaCreateContextAttribs\0")?,
@@ -82,7 +82,7 @@ fn load_library() -> Result<Library, libloading::Error> {
     library
 }
 
-/// A context of OSMesa.
+/// An OSMesa context.
 pub(super) struct OsMesa {
     functions: &'static Functions,
     context: *mut c_void,
@@ -126,7 +126,7 @@ impl OsMesa {
 
 impl Backend for OsMesa {
     fn make_current(&self) -> Result<(), String> {
-        // SAFETY: the context lives, and the buffer has the size said and lives as long as the context.
+        // SAFETY: the context lives, and the buffer has the given size and lives as long as the context.
         let made = unsafe {
             let side = SIDE as c_int;
             (self.functions.make_current)(
@@ -145,7 +145,7 @@ impl Backend for OsMesa {
     }
 
     fn is_current(&self) -> bool {
-        // SAFETY: asks only; what it answers is compared and never followed.
+        // SAFETY: only a query; the answer is compared and never dereferenced.
         unsafe { (self.functions.get_current_context)() == self.context }
     }
 

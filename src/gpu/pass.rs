@@ -6,14 +6,14 @@ use glow::HasContext;
 
 use super::{Context, GpuError, Program};
 
-/// Something that a pass can draw into.
+/// A framebuffer that a pass can draw into.
 pub trait Target {
-    /// GL's name for the framebuffer, of the context that the pass is drawn with; `None` is the one of a window.
+    /// GL's name for the framebuffer in the context that draws the pass; `None` is a window's framebuffer.
     fn framebuffer(&self) -> Option<glow::Framebuffer>;
 }
 
-/// Runs the program once for each texel of the lower left `width` × `height` of the target, where
-/// `gl_FragCoord.xy` is the texel's index plus a half. Uniforms and textures are those set last. Returns before the
+/// Runs the program once for each texel of the lower left `width` × `height` texels of the target, where
+/// `gl_FragCoord.xy` is the texel's index plus a half. Uses the uniforms and textures set last. Returns before the
 /// drawing is done.
 ///
 /// A texture that the program reads must not be one that the target writes to.
@@ -31,8 +31,8 @@ pub fn full_screen_pass(
     draw(context, program)
 }
 
-/// [`full_screen_pass`] for a band of rows alone, so that a large pass can be drawn in parts: the system may
-/// stop a single draw call that takes a graphics card some seconds. Rows from `height` on are left out.
+/// [`full_screen_pass`] for a band of rows, so that a large pass can be drawn in parts: the system may stop a single
+/// draw call that takes a graphics card several seconds. Rows from `height` on are left out.
 ///
 /// # Errors
 /// What GL reports, in debug builds: see [`Context::debug_check`].
@@ -53,13 +53,12 @@ pub fn full_screen_pass_rows(
     context.set_scissor_test(true);
     let drawn = draw(context, program);
     context.set_scissor_test(false);
-    // SAFETY: the context is current. The flush keeps a driver from handing several bands to the card as one piece of
-    // work.
+    // SAFETY: the context is current. The flush keeps a driver from submitting several bands as one piece of work.
     unsafe { context.gl().flush() };
     drawn
 }
 
-/// Sets all the state that a pass depends on, whatever was drawn before.
+/// Sets all the state that a pass depends on, regardless of earlier drawing.
 fn prepare(context: &Context, program: &Program, target: &impl Target, width: u32, height: u32) {
     debug_assert!(
         context.is_same(program.context()),

@@ -1,4 +1,4 @@
-//! A target of eight bits a channel, for pictures.
+//! A render target with eight bits per channel, for pictures.
 
 use glow::{HasContext, PixelPackData};
 
@@ -7,7 +7,7 @@ use super::render_target::check_complete;
 use super::texture::check_size;
 use super::{Context, GpuError};
 
-/// A target of red, green, blue and opacity of eight bits each, for pictures.
+/// A render target of red, green, blue and opacity with eight bits each, for pictures.
 ///
 /// Dropping it frees it.
 #[derive(Debug)]
@@ -20,10 +20,10 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// A picture of that many pixels, whose colours are not set.
+    /// Creates a picture of `width` × `height` pixels with undefined colours.
     ///
     /// # Errors
-    /// Those of [`Texture::new`](super::Texture::new); 4 bytes a pixel.
+    /// The errors of [`Texture::new`](super::Texture::new); 4 bytes per pixel.
     pub fn new(context: &Context, width: u32, height: u32) -> Result<Picture, GpuError> {
         check_size(context, width, height)?;
         let failed = |code: String| GpuError::Gl {
@@ -33,7 +33,7 @@ impl Picture {
         let gl = context.gl();
         // SAFETY: the context is current.
         let framebuffer = unsafe { gl.create_framebuffer() }.map_err(failed)?;
-        // SAFETY: the context is current; the framebuffer is deleted where there is no renderbuffer to go with it.
+        // SAFETY: the context is current; the framebuffer is deleted if its renderbuffer cannot be created.
         let pixels = unsafe {
             gl.create_renderbuffer()
                 .inspect_err(|_| gl.delete_framebuffer(framebuffer))
@@ -60,22 +60,19 @@ impl Picture {
     }
 
     /// Width in pixels.
-    #[cfg(feature = "walkthrough")]
     pub fn width(&self) -> u32 {
         self.width
     }
 
     /// Height in pixels.
-    #[cfg(feature = "walkthrough")]
     pub fn height(&self) -> u32 {
         self.height
     }
 
-    /// Puts it over the whole window or canvas of the context, of that size in pixels, stretched with smooth edges.
+    /// Draws the picture over the whole window or canvas, of the given size in pixels, stretched with smooth edges.
     ///
     /// # Errors
     /// What GL reports, in debug builds.
-    #[cfg(feature = "walkthrough")]
     pub fn show(&self, width: u32, height: u32) -> Result<(), GpuError> {
         let gl = self.context.gl();
         // SAFETY: the context is current, and the framebuffer its own.
@@ -96,14 +93,14 @@ impl Picture {
                 glow::COLOR_BUFFER_BIT,
                 glow::LINEAR,
             );
-            // The read binding stays with none of ours.
+            // Leaves no framebuffer of this crate bound for reading.
             gl.bind_framebuffer(glow::FRAMEBUFFER, None);
         }
         self.context.debug_check("the picture in the window")
     }
 
-    /// All pixels, four bytes each, the top row (the highest `gl_FragCoord.y`) first, as image files have it. Waits
-    /// for the drawing before it.
+    /// All pixels, four bytes each, the top row (the highest `gl_FragCoord.y`) first, as in image files. Waits for the
+    /// drawing before it.
     ///
     /// # Errors
     /// What GL reports.
@@ -111,7 +108,7 @@ impl Picture {
         let row = 4 * self.width as usize;
         let mut pixels = vec![0; row * self.height as usize];
         let gl = self.context.gl();
-        // SAFETY: the context is current, and the slice has room for all pixels; rows of 4 bytes a pixel need no
+        // SAFETY: the context is current, and the slice has room for all pixels; rows of 4 bytes per pixel need no
         // padding.
         unsafe {
             gl.bind_framebuffer(glow::READ_FRAMEBUFFER, Some(self.framebuffer));

@@ -1,9 +1,9 @@
-//! Pairs of textures that passes read and write in turns.
+//! Pairs of textures that passes read and write in turn.
 
 use super::pass::Target;
 use super::{Context, GpuError, RenderTarget, Texture};
 
-/// Two textures of one size, and the target that writes both: eight floats an element.
+/// Two textures of one size, and the target that writes both: eight floats per element.
 #[derive(Debug)]
 pub struct TexturePair {
     /// Output 0 of the fragment shader.
@@ -15,10 +15,10 @@ pub struct TexturePair {
 }
 
 impl TexturePair {
-    /// A pair of that many texels each, whose values are not set.
+    /// Creates a pair of `width` × `height` texels each, with undefined values.
     ///
     /// # Errors
-    /// Those of [`Texture::new`] and [`RenderTarget::new`].
+    /// The errors of [`Texture::new`] and [`RenderTarget::new`].
     pub fn new(context: &Context, width: u32, height: u32) -> Result<TexturePair, GpuError> {
         let first = Texture::new(context, width, height)?;
         let second = Texture::new(context, width, height)?;
@@ -45,10 +45,10 @@ pub struct PingPong {
 }
 
 impl PingPong {
-    /// Two pairs of that many texels: 64 bytes each texel in all.
+    /// Creates two pairs of `width` × `height` texels: 64 bytes per texel in total.
     ///
     /// # Errors
-    /// Those of [`TexturePair::new`].
+    /// The errors of [`TexturePair::new`].
     pub fn new(context: &Context, width: u32, height: u32) -> Result<PingPong, GpuError> {
         let pairs = [
             TexturePair::new(context, width, height)?,

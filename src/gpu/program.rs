@@ -10,7 +10,7 @@ use super::{Api, Context, GpuError, Texture};
 /// The vertex shader of all programs.
 const FULL_SCREEN: &str = include_str!("../../glsl/full_screen.vert");
 
-/// The header of every shader's text: the version and the precisions. Lines are counted from 1 after it.
+/// The header of every shader: the version and the precisions. Lines are counted from 1 after it.
 pub fn header(api: Api) -> &'static str {
     match api {
         Api::Gl | Api::OsMesa => "#version 330 core\n#line 1\n",
@@ -25,10 +25,10 @@ pub fn header(api: Api) -> &'static str {
     }
 }
 
-/// A fragment shader with the full-screen triangle before it, and its uniforms.
+/// A fragment shader combined with the full-screen triangle, and its uniforms.
 ///
-/// A uniform that the shader does not have, or does not use so that the driver left it out, is set to no effect. A
-/// uniform of another type than the setter's is an error that the next check reports. Dropping it frees it.
+/// Setting a uniform that the shader lacks, or that the driver removed because it is unused, has no effect. A uniform
+/// of another type than the setter's is an error that the next check reports. Dropping it frees it.
 #[derive(Debug)]
 pub struct Program {
     context: Context,
@@ -38,8 +38,8 @@ pub struct Program {
 }
 
 impl Program {
-    /// Compiles and links a fragment shader, whose text has no `#version` line and stays within GLSL ES 3.00. The
-    /// label names it in errors.
+    /// Compiles and links a fragment shader, whose text has no `#version` line and stays within GLSL ES 3.00. The label
+    /// names the program in errors.
     ///
     /// # Errors
     /// [`GpuError::Compile`] and [`GpuError::Link`] with the driver's log.
@@ -86,7 +86,7 @@ impl Program {
         }
     }
 
-    /// The name it has in errors.
+    /// The name used in errors.
     pub fn label(&self) -> &str {
         &self.label
     }
@@ -98,8 +98,8 @@ impl Program {
 
     /// Sets an `int` or a `bool`.
     pub fn set_i32(&self, name: &str, value: i32) {
-        // SAFETY: `set` has made the context and the program current, and the location is the program's own; so in
-        // all setters below.
+        // SAFETY: `set` has made the context and the program current, and the location is the program's own; the same
+        // holds for all setters below.
         self.set(name, |gl, location| unsafe {
             gl.uniform_1_i32(Some(location), value)
         });
@@ -146,14 +146,14 @@ impl Program {
         });
     }
 
-    /// Sets an array of `vec4` from its first element on, by its name without brackets. Elements beyond the
-    /// array's end are left out.
+    /// Sets an array of `vec4` from its first element on, by its name without brackets. Elements beyond the end of the
+    /// array are ignored.
     pub fn set_vec4_array(&self, name: &str, values: &[Vec4]) {
         if values.is_empty() {
             return;
         }
         let floats: Vec<f32> = values.iter().flat_map(|value| value.to_array()).collect();
-        // SAFETY: as in set_i32; GL leaves out what is beyond the end.
+        // SAFETY: as in set_i32; GL ignores elements beyond the end.
         self.set(name, |gl, location| unsafe {
             gl.uniform_4_f32_slice(Some(location), &floats)
         });
@@ -200,7 +200,7 @@ impl Drop for Program {
     }
 }
 
-/// The locations of the uniforms that the driver kept; arrays are under their name without brackets.
+/// The locations of the uniforms that the driver kept; arrays are listed under their name without brackets.
 fn find_uniforms(
     gl: &glow::Context,
     program: glow::Program,

@@ -1,4 +1,4 @@
-//! Programs that are kept for when they are needed again.
+//! A cache of compiled programs.
 
 use super::Program;
 use lru::LruCache;
@@ -6,8 +6,8 @@ use std::hash::Hash;
 use std::num::NonZeroUsize;
 use std::rc::Rc;
 
-/// Programs by what their text depends on. When it is full, the least recently used
-/// one is dropped: a walk through many scenes keeps no more of them than that.
+/// Programs by the key that determines their text. When the cache is full, the least recently used one is dropped,
+/// which bounds the number kept during a walk through many scenes.
 #[derive(Debug)]
 pub struct ProgramCache<K: Eq + Hash> {
     kept: LruCache<K, Rc<Program>>,
@@ -15,7 +15,7 @@ pub struct ProgramCache<K: Eq + Hash> {
 }
 
 impl<K: Eq + Hash> ProgramCache<K> {
-    /// An empty one, for so many programs at most.
+    /// Creates an empty cache for at most `most` programs.
     pub fn new(most: NonZeroUsize) -> ProgramCache<K> {
         ProgramCache {
             kept: LruCache::new(most),
@@ -23,10 +23,10 @@ impl<K: Eq + Hash> ProgramCache<K> {
         }
     }
 
-    /// The program kept for `key`, or else the one that `compile` makes.
+    /// Returns the program cached for `key`, or compiles and caches it.
     ///
     /// # Errors
-    /// Those of `compile`; then nothing is kept and nothing goes.
+    /// The errors of `compile`; then the cache is unchanged.
     pub fn get_or_compile<E>(
         &mut self,
         key: K,
@@ -41,12 +41,12 @@ impl<K: Eq + Hash> ProgramCache<K> {
         Ok(program)
     }
 
-    /// Programs compiled since it was made, those that have gone included.
+    /// Total number of programs compiled, including those dropped since.
     pub fn compiled(&self) -> usize {
         self.compiled
     }
 
-    /// Programs that are kept now.
+    /// Number of programs in the cache.
     #[cfg(test)]
     pub fn kept(&self) -> usize {
         self.kept.len()
@@ -60,7 +60,7 @@ mod tests {
 
     const TWO: NonZeroUsize = NonZeroUsize::new(2).unwrap();
 
-    /// Protects long walks through many scenes: what is not used goes, what is used stays.
+    /// Protects long walks through many scenes: unused programs are dropped, used ones stay.
     #[test]
     fn the_program_unused_longest_goes() {
         let context = Context::headless(&ContextOptions::default()).unwrap();
@@ -77,13 +77,13 @@ mod tests {
         let (_, compiled, kept) = ask("third");
         assert_eq!((compiled, kept), (3, 2));
         assert!(Rc::ptr_eq(&ask("first").0, &first));
-        // Whoever still holds it can still draw with it.
+        // Other holders of the program can still draw with it.
         assert_eq!(second.label(), "second");
         assert!(!Rc::ptr_eq(&ask("second").0, &second));
         assert_eq!(ask("second").1, 4);
     }
 
-    /// Protects the good programs from a scene that does not compile.
+    /// Protects cached programs from a scene that does not compile.
     #[test]
     fn what_does_not_compile_drives_nothing_out() {
         let context = Context::headless(&ContextOptions::default()).unwrap();

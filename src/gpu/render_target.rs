@@ -5,10 +5,10 @@ use glow::{HasContext, PixelPackData};
 use super::pass::Target;
 use super::{Context, GpuError, Texture, bytes};
 
-/// A framebuffer over some textures of one size (every driver takes four): output 0 of the fragment shader goes to the first texture,
-/// and so on.
+/// A framebuffer over one or more textures of one size (every driver allows four): output 0 of the fragment shader goes
+/// to the first texture, and so on.
 ///
-/// It does not own the textures; keep them as long as it is drawn into. Dropping it frees the framebuffer.
+/// It does not own the textures; keep them as long as it is used. Dropping it frees the framebuffer.
 #[derive(Debug)]
 pub struct RenderTarget {
     context: Context,
@@ -19,11 +19,11 @@ pub struct RenderTarget {
 }
 
 impl RenderTarget {
-    /// A target over these textures.
+    /// Creates a target over these textures.
     ///
     /// # Errors
-    /// [`GpuError::IncompleteFramebuffer`] where there are none, their sizes differ or the driver cannot draw into
-    /// (so many of) them.
+    /// [`GpuError::IncompleteFramebuffer`] if there are none, their sizes differ, or the driver cannot draw into them
+    /// or into this number of textures.
     pub fn new(context: &Context, textures: &[&Texture]) -> Result<RenderTarget, GpuError> {
         let incomplete = |reason: String| GpuError::IncompleteFramebuffer { reason };
         let size = |texture: &Texture| (texture.width(), texture.height());
@@ -87,8 +87,8 @@ impl RenderTarget {
         self.height
     }
 
-    /// All texels of one attachment, bit for bit: four floats a texel, rows one after another, texel (0, 0) first.
-    /// Waits for the drawing before it.
+    /// All texels of one attachment, bit for bit: four floats per texel, row by row, texel (0, 0) first. Waits for the
+    /// drawing before it.
     ///
     /// # Errors
     /// [`GpuError::ReadOutOfRange`], and what GL reports.
@@ -98,8 +98,8 @@ impl RenderTarget {
         Ok(texels)
     }
 
-    /// The first `width` texels of each of the first `rows` rows, as [`read`](RenderTarget::read) does; the vector
-    /// is given the length 4 × width × rows and its memory used again. After an error its values mean nothing.
+    /// Reads the first `width` texels of each of the first `rows` rows, as [`read`](RenderTarget::read) does; the
+    /// vector is resized to 4 × width × rows and its memory reused. After an error its values are meaningless.
     ///
     /// # Errors
     /// [`GpuError::ReadOutOfRange`], and what GL reports.
@@ -113,7 +113,7 @@ impl RenderTarget {
         self.select_for_reading(attachment, width, rows)?;
         texels.resize(4 * width as usize * rows as usize, 0.0);
         let gl = self.context.gl();
-        // SAFETY: the context is current, and the slice has room for exactly the texels asked for; rows of 16 bytes a
+        // SAFETY: the context is current, and the slice has room for exactly the requested texels; rows of 16 bytes per
         // texel need no padding.
         unsafe {
             let slice = PixelPackData::Slice(Some(bytes::of_floats_mut(texels)));
@@ -130,7 +130,7 @@ impl RenderTarget {
         self.context.check("the read-back of a texture")
     }
 
-    /// Makes the attachment the one that is read from, if it has that many texels.
+    /// Selects the attachment for reading, if it has enough texels.
     pub(super) fn select_for_reading(
         &self,
         attachment: usize,
@@ -171,7 +171,7 @@ impl Drop for RenderTarget {
     }
 }
 
-/// Whether the framebuffer bound can be drawn into.
+/// Checks that the bound framebuffer can be drawn into.
 pub(super) fn check_complete(context: &Context) -> Result<(), GpuError> {
     // SAFETY: the context is current.
     let status = unsafe { context.gl().check_framebuffer_status(glow::FRAMEBUFFER) };
@@ -182,7 +182,7 @@ pub(super) fn check_complete(context: &Context) -> Result<(), GpuError> {
             "GL_FRAMEBUFFER_INCOMPLETE_MISSING_ATTACHMENT".into()
         }
         glow::FRAMEBUFFER_UNSUPPORTED => "GL_FRAMEBUFFER_UNSUPPORTED".into(),
-        // No status at all: an error, or no context.
+        // No status: an error, or no context.
         0 => {
             context.check("a framebuffer")?;
             "GL gives no status".into()

@@ -1,6 +1,6 @@
-//! Renderers that draw with the processor, by their names.
+//! Recognises renderers that draw with the processor by their names.
 
-/// What the names of renderers that draw with the processor contain, in small letters.
+/// Parts of the names of renderers that draw with the processor, in lower case.
 const SOFTWARE_RENDERERS: [&str; 12] = [
     // Mesa's; also as "zink (llvmpipe ...)" and "virgl (LLVMPIPE ...)".
     "llvmpipe",
@@ -10,10 +10,10 @@ const SOFTWARE_RENDERERS: [&str; 12] = [
     "software rasterizer",
     "openswr",
     "swr (",
-    // ANGLE and Vulkan of browsers.
+    // ANGLE and Vulkan in browsers.
     "swiftshader",
     "apple software renderer",
-    // WARP, by ANGLE or as Mesa's "D3D12 (Microsoft Basic Render Driver)".
+    // WARP, through ANGLE or as Mesa's "D3D12 (Microsoft Basic Render Driver)".
     "microsoft basic render driver",
     "warp",
     // Windows without a driver: OpenGL 1.1.
@@ -32,7 +32,8 @@ pub(super) fn is_software(renderer: &str) -> bool {
 mod tests {
     use super::is_software;
 
-    /// Wall clock or timer query, goldens or tolerances: all depend on knowing a software renderer by its name.
+    /// Protects recognising a software renderer by its name, which decides on wall clock or timer query, goldens or
+    /// tolerances.
     #[test]
     fn software_renderers_are_known_by_name() {
         for software in [

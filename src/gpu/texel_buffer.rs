@@ -1,11 +1,11 @@
-//! A list of vectors in a buffer: what OpenGL has for long lists, and ES 3.0 has not.
+//! A list of vectors in a buffer, for OpenGL; ES 3.0 has no texture buffers.
 
 use super::texture_units::{self, SCRATCH_UNIT};
 use super::{Context, GpuError, bytes};
 use glam::Vec4;
 use glow::HasContext;
 
-/// A buffer of vectors, and the texture by which a `samplerBuffer` reads them.
+/// A buffer of vectors, and the texture through which a `samplerBuffer` reads them.
 ///
 /// Dropping it frees both.
 #[derive(Debug)]
@@ -13,9 +13,9 @@ pub(super) struct TexelBuffer {
     context: Context,
     buffer: glow::Buffer,
     texture: glow::Texture,
-    /// Vectors that the driver allows.
+    /// Maximum vectors that the driver allows.
     limit: usize,
-    /// Vectors that there is room for.
+    /// Vectors allocated.
     capacity: usize,
 }
 
@@ -53,10 +53,10 @@ impl TexelBuffer {
         Ok(made)
     }
 
-    /// Makes the buffer begin with these floats, four a vector.
+    /// Writes these floats to the beginning of the buffer, four per vector.
     ///
     /// # Errors
-    /// [`GpuError::TextureTooLarge`] for more than the driver allows, and what GL reports.
+    /// [`GpuError::TextureTooLarge`] above the driver's limit, and what GL reports.
     pub fn set(&mut self, floats: &[f32]) -> Result<(), GpuError> {
         let vectors = floats.len() / 4;
         if vectors > self.limit {
@@ -97,7 +97,7 @@ impl Drop for TexelBuffer {
     }
 }
 
-/// The floats of vectors, in their order.
+/// The floats of the vectors, in order.
 pub(super) fn floats(values: &[Vec4]) -> Vec<f32> {
     values.iter().flat_map(|v| v.to_array()).collect()
 }

@@ -1,11 +1,11 @@
-//! Textures of four 32-bit floats a texel.
+//! Textures of four 32-bit floats per texel.
 
 use glow::{HasContext, PixelUnpackData};
 
 use super::texture_units::{self, SCRATCH_UNIT};
 use super::{Context, GpuError, bytes};
 
-/// A texture of four 32-bit floats a texel (RGBA32F), read without filtering and clamped to its edge.
+/// A texture of four 32-bit floats per texel (RGBA32F), read without filtering and clamped to its edge.
 ///
 /// Dropping it frees it.
 #[derive(Debug)]
@@ -17,10 +17,10 @@ pub struct Texture {
 }
 
 impl Texture {
-    /// A texture of that many texels, whose values are not set.
+    /// Creates a texture of `width` × `height` texels with undefined values.
     ///
     /// # Errors
-    /// A side of zero or above [`max_texture_size`](super::Limits::max_texture_size), or no memory: 16 bytes a texel.
+    /// A side of zero or above [`max_texture_size`](super::Limits::max_texture_size), or no memory: 16 bytes per texel.
     pub fn new(context: &Context, width: u32, height: u32) -> Result<Texture, GpuError> {
         check_size(context, width, height)?;
         let gl = context.gl();
@@ -63,7 +63,7 @@ impl Texture {
         Ok(texture)
     }
 
-    /// Fills the whole texture, bit for bit: four floats a texel, rows one after another, texel (0, 0) first.
+    /// Fills the whole texture, bit for bit: four floats per texel, row by row, texel (0, 0) first.
     ///
     /// # Errors
     /// [`GpuError::DataSize`] where the length is not 4 × width × height, and what GL reports.
@@ -122,7 +122,7 @@ impl Drop for Texture {
     }
 }
 
-/// Whether the driver allows a texture or a picture of that size.
+/// Checks that the driver allows a texture or a picture of that size.
 pub(super) fn check_size(context: &Context, width: u32, height: u32) -> Result<(), GpuError> {
     let limit = context.limits().max_texture_size;
     if width == 0 || height == 0 {

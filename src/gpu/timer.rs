@@ -1,15 +1,16 @@
-//! How long GL works on something.
+//! Measures how long GL takes.
 
 use glow::HasContext;
 
 use super::{Api, Context, GpuError};
 use crate::platform::{self, Instant};
 
-/// Marks in the stream of GL's work, and the times between them.
+/// Marks in the stream of GL commands, and the times between them.
 ///
-/// On a graphics card a mark is a timestamp query, whose answer is fetched later: to set one waits for nothing.
-/// Software renderers answer queries wrongly (llvmpipe far too short), and OpenGL ES may lack them: there each mark is
-/// `glFinish` and the wall clock, and waits; in a browser, where it waits for nothing, the times are those of the calls.
+/// On a graphics card a mark is a timestamp query, whose result is fetched later, so setting one does not wait.
+/// Software renderers return wrong results for queries (llvmpipe far too short), and OpenGL ES may lack them: there
+/// each mark calls `glFinish`, which waits, and reads the wall clock; in a browser, where `glFinish` does not wait, the
+/// times are those of the calls.
 #[derive(Debug)]
 pub struct GpuTimer {
     context: Context,
@@ -20,13 +21,13 @@ pub struct GpuTimer {
 }
 
 impl GpuTimer {
-    /// A timer of the kind that is right for the context.
+    /// Creates a timer of the kind suited to the context.
     pub fn new(context: &Context) -> GpuTimer {
         let by_query = context.api() == Api::Gl && !context.is_software();
         GpuTimer::of_kind(context, by_query)
     }
 
-    /// A timer by timestamp queries, or by the wall clock.
+    /// Creates a timer with timestamp queries, or with the wall clock.
     pub(crate) fn of_kind(context: &Context, by_query: bool) -> GpuTimer {
         GpuTimer {
             context: context.clone(),
@@ -37,7 +38,7 @@ impl GpuTimer {
         }
     }
 
-    /// What the times come from.
+    /// The name of the time source.
     pub fn name(&self) -> &'static str {
         match (self.by_query, platform::CAN_WAIT_FOR_GL) {
             (true, _) => "GL timer query",
@@ -87,8 +88,8 @@ impl GpuTimer {
         Ok(())
     }
 
-    /// Milliseconds from each mark to the next. On a graphics card this waits for the last mark: ask when a fence
-    /// behind it has been passed.
+    /// Milliseconds from each mark to the next. On a graphics card this waits for the last mark: call it after passing
+    /// a fence behind that mark.
     pub fn milliseconds(&self) -> Vec<f64> {
         if !self.by_query {
             let between = |pair: &[Instant]| (pair[1] - pair[0]).as_secs_f64() * 1e3;
@@ -122,7 +123,7 @@ mod tests {
     use super::*;
 
     /// Protects graphics cards from wrong use of timestamp queries: each pair of marks has a time, and GL reports no
-    /// error. Software renderers, for which queries are not chosen, have them too, with times that are too short.
+    /// error. Software renderers, for which queries are not chosen, also have them, with times that are too short.
     #[test]
     fn timestamp_queries_answer_without_gl_errors() {
         let context = Context::headless(&ContextOptions::default()).unwrap();

@@ -1,7 +1,7 @@
-//! A context of WebGL 2, made by a page in a browser.
+//! A WebGL 2 context made by a page in a browser.
 //!
-//! WebGL 2 is OpenGL ES 3.0 with calls taken away: no buffer is mapped, no fence is waited for, and reading texels is
-//! the only way to wait for what was drawn ([`platform`](crate::platform)).
+//! WebGL 2 is OpenGL ES 3.0 without some calls: buffers cannot be mapped, fences cannot be waited for, and reading
+//! texels is the only way to wait for the drawing ([`platform`](crate::platform)).
 
 use std::ffi::{CStr, c_void};
 use std::ptr;
@@ -12,25 +12,25 @@ use web_sys::WebGl2RenderingContext;
 use super::backend::Backend;
 use super::{Api, Context, GpuError};
 
-/// The extension that gives the device's name.
+/// The extension that reports the device's name.
 const RENDERER_INFO: &str = "WEBGL_debug_renderer_info";
 
-/// Its parameter, from the extension's text.
+/// Its parameter, from the extension's specification.
 const UNMASKED_RENDERER_WEBGL: u32 = 0x9246;
 
-/// A context of the browser's: always current.
+/// A context of the browser, which is always current.
 struct Page(WebGl2RenderingContext);
 
 impl Context {
-    /// Takes over a context that the page made: `canvas.getContext("webgl2", { antialias: false })`. A canvas in the
-    /// page and one off the screen (`OffscreenCanvas`, in a worker) will do alike.
+    /// Takes over a context that the page made: `canvas.getContext("webgl2", { antialias: false })`. Works with a
+    /// canvas in the page and one off the screen (`OffscreenCanvas`, in a worker).
     ///
     /// # Errors
-    /// [`GpuError::MissingExtension`] where the browser has no `EXT_color_buffer_float`; [`GpuError::NoContext`].
+    /// [`GpuError::MissingExtension`] if the browser has no `EXT_color_buffer_float`; [`GpuError::NoContext`].
     pub fn from_webgl2(context: WebGl2RenderingContext) -> Result<Context, GpuError> {
         let page = Rc::new(Page(context.clone()));
         Context::from_backend_with(page, Api::Gles, |_| {
-            // It asks for all extensions that it knows, that of float targets among them.
+            // glow enables all extensions that it knows, including that of float targets.
             Ok(glow::Context::from_webgl2_context(context))
         })
     }

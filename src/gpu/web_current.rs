@@ -1,4 +1,4 @@
-//! In a browser each context is always current: `current` for contexts that need not be made so.
+//! Replaces `current` in a browser, where each context is always current.
 
 use std::rc::Rc;
 
@@ -7,22 +7,22 @@ use super::backend::Backend;
 /// Makes the context current.
 ///
 /// # Errors
-/// What the backend answered.
+/// The backend's answer.
 pub(super) fn make(context: &Rc<dyn Backend>) -> Result<(), String> {
     context.make_current()
 }
 
-/// There is nothing to release.
+/// Does nothing: there is nothing to release.
 pub(super) fn release() {}
 
-/// There is nothing to put back.
+/// Guard without effect: there is nothing to restore.
 #[must_use]
 pub(crate) struct Entered;
 
 /// Makes the context current.
 ///
 /// # Errors
-/// Those of [`make`].
+/// The errors of [`make`].
 pub(super) fn enter(context: &Rc<dyn Backend>) -> Result<Entered, String> {
     make(context).map(|()| Entered)
 }

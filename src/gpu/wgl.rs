@@ -1,4 +1,4 @@
-//! Contexts without a window of their own on Windows: WGL knows none, so that each has a hidden one.
+//! Contexts without a visible window on Windows: WGL requires a window, so each context has a hidden one.
 
 use std::num::{NonZeroIsize, NonZeroU32};
 use std::ptr;
@@ -27,18 +27,18 @@ use windows_sys::w;
 
 use super::backend::Backend;
 use super::glutin_context::{GlutinContext, attributes, new_context, template};
-#[cfg(feature = "demo")]
+#[cfg(feature = "window")]
 pub(super) use super::only_place::prepare;
 pub(super) use super::only_place::{Place, places};
 use super::{Api, GpuError};
 
-/// Side of the hidden window in pixels; nothing is drawn into it.
+/// Side of the hidden, unused window in pixels.
 const SIDE: i32 = 1;
 
 /// Makes a context; it is not current yet.
 ///
 /// # Errors
-/// [`GpuError::NoContext`] with what Windows answered.
+/// [`GpuError::NoContext`] with the answer of Windows.
 pub(super) fn open(_: &Place, api: Api) -> Result<Rc<dyn Backend>, GpuError> {
     match create(api) {
         Ok(context) => Ok(Rc::new(context)),
@@ -54,8 +54,8 @@ struct HiddenWindow(HWND);
 
 impl HiddenWindow {
     fn new() -> Result<HiddenWindow, glutin::error::Error> {
-        // SAFETY: the class is one of Windows' own, and the texts end in zero. Nobody takes the window's messages: it is
-        // one for messages alone, which gets no broadcasts, so that no other program waits for it.
+        // SAFETY: the class is one of Windows' own, and the texts end in zero. The window's messages are never read: it
+        // is a message-only window, which gets no broadcasts, so no other program waits for it.
         let window = unsafe {
             CreateWindowExW(
                 0,
@@ -81,7 +81,7 @@ impl HiddenWindow {
     fn handle(&self) -> Result<RawWindowHandle, glutin::error::Error> {
         let number = NonZeroIsize::new(self.0 as isize).ok_or(ErrorKind::BadNativeWindow)?;
         let mut handle = Win32WindowHandle::new(number);
-        // SAFETY: null asks for the program's own module.
+        // SAFETY: null requests the program's own module.
         handle.hinstance = NonZeroIsize::new(unsafe { GetModuleHandleW(ptr::null()) } as isize);
         Ok(RawWindowHandle::Win32(handle))
     }
@@ -89,18 +89,18 @@ impl HiddenWindow {
 
 impl Drop for HiddenWindow {
     fn drop(&mut self) {
-        // SAFETY: the window is this one's own, of this thread, and not used again.
+        // SAFETY: the window is this value's own, of this thread, and not used again.
         unsafe { DestroyWindow(self.0) };
     }
 }
 
-/// What a context of WGL draws into. The fields go in this order: the window last.
+/// The drawing target of a WGL context. Field order matters: the window is dropped last.
 struct Hidden {
     surface: Surface<WindowSurface>,
     _window: HiddenWindow,
 }
 
-/// A context on a hidden window.
+/// Creates a context on a hidden window.
 fn create(api: Api) -> Result<impl Backend + use<>, glutin::error::Error> {
     let window = HiddenWindow::new()?;
     let handle = window.handle()?;
@@ -115,7 +115,7 @@ fn create(api: Api) -> Result<impl Backend + use<>, glutin::error::Error> {
     let config = config.ok_or(ErrorKind::BadConfig)?;
     let side = NonZeroU32::MIN;
     let of_window = SurfaceAttributesBuilder::<WindowSurface>::new().build(handle, side, side);
-    // SAFETY: the window lives, and goes after the surface.
+    // SAFETY: the window lives, and is destroyed after the surface.
     let surface = unsafe { display.create_window_surface(&config, &of_window) }?;
     let context = new_context(&display, &config, attributes(api))?.treat_as_possibly_current();
     let hidden = Hidden {
@@ -125,7 +125,7 @@ fn create(api: Api) -> Result<impl Backend + use<>, glutin::error::Error> {
     Ok(GlutinContext {
         context,
         make_current: move |context: &PossiblyCurrentContext| {
-            // All of it is kept, the window too.
+            // Captures the whole struct, including the window.
             let hidden = &hidden;
             context.make_current(&hidden.surface)
         },
@@ -133,16 +133,16 @@ fn create(api: Api) -> Result<impl Backend + use<>, glutin::error::Error> {
     })
 }
 
-/// A context of WGL's that echomarch did not make, as it was current.
+/// A current WGL context that echomarch did not make.
 pub(super) struct Foreign {
     device: HDC,
     context: HGLRC,
 }
 
 impl Foreign {
-    /// What is current on this thread, if anything.
+    /// The WGL context that is current on this thread, if any.
     pub fn of_system() -> Option<Foreign> {
-        // SAFETY: asks only.
+        // SAFETY: only a query.
         let (device, context) = unsafe { (wglGetCurrentDC(), wglGetCurrentContext()) };
         (!context.is_null()).then_some(Foreign { device, context })
     }
@@ -153,9 +153,10 @@ impl Foreign {
         unsafe { wglMakeCurrent(ptr::null_mut(), ptr::null_mut()) };
     }
 
-    /// Makes it current again. If its owner has destroyed it in the meantime Windows rejects, and none is current.
+    /// Makes it current again. If its owner has destroyed it in the meantime, Windows refuses and no context is
+    /// current.
     pub fn make_current(&self) {
-        // SAFETY: Windows checks handles against those that there are.
+        // SAFETY: Windows checks the handles against its own.
         unsafe { wglMakeCurrent(self.device, self.context) };
     }
 }

@@ -1,6 +1,6 @@
 //! The context of a window: through EGL on X11 and Wayland, WGL on Windows, CGL on macOS.
 //!
-//! Everything that a [`Context`] without a window can do, this one can too: the tracer shares it with the drawing.
+//! It can do everything that a [`Context`] without a window can: the tracer shares it with the drawing.
 
 use std::any::Any;
 use std::ffi::{CStr, c_void};
@@ -14,33 +14,31 @@ use glutin::context::PossiblyCurrentContext;
 use glutin::display::{Display, DisplayApiPreference};
 use glutin::prelude::*;
 use glutin::surface::{Surface, SurfaceAttributesBuilder, SwapInterval, WindowSurface};
-use winit::raw_window_handle::{
-    HasDisplayHandle, HasWindowHandle, RawDisplayHandle, RawWindowHandle,
-};
+use raw_window_handle::{HasDisplayHandle, HasWindowHandle, RawDisplayHandle, RawWindowHandle};
 
 use super::backend::Backend;
 use super::driver::load;
 use super::glutin_context::{attributes, new_context, template};
 use super::{Api, Context, GpuError, native};
 
-/// A display's way to OpenGL, and the kind of window that goes with it. The fields go in this order: the connection
-/// to the display last.
+/// OpenGL of a display, and the matching kind of window. Field order matters: the connection to the display is dropped
+/// last.
 #[derive(Debug)]
 pub struct WindowDisplay {
-    /// None where it takes a window to open the display: on Windows.
+    /// `None` if opening the display requires a window: on Windows.
     opened: Option<(Display, Config)>,
     handle: RawDisplayHandle,
     connection: Box<dyn Any>,
 }
 
-/// A window's context, and the surface that it draws on.
+/// A window's context, and its surface.
 #[derive(Debug)]
 pub struct WindowContext {
     context: Context,
     drawing: Rc<Drawing>,
 }
 
-/// What is current together. The fields go in this order.
+/// The context and surface that are current together. Field order matters.
 #[derive(Debug)]
 struct Drawing {
     surface: Surface<WindowSurface>,
@@ -50,25 +48,25 @@ struct Drawing {
     _connection: Box<dyn Any>,
 }
 
-/// The window's share in [`Context`].
+/// The [`Backend`] of a window's context.
 struct WindowBackend(Rc<Drawing>);
 
 impl WindowDisplay {
-    /// OpenGL of the display that a windowing library is connected to. The connection is kept as long as anything
-    /// made of it: to be passed by a counted reference, such as winit's `OwnedDisplayHandle`.
+    /// OpenGL of the display that a windowing library is connected to. The connection is kept as long as anything made
+    /// from it: pass a counted reference, such as winit's `OwnedDisplayHandle`.
     ///
     /// # Errors
-    /// [`GpuError::NoContext`] with what EGL answered, and for displays of a kind that has none; without EGL's library
-    /// the error that reports it.
+    /// [`GpuError::NoContext`] with EGL's answer, and for displays of an unsupported kind; the library's error if EGL's
+    /// library is missing.
     pub fn of(connection: impl HasDisplayHandle + 'static) -> Result<WindowDisplay, GpuError> {
-        // Where it stays from now on: nothing moves it, and nothing changes it.
+        // Boxed, so that it is neither moved nor changed from now on.
         let connection = Box::new(connection);
         let handle = connection.display_handle().map_err(refused)?.as_raw();
         native::prepare()?;
         let opened = match cfg!(windows) {
             true => None,
-            // SAFETY: the handle is good while the connection is there, and the connection is kept beside all that is
-            // made of the handle, and goes after it.
+            // SAFETY: the handle is valid as long as the connection, which is kept along with everything made from the
+            // handle and dropped after it.
             false => Some(unsafe { open(handle, None) }.map_err(refused)?),
         };
         Ok(WindowDisplay {
@@ -86,30 +84,31 @@ impl WindowDisplay {
         config.x11_visual().map(|visual| visual.visual_id())
     }
 
-    /// A context of OpenGL 3.3 core on a window of this display, of that size in pixels; it is left current. The
-    /// window is kept as long as the context: to be passed by a counted reference, such as `Arc<winit::window::Window>`.
+    /// Creates a context of OpenGL 3.3 core on a window of this display, of that size in pixels, and leaves it current.
+    /// The window is kept as long as the context: pass a counted reference, such as `Arc<winit::window::Window>`.
     ///
     /// # Errors
-    /// [`GpuError::NoContext`] with what EGL answered, and for windows of another kind.
+    /// [`GpuError::NoContext`] with EGL's answer, and for windows of another kind.
     pub fn context(
         self,
         window: impl HasWindowHandle + 'static,
         width: u32,
         height: u32,
     ) -> Result<WindowContext, GpuError> {
-        // As the connection: where it stays.
+        // Boxed like the connection.
         let window = Box::new(window);
         let handle = window.window_handle().map_err(refused)?.as_raw();
         let (display, config) = match self.opened {
             Some(opened) => opened,
-            // SAFETY: as when it is opened without a window; the window is kept beside what is made of it, too.
+            // SAFETY: as when it is opened without a window; the window is also kept along with everything made from
+            // it.
             None => unsafe { open(self.handle, Some(handle)) }.map_err(refused)?,
         };
         let (width, height) = (at_least_one(width), at_least_one(height));
         let surface = SurfaceAttributesBuilder::<WindowSurface>::new().build(handle, width, height);
-        // SAFETY: the window's handle is good while the window is there, which is kept beside the surface and goes after
-        // it; it is a number that the display server looks up, so that a window of another connection is an error of
-        // EGL's and no more.
+        // SAFETY: the window's handle is valid as long as the window, which is kept along with the surface and dropped
+        // after it; it is a number that the display server looks up, so a window of another connection only causes an
+        // EGL error.
         let surface = unsafe { display.create_window_surface(&config, &surface) };
         let surface = surface.map_err(refused)?;
         let context = new_context(&display, &config, attributes(Api::Gl)).map_err(refused)?;
@@ -126,10 +125,10 @@ impl WindowDisplay {
     }
 }
 
-/// Opens a display, and chooses a configuration for windows on it; on Windows for the one given.
+/// Opens a display and chooses a configuration for windows on it; on Windows, for the given window.
 ///
 /// # Safety
-/// Both handles are good as long as what is made of them.
+/// Both handles stay valid as long as everything made from them.
 unsafe fn open(
     handle: RawDisplayHandle,
     window: Option<RawWindowHandle>,
@@ -140,7 +139,7 @@ unsafe fn open(
     let preference = DisplayApiPreference::Cgl;
     #[cfg(all(unix, not(target_os = "macos")))]
     let preference = DisplayApiPreference::Egl;
-    // SAFETY: the caller's.
+    // SAFETY: guaranteed by the caller.
     let display = unsafe { Display::new(handle, preference) }?;
     let mut template = template(Api::Gl, ConfigSurfaceTypes::WINDOW);
     if let Some(window) = window {
@@ -157,22 +156,22 @@ impl WindowContext {
         &self.context
     }
 
-    /// The functions of GL once more, for a library that wants them counted by references. They are good while this
-    /// context is current.
+    /// The GL functions once more, for a library that needs them in an `Arc`. They are valid while this context is
+    /// current.
     ///
     /// # Errors
     /// [`GpuError::NoFunctions`].
     pub fn functions(&self) -> Result<Arc<glow::Context>, GpuError> {
-        // Makes the context current.
+        // This call makes the context current.
         self.context.gl();
         load(&WindowBackend(self.drawing.clone())).map(Arc::new)
     }
 
-    /// Turns off waiting for the screen's refresh: the caller paces the frames. Some drivers wait nonetheless.
+    /// Turns off waiting for the screen's refresh: the caller paces the frames. Some drivers wait nevertheless.
     pub fn do_not_wait_for_refresh(&self) {
         self.context.gl();
         let drawing = &self.drawing;
-        // Where it is refused frames are paced by the screen, which is slower but not wrong.
+        // If refused, the screen paces the frames, which is slower but not wrong.
         let _ = drawing
             .surface
             .set_swap_interval(&drawing.context, SwapInterval::DontWait);
@@ -187,14 +186,14 @@ impl WindowContext {
             .resize(&self.drawing.context, width, height);
     }
 
-    /// Lets what is drawn next go to the window, whatever was drawn into before.
+    /// Directs the following drawing to the window, whatever was drawn into before.
     pub fn aim(&self) {
         let gl = self.context.gl();
         // SAFETY: the context is current, and the window's framebuffer is always there.
         unsafe { gl.bind_framebuffer(glow::FRAMEBUFFER, None) };
     }
 
-    /// What the window shows once it is swapped: four bytes a pixel, the top row first. Waits for the drawing.
+    /// The pixels that the window shows after the next swap: four bytes each, the top row first. Waits for the drawing.
     ///
     /// # Errors
     /// What GL reports.
@@ -217,10 +216,10 @@ impl WindowContext {
         Ok(pixels.rchunks_exact(row).flatten().copied().collect())
     }
 
-    /// Brings what was drawn to the screen.
+    /// Shows what was drawn on the screen.
     ///
     /// # Errors
-    /// [`GpuError::ContextLost`] with what EGL answered.
+    /// [`GpuError::ContextLost`] with EGL's answer.
     pub fn swap(&self) -> Result<(), GpuError> {
         self.context.gl();
         self.drawing
@@ -245,7 +244,7 @@ impl Backend for WindowBackend {
     }
 
     fn release(&self) {
-        // A failure leaves a context current that the next make_current replaces.
+        // After a failure a context stays current, which the next make_current replaces.
         let _ = self.0.context.make_not_current_in_place();
     }
 

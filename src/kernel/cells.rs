@@ -1,20 +1,19 @@
 //! Cells of space, each with the surfaces that matter in it.
 //!
-//! Two lists a cell. *Overlapping*: the surfaces whose solid reaches into it; a line through
-//! the cell can meet no other. *Nearest candidates*: the surfaces that are the
-//! nearest one to some point of it; a distance there needs no other. With the middle c of a
-//! cell and its half diagonal r, the distance d of a surface and the least such distance u obey
-//! d(x) ≥ d(c) − r and min d(x) ≤ u + r, so that only surfaces with d(c) ≤ u + 2 r are near.
+//! Each cell has two lists. *Overlapping*: the surfaces whose solid reaches into it; a line through
+//! the cell can only meet these. *Nearest candidates*: the surfaces that are the nearest one to
+//! some point of it; a distance there only needs these. With the centre c of a cell and its half
+//! diagonal r, the distance d of a surface and the least such distance u obey d(x) ≥ d(c) − r and
+//! min d(x) ≤ u + r, so only surfaces with d(c) ≤ u + 2 r are candidates.
 //!
 //! A distance from outside the grid uses *groups* of surfaces instead (`groups.rs`).
 //!
-//! Lines are intersected with each kind separately where it has a closed form (`kinds.rs`).
+//! Lines are intersected with each kind separately if it has a closed form (`kinds.rs`).
 //!
-//! Uniform cells were chosen over a list of all surfaces (the same code with one cell) and
-//! over unrolled text by measuring: see docs/benchmarks/surfaces-llvmpipe.md. Lists are kept from frame to
-//! frame: what moved is taken out and put in, and only the cells that it was or can be
-//! near to are made again. They are built on all cores; their order is that of the
-//! surfaces, whatever the number of threads.
+//! Measurements decided for uniform cells over a list of all surfaces (the same code with one cell) and over unrolled
+//! text: see docs/benchmarks/surfaces-llvmpipe.md. Lists are kept from frame to frame: moved surfaces are removed and
+//! inserted again, and only the cells near their old or new positions are rebuilt. Lists are built on all cores; their
+//! order is that of the surfaces, regardless of the number of threads.
 
 mod grid;
 mod groups;
@@ -30,43 +29,43 @@ use glam::UVec3;
 use member::{Member, hull, radius};
 use rayon::prelude::*;
 
-/// Half the length that stands for no end, in metres: squares of it are finite in `f32`.
+/// Half the length that represents an endless extent, in metres: its square is finite in `f32`.
 pub(super) const ENDLESS: f64 = 1e9;
 
 /// The cells of some surfaces of a scene.
 #[derive(Clone, Debug)]
 pub struct Cells {
-    /// Axes along which cells have no end.
+    /// Axes along which cells are endless.
     unbounded_axes: [bool; 3],
     grid: Grid,
-    /// The surfaces that lie in cells, as they were when the lists were made.
+    /// The surfaces in the cells, as of when the lists were built.
     known: Vec<Member>,
     overlapping: Vec<Vec<u32>>,
     near: Option<Vec<Candidates>>,
-    /// Made with the lists of nearest candidates.
+    /// Built with the lists of nearest candidates.
     groups: Vec<Group>,
 }
 
-/// A cell's list of near surfaces (indices into the members), and what it was made by.
+/// A cell's list of near surfaces (indices into the members), and the numbers that decided it.
 #[derive(Clone, Debug, Default)]
 struct Candidates {
     members: Vec<u32>,
     least: f64,
 }
 
-/// Which lists are requested.
+/// The requested kind of lists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lists {
-    /// What a line through the cell can meet, each kind that has a closed form by itself.
+    /// Surfaces that a line through the cell can meet, with separate cells for each kind that has a closed form.
     Lines,
-    /// What a line through the cell can meet.
+    /// Surfaces that a line through the cell can meet.
     Overlapping,
-    /// What a distance in the cell needs.
+    /// Surfaces that a distance in the cell needs.
     NearestCandidates,
 }
 
 impl Cells {
-    /// The cells of these surfaces.
+    /// Builds the cells of these surfaces.
     pub fn new(scene: &Scene, surfaces: &[usize], unbounded_axes: [bool; 3]) -> Cells {
         let member = |&index: &usize| Member::new(index as u32, &scene.surfaces[index]);
         let known: Vec<Member> = surfaces.iter().map(member).collect();
@@ -86,7 +85,7 @@ impl Cells {
         cells
     }
 
-    /// Follows the scene: only what moved is taken out and put in again.
+    /// Follows the scene: removes and inserts only the moved surfaces.
     pub fn update(&mut self, scene: &Scene) {
         let moved: Vec<usize> = self
             .known
@@ -98,7 +97,7 @@ impl Cells {
         if moved.is_empty() {
             return;
         }
-        // Of many, a new build is as fast, and has a grid that fits.
+        // If many have moved, a new build is equally fast, and its grid fits.
         if 4 * moved.len() > self.known.len() {
             return self.renew(scene);
         }
@@ -143,13 +142,14 @@ impl Cells {
         longest
     }
 
-    /// Records that a line passes at most: of each cell that it crosses its own, and those of its list.
+    /// Maximum number of records that a line passes: for each cell that it crosses, the cell's own record and those of
+    /// its list.
     pub fn records_on_line(&self, which: Lists) -> u64 {
         let crossed = u64::from(self.grid.count.element_sum());
         crossed * (1 + self.longest(which) as u64)
     }
 
-    /// Makes the lists that are only made when they are requested.
+    /// Builds the lists that are only built on request.
     pub fn prepare(&mut self, which: Lists) {
         if which == Lists::NearestCandidates && self.near.is_none() {
             self.make_near();
@@ -207,7 +207,7 @@ impl Cells {
         cells
     }
 
-    /// Makes all lists of nearest candidates.
+    /// Builds all lists of nearest candidates.
     fn make_near(&mut self) {
         let all: Vec<u32> = (0..self.known.len() as u32).collect();
         let blocks = self.grid.blocks();
@@ -235,7 +235,7 @@ impl Cells {
         self.groups = groups::groups(&self.known);
     }
 
-    /// Makes the lists of nearest candidates again that something that moved was in, or gets into.
+    /// Rebuilds the lists of nearest candidates that a moved surface leaves or enters.
     fn renew_near(&mut self, moved: &[usize]) {
         let Some(near) = &self.near else {
             return;
@@ -265,7 +265,7 @@ impl Cells {
         self.groups = groups::groups(&self.known);
     }
 
-    /// Those of the candidates that are the nearest to some place of a box.
+    /// The candidates that are the nearest to some point of a box.
     fn near_to(&self, bounds: Bounds3, candidates: &[u32]) -> Candidates {
         let unbounded_axes = self.unbounded_axes;
         let mut least = f64::INFINITY;
@@ -313,7 +313,7 @@ mod tests {
         )
     }
 
-    /// Every list of the scene's cells, made by so many threads; some after a surface has moved.
+    /// Every list of the scene's cells, built by `threads` threads, some after a surface has moved.
     fn lists(threads: usize) -> Vec<Vec<u32>> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
         pool.build().unwrap().install(|| {
@@ -331,7 +331,7 @@ mod tests {
         })
     }
 
-    /// Protects lists, and so every result, from the number of threads that made them.
+    /// Protects lists, and so every result, from depending on the number of threads that built them.
     #[test]
     fn threads_do_not_change_a_list() {
         let alone = lists(1);

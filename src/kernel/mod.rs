@@ -38,15 +38,13 @@ mod turn_budget;
 
 pub(crate) use arrivals_shader::{ArrivalsText, WORD_BITS, arrivals_text};
 pub(crate) use band_groups::band_groups;
-#[cfg(any(test, feature = "experiment"))]
-pub(crate) use cells::Lists;
+pub use cells::Lists;
 pub(crate) use compiled_scene::CompiledScene;
 pub(crate) use data::DATA_WIDTH;
-#[cfg(any(test, feature = "experiment"))]
-pub(crate) use layout::Layout;
-pub(crate) use materials::Materials;
+pub use layout::Layout;
+pub use materials::Materials;
 pub use passes::Directions;
-#[cfg(any(feature = "picture", feature = "walkthrough"))]
+#[cfg(feature = "picture")]
 pub(crate) use passes::first_person;
 #[cfg(feature = "picture")]
 pub(crate) use passes::picture_text;
@@ -54,15 +52,17 @@ pub(crate) use passes::{
     AlgorithmText, MarchText, first_sum_text, further_sum_text, initialise_text, march_text,
     pan_text, whole_frame_text,
 };
-pub(crate) use structure::{Structure, StructureKey};
-#[cfg(feature = "experiment")]
-pub(crate) use text::is_marched;
+pub use structure::Structure;
+pub(crate) use structure::StructureKey;
+pub use text::is_marched;
 #[cfg(glsl_at_run_time)]
 pub(crate) use text::read_at_run_time;
 #[cfg(feature = "picture")]
 pub(crate) use text::source;
 pub(crate) use text::{Source, USER_FILE, file_name, join, shown_name, user_sources};
-pub(crate) use turn_budget::{Budget, LoopsAsked, MAX_STEPS};
+#[doc(hidden)]
+pub use turn_budget::Budget;
+pub(crate) use turn_budget::{LoopsAsked, MAX_STEPS};
 
 #[cfg(test)]
 mod tests;

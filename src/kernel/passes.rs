@@ -15,7 +15,6 @@ use std::str::FromStr;
 /// How the start directions are chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "lowercase")]
-#[non_exhaustive]
 pub enum Directions {
     /// Independent and uniform over the sphere, as the thesis has them.
     Random,
@@ -144,7 +143,7 @@ pub(crate) fn picture_text(
 }
 
 /// The sources of a picture of what the listener sees, with this shading.
-#[cfg(any(feature = "picture", feature = "walkthrough"))]
+#[cfg(feature = "picture")]
 pub(crate) fn first_person(shading: Source) -> [Source; 3] {
     [
         source!("view/eye.glsl"),

@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 /// The structure of a scene as the readers of some lists of cells see it.
 #[derive(Clone, Debug)]
-pub(crate) struct Structure {
+pub struct Structure {
     /// The lists of cells that the text reads.
     pub lists: Lists,
     /// Which surfaces have their own lines of text, and which are in cells.

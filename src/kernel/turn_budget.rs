@@ -261,7 +261,7 @@ pub(crate) struct LoopsAsked {
 /// The limits of a frame's passes: the same on every renderer, so that results do not depend on
 /// it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Budget {
+pub struct Budget {
     /// Iterations in one pass.
     pub iterations_per_pass: u32,
     /// Steps of one march among the basic shapes, or in `thesis` among all.

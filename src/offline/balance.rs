@@ -1,4 +1,4 @@
-//! The thesis' way: a frame's panning is what the gains of one sound glide to by the end of the frame's block of samples.
+//! The thesis' method: the gains of one sound glide to a frame's panning by the end of the frame's block of samples.
 
 use super::Timing;
 use crate::audio::{FrameBlocks, Mixer, SAMPLE_RATE, Sound};
@@ -6,27 +6,26 @@ use crate::error::Error;
 use crate::scene::Scene;
 use crate::trace::{Frame, Settings, Tracer};
 
-/// One frame's share of the sound.
+/// One frame's part of the sound.
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct Block<'a> {
     /// Number of the frame, from 0.
     pub index: u64,
-    /// When it starts, in seconds.
+    /// Start time in seconds.
     pub time: f64,
-    /// What was traced.
+    /// The traced frame.
     pub frame: &'a Frame,
-    /// Left and right samples in turns, at [`SAMPLE_RATE`].
+    /// Interleaved left and right samples, at [`SAMPLE_RATE`].
     pub samples: &'a [f32],
 }
 
-/// Traces and mixes `timing.seconds` of `sound` in a moving scene and hands each
-/// frame's block to `take`.
+/// Traces and mixes `timing.seconds` of `sound` in a moving scene and passes each frame's block to
+/// `take`.
 ///
 /// # Errors
-/// [`Error::Trace`] for seconds that are not finite, [`Error::Audio`] for a frame rate
-/// that makes no sense, those of [`Tracer::frame`],
-/// and whatever `take` returns.
+/// [`Error::Trace`] for seconds that are not finite, [`Error::Audio`] for an invalid frame rate,
+/// those of [`Tracer::frame`], and any error that `take` returns.
 pub fn render<E: From<Error>>(
     tracer: &mut Tracer,
     scene: &Scene,

@@ -9,35 +9,36 @@ use crate::response::{HeardSource, Response, ResponseSettings};
 use crate::scene::Scene;
 use crate::trace::Tracer;
 
-/// Seconds between two late parts: reverberation follows what moves more slowly than echoes do, and
-/// its kernel costs as much as several frames.
+/// Seconds between two late parts: reverberation changes more slowly than echoes, and its kernel
+/// costs as much as several frames.
 const LATE_S: f64 = 0.25;
 
-/// A fade between two late parts ends so many samples before the next begins: blocks of the
-/// convolution do not end where frames do.
+/// Samples between the end of a fade and the next late part: blocks of the convolution do not end
+/// at frame borders.
 const FADE_MARGIN: u32 = 2048;
 
-/// The length of the responses is found at so many moments of a path, from its start to its end.
+/// Number of moments of a path, from its start to its end, at which the length of the responses is estimated.
 const MOMENTS: u32 = 3;
 
-/// The longest response by default, in seconds: later sound is hardly heard behind continuous sound.
+/// The longest response by default, in seconds: later sound is hardly audible behind continuous sound.
 const LONGEST_S: f64 = 3.0;
 
-/// How a scene is heard in full.
+/// Settings of full listening to a scene.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct FullSettings {
-    /// How each response is traced. Without `seconds` they are as long as the longest that is needed
-    /// at the start, in the middle and at the end of the scene's path.
+    /// Settings of each response. Without `seconds`, responses have the greatest length needed at the start, in the
+    /// middle and at the end of the scene's path.
     pub response: ResponseSettings,
-    /// Which listener, from 0 in the order of [`Scene::listeners`].
+    /// Index of the listener, from 0 in the order of [`Scene::listeners`].
     pub listener: usize,
-    /// Chooses the noise of the late parts.
+    /// Seed for the noise of the late parts.
     pub seed: u64,
 }
 
 impl FullSettings {
-    /// The first listener; responses of up to 3 seconds, or as long as these settings have it if that is shorter.
+    /// Settings for the first listener; responses last up to 3 seconds, or as long as `response` states if that is
+    /// shorter.
     pub fn new(response: ResponseSettings) -> FullSettings {
         let longest_s = response.longest_s.min(LONGEST_S);
         FullSettings {
@@ -47,13 +48,13 @@ impl FullSettings {
         }
     }
 
-    /// The same with responses of so many seconds.
+    /// Sets the length of the responses in seconds.
     pub fn with_tail(mut self, seconds: f64) -> FullSettings {
         self.response.seconds = Some(seconds);
         self
     }
 
-    /// How long the responses are, in seconds.
+    /// The length of the responses, in seconds.
     ///
     /// # Errors
     /// As [`Response::trace`].
@@ -75,40 +76,40 @@ impl FullSettings {
     }
 }
 
-/// One frame's share of the sound.
+/// One frame's part of the sound.
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct FullBlock<'a> {
     /// Number of the frame, from 0.
     pub index: u64,
-    /// When it starts, in seconds.
+    /// Start time in seconds.
     pub time: f64,
-    /// What is heard of each source, in the scene's order.
+    /// Each source as heard by the listener, in the scene's order.
     pub sources: &'a [HeardSource],
-    /// Left and right samples in turns, at [`SAMPLE_RATE`].
+    /// Interleaved left and right samples, at [`SAMPLE_RATE`].
     pub samples: &'a [f32],
 }
 
-/// One source: its sound, and what is heard of it.
+/// One source: its sound and its current state.
 struct Playing<'a> {
     sound: &'a mut Sound,
     ears: Auralisation,
-    /// The scene that was heard last, with this source as its first.
+    /// The last traced scene, with this source as its first.
     scene: Option<Scene>,
     response: Option<Response>,
-    /// A late part that waits for the fade before it.
+    /// A late part that waits for the previous fade to end.
     late: Option<Heard>,
     heard: HeardSource,
 }
 
-/// Traces and plays `timing.seconds` of a moving scene, one of `sounds` for each source, and hands each
-/// frame's block to `take`. Single echoes are those of each frame, the late part is traced again every
-/// quarter of a second. Where nothing moves, nothing is traced again.
+/// Traces and plays `timing.seconds` of a moving scene, with one of `sounds` for each source, and passes each frame's
+/// block to `take`. Single echoes are updated with each frame, the late part every quarter of a second. While the scene
+/// stands still, it is not traced again.
 ///
 /// # Errors
-/// [`Error::Trace`] for settings out of range, [`Error::Audio`] for a frame rate that makes no sense,
-/// those of [`Response::trace`], and whatever `take` returns;
-/// [`Error::Scene`] if there is no such listener, [`Error::Audio`] if there are not as many sounds as sources.
+/// [`Error::Trace`] for settings out of range, [`Error::Audio`] for an invalid frame rate, those of
+/// [`Response::trace`], and any error that `take` returns; [`Error::Scene`] if there is no such listener,
+/// [`Error::Audio`] if the number of sounds differs from that of sources.
 pub fn render_full<E: From<Error>>(
     tracer: &mut Tracer,
     scene: &Scene,
@@ -164,7 +165,7 @@ pub fn render_full<E: From<Error>>(
     Ok(())
 }
 
-/// Whether a quarter of a second has begun since the frame before.
+/// Whether a quarter of a second has begun since the previous frame.
 fn is_due(time: f64, before: f64) -> bool {
     (time / LATE_S).floor() > (before / LATE_S).floor()
 }
@@ -181,7 +182,7 @@ impl<'a> Playing<'a> {
         })
     }
 
-    /// Glides to what is heard in `pair` within so many samples.
+    /// Glides to the responses in `pair` within the given number of samples.
     fn listen(
         &mut self,
         tracer: &mut Tracer,
@@ -211,7 +212,7 @@ impl<'a> Playing<'a> {
         self.fade_late()
     }
 
-    /// Makes the late part of what was traced since the last one.
+    /// Computes the late part from the traces since the last one.
     fn make_late(&mut self, settings: &FullSettings) -> Result<(), Error> {
         let (Some(response), Some(scene)) = (self.response.take(), &self.scene) else {
             return Ok(());
@@ -222,7 +223,7 @@ impl<'a> Playing<'a> {
         Ok(())
     }
 
-    /// Takes the first late part at once, and is ahead by what all is late.
+    /// Takes the first late part at once, and skips the latency.
     fn begin(&mut self) -> Result<(), Error> {
         if let Some(late) = &mut self.late {
             self.ears.glide_late(late, 0)?;

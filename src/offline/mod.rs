@@ -1,9 +1,8 @@
-//! A scene to sound without a sound card: frame after frame, traced and played.
+//! A scene to sound without a sound card: traced and played frame by frame.
 //!
-//! [`render`] is the thesis' way: a frame's panning is what the gains of one sound glide to by the end
-//! of the frame's block of samples. [`render_full`] plays each source as it is heard: delays, loudness,
-//! echoes, reverberation ([`auralisation`](crate::auralisation)). Each frame is traced with the scene as
-//! it stands at the frame's start.
+//! [`render`] uses the thesis' method: the gains of one sound glide to a frame's panning by the end of the frame's
+//! block of samples. [`render_full`] plays each source with delays, loudness, echoes and reverberation
+//! ([`auralisation`](crate::auralisation)). Each frame is traced with the scene at the frame's start.
 
 mod balance;
 mod full_listening;
@@ -15,26 +14,26 @@ use crate::audio::SAMPLE_RATE;
 use crate::error::Error;
 use crate::trace::TraceError;
 
-/// How long, and at how many frames a second.
+/// Duration and frame rate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Timing {
     /// Seconds of sound.
     pub seconds: f64,
-    /// Frames a second.
+    /// Frames per second.
     pub fps: f64,
 }
 
 impl Timing {
-    /// So many seconds of sound at so many frames a second.
+    /// Creates a timing of `seconds` of sound at `fps` frames per second.
     pub fn new(seconds: f64, fps: f64) -> Timing {
         Timing { seconds, fps }
     }
 
-    /// Number of frames: the last one is cut at the end of the time.
+    /// Number of frames; the last one is cut at the end of the duration.
     pub fn frames(&self) -> u64 {
-        // A share of a frame below this is rounding, not time: at 1000 frames a second
-        // it is far below one sample.
+        // A fraction of a frame below this is due to rounding: at 1000 frames per second it is far
+        // below one sample.
         const ROUNDING: f64 = 1e-6;
         (self.seconds * self.fps - ROUNDING).ceil().max(0.0) as u64
     }

@@ -1,4 +1,4 @@
-//! A font of 5 × 7 dots, for the few words that plans and maps carry.
+//! A font of 5 × 7 dots, for the short texts on plans and maps.
 
 use super::marks::rectangle;
 use tiny_skia::PixmapMut;
@@ -6,10 +6,10 @@ use tiny_skia::PixmapMut;
 /// The colour of letters.
 pub(super) const INK: [u8; 3] = [38, 42, 46];
 
-/// Dots from one letter's left edge to that of the next.
+/// Dots from one letter's left edge to the next.
 pub(super) const ADVANCE: usize = 6;
 
-/// Writes in dots of so many pixels, from the upper left.
+/// Writes `text` with dots of `dot` pixels, from the upper left.
 pub(super) fn write(canvas: &mut PixmapMut, text: &str, left: f32, top: f32, dot: f32) {
     for (place, letter) in text.chars().enumerate() {
         for (row, bits) in dots(letter).into_iter().enumerate() {
@@ -21,8 +21,8 @@ pub(super) fn write(canvas: &mut PixmapMut, text: &str, left: f32, top: f32, dot
     }
 }
 
-/// A letter's seven rows of five dots: small letters, digits, and the capitals of units and figures; other
-/// capitals are drawn as small letters, and what is neither as a gap.
+/// A letter's seven rows of five dots: small letters, digits, and the capitals of units and figures; other capitals are
+/// drawn as small letters, and unknown characters as a gap.
 fn dots(letter: char) -> [u8; 7] {
     match letter {
         '0' => [
@@ -131,7 +131,7 @@ fn dots(letter: char) -> [u8; 7] {
 mod tests {
     use super::*;
 
-    /// Protects titles and labels: each letter that they may have is drawn, unlike all others.
+    /// Protects titles and labels: each letter used in them is drawn, and differs from all others.
     #[test]
     fn letters_differ() {
         let letters = "abcdefghijklmnopqrstuvwxyz0123456789-.+:,/BCDEGHT";

@@ -1,4 +1,4 @@
-//! A map: the plan of a scene, coloured by a number at each place of a lattice, with a colour bar.
+//! A map: the plan of a scene, coloured by a value at each place of a lattice, with a colour bar.
 
 use super::font::{self, write};
 use super::marks::{self, fill, paint, rectangle};
@@ -16,51 +16,47 @@ use tiny_skia::{BlendMode, PathBuilder, PixmapMut, Rect};
 /// Width of the colour bar's part of the picture, as a share of the plan's width.
 const BAR_SHARE: f32 = 0.2;
 
-/// Height of the title's line, in the plan's unit of strokes.
+/// Height of the title line, in the plan's stroke unit.
 const TITLE: f32 = 26.0;
 
-/// Steps between marks on the colour bar at most.
+/// Maximum steps between marks on the colour bar.
 const STEPS: f64 = 6.0;
 
-/// Length of a mark beside the colour bar, in the plan's unit of strokes.
+/// Length of a mark beside the colour bar, in the plan's stroke unit.
 const MARK: f32 = 4.0;
 
-/// The colour of a place without a number.
+/// The colour of a place without a value.
 const NOTHING: [u8; 3] = [225, 225, 225];
 
-/// Numbers at the places of a lattice.
-pub(crate) struct MapOptions<'a> {
+/// Values at the places of a lattice, and how to draw them.
+pub struct MapOptions<'a> {
     /// Width of the plan in pixels; the colour bar is beside it.
     pub width: u32,
     /// World y of the cut in metres.
     pub height: f32,
-    /// The first place of the lattice and the last; y is not looked at.
+    /// The first place of the lattice and the last; y is ignored.
     pub ends: [Vec3; 2],
     /// Places along x and along z, 2 or more each.
     pub counts: [u32; 2],
-    /// The numbers, x first; none where there is none.
+    /// The values, x first; `None` for places without one.
     pub values: &'a [Option<f64>],
-    /// The title above the map: what is mapped, and where.
+    /// The title above the map: the quantity and its place.
     pub title: &'a str,
-    /// Whether 0 is in the middle of the colours, for numbers whose sign is a side.
+    /// Whether 0 is in the middle of the colours, for signed values.
     pub around_zero: bool,
-    /// The unit behind a number on the colour bar: `dB`, `s`, or nothing.
+    /// The unit after a number on the colour bar: `dB`, `s`, or empty.
     pub unit: &'a str,
-    /// The colour of a share from 0 to 1 of the way from the least number to the greatest.
+    /// The colour for a value's position, from 0 at the lowest value to 1 at the highest.
     pub colour: fn(f64) -> [u8; 3],
 }
 
-/// Draws a map: places are coloured rectangles, solid is pale as in a plan, the source is marked. The listener is
-/// not: it was everywhere.
-pub(crate) fn map(
-    context: &Context,
-    scene: &Scene,
-    options: &MapOptions,
-) -> Result<RgbaImage, Error> {
+/// Draws a map: places are coloured rectangles, solids are pale as in a plan, the source is marked. The listener is
+/// not: it was at every place.
+pub fn map(context: &Context, scene: &Scene, options: &MapOptions) -> Result<RgbaImage, Error> {
     shader::check_size(context, options.width, 1)?;
     let [from, to] = options.ends;
     let mut shown = scene.clone();
-    // The plan holds the lattice and the source, wherever the scene's own listener is.
+    // The plan covers the lattice and the source, wherever the scene's own listener is.
     shown.listener.position = from.lerp(to, 0.5);
     shown.further_listeners.clear();
     let lattice = Bounds {
@@ -86,14 +82,14 @@ pub(crate) fn map(
     with_colour_bar(&picture, &plan, options, ends)
 }
 
-/// A place that is drawn.
+/// A place to draw.
 struct Place {
     column: u32,
     row: u32,
     value: Option<f64>,
 }
 
-/// The places whose centre is in the air: there are no listeners in solids.
+/// The places whose centre is in the air: listeners cannot be in solids.
 fn places(scene: &Scene, options: &MapOptions) -> Vec<Place> {
     let [columns, rows] = options.counts;
     let [from, to] = options.ends;
@@ -120,20 +116,20 @@ fn places(scene: &Scene, options: &MapOptions) -> Vec<Place> {
         .collect()
 }
 
-/// The least number and the greatest; none without numbers.
+/// The lowest and the highest value; `None` without values.
 fn ends_of(values: impl Iterator<Item = Option<f64>> + Clone) -> Option<(f64, f64)> {
     let numbers = values.flatten();
     let least = numbers.clone().reduce(f64::min)?;
     Some((least, numbers.reduce(f64::max)?))
 }
 
-/// Ends as far from 0 as the further one is.
+/// A range symmetric about 0 that contains both ends.
 fn around_zero((least, most): (f64, f64)) -> (f64, f64) {
     let size = least.abs().max(most.abs());
     (-size, size)
 }
 
-/// Colours every place: multiplied, so that solids and lines are seen.
+/// Colours every place by multiplication, so that solids and lines remain visible.
 fn draw_places(
     canvas: &mut PixmapMut,
     plan: &Plan,
@@ -145,7 +141,7 @@ fn draw_places(
     let [from, to] = options.ends.map(|end| plan.pixel(end));
     let step = (to - from) / Vec2::new((columns - 1) as f32, (rows - 1) as f32);
     for &Place { column, row, value } in places {
-        // Edges are on whole pixels, where the next place begins.
+        // Edges lie on whole pixels, where the next place begins.
         let edge = |place: u32, from: f32, step: f32| (from + step * (place as f32 - 0.5)).round();
         let xs = [column, column + 1].map(|place| edge(place, from.x, step.x));
         let ys = [row, row + 1].map(|place| edge(place, from.y, step.y));
@@ -163,13 +159,13 @@ fn draw_places(
     }
 }
 
-/// Where a number lies between two; in the middle where these are the same.
+/// Position of a value between two others; the middle if these are equal.
 fn share(value: f64, least: f64, most: f64) -> f64 {
     let share = (value - least) / (most - least);
     if share.is_finite() { share } else { 0.5 }
 }
 
-/// The picture below its title, with a colour bar to its right: the greatest number above.
+/// The picture below its title, with a colour bar to its right whose top is the highest value.
 fn with_colour_bar(
     picture: &RgbaImage,
     plan: &Plan,
@@ -231,13 +227,13 @@ fn with_colour_bar(
 /// A mark on the colour bar.
 #[derive(Debug, PartialEq)]
 struct Mark {
-    /// How far up the bar it is, 0 to 1.
+    /// Position on the bar, from 0 at the bottom to 1.
     share: f64,
     label: String,
 }
 
-/// The marks of the bar, from below: at the multiples of 1, 2 or 5 times a power of ten that lie on it; where all
-/// numbers are the same at that one.
+/// The marks of the bar, from the bottom: at the multiples of 1, 2 or 5 times a power of ten on it; a single mark if
+/// all values are equal.
 fn bar_marks(ends: Option<(f64, f64)>, unit: &str) -> Vec<Mark> {
     let Some((least, most)) = ends else {
         return Vec::new();
@@ -247,7 +243,7 @@ fn bar_marks(ends: Option<(f64, f64)>, unit: &str) -> Vec<Mark> {
         share: share(number, least, most),
         label: format!("{number:.digits$} {unit}").trim_end().to_owned(),
     };
-    // Not for equal ends, nor for such that no numbers lie between.
+    // Excludes equal ends, and ends so close that no number lies between them.
     if !(step.is_finite() && step > 0.0 && least + step > least) {
         return vec![mark(least, 2)];
     }
@@ -255,11 +251,11 @@ fn bar_marks(ends: Option<(f64, f64)>, unit: &str) -> Vec<Mark> {
     let first = (least / step - ROUNDING).ceil();
     let count = (most / step + ROUNDING).floor() - first;
     let numbers = (0..=count as u32).map(|index| (first + f64::from(index)) * step);
-    // Not −0.
+    // Avoids −0.
     numbers.map(|number| mark(number + 0.0, digits)).collect()
 }
 
-/// The least of 1, 2, 5, 10, 20, 50 … that is not below `least`.
+/// The smallest of 1, 2, 5, 10, 20, 50 … that is at least `least`.
 fn round_step(least: f64) -> f64 {
     let power = 10_f64.powf(least.log10().floor());
     let steps = [1.0, 2.0, 5.0].map(|step| step * power);
@@ -269,14 +265,14 @@ fn round_step(least: f64) -> f64 {
     fits.unwrap_or(10.0 * power)
 }
 
-/// A share of a step that is rounding.
+/// A fraction of a step that counts as rounding.
 const ROUNDING: f64 = 1e-6;
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Protects the colour bar: numbers at its marks differ, and carry their unit.
+    /// Protects the colour bar: the labels of its marks differ and have their unit.
     #[test]
     fn the_bar_says_what_the_colours_mean() {
         let values = [Some(-3.0), None, Some(5.0)];
@@ -287,7 +283,7 @@ mod tests {
         assert_eq!(share(2.0, 2.0, 2.0), 0.5);
     }
 
-    /// Protects the reader of a colour bar from odd numbers: its marks are at round ones, and where these are.
+    /// Protects the reader of a colour bar from odd numbers: its marks are at round numbers, in the right positions.
     #[test]
     fn marks_are_at_round_numbers() {
         let labels = |least, most| -> Vec<String> {
@@ -314,7 +310,7 @@ mod tests {
         assert_eq!(labels(120.0, 1400.0), ["500 dB", "1000 dB"]);
         assert_eq!(labels(2.0, 2.0), ["2.00 dB"]);
         assert!(bar_marks(None, "dB").is_empty());
-        // Numbers between which there is none.
+        // Two values without a representable number between them.
         assert_eq!(
             bar_marks(Some((1e300, 1e300 * (1.0 + f64::EPSILON))), "").len(),
             1

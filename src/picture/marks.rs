@@ -14,19 +14,19 @@ use tiny_skia::{
 const BLUE: [u8; 3] = [0, 114, 178];
 /// The source and its path.
 const ORANGE: [u8; 3] = [230, 159, 0];
-/// The path of a source: darker, as its lines are thin.
+/// The path of a source: darker, because its lines are thin.
 const SOURCE_PATH: [u8; 3] = [176, 116, 0];
-/// The ground of letters.
+/// Background of letters.
 pub(super) const PLATE_COLOUR: [u8; 3] = [255, 255, 255];
-/// Opacity of the ground of letters.
+/// Opacity of the background of letters.
 pub(super) const PLATE: f32 = 0.82;
-/// Outlines and the gaze.
+/// Outlines and the gaze direction.
 const INK: [u8; 3] = [38, 42, 46];
 
-/// How strong the marks of further sources and listeners are: no wave is drawn from or to them.
+/// Opacity of the marks of further sources and listeners, whose waves are not drawn.
 const FURTHER: f32 = 0.4;
 
-/// Draws the marks of `scene`: the first source and the first listener over the others.
+/// Draws the marks of `scene`, with the first source and the first listener on top.
 pub(super) fn draw(canvas: &mut PixmapMut, plan: &Plan, scene: &Scene) {
     for listener in scene.further_listeners.iter().rev() {
         draw_listener(canvas, plan, listener, FURTHER);
@@ -67,7 +67,7 @@ fn draw_listener(canvas: &mut PixmapMut, plan: &Plan, listener: &Listener, opaci
     let circle = PathBuilder::from_circle(centre.x, centre.y, radius);
     fill(canvas, circle.clone(), &paint(BLUE, 0.16 * opacity));
     stroke(canvas, circle, &blue, &round(2.4 * unit));
-    // The gaze as seen from above: shorter when it rises or falls.
+    // The gaze direction as seen from above: shorter when it points up or down.
     let gaze = super::plan::flat(listener.forward());
     let tip = centre + gaze * (radius + 16.0 * unit);
     let shaft = polyline(&[centre, tip]);
@@ -87,7 +87,7 @@ fn draw_source(canvas: &mut PixmapMut, plan: &Plan, source: &Source, opacity: f3
     draw_source_mark(canvas, plan, source.position, opacity);
 }
 
-/// Draws where a source is.
+/// Draws the mark of a source at its position.
 pub(super) fn draw_source_mark(canvas: &mut PixmapMut, plan: &Plan, position: Vec3, opacity: f32) {
     let unit = plan.stroke();
     let centre = plan.pixel(position);
@@ -96,7 +96,7 @@ pub(super) fn draw_source_mark(canvas: &mut PixmapMut, plan: &Plan, position: Ve
     stroke(canvas, dot, &paint(INK, opacity), &round(1.8 * unit));
 }
 
-/// A line through points in pixels; `None` for fewer than two, or for none finite.
+/// A line through points in pixels; `None` for fewer than two points or for points that are not finite.
 pub(super) fn polyline(points: &[Vec2]) -> Option<Path> {
     let mut builder = PathBuilder::new();
     let (first, rest) = points.split_first()?;
@@ -107,7 +107,7 @@ pub(super) fn polyline(points: &[Vec2]) -> Option<Path> {
     builder.finish()
 }
 
-/// One colour, of that opacity.
+/// A paint of one colour with the given opacity.
 pub(super) fn paint([red, green, blue]: [u8; 3], opacity: f32) -> Paint<'static> {
     let mut paint = Paint::default();
     paint.set_color(colour([red, green, blue], opacity));
@@ -115,14 +115,14 @@ pub(super) fn paint([red, green, blue]: [u8; 3], opacity: f32) -> Paint<'static>
     paint
 }
 
-/// A colour of that opacity.
+/// A colour with the given opacity.
 pub(super) fn colour([red, green, blue]: [u8; 3], opacity: f32) -> Color {
     let mut colour = Color::from_rgba8(red, green, blue, 255);
     colour.set_alpha(opacity);
     colour
 }
 
-/// A line of that width in pixels, with round ends and joins.
+/// A stroke of the given width in pixels, with round ends and joins.
 pub(super) fn round(width: f32) -> Stroke {
     Stroke {
         width,

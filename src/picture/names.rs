@@ -7,10 +7,10 @@ use crate::scene::Scene;
 use glam::Vec3;
 use tiny_skia::PixmapMut;
 
-/// Letters of a name that are drawn at most.
+/// Maximum letters drawn of a name.
 const LONGEST_NAME: usize = 24;
 
-/// Writes the name of each source, and of each listener, where there is more than one.
+/// Writes the names of the sources if there are several, and those of the listeners likewise.
 pub(super) fn draw(canvas: &mut PixmapMut, plan: &Plan, scene: &Scene) {
     let unit = plan.stroke();
     if !scene.further_sources.is_empty() {
@@ -26,7 +26,7 @@ pub(super) fn draw(canvas: &mut PixmapMut, plan: &Plan, scene: &Scene) {
     }
 }
 
-/// Writes a name so many pixels to the right of a place.
+/// Writes a name `right` pixels to the right of a place.
 fn write_beside(canvas: &mut PixmapMut, plan: &Plan, place: Vec3, right: f32, name: &str) {
     let dot = (1.6 * plan.stroke()).round().max(1.0);
     let middle = plan.pixel(place);

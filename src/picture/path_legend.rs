@@ -1,4 +1,4 @@
-//! The legend of the paths of waves on a plan: what their colours mean.
+//! The legend of the paths of waves on a plan: the meaning of their colours.
 
 use super::font::{self, write};
 use super::marks::{PLATE_COLOUR, rectangle};
@@ -7,22 +7,22 @@ use super::wave_paths::{STYLES, Style};
 use crate::trace::Fate;
 use tiny_skia::PixmapMut;
 
-/// Pixels of a line's sample and of a row, in the plan's unit of strokes.
+/// Length of a line sample, in the plan's stroke unit.
 const SAMPLE: f32 = 22.0;
 const ROW: f32 = 16.0;
 
-/// Dots of a row at least: a letter has seven.
+/// Minimum dots of a row: a letter has seven.
 const ROW_DOTS: f32 = 10.0;
 
-/// Pixels of a sample's width at least: thinner ones are pale.
+/// Minimum width of a sample in pixels: thinner ones are pale.
 const LEAST_WIDTH: f32 = 2.0;
 
-/// Opacity of the ground: lines of the plan below it would be taken for samples.
+/// Opacity of the background: otherwise the plan's lines below it could be mistaken for samples.
 const GROUND: f32 = 0.97;
 
-/// Draws in the upper left corner what the waves of these fates look like.
+/// Draws the line styles of these fates in the upper left corner.
 pub(super) fn draw(canvas: &mut PixmapMut, plan: &Plan, fates: &[Fate]) {
-    // As they lie over one another, the uppermost first.
+    // In the order in which the lines overlap, the uppermost first.
     let styles = STYLES.iter().rev();
     let shown: Vec<&Style> = styles.filter(|style| fates.contains(&style.fate)).collect();
     let unit = plan.stroke();

@@ -1,4 +1,4 @@
-//! Which part of the world a slice shows, and where a point of it lies in the picture.
+//! The part of the world that a slice shows, and the mapping of its points to the picture.
 
 use super::PictureError;
 use crate::scene::shape::{Cuboid, Cylinder, Room, Sphere};
@@ -6,35 +6,35 @@ use crate::scene::{Node, Path, Scene, Surface};
 use glam::{DMat3, Vec2, Vec3};
 use std::f32::consts::TAU;
 
-/// The share of the longer side that is left free around what is shown.
+/// Margin around the contents, as a share of the longer side.
 const MARGIN: f32 = 0.05;
 
 /// The shorter side is at least this share of the longer one.
 const SLIMMEST: f32 = 0.4;
 
-/// How far the listener sees for the plan of an endless field, in radii of its sphere: the
-/// one length of a scene that gives its scale.
+/// Range of the listener's sight for the plan of an endless field, in radii of its sphere, the only
+/// length of a scene that gives its scale.
 const SIGHT: f32 = 60.0;
-/// Directions that it looks in.
+/// Number of directions that the listener looks in.
 const SIGHTS: u32 = 48;
-/// Steps that one look takes at most.
+/// Maximum steps of one look.
 const SIGHT_STEPS: u32 = 200;
-/// A look ends so near to a surface, as a share of [`SIGHT`]: a fraction of a pixel.
+/// Distance from a surface at which a look ends, as a share of [`SIGHT`]: a fraction of a pixel.
 const NEAR_ENOUGH: f32 = 1e-4;
 
 /// A part of the plan: world x and z in metres, in the vectors' x and y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
-    /// The upper left of the picture: the least x and z.
+    /// The upper left of the picture: the lowest x and z.
     pub min: Vec2,
-    /// The lower right of the picture: the greatest x and z.
+    /// The lower right of the picture: the highest x and z.
     pub max: Vec2,
 }
 
 impl Bounds {
-    /// The part that holds everything bounded that a cut at `height` (world y, metres)
-    /// meets, the sources, the listeners and their paths, with a margin; and where a field has
-    /// no end, as rock about a cave, the walls that the listener sees about it.
+    /// The part that contains everything bounded that a cut at `height` (world y, metres) meets,
+    /// the sources, the listeners and their paths, with a margin; for an endless field, such as
+    /// rock around a cave, also the walls that the listener sees around it.
     pub fn of(scene: &Scene, height: f32) -> Bounds {
         let mut bounds = Bounds::around(scene.listener.position, scene.listener.radius);
         for source in scene.sources() {
@@ -65,7 +65,7 @@ impl Bounds {
         }
     }
 
-    /// Adds what stands or moves, with so much room about it.
+    /// Adds an object with its path, and `room` around it.
     fn add_moving(&mut self, position: Vec3, path: &Path, room: f32) {
         let keys = path.keys().iter().map(|key| key.position);
         for point in keys.chain([position]) {
@@ -95,12 +95,12 @@ impl Bounds {
     }
 }
 
-/// World x and z.
+/// World x and z of a point.
 pub(super) fn flat(point: Vec3) -> Vec2 {
     Vec2::new(point.x, point.z)
 }
 
-/// What a cut at `height` meets of a surface; `None` for nothing, or for what has no end.
+/// The extent of a surface in a cut at `height`; `None` if the cut misses it or it has no end.
 fn extent(surface: &Surface, height: f32) -> Option<Bounds> {
     match surface.shape.node {
         Node::Plane(_) => None,
@@ -127,7 +127,7 @@ fn extent(surface: &Surface, height: f32) -> Option<Bounds> {
         }
         Node::Cylinder(Cylinder { radius }) => {
             let axis = surface.rotation * Vec3::Y;
-            // A cylinder that lies down is met along its endless side.
+            // The cut meets a lying cylinder along its endless side.
             if axis.y.abs() < 0.3 {
                 return Some(Bounds::around(surface.position, radius));
             }
@@ -138,7 +138,7 @@ fn extent(surface: &Surface, height: f32) -> Option<Bounds> {
     }
 }
 
-/// What ends of a field along x and z, if the cut meets its bounds.
+/// The bounded extent of a field along x and z, if the cut meets its bounds.
 fn field_extent(surface: &Surface, height: f32) -> Option<Bounds> {
     let rotation = DMat3::from_quat(surface.rotation.as_dquat());
     let bounds = surface.shape.properties().bounds.turned(rotation);
@@ -152,7 +152,7 @@ fn field_extent(surface: &Surface, height: f32) -> Option<Bounds> {
     })
 }
 
-/// Whether a surface is a field that fills more than any bounds hold.
+/// Whether a surface is a field with solid beyond any bounds.
 fn is_endless_field(surface: &Surface) -> bool {
     let Some(field) = surface.shape.field() else {
         return false;
@@ -161,7 +161,7 @@ fn is_endless_field(surface: &Surface) -> bool {
     !(bounds.min.is_finite() && bounds.max.is_finite())
 }
 
-/// Where the listener's sight ends on surfaces, all around at `height`.
+/// The points where the listener's sight meets surfaces, all around at `height`.
 fn walls_about(scene: &Scene, height: f32) -> Vec<Vec3> {
     let eye = scene.listener.position.with_y(height);
     let far = SIGHT * scene.listener.radius;
@@ -192,12 +192,12 @@ fn corners(surface: &Surface, size: Vec3) -> [Vec3; 8] {
     })
 }
 
-/// The way from the world to the picture.
+/// The mapping from the world to the picture.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Plan {
     /// World x and z of the picture's upper left.
     pub corner: Vec2,
-    /// Metres in a pixel.
+    /// Metres per pixel.
     pub metres: f32,
     /// Width in pixels.
     pub width: u32,
@@ -206,7 +206,7 @@ pub(super) struct Plan {
 }
 
 impl Plan {
-    /// The plan of `bounds`, `width` pixels wide and as high as that makes it.
+    /// The plan of `bounds`, `width` pixels wide with the height that follows.
     pub fn new(bounds: Bounds, width: u32) -> Result<Plan, PictureError> {
         if !bounds.has_area() {
             let what = format!("{} to {}", bounds.min, bounds.max);
@@ -222,17 +222,17 @@ impl Plan {
         })
     }
 
-    /// Where a world point lies, in pixels from the upper left.
+    /// The position of a world point, in pixels from the upper left.
     pub fn pixel(&self, point: Vec3) -> Vec2 {
         (flat(point) - self.corner) / self.metres
     }
 
-    /// A length in pixels.
+    /// Converts a length to pixels.
     pub fn pixels(&self, metres: f32) -> f32 {
         metres / self.metres
     }
 
-    /// What one pixel of a picture 800 pixels wide is in this one: for widths of lines.
+    /// The size of one pixel of a picture 800 pixels wide in this one: the unit of line widths.
     pub fn stroke(&self) -> f32 {
         (self.width as f32 / 800.0).max(0.4)
     }
@@ -254,7 +254,7 @@ mod tests {
         )
     }
 
-    /// Protects turned rooms from being cut off.
+    /// Protects rotated rooms from being cut off.
     #[test]
     fn a_turned_room_fits() {
         let size = Vec3::new(10.0, 4.0, 10.0);
@@ -267,7 +267,7 @@ mod tests {
         assert!((bounds.min.x + bounds.max.x).abs() < 1e-4, "{bounds:?}");
     }
 
-    /// Protects the plan from shrinking for a floor slab that the cut does not meet.
+    /// Protects the plan from shrinking because of a floor slab that the cut does not meet.
     #[test]
     fn what_the_cut_misses_does_not_count() {
         let size = Vec3::new(1000.0, 1.0, 1000.0);
@@ -275,7 +275,7 @@ mod tests {
         assert!(Bounds::of(&scene(slab), 0.0).max.x < 5.0);
     }
 
-    /// Protects rooms that are hollows in endless rock: the walls that one meets walking straight on are shown.
+    /// Protects rooms that are hollows in endless rock: the walls in the listener's horizontal sight are shown.
     #[test]
     fn the_walls_of_a_hollow_are_shown() {
         for name in ["cave", "whispering-gallery", "morphing-room"] {
@@ -297,7 +297,7 @@ mod tests {
         }
     }
 
-    /// Protects the renderer from bounds that are none.
+    /// Protects the renderer from invalid bounds.
     #[test]
     fn bounds_without_an_area_are_refused() {
         for max in [Vec2::ZERO, Vec2::new(1.0, -1.0), Vec2::splat(f32::NAN)] {

@@ -1,7 +1,6 @@
 //! Pictures as PNG files.
 
 use super::PictureError;
-#[cfg(feature = "experiment")]
 use crate::file_output::write_inside;
 use crate::file_output::write_whole;
 use image::codecs::png::PngEncoder;
@@ -18,9 +17,8 @@ pub fn save_png(path: &Path, picture: &RgbaImage) -> Result<(), PictureError> {
     Ok(())
 }
 
-/// As [`save_png`], for a file that the program names itself in a folder: a link is rejected.
-#[cfg(feature = "experiment")]
-pub(crate) fn save_png_inside(path: &Path, picture: &RgbaImage) -> Result<(), PictureError> {
+/// As [`save_png`], for a file in a folder, named by the program itself: a link is rejected.
+pub fn save_png_inside(path: &Path, picture: &RgbaImage) -> Result<(), PictureError> {
     let bytes = png(picture)?;
     write_inside(path, |out| out.write_all(&bytes))?;
     Ok(())

@@ -1,12 +1,12 @@
-//! The scale bar of a plan: fields of equal length, alternately black and white, and the
-//! whole length in letters.
+//! The scale bar of a plan: fields of equal length, alternately black and white, and the total
+//! length as text.
 
 use super::font::{INK, write};
 use super::marks::{PLATE, PLATE_COLOUR, rectangle};
 use super::plan::Plan;
 use tiny_skia::PixmapMut;
 
-/// The longest bar, as a share of the picture's width.
+/// Maximum length of the bar, as a share of the picture's width.
 const LONGEST: f32 = 0.25;
 
 /// Draws the bar in the lower left corner.
@@ -44,8 +44,8 @@ pub(super) fn draw(canvas: &mut PixmapMut, plan: &Plan) {
     );
 }
 
-/// The longest of 1, 2, 5, 10, 20, 50 … that is not above `most`, and its fields: of a
-/// metre for lengths up to 5 m.
+/// The largest of 1, 2, 5, 10, 20, 50 … that is at most `most`, and the number of its fields: one
+/// per metre for lengths up to 5 m.
 fn nice_length(most: f32) -> (f32, u32) {
     let power = 10f32.powf(most.log10().floor());
     match most / power {
@@ -69,7 +69,7 @@ fn label(metres: f32) -> String {
 mod tests {
     use super::*;
 
-    /// Protects the reader from a bar whose length or label is odd.
+    /// Protects the reader from a bar with an odd length or label.
     #[test]
     fn lengths_are_round_and_labelled() {
         let cases = [

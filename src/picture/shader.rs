@@ -8,7 +8,7 @@ use crate::scene::Scene;
 use crate::trace::GpuScene;
 use image::RgbaImage;
 
-/// Pixels in one draw call at most: see [`full_screen_pass_rows`].
+/// Maximum pixels in one draw call: see [`full_screen_pass_rows`].
 const PIXELS_PER_DRAW: u32 = 1 << 17;
 
 /// A picture's program, and the scene that it reads.
@@ -17,8 +17,8 @@ pub(super) struct Shader {
     scene: GpuScene,
 }
 
-/// The program of a picture's shader around the distance functions of `scene`, whose
-/// numbers are set.
+/// The program of a picture's shader around the distance functions of `scene`, with the scene's
+/// numbers set.
 pub(super) fn program(context: &Context, scene: &Scene, kind: Kind) -> Result<Shader, Error> {
     scene.validate()?;
     let structure = GpuScene::picture_structure(scene);
@@ -53,9 +53,8 @@ impl Kind {
     }
 }
 
-/// The fragment shader of a picture, as it is compiled after the driver's own
-/// header. Needs no context; the scene should have been
-/// [checked](Scene::check).
+/// The fragment shader of a picture, as it is compiled after the driver's own header. Needs no
+/// context; the scene should have been [checked](Scene::check).
 pub fn shader_text(scene: &Scene, kind: Kind) -> String {
     text(scene, &GpuScene::picture_structure(scene), kind)
 }
@@ -77,7 +76,7 @@ pub(super) fn check_size(context: &Context, width: u32, height: u32) -> Result<(
     })
 }
 
-/// Draws the program over a picture of that size, whose upper row comes first.
+/// Draws the program over a picture of the given size, whose top row comes first.
 pub(super) fn draw(
     context: &Context,
     shader: &Shader,

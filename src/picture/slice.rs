@@ -9,22 +9,22 @@ use crate::trace::{Settings, Tracer, Wave};
 use image::RgbaImage;
 use tiny_skia::PixmapMut;
 
-/// What a slice shall show.
+/// Options of a slice.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SliceOptions {
     /// Width in pixels; the height follows from the bounds.
     pub width: u32,
-    /// World y of the cut in metres; the listener's when there is none.
+    /// World y of the cut in metres; `None` for the listener's.
     pub height: Option<f32>,
-    /// The part shown; [`Bounds::of`] the scene when there is none.
+    /// The part shown; `None` for [`Bounds::of`] the scene.
     pub bounds: Option<Bounds>,
-    /// Number of waves whose paths are drawn; none for 0.
+    /// Number of waves whose paths are drawn.
     pub paths: u32,
-    /// Paths that were traced before, as [`Tracer::paths`] gives them; drawn over the others.
+    /// Previously traced paths, as returned by [`Tracer::paths`]; drawn over the others.
     pub also: Vec<Vec<Wave>>,
-    /// How these waves are traced; `waves` is taken from `paths`.
+    /// Settings of these waves; `waves` is taken from `paths`.
     pub settings: Settings,
-    /// Whether a scale bar is drawn in the lower left, and in the upper left what the colours of paths mean.
+    /// Whether a scale bar is drawn in the lower left, and a legend of the path colours in the upper left.
     pub scale_bar: bool,
 }
 
@@ -43,15 +43,13 @@ impl Default for SliceOptions {
     }
 }
 
-/// The scene cut at a height and seen from above: x to the right, z downwards. Listeners,
-/// sources, their key-framed paths and the paths of waves are drawn over it, wherever
-/// they are in height. Waves are those of the first source and the first listener; further sources and
-/// listeners are paler.
+/// The scene cut at a height and seen from above: x to the right, z downwards. Listeners, sources, their key-framed
+/// paths and the paths of waves are drawn on top, whatever their height. Waves are those of the first source and the
+/// first listener; further sources and listeners are paler.
 ///
 /// # Errors
-/// [`Error::Picture`] for a size or bounds that cannot be, [`Error::Scene`] and
-/// [`Error::Trace`] for input that cannot be traced, [`Error::Gpu`] when the renderer
-/// fails.
+/// [`Error::Picture`] for an impossible size or bounds, [`Error::Scene`] and [`Error::Trace`] for
+/// input that cannot be traced, [`Error::Gpu`] when the renderer fails.
 pub fn slice(
     tracer: &mut Tracer,
     scene: &Scene,
@@ -105,7 +103,7 @@ pub(super) fn cut(
     shader::draw(context, &shader, plan.width, plan.height)
 }
 
-/// Metres between two lines of equal distance: 1, or what leaves 12 pixels between them.
+/// Metres between two lines of equal distance: 1, or more to leave 12 pixels between them.
 fn isoline(metres: f32) -> f32 {
     let least = 12.0 * metres;
     if (0.1..=1.0).contains(&least) {

@@ -1,4 +1,4 @@
-//! What the listener sees.
+//! The listener's view.
 
 use super::{PictureError, shader};
 use crate::error::Error;
@@ -7,11 +7,11 @@ use crate::scene::Scene;
 use glam::Vec2;
 use image::RgbaImage;
 
-/// Radius of the ball that stands for the source, as a share of the listener's: the one
+/// Radius of the ball that represents the source, as a share of the listener's radius, the only
 /// length of a scene that gives its scale.
-pub(crate) const SOURCE_SHARE: f32 = 0.12;
+pub const SOURCE_SHARE: f32 = 0.12;
 
-/// What the view shall be like.
+/// Options of a view.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ViewOptions {
     /// Width in pixels.
@@ -33,13 +33,12 @@ impl Default for ViewOptions {
     }
 }
 
-/// The scene as the listener sees it, from the listener's position along the gaze. The
-/// listener is not drawn; the source is a glowing ball, and lights what it can reach.
+/// The scene as seen from the listener's position along its gaze direction. The listener is not
+/// drawn; the source is a glowing ball that lights everything it can reach.
 ///
 /// # Errors
-/// [`Error::Picture`] for a size or field of view that cannot be, [`Error::Scene`] and
-/// [`Error::Trace`] for a scene that cannot be drawn, [`Error::Gpu`] when the renderer
-/// fails.
+/// [`Error::Picture`] for an impossible size or field of view, [`Error::Scene`] and
+/// [`Error::Trace`] for a scene that cannot be drawn, [`Error::Gpu`] when the renderer fails.
 pub fn first_person(
     context: &Context,
     scene: &Scene,

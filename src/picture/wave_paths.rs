@@ -1,4 +1,4 @@
-//! The paths of waves, drawn on a plan and coloured by what became of them.
+//! The paths of waves, drawn on a plan and coloured by the waves' fates.
 
 use super::marks::{colour, paint, polyline, round, stroke};
 use super::plan::Plan;
@@ -9,34 +9,34 @@ use tiny_skia::{GradientStop, LinearGradient, Paint, PixmapMut, Point, SpreadMod
 
 /// Waves that reached the listener: vermilion.
 const REACHED: [u8; 3] = [213, 94, 0];
-/// Waves that are travelling.
+/// Waves that are still travelling.
 const TRAVELLING: [u8; 3] = [120, 128, 136];
 /// Waves that are dead: bluish green.
 const DEAD: [u8; 3] = [0, 158, 115];
 
-/// Length of the stub that shows where a dead wave went, as a share of the width.
+/// Length of the stub that shows the direction of a dead wave, as a share of the width.
 const STUB: f32 = 0.16;
 
-/// One wave as it is drawn.
+/// One wave's line.
 struct Line {
     fate: Fate,
     points: Vec<Vec2>,
-    /// From where and along what a wave died: world position and direction.
+    /// World position and direction where the wave died.
     stub: Option<(Vec3, Vec3)>,
 }
 
-/// How the waves of a fate are drawn.
+/// The drawing style of a fate.
 pub(super) struct Style {
     pub fate: Fate,
     pub colour: [u8; 3],
     pub opacity: f32,
-    /// In the plan's unit of strokes.
+    /// Width in the plan's stroke unit.
     pub width: f32,
-    /// What the legend says.
+    /// The text in the legend.
     pub meaning: &'static str,
 }
 
-/// In the order in which they are drawn.
+/// The styles, in drawing order.
 pub(super) const STYLES: [Style; 3] = [
     Style {
         fate: Fate::Dead,
@@ -61,7 +61,7 @@ pub(super) const STYLES: [Style; 3] = [
     },
 ];
 
-/// Draws the waves of [`crate::Tracer::paths`]; those that reached the listener lie on top. Returns what became of them.
+/// Draws the waves of [`crate::Tracer::paths`], those that reached the listener on top. Returns their fates.
 pub(super) fn draw(
     canvas: &mut PixmapMut,
     plan: &Plan,
@@ -69,7 +69,7 @@ pub(super) fn draw(
     states: &[Vec<Wave>],
 ) -> Vec<Fate> {
     let waves = states.first().map_or(0, Vec::len);
-    // A source in a solid sends no waves: they are dead from the start.
+    // A source in a solid sends no waves: all are dead from the start.
     let lines: Vec<Line> = (0..waves)
         .filter(|&wave| states[0][wave].fate() != Fate::Dead)
         .map(|wave| follow(plan, scene.source.position, states, wave))
@@ -88,8 +88,8 @@ pub(super) fn draw(
     lines.iter().map(|line| line.fate).collect()
 }
 
-/// The places of one wave until it reached the listener or died. What a dead wave does
-/// afterwards (it is marched again from the origin) is no path of a sound.
+/// The positions of one wave until it reached the listener or died. The later steps of a dead wave
+/// (it is marched again from the origin) do not belong to its path.
 fn follow(plan: &Plan, source: Vec3, states: &[Vec<Wave>], wave: usize) -> Line {
     let mut line = Line {
         fate: Fate::Travelling,
@@ -136,7 +136,7 @@ fn draw_stub(canvas: &mut PixmapMut, plan: &Plan, from: Vec3, direction: Vec3, o
         SpreadMode::Pad,
         Transform::identity(),
     );
-    // None for a stub of no length.
+    // `None` for a stub of zero length.
     if let Some(shader) = gradient {
         let fading = Paint {
             shader,

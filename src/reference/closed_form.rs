@@ -1,8 +1,7 @@
-//! A line against each shape, in the shape's own axes and in `f64`.
+//! Intersects a line with each shape, in the shape's own axes and in `f64`.
 //!
-//! The line starts in the air. Rounding may have put its start into the solid by
-//! as much as `error_bound` metres; it then meets the surface at once if it goes further
-//! in, and leaves it otherwise.
+//! The line starts in the air. By rounding its start may be up to `error_bound` metres within the
+//! solid; it then meets the surface at once if it goes further in, and leaves it otherwise.
 
 use super::marched::MarchedField;
 use crate::scene::shape::{Cuboid, Cylinder, Room, Sphere};
@@ -31,28 +30,28 @@ enum Form {
     Field(Arc<MarchedField>),
 }
 
-/// A shape where it stands in the world.
+/// A shape at its place in the world.
 #[derive(Clone, Debug)]
 pub(super) struct Placed {
     form: Form,
     position: DVec3,
-    /// Shape axes to world axes and back; `None` when not turned.
+    /// Shape axes to world axes, and its inverse; `None` if not turned.
     turn: Option<(DMat3, DMat3)>,
 }
 
-/// One of the six faces of a box: its axis and the side it lies on.
+/// One of the six faces of a box: its axis and side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Face {
     pub axis: usize,
     pub positive: bool,
 }
 
-/// Where along a line a shape is met.
+/// The point where a line meets a shape.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Intersection {
     /// Metres along the unit direction, at least 0.
     pub t: f64,
-    /// The face met, of a box or a room.
+    /// The face met, for a box or a room.
     pub face: Option<Face>,
 }
 
@@ -88,8 +87,8 @@ impl Placed {
         }
     }
 
-    /// The flat pieces of it that shut off all air behind them: a point on each and
-    /// its unit normal into the air, in world metres.
+    /// The flat pieces of it that have only solid behind them: a point on each and its unit normal into
+    /// the air, in world metres.
     pub fn walls(&self) -> Vec<(DVec3, DVec3)> {
         let at = |point, normal| (self.world(point) + self.position, self.world(normal));
         match self.form {
@@ -103,14 +102,15 @@ impl Placed {
         }
     }
 
-    /// Marks the faces of a box that lie on a wall, give or take `error_bound` metres, or
-    /// behind it. No wave can meet them from the air, but one in the edge between
-    /// box and wall would seem to: on the wall it is on such a face, too.
+    /// Marks the faces of a box that lie on a wall, to within `error_bound` metres, or behind it.
+    /// No wave can meet them from the air, but one in the edge between box and wall would seem to:
+    /// on the wall it is on such a face, too.
     pub fn mark_covered_faces(&mut self, walls: &[(DVec3, DVec3)], error_bound: f64) {
         let Form::Box { half, mut covered } = self.form else {
             return;
         };
-        // A wall that no corner can reach covers nothing: of thousands of boxes and walls these are most.
+        // A wall that no corner can reach does not cover any face: of thousands of boxes and walls these
+        // are most.
         let reach = half.length() + 2.0 * error_bound;
         let is_near =
             |(point, normal): &&(DVec3, DVec3)| (self.position - *point).dot(*normal) <= reach;
@@ -139,7 +139,7 @@ impl Placed {
         self.form = Form::Box { half, covered };
     }
 
-    /// Whether a line is marched to it, and not solved for.
+    /// Whether lines are marched to it rather than solved for.
     pub fn is_marched(&self) -> bool {
         matches!(self.form, Form::Field(_))
     }
@@ -177,7 +177,7 @@ impl Placed {
         self.position.abs().max_element() + size
     }
 
-    /// A box along the world's axes that holds the solid, in metres; without an end where the solid has none.
+    /// World-axis-aligned bounds of the solid, in metres; infinite where the solid is unbounded.
     pub fn bounds(&self) -> Bounds3 {
         let own = match self.form {
             Form::Plane | Form::Room { .. } => return Bounds3::EVERYWHERE,
@@ -205,10 +205,10 @@ impl Placed {
         }
     }
 
-    /// Where the world line intersects the shape first, from the air.
+    /// The first intersection of the world line with the shape, from the air.
     ///
-    /// `left` is the face of this very shape that the line starts on. What a marched shape has
-    /// farther off than `until` metres may be left out: it takes long.
+    /// `left` is the face of this shape that the line starts on. A marched shape need not be
+    /// followed beyond `until` metres, because that takes long.
     pub fn intersect(
         &self,
         origin: DVec3,
@@ -231,8 +231,8 @@ impl Placed {
         intersection.filter(|intersection| intersection.t.is_finite())
     }
 
-    /// The world point of an intersection, set onto the surface, and the unit normal
-    /// there, out of the solid.
+    /// The world point of an intersection, projected onto the surface, and the unit normal there,
+    /// out of the solid.
     pub fn project(
         &self,
         origin: DVec3,
@@ -266,8 +266,8 @@ impl Placed {
     }
 }
 
-/// What holds a box that is turned about the origin. (Unlike [`Bounds3::turned`] it has no end where the least turn
-/// takes away that of an endless box.)
+/// Bounds of a box that is turned about the origin. (Unlike [`Bounds3::turned`] it stays infinite in an axis to
+/// which even the least turn moves an infinite face.)
 fn turned(own: Bounds3, turn: DMat3) -> Bounds3 {
     let mut all = Bounds3::centred(DVec3::ZERO);
     for column in 0..3 {
@@ -284,7 +284,7 @@ fn turned(own: Bounds3, turn: DMat3) -> Bounds3 {
     all
 }
 
-/// Metres to a sphere about the axes' origin, met from outside.
+/// Distance in metres to a sphere about the origin, met from outside.
 pub(super) fn intersect_sphere(radius: f64, o: DVec3, d: DVec3) -> Option<f64> {
     let along = o.dot(d);
     if along >= 0.0 {
@@ -294,7 +294,7 @@ pub(super) fn intersect_sphere(radius: f64, o: DVec3, d: DVec3) -> Option<f64> {
     enter_circle(radius, o.length(), beside, along, 1.0)
 }
 
-/// The circle that the cylinder is when looked at along y; `d` is shorter there.
+/// Seen along y the cylinder is a circle; `d` is shorter there.
 fn intersect_cylinder(radius: f64, o: DVec3, d: DVec3) -> Option<f64> {
     let (o, d) = (DVec2::new(o.x, o.z), DVec2::new(d.x, d.z));
     let along = o.dot(d);
@@ -306,8 +306,9 @@ fn intersect_cylinder(radius: f64, o: DVec3, d: DVec3) -> Option<f64> {
     enter_circle(radius, o.length(), beside, along, speed)
 }
 
-/// Where a line enters a circle: its start is `distance` from the centre, it passes `beside` it, its direction has the
-/// length `speed`, and `along` is that times how far the start is behind the closest point.
+/// Distance along a line to a circle that it enters: its start is `distance` from the centre, it passes the centre at
+/// `beside`, its direction has the length `speed`, and `along` is the start's position relative to the closest point,
+/// times `speed`.
 fn enter_circle(radius: f64, distance: f64, beside: f64, along: f64, speed: f64) -> Option<f64> {
     let half_chord_squared = (radius - beside) * (radius + beside);
     if half_chord_squared < 0.0 {
@@ -344,7 +345,7 @@ fn intersect_box(
     if enter > leave || leave <= 0.0 {
         return None;
     }
-    // The start is within the box: by rounding on its way in, or else on its way out.
+    // The start is within the box: by rounding if on its way in, otherwise on its way out.
     if enter < 0.0 && (-enter > leave || -enter * d[axis].abs() > error_bound) {
         return None;
     }
@@ -365,7 +366,7 @@ fn intersect_room(half: DVec3, o: DVec3, d: DVec3, left: Option<Face>) -> Option
         if d[axis] == 0.0 || face == left {
             continue;
         }
-        // At 0 in an edge or beyond a face by rounding: no wave gets out.
+        // 0 in an edge, or beyond a face by rounding: no wave gets out.
         let t = ((half[axis].copysign(d[axis]) - o[axis]) / d[axis]).max(0.0);
         if t < nearest {
             (nearest, met) = (t, face);
@@ -377,8 +378,8 @@ fn intersect_room(half: DVec3, o: DVec3, d: DVec3, left: Option<Face>) -> Option
     })
 }
 
-/// Sets a point onto a face and within its four edges; `outward` is 1 for a solid
-/// box and −1 for a room.
+/// Projects a point onto a face and within its four edges; `outward` is 1 for a solid box and −1
+/// for a room.
 fn project_onto_face(half: DVec3, p: DVec3, face: Face, outward: f64) -> (DVec3, DVec3) {
     let side = if face.positive { 1.0 } else { -1.0 };
     let mut point = p.clamp(-half, half);

@@ -1,7 +1,7 @@
 //! The distance of a scene as the thesis' shaders compute it: in `f32`.
 //!
-//! Normals taken from differences of it have the rounding of `f32` in them, and so have these.
-//! Trees have the scene's own value, rounded.
+//! Normals computed from its differences have the same `f32` rounding as theirs. Trees have the
+//! scene's own value, rounded.
 
 use crate::scene::shape::{Cuboid, Cylinder, Room, Sphere};
 use crate::scene::{Nearest, Node, Scene, Shape, Surface};

@@ -1,13 +1,13 @@
-//! Waves in closed form: every flight ends exactly on what it meets.
+//! Traces waves in closed form: every flight ends exactly on the surface that it meets.
 //!
-//! Rules for what arithmetic cannot decide:
+//! Rules for cases that arithmetic cannot decide:
 //! - A wave that has just been mirrored at a convex surface cannot meet that surface
 //!   next and is not tested against it; in a room it is not tested against the face
 //!   that it leaves.
 //! - In an edge of a room, two faces are met one after another, the second one
 //!   after 0 m: two reflections, two iterations.
-//! - The faces of a box that lie on or behind a room's wall or a plane are shut off
-//!   from the air and cannot be met; no wave can slip in between the two.
+//! - The faces of a box that lie on or behind a room's wall or a plane are cut off from the air and
+//!   cannot be met; no wave can get in between the two.
 //! - The listener comes before a surface at the same distance.
 
 use super::closed_form::{Face, Intersection, Placed, intersect_sphere};
@@ -17,15 +17,14 @@ use crate::scene::{Scene, SceneError};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-/// What counts as rounding, as a part of the scene's extent: some hundred units in
-/// the last place.
+/// Rounding of the scene, as a share of its extent: a few hundred units in the last place.
 const ROUNDING: f64 = 1e-13;
 
-/// What boxes around surfaces are wider than these, as a part of the scene's extent: a millimetre in a hundred metres.
-/// Marches end, and lines are lost, by far less beside a surface.
+/// Margin of the boxes around surfaces, as a share of the scene's extent: a millimetre in a hundred metres. Marches
+/// end, and lines miss, much closer to a surface.
 const SPARE: f64 = 1e-5;
 
-/// Fewer waves than this for a thread are not worth the thread.
+/// Minimum number of waves for which a thread is worth starting.
 const WAVES_WORTH_A_THREAD: usize = 4096;
 
 /// A scene to trace waves through exactly, in its current state (paths are not followed:
@@ -44,10 +43,11 @@ const WAVES_WORTH_A_THREAD: usize = 4096;
 #[derive(Clone, Debug)]
 pub struct ExactScene {
     pub(super) surfaces: Vec<Placed>,
-    /// Those with a closed form, then those that are marched: these need not be followed beyond what the first have.
+    /// The surfaces with a closed form, then those that are marched: the latter need not be followed beyond a hit of
+    /// the former.
     pub(super) hierarchies: [Hierarchy; 2],
     ear: Ear,
-    /// What counts as rounding, in metres.
+    /// Rounding of the scene in metres.
     pub(super) error_bound: f64,
 }
 
@@ -59,7 +59,7 @@ struct Ear {
     right: DVec3,
 }
 
-/// Where a flight ends.
+/// The end of a flight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Hit {
@@ -73,32 +73,31 @@ pub struct Hit {
     pub normal: DVec3,
 }
 
-/// A wave after its last iteration.
+/// The state of a wave after its last iteration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ExactWave {
-    /// 0 = heard, −1 = dead, n = mirrored last at the n-th surface from 1.
+    /// 0 = heard, −1 = dead, n = last mirrored at the n-th surface from 1.
     pub status: i32,
-    /// Reflections so far; for a wave that is heard, its order.
+    /// Number of reflections; for a wave that is heard, its order.
     pub order: u32,
-    /// How many of these were at spheres and cylinders, which multiply errors.
+    /// Number of reflections at spheres and cylinders, which multiply errors.
     pub curved_hits: u32,
-    /// World position in metres where it met something last, else its start.
+    /// World position in metres of its last hit, else its start.
     pub point: DVec3,
-    /// Unit vector in world axes in which it would fly on: mirrored at a surface,
-    /// unchanged at the listener and for a dead wave.
+    /// Unit vector in world axes of its further flight: mirrored at a surface, unchanged at the
+    /// listener and for a dead wave.
     pub direction: DVec3,
-    /// Unit vector in world axes in which it came to `point`.
+    /// Unit vector in world axes of its flight to `point`.
     pub incoming_direction: DVec3,
     /// Metres flown from the start to `point`.
     pub length: f64,
-    /// One number for the objects met, in order, the listener (0) among them: two waves with the
-    /// same number have met the same objects.
+    /// A hash of the objects met, in order, including the listener (0): two waves with the same
+    /// hash have met the same objects.
     pub sequence_hash: u64,
 }
 
-/// A place where a wave met something, in the order of its flight.
-#[cfg(any(test, feature = "experiment"))]
+/// A hit of a wave, in the order of its flight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathVertex {
     /// World position in metres.
@@ -109,25 +108,24 @@ pub struct PathVertex {
     pub normal: DVec3,
 }
 
-/// One number for the objects that a wave met, in order (0 = listener): two waves
-/// with the same number have met the same objects.
+/// A hash of the objects that a wave met, in order (0 = listener): two waves with the same hash
+/// have met the same objects.
 ///
 /// FNV-1a over whole object numbers instead of bytes.
-#[cfg(any(test, feature = "experiment"))]
 pub fn sequence_hash(objects: &[u32]) -> u64 {
     objects.iter().fold(fnv::OFFSET, |hash, object| {
         fnv::with(hash, u64::from(*object))
     })
 }
 
-/// The surface a wave has just left, by index, and the face if it has faces.
+/// The surface that a wave has just left, by index, and the face if it has faces.
 pub(super) type Left = Option<(usize, Option<Face>)>;
 
 /// A hit of a surface, with the index of the surface and its face, if it has faces.
 pub(super) type Met = (Hit, (usize, Option<Face>));
 
 impl ExactScene {
-    /// Takes over the surfaces and the listener of `scene`.
+    /// Copies the surfaces and the listener of `scene`.
     ///
     /// # Errors
     /// [`SceneError`] as from [`Scene::validate`].
@@ -166,8 +164,8 @@ impl ExactScene {
         })
     }
 
-    /// Signed distance in metres from a world point to the nearest surface, negative
-    /// in a solid; the listener does not count.
+    /// Signed distance in metres from a world point to the nearest surface, negative in a solid;
+    /// ignores the listener.
     pub fn surface_distance(&self, point: DVec3) -> f64 {
         self.surfaces
             .iter()
@@ -175,14 +173,14 @@ impl ExactScene {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether a world point lies in a solid by more than so many metres.
+    /// Whether a world point lies in a solid by more than `depth` metres.
     pub(crate) fn is_in_solid(&self, point: DVec3, depth: f64) -> bool {
         let is_in = |index: usize| self.surfaces[index].distance(point) < -depth;
         let mut hierarchies = self.hierarchies.iter();
         hierarchies.any(|hierarchy| hierarchy.any_near(point, 0.0, is_in))
     }
 
-    /// [`ExactScene::surface_distance`] if some surface's box is not farther than `reach` metres; else at least that.
+    /// [`ExactScene::surface_distance`] if some surface's box is within `reach` metres; else at least `reach`.
     pub(crate) fn distance_within(&self, point: DVec3, reach: f64) -> f64 {
         let mut nearest = reach;
         for hierarchy in &self.hierarchies {
@@ -194,8 +192,8 @@ impl ExactScene {
         nearest
     }
 
-    /// What a wave meets first that starts in the air at `origin` (world metres) and
-    /// flies along `direction` (any length but 0); `None` for nothing.
+    /// The first hit of a wave that starts in the air at `origin` (world metres) and flies along
+    /// `direction` (any length except 0); `None` if it meets no surface and not the listener.
     ///
     /// A start within the listener's sphere meets the listener after 0 m.
     pub fn closest_hit(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
@@ -206,21 +204,14 @@ impl ExactScene {
     /// Follows one wave for at most `iterations` flights from `start` (world metres)
     /// along `direction` (any length).
     ///
-    /// A wave without a direction, or with none left to fly, is at its start with
-    /// status −1, and so is one that starts in a solid: nothing sounds in there.
+    /// A wave without a direction or iterations remains at its start with status −1, and so does
+    /// one that starts in a solid, which carries no sound.
     pub fn trace(&self, start: DVec3, direction: DVec3, iterations: u32) -> ExactWave {
         self.walk(start, direction, iterations, |_| ())
     }
 
-    /// Every place where the wave of [`ExactScene::trace`] met something; the start
-    /// is none of them.
-    #[cfg(any(test, feature = "experiment"))]
-    pub(crate) fn trace_path(
-        &self,
-        start: DVec3,
-        direction: DVec3,
-        iterations: u32,
-    ) -> Vec<PathVertex> {
+    /// Every hit of the wave of [`ExactScene::trace`], without its start.
+    pub fn trace_path(&self, start: DVec3, direction: DVec3, iterations: u32) -> Vec<PathVertex> {
         let mut path = Vec::new();
         self.walk(start, direction, iterations, |hit| {
             path.push(PathVertex {
@@ -232,16 +223,16 @@ impl ExactScene {
         path
     }
 
-    /// [`ExactScene::trace`] for many directions from one start, in their order, on the threads
-    /// of rayon's pool; the waves are the same for any number of them.
+    /// [`ExactScene::trace`] for many directions from one start, in their order, on the threads of
+    /// rayon's pool; the result does not depend on their number.
     pub fn trace_all(&self, start: DVec3, directions: &[Vec3], iterations: u32) -> Vec<ExactWave> {
         let trace = |direction: &Vec3| self.trace(start, direction.as_dvec3(), iterations);
         let shares = directions.par_iter().with_min_len(WAVES_WORTH_A_THREAD);
         shares.map(trace).collect()
     }
 
-    /// Where on the listener's sphere a wave arrived: −1 at the left ear, 0 anywhere
-    /// on the plane between the ears, 1 at the right ear; `None` if it is not heard.
+    /// Lateral position on the listener's sphere where a wave arrived: −1 at the left ear, 0
+    /// anywhere on the plane between the ears, 1 at the right ear; `None` if it is not heard.
     pub fn arrival_side(&self, wave: &ExactWave) -> Option<f64> {
         let outwards = (wave.point - self.ear.centre).normalize_or_zero();
         (wave.status == 0).then(|| outwards.dot(self.ear.right))
@@ -284,8 +275,8 @@ impl ExactScene {
         wave
     }
 
-    /// The next hit, and what the wave leaves when it is mirrored there: `None` for
-    /// the listener.
+    /// The next hit, and the surface and face that the wave leaves when it is mirrored there:
+    /// `None` for the listener.
     fn next(&self, origin: DVec3, direction: DVec3, left: Left) -> Option<(Hit, Left)> {
         let heard = self.ear.intersect(origin, direction);
         let until = heard.unwrap_or(f64::INFINITY);
@@ -297,8 +288,9 @@ impl ExactScene {
         }
     }
 
-    /// The next surface nearer than `until` metres, and what the wave leaves when it is
-    /// mirrored there. The listener does not count. Also how many surfaces, and boxes around them, were asked.
+    /// The next surface nearer than `until` metres, ignoring the listener, and the surface and face that the
+    /// wave leaves when it is mirrored there. Also returns the number of surfaces, and boxes around them,
+    /// that were evaluated.
     pub(super) fn next_surface(
         &self,
         origin: DVec3,
@@ -318,7 +310,7 @@ impl ExactScene {
             let Some(found) = found else {
                 return nearest;
             };
-            // Of two at the same distance the first in the scene is met.
+            // Of two at the same distance, the first in the scene is met.
             let is_before = met.is_some_and(|(other, _)| index < other);
             if found.t < nearest || (found.t == nearest && is_before) {
                 met = Some((index, found));
@@ -375,7 +367,7 @@ impl Ear {
 }
 
 impl ExactWave {
-    /// A wave that has not met anything yet.
+    /// A wave that has not met an object yet.
     fn at(start: DVec3, direction: DVec3) -> ExactWave {
         ExactWave {
             status: -1,
@@ -392,7 +384,7 @@ impl ExactWave {
 
 pub(super) fn mirror(direction: DVec3, normal: DVec3) -> DVec3 {
     let mirrored = direction - normal * (2.0 * direction.dot(normal));
-    // One Newton step to length 1, or errors of the normals add up.
+    // One Newton step to length 1; otherwise errors of the normals would add up.
     mirrored * (1.5 - 0.5 * mirrored.length_squared())
 }
 
@@ -416,7 +408,7 @@ mod tests {
         Surface::new(Node::Plane(Plane)).at(Vec3::NEG_Y)
     }
 
-    /// Protects the statuses and what goes with each of them.
+    /// Protects the statuses and the values that belong to each of them.
     #[test]
     fn a_wave_is_heard_or_dies_or_goes_on() {
         let exact = scene(vec![floor()]);
@@ -437,8 +429,7 @@ mod tests {
         assert_eq!(exact.arrival_side(&bounced), None);
     }
 
-    /// Protects waves that never fly: no direction, no iterations, in a solid, in
-    /// the listener.
+    /// Protects waves that never fly: without direction or iterations, in a solid, in the listener.
     #[test]
     fn waves_without_a_flight_stay_at_the_start() {
         let exact = scene(vec![floor()]);

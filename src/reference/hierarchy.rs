@@ -1,38 +1,42 @@
-//! Which surfaces a line may meet, and which a place may lie in: a hierarchy of boxes around them.
+//! Finds the surfaces that a line may meet or a point may lie in, by a hierarchy of boxes around
+//! them.
 //!
 //! A bounding volume hierarchy (Rubin and Whitted, *A 3-dimensional representation for fast rendering of complex
-//! scenes*, 1980), halved at the median. It answers nothing itself: each surface that it names is asked as if all were.
-//! Boxes are wider than rounding, so that what is met is the same, to the bit, as if every surface were asked.
+//! scenes*, 1980), halved at the median. It only selects surfaces: each selected one is evaluated as without a
+//! hierarchy. Boxes are wider than rounding, so that hits are identical, to the bit, to those found by evaluating every
+//! surface.
 
 use crate::scene::Bounds3;
 use glam::DVec3;
 
-/// Surfaces that are all asked at most: of fewer the boxes cost more than they save.
+/// Maximum number of surfaces that are all evaluated: for fewer the boxes cost more than they save.
 const ALL_ASKED: usize = 16;
 
-/// Surfaces of a leaf at most.
+/// Maximum number of surfaces in a leaf.
 const IN_LEAF: usize = 4;
 
-/// Boxes that wait on a way down at most: one for each time that 2^32 surfaces can be halved, and one more.
+/// Maximum number of boxes that wait during a descent: one for each time that 2^32 surfaces can be halved,
+/// and one more.
 const WAITING: usize = 33;
 
 /// Boxes around surfaces.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Hierarchy {
-    /// Surfaces that are always asked, by index: few ones, and those without an end.
+    /// Surfaces that are always evaluated, by index: all if they are few, and unbounded ones.
     always: Vec<u32>,
-    /// The others: those of a leaf in a row.
+    /// The other surfaces: those of a leaf are adjacent.
     order: Vec<u32>,
-    /// The first is around all; empty where all are always asked.
+    /// The first one encloses all; empty if all surfaces are always evaluated.
     nodes: Vec<Node>,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Node {
     bounds: Bounds3,
-    /// Of a leaf its first place in the order; else the node of the second half. That of the first half comes next.
+    /// For a leaf its first position in the order, else the node of the second half. That of the first half comes
+    /// next.
     first: u32,
-    /// Surfaces of a leaf; else 0.
+    /// Number of surfaces of a leaf; else 0.
     count: u32,
 }
 
@@ -44,7 +48,8 @@ struct Line {
 }
 
 impl Hierarchy {
-    /// Of surfaces by index, each with a box that holds it and its rounding.
+    /// Builds the hierarchy of surfaces by index, each with a box that encloses it and its
+    /// rounding.
     pub fn new(surfaces: Vec<(u32, Bounds3)>) -> Hierarchy {
         let index = |(index, _): &(u32, Bounds3)| *index;
         let (mut bounded, mut always): (Vec<_>, Vec<_>) = surfaces
@@ -95,10 +100,10 @@ impl Hierarchy {
         self.add(second);
     }
 
-    /// Calls `ask` with the index of each surface that the line may meet nearer than `until` metres, and with how far
-    /// it is looked along; `ask` returns how far from then on. Near boxes come first.
+    /// Calls `ask` with the index of each surface that the line may meet nearer than `until` metres, and with the
+    /// length to which it is followed; `ask` returns the length from then on. Near boxes come first.
     ///
-    /// Returns how many surfaces and boxes were asked.
+    /// Returns the number of surfaces and boxes that were evaluated.
     pub fn along(
         &self,
         origin: DVec3,
@@ -152,8 +157,8 @@ impl Hierarchy {
         asked
     }
 
-    /// Calls `ask` with the index of each surface whose box is not farther from a place than so many metres; ends when
-    /// it returns true, and returns whether it did.
+    /// Calls `ask` with the index of each surface whose box is within `by` metres of a point; ends when it returns
+    /// true, and returns whether it did.
     pub fn any_near(&self, place: DVec3, by: f64, mut ask: impl FnMut(usize) -> bool) -> bool {
         if self.always.iter().any(|&index| ask(index as usize)) {
             return true;
@@ -184,7 +189,7 @@ impl Hierarchy {
 }
 
 impl Line {
-    /// How far along it enters a box, at least 0; ∞ if it misses that.
+    /// Distance along the line to a box, at least 0; ∞ if it misses the box.
     fn enters(&self, bounds: &Bounds3) -> f64 {
         let low = (bounds.min - self.origin) * self.inverse;
         let high = (bounds.max - self.origin) * self.inverse;
@@ -196,12 +201,12 @@ impl Line {
     }
 }
 
-/// Whether a box that is entered there may hold something as near as `until`.
+/// Whether a box that is entered at this distance may contain something nearer than or at `until`.
 fn is_before(enters: f64, until: f64) -> bool {
     enters < f64::INFINITY && enters <= until
 }
 
-/// Whether a box ends on both sides along some axis: else it is no use.
+/// Whether a box is finite along some axis: otherwise it is useless.
 fn has_ends(bounds: &Bounds3) -> bool {
     (bounds.min.is_finite_mask() & bounds.max.is_finite_mask()).any()
 }

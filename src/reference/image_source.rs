@@ -1,10 +1,9 @@
 //! Image sources in an empty rectangular room (Allen & Berkley 1979).
 //!
-//! Mirrored at its walls again and again, the room fills space with copies of
-//! itself, and a wave that is mirrored at walls becomes one straight line through
-//! them. Every wall that the line crosses is one reflection; each copy holds one
-//! image of the listener. A copy's image counts only as far as it lies within its
-//! copy: the part of a listener that sticks into a wall hears nothing.
+//! Mirrored repeatedly at its walls, the room fills space with copies of itself, and a wave that is
+//! mirrored at walls becomes one straight line through them. Every wall that the line crosses is
+//! one reflection; each copy contains one image of the listener. Only the part of an image within
+//! its copy counts: the part of a listener within a wall does not hear.
 //!
 //! Cost: one step for each copy that the line crosses, of order + 1.
 
@@ -24,18 +23,18 @@ pub struct ShoeboxImages {
     into_room: DQuat,
 }
 
-/// How a wave comes to the listener.
+/// The arrival of a wave at the listener.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arrival {
     /// Reflections before it.
     pub order: u32,
-    /// Metres flown from the source to the listener's sphere.
+    /// Length in metres from the source to the listener's sphere.
     pub length: f64,
 }
 
 impl ShoeboxImages {
-    /// The images of `scene`, as it stands; `None` unless it is valid, its only
-    /// surface is one [`Node::Room`], and the source is in it.
+    /// The images of `scene` in its current state; `None` unless it is valid, its only surface is
+    /// one [`Node::Room`], and the source is in it.
     pub fn new(scene: &Scene) -> Option<ShoeboxImages> {
         scene.validate().ok()?;
         let [surface] = &scene.surfaces[..] else {
@@ -63,11 +62,11 @@ impl ShoeboxImages {
         })
     }
 
-    /// When the wave that leaves the source along `direction` (world axes, any
-    /// length) is heard within `iterations` flights; `None` if it is not.
+    /// The arrival of the wave that leaves the source along `direction` (world axes, any length)
+    /// within `iterations` flights; `None` if it is not heard.
     pub(super) fn arrival(&self, direction: DVec3, iterations: u32) -> Option<Arrival> {
         let u = (self.into_room * direction.try_normalize()?).to_array();
-        // Walls crossed so far along each axis, and all of them.
+        // Number of walls crossed along each axis, and in total.
         let mut crossed = [0u32; 3];
         let mut entered = 0.0;
         for order in 0..iterations {
@@ -88,8 +87,8 @@ impl ShoeboxImages {
         None
     }
 
-    /// How many of these waves (world axes) are heard after 0, 1, 2 … reflections,
-    /// up to `iterations` − 1.
+    /// Number of these waves (world axes) that are heard after 0, 1, 2 … reflections, up to
+    /// `iterations` − 1.
     ///
     /// # Errors
     /// [`TraceError::BadSetting`] for iterations that are not 1 to [`MAX_ITERATIONS`].
@@ -114,7 +113,7 @@ impl ShoeboxImages {
         Ok(hits)
     }
 
-    /// Metres to the next unfolded wall across `axis`, after `crossed` of them.
+    /// Distance in metres to the next unfolded wall across `axis`, after `crossed` of them.
     fn wall(&self, axis: usize, u: [f64; 3], crossed: u32) -> f64 {
         if u[axis] == 0.0 {
             return f64::INFINITY;
@@ -123,8 +122,8 @@ impl ShoeboxImages {
         (wall - self.source[axis] * u[axis].signum()) / u[axis].abs()
     }
 
-    /// Metres to the listener's image in one copy of the room, which the line enters
-    /// and leaves after so many metres.
+    /// Distance in metres to the listener's image in one copy of the room, which the line enters
+    /// and leaves at these distances.
     fn heard_in_copy(
         &self,
         u: [f64; 3],
@@ -135,7 +134,7 @@ impl ShoeboxImages {
         let offset: [f64; 3] =
             std::array::from_fn(|axis| self.image(axis, u, crossed[axis]) - self.source[axis]);
         let closest_at: f64 = (0..3).map(|axis| offset[axis] * u[axis]).sum();
-        // Not |offset|² − closest_at²: that cancels after a long way.
+        // Not |offset|² − closest_at²: that cancels after a long distance.
         let miss_squared: f64 = (0..3)
             .map(|axis| (offset[axis] - closest_at * u[axis]).powi(2))
             .sum();
@@ -191,7 +190,7 @@ mod tests {
         assert_eq!(images.arrival(DVec3::Y, 9), None);
     }
 
-    /// Protects the listener that sticks into a wall: its part beyond hears nothing.
+    /// Protects a listener partly within a wall: its part beyond does not hear.
     #[test]
     fn only_the_part_in_the_room_hears() {
         let images = ShoeboxImages::new(&scene(Vec3::new(5.3, 0.0, 0.0))).expect("a shoebox");
@@ -202,7 +201,7 @@ mod tests {
         assert_eq!(images.arrival(rim, 8), None);
     }
 
-    /// Protects the refusal of scenes that are no shoebox.
+    /// Protects the refusal of scenes that are not a shoebox.
     #[test]
     fn other_scenes_have_no_images() {
         let mut other = scene(Vec3::ZERO);

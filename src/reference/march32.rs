@@ -1,13 +1,13 @@
 //! The thesis' algorithm on the CPU, in `f32`.
 //!
-//! The same steps as figures 8 and 9 in the same precision, written independently of the
-//! shaders: it tests whether a shader computes what it should, not whether the
-//! algorithm is right (it is not: see [`super::ExactScene`]).
+//! The same steps as figures 8 and 9 in the same precision, written independently of the shaders:
+//! it tests whether a shader computes what it should, not whether the algorithm is right (it is
+//! not: see [`super::ExactScene`]).
 //!
-//! Two programs in `f32` can part where a decision hangs by a hair: a distance just
-//! below the minimum distance here and just above it there. Each wave therefore
-//! carries its [`margin`](MarchedWave::margin), the closest that any of its
-//! decisions came to falling the other way.
+//! Two programs in `f32` can diverge where a decision is close: a distance just below the minimum
+//! distance here and just above it there. Each wave therefore has a
+//! [`margin`](MarchedWave::margin), the closest that any of its decisions came to the other
+//! outcome.
 
 use super::distance32;
 use crate::scene::{Nearest, Scene};
@@ -17,26 +17,25 @@ use crate::trace::{
 use glam::{DVec3, UVec3, Vec3};
 use std::f64::consts::TAU;
 
-/// A wave followed through all iterations.
+/// The state of a wave after all iterations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MarchedWave {
-    /// Where it is, world metres.
+    /// World position in metres.
     pub position: Vec3,
-    /// Where it heads.
+    /// Direction of flight.
     pub direction: Vec3,
     /// −1 dead, 0 at the listener, n at the n-th surface.
     pub status: f32,
-    /// Marches that ended at distance 0.
+    /// Number of marches that ended at distance 0.
     pub zero_length_passes: u32,
-    /// Marches that reached the step limit.
+    /// Number of marches that reached the step limit.
     pub step_limit_reached: u32,
-    /// The least difference, in metres, between two numbers whose order decided
-    /// something: a distance and the minimum distance, or the distances to two
-    /// objects at the point of a hit.
+    /// The least difference, in metres, between two numbers whose order decided something: a
+    /// distance and the minimum distance, or the distances to two objects at the point of a hit.
     pub margin: f32,
 }
 
-/// The direction in which a wave starts: `glsl/direction/random.glsl` on the CPU, in `f64`.
+/// The initial direction of a wave: `glsl/direction/random.glsl` on the CPU, in `f64`.
 pub fn start_direction(wave: u32, seed: u32) -> Vec3 {
     let bits = mix_bits(UVec3::new(wave, seed, 0));
     let unit_interval = |bits: u32| f64::from(bits >> 8) / 16_777_216.0;
@@ -46,16 +45,16 @@ pub fn start_direction(wave: u32, seed: u32) -> Vec3 {
     DVec3::new(ring * angle.cos(), height, ring * angle.sin()).as_vec3()
 }
 
-/// What all waves share.
+/// Data common to all waves.
 struct March<'a> {
     scene: &'a Scene,
     options: ThesisOptions,
-    /// In one iteration, metres.
+    /// Maximum distance in one iteration, in metres.
     max_distance: f32,
 }
 
-/// Follows waves that leave the scene's source in `directions` (unit vectors). `None` for
-/// settings of another algorithm.
+/// Follows waves that leave the scene's source in `directions` (unit vectors). `None` if the
+/// settings are for another algorithm.
 pub fn march(scene: &Scene, settings: &Settings, directions: &[Vec3]) -> Option<Vec<MarchedWave>> {
     let Algorithm::Thesis(options) = settings.algorithm else {
         return None;
@@ -88,7 +87,7 @@ impl March<'_> {
         wave
     }
 
-    /// Figure 8.
+    /// One iteration (figure 8).
     fn iterate(&self, wave: &mut MarchedWave) {
         let start = wave.position + wave.direction * self.options.start_offset;
         let flight = self.fly(start, wave.direction);
@@ -108,7 +107,7 @@ impl March<'_> {
         }
     }
 
-    /// Figure 9.
+    /// One march (figure 9).
     fn fly(&self, start: Vec3, direction: Vec3) -> Flight {
         let mut t = 0.0;
         let mut margin = f32::INFINITY;
@@ -136,16 +135,16 @@ impl March<'_> {
     }
 }
 
-/// One march of a wave.
+/// Result of one march.
 struct Flight {
-    /// How far it got and the object met, if any.
+    /// Its length and the object met, if any.
     hit: Option<(f32, u32)>,
     gave_up: bool,
     margin: f32,
 }
 
-/// Difference between the two least distances at a point: how clearly it belongs to
-/// the object it belongs to.
+/// Difference between the two least distances at a point: how clearly the point belongs to its
+/// object.
 fn tie_margin(scene: &Scene, point: Vec3) -> f32 {
     let mut distances: Vec<f32> = {
         let surfaces = scene.surfaces.iter();
@@ -156,14 +155,14 @@ fn tie_margin(scene: &Scene, point: Vec3) -> f32 {
     distances[1] - distances[0]
 }
 
-/// A dead wave is at the origin, and heads nowhere.
+/// A dead wave is at the origin, without a direction.
 fn die(wave: &mut MarchedWave) {
     wave.position = Vec3::ZERO;
     wave.direction = Vec3::ZERO;
     wave.status = STATUS_DEAD;
 }
 
-/// None where all differences are 0.
+/// The normal by differences; `None` if all of them are 0.
 fn difference_normal(scene: &Scene, point: Vec3, step: f32) -> Option<Vec3> {
     let slope = |axis: Vec3| {
         let ahead = distance32::distance(scene, point + axis * step).distance;

@@ -1,12 +1,11 @@
-//! Energies of image sources in an empty rectangular room whose walls absorb (Allen & Berkley
-//! 1979, with energies in place of pressures).
+//! Energies of image sources in an empty rectangular room with absorbing walls (Allen & Berkley
+//! 1979, with energies instead of pressures).
 //!
-//! Mirrored at its walls again and again, the source is a lattice of images, one in each copy of
-//! the room. The straight line from an image to the listener crosses as many walls as its path
-//! has reflections: copy *m* along an axis is reached by |*m*| of them, in turn at the wall on the
-//! image's side and at the other. An image at *r* metres gives Π (1 − α) / (4π r²). Nothing is
-//! left out and nothing is random: the only errors are rounding, and the cells that lengths are
-//! summed in.
+//! Mirrored repeatedly at its walls, the source becomes a lattice of images, one in each copy of
+//! the room. The straight line from an image to the listener crosses one wall for each reflection
+//! of its path: to copy *m* along an axis it crosses |*m*|, alternately the wall on the image's
+//! side and the other one. An image at *r* metres gives Π (1 − α) / (4π r²). The sum is complete
+//! and not random: the only errors are rounding, and the cells in which lengths are summed.
 
 use crate::bands::{BAND_COUNT, Bands};
 use crate::trace::TraceError;
@@ -14,17 +13,17 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// The images are summed in so many parts, whatever the number of cores, so that the sums are the
-/// same bits everywhere.
+/// Number of parts in which the images are summed, independent of the number of cores, so that the
+/// sums are identical everywhere, to the bit.
 const PARTS: usize = 16;
 
-/// Reflections of a listed image at most: there are 300,000 of up to so many.
+/// Maximum number of reflections of a listed image: there are 300,000 up to this order.
 const MOST_ORDER: u32 = 60;
 
-/// Cells of energies at most: a gibibyte while they are summed.
+/// Maximum number of cells of energies: a gibibyte while they are summed.
 const MOST_CELLS: f64 = (1 << 20) as f64;
 
-/// Images that are summed at most: hours on one core.
+/// Maximum number of images that are summed: hours on one core.
 const MOST_IMAGES: f64 = 1e12;
 
 /// A source and a listener in a rectangular room with absorption by wall and band.
@@ -33,43 +32,43 @@ pub struct ShoeboxEnergies {
     size: DVec3,
     source: DVec3,
     listener: DVec3,
-    /// Of the walls at −x, +x, −y, +y, −z, +z.
+    /// Reflectance of the walls at −x, +x, −y, +y, −z, +z.
     reflectance: [Bands; 6],
 }
 
 /// One image of the source.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImageSource {
-    /// Reflections at the walls at −x, +x, −y, +y, −z, +z.
+    /// Numbers of reflections at the walls at −x, +x, −y, +y, −z, +z.
     pub reflections: [u32; 6],
-    /// Metres to the listener.
+    /// Distance to the listener in metres.
     pub length_m: f64,
     /// Direction of flight at the listener: a unit vector, room axes.
     pub direction: DVec3,
-    /// Energy density at the listener for a source of unit power, over the speed of sound, in
+    /// Energy density at the listener for a source of unit power, times the speed of sound, in
     /// 1/m². Without air.
     pub energy: Bands,
 }
 
-/// Energies against the way flown.
+/// Energies by length of path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EnergiesByLength {
-    /// Where the first cell begins: metres of the direct path, the shortest of all.
+    /// Beginning of the first cell: length of the direct path in metres, the shortest of all.
     pub first_m: f64,
-    /// Metres that a cell takes.
+    /// Length of a cell in metres.
     pub cell_m: f64,
     /// The energy in each cell in 1/m².
     pub energies: Vec<Bands>,
-    /// How many images were summed.
+    /// Number of images summed.
     pub images: u64,
 }
 
 /// One copy of the room along one axis.
 #[derive(Clone, Copy, Debug)]
 struct Copy {
-    /// Metres from the listener to the image.
+    /// Distance in metres from the listener to the image along the axis.
     offset: f64,
-    /// Reflections at the lower and the upper wall.
+    /// Number of reflections at the lower and the upper wall.
     reflections: [u32; 2],
     /// The product of their reflectances.
     reflectance: Bands,
@@ -83,8 +82,8 @@ impl Copy {
 
 impl ShoeboxEnergies {
     /// A room of `size` metres about the origin; source and listener in metres from there;
-    /// absorption 0 … 1 of the walls at −x, +x, −y, +y, −z, +z. `None` if both are not in the
-    /// room, in one place, or if an absorption is out of range.
+    /// absorption 0 … 1 of the walls at −x, +x, −y, +y, −z, +z. `None` if one of the two is not in
+    /// the room, both are at one point, or an absorption is out of range.
     pub fn new(
         size: DVec3,
         source: DVec3,
@@ -106,12 +105,12 @@ impl ShoeboxEnergies {
         })
     }
 
-    /// Metres from source to listener.
+    /// Distance in metres from source to listener.
     pub fn direct_m(&self) -> f64 {
         self.source.distance(self.listener)
     }
 
-    /// All images of up to so many reflections, the nearest first.
+    /// All images of up to `order` reflections, the nearest first.
     ///
     /// # Errors
     /// [`TraceError::BadSetting`] for more than 60 reflections.
@@ -143,9 +142,9 @@ impl ShoeboxEnergies {
         Ok(images)
     }
 
-    /// The energies of all images within `length_m` metres but those of up to `without_order`
-    /// reflections, in cells of `cell_m` metres. Some nanoseconds an image on each core; 64 bytes
-    /// a cell, 16 times while it runs.
+    /// The energies of all images within `length_m` metres except those of up to `without_order`
+    /// reflections, in cells of `cell_m` metres. Takes a few nanoseconds an image on each core; 64
+    /// bytes a cell, 16 times that while it runs.
     ///
     /// # Errors
     /// [`TraceError::BadSetting`] for a length that is not finite, cells that are not above 0, more than a million
@@ -179,7 +178,7 @@ impl ShoeboxEnergies {
         }))
     }
 
-    /// Cells of so many metres up to a length, if they can be summed.
+    /// The number of cells of `cell_m` metres up to a length, if they can be summed.
     fn check_sum(&self, cell_m: f64, length_m: f64) -> Result<usize, TraceError> {
         let refused = |what, must: &str, value: f64| {
             Err(TraceError::BadSetting {
@@ -192,13 +191,13 @@ impl ShoeboxEnergies {
             return refused("length of a cell in metres", "finite and above 0", cell_m);
         }
         if !length_m.is_finite() {
-            return refused("longest way in metres", "finite", length_m);
+            return refused("longest path in metres", "finite", length_m);
         }
         let cells = ((length_m - self.direct_m()) / cell_m).ceil().max(0.0);
         if cells > MOST_CELLS {
             return refused("number of cells", "at most 1048576", cells);
         }
-        // Copies along an axis, of which one is there however short the way is.
+        // Number of copies along an axis, at least one however short the length is.
         let copies = |axis: usize| 2.0 * length_m.max(0.0) / self.size[axis] + 1.0;
         let images = copies(0) * copies(1) * copies(2) * PI / 6.0;
         if images.is_nan() || images > MOST_IMAGES {
@@ -212,7 +211,8 @@ impl ShoeboxEnergies {
         let source = self.source[axis];
         let mirrored = if number % 2 == 0 { source } else { -source };
         let crossed = number.unsigned_abs() as u32;
-        // The wall on the image's side is met first, seen from the listener, and last again.
+        // Seen from the listener, the wall on the image's side is the first to be crossed, then the
+        // other one, and so on alternately.
         let (own, other) = (crossed.div_ceil(2), crossed / 2);
         let reflections = if number > 0 {
             [other, own]
@@ -229,9 +229,9 @@ impl ShoeboxEnergies {
         }
     }
 
-    /// The copies along an axis whose images can lie within so many metres.
+    /// The copies along an axis whose images can lie within `length_m` metres.
     fn copies_within(&self, axis: usize, length_m: f64) -> Vec<Copy> {
-        // An image lies at most one copy and a half nearer than its copy's number tells.
+        // An image is at most one and a half copies nearer than the number of its copy.
         let reach = (length_m / self.size[axis]).ceil().max(0.0) as i64 + 2;
         let copies = (-reach..=reach).map(|number| self.copy(axis, number));
         copies.filter(|copy| copy.offset.abs() < length_m).collect()
@@ -291,7 +291,7 @@ impl EnergiesByLength {
     /// Adds an image with these squared metres to the listener.
     fn add(&mut self, squared: f64, across: &Bands, along: &Bands) {
         let place = (squared.sqrt() - self.first_m) / self.cell_m;
-        // Rounding may put an image that is as near as the direct one before it.
+        // By rounding, an image as near as the direct one may be before the first cell.
         let Some(cell) = self.energies.get_mut(place.max(0.0) as usize) else {
             return;
         };
@@ -342,7 +342,7 @@ mod tests {
         assert!((direct.energy[3] / spread - 1.0).abs() < 1e-12);
     }
 
-    /// Protects which walls a path meets: the first-order images, counted by hand.
+    /// Protects the assignment of reflections to walls: the first-order images, counted by hand.
     #[test]
     fn first_order_images_lie_behind_their_walls() {
         let absorption = by_wall();
@@ -354,7 +354,7 @@ mod tests {
                 .filter(|image| image.reflections[wall] == 1)
                 .collect();
             assert_eq!(found.len(), 1);
-            // It comes from the wall's side.
+            // The sound comes from the wall's side.
             let side = if wall % 2 == 0 { 1.0 } else { -1.0 };
             assert!(found[0].direction[wall / 2] * side > 0.0, "wall {wall}");
             let spread = 1.0 / (4.0 * PI * found[0].length_m.powi(2));
@@ -376,7 +376,7 @@ mod tests {
         assert!(images.is_sorted_by(|a, b| a.length_m <= b.length_m));
     }
 
-    /// Protects the sums by length against the list of images.
+    /// Protects the sums by length, compared with the list of images.
     #[test]
     fn cells_hold_the_images_of_the_list() {
         let room = room(&by_wall());
@@ -403,9 +403,9 @@ mod tests {
         assert_eq!(late.images, summed.images - 7);
     }
 
-    /// Protects the whole against the energy of a diffuse field. Equal walls that absorb little:
-    /// a source of unit power makes 4/A (1/m²; A: absorption area) beside the direct sound,
-    /// within some percent of Sabine's assumption of small absorption.
+    /// Protects the total, compared with the energy of a diffuse field. With equal walls that
+    /// absorb little, a source of unit power causes 4/A (1/m²; A: absorption area) in addition to
+    /// the direct sound, within a few per cent due to Sabine's assumption of small absorption.
     #[test]
     fn the_energy_of_a_live_room_is_that_of_sabine() {
         let room = room(&[[0.02; BAND_COUNT]; 6]);
@@ -418,7 +418,7 @@ mod tests {
         assert!((energy / sabine - 1.0).abs() < 0.05, "{energy} {sabine}");
     }
 
-    /// Protects the refusal of what is no room.
+    /// Protects the refusal of invalid rooms.
     #[test]
     fn bad_rooms_are_refused() {
         let build = |listener, absorption: f64| {
@@ -432,7 +432,7 @@ mod tests {
         assert!(build(DVec3::Y, f64::NAN).is_none());
     }
 
-    /// Protects memory and time from numbers that no sum ends with.
+    /// Protects memory and time from values with which a sum would be too long.
     #[test]
     fn endless_sums_are_refused() {
         let room = room(&by_wall());

@@ -1,5 +1,5 @@
-//! The exact references against each other, against the distance functions, and
-//! against answers that were planted.
+//! Compares the exact references with each other, with the distance functions, and with planted
+//! answers.
 
 use super::{ExactScene, Hit, ShoeboxImages};
 use crate::scene::shape::{Cuboid, Cylinder, Ellipsoid, Plane, Room, Sphere};
@@ -88,8 +88,8 @@ fn shoeboxes() -> Vec<(&'static str, Scene)> {
     ]
 }
 
-/// Protects the two references against each other's mistakes: they share no code
-/// and must agree on every single wave.
+/// Protects the two references against each other's mistakes: they share no code and must agree on
+/// every single wave.
 #[test]
 fn closed_form_and_image_sources_agree_wave_for_wave() {
     const ITERATIONS: u32 = 24;
@@ -117,8 +117,8 @@ fn closed_form_and_image_sources_agree_wave_for_wave() {
     }
 }
 
-/// Protects the counts that the project's scenes were reconstructed with: waves
-/// heard among 65,536 as a model written apart from this crate counted them.
+/// Protects the counts from which the project's scenes were reconstructed: the number of waves
+/// heard among 65,536, as counted by a model written independently of this crate.
 #[test]
 fn corner_hits_agree_with_an_independent_count() {
     let scene = Scene::builtin("corner").unwrap();
@@ -128,14 +128,14 @@ fn corner_hits_agree_with_an_independent_count() {
         let waves = exact.trace_all(start(&scene), &directions, iterations);
         let heard = waves.iter().filter(|wave| wave.status == 0).count() as f64;
         println!("corner, {iterations} iterations: {heard} of 1048576 heard");
-        // Both counts are random: ours in 16 times as many waves.
+        // Both counts are random: ours is of 16 times the waves.
         let deviation = f64::sqrt(of_65536 * (1.0 + 1.0 / 16.0));
         assert!((heard / 16.0 - of_65536).abs() < 4.0 * deviation, "{heard}");
     }
 }
 
-/// Protects against hits that are no surface, and against surfaces passed through,
-/// with the `f32` distance functions as the judge.
+/// Protects against hits that are not on a surface, and against surfaces passed through, by
+/// comparison with the `f32` distance functions.
 #[test]
 fn hits_lie_on_the_nearest_zero_of_the_distance_function() {
     let scene = furnished();
@@ -214,8 +214,8 @@ fn waves_stay_mirrored_and_shut_in() {
     }
 }
 
-/// Protects lengths and walls in a room where nothing is curved: after 200 flights
-/// the unfolded straight line still ends where the wave does.
+/// Protects lengths and walls in a room without curved surfaces: after 200 flights the unfolded
+/// straight line still ends where the wave does.
 #[test]
 fn two_hundred_reflections_keep_their_place() {
     let size = Vec3::new(12.0, 6.0, 16.0);
@@ -241,8 +241,8 @@ fn folded(straight: DVec3, half: DVec3) -> DVec3 {
     half * (1.0 - (turns - 2.0).abs())
 }
 
-/// Protects edges and corners, and waves almost along a wall, in turned rooms too:
-/// no wave gets out, skips a wall or stops being a number.
+/// Protects edges and corners, and waves almost along a wall, in turned rooms too: no wave gets
+/// out, skips a wall or becomes NaN.
 #[test]
 fn corners_and_edges_do_not_leak() {
     let size = Vec3::new(12.0, 6.0, 16.0);
@@ -275,8 +275,8 @@ fn corners_and_edges_do_not_leak() {
     }
 }
 
-/// Protects places where a solid stands flush with the room, as in `corner`, and
-/// lines along the surfaces that coincide there.
+/// Protects places where a solid is flush with the room, as in `corner`, and lines along the
+/// surfaces that coincide there.
 #[test]
 fn flush_surfaces_do_not_leak() {
     let scene = Scene::builtin("corner").unwrap();
@@ -316,7 +316,7 @@ fn flush_surfaces_do_not_leak() {
     assert!(along.point.is_finite() && along.direction.is_finite());
 }
 
-/// Protects results from the number of threads that computed them.
+/// Protects results from depending on the number of threads.
 #[test]
 fn threads_do_not_change_a_wave() {
     let scene = furnished();
@@ -335,7 +335,8 @@ fn threads_do_not_change_a_wave() {
     assert_eq!(exact.trace_all(DVec3::ZERO, &[], 12), vec![]);
 }
 
-/// The same shape under an operator, which the reference marches to; a plane and a room stay.
+/// The same shape under an operator, which makes the reference march to it; a plane and a room are
+/// unchanged.
 fn as_field(shape: &Shape) -> Shape {
     match shape.node {
         Node::Cuboid(_) | Node::Sphere(_) | Node::Cylinder(_) => Shape::union([shape.clone()]),
@@ -343,9 +344,9 @@ fn as_field(shape: &Shape) -> Shape {
     }
 }
 
-/// Protects marched truths: a shape is met in the same places whether it is solved for or marched
-/// to, and wherever in the scene it stands. So no march ends before what it has to meet, and none
-/// passes what is nearer.
+/// Protects marched references: a shape is met at the same points whether it is solved for or
+/// marched to, and wherever it is in the scene. So no march ends before its hit, and none passes a
+/// nearer surface.
 #[test]
 fn marched_shapes_are_met_as_those_in_closed_form() {
     const FLIGHTS: u32 = 3;
@@ -369,7 +370,8 @@ fn marched_shapes_are_met_as_those_in_closed_form() {
             assert_eq!(expected.len(), found.len(), "{direction}");
             for (a, b) in expected.iter().zip(&found) {
                 assert_eq!(a.object, name(b.object), "{direction}");
-                // A march is right to some 1e-11 m; a curved mirror makes that a hundredfold.
+                // A march is accurate to about 1e-11 m; a curved mirror increases that a
+                // hundredfold.
                 assert!(
                     a.point.distance(b.point) < 1e-6,
                     "{direction}: {a:?}, {b:?}"
@@ -379,8 +381,8 @@ fn marched_shapes_are_met_as_those_in_closed_form() {
     }
 }
 
-/// Protects the normals of marched truths, which decide where waves go next: those of an ellipsoid,
-/// whose value bends at its very surface, against its equation.
+/// Protects the normals of marched references, which determine the further flight of waves: those
+/// of an ellipsoid, whose value bends exactly at its surface, compared with its equation.
 #[test]
 fn normals_of_marched_shapes_are_those_of_their_equation() {
     let radii = DVec3::new(10.0, 6.0, 4.0);
@@ -403,8 +405,8 @@ fn normals_of_marched_shapes_are_those_of_their_equation() {
     }
 }
 
-/// A hit that is known because the line was drawn from it: the scene, the line's
-/// start and direction, and what it has to meet.
+/// A planted hit, known because the line was constructed from it: the scene, the line's start and
+/// direction, and the expected hit.
 fn plant(random: &mut Random) -> (Scene, DVec3, DVec3, Hit) {
     let size = [random.scale(), random.scale(), random.scale()].map(|size| size as f32);
     let radius = size[0];
@@ -471,7 +473,7 @@ proptest! {
         let (scene, origin, direction, planted) = plant(&mut Random(seed));
         let hit = exact(&scene).closest_hit(origin, direction).expect("a hit");
         prop_assert_eq!(hit.object, planted.object);
-        // The line itself is only known to the rounding of its start.
+        // The line itself is known only to the rounding of its start.
         let size = match scene.surfaces[0].shape.node {
             Node::Cuboid(Cuboid { size }) | Node::Room(Room { size }) => f64::from(size.max_element()),
             Node::Sphere(Sphere { radius }) | Node::Cylinder(Cylinder { radius }) => radius.into(),

@@ -1,24 +1,24 @@
-//! Waves for which the listener is transparent: they meet surfaces alone.
+//! Traces waves for which the listener is transparent: they meet only surfaces.
 
 use super::closed_form::{Face, Placed};
 use super::exact::{ExactScene, Hit, Left, mirror};
 use glam::DVec3;
 
-/// Where a wave flies on after its last hit.
+/// The flight of a wave after its last hit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LastFlight {
-    /// World metres.
+    /// Start in world metres.
     pub origin: DVec3,
     /// Unit vector in world axes.
     pub direction: DVec3,
-    /// Whether it is known to meet nothing any more.
+    /// Whether it is known to meet no further surface.
     pub is_free: bool,
-    /// Surfaces, and boxes around them, that were asked on the way there.
+    /// Number of surfaces, and boxes around them, that were evaluated before.
     pub asked: u64,
 }
 
 impl ExactScene {
-    /// What counts as rounding in this scene, in metres: see [`super`].
+    /// Rounding of this scene in metres: see [`super`].
     pub(crate) fn rounding(&self) -> f64 {
         self.error_bound
     }
@@ -63,8 +63,8 @@ impl ExactScene {
     /// The first surface nearer than `until` metres on the line from `origin` along the unit
     /// vector `direction`.
     ///
-    /// A line that starts on a surface states that by `leaving`: its number from 1, and the unit
-    /// normal there.
+    /// For a line that starts on a surface, `leaving` is its number from 1, and the unit normal
+    /// there.
     pub(crate) fn first_surface(
         &self,
         origin: DVec3,
@@ -105,7 +105,7 @@ mod tests {
     use crate::{Listener, Scene, Source, Surface};
     use glam::Vec3;
 
-    /// Protects waves that the listener does not stop: they meet walls in order, on and on, and a
+    /// Protects waves that the listener does not stop: they meet walls in order, without end, and a
     /// wave that starts in a solid meets none.
     #[test]
     fn waves_fly_through_the_listener() {
@@ -127,7 +127,8 @@ mod tests {
         assert!(inside.is_none());
     }
 
-    /// Protects obstacles: as far as asked and no farther, and not the wall that is left.
+    /// Protects obstacles: they are found up to the given distance and not beyond it, and the wall
+    /// that is left is not one.
     #[test]
     fn the_first_surface_is_nearer_than_asked() {
         let room = Surface::new(Room {
@@ -143,7 +144,7 @@ mod tests {
         let wall = Some((1, DVec3::NEG_X));
         assert_eq!(first(wall, 3.9), None);
         assert_eq!(first(wall, 4.1), Some((1, 4.0)));
-        // Along the wall that it starts on only the next one is met.
+        // Along the wall that it starts on, only the next one is met.
         let along = exact.first_surface(DVec3::X * 2.0, DVec3::Y, wall, 9.0);
         assert_eq!(along.map(|hit| hit.t), Some(2.0));
     }

@@ -1,9 +1,10 @@
-//! What the listener's sphere catches of the sound whose exact paths are known.
+//! Comparison of exact paths with the waves that the listener's sphere catches from them.
 //!
-//! These lead to the listener's centre, and all else is a mean over its sphere. What the figures would be by the mean of
-//! the paths over the sphere (`sphere_mean.rs`) is a part of their error. For paths over surfaces that gather sound, near
-//! whose caustics places differ most, the waves give the mean. And if the waves of all paths bring other energy than this
-//! mean by more than three standard deviations, what exceeds these is a part of the error as well.
+//! Exact paths lead to the listener's centre, while waves give a mean over its sphere. The difference between the
+//! figures of the paths and those of the paths' mean over the sphere (`sphere_mean.rs`) is part of the figures' error.
+//! For paths over surfaces that gather sound, near whose caustics places differ most, the waves give the mean. If the
+//! energy of the waves of all paths differs from this mean by more than three standard deviations, the excess is part
+//! of the error as well.
 
 use super::early::EarlyPart;
 use super::heard_path::HeardPath;
@@ -14,10 +15,10 @@ use crate::acoustics::{Arrival, Echogram, Figures, Tap};
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::scene::Scene;
 
-/// Standard deviations of what the waves bring beyond which a difference counts.
+/// Standard deviations of the waves' energy beyond which a difference counts.
 const BEYOND_NOISE: f64 = 3.0;
 
-/// The mean square of a chord of a sphere over the square of its mean, of chords that are spread evenly.
+/// The mean square of a sphere's chord over the square of its mean, for uniformly distributed chords.
 const CHORD_SPREAD: f64 = 9.0 / 8.0;
 
 /// The early part of a response: its exact paths, and the waves that they replace.
@@ -25,13 +26,13 @@ pub(super) struct Caught<'a> {
     pub scene: &'a Scene,
     pub medium: &'a Medium,
     pub part: &'a EarlyPart,
-    /// What is heard along all exact paths.
+    /// The sound along all exact paths.
     pub paths: &'a [HeardPath],
 }
 
 impl Caught<'_> {
-    /// The figures of the exact paths and the echogram of all else, with the differences above as errors besides. The
-    /// record ends after so many seconds.
+    /// The figures of the exact paths and the echogram, with the differences above added to their errors. The record
+    /// ends after `ends_s` seconds.
     pub fn in_errors(&self, figures: Figures, echogram: &Echogram, ends_s: f64) -> Figures {
         let gather = self.gathering_surfaces();
         let is_gathered =
@@ -64,7 +65,7 @@ impl Caught<'_> {
         taken.map(HeardPath::tap).collect()
     }
 
-    /// An echogram with the waves of those paths besides for which `is_taken` holds.
+    /// The echogram plus the waves of paths for which `is_taken` holds.
     fn with_waves(
         &self,
         echogram: &Echogram,
@@ -77,7 +78,7 @@ impl Caught<'_> {
         with_waves
     }
 
-    /// For each surface whether it gathers sound.
+    /// For each surface, whether it gathers sound.
     fn gathering_surfaces(&self) -> Vec<bool> {
         let surfaces = self.scene.surfaces.iter();
         surfaces
@@ -85,8 +86,9 @@ impl Caught<'_> {
             .collect()
     }
 
-    /// The share of the difference between the means of paths and their waves, by band, that is beyond the noise of
-    /// these, of what arrives before the record ends; `is_left_out` holds for paths that are not among the means.
+    /// The difference between the paths' mean energy and that of their waves, of arrivals before the record's end, in
+    /// excess of the noise: its share of the difference by band. Paths for which `is_left_out` holds are not among the
+    /// means.
     fn excess(
         &self,
         means: &[Tap],

@@ -8,44 +8,46 @@ use crate::error::Error;
 use crate::scene::Scene;
 use crate::trace::{ArrivalCounts, ArrivalSettings, Settings, Tracer};
 
-/// Waves that estimate the decay: their energies, not their number, decide, and a thousand of
-/// them give the time within some per cent.
+/// Number of waves that estimate the decay: its end is determined by their energies, not by their
+/// number, and a thousand of them give the time within some per cent.
 const WAVES: u32 = 4096;
 
-/// Waves where most leave the scene and few of these arrive late, as outdoors. Those that leave cost next to nothing.
+/// Number of waves if most leave the scene and few of these arrive late, as outdoors. Waves that leave cost next to
+/// nothing.
 const WAVES_OUTDOORS: u32 = 64 * WAVES;
 
-/// Waves where few arrive late and most stay, as between two walls without an end.
+/// Number of waves if few arrive late and most stay, as between two endless walls.
 const WAVES_BETWEEN: u32 = 8 * WAVES;
 
-/// The shortest, in seconds: one block of a sound.
+/// The shortest length, in seconds: one block of a sound.
 const SHORTEST_S: f64 = 0.1;
 
-/// The share of the energy that may be left: 60 dB, the definition of the reverberation time.
+/// The share of the energy that may remain: −60 dB, the definition of the reverberation time.
 const LEFT: f64 = 1e-6;
 
-/// The share of their energy until which the waves are followed. What comes after it is at most a thousandth of
-/// what may be left, where the listener hears its share of it.
+/// The share of their energy down to which the waves are followed. The energy after it is at most a thousandth of what
+/// may remain, if the listener receives its share of it.
 const LEAST_ENERGY: f64 = 1e-3 * LEFT;
 
-/// The end of a decay is known where [`LEAST_LATE`] waves or more arrive after all but this share of the energy, 40 dB:
-/// the time of the last 20 dB is then right to some 20 per cent.
+/// The end of a decay is known if at least [`LEAST_LATE`] waves arrive when only this share of the energy, −40 dB, is
+/// still to come: the time of the last 20 dB is then accurate to about 20 per cent.
 const LATE: f64 = 1e-4;
 const LEAST_LATE: usize = 16;
 
-/// With fewer late arrivals the record is longer than the time in which waves arrived, which is this share of it: then it
-/// also holds later sound that these waves missed. Figures need a record whose second half is weaker than the first.
+/// With fewer late arrivals the record is longer than the time in which waves arrived, which is this share of it: then
+/// it also holds later sound that these waves missed. Figures need a record whose second half is weaker than the first.
 const SEEN: f64 = 1.0 / 3.0;
 
-/// The length after the direct sound where nothing absorbs and no wave leaves, in seconds: no length holds such a decay,
-/// and a longer record repeats itself. It is the usual longest response of sound in full (`auralisation`).
+/// The length after the direct sound, in seconds, for a scene that neither absorbs sound nor lets waves leave: its decay
+/// exceeds any length, and a longer record repeats itself. It equals the default longest response of sound in full
+/// (`auralisation`).
 const WITHOUT_DECAY_S: f64 = 3.0;
 
-/// Bins of time in which the decay is looked at, in seconds.
+/// Length of the time bins of the decay, in seconds.
 const BIN_S: f64 = 0.01;
 
-/// Seconds after which the energy still to come is at most [`LEFT`] of all, in every band, as far as waves show it;
-/// `longest_s` at most, but no less than the direct sound takes.
+/// Seconds after which the remaining energy is at most [`LEFT`] of all, in every band, as estimated by waves; at most
+/// `longest_s`, but at least the time of the direct sound.
 pub(super) fn needed(
     tracer: &mut Tracer,
     scene: &Scene,
@@ -60,7 +62,7 @@ pub(super) fn needed(
             .min(longest_s.max(medium.direct_s + SHORTEST_S))
             .min(MAX_SECONDS));
     }
-    // More waves make no record longer than the longest.
+    // With more waves the record would not exceed the longest either.
     if !decay.is_end_known() && decay.end_s() + BIN_S < longest_s {
         let more = match most_leave(&counts) {
             true => WAVES_OUTDOORS,
@@ -79,17 +81,17 @@ pub(super) fn needed(
         .min(MAX_SECONDS))
 }
 
-/// Whether most waves meet nothing any more.
+/// Whether most waves leave the scene.
 fn most_leave(counts: &ArrivalCounts) -> bool {
     2 * counts.gone > counts.waves
 }
 
-/// Energies and numbers of arrivals against time.
+/// Energies and numbers of arrivals over time.
 #[derive(Default)]
 struct Decay {
     /// Energies in bins of [`BIN_S`].
     bins: Vec<Bands>,
-    /// Arrivals in each.
+    /// Number of arrivals in each bin.
     arrivals: Vec<usize>,
 }
 
@@ -101,7 +103,7 @@ impl Decay {
         (waves, longest_s): (u32, f64),
     ) -> Result<(Decay, ArrivalCounts), Error> {
         let medium = Medium::of(scene);
-        // More of the few waves that carry the end of the decay cross the larger sphere.
+        // The larger sphere is crossed by more of the few waves that carry the end of the decay.
         let wide = LateSphere::of(scene, LEAST_ORDER).widened(scene);
         let mut decay = Decay::default();
         let counts = tracer.arrivals(
@@ -126,7 +128,7 @@ impl Decay {
         self.arrivals[bin] += 1;
     }
 
-    /// Bins before which some band has more than this share of its energy to come.
+    /// Number of bins before which some band has more than this share of its energy still to come.
     fn bins_until(&self, share: f64) -> usize {
         let mut all = [0.0; BAND_COUNT];
         for bin in &self.bins {
@@ -148,12 +150,13 @@ impl Decay {
         late.iter().sum::<usize>() >= LEAST_LATE
     }
 
-    /// The end of the last bin before which some band has more than [`LEFT`] to come.
+    /// The end of the last bin before which some band has more than [`LEFT`] still to come.
     fn end_s(&self) -> f64 {
         (self.bins_until(LEFT) as f64 * BIN_S).max(SHORTEST_S)
     }
 
-    /// An end behind what too few waves have shown, in seconds: what was seen is the first [`SEEN`] from the direct sound on.
+    /// An end beyond the arrivals of too few waves, in seconds: the observed time after the direct sound is the first
+    /// [`SEEN`] of the record.
     fn end_unseen_s(&self, direct_s: f64) -> f64 {
         let seen_s = (self.bins.len() as f64 * BIN_S - direct_s).max(0.0);
         direct_s + seen_s / SEEN
@@ -166,7 +169,7 @@ mod tests {
     use crate::gpu::{Context, ContextOptions};
     use crate::response::{Response, ResponseSettings};
 
-    /// Protects the length of a response: the slowest band decides, and silence is short.
+    /// Protects the length of a response: the slowest band decides, and silence has a short response.
     #[test]
     fn the_slowest_band_decides() {
         let energy =
@@ -184,8 +187,8 @@ mod tests {
         assert_eq!(Decay::default().end_s(), SHORTEST_S);
     }
 
-    /// Protects a decay that few waves carry from being taken for one that has ended: the last wave seen is not the
-    /// last sound.
+    /// Protects from taking a decay carried by few waves for one that has ended: the last observed wave is not the last
+    /// sound.
     #[test]
     fn few_late_waves_do_not_end_a_decay() {
         let mut decay = Decay::default();
@@ -201,7 +204,8 @@ mod tests {
         assert_eq!(Decay::default().end_unseen_s(0.1), 0.1);
     }
 
-    /// Protects the time that a scene without a decay takes: its record is short, and one that sound leaves is not cut.
+    /// Protects the computing time of a scene without a decay: its record is short, and that of a scene that sound
+    /// leaves is not cut.
     #[test]
     fn what_never_decays_is_not_recorded_for_long() {
         let mut tracer =
@@ -219,7 +223,7 @@ mod tests {
         assert!(needed(&absorbing, 10.0) > 5.0);
     }
 
-    /// A yard: ground, a wall, and another one opposite where there are two.
+    /// A yard: ground and one wall, or two opposite walls.
     fn yard(walls: usize) -> Scene {
         let wall = |x: f32| {
             format!(
@@ -235,8 +239,8 @@ mod tests {
         Scene::from_ron(&text, "yard").unwrap()
     }
 
-    /// Protects figures outdoors: beside one wall and between two, where most waves are gone at once, the default record
-    /// holds what is to come, and the energy's figures are there.
+    /// Protects figures outdoors: beside one wall and between two, where most waves leave at once, the default record
+    /// is long enough, and the energy figures are present.
     #[test]
     fn figures_outdoors_need_no_length_by_hand() {
         let mut tracer =

@@ -1,4 +1,4 @@
-//! The early part: which arrivals are exact paths, and what is heard along each.
+//! The early part: the arrivals that exact paths replace, and the sound along each path.
 
 use super::heard_path::{HeardPath, comes_from};
 use super::late_sphere::casts_shadows;
@@ -14,16 +14,17 @@ use crate::sphere_directions::lattice;
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
-/// What replaces an early arrival.
+/// The replacement of an early arrival.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Outcome {
     /// The exact path of this index.
     Path(usize),
-    /// Itself: it stays a statistic.
+    /// None: the arrival stays a statistic.
     Itself,
-    /// Itself as well, since its path was not looked for.
+    /// None either, because its path was not searched for.
     LeftOut,
-    /// The waves that were followed, whose energies make up for it: its wave was not, as that would have taken too long.
+    /// None: its wave was not followed, which would have taken too long; the energies of the followed waves make up for
+    /// it.
     NotFollowed,
     /// Another path: see [`stands_for_itself`].
     Another,
@@ -34,22 +35,22 @@ pub(super) struct EarlyPart {
     arrivals: Vec<Arrival>,
     /// One for each of the arrivals.
     outcomes: Vec<Outcome>,
-    /// Waves that paths were looked for with.
+    /// Number of waves used to search for paths.
     waves: u32,
     paths: Vec<SpecularPath>,
-    /// The paths from other places, where an object may hide a part of the listener's sphere from them.
+    /// The paths as seen from other places of the listener's sphere, if an object may hide a part of it.
     replaced: Option<Replaced>,
     /// The share of the directions of [`FLAT_SEARCH`] that were left out.
     search_left_out_share: f64,
 }
 
-/// A path found only by waves replaces them if so many of them are expected: fewer than 1 % of such paths are
-/// missed. If paths that waves find by luck stood for theirs, the energy of those that they miss would be lost.
+/// A path found only by waves replaces them if at least this number of waves is expected: fewer than 1 % of such paths
+/// are missed. If paths found by chance replaced their waves, the energy of those missed would be lost.
 const EXPECTED_WAVES: f64 = 5.0;
 
 impl EarlyPart {
-    /// Finds the paths of these arrivals, in the order of their waves; `starts` are these waves, each
-    /// once, of `waves` altogether.
+    /// Finds the paths of these arrivals, which are in the order of their waves; `starts` are these waves, each once,
+    /// out of `waves` in total.
     pub fn find(
         scene: &Scene,
         starts: &[(u32, Vec3)],
@@ -127,7 +128,7 @@ impl EarlyPart {
                 }
             }
             let vertices = |path: usize| Some(candidates.get(named[path]?)?.vertices);
-            // Sequences that were searched far from the listener lead past its sphere.
+            // Sequences found far from the listener lead past its sphere.
             let is_beside = |index: &usize| of_candidate(*index) == Outcome::Another;
             let beside = (0..of_waves).filter(is_beside);
             let beside = beside.filter_map(|index| Some(candidates.get(index)?.vertices));
@@ -143,7 +144,7 @@ impl EarlyPart {
         })
     }
 
-    /// The waves that paths were looked for with: all, or those that could be followed within a limit of work.
+    /// Number of waves used to search for paths: all, or those that could be followed within the limit of work.
     pub fn waves(&self) -> u32 {
         self.waves
     }
@@ -153,25 +154,24 @@ impl EarlyPart {
         Missed::of(&self.paths)
     }
 
-    /// The share, 0 … 1, of the directions in which paths over planes are looked for that were left out.
+    /// The share, 0 … 1, of the directions left out of the search for paths over planes.
     pub fn search_left_out_share(&self) -> f64 {
         self.search_left_out_share
     }
 
-    /// The arrivals that no exact path replaces: their surfaces are known by samples alone, or the
-    /// listener is partly in sight and its centre is not, or their path was not looked for. They stay
-    /// statistics.
+    /// The arrivals that no exact path replaces: their surfaces are known only by samples, or the listener is partly
+    /// visible but its centre is not, or their path was not searched for. They stay statistics.
     pub fn left_over(&self) -> impl Iterator<Item = &Arrival> {
         self.arrivals_of(Outcome::Itself).chain(self.left_out())
     }
 
-    /// Of these, those whose path was not looked for.
+    /// Left-over arrivals whose path was not searched for.
     pub fn left_out(&self) -> impl Iterator<Item = &Arrival> {
         self.arrivals_of(Outcome::LeftOut)
     }
 
-    /// What the listener caught of the sound of the exact paths but foci: each arrival with its path, or without one
-    /// where another path, over planes, replaces it.
+    /// The arrivals that exact paths replace, except at foci: each with its path, or with `None` if another path, over
+    /// planes, replaces it.
     pub fn caught(&self) -> impl Iterator<Item = (&Arrival, Option<&SpecularPath>)> {
         let all = self.arrivals.iter().zip(&self.outcomes);
         all.filter_map(|(arrival, outcome)| match outcome {
@@ -184,7 +184,7 @@ impl EarlyPart {
         })
     }
 
-    /// What is heard along each path. At a focus the energy is that of the waves that found it.
+    /// The sound along each path. At a focus the energy is that of the waves that found it.
     pub fn heard(&self, scene: &Scene, medium: &Medium) -> Vec<HeardPath> {
         let paths = self.paths.iter().enumerate();
         let heard = |(index, path): (usize, &SpecularPath)| {
@@ -205,8 +205,8 @@ impl EarlyPart {
         paths.map(heard).collect()
     }
 
-    /// What the paths bring to the listener's sphere on average, as taps, but those for which `is_left_out` holds;
-    /// `heard` is what is [heard](Self::heard) along all paths.
+    /// The mean energy of the paths over the listener's sphere, as taps, without those for which `is_left_out` holds;
+    /// `heard` is the sound [along all paths](Self::heard).
     pub fn mean_taps(
         &self,
         scene: &Scene,
@@ -243,8 +243,9 @@ fn followed_share(waves: usize, left_out: usize) -> f64 {
     }
 }
 
-/// The candidate of a wave (its index among those that were followed) whose length is nearest to
-/// `length_m`, and no more off than the listener's radius; `lengths` are in the order of the waves.
+/// The candidate of a wave (its index among the followed ones) whose length is nearest to
+/// `length_m` and differs by at most the listener's radius; `lengths` are in the order of the
+/// waves.
 fn nearest(lengths: &[(u32, f64)], wave: u32, length_m: f64, radius_m: f64) -> Option<usize> {
     let first = lengths.partition_point(|(of, _)| *of < wave);
     let end = lengths.partition_point(|(of, _)| *of <= wave);
@@ -253,11 +254,12 @@ fn nearest(lengths: &[(u32, f64)], wave: u32, length_m: f64, radius_m: f64) -> O
     nearest.filter(|index| off(index) <= radius_m)
 }
 
-/// Whether an arrival without a path is kept: where something hides the listener's centre, where that or the source is
-/// in a solid, where it begins or ends in an edge that points into the air, and at curved or sampled surfaces. Beyond the edge of a plane it is not: next to the
-/// edge between two walls a wave that passes by the centre meets them in the other order, and the
-/// path of that order has all of the energy, if it is known ([`Known::has_image`]). (An arrival without a candidate, which
-/// passes by the listener in `f64`, is kept: at users' fields and after many curved surfaces that happens often.)
+/// Whether an arrival without a path is kept: if the listener's centre is hidden, if the centre or the source is in a
+/// solid, if the path begins or ends in an edge that points into the air, and at curved or sampled surfaces. Beyond the
+/// edge of a plane it is dropped: next to the edge between two walls a wave that passes beside the centre meets them in
+/// the other order, and the path of that order has all of the energy, if it is known ([`Known::has_image`]). (An
+/// arrival without a candidate, which passes by the listener in `f64`, is kept: that happens often at users' fields and
+/// after many curved surfaces.)
 fn stands_for_itself(paths: &EarlyPaths, vertices: &[Vertex], why: NoPath) -> bool {
     let is_kept = matches!(
         why,
@@ -266,10 +268,11 @@ fn stands_for_itself(paths: &EarlyPaths, vertices: &[Vertex], why: NoPath) -> bo
     is_kept || !paths.are_flat(vertices)
 }
 
-/// Lengths that differ by this share are one: the vertices of waves are rounded.
+/// Relative difference up to which lengths count as equal: the vertices of waves are rounded.
 const SAME_LENGTH: f64 = 1e-6;
 
-/// Whether more than a few of so many waves pass through a listener of this radius by a path of this spreading.
+/// Whether at least [`EXPECTED_WAVES`] of `waves` waves are expected to cross a listener of this radius along a path of
+/// this spreading.
 fn are_expected(spreading: f64, radius_m: f64, waves: u32) -> bool {
     let cross_section = PI * radius_m * radius_m;
     f64::from(waves) * cross_section * spreading >= EXPECTED_WAVES
@@ -279,18 +282,19 @@ fn are_expected(spreading: f64, radius_m: f64, waves: u32) -> bool {
 struct Known<'a> {
     scene: &'a Scene,
     early: &'a EarlyPaths,
-    /// By length.
+    /// Sorted by length.
     paths: &'a [SpecularPath],
-    /// All that have no more reflections than this, at planes of [leaves](Shape::has_planes_of_leaves), are among them.
+    /// All paths with at most this number of reflections, at planes of [leaves](Shape::has_planes_of_leaves), are among
+    /// them.
     complete: u32,
-    /// For each surface whether it has such planes alone.
+    /// For each surface, whether it consists only of such planes.
     have_planes: Vec<bool>,
     waves: u32,
 }
 
 impl Known<'_> {
-    /// Whether what comes from the image of the source in these planes, in whatever order, is in a path: all that came
-    /// past the listener's centre from an image without such a path would be lost.
+    /// Whether the sound of the source's image in these planes, in any order, has a path: without one, all waves from
+    /// the image that pass beside the listener's centre would be lost.
     fn has_image(&self, ends: &Ends, vertices: &[Vertex]) -> bool {
         let is_flat = |vertex: &Vertex| self.have_planes[vertex.surface as usize - 1];
         if vertices.len() <= self.complete as usize && vertices.iter().all(is_flat) {
@@ -313,7 +317,7 @@ impl Known<'_> {
     }
 }
 
-/// Those for which `is_kept` holds, and for each of all its index among these.
+/// Keeps the items for which `is_kept` holds, and returns the new index of each item, if kept.
 fn retain<T>(all: Vec<T>, is_kept: impl Fn(&T) -> bool) -> (Vec<T>, Vec<Option<usize>>) {
     let mut kept = Vec::new();
     let mut index = Vec::with_capacity(all.len());
@@ -325,24 +329,23 @@ fn retain<T>(all: Vec<T>, is_kept: impl Fn(&T) -> bool) -> (Vec<T>, Vec<Option<u
     (kept, index)
 }
 
-/// Directions in which paths over planes are looked for, besides those of the waves that arrived: a
-/// wave names such a path wherever it goes by, so few find what many would miss.
+/// Directions of the search for paths over planes, in addition to those of the waves that arrived:
+/// a wave names such a path wherever it passes, so few waves find what many would miss.
 const FLAT_SEARCH: u64 = 1 << 14;
 
-/// Surfaces, and boxes around them, that are asked at most where waves that arrived are followed, and as many in the
-/// search: one or two seconds on one core. Among 50,000 boxes that stand apart the search asks a tenth of this, among 500
-/// planes two thirds.
+/// Maximum number of surfaces, and boxes around them, that are tested when arrived waves are followed, and the same
+/// number again in the search: one or two seconds on one core. Among 50,000 separate boxes the search tests a tenth of
+/// this, among 500 planes two thirds.
 const MOST_ASKED: u64 = 1 << 27;
 
-/// Whether paths over planes are looked for in all directions: where something is flat, and all else
-/// is met in closed form. To march a field in `f64` takes a thousand times as long.
+/// Whether to search all directions for paths over planes: if something is flat, and everything else has a closed form.
+/// Marching a field in `f64` takes a thousand times as long.
 fn flat_search_pays(scene: &Scene) -> bool {
     let mut shapes = scene.surfaces.iter().map(|surface| &surface.shape);
     shapes.clone().all(Shape::is_basic) && shapes.any(Shape::is_flat)
 }
 
-/// Adds the sequences of planes that an even lattice of directions meets. Returns the share of the directions that
-/// were left out.
+/// Adds the sequences of planes met along an even lattice of directions. Returns the share of the directions left out.
 fn add_flat(paths: &EarlyPaths, ends: &Ends, order: u32, candidates: &mut Candidates) -> f64 {
     let search: Vec<Vec3> = lattice(FLAT_SEARCH).map(|d| d.as_vec3()).collect();
     let first = candidates.waves() as u32;
@@ -356,7 +359,7 @@ fn add_flat(paths: &EarlyPaths, ends: &Ends, order: u32, candidates: &mut Candid
     more.left_out().len() as f64 / search.len() as f64
 }
 
-/// The wave of each candidate, and its length to where it is nearest to the listener, in metres.
+/// The wave of each candidate, and the length in metres to its closest point to the listener.
 fn candidate_lengths(ends: &Ends, candidates: &Candidates) -> Vec<(u32, f64)> {
     let length = |vertices: &mut dyn Iterator<Item = DVec3>| {
         let mut from = ends.source;

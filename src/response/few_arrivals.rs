@@ -1,4 +1,4 @@
-//! What late arrivals may bring besides those that were seen.
+//! Energy of late arrivals that the waves may have missed.
 
 use super::ResponseSettings;
 use super::medium::Medium;
@@ -9,11 +9,12 @@ use crate::scene::Scene;
 use crate::trace::{ArrivalSettings, Tracer, WavesToFollow};
 use std::f64::consts::PI;
 
-/// Fewer waves say nothing of what they have missed, however often each of them arrived.
+/// Fewer waves give no estimate of what they have missed, however often each of them arrived.
 const FEW_WAVES: u32 = 64;
 
-/// The energy that the waves may have missed, by band, in 1/m²: of arrivals that were seen by their number. Where none was
-/// seen in a band, and with few waves, it is that of a wave which has lost nothing, if any wave could still arrive; else 0.
+/// The energy that the waves may have missed, by band, in 1/m², estimated from the number of arrivals. In a band
+/// without arrivals, and with few waves, it is that of a wave without losses if any wave could still arrive, otherwise
+/// 0.
 pub(super) fn further_arrival(
     tracer: &mut Tracer,
     (scene, medium): (&Scene, &Medium),
@@ -39,7 +40,7 @@ pub(super) fn further_arrival(
     }))
 }
 
-/// Whether waves travel on after as many reflections as exact paths have, or are scattered before.
+/// Whether waves travel on after the maximum number of reflections of exact paths, or after scattering before that.
 fn may_arrive(
     tracer: &mut Tracer,
     scene: &Scene,
@@ -55,6 +56,6 @@ fn may_arrive(
     let counts = tracer
         .arrivals_of(scene, &settings.trace, &few, &all, &mut |_| ())?
         .counts;
-    // Others have left the scene, or have flown as long as the record is.
+    // The other waves have left the scene, or have flown until the end of the record.
     Ok(counts.cut_off > 0)
 }

@@ -1,23 +1,23 @@
 //! Flutter echoes: sound that lasts between two parallel walls, longer than in a diffuse field.
 //!
-//! Known for a scene that is one [`Room`] and nothing else: only of it are the volume and the
-//! walls known.
+//! Detected only in a scene that consists of one [`Room`]: only then are the volume and the walls
+//! known.
 
 use crate::bands::BAND_COUNT;
 use crate::scene::shape::Room;
 use crate::scene::{Material, Node, Scene};
 use std::f64::consts::LN_10;
 
-/// A T30 above this many times Eyring's is reported: uneven absorption alone makes it some ten
-/// per cent longer.
+/// A T30 above this multiple of Eyring's is reported: uneven absorption alone makes it some ten per
+/// cent longer.
 const MOST_TIMES_EYRING: f64 = 1.5;
 
-/// ln of what 60 dB are as a ratio of energies.
+/// ln of 60 dB as a ratio of energies.
 const LN_OF_60_DB: f64 = 6.0 * LN_10;
 
-/// Two parallel walls between which sound lasts.
+/// Two parallel walls with a flutter echo.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Flutter {
+pub struct Flutter {
     /// Their numbers in the order of [`WALL_NAMES`](crate::scene::WALL_NAMES).
     pub walls: [usize; 2],
     /// The bands whose decay they determine.
@@ -28,7 +28,7 @@ pub(crate) struct Flutter {
 
 /// One band that decays more slowly than in a diffuse field.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct FlutterBand {
+pub struct FlutterBand {
     /// Its number, from 0.
     pub band: usize,
     /// T30 of the response, in seconds.
@@ -37,9 +37,9 @@ pub(crate) struct FlutterBand {
     pub eyring_s: f64,
 }
 
-/// The pairs of walls to which decays above [`MOST_TIMES_EYRING`] times Eyring's are due; `t30_s`
-/// has the seconds by band.
-pub(crate) fn flutters(scene: &Scene, t30_s: [Option<f64>; BAND_COUNT]) -> Vec<Flutter> {
+/// The pairs of walls that cause decays above [`MOST_TIMES_EYRING`] times Eyring's; `t30_s` holds
+/// the seconds by band.
+pub fn flutters(scene: &Scene, t30_s: [Option<f64>; BAND_COUNT]) -> Vec<Flutter> {
     let Some(room) = EmptyRoom::of(scene) else {
         return Vec::new();
     };
@@ -50,7 +50,7 @@ pub(crate) fn flutters(scene: &Scene, t30_s: [Option<f64>; BAND_COUNT]) -> Vec<F
         };
         let limit_s = MOST_TIMES_EYRING * room.eyring_s(band);
         let (axis, lasts_s) = room.longest_flutter(band);
-        // Between walls that absorb more it would not last so long: another cause.
+        // Between walls that absorb more, the echo would not last this long: the cause is another one.
         if t30_s <= limit_s || lasts_s <= limit_s {
             continue;
         }
@@ -124,8 +124,8 @@ impl EmptyRoom<'_> {
         4.0 * LN_OF_60_DB * self.volume() / (self.scene.speed_of_sound() * lost)
     }
 
-    /// The axis along which sound that is mirrored to and fro lasts longest, and the seconds
-    /// in which it falls by 60 dB: a way to and fro keeps what both walls mirror.
+    /// The axis along which a flutter echo lasts longest, and its time to decay by 60 dB: each
+    /// round trip keeps the energy that both walls reflect.
     fn longest_flutter(&self, band: usize) -> (usize, f64) {
         let air = self.scene.air_attenuation()[band];
         let seconds = |axis: usize| {
@@ -178,8 +178,8 @@ mod tests {
         scene
     }
 
-    /// Protects the note from a wrong formula: Eyring's time and that between the hard walls, by
-    /// hand.
+    /// Protects the note from a wrong formula: Eyring's time and that between the hard walls,
+    /// calculated by hand.
     #[test]
     fn times_are_those_of_the_formulas() {
         let scene = room(0.0);
@@ -193,8 +193,7 @@ mod tests {
         assert!((seconds / 11.96 - 1.0).abs() < 1e-3, "{seconds}");
     }
 
-    /// Protects people from a note that is none: only a long decay with walls that explain it is
-    /// a flutter.
+    /// Protects from a wrong note: only a long decay with walls that explain it is a flutter echo.
     #[test]
     fn only_a_long_decay_between_hard_walls_is_a_flutter() {
         let scene = room(0.0);

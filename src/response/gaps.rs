@@ -1,30 +1,30 @@
-//! Why figures of a response are missing.
+//! Reasons why figures of a response are missing.
 
 use crate::acoustics::{BandFigures, Figures};
 
-/// Share of the energy after the response's end above which it is reported: a tenth of what
-/// figures allow.
+/// Share of the energy after the response's end above which it is reported: a tenth of the limit
+/// for figures.
 const TOLD_CUT_OFF: f64 = 0.001;
 
-/// Why figures of a band are missing.
+/// Reason why figures of a band are missing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Gap {
+pub enum Gap {
     /// Nothing arrives in this band.
     Silence,
     /// The response ends before its sound has decayed.
     TooShort,
-    /// Nothing arrives late enough for a clarity figure: there is no reverberation.
+    /// The sound arrives too early for a clarity figure: without reverberation.
     NoLateSound,
     /// Sound decays, but there are too few waves to estimate the decay.
     TooNoisy,
 }
 
 impl Gap {
-    /// All of them, in the order in which they are told.
+    /// All reasons, in the order of reporting.
     pub const ALL: [Gap; 4] = [Gap::Silence, Gap::TooShort, Gap::NoLateSound, Gap::TooNoisy];
 
-    /// Why figures of a band are missing, or inexact; `None` if its times of decay are all there. `is_heard`: whether
-    /// anything arrives in it.
+    /// The reason why figures of a band are missing or inexact; `None` if all its decay times are present. `is_heard`:
+    /// whether any sound arrives in it.
     pub fn of(figures: &Figures, band: usize, is_heard: bool) -> Option<Gap> {
         match is_heard {
             true => Gap::of_band(
@@ -50,7 +50,7 @@ impl Gap {
         }
     }
 
-    /// In two or three words.
+    /// The reason in two or three words.
     pub fn words(self) -> &'static str {
         match self {
             Gap::Silence => "nothing arrives",
@@ -60,8 +60,7 @@ impl Gap {
         }
     }
 
-    /// As a number in tables: from 1 in the order of [`Gap::ALL`].
-    #[cfg(feature = "experiment")]
+    /// The reason as a number in tables: from 1 in the order of [`Gap::ALL`].
     pub fn code(self) -> u64 {
         Gap::ALL
             .iter()
@@ -69,8 +68,7 @@ impl Gap {
             .map_or(0, |at| at as u64 + 1)
     }
 
-    /// The reverse; `None` for 0 and for what is no code.
-    #[cfg(feature = "experiment")]
+    /// The reason of a code; `None` for 0 and for unknown codes.
     pub fn of_code(code: u64) -> Option<Gap> {
         Gap::ALL.into_iter().find(|gap| gap.code() == code)
     }
@@ -80,7 +78,7 @@ impl Gap {
 mod tests {
     use super::*;
 
-    /// Protects the advice: it follows from what is missing, and there is none where nothing is missing.
+    /// Protects the advice: it follows from the missing figures, and is absent if all are present.
     #[test]
     fn each_missing_figure_has_its_reason() {
         let whole = BandFigures {
@@ -108,8 +106,7 @@ mod tests {
         }
     }
 
-    /// Protects tables: a code means one reason.
-    #[cfg(feature = "experiment")]
+    /// Protects tables: each code means one reason.
     #[test]
     fn codes_mean_reasons() {
         for gap in Gap::ALL {

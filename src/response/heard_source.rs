@@ -1,24 +1,24 @@
-//! What is heard of one source, in short.
+//! A summary of the sound of one source.
 
 use super::Response;
 use crate::acoustics::strength_db;
 use crate::bands;
 use serde::Serialize;
 
-/// What is heard of one source, in short.
+/// A summary of the sound of one source at the listener.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct HeardSource {
-    /// The strength *G* of all that arrives, the mean of the bands, in decibels; `None` if nothing does.
+    /// The strength *G* of all arrivals, averaged over the bands, in decibels; `None` without arrivals.
     pub level_db: Option<f64>,
-    /// Exact paths.
+    /// Number of exact paths.
     pub paths: usize,
     /// Whether the direct sound is one of them.
     pub is_direct: bool,
 }
 
 impl HeardSource {
-    /// What the response tells of its source.
+    /// Summarises a response.
     pub fn of(response: &Response) -> HeardSource {
         HeardSource {
             level_db: strength_db(bands::mean(&response.energy())),

@@ -1,9 +1,10 @@
-//! Late arrivals: waves followed to a sphere that is larger than the listener (`late_sphere.rs`), from where they matter
+//! Late arrivals: waves followed to a sphere larger than the listener (`late_sphere.rs`), started where they matter
 //! (`importance/`).
 //!
-//! What was scattered after no more reflections than exact paths have is counted in both (`near_scattering.rs`).
+//! Sound scattered within the maximum number of reflections of exact paths is counted in both spheres
+//! (`near_scattering.rs`).
 //!
-//! Late arrivals may come from fewer waves than exact paths are found by: their noise is heard as noise, while a path
+//! Late arrivals may come from fewer waves than those that find exact paths: their noise only adds noise, while a path
 //! that no wave finds is missing.
 
 use super::ResponseSettings;
@@ -21,31 +22,31 @@ use glam::Vec3;
 use std::cmp::Ordering;
 use std::ops::Range;
 
-/// The share of the energy of all waves until which they are followed, 120 dB: a decay is heard over 60 dB, and where
-/// the listener is in another room than the source it may begin as much lower. Bands that decay fast and have waves
-/// of their own take less time so.
+/// The share of the energy of all waves down to which they are followed, −120 dB: a decay is audible over 60 dB, and if
+/// the listener is in another room than the source it may begin that much lower. Bands that decay fast and have their
+/// own waves take less time this way.
 const LEAST_ENERGY: f64 = 1e-12;
 
-/// Crossings that a wave has in a chunk, on average. A chunk costs as much as ten iterations, and a wave that crosses
-/// more often than is recorded (four times) is drawn again: in a room of 8 × 3 × 5 m a response of 65,536 waves takes
-/// 0.39, 0.37, 0.35, 0.33 and 0.33 s with 8, 12, 16, 24 and 32 iterations in a chunk, which are 0.6 to 2.6 crossings.
+/// Mean number of crossings of a wave in a chunk. A chunk costs as much as ten iterations, and a wave that crosses more
+/// often than is recorded (four times) is drawn again: in a room of 8 × 3 × 5 m a response of 65,536 waves takes 0.39,
+/// 0.37, 0.35, 0.33 and 0.33 s with 8, 12, 16, 24 and 32 iterations in a chunk, which are 0.6 to 2.6 crossings.
 const CROSSINGS_IN_CHUNK: f64 = 2.0;
 
-/// Iterations of a chunk at least.
+/// Minimum iterations of a chunk.
 const LEAST_ITERATIONS: u32 = 8;
 
 /// The arrivals of all waves.
 pub(super) struct Arrivals {
-    /// Those that stay statistics.
+    /// Arrivals that stay statistics.
     pub echogram: Echogram,
-    /// What the larger sphere may add to them by its size alone, one standard deviation of energy.
+    /// The possible bias from the larger sphere alone, one standard deviation of energy.
     pub bias: Echogram,
     pub counts: ArrivalCounts,
-    /// Early arrivals: these are counted in the listener itself.
+    /// Early arrivals, counted in the listener's own sphere.
     pub early: Vec<Arrival>,
 }
 
-/// Traces the waves; `echogram` gives the bins.
+/// Traces the waves; `echogram` defines the bins.
 pub(super) fn arrivals(
     tracer: &mut Tracer,
     heard_in: (&Scene, &Medium, LateSphere),
@@ -65,7 +66,7 @@ pub(super) fn arrivals(
         let (of_bands, arrivals) = arrivals_of_bands(tracer, heard_in, settings, &how, sums)?;
         counts = counts.and(of_bands);
         early.extend(arrivals);
-        // They come by chunks of iterations, and those of other bands are there already.
+        // They arrive in chunks of iterations, after those of other bands.
         early.sort_by(in_order);
         early.dedup_by(|second, first| is_added(first, second));
     }
@@ -77,14 +78,14 @@ pub(super) fn arrivals(
     })
 }
 
-/// By wave, and along each wave.
+/// Orders arrivals by wave, and along each wave.
 fn in_order(a: &Arrival, b: &Arrival) -> Ordering {
     let by_length = || a.length_m.total_cmp(&b.length_m);
     a.wave.cmp(&b.wave).then_with(by_length)
 }
 
-/// Adds the energies of the second arrival to the first if they are one crossing of one wave, which was followed for
-/// different bands.
+/// Adds the energies of the second arrival to the first if both are one crossing of one wave, followed for different
+/// bands.
 fn is_added(first: &mut Arrival, second: &Arrival) -> bool {
     let is_same = first.wave == second.wave && first.length_m == second.length_m;
     if is_same {
@@ -93,8 +94,8 @@ fn is_added(first: &mut Arrival, second: &Arrival) -> bool {
     is_same
 }
 
-/// Those of waves that carry `how.bands` together: what stays a statistic is added to the first echogram, its bias to the
-/// second, the rest returned.
+/// The arrivals of waves that carry `how.bands` together: statistics are added to the first echogram and their bias to
+/// the second, the other arrivals are returned.
 fn arrivals_of_bands(
     tracer: &mut Tracer,
     (scene, medium, late): (&Scene, &Medium, LateSphere),
@@ -135,7 +136,7 @@ fn arrivals_of_bands(
         echogram,
         near: &mut near.wide,
     };
-    // Where surfaces gather sound, waves of one direction part: it tells little.
+    // Surfaces that gather sound spread waves of one direction, so pilot waves predict little there.
     let pilot_waves = match share < 1.0 {
         true => importance::pilot_waves(scene, &how.bands, &trace),
         false => 0,
@@ -152,12 +153,12 @@ struct LateWaves<'a> {
     how: &'a ArrivalSettings,
     medium: &'a Medium,
     echogram: &'a mut Echogram,
-    /// What was scattered after few reflections; nothing where pilot waves are followed, as these are mirrored alone.
+    /// Sound scattered after few reflections; empty if pilot waves are followed, because these are only mirrored.
     near: &'a mut Echogram,
 }
 
 impl LateWaves<'_> {
-    /// Traces all waves. The first of them, the pilot waves, decide whether the others start evenly.
+    /// Traces all waves. The first ones, the pilot waves, decide whether the others start evenly.
     fn follow_all(
         mut self,
         trace: &Settings,
@@ -187,7 +188,7 @@ impl LateWaves<'_> {
         self.follow(trace, &WavesToFollow::Starts { waves, of: &of }, None)
     }
 
-    /// Follows the second half of the pilot waves, as many as the first half, which started in these directions.
+    /// Follows the second half of the pilot waves, equal in number to the first half, which started in `directions`.
     fn refined(
         &mut self,
         trace: &Settings,
@@ -197,7 +198,7 @@ impl LateWaves<'_> {
     ) -> Result<Importance, Error> {
         let half = directions.len() as u32;
         let mut starts = importance.starts(0..half, half, batches, !trace.seed);
-        // The first half's energies are shares of those of all waves; these are made so too.
+        // The first half's energies are shares of those of all waves; these are scaled the same way.
         let share = half as f32 / trace.waves as f32;
         starts.iter_mut().for_each(|start| start.weight *= share);
         directions.extend(starts.iter().map(|start| start.direction));
@@ -238,12 +239,12 @@ impl LateWaves<'_> {
     }
 }
 
-/// How often a wave has crossed the listener in an iteration, on average.
+/// Mean crossings of the listener per wave and iteration.
 fn crossings_an_iteration(counts: &ArrivalCounts) -> f64 {
     counts.arrivals as f64 / (counts.waves as f64 * f64::from(counts.iterations)).max(1.0)
 }
 
-/// Iterations of a chunk in which a wave has so many crossings an iteration, `most` at most.
+/// Iterations of a chunk for the given crossings per iteration, at most `most`.
 fn iterations_in_chunk(crossings: f64, most: u32) -> u32 {
     let fit = CROSSINGS_IN_CHUNK / crossings;
     (fit as u32).max(LEAST_ITERATIONS).min(most)
@@ -253,7 +254,7 @@ fn iterations_in_chunk(crossings: f64, most: u32) -> u32 {
 mod tests {
     use super::*;
 
-    /// Protects the time that late arrivals take: a chunk has some crossings, and is neither endless nor empty.
+    /// Protects the time that late arrivals take: a chunk has several crossings, and is neither endless nor empty.
     #[test]
     fn chunks_are_short_where_waves_cross_often() {
         for (crossings, iterations) in [(0.0, 64), (0.01, 64), (0.1, 20), (0.25, 8), (3.0, 8)] {
@@ -263,7 +264,7 @@ mod tests {
                 "{crossings}"
             );
         }
-        // Where loops allow fewer than it should have.
+        // The loop limit may allow fewer than it should have.
         assert_eq!(iterations_in_chunk(0.01, 20), 20);
         assert_eq!(iterations_in_chunk(3.0, 5), 5);
     }

@@ -1,12 +1,12 @@
-//! The sphere in which late arrivals are counted: larger than the listener where that changes little
-//! but the noise, which falls with 1/radius.
+//! The sphere in which late arrivals are counted: larger than the listener where that changes little except the noise,
+//! which falls with 1/radius.
 //!
-//! Behind the exact paths the energy at a place hardly differs from that a metre away, if nothing
-//! focuses sound and nothing is in between. So where all surfaces are flat or convex, late arrivals are
-//! counted in a sphere of [`RADIUS_M`], or of [`RADIUS_IN_SHADOWS_M`]. It reaches to no surface, as beyond one may be
-//! another room, but for walls of a `Room`, beyond which is nothing; of these it reaches as far behind one as that is
-//! away, at most. The energy is the mean over the part of the sphere that is open, and the times are those
-//! of paths to its centre, as in the listener itself.
+//! After the exact paths the energy at a place hardly differs from that a metre away, if no surface focuses sound and
+//! no object is in between. So if all surfaces are flat or convex, late arrivals are counted in a sphere of
+//! [`RADIUS_M`], or of [`RADIUS_IN_SHADOWS_M`]. It ends before any surface, since there may be another room beyond it,
+//! except the walls of a `Room`, which have nothing beyond them: the sphere reaches at most as far behind such a wall
+//! as the wall is away. The energy is the mean over the open part of the sphere, and the times are those of paths to
+//! its centre, as in the listener itself.
 
 use crate::acoustics::CommonErrors;
 use crate::scene::{Node, Scene, Surface};
@@ -15,9 +15,9 @@ use crate::scene::{Node, Scene, Surface};
 /// 0.3 m, and the bias of the mean over the sphere is still below the noise; with 1.5 m it is not.
 const RADIUS_M: f32 = 1.0;
 
-/// What the mean over the sphere leaves figures off, one standard deviation: in a room of 4.4 × 3 × 4.3 m T30
-/// was 0.2 to 0.4 % off in all bands, in one of 3.1 × 8.5 × 6.4 m C80 0.02 to 0.03 dB, in one of 24.8 × 2.5 × 3.8 m
-/// EDT up to 0.8 % and C80 up to 0.04 dB.
+/// Errors of figures from the mean over the sphere, one standard deviation: in a room of 4.4 × 3 × 4.3 m T30 was 0.2 to
+/// 0.4 % off in all bands, in one of 3.1 × 8.5 × 6.4 m C80 0.02 to 0.03 dB, in one of 24.8 × 2.5 × 3.8 m EDT up to 0.8
+/// % and C80 up to 0.04 dB.
 const ERRORS: CommonErrors = CommonErrors {
     decay_share: 0.003,
     early_decay_share: 0.005,
@@ -26,14 +26,13 @@ const ERRORS: CommonErrors = CommonErrors {
     centre_s: 0.0,
 };
 
-/// Radius in metres where an object is in the room: it hides part of the flutter echo between walls,
-/// and a large sphere reaches beyond that shadow. In 14 random rooms with a ball or a box T30 differed
-/// from that in the listener's own sphere of 0.3 m by 1.1 % (rms of all bands, except noise) with 1 m, 0.6 % with 0.7 m
-/// and 0.4 % with 0.5 m, in the worst of them by 4.4, 2.8 and 1.8 %; by 2.2 and 1.7 % with 1 and 0.5 m where all
-/// surfaces scatter 0.1.
+/// Radius in metres if an object is in the room: it hides part of the flutter echo between walls, and a large sphere
+/// extends beyond that shadow. In 14 random rooms with a ball or a box T30 differed from that in the listener's own
+/// sphere of 0.3 m by 1.1 % (rms of all bands, except noise) with 1 m, 0.6 % with 0.7 m and 0.4 % with 0.5 m, in the
+/// worst of them by 4.4, 2.8 and 1.8 %; by 2.2 and 1.7 % with 1 and 0.5 m if all surfaces scatter 0.1.
 const RADIUS_IN_SHADOWS_M: f32 = 0.5;
 
-/// What these differences are with that radius.
+/// The same errors with that radius.
 const ERRORS_IN_SHADOWS: CommonErrors = CommonErrors {
     decay_share: 0.005,
     early_decay_share: 0.005,
@@ -42,30 +41,30 @@ const ERRORS_IN_SHADOWS: CommonErrors = CommonErrors {
     centre_s: 0.0,
 };
 
-/// What a sphere of 1 m adds in a room that scatters: what comes past its centre from a place nearby is taken for as early
-/// as it would be if it came from far away, by b²/2l (b: how far it passes the centre, l: how far off it was scattered). Ts
-/// was 0.03 to 0.35 ms too early in two random rooms, and C50 0.03 to 0.10 dB too high.
+/// Additional error of a sphere of 1 m in a room that scatters: sound from a place nearby that passes beside its centre
+/// is counted as early as sound from far away, which is too early by b²/2l (b: how far it passes the centre, l: how far
+/// off it was scattered). Ts was 0.03 to 0.35 ms too early in two random rooms, and C50 0.03 to 0.10 dB too high.
 const SCATTERED_CLARITY_DB: f64 = 0.06;
 const SCATTERED_CENTRE_S: f64 = 2e-4;
 
-/// How far the sphere reaches in distances of a room's wall.
+/// Reach of the sphere in distances of a room's wall.
 const BEHIND_WALLS: f32 = 2.0;
 
 /// The sphere of a scene's listener.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LateSphere {
-    /// In metres, at least that of the listener.
+    /// Radius in metres, at least that of the listener.
     pub radius_m: f32,
-    /// What the larger sphere leaves figures off; `None` where it is the listener's own.
+    /// The larger sphere's errors of figures; `None` for the listener's own sphere.
     pub errors: Option<CommonErrors>,
 }
 
-/// The least order of exact paths behind which the larger sphere is taken. Behind fewer reflections early
-/// echoes count as late ones, which differ over it: next to a source on the floor G of `--order 0` was 0.67 dB off.
+/// Minimum order of exact paths for the larger sphere. With fewer reflections early echoes count as late ones, which
+/// differ over the sphere: next to a source on the floor G of `--order 0` was 0.67 dB off.
 pub(super) const LEAST_ORDER: u32 = 3;
 
 impl LateSphere {
-    /// That of a scene's listener, behind exact paths of up to `order` reflections.
+    /// The sphere of a scene's listener, after exact paths of up to `order` reflections.
     pub fn of(scene: &Scene, order: u32) -> LateSphere {
         let (most_m, errors) = match casts_shadows(scene) {
             true => (RADIUS_IN_SHADOWS_M, ERRORS_IN_SHADOWS),
@@ -93,7 +92,7 @@ impl LateSphere {
     }
 }
 
-/// These errors and what scattering adds to them in a sphere of this radius.
+/// These errors plus those of scattering in a sphere of this radius.
 fn scattered(errors: CommonErrors, radius_m: f32) -> CommonErrors {
     let square = f64::from(radius_m).powi(2);
     CommonErrors {
@@ -111,7 +110,7 @@ pub(super) fn casts_shadows(scene: &Scene) -> bool {
     })
 }
 
-/// How far from the listener's centre no surface changes what is heard, in metres.
+/// Distance from the listener's centre within which no surface changes the sound, in metres.
 fn reach_m(scene: &Scene) -> f32 {
     let reach = |surface: &Surface| {
         let distance = surface.distance(scene.listener.position);
@@ -165,8 +164,8 @@ mod tests {
         assert!((radius(vec![hollow_box], Vec3::X * 4.6) - 0.4).abs() < 1e-5);
     }
 
-    /// Protects figures behind obstacles: the sphere is smaller there, and its errors are reported; they are 0 where it
-    /// is the listener's own.
+    /// Protects figures behind obstacles: the sphere is smaller there, and its errors are reported; they are 0 for the
+    /// listener's own sphere.
     #[test]
     fn shadows_make_the_sphere_smaller() {
         let ball = Surface::new(Sphere { radius: 0.5 }).at(Vec3::X * 3.0);

@@ -1,4 +1,4 @@
-//! How loud, how late and from where a source is heard: one level for all bands.
+//! Level, delay and direction of a source's sound: one level for all bands.
 
 use super::{Response, heard_path};
 use crate::acoustics::strength_db;
@@ -6,29 +6,29 @@ use crate::bands;
 use crate::scene::Listener;
 use glam::DVec3;
 
-/// What is heard of a source, in few numbers.
+/// A source's sound at the listener, in few numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Level {
-    /// Strength *G* of all energy, of the mean of the bands: decibels against the same source without
-    /// its `level_db` 10 m off in the open.
+    /// Strength *G* of all energy, averaged over the bands: decibels relative to the same source without its `level_db`
+    /// at 10 m in the open.
     pub g_db: f64,
-    /// When the first sound arrives, in seconds after the source's impulse: exactly for the direct
-    /// sound and exact paths, else by the echogram's bin.
+    /// Arrival of the first sound, in seconds after the source's impulse: exact for the direct
+    /// sound and exact paths, otherwise the echogram's bin.
     pub delay_s: f64,
-    /// Where the energy comes from on average, to the right of the listener's gaze, in radians from −π
-    /// to π: that of the sum of energy × direction over all arrivals.
+    /// Mean direction that the energy comes from, to the right of the listener's gaze, in radians from −π to π: that of
+    /// the sum of energy × direction over all arrivals.
     pub azimuth: f64,
-    /// The same above the plane of the listener's ears, in radians.
+    /// The same, above the plane of the listener's ears, in radians.
     pub elevation: f64,
-    /// How much of a direction there is in it, 0 to 1: the length of that sum against the energy. 1 is
-    /// all from there, 0 is as much from everywhere as from nowhere.
+    /// Directionality of the sound, 0 to 1: the length of that sum over the energy. 1 means all from one direction, 0
+    /// from no preferred one.
     pub one_sided: f64,
 }
 
 impl Response {
-    /// How loud, how late and from where the source is heard by `listener`, the one that was traced;
-    /// `None` where nothing arrives.
+    /// Level, delay and direction of the source's sound at `listener`, the one that was traced; `None` without
+    /// arrivals.
     pub fn level(&self, listener: &Listener) -> Option<Level> {
         let g_db = strength_db(bands::mean(&self.energy()))?;
         let delay_s = self.figures.begins_s?;
@@ -44,7 +44,7 @@ impl Response {
         })
     }
 
-    /// Energy × direction of flight of all that arrives, the sum of the bands, in 1/m².
+    /// Energy × direction of flight, summed over all arrivals and bands, in 1/m².
     fn flow(&self) -> DVec3 {
         let paths = self.paths.iter();
         let exact: DVec3 = paths

@@ -1,18 +1,18 @@
-//! What lies between a source and what it brings to a listener, besides the surfaces.
+//! Effects on the sound between source and listener, except those of the surfaces.
 
 use crate::acoustics::{Arrival, Echogram};
 use crate::bands::{self, Bands};
 use crate::scene::Scene;
 
-/// What lies between a source and what it brings to a listener, besides the surfaces.
+/// Effects on the sound between source and listener, except those of the surfaces.
 pub(super) struct Medium {
-    /// Metres a second.
+    /// Speed of sound in metres per second.
     pub speed: f64,
     /// Attenuation of energy by band, in 1/m.
     pub air: Bands,
     /// The source's level as a factor of energy.
     pub level: f64,
-    /// When the direct sound arrives if nothing is in its way, in seconds.
+    /// Arrival of the direct sound if unobstructed, in seconds.
     pub direct_s: f64,
 }
 
@@ -28,18 +28,18 @@ impl Medium {
         }
     }
 
-    /// The energy of an arrival, with the source's level and the air's loss.
+    /// The energy of an arrival, with the source's level and the loss in the air.
     pub fn heard(&self, arrival: &Arrival) -> Bands {
         let emitted = arrival.energy.map(|energy| energy * self.level);
         bands::through_air(&emitted, &self.air, arrival.length_m)
     }
 
-    /// Adds an arrival, with the source's level and the air's loss. One whose numbers are none, by a driver that is wrong,
-    /// counts nowhere.
+    /// Adds an arrival, with the source's level and the loss in the air. Ignores one with invalid numbers, from a
+    /// faulty driver.
     pub fn add(&self, echogram: &mut Echogram, arrival: &Arrival) {
         let mut arrival = *arrival;
         arrival.energy = arrival.energy.map(|energy| energy * self.level);
-        // The only error is that of such numbers.
+        // The only error is that of invalid numbers.
         let _ = echogram.add_arrival(&arrival, self.speed, &self.air);
     }
 }

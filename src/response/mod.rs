@@ -1,20 +1,17 @@
-//! What a listener hears of a source: exact early paths, an echogram of all else, figures.
+//! The sound of a source at a listener: exact early paths, an echogram of everything else, figures.
 //!
-//! Waves are traced through the scene on the GPU, and every crossing of the listener's sphere is
-//! an [`Arrival`]. Arrivals that were mirrored a few times and never scattered give the sequences of
-//! surfaces for which exact paths are found, from point to point
-//! ([`EarlyPaths`](crate::acoustics::early::EarlyPaths)); each is a [`Tap`]. All other arrivals are
-//! added up in an [`Echogram`]. The [`Figures`] of ISO 3382-1 come from both, and so does the sampled
-//! [`ImpulseResponse`](crate::acoustics::ImpulseResponse). The model, its sources and what it leaves
-//! out: `docs/acoustics.md`.
+//! Waves are traced through the scene on the GPU, and every crossing of the listener's sphere is an [`Arrival`].
+//! Arrivals that were mirrored a few times and never scattered give the sequences of surfaces for which exact paths are
+//! found, from point to point ([`EarlyPaths`](crate::acoustics::early::EarlyPaths)); each is a [`Tap`]. All other
+//! arrivals are added up in an [`Echogram`]. Both together give the [`Figures`] of ISO 3382-1 and the sampled
+//! [`ImpulseResponse`](crate::acoustics::ImpulseResponse). `docs/acoustics.md` describes the model, its sources and its
+//! limits.
 
 mod caught;
 mod duration;
 mod early;
 mod few_arrivals;
-#[cfg(feature = "cli")]
 mod flutter;
-#[cfg(any(feature = "experiment", feature = "cli"))]
 mod gaps;
 mod heard_path;
 mod heard_source;
@@ -28,10 +25,10 @@ mod reflectance;
 mod settings;
 mod sphere_mean;
 
-#[cfg(feature = "cli")]
-pub(crate) use flutter::{Flutter, flutters};
-#[cfg(any(feature = "experiment", feature = "cli"))]
-pub(crate) use gaps::Gap;
+#[doc(hidden)]
+pub use flutter::{Flutter, flutters};
+#[doc(hidden)]
+pub use gaps::Gap;
 pub use heard_path::HeardPath;
 pub use heard_source::HeardSource;
 pub use level::Level;
@@ -55,7 +52,7 @@ use medium::Medium;
 /// The weight 1 in each band.
 const ALL_BANDS: Bands = [1.0; BAND_COUNT];
 
-/// What one listener hears of one source.
+/// The sound of one source at one listener.
 ///
 /// ```
 /// use echomarch::gpu::Context;
@@ -74,38 +71,38 @@ const ALL_BANDS: Bands = [1.0; BAND_COUNT];
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Response {
-    /// The exact early paths that bring energy, by length.
+    /// The exact early paths with energy, by length.
     pub paths: Vec<HeardPath>,
     /// How much of the early part the waves have missed.
     pub missed: Missed,
-    /// Arrivals of few reflections whose paths were not looked for, as there are too many at curved surfaces, or too
-    /// many surfaces: they are in the echogram.
+    /// Number of arrivals with few reflections whose paths were not searched for, because there are too many at curved
+    /// surfaces, or too many surfaces: they are in the echogram.
     pub left_out: u64,
-    /// The share of all energy that they have, 0 … 1, of the mean of the bands.
+    /// Their share of all energy, 0 … 1, averaged over the bands.
     pub left_out_share: f64,
-    /// The share, 0 … 1, of the 16,384 directions that were not searched for paths over planes, as too many surfaces
-    /// are in each other's way: there such a path is known only if waves find it.
+    /// The share, 0 … 1, of the 16,384 directions that were not searched for paths over planes, because too many
+    /// surfaces obstruct one another: there such a path is known only if waves find it.
     pub search_left_out_share: f64,
-    /// All that is in no exact path: energy densities in 1/m² for a source of power 1, by time and
-    /// band, with the source's level and the air's loss in them.
+    /// Everything outside the exact paths: energy densities in 1/m² for a source of power 1, by
+    /// time and band, including the source's level and the loss in the air.
     pub echogram: Echogram,
     /// Room acoustic figures by band.
     pub figures: Figures,
-    /// How long after the source's impulse the record ends, in seconds.
+    /// End of the record, in seconds after the source's impulse.
     pub seconds: f64,
-    /// Until when the waves were followed, if more than one in a thousand was given up before the record's
-    /// end, in seconds: the figures hold until then.
+    /// Time in seconds until which the waves were followed, if more than one in a thousand was given up before the
+    /// record's end: the figures hold until then.
     pub followed_s: Option<f64>,
-    /// What became of the waves; where late arrivals are counted in a larger sphere than the listener, or come
-    /// from fewer waves, of these. With importance sampling the pilot waves are not counted.
+    /// Fates of the waves; if late arrivals are counted in a larger sphere than the listener, or come from fewer waves,
+    /// of these waves. With importance sampling the pilot waves are not counted.
     pub counts: ArrivalCounts,
-    /// Milliseconds that all of it took, with the compiling of shaders that were not compiled before.
+    /// Total time in milliseconds, including the compilation of new shaders.
     pub milliseconds: f64,
 }
 
 impl Response {
-    /// Traces what the first listener of `scene` hears of its first source, in the scene's current state
-    /// (other pairs: [`Scene::heard_by`]).
+    /// Traces the sound of the first source of `scene` at its first listener, in the scene's current state (other
+    /// pairs: [`Scene::heard_by`]).
     ///
     /// # Errors
     /// As [`Tracer::arrivals`]; [`Error::Acoustics`] for bins out of range.
@@ -119,7 +116,7 @@ impl Response {
         let order = settings.order_in(scene);
         let medium = Medium::of(scene);
         let late = LateSphere::of(scene, order);
-        // Bins begin with what may arrive first, so that 50 and 80 ms after it lie between bins.
+        // Bins begin at the earliest possible arrival, so that 50 and 80 ms after it lie on borders of bins.
         let first_s = medium.direct_s;
         let echogram = Echogram::with_edge_at(first_s, settings.bin_s, settings.batches)?;
         let how = ArrivalSettings::new(seconds).with_early_order(order);
@@ -137,7 +134,7 @@ impl Response {
         let mut paths = all_paths.clone();
         let is_heard = |path: &HeardPath| path.energy.iter().any(|energy| *energy > 0.0);
         paths.retain(|path| path.delay_s <= seconds && is_heard(path));
-        // Where waves were given up the decay is that of those which are left.
+        // If waves were given up, the decay is that of the remaining ones.
         let followed_s = Some(counts.followed_m / medium.speed).filter(|until| *until < seconds);
         let ends_s = followed_s.unwrap_or(seconds);
         let taps = taps(&paths);
@@ -145,7 +142,7 @@ impl Response {
         if let Some(common) = late.errors {
             figures = figures.with_common_errors(&common);
         }
-        // Empty where nothing scatters.
+        // Empty without scattering.
         if bias.bins() > 0 {
             let mut biased = echogram.clone();
             biased.add_scaled(&bias, &ALL_BANDS);
@@ -175,7 +172,7 @@ impl Response {
         })
     }
 
-    /// The direct sound; `None` where something is in its way.
+    /// The direct sound; `None` if it is obstructed.
     pub fn direct(&self) -> Option<&HeardPath> {
         direct(&self.paths)
     }
@@ -185,14 +182,13 @@ impl Response {
         taps(&self.paths)
     }
 
-    /// Why figures are missing, by band.
-    #[cfg(any(feature = "experiment", feature = "cli"))]
-    pub(crate) fn gaps(&self) -> [Option<Gap>; crate::bands::BAND_COUNT] {
+    /// Reasons for missing figures, by band.
+    pub fn gaps(&self) -> [Option<Gap>; crate::bands::BAND_COUNT] {
         let energy = self.energy();
         std::array::from_fn(|band| Gap::of(&self.figures, band, energy[band] > 0.0))
     }
 
-    /// The energy density of all that arrives, by band, in 1/m².
+    /// The energy density of all arrivals, by band, in 1/m².
     pub fn energy(&self) -> Bands {
         let mut energy = self.echogram.total();
         for path in &self.paths {
@@ -210,7 +206,7 @@ fn direct_s(paths: &[HeardPath]) -> Option<f64> {
     direct(paths).map(|path| path.delay_s)
 }
 
-/// The share that arrivals whose paths were not looked for have of all energy.
+/// The energy share of arrivals whose paths were not searched for.
 fn left_out_share(
     part: &EarlyPart,
     medium: &Medium,
@@ -233,7 +229,7 @@ fn taps(paths: &[HeardPath]) -> Vec<Tap> {
     paths.iter().map(HeardPath::tap).collect()
 }
 
-/// The waves that arrived early, in order, each once, with its start direction.
+/// The waves that arrived early, in order, each once with its start direction.
 fn start_directions(
     tracer: &mut Tracer,
     settings: &Settings,

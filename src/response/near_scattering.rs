@@ -1,40 +1,40 @@
-//! Sound that was scattered after no more reflections than exact paths have.
+//! Sound scattered within the maximum number of reflections of exact paths.
 //!
-//! Next to a wall that scatters, and that a source lights from nearby, the energy density changes within a few
-//! decimetres, and its mean over the sphere of late arrivals (`late_sphere.rs`) is not that at the listener: with source
-//! and listener half a metre from a corner whose walls scatter 0.9, G was 0.5 dB too low in a sphere of 0.8 m. The
-//! listener's own sphere has no such bias, but more noise. So this part is counted in both, and the mean of the two is
-//! taken that has the least mean square error. The bias that remains is an error of the figures.
+//! Next to a scattering wall that is close to a source, the energy density changes within a few decimetres, and its
+//! mean over the sphere of late arrivals (`late_sphere.rs`) differs from that at the listener: with source and listener
+//! half a metre from a corner whose walls scatter 0.9, G was 0.5 dB too low in a sphere of 0.8 m. The listener's own
+//! sphere has no such bias, but more noise. So this part is counted in both spheres, and averaged with the weights that
+//! minimise the mean square error. The remaining bias is an error of the figures.
 
 use super::late_sphere::LateSphere;
 use crate::acoustics::Echogram;
 use crate::bands::Bands;
 use crate::scene::{Scene, WALL_COUNT};
 
-/// The bias of a mean over a sphere of radius R, as a share, over (R / h)², h being the distance of the source's nearest
-/// image. The mean of 1/r² over a small sphere is higher than at its centre by R² / 5 h². In a corner three images act,
-/// and their reflections; the factor is twice as large for these.
+/// The relative bias of a mean over a sphere of radius R, over (R / h)², where h is the distance of the source's
+/// nearest image. The mean of 1/r² over a small sphere is higher than at its centre by R² / 5 h². In a corner there are
+/// three images and their reflections; the factor is doubled for these.
 const BIAS: f64 = 0.4;
 
 /// The same arrivals in two spheres.
 pub(super) struct NearScattering {
-    /// Counted in the listener's own sphere.
+    /// Arrivals in the listener's own sphere.
     pub own: Echogram,
-    /// Counted in the sphere of late arrivals.
+    /// Arrivals in the sphere of late arrivals.
     pub wide: Echogram,
     /// The assumed bias of `wide`, as a share of its energy.
     bias: f64,
 }
 
 impl NearScattering {
-    /// Without arrivals yet, in echograms with the bins of `like`.
+    /// Empty echograms with the bins of `like`.
     pub fn new(scene: &Scene, late: &LateSphere, like: &Echogram) -> NearScattering {
         let square = f64::from(late.radius_m).powi(2) / nearest_image_m2(scene);
         let is_wider = late.radius_m > scene.listener.radius;
         NearScattering {
             own: like.without_arrivals(),
             wide: like.without_arrivals(),
-            // No more than all of the energy, also where source and listener are one place on a wall.
+            // At most all of the energy, even with source and listener at one place on a wall.
             bias: if is_wider {
                 (BIAS * square).min(1.0)
             } else {
@@ -43,7 +43,7 @@ impl NearScattering {
         }
     }
 
-    /// Adds the weighted mean of the two to `echogram`, and the bias that it may have to `bias`.
+    /// Adds the weighted mean of the two to `echogram`, and its possible bias to `bias`.
     pub fn add_to(&self, echogram: &mut Echogram, bias: &mut Echogram) {
         let weights: Bands = std::array::from_fn(|band| self.weight_of_wide(band));
         echogram.add_scaled(&self.own, &weights.map(|weight| 1.0 - weight));
@@ -51,8 +51,8 @@ impl NearScattering {
         bias.add_scaled(&self.wide, &weights.map(|weight| weight * self.bias));
     }
 
-    /// The weight of the larger sphere, 0 … 1, that makes the mean square error least: variances of sums of n arrivals
-    /// are 1/n of their squares.
+    /// The weight of the larger sphere, 0 … 1, that minimises the mean square error: the relative variance of a sum of
+    /// n arrivals is 1/n.
     fn weight_of_wide(&self, band: usize) -> f64 {
         let (own, wide) = (
             self.own.effective_arrivals(band, 0.0),
@@ -61,14 +61,14 @@ impl NearScattering {
         if wide == 0.0 {
             return 0.0;
         }
-        // Of 1/own and 1/wide + bias², with no division by 0.
+        // The weight from variances 1/own and 1/wide + bias², without division by 0.
         1.0 / (1.0 + own * (1.0 / wide + self.bias.powi(2)))
     }
 }
 
-/// The squared distance in m² from the listener to the nearest image of the source in a surface that scatters, by
-/// distances alone: for a plane apart² + 4 · (distance of the source) · (distance of the listener). ∞ where nothing
-/// scatters.
+/// The squared distance in m² from the listener to the nearest image of the source in a scattering surface, from
+/// distances only: for a plane, (distance between both)² + 4 · (distance of the source) · (distance of the listener). ∞
+/// without scattering.
 fn nearest_image_m2(scene: &Scene) -> f64 {
     let (source, listener) = (scene.source.position, scene.listener.position);
     let apart = f64::from(source.distance_squared(listener));
@@ -131,8 +131,8 @@ mod tests {
         assert_eq!(nearest_image_m2(&corner(0.0)), f64::INFINITY);
     }
 
-    /// Protects figures next to walls that scatter: the larger sphere counts for nothing where its bias is above the
-    /// noise of the listener's own, and for almost all where it has none.
+    /// Protects figures next to scattering walls: the larger sphere gets no weight if its bias is above the noise of
+    /// the listener's own sphere, and almost all weight without bias.
     #[test]
     fn the_larger_sphere_counts_as_its_bias_allows() {
         let of = |bias: f64| {
@@ -149,7 +149,7 @@ mod tests {
         };
         let (near, far) = (of(1.0), of(0.001));
         assert!(near.0 < 0.01 && far.0 > 0.98, "{near:?} {far:?}");
-        // The bias that is left is below half the noise of the listener's own sphere.
+        // The remaining bias is below half the noise of the listener's own sphere.
         for bias in [0.01, 0.1, 1.0] {
             assert!(of(bias).1 <= 0.05, "{bias}");
         }

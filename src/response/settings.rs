@@ -1,4 +1,4 @@
-//! How responses are traced.
+//! Settings of responses.
 
 use super::duration;
 use crate::acoustics::{AcousticsError, Echogram, MAX_SECONDS};
@@ -6,39 +6,39 @@ use crate::error::Error;
 use crate::scene::{Scene, Surface};
 use crate::trace::{ArrivalSettings, Profile, Settings, TraceError, Tracer};
 
-/// How a [`Response`](super::Response) is traced.
+/// Settings of a [`Response`](super::Response).
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ResponseSettings {
-    /// Waves, start directions, seed and algorithm. The iterations follow from the seconds, so that other than the
-    /// usual ones are refused.
+    /// Waves, start directions, seed and algorithm. The iterations follow from the seconds, so any but the default
+    /// number is rejected.
     pub trace: Settings,
-    /// How long the waves are followed; `None` until the energy of every band has fallen by 60 dB,
-    /// as estimated by a few waves.
+    /// Length of the record; `None` to follow the waves until the energy of every band has fallen
+    /// by 60 dB, as estimated by a few waves.
     pub seconds: Option<f64>,
-    /// The longest record where `seconds` is `None`, in seconds: 10 by default, as few halls can be heard longer. A
-    /// record is never shorter than the direct sound takes.
+    /// Maximum length of the record if `seconds` is `None`, in seconds: 10 by default, as few halls are audible for
+    /// longer. A record is never shorter than the time of the direct sound.
     pub longest_s: f64,
-    /// Waves that late arrivals come from; `None`, and a number larger than that of all waves, take all. Exact paths
-    /// are found by all waves.
+    /// Number of waves for late arrivals; `None`, or a number above that of all waves, for all. Exact paths are found
+    /// with all waves.
     pub late_waves: Option<u32>,
-    /// Reflections of an exact path at most, 0 to [`MAX_ORDER`]. `None` takes 8 where all surfaces
-    /// are flat, else 3. Where walls absorb half of the sound, a decay of 35 dB is some dozen echoes of
-    /// up to six reflections, and each is met by few waves. Of an empty room all paths are known up to
-    /// eight. At curved surfaces up to 512 waves of each sequence are solved for.
+    /// Maximum reflections of an exact path, 0 to [`MAX_ORDER`]. `None` takes 8 if all surfaces are flat, otherwise 3.
+    /// If walls absorb half of the sound, a decay of 35 dB is some dozen echoes of up to six reflections, and each is
+    /// met by few waves. In an empty room all paths of up to eight reflections are known. At curved surfaces up to 512
+    /// waves of each sequence are solved for.
     pub order: Option<u32>,
     /// Length of a time bin of the echogram in seconds: 1 ms by default, less than the time that
     /// sound takes through a listener of common size.
     pub bin_s: f64,
-    /// Batches that errors are estimated from: 16 by default.
+    /// Number of batches for estimating errors: 16 by default.
     pub batches: usize,
 }
 
-/// Reflections of an exact path at most: the number of paths grows with the cube of the order,
+/// Upper limit of the order of exact paths: the number of paths grows with the cube of the order,
 /// and waves find fewer and fewer of them.
 pub const MAX_ORDER: u32 = 16;
 
-/// The usual orders: see [`ResponseSettings::order`].
+/// The default orders: see [`ResponseSettings::order`].
 const ORDER_AT_PLANES: u32 = 8;
 const ORDER_AT_CURVES: u32 = 3;
 
@@ -46,7 +46,7 @@ const ORDER_AT_CURVES: u32 = 3;
 const USUAL_LONGEST_S: f64 = 10.0;
 
 impl Default for ResponseSettings {
-    /// 65,536 waves of the profile `hybrid`, exact paths of the usual order.
+    /// 65,536 waves of the profile `hybrid`, exact paths of the default order.
     fn default() -> ResponseSettings {
         ResponseSettings {
             trace: Settings::default(),
@@ -61,46 +61,45 @@ impl Default for ResponseSettings {
 }
 
 impl ResponseSettings {
-    /// The same with these waves, directions and algorithm. Iterations of its own are refused when it is traced.
+    /// Sets the waves, directions and algorithm. Tracing rejects settings with their own iterations.
     pub fn with_trace(mut self, trace: Settings) -> ResponseSettings {
         self.trace = trace;
         self
     }
 
-    /// The same with the waves, directions and algorithm of frames, whose iterations a response has no use for.
-    #[cfg(any(feature = "cli", feature = "experiment", feature = "walkthrough"))]
-    pub(crate) fn with_trace_of_frames(self, frames: &Settings) -> ResponseSettings {
+    /// Sets the waves, directions and algorithm from the settings of frames, without their iterations.
+    pub fn with_trace_of_frames(self, frames: &Settings) -> ResponseSettings {
         let usual = Settings::new(frames.profile()).iterations;
         self.with_trace(frames.clone().with_iterations(usual))
     }
 
-    /// The same for a record of so many seconds.
+    /// Sets the length of the record in seconds.
     pub fn with_seconds(mut self, seconds: f64) -> ResponseSettings {
         self.seconds = Some(seconds);
         self
     }
 
-    /// The same with records of at most so many seconds where no length is set.
+    /// Sets the maximum length of the record in seconds, used if no length is set.
     pub fn with_longest(mut self, seconds: f64) -> ResponseSettings {
         self.longest_s = seconds;
         self
     }
 
-    /// The same with late arrivals from so many of the waves.
+    /// Sets the number of waves for late arrivals.
     pub fn with_late_waves(mut self, waves: u32) -> ResponseSettings {
         self.late_waves = Some(waves);
         self
     }
 
-    /// The same with exact paths of up to so many reflections.
+    /// Sets the maximum number of reflections of exact paths.
     pub fn with_order(mut self, order: u32) -> ResponseSettings {
         self.order = Some(order);
         self
     }
 
-    /// How long a response in this scene is: `seconds`, or until the energy of every band has fallen by
-    /// 60 dB as a few waves estimate it from what arrives within `longest_s`, and no longer than that; but never
-    /// shorter than the direct sound takes.
+    /// The length of a response in this scene: `seconds`, or the time until the energy of every band has fallen by 60
+    /// dB as a few waves estimate it within `longest_s`, and at most that; but never less than the time of the direct
+    /// sound.
     ///
     /// # Errors
     /// As [`Response::trace`](super::Response::trace).
@@ -112,7 +111,7 @@ impl ResponseSettings {
         }
     }
 
-    /// How waves are traced whose late arrivals count.
+    /// The settings of waves whose late arrivals count.
     pub(super) fn late_trace(&self) -> Settings {
         let waves = self.trace.waves;
         let late = self.late_waves.map_or(waves, |late| late.min(waves));
@@ -185,7 +184,7 @@ mod tests {
     use crate::{Listener, Source};
     use glam::{Vec2, Vec3};
 
-    /// Protects what is traced: lengths and numbers of waves out of range are rejected.
+    /// Protects tracing: lengths and numbers of waves out of range are rejected.
     #[test]
     fn bad_numbers_are_refused() {
         let settings = ResponseSettings::default();
@@ -212,15 +211,15 @@ mod tests {
         ] {
             assert!(bad.validate().is_err(), "{bad:?}");
         }
-        // More than all waves are all.
+        // More than all waves means all.
         assert_eq!(
             settings.clone().with_late_waves(1 << 30).late_trace(),
             settings.trace
         );
     }
 
-    /// Protects the usual order: exact paths of eight reflections among planes, however they are put together, and of three
-    /// where a surface is curved.
+    /// Protects the default order: exact paths of eight reflections among planes, however these are combined, and of
+    /// three if a surface is curved.
     #[test]
     fn paths_among_planes_have_more_reflections() {
         let size = Vec3::splat(4.0);

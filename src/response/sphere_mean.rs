@@ -1,9 +1,9 @@
-//! What exact paths bring to the listener's sphere on average.
+//! The mean energy of exact paths over the listener's sphere.
 //!
-//! Paths lead to the listener's centre, while waves give means over its sphere. An obstacle may hide a part of the sphere
-//! from a path, and near a source the energy density changes over it. The mean is computed without waves, for places that
-//! are spread evenly over the sphere, so that it does not depend on their number or on the seed. Over planes a line from
-//! such a place towards the image of the source leads back to the source if nothing is in the way, whatever the order of
+//! Paths lead to the listener's centre, while waves give means over its sphere. An obstacle may hide a part of the
+//! sphere from a path, and near a source the energy density changes over it. The mean is computed without waves, at
+//! places spread evenly over the sphere, so it depends neither on their number nor on the seed. Over planes, an
+//! unobstructed line from such a place towards the image of the source leads back to the source, whatever the order of
 //! the planes; over curved surfaces the path to the place is solved for.
 
 use super::heard_path::HeardPath;
@@ -19,62 +19,63 @@ use rayon::prelude::*;
 use std::collections::HashSet;
 use std::f64::consts::PI;
 
-/// Places in the sphere: they give the share of the sphere that receives a path within some 0.1, and of the many paths
-/// behind an edge the mean.
+/// Number of places in the sphere: they give the share of the sphere that a path reaches within about 0.1, and the mean
+/// of the many paths behind an edge.
 const PLACES: usize = 32;
 
-/// Images that are looked for from each place, the nearest of all: those of a room up to eight reflections. A thousand take
-/// some 0.1 s of one core for all places. The sphere is assumed to receive all of further images.
+/// Maximum images searched for from each place, nearest first: those of a room up to eight reflections. A thousand take
+/// about 0.1 s of one core for all places. Further images are assumed to reach all of the sphere.
 const MOST_IMAGES: usize = 2048;
 
-/// The same where a field without closed form is marched, for a thousand times as long.
+/// The limit if a field without closed form is marched, which takes a thousand times as long.
 const MOST_IMAGES_MARCHED: usize = 8;
 
-/// Paths over curved surfaces that are solved for to each place, the shortest of all: a hundred take some 0.1 s.
+/// Maximum paths over curved surfaces solved for to each place, shortest first: a hundred take about 0.1 s.
 const MOST_CURVED: usize = 128;
 
-/// The same where a field without closed form is marched.
+/// The limit if a field without closed form is marched.
 const MOST_CURVED_MARCHED: usize = 4;
 
-/// Surfaces, and boxes around them, that are asked from each place, some ten nanoseconds each; the sphere is assumed to
-/// receive images that are not looked for then.
+/// Maximum number of surfaces, and boxes around them, tested from each place, about ten nanoseconds each; images beyond
+/// it are assumed to reach all of the sphere.
 const MOST_ASKED: u64 = 1 << 22;
 
-/// Images closer than this are one, in metres. Not a multiple of a short binary fraction: between two cells of this size no
-/// image of round coordinates lies.
+/// Images closer than this, in metres, count as one. Not a multiple of a short binary fraction, so that an image with
+/// round coordinates never lies between two cells of this size.
 const SAME_IMAGE_M: f64 = 1.00431e-5;
 
-/// How far a line that is followed back passes the source at most, in metres: directions are rounded to `f32`, 1e-7 of
+/// Maximum distance in metres at which a line followed back passes the source: directions are rounded to `f32`, 1e-7 of
 /// its length.
 const BESIDE_SOURCE_M: f64 = 1e-3;
 
 /// An image of the source in planes.
 struct Image {
     place: DVec3,
-    /// The surfaces and walls that it is mirrored at, in order.
+    /// The surfaces and walls that mirror it, in order.
     at: Vec<(u32, Option<u8>)>,
-    /// The exact path from it to the listener's centre, by index; `None` if it reaches other places alone.
+    /// The exact path from it to the listener's centre, by index; `None` if it only reaches other places.
     path: Option<usize>,
 }
 
-/// The exact paths to the listener's centre, as they are followed from other places of its sphere, and the images that
-/// reach such places alone.
+/// The exact paths to the listener's centre, as followed from other places of its sphere, and the images that only
+/// reach such places.
 pub(super) struct Replaced {
     early: EarlyPaths,
     ends: Ends,
     images: Vec<Image>,
-    /// Paths over curved surfaces: index, and in the same order their surfaces.
+    /// Paths over curved surfaces: their indices, and their surfaces in the same order.
     curved: Vec<usize>,
     sequences: Candidates,
     /// All other paths, by index.
     others: Vec<usize>,
-    /// How many images and curved paths there are at most.
+    /// Maximum number of images and of curved paths.
     most: (usize, usize),
 }
 
 impl Replaced {
-    /// Of these paths, by length; `vertices` returns where a wave was mirrored that named a path of this index. `beside`
-    /// are such vertices of waves that passed beside the centre, and whose sound no statistic holds.
+    /// Creates it from these paths, by length; `vertices` returns the reflection points of a wave that named the path
+    /// of this index. `beside` are the vertices of waves that passed beside the centre and whose sound is in no
+    /// statistic.
     pub fn new<'a>(
         scene: &Scene,
         early: EarlyPaths,
@@ -112,7 +113,7 @@ impl Replaced {
         replaced
     }
 
-    /// Adds a path, unless there are too many of its kind.
+    /// Adds a path, unless there are already too many of its kind.
     fn add(&mut self, path: usize, vertices: &[Vertex]) -> bool {
         if !self.early.are_flat(vertices) {
             if self.curved.len() >= self.most.1 {
@@ -139,7 +140,7 @@ impl Replaced {
         }
     }
 
-    /// Adds the nearest images that are none of those which are there.
+    /// Adds the nearest images not added yet.
     fn add_beside<'a>(&mut self, vertices: impl Iterator<Item = &'a [Vertex]>) {
         let rounded = |image: &Image| (image.place / SAME_IMAGE_M).round().as_i64vec3();
         let mut known: HashSet<_> = self.images.iter().map(rounded).collect();
@@ -156,9 +157,8 @@ impl Replaced {
         self.images.append(&mut beside);
     }
 
-    /// What the paths and images bring to the sphere on average, as taps: the mean of their energy over the sphere's open
-    /// part, at the times of paths to its centre. `heard` are all exact paths; those for which `is_left_out` holds are
-    /// not among the taps.
+    /// The mean energy of the paths and images over the sphere's open part, as taps at the times of paths to its
+    /// centre. `heard` are all exact paths; those for which `is_left_out` holds are not among the taps.
     pub fn mean_taps(
         &self,
         scene: &Scene,
@@ -213,7 +213,7 @@ impl Replaced {
         taps
     }
 
-    /// The energy density at a place from each image in 1/m², for a source of power 1; 0 where something is in the way.
+    /// The energy density at a place from each image in 1/m², for a source of power 1; 0 if obstructed.
     fn spreadings_of_images(&self, place: DVec3) -> Vec<f64> {
         let back = Ends {
             source: place,
@@ -274,7 +274,7 @@ impl Replaced {
     }
 }
 
-/// Metres from one end over these places to the other one.
+/// Length in metres from one end through these vertices to the other.
 fn length_m(ends: &Ends, vertices: &[Vertex]) -> f64 {
     let mut from = ends.source;
     let mut length = 0.0;
@@ -285,9 +285,9 @@ fn length_m(ends: &Ends, vertices: &[Vertex]) -> f64 {
     length + from.distance(ends.listener)
 }
 
-/// Places that are spread evenly over the listener's sphere: directions of a lattice, at radii of shells of one volume.
+/// Places spread evenly over the listener's sphere: directions of a lattice, at radii of shells of equal volume.
 fn places(ends: &Ends) -> Vec<DVec3> {
-    /// Steps of the volume within: irrational, and independent of the golden ratio that the lattice has.
+    /// Step of the enclosed volume: irrational, and independent of the lattice's golden ratio.
     const STEP: f64 = std::f64::consts::SQRT_2;
     let place = |(index, direction): (usize, DVec3)| {
         let volume = ((index as f64 + 0.5) * STEP).fract();
@@ -296,7 +296,7 @@ fn places(ends: &Ends) -> Vec<DVec3> {
     lattice(PLACES as u64).enumerate().map(place).collect()
 }
 
-/// What exact paths bring to a sphere of `radius_m` metres that nothing hides, as taps at the times of the paths; without
+/// The energy of exact paths in an unobstructed sphere of `radius_m` metres, as taps at the times of the paths, without
 /// those for which `is_left_out` holds.
 pub(super) fn unhidden_taps(
     paths: &[HeardPath],
@@ -315,9 +315,10 @@ pub(super) fn unhidden_taps(
     kept.map(mean).collect()
 }
 
-/// The mean of 1/r² over a sphere of `share` of the distance of its centre, times the square of this.
+/// The mean of 1/r² over a sphere whose radius is `share` of the distance of its centre, times the square of this
+/// distance.
 fn mean_over_sphere(share: f64) -> f64 {
-    /// Below it the first two terms of the series in `share` are the mean, and the logarithm loses digits.
+    /// Below this the first two terms of the series in `share` are used, as the logarithm loses digits.
     const SMALL: f64 = 1e-3;
     let square = share * share;
     if share < SMALL {
@@ -334,12 +335,12 @@ fn mean_over_sphere(share: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Protects near sources from a difference that is none: the mean of 1/r² over a sphere, by sums over shells.
+    /// Protects near sources from a false difference: the mean of 1/r² over a sphere equals sums over shells.
     #[test]
     fn the_mean_over_a_sphere_is_that_of_its_shells() {
         for share in [1e-4, 0.01, 0.3, 0.9, 1.5, 3.0] {
             let shells = 200_000;
-            // Over a shell of radius s about a place at distance 1 the mean is ln((1 + s)/|1 − s|)/2s.
+            // Over a shell of radius s around a place at distance 1 the mean is ln((1 + s)/|1 − s|)/2s.
             let of_shell = |shell: u32| {
                 let s = share * (f64::from(shell) + 0.5) / f64::from(shells);
                 s * 0.5 * ((1.0 + s) / (1.0 - s).abs()).ln()

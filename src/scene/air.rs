@@ -1,18 +1,18 @@
-//! The air of a scene: how fast sound is in it, and how much of its energy it takes.
+//! The air of a scene: its speed of sound, and the energy that it absorbs.
 
 use crate::bands::{BAND_COUNT, Bands};
 use std::ops::RangeInclusive;
 
-/// Speed of sound in metres a second where a scene has no air: that at 20 °C, rounded.
+/// Speed of sound in metres a second of a scene without air: that at 20 °C, rounded.
 pub const USUAL_SPEED_OF_SOUND: f64 = 343.0;
 
-/// Degrees Celsius: those of the tables of ISO 9613-1, for which its formulas are within 10 %.
+/// Degrees Celsius: the range of the tables in ISO 9613-1, where its formulas are within 10 %.
 pub(crate) const TEMPERATURES: RangeInclusive<f64> = -20.0..=50.0;
 
 /// Relative humidity in per cent.
 pub(crate) const HUMIDITIES: RangeInclusive<f64> = 0.0..=100.0;
 
-/// Kilopascals: from that 5.5 km above the sea to the most for which ISO 9613-1 holds.
+/// Kilopascals: from the pressure 5.5 km above the sea to the highest for which ISO 9613-1 holds.
 pub(crate) const PRESSURES: RangeInclusive<f64> = 50.0..=200.0;
 
 /// Reference temperature of ISO 9613-1 in kelvin: 20 °C.
@@ -30,7 +30,7 @@ const ZERO_C_IN_K: f64 = 273.15;
 /// Speed of sound at the reference temperature in metres a second, dry (ISO 9613-1, annex A).
 const REFERENCE_SPEED: f64 = 343.2;
 
-/// The air between the surfaces, the same everywhere.
+/// The air between the surfaces, uniform everywhere.
 ///
 /// ```
 /// use echomarch::scene::Air;
@@ -61,17 +61,17 @@ impl Default for Air {
 }
 
 impl Air {
-    /// Metres a second: 343.2 √(T / 293.15 K), as ISO 9613-1, annex A has it.
+    /// Speed of sound in metres a second: 343.2 √(T / 293.15 K), as in ISO 9613-1, annex A.
     ///
-    /// Humidity is left out: it makes sound faster by 0.2 % at 20 °C and 50 %, by some 1 % at 40 °C
+    /// Ignores humidity: it raises the speed by 0.2 % at 20 °C and 50 %, and by about 1 % at 40 °C
     /// and 100 %.
     pub fn speed_of_sound(&self) -> f64 {
         REFERENCE_SPEED * (self.kelvin() / REFERENCE_K).sqrt()
     }
 
-    /// How fast the energy of a sound falls, by bands, in 1/m: after s metres exp(−m s) of it is
+    /// Attenuation of the energy of a sound, by bands, in 1/m: after s metres exp(−m s) of it is
     /// left. Equations (3) to (5) of ISO 9613-1:1993 for pure tones, at the exact midband
-    /// frequencies of equation (6), 10^(3k/10) kHz (7943 Hz, not 8 kHz): those of its tables.
+    /// frequencies of equation (6), 10^(3k/10) kHz (7943 Hz, not 8 kHz), as in its tables.
     pub fn attenuation(&self) -> Bands {
         // The fifth band is that of 1 kHz.
         const BAND_OF_1_KHZ: i32 = 4;
@@ -143,8 +143,8 @@ mod tests {
         air.attenuation().map(|m| 1e4 * m / 10f64.ln())
     }
 
-    /// Protects the formulas and the midband frequencies: every value of the published table, as far
-    /// as it is printed.
+    /// Protects the formulas and the midband frequencies: every value of the published table, to the
+    /// digits printed there.
     #[test]
     fn attenuation_is_that_of_the_published_table() {
         for (temperature, humidity, expected) in TABLE {
@@ -154,8 +154,8 @@ mod tests {
                 ..Air::default()
             };
             for (band, (found, expected)) in db_a_km(&air).into_iter().zip(expected).enumerate() {
-                // Half of the last printed digit, and a tenth of it: two of the 48 values lie right
-                // between two printed ones (4.151, 12.75).
+                // Half of the last printed digit, and a tenth of that: two of the 48 values lie
+                // halfway between two printable ones (4.151, 12.75).
                 let digit = if expected > 100.0 { 1.0 } else { 0.1 };
                 assert!(
                     (found - expected).abs() <= 0.6 * digit,
@@ -165,7 +165,7 @@ mod tests {
         }
     }
 
-    /// Protects the speed: the standard's own value at 20 °C, and 331.3 m/s in frost (331.29 by
+    /// Protects the speed: the standard's own value at 20 °C, and 331.3 m/s at 0 °C (331.29 by
     /// 343.2 √(273.15 / 293.15)).
     #[test]
     fn sound_is_faster_in_warm_air() {
@@ -177,8 +177,8 @@ mod tests {
         assert!((at(0.0).speed_of_sound() - 331.29).abs() < 0.005);
     }
 
-    /// Protects from numbers that are none: every corner of the ranges gives some loss, more in each
-    /// higher band.
+    /// Protects from values that are not numbers: every corner of the ranges gives some loss, more
+    /// in each higher band.
     #[test]
     fn every_air_in_range_takes_more_of_higher_bands() {
         let ends = |range: &RangeInclusive<f64>| [*range.start(), *range.end()];

@@ -13,7 +13,7 @@ macro_rules! built_in {
     };
 }
 
-/// Names and texts.
+/// Names and texts of the built-in scenes.
 const BUILTIN: &[(&str, &str)] = built_in![
     "corner",
     "obstacles",
@@ -29,13 +29,13 @@ const BUILTIN: &[(&str, &str)] = built_in![
     "glasshouse",
 ];
 
-/// The GLSL fields that they name.
+/// The GLSL fields that the built-in scenes name.
 pub(super) const FIELDS: &[(&str, &str)] = &[(
     "menger.glsl",
     include_str!("../../examples/scenes/menger.glsl"),
 )];
 
-/// Whether a field's text is one of the program's own.
+/// Whether a field's text is one of those built into the program.
 pub(super) fn is_own_text(text: &str) -> bool {
     FIELDS.iter().any(|(_, own)| *own == text)
 }
@@ -77,7 +77,7 @@ impl Scene {
         known.map(|(_, text)| *text)
     }
 
-    /// A built-in scene by its name, or else a scene file.
+    /// Loads a built-in scene by its name, or else a scene file.
     ///
     /// A name is looked up among the built-in scenes first; `./corner` is a file.
     ///
@@ -87,8 +87,8 @@ impl Scene {
         Scene::load_in(name_or_file, Path::new(""))
     }
 
-    /// As [`Scene::load`]; files lie in `folder`.
-    pub(crate) fn load_in(name_or_file: &str, folder: &Path) -> Result<Scene, SceneError> {
+    /// Loads a scene as [`Scene::load`] does, with file names relative to `folder`.
+    pub fn load_in(name_or_file: &str, folder: &Path) -> Result<Scene, SceneError> {
         match named(name_or_file, Some(folder)) {
             Named::BuiltIn(scene) => scene,
             Named::File(path) => Scene::from_file(&path),
@@ -97,15 +97,15 @@ impl Scene {
     }
 }
 
-/// What a scene's name leads to.
+/// The scene, file or error that a scene's name leads to.
 pub(super) enum Named {
     BuiltIn(Result<Scene, SceneError>),
     File(PathBuf),
     Unknown(SceneError),
 }
 
-/// Looks up the name of a built-in scene, or else of a file in a folder; without a folder there
-/// are no files.
+/// Looks up the name of a built-in scene, or else of a file in a folder; without a folder, no file
+/// is looked up.
 pub(super) fn named(name: &str, folder: Option<&Path>) -> Named {
     if BUILTIN_NAMES.contains(&name) {
         return Named::BuiltIn(Scene::builtin(name));
@@ -130,7 +130,7 @@ fn unknown(name: &str, folder: Option<&Path>) -> SceneError {
     }
 }
 
-/// A scene file that is called so but for its ending: in the folder, or among the examples of a
+/// A scene file whose name without the ending is `name`: in the folder, or among the examples of a
 /// checkout.
 fn file_of(name: &str, folder: &Path) -> Option<String> {
     let file = format!("{name}.ron");
@@ -139,7 +139,7 @@ fn file_of(name: &str, folder: &Path) -> Option<String> {
     known.find(|file| folder.join(file).is_file())
 }
 
-/// The built-in scene whose name is most like this one, or has it as a word or a beginning.
+/// The built-in scene whose name is closest to `name`, or that has it as a word or a beginning.
 fn nearest(name: &str) -> Option<&'static str> {
     let plain = name.to_lowercase().replace([' ', '_'], "-");
     let has = |known: &&str| {
@@ -150,7 +150,7 @@ fn nearest(name: &str) -> Option<&'static str> {
     mistyped.or_else(|| BUILTIN_NAMES.into_iter().find(has))
 }
 
-/// What may be meant by a file that is not there: the built-in scene of its name, as a clause.
+/// A clause that suggests the built-in scene with the name of a missing file, or an empty text.
 pub(super) fn built_in_of(path: &Path) -> String {
     let is_alone = path.components().count() == 1;
     let stem = path.file_stem().and_then(|stem| stem.to_str());
@@ -173,7 +173,7 @@ mod tests {
         assert_eq!(scene, Scene::builtin(BUILTIN[0].0).unwrap());
     }
 
-    /// For a mistyped name the nearest one is suggested, and none where none is near.
+    /// For a mistyped name the nearest one is suggested, if any is near.
     #[test]
     fn a_name_that_is_nearly_right_is_suggested() {
         for (typed, meant) in [

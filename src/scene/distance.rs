@@ -1,23 +1,23 @@
 //! The signed distance of a scene on the CPU.
 //!
-//! Computed in `f64` and written apart from the shaders, so that the two can disagree; a test
-//! walks both over the same points. It is negative in the solid.
+//! Computed in `f64` and written independently of the shaders, so that the two can disagree; a test
+//! compares both at the same points. It is negative in the solid.
 
 use super::{Listener, Scene, Shape, Surface};
 use glam::Vec3;
 
-/// What a distance function answers at one point.
+/// Result of a distance function at one point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Nearest {
     /// Signed distance in metres, negative in a solid.
     pub distance: f32,
-    /// The object it belongs to: 0 the listener, n the n-th surface from 1.
+    /// The nearest object: 0 is the listener, n the n-th surface from 1.
     pub object: u32,
 }
 
 impl Scene {
-    /// Signed distance to the nearest surface; the listener does not count.
+    /// Signed distance to the nearest surface, ignoring the listener.
     pub fn surface_distance(&self, point: Vec3) -> Nearest {
         let nothing = Nearest {
             distance: f32::INFINITY,
@@ -26,8 +26,8 @@ impl Scene {
         self.nearest_surface(point, nothing)
     }
 
-    /// Signed distance to the nearest surface or to the listener's sphere: the
-    /// function that the thesis' march evaluates (figure 9).
+    /// Signed distance to the nearest surface or to the listener's sphere: the function that the
+    /// march in the thesis evaluates (figure 9).
     pub fn distance(&self, point: Vec3) -> Nearest {
         let listener = Nearest {
             distance: self.listener.distance(point),
@@ -67,8 +67,8 @@ impl Listener {
 }
 
 impl Shape {
-    /// The bound that the value at a point of the tree's own axes (metres) gives for the signed distance,
-    /// in metres: the value, divided by its Lipschitz constant.
+    /// Lower bound of the signed distance in metres at a point in the tree's own axes (metres): the
+    /// value, divided by its Lipschitz constant.
     pub fn distance(&self, p: Vec3) -> f32 {
         (self.value(p.as_dvec3()) / self.properties().lipschitz) as f32
     }

@@ -1,4 +1,4 @@
-//! Sets the moving numbers of surfaces: by the time of their key frames, or by named values.
+//! Sets the moving numbers of surfaces, by the time of their key frames or by named values.
 
 use super::shape::{Numbers, Parameter};
 use super::{Driver, Motion, Quantity, Scene, SceneError, Shape, Surface};
@@ -6,13 +6,13 @@ use crate::text::nearest;
 use glam::{EulerRot, Quat, Vec3};
 use std::collections::{BTreeMap, HashMap, HashSet};
 
-/// Frames a second at which a surface is looked at between its keys: as many as a rendering
-/// has by default, so that what can be loaded can be rendered.
+/// Frames a second at which a surface is checked between its keys: the default frame rate of a
+/// rendering, so that a scene that loads can also be rendered.
 const CHECKED_FPS: f64 = 30.0;
 
 impl Surface {
-    /// Every number that may be driven; see [`Surface::parameter_names`].
-    /// The rotation's, `rotation.x` … in radians, go by [`Surface::angles`].
+    /// Every number that may be driven; see [`Surface::parameter_names`]. Those of the rotation,
+    /// `rotation.x` … in radians, are stored in [`Surface::angles`].
     pub(crate) fn parameters_mut(&mut self) -> Vec<Parameter<'_>> {
         let mut all = Vec::new();
         self.position
@@ -30,7 +30,7 @@ impl Surface {
         self
     }
 
-    /// Sets the numbers whose driver answers.
+    /// Sets the numbers for whose driver `value` returns a value.
     fn drive(&mut self, value: impl Fn(&Surface, &Driver) -> Option<f32>) {
         let drivers = std::mem::take(&mut self.drivers);
         let mut values: HashMap<&str, f32> = HashMap::with_capacity(drivers.len());
@@ -53,7 +53,7 @@ impl Surface {
         self.drivers = drivers;
     }
 
-    /// Sets what follows key frames to where it is at `seconds`.
+    /// Sets the key-framed numbers to their values at `seconds`.
     pub(super) fn drive_to(&mut self, seconds: f64) {
         if !self.drivers.is_empty() {
             self.drive(|_, driver| driver.motion.at(seconds));
@@ -61,8 +61,8 @@ impl Surface {
     }
 
     /// The names of the numbers that a [`Driver`] may move: `position.x` …, `rotation.x` …, the
-    /// shape's own (`radius`, `size.x` …), and those of the shapes below it, with the number of
-    /// each child before them (`0.radius` …).
+    /// shape's own (`radius`, `size.x` …), and those of its children, each after the child's number
+    /// (`0.radius` …).
     pub fn parameter_names(&self) -> HashSet<String> {
         let mut bare = Surface {
             drivers: Vec::new(),
@@ -76,9 +76,9 @@ impl Surface {
         parameters.map(|parameter| parameter.name).collect()
     }
 
-    /// Times at which the surface is looked at before it is drawn, in seconds: all keys, in order,
-    /// and then from the first to the last one the frames that a rendering has by default, or
-    /// `most_between` of them at most, evenly.
+    /// Times in seconds at which the surface is checked before it is drawn: all keys, in order,
+    /// then the frames of a rendering at the default rate from the first key to the last, or at
+    /// most `most_between` of them, evenly spaced.
     pub(super) fn checked_times(&self, most_between: usize) -> Vec<f64> {
         let mut times = Vec::new();
         for driver in &self.drivers {
@@ -114,8 +114,8 @@ impl Surface {
     }
 }
 
-/// Marks the node that a parameter's name leads to, and whatever its change changes: the
-/// numbers of a twist or a bend follow from the bounds of what is below.
+/// Marks the node that a parameter's name leads to, and every node that its change affects: the
+/// numbers of a twist or a bend follow from the bounds of its child.
 fn mark(field: &Shape, parameter: &str, moving: &mut [bool]) {
     let mut node = field;
     let mut place = 0;
@@ -143,8 +143,8 @@ fn mark(field: &Shape, parameter: &str, moving: &mut [bool]) {
 }
 
 impl Scene {
-    /// Sets a named value wherever the scene uses it, in the unit of a scene file: metres,
-    /// degrees for an angle, degrees a metre for the rate of a twist or a bend.
+    /// Sets a named value wherever the scene uses it, in the unit of a scene file: metres, degrees
+    /// for an angle, degrees a metre for the rate of a twist or a bend.
     ///
     /// ```
     /// use echomarch::scene::{Motion, shape::Sphere};
@@ -162,7 +162,7 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// [`SceneError::UnknownValue`] when nothing in the scene has that name.
+    /// [`SceneError::UnknownValue`] if the scene has no value of that name.
     pub fn set_value(&mut self, name: &str, value: f32) -> Result<(), SceneError> {
         self.set_values(&BTreeMap::from([(name.to_owned(), value)]))
     }
@@ -197,7 +197,7 @@ impl Scene {
         Ok(())
     }
 
-    /// The names that [`Scene::set_value`] takes, each once, in alphabetic order.
+    /// The names that [`Scene::set_value`] accepts, each once, in alphabetic order.
     pub fn value_names(&self) -> Vec<String> {
         let drivers = self.surfaces.iter().flat_map(|s| &s.drivers);
         let mut names: Vec<String> = drivers
@@ -211,7 +211,7 @@ impl Scene {
         names
     }
 
-    /// Sets what follows key frames to where it is at `seconds`.
+    /// Sets the key-framed numbers of all surfaces to their values at `seconds`.
     pub(super) fn drive_to(&mut self, seconds: f64) {
         for surface in &mut self.surfaces {
             surface.drive_to(seconds);

@@ -1,6 +1,6 @@
-//! What can be wrong with a scene.
+//! Errors of scenes.
 //!
-//! The sentences are written where the check is: the syntax of a file in `crate::ron_error` and `scene/file/hints.rs`; a
+//! The messages are written where the check is: the syntax of a file in `crate::ron_error` and `scene/file/hints.rs`; a
 //! number's range in `scene/shape/parameter.rs` and `scene/notation/numbers.rs`; a shape in `scene/shape/check.rs` and
 //! its own file; names, materials and the scene as a whole in `scene/check/`; what is too large for a renderer in
 //! `kernel/structure.rs`.
@@ -8,11 +8,11 @@
 use crate::file_input::{InputError, MalformedText};
 use std::path::{Path, PathBuf};
 
-/// A scene that cannot be used, and why.
+/// The reason why a scene cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneError {
-    /// Neither a built-in name nor a file that exists.
+    /// The name is neither a built-in scene nor an existing file.
     #[error(
         "there is no scene {name:?}: neither a file nor one of the built-in scenes ({builtin}){}",
         nearest.as_ref().map_or_else(String::new, |name| format!("; did you mean {name}?"))
@@ -20,10 +20,10 @@ pub enum SceneError {
     Unknown {
         /// The requested value.
         name: String,
-        /// The names there are, separated by commas.
+        /// The names of the built-in scenes, separated by commas.
         builtin: String,
-        /// The built-in scene whose name is nearly that one, or a file that is called so but for its
-        /// ending, if there is one.
+        /// The built-in scene with a similar name, or a file with this name and an ending, if there
+        /// is one.
         nearest: Option<String>,
     },
     /// The file cannot be read.
@@ -31,16 +31,16 @@ pub enum SceneError {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         source: InputError,
     },
-    /// The text is not a scene; its origin is the file's path, or `scene` for text that came from elsewhere.
+    /// The text is not a scene; its origin is the file's path, or `scene` for other text.
     #[error(transparent)]
     Malformed(MalformedText),
-    /// A scene file has no path that a file in that folder could name as its base.
+    /// A scene file in that folder has no path by which it could name this one as its base.
     #[error("{} has no path that a scene file in the folder {} can name", base.display(), folder.display())]
     NoBase {
-        /// Where the other file is to lie.
+        /// The folder of the other file.
         folder: PathBuf,
         /// The scene file.
         base: PathBuf,
@@ -48,47 +48,47 @@ pub enum SceneError {
     /// A file that the scene names cannot be used.
     #[error("{origin}: {why}")]
     Attached {
-        /// The scene file, or what stands for it.
+        /// The scene file, or the name used for the scene's text.
         origin: String,
-        /// What is wrong, with the file.
+        /// The file and the error.
         why: String,
     },
-    /// What is rejected at a time of its key frames, and not before.
+    /// The scene is invalid at a time of its key frames, and not before.
     #[error("at {seconds} s, {refused}")]
     At {
-        /// The time, of a key or between two.
+        /// The time, at a key or between two.
         seconds: f64,
-        /// What is wrong there.
+        /// The error at that time.
         refused: Box<SceneError>,
     },
-    /// No surface at all.
+    /// The scene has no surfaces.
     #[error("scene {scene:?} has no surfaces: there is nothing for a wave to meet")]
     Empty {
         /// The scene's name.
         scene: String,
     },
-    /// A field that cannot be.
+    /// An invalid field.
     #[error("scene {scene:?}: {surface}: {why}")]
     BadField {
         /// The scene's name.
         scene: String,
-        /// Which surface.
+        /// The surface.
         surface: String,
-        /// What is wrong, and what would be right.
+        /// The error, and how to correct it.
         why: String,
     },
-    /// A driver of a number that is not there.
+    /// A driver of a number that does not exist.
     #[error(
         "scene {scene:?}: {surface} has no number {parameter:?} that could be driven; it has: {known}"
     )]
     UnknownParameter {
         /// The scene's name.
         scene: String,
-        /// Which surface.
+        /// The surface.
         surface: String,
         /// The requested value.
         parameter: String,
-        /// The names there are.
+        /// The existing names.
         known: String,
     },
     /// A named value that the scene does not use.
@@ -101,12 +101,12 @@ pub enum SceneError {
         scene: String,
         /// The requested value.
         name: String,
-        /// The names there are.
+        /// The existing names.
         known: String,
-        /// The name that is nearly that one, if there is one.
+        /// A similar name, if there is one.
         nearest: Option<String>,
     },
-    /// A source or a listener by a number that none has.
+    /// The scene does not have a source or listener of this number.
     #[error("scene {scene:?} has no {what} number {number}: it has {count}, counted from 0")]
     NoSuchNumber {
         /// The scene's name.
@@ -115,10 +115,10 @@ pub enum SceneError {
         what: &'static str,
         /// The requested number, from 0.
         number: usize,
-        /// How many there are.
+        /// Number of existing ones.
         count: usize,
     },
-    /// A wall that no room has.
+    /// A room has no wall of this number.
     #[error(
         "a room has no wall number {wall}: they are counted from 0, {}",
         super::WALL_NAMES.join(", ")
@@ -127,7 +127,7 @@ pub enum SceneError {
         /// The requested number, from 0.
         wall: usize,
     },
-    /// Two sources or two listeners of one name.
+    /// Two sources or two listeners have the same name.
     #[error("scene {scene:?}: two of the {what} are called {name:?}")]
     SameName {
         /// The scene's name.
@@ -137,7 +137,7 @@ pub enum SceneError {
         /// The name.
         name: String,
     },
-    /// A source or a listener is called by the number of another, which has no name of its own.
+    /// The name of a source or a listener is the number of another that has no name.
     #[error(
         "scene {scene:?}: one of the {what} is called {name:?}, which is the number of another that has no name: name that one too"
     )]
@@ -149,21 +149,21 @@ pub enum SceneError {
         /// The name.
         name: String,
     },
-    /// A number that is invalid at its place.
+    /// A number outside its valid range.
     #[error("scene {scene:?}: {what} must be {must}, not {value}")]
     BadNumber {
         /// The scene's name.
         scene: String,
-        /// Which value, with its unit.
+        /// Name of the value, with its unit.
         what: String,
-        /// What it has to be.
+        /// Its valid range.
         must: &'static str,
-        /// What it is.
+        /// The given value.
         value: String,
     },
 }
 
-/// A clause on what may be meant by a file that is not there.
+/// A clause that suggests a built-in scene for a missing file.
 fn may_be_meant(why: &InputError, path: &Path) -> String {
     match why {
         InputError::Io(error) if error.kind() == std::io::ErrorKind::NotFound => {
@@ -174,8 +174,8 @@ fn may_be_meant(why: &InputError, path: &Path) -> String {
 }
 
 impl SceneError {
-    /// The same with a time; an error that has its time already stays.
-    pub(crate) fn at(self, seconds: f64) -> SceneError {
+    /// The same error with a time; an error that already has a time stays as it is.
+    pub fn at(self, seconds: f64) -> SceneError {
         match self {
             SceneError::At { .. } => self,
             refused => SceneError::At {

@@ -1,26 +1,26 @@
-//! A scene file that is read again when it, or a file that it names, has changed.
+//! Reads a scene file again when it, or a file that it names, has changed.
 
 use super::file::bases_of;
 use super::{BUILTIN_NAMES, Scene, SceneError};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-/// When a file was last written and how many bytes it has; none while there is no file.
+/// Time of a file's last write and its length in bytes; `None` while the file does not exist.
 type Stamp = Option<(SystemTime, u64)>;
 
 /// A scene file, its bases, and the files that they name, watched for changes.
 ///
-/// Knows nothing of OpenGL: see [`trace::Reloading`](crate::trace::Reloading) for scenes that
-/// are also checked by the renderer. Asking for changes takes a few microseconds a file.
+/// Does not use OpenGL: see [`trace::Reloading`](crate::trace::Reloading) for scenes that are also
+/// checked by the renderer. Polling takes a few microseconds a file.
 pub struct SceneWatch {
     load: Box<dyn Fn() -> Result<Scene, SceneError>>,
-    /// None for a scene within the program.
+    /// The scene file; `None` for a built-in scene.
     own: Option<PathBuf>,
-    /// What was last read.
+    /// State of the files when last read.
     read: Vec<(PathBuf, Stamp)>,
-    /// What was found at the last look, when it was not that.
+    /// State found by the last poll, if it differs from `read`.
     found: Option<Vec<Stamp>>,
-    /// The sentence of the last error, until a scene is read.
+    /// Message of the last error, until a scene is read.
     refused: Option<String>,
 }
 
@@ -34,10 +34,10 @@ impl SceneWatch {
         SceneWatch::open_with(name_or_file, move || Scene::load(&name))
     }
 
-    /// Watches a scene file that `load` reads: for scenes that are changed after reading.
+    /// Watches a scene file that is read by `load`, for scenes that are changed after reading.
     ///
     /// # Errors
-    /// Those of `load`.
+    /// The errors of `load`.
     pub fn open_with(
         name_or_file: &str,
         load: impl Fn() -> Result<Scene, SceneError> + 'static,
@@ -56,16 +56,15 @@ impl SceneWatch {
         Ok((watch, scene))
     }
 
-    /// The files that are watched, the scene's own first; none of a built-in scene.
+    /// The watched files, the scene's own first; empty for a built-in scene.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         self.read.iter().map(|(path, _)| path.as_path())
     }
 
-    /// The scene, read again, or why it cannot be read, once after each change; else nothing.
+    /// Returns the scene, or the error of reading it, once after each change; otherwise `None`.
     ///
-    /// A change counts when two looks in a row find the same: an editor may still be
-    /// writing. After an error the scene file's folder is watched too, for a file that was
-    /// missing.
+    /// A change counts when two polls in a row find the same state: an editor may still be writing.
+    /// After an error the scene file's folder is watched too, in case a missing file appears.
     pub fn poll(&mut self) -> Option<Result<Scene, SceneError>> {
         let now: Vec<Stamp> = self.read.iter().map(|(path, _)| stamp(path)).collect();
         if self.read.iter().map(|(_, stamp)| stamp).eq(&now) {
@@ -91,7 +90,7 @@ impl SceneWatch {
                 let folders: Vec<PathBuf> = self.own.iter().map(|own| folder(own)).collect();
                 let known = self.files().map(Path::to_owned).collect::<Vec<_>>();
                 self.keep([known, folders].concat());
-                // Something else came or went in the folder.
+                // Another file may have appeared or vanished in the folder.
                 let is_news = self.refused.as_ref() != Some(&sentence);
                 self.refused = Some(sentence);
                 is_news.then_some(Err(error))
@@ -99,7 +98,8 @@ impl SceneWatch {
         }
     }
 
-    /// Watches the scene's own file, its bases and these; what was read of them stays.
+    /// Watches the scene's own file, its bases and `files`; keeps the recorded state of files
+    /// already watched.
     fn keep(&mut self, files: Vec<PathBuf>) {
         let Some(own) = self.own.clone() else {
             return;
@@ -136,7 +136,7 @@ mod tests {
     const SCENE: &str = "Scene(surfaces: [Surface(shape: Plane)],
         source: Source(position: (0, 1, 0)), listener: Listener(position: (0, 2, 5), radius: 1))";
 
-    /// What the next looks find.
+    /// The result of the next polls.
     fn settled(watch: &mut SceneWatch) -> Option<Result<Scene, SceneError>> {
         (0..3).find_map(|_| watch.poll())
     }

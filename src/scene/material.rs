@@ -1,14 +1,14 @@
-//! What surfaces are made of: how much of a sound's energy each reflection keeps, and how much of
-//! that is scattered.
+//! Materials of surfaces: the share of a sound's energy that each reflection keeps, and the share
+//! of that which is scattered.
 
 use crate::bands::{BAND_COUNT, Bands};
 
 /// The walls of a [`Room`](super::shape::Room) as a scene file names them, in the order of
-/// [`Surface::walls`](super::Surface::walls): those at −x, +x, −y, +y, −z and +z of its own axes.
-/// The front is where a listener looks that is not turned.
+/// [`Surface::walls`](super::Surface::walls): those at −x, +x, −y, +y, −z and +z of its own axes. A
+/// listener that is not turned looks at the front.
 pub const WALL_NAMES: [&str; WALL_COUNT] = ["left", "right", "floor", "ceiling", "front", "back"];
 
-/// How many walls a room has.
+/// Number of walls of a room.
 pub const WALL_COUNT: usize = 6;
 
 /// How a surface reflects, in each octave band of [`BANDS_HZ`](crate::bands::BANDS_HZ).
@@ -21,8 +21,8 @@ pub const WALL_COUNT: usize = 6;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
-    /// The share of the energy that a reflection takes away, 0 to 1: the absorption coefficient
-    /// for random incidence.
+    /// The share of the energy that a reflection absorbs, 0 to 1: the absorption coefficient for
+    /// random incidence.
     pub absorption: Bands,
     /// The share of the reflected energy that leaves in directions other than the mirrored one, 0
     /// to 1: the scattering coefficient (ISO 17497-1).
@@ -30,13 +30,13 @@ pub struct Material {
 }
 
 impl Material {
-    /// Reflects all, as a mirror: what a surface is that has no material.
+    /// A perfect mirror: the material of surfaces that name none.
     pub const MIRROR: Material = Material {
         absorption: [0.0; BAND_COUNT],
         scattering: [0.0; BAND_COUNT],
     };
 
-    /// A mirror that takes the same share (0 to 1) in every band.
+    /// A mirror that absorbs the same share (0 to 1) in every band.
     pub fn absorbing(share: f64) -> Material {
         Material {
             absorption: [share; BAND_COUNT],
@@ -44,7 +44,7 @@ impl Material {
         }
     }
 
-    /// The same material, of whose reflected energy this share (0 to 1) is scattered in every band.
+    /// The same material, scattering this share (0 to 1) of the reflected energy in every band.
     pub fn scattering_by(self, share: f64) -> Material {
         Material {
             scattering: [share; BAND_COUNT],
@@ -57,12 +57,12 @@ impl Material {
         self.absorption.map(|absorbed| 1.0 - absorbed)
     }
 
-    /// Whether it reflects all, mirrored, in every band.
+    /// Whether it mirrors all energy in every band.
     pub fn is_mirror(&self) -> bool {
         *self == Material::MIRROR
     }
 
-    /// Whether all octave bands are treated alike: a reflection then keeps the timbre.
+    /// Whether all octave bands are treated alike, so that a reflection keeps the timbre.
     pub fn is_grey(&self) -> bool {
         let is_even = |bands: &Bands| bands.iter().all(|value| *value == bands[0]);
         is_even(&self.absorption) && is_even(&self.scattering)
@@ -81,15 +81,15 @@ impl Default for Material {
     }
 }
 
-/// A material that every scene may name without a definition.
+/// A material that every scene may name without defining it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct BuiltinMaterial {
-    /// What scenes call it.
+    /// Name in scenes.
     pub name: &'static str,
-    /// What was measured.
+    /// The measured object.
     pub of: &'static str,
-    /// Where the values are published.
+    /// Publication of the values.
     pub source: &'static str,
     /// The values.
     pub material: Material,
@@ -98,8 +98,8 @@ pub struct BuiltinMaterial {
 /// The source of all values of [`BUILTIN_MATERIALS`].
 const VORLAENDER: &str = "M. Vorländer, Auralization, Springer 2008, annex, tables of random-incidence absorption coefficients";
 
-/// From seven published coefficients, 125 Hz to 8 kHz. No table has 63 Hz: there the one at
-/// 125 Hz is used. None has scattering: these materials are mirrors.
+/// Extends seven published coefficients, 125 Hz to 8 kHz. The tables have no values at 63 Hz: that
+/// at 125 Hz is used there. They have no scattering coefficients: these materials are mirrors.
 const fn published(name: &'static str, of: &'static str, a: [f64; 7]) -> BuiltinMaterial {
     BuiltinMaterial {
         name,
@@ -112,10 +112,10 @@ const fn published(name: &'static str, of: &'static str, a: [f64; 7]) -> Builtin
     }
 }
 
-/// Materials that every scene may name; a scene's own of the same name comes first.
+/// Materials that every scene may name; a scene's own material of the same name takes precedence.
 ///
-/// At 63 Hz each has the published value of 125 Hz, `wood-floor` at 8 kHz that of 4 kHz. None
-/// scatters.
+/// At 63 Hz each has the published value of 125 Hz; `wood-floor` has that of 4 kHz at 8 kHz. They
+/// do not scatter.
 pub const BUILTIN_MATERIALS: &[BuiltinMaterial] = &[
     published(
         "audience",
@@ -198,7 +198,8 @@ pub const BUILTIN_MATERIALS: &[BuiltinMaterial] = &[
 mod tests {
     use super::*;
 
-    /// Protects the built-in list: shares, names in order and each once, the source beside each.
+    /// Protects the built-in list: valid shares, names in order and without duplicates, a source
+    /// for each.
     #[test]
     fn built_in_materials_are_shares_with_names_and_sources() {
         let names: Vec<&str> = BUILTIN_MATERIALS.iter().map(|known| known.name).collect();

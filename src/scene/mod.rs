@@ -1,9 +1,9 @@
-//! What exists: surfaces and their materials, air, sources, listeners.
+//! Scenes: surfaces and their materials, air, sources, listeners.
 //!
-//! A [`Scene`] is plain data. It is read from a RON file ([`Scene::load`]),
-//! taken from the built-in ones ([`Scene::builtin`]) or written in Rust, and it
-//! knows nothing of OpenGL: the module `kernel` turns it into shader text and
-//! numbers, [`Scene::distance`] is the same signed distance function on the CPU.
+//! A [`Scene`] is plain data. It is read from a RON file ([`Scene::load`]), taken from the built-in
+//! ones ([`Scene::builtin`]) or written in Rust, and does not depend on OpenGL: the module `kernel`
+//! turns it into shader text and numbers, [`Scene::distance`] is the same signed distance function
+//! on the CPU.
 //!
 //! World axes: x to the right, y up, z towards the viewer (right-handed).
 //! World units are metres, angles are radians in code and degrees in files.
@@ -31,10 +31,10 @@ pub use builtin::BUILTIN_NAMES;
 pub use check::Warning;
 pub use distance::Nearest;
 pub use error::SceneError;
-#[cfg(feature = "demo")]
-pub(crate) use file::BasedScene;
-#[cfg(feature = "experiment")]
-pub(crate) use file::bases_of;
+#[doc(hidden)]
+pub use file::BasedScene;
+#[doc(hidden)]
+pub use file::bases_of;
 pub(crate) use file_watch::SceneWatch;
 pub use material::{BUILTIN_MATERIALS, BuiltinMaterial, Material, WALL_COUNT, WALL_NAMES};
 pub use motion::{Driver, Motion};
@@ -52,12 +52,12 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Eight units in the last place, as a share of the largest number that goes into a
-/// distance: sums of three squares, a root and a product lose about half of that. The
-/// same as in `glsl/common/rounding.glsl`. A place on a surface may lie in its solid by as much.
+/// Eight units in the last place, as a share of the largest number in the computation of a
+/// distance: sums of three squares, a root and a product lose about half of that. Equal to the
+/// value in `glsl/common/rounding.glsl`. A point on a surface may lie this deep in its solid.
 pub(crate) const ROUNDING: f32 = 8.0 * f32::EPSILON;
 
-/// A world to hear: surfaces of materials, air, sources and listeners.
+/// An acoustic world: surfaces with materials, air, sources and listeners.
 ///
 /// ```
 /// use echomarch::glam::Vec3;
@@ -75,26 +75,27 @@ pub(crate) const ROUNDING: f32 = 8.0 * f32::EPSILON;
 /// # Ok::<(), echomarch::Error>(())
 /// ```
 ///
-/// A scene serialises to the content of its file (`docs/scene-format.md`), and is read from that.
+/// A scene serialises to the content of its file (`docs/scene-format.md`), and deserialises from
+/// that.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Scene {
-    /// What reports call the scene.
+    /// Name in reports.
     pub name: String,
     /// The surfaces, numbered from 1 in this order in every wave's status.
     pub surfaces: Vec<Surface>,
-    /// The scene's own materials by their names; the [built-in ones](BUILTIN_MATERIALS) are there
-    /// without standing here.
+    /// The scene's own materials by their names; the [built-in ones](BUILTIN_MATERIALS) are
+    /// available without being listed here.
     pub materials: BTreeMap<String, Material>,
-    /// The air; without it sound has 343 m/s, and loses nothing on its way.
+    /// The air; without it the speed of sound is 343 m/s, and it does not absorb.
     pub air: Option<Air>,
-    /// Where the sound comes from: the first source.
+    /// The first source.
     pub source: Source,
-    /// Where it is heard: the first listener.
+    /// The first listener.
     pub listener: Listener,
-    /// Sources beside the first one. Callers that need one source use the first.
+    /// Sources after the first one. Callers that need one source use the first.
     pub further_sources: Vec<Source>,
-    /// Listeners beside the first one.
+    /// Listeners after the first one.
     pub further_listeners: Vec<Listener>,
 }
 
@@ -102,21 +103,21 @@ pub struct Scene {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Source {
-    /// What reports call it, unlike all other sources.
+    /// Name in reports, unique among the sources.
     pub name: Option<String>,
-    /// How much louder than others it is, in decibels.
+    /// Level relative to other sources in decibels.
     pub level_db: f32,
     /// World position in metres.
     pub position: Vec3,
-    /// Where it moves in time; empty when it stands still.
+    /// Positions in time; empty when it stands still.
     pub path: Path,
 }
 
-/// A sphere that waves are caught with, and the direction it looks in.
+/// A sphere that receives waves, and the direction it looks in.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Listener {
-    /// What reports call it, unlike all other listeners.
+    /// Name in reports, unique among the listeners.
     pub name: Option<String>,
     /// World position of the centre in metres.
     pub position: Vec3,
@@ -126,7 +127,7 @@ pub struct Listener {
     pub pitch: f32,
     /// Radius of the sphere in metres.
     pub radius: f32,
-    /// Where it moves and turns in time; empty when it stands still.
+    /// Positions and turns in time; empty when it stands still.
     pub path: Path,
 }
 
@@ -150,8 +151,8 @@ impl Scene {
         }
     }
 
-    /// An empty rectangular room about the origin, of `size` metres: what its walls at −x, +x, −y, +y, −z, +z absorb, by
-    /// band, is that of the materials `wall 0` to `wall 5`.
+    /// An empty rectangular room about the origin, of `size` metres. The absorption of its walls at −x, +x, −y, +y, −z,
+    /// +z, by band, is that of the materials `wall 0` to `wall 5`.
     ///
     /// ```
     /// use echomarch::glam::Vec3;
@@ -184,7 +185,7 @@ impl Scene {
         scene
     }
 
-    /// The scene as it stands at `seconds` on its key-framed paths.
+    /// The scene at `seconds` on its key-framed paths.
     pub fn at(&self, seconds: f64) -> Scene {
         let mut posed = self.clone();
         for source in posed.sources_mut() {
@@ -213,9 +214,9 @@ impl Scene {
 }
 
 impl Scene {
-    /// Seconds that an evaluation of the slowest user's field takes, as far as that was
-    /// measured; see [`UserField::evaluation_seconds`].
-    pub(crate) fn evaluation_seconds(&self) -> Option<f64> {
+    /// Seconds for one evaluation of the slowest user's field, if that was measured; see
+    /// [`UserField::evaluation_seconds`].
+    pub fn evaluation_seconds(&self) -> Option<f64> {
         self.user_fields()
             .filter_map(|field| field.evaluation_seconds())
             .reduce(f64::max)
@@ -226,7 +227,7 @@ impl Scene {
         self.field_nodes().filter_map(Node::user)
     }
 
-    /// The files beside its own that the scene was made from: users' fields and images.
+    /// The files, besides its own, that the scene was made from: users' fields and images.
     pub fn files(&self) -> Vec<PathBuf> {
         let file = |asset: Asset| match asset {
             Asset::User(field) => field.file.clone(),
@@ -236,9 +237,8 @@ impl Scene {
     }
 
     /// The contents of these files, in the order of [`Scene::files`]: texts, and the heights of
-    /// images as little-endian `f32` behind their width and height.
-    #[cfg(feature = "experiment")]
-    pub(crate) fn file_contents(&self) -> Vec<Vec<u8>> {
+    /// images as little-endian `f32` after their width and height.
+    pub fn file_contents(&self) -> Vec<Vec<u8>> {
         let content = |asset: Asset| match asset {
             Asset::User(field) => field.text.clone().into_bytes(),
             Asset::Image(image) => image.to_bytes(),
@@ -293,7 +293,7 @@ impl Listener {
         self
     }
 
-    /// Unit vector of the gaze.
+    /// Unit vector of the viewing direction.
     pub fn forward(&self) -> Vec3 {
         let (sin_yaw, cos_yaw) = self.yaw.sin_cos();
         let (sin_pitch, cos_pitch) = self.pitch.sin_cos();

@@ -1,20 +1,20 @@
-//! What moves a number of a surface: key frames in time, or a named value from the API.
+//! Motion of a surface's numbers: key frames in time, or a named value from the API.
 //!
-//! The numbers themselves stay where they are, plain and current. A [`Driver`] stands
-//! beside them and states which one it sets, and from what. What is driven is a uniform in
-//! the shader, so that setting it compiles nothing.
+//! The numbers themselves are stored in the shape, plain and current. A separate [`Driver`] states
+//! which of them it sets, and from what. A driven number is a uniform in the shader, so that
+//! setting it compiles nothing.
 
-/// States where a number of a surface comes from.
+/// The source of the values of one of a surface's numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Driver {
     /// The number's name: `position.x`, `rotation.y`, `radius`, `0.by.z` …; see
     /// [`Surface::parameter_names`](super::Surface::parameter_names).
     pub parameter: String,
-    /// What sets it.
+    /// The motion that sets it.
     pub motion: Motion,
 }
 
-/// How a number changes. Lengths are in metres, angles in radians.
+/// The way a number changes. Lengths are in metres, angles in radians.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Motion {
     /// Key frames (seconds, value), times strictly increasing: linear between them, held
@@ -41,7 +41,7 @@ impl Motion {
         Some(from.1 + (to.1 - from.1) * share as f32)
     }
 
-    /// Seconds of the last key; 0 for a named value.
+    /// Time of the last key in seconds; 0 for a named value.
     pub fn duration(&self) -> f64 {
         match self {
             Motion::Keys(keys) => keys.last().map_or(0.0, |(time, _)| time.max(0.0)),

@@ -10,7 +10,7 @@ pub struct NamedValue {
     pub name: String,
     /// Its value, in the unit of the file.
     pub value: f32,
-    /// What it measures; where it is used several times, the one that allows least.
+    /// Its quantity; of several uses with different quantities, the one with the narrowest range.
     pub quantity: Quantity,
 }
 
@@ -44,13 +44,14 @@ impl Scene {
 }
 
 impl Surface {
-    /// What a number of the surface measures, by its name (see [`Surface::parameter_names`]).
+    /// The quantity of one of the surface's numbers, by its name (see
+    /// [`Surface::parameter_names`]).
     pub fn quantity(&self, parameter: &str) -> Quantity {
         let found = self.parameter(parameter);
         found.map_or(Quantity::Plain, |(_, quantity)| quantity)
     }
 
-    /// Where a number stands, and what it measures.
+    /// The value of a number, and its quantity.
     fn parameter(&self, parameter: &str) -> Option<(f32, Quantity)> {
         let mut copy = self.clone();
         let mut all = copy.parameters_mut().into_iter();
@@ -63,7 +64,7 @@ impl Surface {
 mod tests {
     use super::*;
 
-    /// Every operator that turns, and what stands beside it; all by one name.
+    /// Every operator that turns, with other shapes, all driven by one name.
     const TURNS: &str = r#"Scene(
         surfaces: [
             Surface(shape: Plane, position: (0, Value("a", 30), 0), rotation: (0, 0, Value("a", 30))),
@@ -75,8 +76,8 @@ mod tests {
         ],
         source: Source(position: (0, 1, -5)), listener: Listener(position: (0, 1, 5), radius: 1))"#;
 
-    /// Protects the unit of the file everywhere that an angle may stand: a value that is set to what the file says
-    /// changes nothing, and 60 is 60 degrees.
+    /// Protects the unit of the file everywhere that an angle may be used: setting a value to the number in the
+    /// file changes nothing, and 60 means 60 degrees.
     #[test]
     fn values_are_in_the_unit_of_the_file() {
         let read = Scene::from_ron(TURNS, "turns").unwrap();

@@ -1,8 +1,8 @@
-//! Key-framed paths: where something is at a given time.
+//! Key-framed paths: the pose of something at a given time.
 //!
-//! Between two keys positions and angles change linearly; before the first key
-//! and after the last one they hold. Angles are taken as written, so a path may
-//! turn through more than a full circle.
+//! Between two keys positions and angles change linearly; before the first key and after the last
+//! one they are constant. Angles are taken as written, so a path may turn through more than a full
+//! circle.
 
 use glam::Vec3;
 
@@ -38,7 +38,7 @@ impl Path {
         &self.keys
     }
 
-    /// Whether there is no key at all.
+    /// Whether the path has no keys.
     pub fn is_empty(&self) -> bool {
         self.keys.is_empty()
     }
@@ -81,7 +81,7 @@ mod tests {
         }
     }
 
-    /// Protects interpolation, and holding at both ends.
+    /// Protects interpolation, and constant poses outside the keys.
     #[test]
     fn a_path_is_linear_between_keys_and_holds_outside() {
         let path = Path::new(vec![key(1.0, 0.0, 0.0), key(3.0, 4.0, 2.0)]).unwrap();

@@ -1,9 +1,10 @@
-//! What the numbers of a scene measure, and their units in files and in code.
+//! Quantities of the numbers in a scene, and their units in files and in code.
 
-/// What a number of a surface measures, and so its unit in a scene file and how far it may go.
+/// The quantity of a surface's number, which determines its unit in a scene file and its valid
+/// range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
-    /// A coordinate or a difference of such, in metres.
+    /// A coordinate or a difference of coordinates, in metres.
     Position,
     /// A length in metres, greater than 0.
     Length,
@@ -11,7 +12,7 @@ pub enum Quantity {
     Factor,
     /// An angle, in degrees.
     Angle,
-    /// A turn along a way, in degrees a metre.
+    /// A turn per length, in degrees a metre.
     Rate,
     /// From 0 to 1.
     Share,
@@ -20,7 +21,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// The unit behind a number in a sentence about the code's own units.
+    /// The unit after a number in a message that uses the code's own units.
     pub(super) fn unit(self) -> &'static str {
         match self {
             Quantity::Position | Quantity::Length => " metres",
@@ -30,7 +31,7 @@ impl Quantity {
         }
     }
 
-    /// A number of the code in the unit of the file.
+    /// Converts a number of the code to the unit of the file.
     pub fn in_file(self, value: f32) -> f32 {
         match self {
             Quantity::Angle | Quantity::Rate => value.to_degrees(),
@@ -38,7 +39,7 @@ impl Quantity {
         }
     }
 
-    /// A number of the file in the unit of the code.
+    /// Converts a number of the file to the unit of the code.
     pub fn in_code(self, value: f32) -> f32 {
         match self {
             Quantity::Angle | Quantity::Rate => value.to_radians(),
@@ -46,7 +47,7 @@ impl Quantity {
         }
     }
 
-    /// The more, the less is allowed.
+    /// A higher rank has a narrower valid range.
     pub(super) fn rank(self) -> u8 {
         match self {
             Quantity::Plain => 0,

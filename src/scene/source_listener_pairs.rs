@@ -1,4 +1,4 @@
-//! All sources and listeners of a scene, and what lies between them: surfaces of materials, and air.
+//! All sources and listeners of a scene, and what affects the sound between them: materials and air.
 
 use super::air::USUAL_SPEED_OF_SOUND;
 use super::{Listener, Material, Scene, SceneError, Source};
@@ -16,12 +16,12 @@ impl Scene {
         once(&self.listener).chain(&self.further_listeners)
     }
 
-    /// What reports call the sources, in order: each by its name, or by its number from 1.
+    /// The names of the sources in reports, in order: each by its name, or by its number from 1.
     pub fn source_labels(&self) -> Vec<String> {
         labels(self.sources().map(|source| source.name.as_deref()))
     }
 
-    /// What reports call the listeners, in order: each by its name, or by its number from 1.
+    /// The names of the listeners in reports, in order: each by its name, or by its number from 1.
     pub fn listener_labels(&self) -> Vec<String> {
         labels(self.listeners().map(|listener| listener.name.as_deref()))
     }
@@ -34,7 +34,7 @@ impl Scene {
         once(&mut self.listener).chain(&mut self.further_listeners)
     }
 
-    /// The scene with one source and one listener alone, by their places (from 0) in
+    /// The scene with a single source and a single listener, given by their indices (from 0) in
     /// [`Scene::sources`] and [`Scene::listeners`].
     ///
     /// ```
@@ -49,7 +49,7 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// [`SceneError::NoSuchNumber`] when there is no source or no listener of that number.
+    /// [`SceneError::NoSuchNumber`] if a number is out of range.
     pub fn heard_by(&self, source: usize, listener: usize) -> Result<Scene, SceneError> {
         let none = |what, number, count| SceneError::NoSuchNumber {
             scene: self.name.clone(),
@@ -74,8 +74,8 @@ impl Scene {
     }
 
     /// The material of a surface (counted from 0), or of one of its walls in the order of
-    /// [`WALL_NAMES`](super::WALL_NAMES): that of the wall, else that of the surface. None where it
-    /// has none, and so reflects all.
+    /// [`WALL_NAMES`](super::WALL_NAMES): that of the wall, else that of the surface. `None` if
+    /// neither has one: all energy is reflected.
     pub fn material(&self, surface: usize, wall: Option<usize>) -> Option<&Material> {
         let surface = self.surfaces.get(surface)?;
         self.material_named(surface.material_name(wall)?)
@@ -87,8 +87,8 @@ impl Scene {
         own.or_else(|| Material::builtin(name))
     }
 
-    /// Whether some surface absorbs or scatters: else a reflection keeps all of the energy, and
-    /// mirrors it.
+    /// Whether some surface absorbs or scatters; otherwise a reflection keeps all of the energy,
+    /// and mirrors it.
     pub fn has_materials(&self) -> bool {
         self.used_materials().any(|material| !material.is_mirror())
     }
@@ -99,12 +99,12 @@ impl Scene {
         self.used_materials().any(scatter)
     }
 
-    /// Whether a material or the air changes the timbre: else one octave band is as another.
+    /// Whether a material or the air changes the timbre; otherwise all octave bands are alike.
     pub fn has_bands(&self) -> bool {
         self.air.is_some() || self.used_materials().any(|material| !material.is_grey())
     }
 
-    /// The materials of surfaces and walls, one that is named twice twice.
+    /// The materials of surfaces and walls, once for each use.
     fn used_materials(&self) -> impl Iterator<Item = &Material> {
         let names = self.surfaces.iter().flat_map(|s| s.material_names());
         names.filter_map(|name| self.material_named(name))
@@ -116,7 +116,7 @@ impl Scene {
             .map_or(USUAL_SPEED_OF_SOUND, |air| air.speed_of_sound())
     }
 
-    /// How fast the air takes the energy of a sound, by bands, in 1/m (see
+    /// Attenuation of the energy of a sound by the air, by bands, in 1/m (see
     /// [`Air::attenuation`](super::Air::attenuation)); 0 where the scene has no air.
     pub fn air_attenuation(&self) -> Bands {
         self.air.map_or([0.0; BAND_COUNT], |air| air.attenuation())
@@ -153,8 +153,8 @@ mod tests {
         )
     }
 
-    /// Protects the order of lookup of the material: the wall, then the surface; the scene's own, then the
-    /// built-in one.
+    /// Protects the order in which a material is looked up: the wall, then the surface; the scene's own,
+    /// then the built-in one.
     #[test]
     fn a_wall_comes_before_its_surface_and_a_scene_before_the_list() {
         let mut scene = hall();
@@ -177,7 +177,7 @@ mod tests {
         assert!(scene.has_materials() && !scene.has_bands());
     }
 
-    /// Protects pairs: each source and each listener by its number, and everything else as it was.
+    /// Protects pairs: each source and each listener by its number, with everything else unchanged.
     #[test]
     fn a_pair_is_a_scene_of_its_own() {
         let mut scene = hall();
@@ -244,7 +244,7 @@ mod tests {
         assert_eq!(scene.air_attenuation(), air.attenuation());
     }
 
-    /// Protects callers from numbers that nobody has: a source, a listener, a wall.
+    /// Protects callers from numbers out of range: a source, a listener, a wall.
     #[test]
     fn numbers_that_nobody_has_are_refused() {
         let scene = hall();

@@ -1,4 +1,4 @@
-//! A surface: a shape, and its position.
+//! A surface: a shape and its position.
 
 use super::{Bounds3, Driver, Node, SceneError, Shape, WALL_COUNT};
 use glam::{DMat3, Quat, Vec3};
@@ -17,7 +17,7 @@ use glam::{DMat3, Quat, Vec3};
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Surface {
-    /// What reports call it; a number when there is none.
+    /// Name in reports; without one, its number is used.
     pub name: Option<String>,
     /// Its form and size.
     pub shape: Shape,
@@ -27,18 +27,18 @@ pub struct Surface {
     pub rotation: Quat,
     /// Declares that the rotation will change although it is the identity now.
     ///
-    /// A surface that is not turned has no rotation in its shader text. One that
-    /// is turned, or is declared here to turn, takes its rotation from a uniform,
-    /// so that turning it never compiles a shader.
+    /// A surface that is not turned has no rotation in its shader text. One that is turned, or
+    /// declared here as turning, takes its rotation from a uniform, so that turning it never
+    /// compiles a shader.
     pub dynamic_rotation: bool,
-    /// The angles in radians, about x, then y, then z, that a driven rotation is made of.
+    /// The angles of a driven rotation in radians, about x, then y, then z.
     pub angles: Vec3,
-    /// What moves its numbers; empty when nothing does.
+    /// The drivers of its numbers; empty when it does not move.
     pub drivers: Vec<Driver>,
     /// The name of its material, one of the scene's or a built-in one; without one it reflects all.
     pub material: Option<String>,
-    /// Of a [`Room`](super::shape::Room): the materials of walls that are not of the surface's, in
-    /// the order of [`WALL_NAMES`](super::WALL_NAMES). They turn with the room.
+    /// For a [`Room`](super::shape::Room): the materials of walls that differ from the surface's,
+    /// in the order of [`WALL_NAMES`](super::WALL_NAMES). They turn with the room.
     pub walls: [Option<String>; WALL_COUNT],
 }
 
@@ -76,17 +76,17 @@ impl Surface {
         self
     }
 
-    /// The same surface, of the material of this name.
+    /// The same surface with the material of this name.
     pub fn with_material(mut self, name: impl Into<String>) -> Surface {
         self.material = Some(name.into());
         self
     }
 
-    /// The same room, one of whose walls (0 to 5, see [`WALL_NAMES`](super::WALL_NAMES)) is of the
-    /// material of this name.
+    /// The same room with the material of this name on one of its walls (0 to 5, see
+    /// [`WALL_NAMES`](super::WALL_NAMES)).
     ///
     /// # Errors
-    /// [`SceneError::NoSuchWall`](super::SceneError::NoSuchWall) when there is no such wall.
+    /// [`SceneError::NoSuchWall`](super::SceneError::NoSuchWall) if the number is out of range.
     pub fn with_wall_material(
         mut self,
         wall: usize,
@@ -117,9 +117,8 @@ impl Surface {
         matches!(self.shape.node, Node::Room(_))
     }
 
-    /// Whether the two are alike but for where the files lie that they name.
-    #[cfg(feature = "demo")]
-    pub(crate) fn is_alike(&self, other: &Surface) -> bool {
+    /// Whether the two are equal except for the paths of the files that they name.
+    pub fn is_alike(&self, other: &Surface) -> bool {
         let at_one_place = Surface {
             shape: other.shape.clone(),
             ..self.clone()
@@ -127,14 +126,13 @@ impl Surface {
         at_one_place == *other && self.shape.is_alike(&other.shape)
     }
 
-    /// The same surface, whose rotation will change: see
-    /// [`dynamic_rotation`](Surface::dynamic_rotation).
+    /// The same surface, declared as turning: see [`dynamic_rotation`](Surface::dynamic_rotation).
     pub fn turning(mut self) -> Surface {
         self.dynamic_rotation = true;
         self
     }
 
-    /// What holds its solid, in world metres.
+    /// Bounds of its solid, in world metres.
     pub fn bounds(&self) -> Bounds3 {
         let own = self.shape.properties().bounds;
         let turned = if self.has_rotation() {

@@ -19,7 +19,7 @@ use std::time::Duration;
 /// assert_eq!(counts.listener_hits + counts.dead + counts.travelling, 1024);
 /// # Ok::<(), echomarch::Error>(())
 /// ```
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 #[non_exhaustive]
 pub struct Frame {
     /// The sound at the two ears.
@@ -49,8 +49,7 @@ pub struct Milliseconds {
 
 impl Milliseconds {
     /// The median of each part over several frames, each by itself; zeros for none.
-    #[cfg(feature = "experiment")]
-    pub(crate) fn medians(frames: &[Milliseconds]) -> Milliseconds {
+    pub fn medians(frames: &[Milliseconds]) -> Milliseconds {
         let part = |of: fn(&Milliseconds) -> f64| crate::stats::median(frames.iter().map(of));
         Milliseconds {
             initialise: part(|m| m.initialise),

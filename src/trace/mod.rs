@@ -23,8 +23,8 @@ mod tracer;
 mod user_fields;
 mod waves;
 
-#[cfg(any(test, feature = "experiment"))]
-pub(crate) use crate::kernel::Budget;
+#[doc(hidden)]
+pub use crate::kernel::Budget;
 pub use crate::kernel::Directions;
 pub use arrivals::{ArrivalCounts, ArrivalSettings};
 pub(crate) use arrivals::{Followed, Start, WavesToFollow};
@@ -35,20 +35,20 @@ pub use field_trial::{FieldTrial, TrialCommand};
 pub use frame::{Counts, Frame, Milliseconds, Panning};
 #[cfg(feature = "picture")]
 pub(crate) use gpu_scene::GpuScene;
-#[cfg(any(test, feature = "experiment", feature = "demo"))]
-pub(crate) use programs::{Pass, shader_text};
-#[cfg(feature = "demo")]
-pub(crate) use reload::Opening;
+#[doc(hidden)]
+pub use programs::{Pass, shader_text};
+#[doc(hidden)]
+pub use reload::Opening;
 pub use reload::{Reload, Reloading};
 pub use settings::{
     Algorithm, HybridOptions, MAX_ITERATIONS, MAX_WAVES, MarchOptions, Profile, Settings,
     ThesisOptions,
 };
-#[cfg(feature = "experiment")]
-pub(crate) use settings::{MARCHES_PER_PASS, MarchVariant};
+#[doc(hidden)]
+pub use settings::{MARCHES_PER_PASS, MarchVariant};
 pub use tracer::{FrameTexture, HeardPaths, Tracer};
-#[cfg(feature = "walkthrough")]
-pub(crate) use tracer::{HeardSearch, MostKept};
+#[doc(hidden)]
+pub use tracer::{HeardSearch, MostKept};
 pub(crate) use waves::Grid;
 pub use waves::{Fate, Wave};
 #[cfg(test)]

@@ -186,7 +186,6 @@ pub(super) fn structure(scene: &Scene, settings: &Settings) -> Structure {
 
 impl Budget {
     /// The budget of a scene in its current state.
-    #[cfg(any(test, feature = "experiment"))]
     pub fn of(scene: &Scene, settings: &Settings) -> Budget {
         Budget::of_structure(scene, structure(scene, settings), settings)
     }
@@ -200,9 +199,7 @@ impl Budget {
 }
 
 /// A pass over the waves that is drawn with a program of its own.
-#[cfg(any(test, feature = "experiment", feature = "demo"))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[cfg_attr(not(feature = "cli"), allow(dead_code))] // The tracer asks for marches alone.
 pub enum Pass {
     /// The waves at the source.
     Initialise,
@@ -215,7 +212,6 @@ pub enum Pass {
 /// The fragment shader of a pass, as a [`Tracer`](super::Tracer) compiles it after the
 /// driver's own header. Needs no context; the scene should have been
 /// [checked](Scene::check).
-#[cfg(any(test, feature = "experiment", feature = "demo"))]
 pub fn shader_text(scene: &Scene, settings: &Settings, pass: Pass) -> String {
     match pass {
         Pass::Initialise => kernel::initialise_text(settings.directions),

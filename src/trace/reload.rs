@@ -144,13 +144,11 @@ fn begin_trial(
 }
 
 /// A scene that is opened while another one continues: nothing waits for the trial of its fields.
-#[cfg(feature = "demo")]
-pub(crate) struct Opening {
+pub struct Opening {
     reloading: Reloading,
     trial: Option<Trial>,
 }
 
-#[cfg(feature = "demo")]
 impl Opening {
     /// Reads a scene and begins to try its fields, in the tracer's program and in `others`.
     ///

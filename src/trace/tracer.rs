@@ -24,8 +24,8 @@ pub use frames::FrameTexture;
 use frames::FrameUnderWay;
 use glam::Vec3;
 pub use heard_paths::HeardPaths;
-#[cfg(feature = "walkthrough")]
-pub(crate) use heard_paths::{HeardSearch, MostKept};
+#[doc(hidden)]
+pub use heard_paths::{HeardSearch, MostKept};
 use passes::{Targets, check_waves};
 use prepared::{FramePrograms, PreparedFrame, set_direction_uniforms};
 use read_back::{GpuSum, ReadBack};

@@ -76,7 +76,7 @@ const KNOWN: usize = 16;
 
 /// The fields that a context has checked.
 #[derive(Default)]
-pub(crate) struct UserFields {
+pub struct UserFields {
     checked: Vec<Arc<UserField>>,
 }
 

@@ -62,7 +62,7 @@ pub enum Fate {
 
 impl Fate {
     /// The fate that a status encodes; the margin is figure 8's.
-    pub(crate) fn of(status: f32) -> Fate {
+    pub fn of(status: f32) -> Fate {
         match status {
             s if s > -0.1 && s < 0.1 => Fate::Listener,
             s if s.is_nan() || s < -1.5 => Fate::NotFinite,
@@ -73,7 +73,7 @@ impl Fate {
 }
 
 /// One wave, from its start to the end of the last iteration.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Wave {
     /// Unit vector in which it left the source.

@@ -6,11 +6,11 @@ use echomarch::trace::Wave;
 use echomarch::{Profile, Scene, Settings};
 use glam::Vec3;
 
-/// Units in the last place of the largest coordinate by which a ray may be off: what placing
-/// surfaces, flying and meeting cost.
+/// Bound on a ray's offset, in units in the last place of the largest coordinate: the error of
+/// placing surfaces, flying and hitting.
 const ROUNDINGS: f64 = 8.0;
 
-/// Where a wave may end otherwise than its exact twin: the twin of a ray that is this much off.
+/// Offset of a ray that rounding can cause: a wave may also end where a ray this far aside ends.
 fn rounding(scene: &Scene) -> f64 {
     let far = |place: Vec3| f64::from((place - scene.listener.position).abs().max_element());
     let places = scene.surfaces.iter().map(|surface| {
@@ -24,7 +24,7 @@ fn rounding(scene: &Scene) -> f64 {
     ROUNDINGS * f64::from(f32::EPSILON) * largest
 }
 
-/// Traces one flight in each profile and compares it with the exact one.
+/// Traces one flight in each profile and compares it with the exact flight.
 pub fn compare(scene: &Scene, directions: &[Vec3], profiles: &[Profile]) {
     let exact = ExactScene::new(scene).unwrap();
     let start = scene.source.position.as_dvec3();
@@ -52,8 +52,8 @@ pub fn compare(scene: &Scene, directions: &[Vec3], profiles: &[Profile]) {
                 assert!(exact.surface_distance(place) > -off, "{}", context(wave));
                 continue;
             }
-            // It hangs on a rounding, or one is a long way along the surface: then rays beside
-            // it end on either side of it, and the place lies on a surface all the same.
+            // The outcome depends on rounding, or the hit moves far along the surface: rays beside
+            // it then end on either side of it, and the hit still lies on a surface.
             let (one, other) = d.any_orthonormal_pair();
             let aside = [one, -one, other, -other].map(|side| {
                 let twin = exact.trace(start + off * side, d, 1);

@@ -1,41 +1,31 @@
-//! What the integration tests share. A machine without GL fails them: nothing is skipped.
+//! Helpers shared by the integration tests. Without GL the tests fail: they are never skipped.
 #![allow(dead_code)] // Every test file uses its own part of this.
 
-#[cfg(feature = "cli")]
-pub mod cli;
-#[cfg(all(feature = "cli", feature = "demo"))]
-pub mod drop;
 pub mod flights;
 mod random;
 pub mod rays;
-#[cfg(feature = "experiment")]
-pub mod shard;
 mod shared;
-#[cfg(feature = "sofa")]
 pub mod sofa;
 pub mod wav;
-#[cfg(all(feature = "cli", feature = "demo"))]
-pub mod window;
 
 #[allow(unused_imports)] // Every test program uses its own part of this.
 pub use random::Random;
 pub use shared::*;
 
-use echomarch::Scene;
-#[cfg(feature = "experiment")]
-use echomarch::Settings;
+use echomarch::trace::{Algorithm, MarchVariant};
+use echomarch::{Scene, Settings};
 use glam::{Quat, Vec3};
 
-/// The settings of a case of the quick sweep by its label: the worsened ways to march are to be
-/// had from the experiments alone.
-#[cfg(feature = "experiment")]
-pub fn swept(label: &str) -> Settings {
-    let mut cases = echomarch::experiment::accuracy::quick().into_iter();
-    let case = cases.find(|case| case.label == label);
-    case.unwrap_or_else(|| panic!("no case {label}")).settings
+/// March with a degraded variant, which only the experiments use.
+pub fn marched(change: impl FnOnce(&mut MarchVariant)) -> Settings {
+    let mut settings = Settings::march();
+    if let Algorithm::March(options) = &mut settings.algorithm {
+        change(&mut options.variant);
+    }
+    settings
 }
 
-/// The scene in a mirror: left is right.
+/// The scene mirrored left to right.
 pub fn mirrored(scene: &Scene) -> Scene {
     let mirror = |v: Vec3| v * Vec3::new(-1.0, 1.0, 1.0);
     let mut mirrored = scene.clone();

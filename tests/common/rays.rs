@@ -7,26 +7,26 @@ use super::Random;
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// Metres a second.
+/// Metres per second.
 pub const SPEED: f64 = 343.0;
 
-/// Bins of time in seconds.
+/// Width of a time bin in seconds.
 const BIN_S: f64 = 1e-4;
 
-/// Batches that errors come from.
+/// Number of batches from which errors are estimated.
 const BATCHES: usize = 16;
 
-/// Energy of a ray below which it ends.
+/// Energy below which a ray ends.
 const LEAST_ENERGY: f64 = 1e-7;
 
-/// What a surface absorbs and scatters, 0 … 1.
+/// Absorption and scattering of a surface, each 0 … 1.
 #[derive(Clone, Copy, Debug)]
 pub struct Wall {
     pub absorption: f64,
     pub scattering: f64,
 }
 
-/// A hollow room around the origin, with solid boxes in it, each given by its middle and size in metres.
+/// A hollow room around the origin with solid boxes in it, each given by its centre and size in metres.
 #[derive(Clone, Debug)]
 pub struct RoomWithBoxes {
     pub size: DVec3,
@@ -37,19 +37,19 @@ pub struct RoomWithBoxes {
     pub radius: f64,
 }
 
-/// A figure and one standard deviation of it.
+/// A figure and its standard deviation.
 pub type Estimate = (f64, f64);
 
 /// G, C50 and C80 in decibels, Ts in seconds.
 pub type Sums = [Estimate; 4];
 
-/// What the rays brought, by batch and bin.
+/// Energy that the rays bring, by batch and bin.
 pub struct Echoes {
     batches: Vec<Vec<f64>>,
 }
 
 impl RoomWithBoxes {
-    /// Whether a place is in a solid.
+    /// Whether a place is inside a solid.
     pub fn is_solid(&self, place: DVec3) -> bool {
         let inside = |middle: DVec3, size: DVec3| (place - middle).abs().cmplt(0.5 * size).all();
         let in_box = self
@@ -59,7 +59,7 @@ impl RoomWithBoxes {
         in_box || !inside(DVec3::ZERO, self.size)
     }
 
-    /// Follows rays for so many seconds.
+    /// Follows `rays` rays for `seconds` seconds.
     pub fn echoes(&self, rays: usize, seconds: f64, seed: u64) -> Echoes {
         let mut random = Random(seed);
         let open = self.open_volume(&mut random);
@@ -117,7 +117,7 @@ impl RoomWithBoxes {
         }
     }
 
-    /// How far a ray flies, the normal there, and what it meets.
+    /// Length of the flight to the next hit, the normal there, and the surface hit.
     fn hit(&self, place: DVec3, direction: DVec3) -> (f64, DVec3, Wall) {
         let half = 0.5 * self.size;
         let mut nearest = (f64::INFINITY, DVec3::ZERO, self.walls);
@@ -155,7 +155,7 @@ impl RoomWithBoxes {
 }
 
 impl Echoes {
-    /// The sums with times from `origin_s` seconds on, and their errors by the jackknife over batches.
+    /// The sums with times counted from `origin_s` seconds, and their errors by the jackknife over batches.
     pub fn sums(&self, origin_s: f64) -> Sums {
         let without = |left_out: Option<usize>| {
             let kept = (0..BATCHES).filter(|batch| Some(*batch) != left_out);

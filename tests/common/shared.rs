@@ -1,4 +1,4 @@
-//! What the library's unit tests share with the integration tests.
+//! Helpers shared by the library's unit tests and the integration tests.
 #![allow(dead_code)] // Every test program uses its own part of this.
 
 use echomarch::gpu::{Api, Context, ContextOptions};
@@ -40,7 +40,7 @@ pub fn thesis(waves: u32, iterations: u32) -> Settings {
         .with_iterations(iterations)
 }
 
-/// A scene that a test needs and that must be there.
+/// A built-in scene; panics if it is missing.
 pub fn builtin(name: &str) -> Scene {
     Scene::builtin(name).unwrap()
 }

@@ -3,7 +3,7 @@
 use hdf5_pure::{AttrValue, FileBuilder};
 use std::collections::BTreeMap;
 
-/// A variable: its numbers, its shape, its attributes.
+/// A variable with its numbers, shape and attributes.
 #[derive(Clone)]
 pub struct Variable {
     pub numbers: Vec<f64>,
@@ -26,7 +26,7 @@ impl Variable {
     }
 }
 
-/// What is in a SOFA file.
+/// The contents of a SOFA file.
 #[derive(Clone)]
 pub struct SofaFile {
     pub globals: BTreeMap<&'static str, &'static str>,
@@ -34,8 +34,8 @@ pub struct SofaFile {
 }
 
 impl SofaFile {
-    /// A file of the convention SimpleFreeFieldHRIR: of each direction azimuth and elevation in
-    /// degrees, and the samples of both ears.
+    /// A file of the convention SimpleFreeFieldHRIR: for each direction, azimuth and elevation in
+    /// degrees and the samples of both ears.
     pub fn new(rate_hz: f64, measured: &[([f64; 2], [Vec<f64>; 2])]) -> SofaFile {
         let samples = measured.first().map_or(0, |(_, ears)| ears[0].len());
         let rows = measured.len() as u64;
@@ -80,8 +80,8 @@ impl SofaFile {
         }
     }
 
-    /// A head with a response for each of 26 directions: an impulse in each ear, louder and
-    /// earlier on its side.
+    /// A head with a response for each of 26 directions: an impulse in each ear, louder and earlier
+    /// on the side of the source.
     pub fn simple() -> SofaFile {
         let mut measured = vec![([0.0, 90.0], [impulse(24.0), impulse(24.0)])];
         for elevation in [-45.0_f64, 0.0, 45.0] {
@@ -126,7 +126,7 @@ impl SofaFile {
     }
 }
 
-/// 64 samples with an impulse at a whole one, the louder the earlier.
+/// 64 samples with an impulse at a whole sample, louder the earlier it is.
 fn impulse(place: f64) -> Vec<f64> {
     let mut samples = vec![0.0; 64];
     samples[place.round() as usize] = 1.0 - place / 64.0;

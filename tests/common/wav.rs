@@ -1,4 +1,4 @@
-//! WAV files, byte by byte, and what is in them.
+//! WAV files, byte by byte, and their contents.
 
 use std::path::Path;
 
@@ -19,14 +19,14 @@ pub fn wav_header(tag: u16, rate: u32, bits: u16, data_bytes: u32) -> Vec<u8> {
     file
 }
 
-/// A mono file of these samples, 44,100 of them a second.
+/// A mono file of these samples at 44,100 Hz.
 pub fn float_wav(samples: &[f32]) -> Vec<u8> {
     let mut file = wav_header(3, 44_100, 32, 4 * samples.len() as u32);
     file.extend(samples.iter().flat_map(|sample| sample.to_le_bytes()));
     file
 }
 
-/// Left and right of a file that the program wrote: 48 kHz, floats.
+/// Left and right channel of a file written by the program: 48 kHz, floats.
 pub fn read_stereo(path: &Path) -> [Vec<f32>; 2] {
     let reader = hound::WavReader::open(path).unwrap();
     let spec = reader.spec();
@@ -38,7 +38,7 @@ pub fn read_stereo(path: &Path) -> [Vec<f32>; 2] {
     [channel(0), channel(1)]
 }
 
-/// The root of the mean square.
+/// The root mean square.
 pub fn rms(samples: &[f32]) -> f64 {
     let squares = samples.iter().map(|&s| f64::from(s).powi(2));
     (squares.sum::<f64>() / samples.len() as f64).sqrt()

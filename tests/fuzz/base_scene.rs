@@ -1,4 +1,4 @@
-//! Scenes that others are based on: each is read through two that lie beside it.
+//! Scenes with a base: each input is read through two scenes in the same folder.
 
 use super::Target;
 use super::scratch::with_file;
@@ -70,7 +70,7 @@ pub fn target() -> Target {
     }
 }
 
-/// Reads what is based on a file.
+/// Reads scenes based on the file.
 pub fn one(data: &[u8]) {
     let field = b"float field(vec3 p) { return length(p) - 1.0; }";
     with_file("f.glsl", field, |_| ());

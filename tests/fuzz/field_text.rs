@@ -1,4 +1,4 @@
-//! Fields' texts: what is read of them before a driver is asked.
+//! Texts of fields: what is read from them before a driver sees them.
 
 use super::Target;
 use echomarch::scene::UserField;
@@ -66,7 +66,7 @@ const TOKENS: &[&str] = &[
     "\u{0}",
 ];
 
-/// What the driver runs.
+/// The target of the driver.
 pub fn target() -> Target {
     let texts = [
         include_str!("../../examples/scenes/menger.glsl"),
@@ -86,7 +86,7 @@ pub fn target() -> Target {
     }
 }
 
-/// Reads a text; what is taken of it is taken again as it was written.
+/// Reads a text; an accepted text is accepted again as it was written.
 pub fn one(data: &[u8]) {
     let text = String::from_utf8_lossy(data).into_owned();
     let lines = 2 * text.len() as u32 + 1;

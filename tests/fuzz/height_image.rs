@@ -18,7 +18,7 @@ fn png(colour: ExtendedColorType, bytes_a_pixel: usize) -> Vec<u8> {
     file
 }
 
-/// A PNG of raw chunks; their check sums are left to [`with_sums`].
+/// A PNG of raw chunks; [`with_sums`] fills in their checksums.
 fn chunks(chunks: &[(&[u8; 4], &[u8])]) -> Vec<u8> {
     let mut file = b"\x89PNG\r\n\x1a\n".to_vec();
     for (name, data) in chunks {
@@ -30,7 +30,7 @@ fn chunks(chunks: &[(&[u8; 4], &[u8])]) -> Vec<u8> {
     file
 }
 
-/// 2 by 2 pixels with a palette of two colours: stored, uncompressed.
+/// 2 by 2 pixels with a palette of two colours, stored uncompressed.
 fn with_palette() -> Vec<u8> {
     let rows = [0, 0, 1, 0, 1, 0];
     let mut stored = vec![0x78, 0x01, 0x01, 6, 0, !6, 0xff];
@@ -52,8 +52,8 @@ fn with_palette() -> Vec<u8> {
     ]))
 }
 
-/// The same chunks with right check sums, so that what is in them is read. What follows the
-/// last whole chunk stays as it is.
+/// The same chunks with correct checksums, so that their contents are read. Bytes after the last
+/// whole chunk stay unchanged.
 fn with_sums(mut file: Vec<u8>) -> Vec<u8> {
     let mut at = 8;
     while let Some(head) = file.get(at..at + 4) {
@@ -72,7 +72,7 @@ fn with_sums(mut file: Vec<u8>) -> Vec<u8> {
     file
 }
 
-/// CRC-32 as of PNG.
+/// CRC-32 as defined by PNG.
 fn crc(bytes: &[u8]) -> u32 {
     let mut sum = u32::MAX;
     for byte in bytes {
@@ -85,7 +85,7 @@ fn crc(bytes: &[u8]) -> u32 {
     !sum
 }
 
-/// What the driver runs.
+/// The target of the driver.
 pub fn target() -> Target {
     Target {
         name: "height_image",
@@ -104,7 +104,7 @@ pub fn target() -> Target {
     }
 }
 
-/// Reads a height image as it is, and with its check sums put right.
+/// Reads a height image as it is, and with corrected checksums.
 pub fn one(data: &[u8]) {
     for data in [data.to_vec(), with_sums(data.to_vec())] {
         with_file("heights.png", &data, |path| {

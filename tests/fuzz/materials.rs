@@ -1,4 +1,4 @@
-//! Tables of materials, in scenes and in scenes that are based on others.
+//! Tables of materials, in scenes and in scenes with a base.
 
 use super::Target;
 use super::scratch::with_file;
@@ -53,7 +53,7 @@ pub fn target() -> Target {
     }
 }
 
-/// Reads a scene with materials: what is taken has shares from 0 to 1.
+/// Reads a scene with materials: accepted shares are from 0 to 1.
 pub fn one(data: &[u8]) {
     with_file("scene.ron", data, |path| match Scene::from_file(path) {
         Err(error) => assert!(!error.to_string().is_empty()),

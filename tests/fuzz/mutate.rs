@@ -1,11 +1,11 @@
-//! Spoils valid files, the same way for the same seed and number.
+//! Corrupts valid files, always in the same way for the same seed and number.
 
 use super::random::Random;
 
-/// The most bytes that a spoilt file has.
+/// Maximum length of a corrupted file in bytes.
 const LONGEST: usize = 1 << 16;
 
-/// Numbers that formats and shapes have trouble with.
+/// Numbers that are difficult for formats and shapes.
 const NUMBERS: [&str; 22] = [
     "0",
     "-0",
@@ -31,20 +31,20 @@ const NUMBERS: [&str; 22] = [
     "18446744073709551616",
 ];
 
-/// Draws numbers and spoils files with them.
+/// Draws numbers and corrupts files with them.
 pub struct Mutator {
     random: Random,
 }
 
 impl Mutator {
-    /// For the input `index` of a seed.
+    /// The generator of the input `index` of a seed.
     pub fn new(seed: u64, index: u64) -> Mutator {
         let mut random = Random(seed.wrapping_mul(0xd134_2543_de82_ef95) ^ index);
         random.bits();
         Mutator { random }
     }
 
-    /// From 0 to below `end`; 0 if that is 0.
+    /// A number from 0 to below `end`; 0 if that is 0.
     fn below(&mut self, end: usize) -> usize {
         (self.random.bits() % end.max(1) as u64) as usize
     }
@@ -53,7 +53,7 @@ impl Mutator {
         of.get(self.below(of.len())).copied()
     }
 
-    /// A file of the corpus, spoilt in one to eight places.
+    /// A file of the corpus, corrupted in one to eight places.
     pub fn spoilt(&mut self, corpus: &[Vec<u8>], tokens: &[&str]) -> Vec<u8> {
         let mut data = corpus[self.below(corpus.len())].clone();
         for _ in 0..1 + self.below(8) {
@@ -125,7 +125,7 @@ impl Mutator {
         data.splice(into, other[from].iter().copied());
     }
 
-    /// A binary number at the border of its type.
+    /// Writes a binary number at the limit of its type.
     fn extreme_integer(&mut self, data: &mut [u8]) {
         const BORDERS: [u32; 8] = [0, 1, 0x7f, 0xff, 0x7fff, 0xffff, 0x7fff_ffff, 0xffff_ffff];
         let value = BORDERS[self.below(BORDERS.len())];
@@ -158,7 +158,7 @@ impl Mutator {
         }
     }
 
-    /// The first run of such bytes behind a drawn place.
+    /// The first run of such bytes after a drawn place.
     fn run(&mut self, data: &[u8], is_in: fn(u8) -> bool) -> Option<std::ops::Range<usize>> {
         let from = self.below(data.len());
         let start = from + data[from..].iter().position(|byte| is_in(*byte))?;

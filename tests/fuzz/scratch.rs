@@ -1,4 +1,4 @@
-//! A file to be read: each thread has its own.
+//! A file to read: each thread has its own.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! SOFA files: small ones of several kinds, and such as are spoilt.
+//! SOFA files: small ones of several kinds, and corrupted ones.
 
 use super::Target;
 use super::scratch::with_file;
@@ -6,7 +6,7 @@ use super::sofa_file::{SofaFile, Variable};
 use echomarch::acoustics::hrir::HrirSet;
 use glam::DVec3;
 
-/// What the driver runs.
+/// The target of the driver.
 pub fn target() -> Target {
     let ears = || [vec![0.0, 1.0, 0.5, 0.25], vec![0.0, 0.0, 0.5, 0.25]];
     let three = SofaFile::new(

@@ -1,10 +1,10 @@
-//! Sounds: WAV files of every kind that is read, and of some that are not.
+//! Sounds: WAV files of every supported kind, and of some unsupported kinds.
 
 use super::Target;
 use super::scratch::with_file;
 use echomarch::audio::{SAMPLE_RATE, Sound, SoundSpec};
 
-/// What follows the chunk's own sixteen bytes in `fmt ` of the extensible kind.
+/// The rest of a `fmt ` chunk of the extensible kind, after its first sixteen bytes.
 const EXTENSIBLE_FLOAT: [u8; 24] = [
     22, 0, 32, 0, 3, 0, 0, 0, 3, 0, 0, 0, 0, 0, 0x10, 0, 0x80, 0, 0, 0xaa, 0, 0x38, 0x9b, 0x71,
 ];
@@ -33,7 +33,7 @@ fn wav(tag: u16, channels: u16, rate: u32, bits: u16, frames: u32, more: &[u8]) 
     file
 }
 
-/// What the driver runs.
+/// The target of the driver.
 pub fn target() -> Target {
     Target {
         name: "wav",

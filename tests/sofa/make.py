@@ -4,7 +4,7 @@ import h5py
 import numpy as np
 
 POSITIONS = [[0, 0, 1.5], [90, 0, 1.5], [0, 90, 1.5]]
-# A click in each ear: of measurement m and ear e at sample m + e, of height 0.25 (m + 1).
+# A click in each ear: at sample m + e, of height 0.25 (m + 1), for measurement m and ear e.
 RESPONSES = np.zeros((3, 2, 8), np.float32)
 for m in range(3):
     for e in range(2):
@@ -39,6 +39,6 @@ write("v112-gzip.sofa", ("v112", "v112"), SUMS)
 write("v112-endless.sofa", ("v112", "v112"), SUMS, 1)
 write("latest-whole.sofa", ("latest", "latest"), {})
 write("latest-chunked.sofa", ("latest", "latest"), PIECES)
-# Not read: the layout of HDF5 2.0, and a tree of pieces.
+# Unsupported: the layout of HDF5 2.0, and a tree of chunks.
 write("latest-gzip.sofa", ("latest", "latest"), SUMS)
 write("v112-endless-twice.sofa", ("v112", "v112"), SUMS, 2)

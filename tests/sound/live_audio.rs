@@ -1,5 +1,4 @@
-//! The callback of live output, driven without a device: nothing allocated, no clicks, levels and
-//! channels right.
+//! The callback of live output, driven without a device: no allocations, no clicks, correct levels and channels.
 
 use crate::common::tracer;
 use crate::measures::{largest_step, rms};
@@ -13,7 +12,7 @@ use echomarch::auralisation::{Heard, Player, Spec};
 use echomarch::response::{Response, ResponseSettings};
 use tempfile::TempDir;
 
-/// Aborts the test when anything is allocated or freed within `assert_no_alloc`.
+/// Aborts the test on any allocation or deallocation within `assert_no_alloc`.
 #[global_allocator]
 static ALLOCATOR: AllocDisabler = AllocDisabler;
 
@@ -21,7 +20,7 @@ fn sound(text: &str) -> Sound {
     Sound::parse(text, SAMPLE_RATE).unwrap()
 }
 
-/// A WAV file of these samples; its path.
+/// Writes a WAV file of these samples and returns its path.
 fn wav(folder: &TempDir, samples: impl Iterator<Item = f32>) -> String {
     let path = folder.path().join("clip.wav");
     let spec = hound::WavSpec {
@@ -42,7 +41,7 @@ fn renderer(text: &str) -> (Renderer, Remote) {
     Renderer::new(Some(sound(text)), SAMPLE_RATE, PanningLaw::Linear)
 }
 
-/// Blocks as a device asks for them, together a whole number of them.
+/// Renders `frames` frames in blocks as a device requests them.
 fn render(renderer: &mut Renderer, frames: usize) -> Vec<f32> {
     let mut out = vec![f32::NAN; 2 * frames];
     for block in out.chunks_mut(2 * 441) {
@@ -79,12 +78,12 @@ fn the_callback_allocates_nothing_while_everything_changes() {
     assert!(freed > 500, "{freed}");
 }
 
-/// Protects the callback as a stream has it, a clip that starts over and a recording: nothing of
-/// it allocates either, and what is played is what is written.
+/// Protects the callback as a stream runs it, with a clip that loops and a recording: it allocates nothing, and the
+/// recording holds what is played.
 #[test]
 fn a_stream_with_a_clip_and_a_recording_allocates_nothing() {
     let folder = TempDir::new().unwrap();
-    // It ends elsewhere than it starts, and starts over within a few blocks.
+    // Its end does not fit its start, and it loops within a few blocks.
     let clip = wav(&folder, (0..3000).map(|i| i as f32 / 3000.0));
     let (renderer, mut remote) = renderer("sine:440");
     let mut play = probe::player::<f32>(renderer, &remote, 2);
@@ -104,16 +103,16 @@ fn a_stream_with_a_clip_and_a_recording_allocates_nothing() {
         let mut reader = hound::WavReader::open(&file).unwrap();
         let written: Vec<f32> = reader.samples().map(Result::unwrap).collect();
         assert!(written == played, "round {round}");
-        // The callback hands back the tap of a recording that is over.
+        // The callback hands back the tap of a finished recording.
         assert_no_alloc(|| play(&mut block));
         assert!(remote.collect() >= 2);
     }
     assert!(remote.levels() != [0.0, 0.0]);
 }
 
-/// Protects the callback while several sources are heard in full: what is told of them, late parts that fade, and the
-/// change from the balance and back allocate nothing; loud sound stays within full scale, nothing clicks, and what is
-/// not needed any more is handed back.
+/// Protects the callback while several sources are heard in full: updates, fading late parts, and the change from the
+/// balance and back allocate nothing; loud sound stays within full scale, nothing clicks, and unused objects are handed
+/// back.
 #[test]
 fn the_callback_plays_sources_in_full_and_allocates_nothing() {
     let scene = Scene::builtin("shoebox").unwrap();
@@ -147,7 +146,7 @@ fn the_callback_plays_sources_in_full_and_allocates_nothing() {
     let left = channel(&played, 0);
     let loud = |from: usize| left[from..].iter().take(9600).any(|s| s.abs() > 0.05);
     assert!(loud(48_000) && loud(160_000));
-    // A sine of 500 Hz at full scale takes steps of 0.065; all that is heard is within full scale.
+    // A sine of 500 Hz at full scale has steps of 0.065; the whole output is within full scale.
     let step = largest_step(&left);
     assert!(step < 0.1, "a step of {step}");
 }
@@ -166,7 +165,7 @@ fn it_rises_from_silence_to_what_the_mixer_would_give() {
     }
 }
 
-/// A step may be as large as the sine's own and what 20 ms of glide add, and no larger.
+/// A step may be at most the sine's own step plus that of a 20 ms glide.
 #[test]
 fn gains_that_jump_do_not_click() {
     let (mut renderer, remote) = renderer("sine:100");
@@ -179,7 +178,7 @@ fn gains_that_jump_do_not_click() {
     ] {
         remote.set_panning(left, right);
         remote.set_volume(volume);
-        // A jump in the middle of the glide before it.
+        // A jump in the middle of the previous glide.
         out.extend(render(&mut renderer, 300));
         remote.set_law(PanningLaw::ConstantPower);
         out.extend(render(&mut renderer, 4800));
@@ -190,7 +189,7 @@ fn gains_that_jump_do_not_click() {
         let step = largest_step(&channel(&out, which));
         println!("largest step {step:.5}, allowed {:.5}", own + glide);
         assert!(step <= own + glide + 1e-6);
-        assert!(step > own * 0.9, "the sine is to be heard");
+        assert!(step > own * 0.9, "the sine must be audible");
     }
 }
 
@@ -200,7 +199,7 @@ fn sounds_that_change_do_not_click() {
     remote.set_panning(1.0, 0.0);
     let mut out = render(&mut renderer, 5000);
     for text in ["sine:150", "sine:90", "sine:120"] {
-        // Two at once: the second waits until the first has been faded to.
+        // Two at once: the second waits until the fade to the first has ended.
         assert!(remote.set_sound(sound("sine:60"), SAMPLE_RATE));
         assert!(remote.set_sound(sound(text), SAMPLE_RATE));
         out.extend(render(&mut renderer, 5123));
@@ -211,7 +210,7 @@ fn sounds_that_change_do_not_click() {
     let step = largest_step(&channel(&out, 0));
     println!("largest step {step:.5}, allowed {:.5}", own + fade);
     assert!(step <= own + fade + 1e-6);
-    // At its end the last sound is played, from its own start.
+    // At the end the last sound plays, from its own start.
     let mut last = vec![0.0; 5123];
     sound("sine:120").fill(&mut last);
     let tail = channel(&out[out.len() - 2000..], 0);
@@ -221,14 +220,14 @@ fn sounds_that_change_do_not_click() {
     assert!(found);
 }
 
-/// Protects the first sound from clicking: it rises from the silence that was there before.
+/// Protects the first sound from clicking: it rises from the silence before it.
 #[test]
 fn a_sound_where_there_was_none_does_not_click() {
     let (mut renderer, mut remote) = Renderer::new(None, SAMPLE_RATE, PanningLaw::Linear);
     remote.set_panning(1.0, 0.0);
     assert!(render(&mut renderer, 4800).iter().all(|&s| s == 0.0));
     let mut late = sound("sine:100");
-    // A quarter of a period: it starts with its peak.
+    // A quarter of a period: it starts at its peak.
     late.seek(120);
     assert!(remote.set_sound(late, SAMPLE_RATE));
     let step = largest_step(&channel(&render(&mut renderer, 4800), 0));
@@ -236,7 +235,7 @@ fn a_sound_where_there_was_none_does_not_click() {
     let fade = SINE_AMPLITUDE / (SAMPLE_RATE as f32 / 50.0);
     println!("largest step {step:.5}, allowed {:.5}", own + fade);
     assert!(step <= own + fade + 1e-6);
-    assert!(step > own * 0.9, "the sine is to be heard");
+    assert!(step > own * 0.9, "the sine must be audible");
 }
 
 #[test]

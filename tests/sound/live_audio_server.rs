@@ -1,6 +1,5 @@
-//! Live output through a real sound system: a PulseAudio server with a null sink, whose monitor is
-//! recorded. The player is this program itself, started once more with the server in its
-//! environment.
+//! Live output through a real sound system: a PulseAudio server with a null sink whose monitor is recorded. The player
+//! is this program itself, started again with the server in its environment.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -13,7 +12,7 @@ use crate::sound_server::{SINK, Server, wait_for};
 use echomarch::audio::{NOISE_AMPLITUDE, SAMPLE_RATE, SINE_AMPLITUDE, Sound};
 use tempfile::TempDir;
 
-/// The player's half of each test; nothing when it is not started by one.
+/// The player's part of each test; does nothing unless a test starts it.
 #[test]
 fn player() {
     play();
@@ -31,8 +30,8 @@ static NOISE: LazyLock<Vec<f32>> = LazyLock::new(|| {
     samples
 });
 
-/// Protects the panning on its way to the ear: places and a sweep are heard in their order, each as loud on either side
-/// as it says; and the recording, which is what was heard.
+/// Protects the panning up to the sound system's output: places and a sweep are heard in order, with the set level on
+/// either side; and the recording, which equals what was heard.
 #[test]
 fn the_levels_follow_the_panning_from_left_to_right() {
     const ATTEMPTS: u32 = 5;
@@ -65,15 +64,15 @@ fn sweep_is_heard() -> bool {
     let compared = Heard::new(&heard, 50).follow(&places);
     println!("{compared:?}");
     assert_eq!(compared.wrong, 0, "{compared:?}");
-    // But for the sweep the gains stand still most of the time.
+    // Except in the sweep, the gains stand still most of the time.
     assert!(3 * compared.moving < 2 * compared.windows, "{compared:?}");
     let is_enough = compared.windows > 60 && compared.left_out < compared.windows;
     let is_whole = line.contains("dropped 0");
     is_enough && is_whole && recording_is_what_was_heard(&file, &heard, &line)
 }
 
-/// The file stands in the monitor bit for bit, one piece of 10 ms after the other, but for those in gaps that a busy
-/// machine left. False if less than half of it was heard.
+/// The file equals the monitor bit for bit, in consecutive pieces of 10 ms, except for pieces in gaps of a busy
+/// machine. False if less than half of it was heard.
 fn recording_is_what_was_heard(file: &Path, heard: &[f32], line: &str) -> bool {
     const PIECE: usize = 960;
     let mut reader = hound::WavReader::open(file).unwrap();
@@ -91,13 +90,13 @@ fn recording_is_what_was_heard(file: &Path, heard: &[f32], line: &str) -> bool {
             place = at + PIECE;
         }
     }
-    println!("{found} of {count} pieces bit for bit, in their order");
+    println!("{found} of {count} pieces equal bit for bit, in order");
     2 * found > count
 }
 
-/// Protects the end of a stream: what is under way is heard until it has faded, so that neither
-/// another device nor the end clicks. On a busy machine the server or the recorder may lose samples
-/// now and then, which nothing tells from a click; a click of the program's own comes in every run.
+/// Protects the end of a stream: audible sound fades out, so that neither a change of device nor the end clicks. On a
+/// busy machine the server or the recorder may sometimes lose samples, which cannot be distinguished from a click; a
+/// click of the program's own occurs in every run.
 #[test]
 fn a_stream_that_is_closed_does_not_click() {
     const RUNS: usize = 4;
@@ -111,18 +110,17 @@ fn a_stream_that_is_closed_does_not_click() {
     panic!("in each of {RUNS} runs: {found:#?}");
 }
 
-/// Opens and closes streams, and listens to what the server plays: the step that clicks, if there
-/// is one.
+/// Opens and closes streams, and listens to what the server plays; returns the step that clicks, if there is one.
 fn closed_streams() -> Result<(), String> {
     let server = Server::start();
     let recorder = server.record(SINK, 48_000, 2);
     let file = server.folder.path().join("heard.wav");
     let player = Player::start(server.command(this_program()), "close", &file);
-    // A machine that is busy may leave gaps, which are told from clicks below.
+    // A busy machine may leave gaps; the check below distinguishes them from clicks.
     player.wait_for(&["late callbacks "]);
     player.finish();
     let left: Vec<f32> = recorder.stop().iter().step_by(2).copied().collect();
-    // The sine's own step, and what a glide of 20 ms adds to it.
+    // The sine's own step, and the step that a 20 ms glide adds.
     let own = SINE_AMPLITUDE * 100.0 * std::f32::consts::TAU / 48_000.0;
     let allowed = own + SINE_AMPLITUDE / 960.0;
     let (mut rises, mut is_silent, mut largest) = (0, true, 0.0f32);
@@ -150,11 +148,10 @@ fn closed_streams() -> Result<(), String> {
     is_right.then_some(()).ok_or(told)
 }
 
-/// How many samples of silence a gap of a busy machine has that begins after `at`: the sound breaks
-/// off at its full level, and goes on at once at its full level, where a stream that is closed fades
-/// before it, and one that is opened rises from silence.
+/// Length in samples of a busy machine's gap that begins after `at`: the sound breaks off and continues at its full
+/// level, whereas a closed stream fades out before its silence, and an opened one rises from silence.
 fn end_of_gap(samples: &[f32], at: usize, allowed: f32) -> Option<usize> {
-    // Half a period of the sine: its peak is in it. A fade of 20 ms has a quarter of it left there.
+    // Half a period of the sine contains its peak. A fade of 20 ms still has a quarter of it there.
     const HALF_A_PERIOD: usize = 240;
     let is_full = |samples: &[f32]| samples.iter().any(|s| s.abs() > SINE_AMPLITUDE / 2.0);
     let before = &samples[at.saturating_sub(HALF_A_PERIOD)..=at];
@@ -163,7 +160,7 @@ fn end_of_gap(samples: &[f32], at: usize, allowed: f32) -> Option<usize> {
     }
     let silent = samples[at + 1..].iter().take_while(|&&s| s == 0.0).count();
     let after = &samples[at + silent + 1..];
-    // It may go on near a zero of the sine, or with a fade.
+    // It may continue near a zero of the sine, or with a fade.
     let goes_on = after.first().is_some_and(|next| next.abs() > allowed)
         || is_full(&after[..after.len().min(HALF_A_PERIOD)]);
     goes_on.then_some(silent)
@@ -189,7 +186,7 @@ fn a_server_that_dies_is_waited_for_and_the_sound_goes_on_where_it_was() {
     });
     player.finish();
 
-    // In the file, sample n is the noise's sample n + shift, before and after the gap.
+    // Sample n of the file is sample n + shift of the noise, before and after the gap.
     let mut reader = hound::WavReader::open(&file).unwrap();
     let left: Vec<f32> = reader.samples().step_by(2).map(Result::unwrap).collect();
     let shift = shift_of(&left[2400..2500], 2400).expect("noise before the gap");
@@ -197,7 +194,7 @@ fn a_server_that_dies_is_waited_for_and_the_sound_goes_on_where_it_was() {
     assert_eq!(shift_of(&left[end..end + 100], end), Some(shift));
 }
 
-/// How many samples the noise at `at` in the file lies further on in the sound.
+/// By how many samples the noise at `at` in the file is further on in the sound.
 fn shift_of(piece: &[f32], at: usize) -> Option<usize> {
     let fits = |start: &usize| {
         let noise = &NOISE[*start..*start + piece.len()];
@@ -239,7 +236,7 @@ fn a_server_that_hangs_is_given_up_and_found_again() {
     player.wait_for_sound_after(0);
     server.signal("STOP");
     player.wait_for(&["device None", "heard false", "has taken no sound for 1.0 s"]);
-    // However often it is asked, no more threads wait for it, nor connections.
+    // Repeated queries start no further threads or connections.
     player.wait_for(&["device None", "has not answered for 5 s"]);
     let threads = player.threads();
     pause(8.0);
@@ -247,7 +244,7 @@ fn a_server_that_hangs_is_given_up_and_found_again() {
     server.signal("CONT");
     player.wait_for_sound_after(1);
     let clients = server.pactl(&["list", "short", "clients"]);
-    // The player's, and perhaps the one that asks.
+    // The player's, and perhaps that of the query.
     assert!(clients.lines().count() <= 2, "{clients}");
     player.finish();
 }
@@ -260,7 +257,7 @@ fn devices_are_listed_and_changed() {
     let file = server.folder.path().join("heard.wav");
     let player = Player::start(server.command(this_program()), "devices", &file);
     player.finish();
-    // The server mixes left and right to the one channel: half of what is on the left.
+    // The server mixes left and right to one channel: half of the left signal.
     let full = f64::from(NOISE_AMPLITUDE) / 3f64.sqrt();
     let loudest = recorder
         .stop()
@@ -270,8 +267,8 @@ fn devices_are_listed_and_changed() {
     assert!((loudest - 0.5).abs() < 0.05, "{loudest}");
 }
 
-/// Protects recordings from the rate of a device that comes later, and from one that ended by
-/// itself: each says what it holds, and makes room for the next.
+/// Protects recordings from the rate of a device that opens later, and from one that ended by itself: each states its
+/// contents, and the next can start.
 #[test]
 fn a_recording_follows_the_first_device_and_one_that_ended_is_followed_by_another() {
     let server = Server::start();
@@ -288,8 +285,7 @@ fn a_recording_follows_the_first_device_and_one_that_ended_is_followed_by_anothe
     }
 }
 
-/// Protects from sounds that pile up while there is no device: of all that were chosen the last
-/// is heard, from its start.
+/// Protects from sounds that pile up without a device: only the last of those chosen is heard, from its start.
 #[test]
 fn of_sounds_that_were_chosen_without_a_device_the_last_is_heard() {
     let server = Server::start();
@@ -298,8 +294,8 @@ fn of_sounds_that_were_chosen_without_a_device_the_last_is_heard() {
     player.finish();
     let mut reader = hound::WavReader::open(&file).unwrap();
     let left: Vec<f32> = reader.samples().step_by(2).map(Result::unwrap).collect();
-    // 20 ms after the beginning the gains have risen, later only where a busy machine lost the device
-    // at once: from then on it is noise.
+    // The gains have risen 20 ms after the beginning, later only if a busy machine lost the device at once: from then
+    // on it is noise.
     let places = (960..left.len() - 100).step_by(480);
     let mut shifts = places.filter_map(|at| shift_of(&left[at..at + 100], at));
     let shift = shifts.next().expect("noise");

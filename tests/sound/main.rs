@@ -12,8 +12,6 @@ mod live_player;
 #[cfg(feature = "audio")]
 mod sound_server;
 
-#[cfg(all(feature = "cli", feature = "demo", feature = "audio"))]
-mod demo_sound;
 mod measures;
 mod panning;
 mod sounds;

@@ -1,4 +1,5 @@
 //! Measures of samples.
+#![allow(dead_code)] // Every test program uses its own part of this.
 
 /// The largest difference between a sample and the next.
 pub fn largest_step(samples: &[f32]) -> f32 {

@@ -36,7 +36,7 @@ proptest! {
         prop_assert!((0.0..=1.0).contains(&left) && (0.0..=1.0).contains(&right));
     }
 
-    /// A constant sound shows the gains themselves: no step may exceed the block's own slope.
+    /// A constant sound shows the gains directly: no step may exceed the block's own slope.
     #[test]
     fn gains_glide_without_a_step(
         law in any_law(),
@@ -139,7 +139,7 @@ fn sweep(law: PanningLaw) {
     let (left, right) = (channel(0), channel(1));
     assert!(largest_step(&left) <= allowed, "{law}");
     assert!(largest_step(&right) <= allowed, "{law}");
-    // Levels over tenths of a second, each of which holds 44 whole periods.
+    // Levels over tenths of a second, each of which contains 44 whole periods.
     let levels = |samples: &[f32]| -> Vec<f64> { samples.chunks_exact(4800).map(rms).collect() };
     assert!(levels(&left).is_sorted_by(|a, b| a > b), "{law}");
     assert!(levels(&right).is_sorted_by(|a, b| a < b), "{law}");
@@ -173,7 +173,7 @@ fn silence_is_glided_to_and_odd_gains_do_no_harm() {
     assert_eq!(out, [0.0; 8]);
 }
 
-/// Protects players from slices that do not fit: they are told, and nothing is played.
+/// Protects players from slices of the wrong length: they get an error, and the mixer stays silent.
 #[test]
 fn a_stereo_slice_of_the_wrong_length_is_refused() {
     let mut mixer = Mixer::new(PanningLaw::Linear);

@@ -1,4 +1,4 @@
-//! The synthetic voice: where its energy lies, its level, its pauses, and that it repeats.
+//! The synthetic voice: its spectrum, its level, its pauses, and its repeatability.
 
 use echomarch::audio::{NOISE_AMPLITUDE, SAMPLE_RATE, SINE_AMPLITUDE, SPEECH_PEAK, Sound};
 use rustfft::FftPlanner;
@@ -82,8 +82,8 @@ fn it_pauses_between_syllables_and_longer_between_phrases() {
     assert!(pauses.len() >= 40, "{pauses:?}");
 }
 
-/// A click would hold energy far above the voice's own band. The voice is faded in and out as a whole: where it is cut
-/// off in a vowel, the cut would hold more than all else.
+/// A click would have energy far above the voice's own band. The voice is faded in and out as a whole: a cut within a
+/// vowel would have more of it than everything else.
 #[test]
 fn it_does_not_click() {
     for seed in 0..4 {
@@ -118,7 +118,7 @@ fn it_is_the_same_for_a_seed_and_goes_on_over_blocks() {
     assert_ne!(whole, pull("speech:4", SAMPLE_RATE, 200_000));
 }
 
-/// The voice is one function of time, whatever the rate.
+/// The voice is the same function of time at every rate.
 #[test]
 fn another_rate_says_the_same() {
     let (slow, fast) = (

@@ -1,7 +1,7 @@
-//! Many surfaces in cells: nothing is missed, whatever lies in them and wherever a wave comes
-//! from, in every profile.
+//! Many surfaces in cells: every profile misses no surface, whatever the cells contain and wherever
+//! a wave comes from.
 
-use crate::common::{swept, tracer};
+use crate::common::{marched, tracer};
 use echomarch::scene::shape::{Capsule, Cuboid, Cylinder, Ellipsoid, Plane, Sphere, Torus};
 use echomarch::scene::{Node, Shape};
 use echomarch::trace::ThesisOptions;
@@ -9,11 +9,11 @@ use echomarch::{Listener, Scene, Settings, Source, Surface, Tracer};
 use glam::{Quat, Vec3};
 use std::f32::consts::FRAC_PI_2;
 
-/// What plain sphere tracing on the CPU, over all surfaces and without cells, meets from
-/// `origin` along `direction`: the object's number, or -1; `None` for a line that grazes.
+/// Result of plain sphere tracing on the CPU, over all surfaces and without cells, from `origin`
+/// along `direction`: the object's number, or -1; `None` for a line that grazes.
 fn truth(scene: &Scene, origin: Vec3, direction: Vec3) -> Option<f32> {
-    /// A distance that counts as a surface, in metres: some roundings, for a line may pass by
-    /// closer than a tenth of a millimetre. And one that is a close call.
+    /// Distance that counts as a hit, in metres: a few roundings, since a line may pass by closer
+    /// than a tenth of a millimetre. And the distance below which a line counts as grazing.
     const TOUCH: f32 = 2e-5;
     const CLOSE: f32 = 5e-3;
     const FAR: f32 = 600.0;
@@ -22,7 +22,7 @@ fn truth(scene: &Scene, origin: Vec3, direction: Vec3) -> Option<f32> {
     for _ in 0..20_000 {
         let nearest = scene.distance(origin + t * direction);
         if nearest.distance < TOUCH {
-            // What it touches it has to go into; else it may pass by within the touch.
+            // A line must enter what it touches, otherwise it may pass by within `TOUCH`.
             let beyond = scene.distance(origin + (t + CLOSE) * direction);
             return (beyond.distance < 0.0).then_some(nearest.object as f32);
         }
@@ -54,12 +54,12 @@ fn profiles() -> Vec<(&'static str, Settings)> {
     vec![
         ("hybrid", Settings::hybrid()),
         ("march", Settings::march()),
-        ("march in a shell", swept("march 0.1 m")),
+        ("march in a shell", marched(|v| v.shell = 0.1)),
         ("thesis", near),
     ]
 }
 
-/// Traces one segment of each wave, and compares what it met with the truth.
+/// Traces one segment of each wave, and compares the surface it hits with `truth`.
 fn compare(tracer: &mut Tracer, what: &str, scene: &Scene) {
     for (profile, settings) in profiles() {
         let settings = settings.with_waves(1024).with_iterations(1);
@@ -71,7 +71,7 @@ fn compare(tracer: &mut Tracer, what: &str, scene: &Scene) {
                 continue;
             };
             hits += u32::from(object > 0.0);
-            // Within its minimum distance the thesis takes a line for a hit.
+            // The thesis counts a line within its minimum distance as a hit.
             if profile == "thesis" && object < 0.0 {
                 continue;
             }
@@ -90,7 +90,7 @@ fn lattice(height: f32, shape: &(impl Into<Shape> + Clone)) -> Vec<Surface> {
     (0..36).map(surface).collect()
 }
 
-/// Forty of one shape, anywhere in a cube of 30 m.
+/// Forty surfaces of one shape, anywhere in a cube of 30 m.
 fn scattered(shape: &(impl Into<Shape> + Clone)) -> Vec<Surface> {
     let mut random = crate::common::Random(7);
     let mut number = || 30.0 * random.unit() as f32;
@@ -100,7 +100,8 @@ fn scattered(shape: &(impl Into<Shape> + Clone)) -> Vec<Surface> {
         .collect()
 }
 
-/// Protects shapes in cells, basic and fields, from within the grid and from outside of it.
+/// Protects shapes in cells, basic ones and fields, from being missed, from inside and outside the
+/// grid.
 #[test]
 fn scattered_shapes_are_all_met() {
     let mut tracer = tracer();
@@ -126,7 +127,7 @@ fn scattered_shapes_are_all_met() {
     }
 }
 
-/// Protects columns: endless pillars, and what ends on one side only.
+/// Protects columns: endless pillars, and shapes that end on one side only.
 #[test]
 fn pillars_are_all_met() {
     let mut tracer = tracer();
@@ -160,8 +161,8 @@ fn pillars_are_all_met() {
     );
 }
 
-/// Protects lists that are kept from frame to frame: what a tracer sees after things have
-/// moved, also far away and back, is what a fresh one sees.
+/// Protects lists that are kept from frame to frame: after surfaces have moved, also far away and
+/// back, a tracer sees the same as a new one.
 #[test]
 fn moved_surfaces_are_met_where_they_are() {
     let mut kept = tracer();
@@ -184,14 +185,14 @@ fn moved_surfaces_are_met_where_they_are() {
                 .iter()
                 .zip(&fresh)
                 .filter(|(a, b)| a.status != b.status);
-            // Lists in another grid are in another order, and a tie may fall otherwise.
+            // Lists in another grid have another order, so a tie may be resolved differently.
             assert!(differ.count() <= 2, "step {step}, {}", settings.profile());
         }
     }
 }
 
-/// A scene whose surfaces are unrolled, and the same with each surface twice, so many that they
-/// lie in cells: the distances are the same everywhere.
+/// A scene whose surfaces are unrolled, and the same scene with each surface twice, enough of them
+/// to lie in cells: the distances are the same everywhere.
 fn alone_and_twice(surfaces: &[Surface]) -> [Scene; 2] {
     let source = Vec3::new(-3.0, 0.1, 0.2);
     let mut alone = scene(surfaces.to_vec(), source);
@@ -201,7 +202,7 @@ fn alone_and_twice(surfaces: &[Surface]) -> [Scene; 2] {
     [alone, twice]
 }
 
-/// Sets of 15 small surfaces, far smaller together than the thesis' minimum distance is wide.
+/// Sets of 15 small surfaces, together far smaller than the thesis' minimum distance.
 fn small_sets() -> Vec<(&'static str, Vec<Surface>)> {
     let mut random = crate::common::Random(11);
     let mut set = |shape: Node, turned: bool| -> Vec<Surface> {
@@ -231,8 +232,8 @@ fn small_sets() -> Vec<(&'static str, Vec<Surface>)> {
     ]
 }
 
-/// Protects the thesis' profile in cells: every bit of its waves is what unrolled text gives,
-/// from wherever they come. No box about the surfaces stands in for them.
+/// Protects the thesis' profile in cells: its waves equal those of unrolled text to the bit, from
+/// wherever they come. No bounding box replaces the surfaces.
 #[test]
 fn the_thesis_sees_the_same_with_cells_and_without() {
     let mut tracer = tracer();
@@ -250,19 +251,19 @@ fn the_thesis_sees_the_same_with_cells_and_without() {
             let is_met = |n: &u32| found.iter().any(|wave| wave.status == *n as f32);
             let met = (1..=15).filter(is_met).count();
             let enough = iterations > 1 || met >= 3;
-            assert!(enough, "{what}, {min_distance} m: only {met} are met");
+            assert!(enough, "{what}, {min_distance} m: only {met} are hit");
         }
     }
 }
 
-/// Protects difference normals of `march` in cells: they ask for distances a step beside the
-/// place that is met, where another cell may be.
+/// Protects difference normals of `march` in cells: they evaluate distances a step away from the
+/// hit, possibly in another cell.
 #[test]
 fn difference_normals_are_the_same_with_cells_and_without() {
     let mut tracer = tracer();
     for (what, surfaces) in small_sets() {
         let [alone, twice] = alone_and_twice(&surfaces);
-        let settings = swept("march difference normals")
+        let settings = marched(|v| v.difference_normals = Some(0.01))
             .with_waves(20_000)
             .with_iterations(1);
         let (_, expected) = tracer.frame_with_waves(&alone, &settings).unwrap();

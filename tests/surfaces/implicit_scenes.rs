@@ -1,4 +1,4 @@
-//! What implicit surfaces promise: exact curved mirrors, and repetition for free.
+//! Promises of implicit surfaces: exact curved mirrors, and repetition at no cost.
 
 use crate::common::{builtin, tracer};
 use echomarch::scene::shape::{Cylinder, Plane};
@@ -7,25 +7,25 @@ use echomarch::trace::Wave;
 use echomarch::{Listener, Profile, Scene, Settings, Source, Surface};
 use glam::{DVec3, Vec3};
 
-/// Both profiles that are right.
+/// The two accurate profiles.
 const PROFILES: [Profile; 2] = [Profile::Hybrid, Profile::March];
 
-/// Metres within which a wave must pass the second focus.
+/// Distance in metres within which a wave must pass the second focus.
 const FOCUS: f64 = 1e-3;
 
-/// How far from a point the line of a wave passes that was mirrored at `position`.
+/// Distance from a point to the line of a wave reflected at `position`.
 fn miss(wave: &Wave, point: DVec3) -> f64 {
     let (from, along) = (wave.position.as_dvec3(), wave.direction.as_dvec3());
     (point - from).cross(along.normalize()).length()
 }
 
-/// Protects the exactness of curved mirrors: what leaves one focus of an ellipsoid is
-/// mirrored to the other, in closed form and marched.
+/// Protects the exactness of curved mirrors: waves from one focus of an ellipsoid are reflected to
+/// the other, in closed form and marched.
 #[test]
 fn waves_from_one_focus_meet_at_the_other() {
     let mut scene = builtin("whispering-gallery");
     let other = scene.listener.position.as_dvec3();
-    // Out of the way: every wave must be mirrored.
+    // Out of the way, so that every wave is reflected.
     scene.listener.radius = 1e-4;
     let mut tracer = tracer();
     for profile in PROFILES {
@@ -37,12 +37,13 @@ fn waves_from_one_focus_meet_at_the_other() {
             .iter()
             .map(|wave| miss(wave, other))
             .fold(0.0, f64::max);
-        println!("{profile}: {worst:.2e} m from the focus at the most");
+        println!("{profile}: {worst:.2e} m from the focus at most");
         assert!(worst < FOCUS, "{profile}: {worst} m");
     }
 }
 
-/// Protects the dishes: what leaves the focus of one comes parallel, and meets at the other's.
+/// Protects the dishes: waves from the focus of one leave it parallel, and meet at the focus of the
+/// other.
 #[test]
 fn dishes_send_waves_from_focus_to_focus() {
     let mut tracer = tracer();
@@ -51,7 +52,7 @@ fn dishes_send_waves_from_focus_to_focus() {
         let settings = Settings::new(profile).with_waves(16_384).with_iterations(3);
         let frame = tracer.frame(&scene, &settings).unwrap();
         assert_eq!(frame.counts.step_limit_reached, 0, "{profile}");
-        // A quarter of all directions or so meets the dish; next to none would meet by chance.
+        // About a quarter of all directions hit the dish; almost none would hit by chance.
         assert!(
             frame.counts.listener_hits > 4_000,
             "{profile}: {:?}",
@@ -90,12 +91,12 @@ fn listed() -> Scene {
     colonnade((0..SIDE * SIDE).map(pillar))
 }
 
-/// Protects repetition, and cells: 10,000 pillars by one modulo and the same pillars one by
+/// Protects repetition and cells: 10,000 pillars by one modulo and the same pillars listed one by
 /// one give the same hits, wave for wave.
 ///
-/// At 4 iterations, the fewer of the thesis' two counts. Each pillar spreads waves some forty
-/// times further apart, so that at 8 iterations `f32` itself is the difference: then 0.1 to
-/// 0.2 % of the waves differ, as many as differ from the exact reference
+/// At 4 iterations, the smaller of the thesis' two counts. Each pillar spreads waves some forty
+/// times further apart, so that at 8 iterations the rounding of `f32` dominates: then 0.1 to 0.2 %
+/// of the waves differ, as many as differ from the exact reference
 /// (docs/benchmarks/surfaces-llvmpipe.md).
 #[test]
 fn a_repeated_pillar_is_ten_thousand_pillars() {

@@ -1,11 +1,10 @@
-//! What exists: scene files, shapes and operators, and waves at hard surfaces.
+//! Scene content: scene files, shapes and operators, and waves at hard surfaces.
 
 #[path = "../common/mod.rs"]
 mod common;
 
 mod cells;
 mod endless_repeats;
-mod hard_cases;
 mod implicit_scenes;
 mod marched_fields;
 mod points_on_surfaces;

@@ -1,5 +1,5 @@
-//! Marched fields against the exact reference: no wave passes a solid, none is given up at a
-//! glance, and both profiles agree, near the listener and far from it.
+//! Marched fields against the exact reference: no wave passes through a solid, no grazing wave is
+//! given up, and both profiles agree, near the listener and far from it.
 
 use crate::common::flights;
 use echomarch::scene::shape::{
@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 const PROFILES: [Profile; 2] = [Profile::Hybrid, Profile::March];
 
-/// Directions around one another within a cone about an axis, evenly.
+/// `count` directions spread evenly within a cone about an axis.
 fn aims(axis: Vec3, half_angle: f64, count: u32) -> Vec<Vec3> {
     const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
     let axis = axis.as_dvec3().normalize();
@@ -27,7 +27,7 @@ fn aims(axis: Vec3, half_angle: f64, count: u32) -> Vec<Vec3> {
     (0..count).map(direction).collect()
 }
 
-/// Traces one flight in each profile and compares it with the exact one.
+/// Traces one flight in each profile and compares it with the exact flight.
 fn compare(scene: &Scene, directions: &[Vec3]) {
     flights::compare(scene, directions, &PROFILES);
 }
@@ -45,7 +45,7 @@ fn turned(surface: Surface, degrees: Vec3) -> Surface {
     surface.turned(Quat::from_euler(EulerRot::XYZ, by.x, by.y, by.z))
 }
 
-/// A field 6 m before a slab of 200 m, and the listener.
+/// A field 6 m in front of a slab of 200 m, and the listener.
 fn before_a_slab(name: &str, field: Shape, scale: f32, listener: Vec3) -> Scene {
     let slab = Shape::from(Node::RoundedBox(RoundedBox {
         size: Vec3::new(200.0, 200.0, 0.5) * scale,
@@ -80,7 +80,7 @@ fn height_field(size: Vec3) -> Shape {
     .into()
 }
 
-/// Every kind of field whose march may be led past a solid: not convex, or blended, cut, thin.
+/// Every kind of field whose march could step past a solid: not convex, blended, cut or thin.
 fn kinds() -> Vec<(&'static str, Shape)> {
     let cone = || {
         Shape::from(Node::Cone(Cone {
@@ -142,8 +142,8 @@ fn kinds() -> Vec<(&'static str, Shape)> {
     ]
 }
 
-/// Protects from waves that step through a slab behind a field that they graze, whatever the
-/// field, its size, and how far away the listener is.
+/// Protects from waves that step through a slab behind a field that they graze, for any field, size
+/// and distance of the listener.
 #[test]
 fn no_wave_passes_a_slab_behind_a_field() {
     for (name, field) in kinds() {
@@ -159,12 +159,12 @@ fn no_wave_passes_a_slab_behind_a_field() {
     }
 }
 
-/// Directions that touch a torus from within its hole or from outside, to about `off` metres.
+/// Directions that graze a torus, from within its hole or from outside, within about `off` metres.
 fn grazing(off: f64, count: u32) -> Vec<Vec3> {
     let direction = |index: u32| {
         let (sin, cos) = (std::f64::consts::TAU * f64::from(index) / f64::from(count)).sin_cos();
         let side = if index.is_multiple_of(2) { 1.0 } else { -1.0 };
-        // From 6 m away the circle of the tube is touched where sin = tube / distance.
+        // From 6 m away a ray touches the tube's circle where sin = tube / distance.
         let ring = DVec3::new(2.0, 0.0, -6.0);
         let angle = (2f64 / 6.0).atan() + side * ((0.8 + off) / ring.length()).asin();
         DVec3::new(angle.sin() * cos, angle.sin() * sin, -angle.cos()).as_vec3()
@@ -172,8 +172,8 @@ fn grazing(off: f64, count: u32) -> Vec<Vec3> {
     (0..count).map(direction).collect()
 }
 
-/// Protects the finish of a graze: the bounds along the line lead past the surface, or onto it,
-/// in a few steps, where steps by the value take thousands.
+/// Protects the end of a grazing march: the bounds along the line lead past the surface, or onto
+/// it, in a few steps, where steps by the value take thousands.
 #[test]
 fn waves_that_graze_a_torus_are_not_given_up() {
     for listener in [Vec3::new(0.0, 0.0, 30.0), Vec3::new(300.0, 0.0, 30.0)] {
@@ -184,8 +184,8 @@ fn waves_that_graze_a_torus_are_not_given_up() {
     }
 }
 
-/// Protects ground from waves that pass through or past it: wide ground seen from within, and
-/// steep ground whose value says little of the distance.
+/// Protects ground from waves that pass through or past it: wide ground seen from within, and steep
+/// ground whose value is far below the distance.
 #[test]
 fn no_wave_passes_ground() {
     for size in [
@@ -206,8 +206,8 @@ fn no_wave_passes_ground() {
     }
 }
 
-/// Protects `march` where a wave is aimed at an edge, and where it runs beside a half space for
-/// ever: none is given up, and each meets what the closed form says.
+/// Protects `march` where a wave is aimed at an edge, and where it runs parallel to a half space
+/// for ever: no wave is given up, and each hits what the closed form gives.
 #[test]
 fn edges_and_parallel_planes_take_few_steps() {
     let corners = [Vec2::ZERO, Vec2::new(1.0, 0.4), Vec2::new(1.0, -0.4)];
@@ -251,9 +251,9 @@ fn edges_and_parallel_planes_take_few_steps() {
     compare(&scene, &level);
 }
 
-/// Protects what lies in cells from relaxed steps that end just beyond one: there another list of
-/// surfaces is asked, which does not hold what the step has passed. This is one of 65,536 waves in
-/// the glasshouse, after its first mirror; `march` led it through a trunk of 0.26 m.
+/// Protects surfaces in cells from relaxed steps that end just beyond a cell: the list of surfaces
+/// there does not contain what the step has passed. This is one of 65,536 waves in the glasshouse,
+/// after its first reflection; `march` led it through a trunk of 0.26 m.
 #[test]
 fn a_step_that_leaves_its_cell_passes_nothing() {
     let mut scene = crate::common::builtin("glasshouse");

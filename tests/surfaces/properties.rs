@@ -1,10 +1,9 @@
-//! Properties of waves on the GPU, with planted answers over seven decades of size.
+//! Properties of waves on the GPU, with known answers over seven decades of size.
 //!
-//! Each case is one random surface of random size, place and turn, and hundreds of waves,
-//! so that a few dozen cases are tens of thousands of waves.
+//! Each case is one random surface of random size, place and rotation, and hundreds of waves, so
+//! that a few dozen cases give tens of thousands of waves.
 
 use crate::common::Random;
-use echomarch::experiment::verify::{END_ROUNDING, LENGTH_ROUNDING, START_ROUNDING};
 use echomarch::gpu::{Context, ContextOptions};
 use echomarch::reference::ExactScene;
 use echomarch::scene::shape::{Cuboid, Cylinder, Plane, Room, Sphere};
@@ -14,14 +13,23 @@ use glam::{DQuat, DVec3, Quat, Vec3};
 use proptest::prelude::*;
 use std::cell::RefCell;
 
-/// Right profiles; the thesis' has none of these properties.
+/// Rounding of a start, as a share of the scene's extent: eight units in the last place.
+const START_ROUNDING: f64 = 8.0 * f32::EPSILON as f64;
+
+/// Further rounding of an end point, as a share of the scene's extent.
+const END_ROUNDING: f64 = 16.0 * f32::EPSILON as f64;
+
+/// Rounding of a direction's length that GLSL allows (GLSL 4.60, section 4.7.1).
+const LENGTH_ROUNDING: f64 = 8.0 * f32::EPSILON as f64;
+
+/// The accurate profiles; the thesis' has none of these properties.
 const PROFILES: [Profile; 2] = [Profile::Hybrid, Profile::March];
 
 /// Waves of each case.
 const WAVES: usize = 256;
 
 thread_local! {
-    /// One tracer for all cases of a test: programs are compiled once a structure.
+    /// One tracer for all cases of a test: programs are compiled once per structure.
     static TRACER: RefCell<Option<Tracer>> = const { RefCell::new(None) };
 }
 
@@ -38,7 +46,7 @@ fn trace(scene: &Scene, settings: &Settings, directions: &[Vec3]) -> Vec<Vec<Wav
     })
 }
 
-/// None for every second case: turned surfaces have a text of their own.
+/// A rotation, or none for every second case: rotated surfaces have their own shader text.
 fn rotation(random: &mut Random) -> Quat {
     if random.unit() < 0.5 {
         return Quat::IDENTITY;
@@ -50,9 +58,9 @@ fn rotation(random: &mut Random) -> Quat {
 /// A surface with a point on it.
 struct Planted {
     surface: Surface,
-    /// On the surface, world metres.
+    /// Position on the surface, in world metres.
     point: DVec3,
-    /// Out of the solid there.
+    /// Normal there, out of the solid.
     normal: DVec3,
     /// Its size in metres.
     size: f64,
@@ -94,8 +102,8 @@ fn plant(random: &mut Random) -> Planted {
 }
 
 impl Planted {
-    /// The surface and nothing else; a listener behind the point, deep in the solid or
-    /// (behind a thin one) on its far side, where no line from the point can go first.
+    /// The surface alone; the listener lies behind the point, deep in the solid or (behind a thin
+    /// one) on its far side, where no line from the point arrives first.
     fn scene(&self, source: DVec3) -> Scene {
         let ear = self.point - self.normal * (3.0 * self.size);
         Scene::new(
@@ -106,7 +114,7 @@ impl Planted {
         )
     }
 
-    /// Outwards, down to a thousandth of a radian along the surface.
+    /// A direction outwards, down to a thousandth of a radian along the surface.
     fn outgoing(&self, random: &mut Random) -> Vec3 {
         let mut away = random.direction();
         if away.dot(self.normal) < 0.0 {
@@ -120,21 +128,21 @@ impl Planted {
     }
 }
 
-/// Largest distance from the listener that the scene's numbers reach.
+/// Largest distance from the listener that the scene's coordinates reach.
 fn extent(planted: &Planted, scene: &Scene) -> f64 {
     let ear = scene.listener.position.as_dvec3();
     let place = planted.surface.position.as_dvec3();
     place.distance(ear) + 1.8 * planted.size + scene.source.position.as_dvec3().distance(ear)
 }
 
-/// A unit in the last place of world coordinates: half of it is lost where a place is given
-/// as `f32`, half where it is read back.
+/// A unit in the last place of world coordinates: half of it is lost when a place is given as
+/// `f32`, half when it is read back.
 fn world_rounding(scene: &Scene, extent: f64) -> f64 {
     let world = scene.listener.position.as_dvec3().abs().max_element() + extent;
     world * f64::from(f32::EPSILON)
 }
 
-/// What must hold in every state whatever is met.
+/// Checks what must hold in every state, whatever a wave hits.
 fn assert_sane(states: &[Vec<Wave>], scene: &Scene, extent: f64, context: &str) {
     let exact = ExactScene::new(scene).unwrap();
     let ear = scene.listener.position;
@@ -149,7 +157,7 @@ fn assert_sane(states: &[Vec<Wave>], scene: &Scene, extent: f64, context: &str) 
             (length - 1.0).abs() < LENGTH_ROUNDING,
             "{context}: {wave:?}"
         );
-        // Far out a place is as coarse as its own coordinates.
+        // Far out, the resolution of a position is that of its own coordinates.
         let reach = extent.max(wave.position.distance(ear).into());
         let tolerance = END_ROUNDING * reach + world_rounding(scene, reach);
         let depth = -exact.surface_distance(wave.position.as_dvec3());
@@ -164,13 +172,13 @@ proptest! {
         ..ProptestConfig::default()
     })]
 
-    /// Protects waves that leave a surface from meeting it again on the spot, at any size
-    /// and place: first they come down on a planted point, then they leave it.
+    /// Protects waves that leave a surface from hitting it again at once, at any size and place:
+    /// first they hit a planted point, then they leave it.
     #[test]
     fn a_wave_that_leaves_a_surface_does_not_meet_it_at_once(seed: u64) {
         let mut random = Random(seed);
         let planted = plant(&mut random);
-        // They start in the air before the point and come down on it and about it.
+        // They start in the air in front of the point and hit it or its surroundings.
         let height = planted.size * if planted.is_room() { 0.05 } else { random.unit() };
         let source = planted.point + planted.normal * height;
         let directions: Vec<Vec3> = (0..WAVES).map(|_| -planted.outgoing(&mut random)).collect();
@@ -182,8 +190,8 @@ proptest! {
             let context = format!("{profile}, {:?}", planted.surface);
             assert_sane(&states, &scene, extent, &context);
             if planted.is_room() {
-                // Two walls may be met at one edge, never one wall twice in a row: what turns
-                // a wave is along the normal of the wall.
+                // At an edge a wave may hit two walls, but never one wall twice in a row: the
+                // change of direction is along the wall's normal.
                 for states in states.windows(3) {
                     for ((a, b), c) in states[0].iter().zip(&states[1]).zip(&states[2]) {
                         let first = b.direction - a.direction;
@@ -208,7 +216,7 @@ proptest! {
         }
     }
 
-    /// Protects waves that start on a surface: those that leave it fly off.
+    /// Protects waves that start on a surface: those directed outwards fly off.
     #[test]
     fn a_wave_that_starts_on_a_surface_flies_off(seed: u64) {
         let mut random = Random(seed);
@@ -232,8 +240,8 @@ proptest! {
         }
     }
 
-    /// Protects where waves land: on the planted point, within what rounding of the start
-    /// does at that slant. What the curve adds is of second order, and small at slants above
+    /// Protects the positions of hits: on the planted point, within the effect of the start's
+    /// rounding at that slant. The curvature adds an effect of second order, small at slants above
     /// 0.05.
     #[test]
     fn a_wave_aimed_at_a_surface_lands_there(seed: u64) {
@@ -246,7 +254,7 @@ proptest! {
             }
         };
         let distance = match planted.surface.shape.node {
-            // Within the room: the point is at least this far from its edges.
+            // Inside the room: the point is at least this far from its edges.
             Node::Room(_) => planted.size * 0.014 * random.unit(),
             _ => planted.size * 10f64.powf(4.0 * random.unit() - 2.0),
         };
@@ -256,8 +264,8 @@ proptest! {
         let aim = (planted.point - from).normalize();
         let extent = extent(&planted, &scene);
         let slant = -aim.dot(planted.normal);
-        // As hard cases are judged: twice what a start off by a rounding does, which is off in
-        // place, and in direction over a way that is no longer than the extent.
+        // As for the hard cases: twice the effect of a start off by one rounding, which shifts the
+        // position, and the direction over a path no longer than the extent.
         let start = 2.0 * START_ROUNDING * extent;
         let bound = 2.0 * start / slant + world_rounding(&scene, extent);
         for profile in PROFILES {

@@ -1,7 +1,7 @@
-//! Boxes that touch, turned by any angle, in a closed room: no wave is lost at their seams, none
-//! goes through them, and each hit is that of a surface that is there. Other faults of this kind
-//! hide where two, three or many boxes share planes, and where the listener is far away, for the
-//! distance to it is what places are rounded by.
+//! Boxes that touch, rotated by any angle, in a closed room: no wave is lost at their seams or
+//! passes through them, and each hit names a surface at that place. Related faults hide where two,
+//! three or many boxes share planes, and where the listener is far away, since the distance to it
+//! determines the rounding of positions.
 
 use crate::common::tracer;
 use echomarch::reference::ExactScene;
@@ -10,7 +10,7 @@ use echomarch::trace::Wave;
 use echomarch::{Listener, Node, Scene, Settings, Source, Surface, Tracer};
 use glam::{DVec3, EulerRot, Quat, Vec3};
 
-/// Boxes as they stand before they are turned together: size and place in metres.
+/// Boxes before their common rotation: size and position in metres.
 type Blocks = Vec<(Vec3, Vec3)>;
 
 fn stack(count: usize) -> Blocks {
@@ -29,7 +29,7 @@ fn corner() -> Blocks {
     ]
 }
 
-/// Two boxes of one height through each other, and one on top of both.
+/// Two crossing boxes of the same height, and one on top of both.
 fn cross() -> Blocks {
     vec![
         (Vec3::new(3.0, 1.2, 0.6), Vec3::ZERO),
@@ -38,14 +38,14 @@ fn cross() -> Blocks {
     ]
 }
 
-/// So many that they lie in cells.
+/// Enough boxes that they lie in cells.
 fn bricks() -> Blocks {
     let size = Vec3::new(1.0, 0.5, 0.75);
     let place = |i: i32| Vec3::new((i % 4 - 2) as f32, (i / 4 % 4 - 2) as f32, (i / 16) as f32);
     (0..32).map(|i| (size, size * place(i))).collect()
 }
 
-/// The boxes in a room that the listener is `away` metres out in.
+/// The boxes in a room, `away` metres from the listener.
 fn room(blocks: Blocks, turn: Quat, away: f32) -> Scene {
     let size = Vec3::new(22.0 + 2.0 * away, 12.0, 18.0);
     let turned = |(size, place)| {
@@ -89,7 +89,7 @@ fn scenes() -> Vec<(String, Scene)> {
     all
 }
 
-/// What rounding may do to a place or a face, in metres: twenty times eight units in the last
+/// Effect of rounding on a position or a face, in metres: twenty times eight units in the last
 /// place of the largest number in the scene.
 fn error_bound(scene: &Scene) -> f64 {
     let Node::Room(Room { size }) = scene.surfaces[0].shape.node else {
@@ -98,7 +98,7 @@ fn error_bound(scene: &Scene) -> f64 {
     20.0 * 8.0 * f64::from(f32::EPSILON * size.max_element())
 }
 
-/// The same boxes, smaller by rounding on every side: what no wave can be in.
+/// The same boxes, smaller by the rounding on every side: no wave may be inside them.
 fn cores(scene: &Scene) -> ExactScene {
     let less = 2.0 * error_bound(scene) as f32;
     let mut cores = scene.clone();
@@ -110,8 +110,7 @@ fn cores(scene: &Scene) -> ExactScene {
     ExactScene::new(&cores).unwrap()
 }
 
-/// Checks one flight: it ends, on the very surface that it names, and nothing solid is in its
-/// way.
+/// Checks one flight: it ends on the surface that it names, and passes through no solid.
 fn check(scene: &Scene, cores: &ExactScene, before: &Wave, after: &Wave, what: &str) {
     assert!(after.status >= 0.0, "{what}: {before:?} is lost");
     let (from, to) = (before.position.as_dvec3(), after.position.as_dvec3());
@@ -157,8 +156,8 @@ fn follow(tracer: &mut Tracer, what: &str, scene: &Scene, settings: &Settings) {
     }
 }
 
-/// Protects closed rooms: in 100 of them no wave was to be lost, and several per cent of those
-/// that left a box between two others were.
+/// Protects closed rooms: none of 100 rooms may lose a wave; several per cent of the waves that
+/// left a box between two others were lost.
 #[test]
 fn no_wave_is_lost_at_a_seam_or_goes_through_it() {
     let mut tracer = tracer();
@@ -171,8 +170,8 @@ fn no_wave_is_lost_at_a_seam_or_goes_through_it() {
     }
 }
 
-/// Protects `march` from creeping along planes that several faces share: a flight takes some
-/// tens of evaluations, not thousands.
+/// Protects `march` from creeping along planes shared by several faces: a flight takes some tens of
+/// evaluations, not thousands.
 #[test]
 fn faces_in_one_plane_hold_nothing_up() {
     let mut tracer = tracer();
@@ -183,12 +182,12 @@ fn faces_in_one_plane_hold_nothing_up() {
         let counts = tracer.frame(&scene, &settings).unwrap().counts;
         let flights = f64::from(settings.waves * settings.iterations);
         let mean = counts.evaluations as f64 / flights;
-        assert!(mean < 24.0, "{what}: {mean} evaluations a flight");
+        assert!(mean < 24.0, "{what}: {mean} evaluations per flight");
     }
 }
 
-/// Protects the names of hits: of two boxes side by side, flush on four sides, each is told to
-/// be met where it is met, but for rounding at the seam.
+/// Protects the numbers of hit objects: of two boxes side by side, flush on four sides, a hit names
+/// the box at its position, except for rounding at the seam.
 #[test]
 fn a_sealed_face_gives_no_hits_away() {
     let size = Vec3::splat(2.0);

@@ -1,9 +1,9 @@
-//! Contexts and devices as a caller has them. What is made with them is tested in `src/gpu/tests`.
+//! Contexts and devices as a caller sees them. `src/gpu/tests` tests the objects created with them.
 
 use crate::common::on_a_thread_for_each_api;
 use echomarch::gpu::{Context, ContextOptions, GpuError, list_gpus};
 
-/// The list shows at least one device that works, under the number by which it can be asked for.
+/// The list shows at least one working device, under the number that selects it.
 #[test]
 fn gpu_list_numbers_devices_as_options_do() {
     on_a_thread_for_each_api(|api| {
@@ -20,7 +20,7 @@ fn gpu_list_numbers_devices_as_options_do() {
     });
 }
 
-/// A device that is not there is an error that says how many are, never another device.
+/// A missing device is an error that states the number of devices; no other device is used.
 #[test]
 fn gpu_missing_device_is_an_error() {
     on_a_thread_for_each_api(|api| {

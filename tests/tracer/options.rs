@@ -1,15 +1,13 @@
-//! Options that must not change what is computed, or only by a stated amount: fused passes,
-//! the sum on the GPU, other start directions; and the profiles on every API.
+//! Options that must not change the results, or only by a stated amount: fused passes, the sum on the GPU, other start
+//! directions; and the profiles on every API.
 
-use crate::common::{builtin, for_each_api, swept, tracer};
-use echomarch::experiment::median;
+use crate::common::{builtin, for_each_api, marched, tracer};
 use echomarch::trace::Directions;
 use echomarch::{Profile, Settings};
 use std::collections::HashSet;
 
-/// Protects fused passes: however many iterations run in one pass, every wave ends with the
-/// same bits. The state between two iterations is 32 bits a number in a texture and in a
-/// register alike.
+/// Protects fused passes: every wave ends with the same bits for any number of iterations per pass. The state between
+/// two iterations has 32 bits per number, in a texture as in a register.
 #[test]
 fn fused_passes_change_no_bit() {
     let mut tracer = tracer();
@@ -30,8 +28,8 @@ fn fused_passes_change_no_bit() {
     }
 }
 
-/// Protects a whole frame in one pass, by every API: where no one asks for the waves, what is
-/// heard and counted has the bits of a frame in a pass an iteration.
+/// Protects a whole frame in one pass, on every API: without a request for the waves, the sums and counts have the bits
+/// of a frame with one pass per iteration.
 #[test]
 fn a_frame_in_one_pass_is_the_frame_of_its_passes() {
     for_each_api(|context| {
@@ -39,7 +37,7 @@ fn a_frame_in_one_pass_is_the_frame_of_its_passes() {
         for name in ["corner", "obstacles", "open-pillars", "glasshouse"] {
             for directions in [Directions::Random, Directions::Fibonacci] {
                 for profile in [Profile::Hybrid, Profile::March] {
-                    // A row that is not full, so that some texels hold no wave.
+                    // A row that is not full, so that some texels contain no wave.
                     let whole = Settings::new(profile)
                         .with_waves(9_999)
                         .with_directions(directions);
@@ -61,15 +59,15 @@ fn a_frame_in_one_pass_is_the_frame_of_its_passes() {
     });
 }
 
-/// Protects two worsened ways of `march` that the experiments measure: without a projection
-/// ends are off by the shell, but not by much more; with difference normals a wave in
-/// hundreds takes another way, where differences straddle an edge.
+/// Protects two degraded modes of `march` that the experiments measure: without a projection ends are off by the shell,
+/// but not by much more; with difference normals about one wave in hundreds takes another path, where differences
+/// straddle an edge.
 #[test]
 fn the_thesis_ways_of_march_do_what_they_say() {
     let mut tracer = tracer();
     let right = Settings::march().with_waves(20_000);
     let (_, landed) = tracer.frame_with_waves(&builtin("corner"), &right).unwrap();
-    let no_projection = swept("march 0.001 m, no projection").with_waves(20_000);
+    let no_projection = marched(|v| (v.projection, v.shell) = (false, 1e-3)).with_waves(20_000);
     let (_, short) = tracer
         .frame_with_waves(&builtin("corner"), &no_projection)
         .unwrap();
@@ -78,7 +76,7 @@ fn the_thesis_ways_of_march_do_what_they_say() {
     // 8 hits, each up to 1 mm short.
     assert!((1e-4..8e-3).contains(&off), "{off} m");
 
-    let differences = swept("march difference normals").with_waves(20_000);
+    let differences = marched(|v| v.difference_normals = Some(0.01)).with_waves(20_000);
     let (_, other) = tracer
         .frame_with_waves(&builtin("corner"), &differences)
         .unwrap();
@@ -90,16 +88,15 @@ fn the_thesis_ways_of_march_do_what_they_say() {
     assert!((1..200).contains(&changed), "{changed} of 20000");
 }
 
-/// Protects the sum on the GPU. Counts are whole numbers below 2^24: exact. Contributions
-/// are added by blocks of 64 in `f32`: at most 64 roundings a level, relative 64 × 2^-24 =
-/// 4e-6 each, and four levels for a million waves.
+/// Protects the sum on the GPU. Counts are whole numbers below 2^24, hence exact. Contributions are added by blocks of
+/// 64 in `f32`: at most 64 roundings per level, relative 64 × 2^-24 = 4e-6 each, and four levels for a million waves.
 #[test]
 fn the_sum_on_the_gpu_is_that_on_the_cpu() {
     for_each_api(|context| {
         let mut tracer = echomarch::Tracer::new(context).unwrap();
         for waves in [1, 63, 64, 65, 1000, 65_537, 1 << 20] {
             for profile in [Profile::Thesis, Profile::Hybrid] {
-                // In the second waves die.
+                // Waves die in the second scene.
                 for scene in ["corner", "open-pillars"].map(builtin) {
                     let on_cpu = Settings::new(profile).with_waves(waves).with_iterations(4);
                     let on_gpu = on_cpu.clone().with_sum_on_gpu(true);
@@ -121,8 +118,8 @@ fn the_sum_on_the_gpu_is_that_on_the_cpu() {
     });
 }
 
-/// Protects the lattice: unit vectors that spread evenly. Of N waves a share of the sphere
-/// holds its share of them within far less than the √N of random ones.
+/// Protects the lattice: unit vectors that spread evenly. A part of the sphere holds its share of N waves with an error
+/// far below the √N of random ones.
 #[test]
 fn fibonacci_directions_are_even() {
     let mut tracer = tracer();
@@ -144,15 +141,15 @@ fn fibonacci_directions_are_even() {
             // Archimedes: the cap above a height holds (1 - height) / 2 of the sphere.
             let expected = 65_536.0 * 0.5 * (1.0 - height);
             let found = directions.iter().filter(|d| d.dot(axis) > height).count() as f32;
-            // Along a cap's rim of 2πr the lattice is off by a few of the points that the
-            // rim passes: of the order of N^(1/4) = 16; random directions by √N / 2 = 128.
+            // Along a cap's rim of 2πr the lattice is off by a few of the points that the rim passes: of the order of
+            // N^(1/4) = 16; random directions by √N / 2 = 128.
             assert!((found - expected).abs() < 40.0, "{axis}, {height}: {found}");
         }
     }
 }
 
-/// Protects the lattice at high counts: a phase taken in floats would leave the last of
-/// four million waves on a few azimuths.
+/// Protects the lattice at high counts: a phase computed in floats would put the last of four million waves on a few
+/// azimuths.
 #[test]
 fn fibonacci_azimuths_do_not_collapse() {
     let mut tracer = tracer();
@@ -170,7 +167,7 @@ fn fibonacci_azimuths_do_not_collapse() {
     assert_eq!(distinct.len(), last.len());
 }
 
-/// Protects seeds: another one turns the lattice, the same one gives the same bits.
+/// Protects seeds: another seed rotates the lattice, the same seed gives the same bits.
 #[test]
 fn seeds_turn_the_lattice() {
     let mut tracer = tracer();
@@ -186,8 +183,8 @@ fn seeds_turn_the_lattice() {
     assert!(first(1).distance(first(2)) > 0.01);
 }
 
-/// Protects the profiles on every API: the same waves reach the listener, but for those
-/// where drivers may round differently (one renderer here: none).
+/// Protects the profiles on every API: the same waves reach the listener, except those that drivers may round
+/// differently (one renderer here: none).
 #[test]
 fn profiles_agree_on_every_api() {
     let mut first = tracer();
@@ -201,7 +198,8 @@ fn profiles_agree_on_every_api() {
             return;
         }
         for (ours, reference) in ours.iter().zip(&reference) {
-            // Late hits of two renderers are two draws of one experiment: four standard deviations of their difference.
+            // Late hits of two renderers are two samples of one experiment: four standard deviations of their
+            // difference.
             let chance = 4.0 * (2.0 * *reference as f64).sqrt();
             assert!(
                 ours.abs_diff(*reference) as f64 <= 1.0 + chance,
@@ -221,4 +219,11 @@ fn hits(tracer: &mut echomarch::Tracer) -> Vec<u64> {
         }
     }
     all
+}
+
+/// The median of some values.
+fn median(values: impl IntoIterator<Item = f64>) -> f64 {
+    let mut sorted: Vec<f64> = values.into_iter().collect();
+    sorted.sort_by(f64::total_cmp);
+    sorted[sorted.len() / 2]
 }

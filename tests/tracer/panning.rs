@@ -1,7 +1,7 @@
-//! What the listener hears from where, through the library and through the program.
+//! Panning: the side on which the listener hears a source, through the library and the program.
 //!
-//! Signs: pan −1 is left, 1 is right; a listener that is not turned looks along −z, with +x at
-//! the right ear; a positive yaw turns it to the right.
+//! Signs: pan −1 is left, 1 is right; a listener that is not rotated looks along −z, with +x at the
+//! right ear; a positive yaw rotates it to the right.
 
 use crate::common::{builtin, for_each_api, mirrored, thesis, tracer};
 use echomarch::scene::shape::Plane;
@@ -13,12 +13,11 @@ const AHEAD: Vec3 = Vec3::new(0.0, 0.0, -5.0);
 const TO_THE_LEFT: Vec3 = Vec3::new(-5.0, 0.0, 0.0);
 const TO_THE_RIGHT: Vec3 = Vec3::new(5.0, 0.0, 0.0);
 
-/// Where the listener stands in [`field`]: off the world's origin, see
+/// The listener's position in [`field`]: away from the world's origin, see
 /// [`a_listener_at_the_origin_hears_dead_waves`].
 const STAND: Vec3 = Vec3::new(20.0, 0.0, 30.0);
 
-/// A plane far below, and a source that nothing hides from the listener, which it stands at
-/// `source` from.
+/// A plane far below, and an unobstructed source at `source` relative to the listener.
 fn field(source: Vec3) -> Scene {
     Scene::new(
         "field",
@@ -28,15 +27,16 @@ fn field(source: Vec3) -> Scene {
     )
 }
 
-/// Enough waves that the least count of hits in the field, some 3,000, leaves a standard error
+/// Enough waves that the smallest number of hits in the field, some 3,000, leaves a standard error
 /// of 0.5 / √3000 = 0.009: see [`standard_error`].
 fn settings() -> Settings {
     thesis(65_536, 4)
 }
 
-/// Of the pan of one frame. Waves from one side of the listener arrive spread evenly over the
-/// disc that its sphere shows; across it, the side of an arrival has the variance of one
-/// coordinate in the unit disc, 1/4. So a wave's deviation is 0.5 at most, and less along it.
+/// Standard error of the pan of one frame. Waves from one side of the listener arrive spread evenly
+/// over the disc of its sphere; across it, the side of an arrival has the variance of one
+/// coordinate in the unit disc, 1/4. So a wave's standard deviation is at most 0.5, and less along
+/// it.
 fn standard_error(frame: &Frame) -> f64 {
     0.5 / (frame.counts.listener_hits as f64).sqrt()
 }
@@ -47,10 +47,10 @@ fn pan(tracer: &mut Tracer, scene: &Scene) -> f64 {
     frame.panning.pan()
 }
 
-/// Protects the meaning of the panning value on every API: ahead is the middle, and a source
-/// is heard on the side where it stands. ±0.02 ahead is twice the standard error of the hits
-/// that there are. At the side, waves spread evenly over the disc pan to 2/3 of the way, the
-/// mean of √(1 − r²); 0.5 leaves room for those off the ground, which come from below.
+/// Protects the meaning of the panning value on every API: ahead is the middle, and a source is
+/// heard on the side where it is. ±0.02 ahead is twice the standard error of the hits. At the side,
+/// waves spread evenly over the disc pan to 2/3 of the way, the mean of √(1 − r²); 0.5 leaves room
+/// for reflections off the ground, which come from below.
 #[test]
 fn a_source_is_heard_where_it_stands() {
     for_each_api(|context| {
@@ -61,13 +61,13 @@ fn a_source_is_heard_where_it_stands() {
         assert!(ahead.abs() < 0.02, "{ahead}");
         assert!(left < -0.5, "{left}");
         assert!(right > 0.5, "{right}");
-        // Behind cannot be told from ahead with two ears and no head.
+        // Two ears without a head cannot distinguish behind from ahead.
         let behind = pan(&mut tracer, &field(-AHEAD));
         assert!(behind.abs() < 0.02, "{behind}");
     });
 }
 
-/// Protects the sign of yaw: turned to the right, the listener has at the left what was ahead.
+/// Protects the sign of yaw: what was ahead is at the left after a turn to the right.
 #[test]
 fn turning_the_listener_turns_what_it_hears() {
     let mut tracer = tracer();
@@ -82,9 +82,9 @@ fn turning_the_listener_turns_what_it_hears() {
     assert!(turned(2.0 * FRAC_PI_2, TO_THE_RIGHT) < -0.5);
 }
 
-/// Protects the whole chain from any handedness of its own: a mirrored scene is heard mirrored,
-/// among boxes, pillars and turned walls too. The start directions are not mirrored with it, so
-/// the two are independent samples: five standard errors of their sum.
+/// Protects the whole chain from a handedness of its own: a mirrored scene is heard mirrored, also
+/// among boxes, pillars and rotated walls. The start directions are not mirrored with it, so the
+/// two are independent samples: five standard errors of their sum.
 #[test]
 fn mirrored_scenes_are_heard_mirrored() {
     let mut tracer = tracer();
@@ -107,8 +107,8 @@ fn mirrored_scenes_are_heard_mirrored() {
     }
 }
 
-/// Protects the panning pass from a division by 0: a source at the very centre of the listener
-/// is heard in the middle, in equal parts, by every wave.
+/// Protects the panning pass from a division by 0: a source at the exact centre of the listener is
+/// heard in the middle, in equal parts, by every wave.
 #[test]
 fn a_source_at_the_centre_is_heard_in_the_middle() {
     for_each_api(|context| {
@@ -120,9 +120,9 @@ fn a_source_at_the_centre_is_heard_in_the_middle() {
     });
 }
 
-/// A known fault, kept by the thesis profile: figure 8 puts a dead wave at (0, 0, 0) with
-/// direction 0, marches it again, and finds whatever is there. A listener there hears every
-/// dead wave, in equal parts. Fails when the profile is repaired: it must not be.
+/// A known fault, kept by the thesis profile: figure 8 puts a dead wave at (0, 0, 0) with direction
+/// 0, marches it again, and hits whatever is there. A listener there hears every dead wave, in
+/// equal parts. This test fails if the profile is repaired, which must not happen.
 #[test]
 fn a_listener_at_the_origin_hears_dead_waves() {
     let mut scene = field(TO_THE_LEFT);
@@ -132,10 +132,10 @@ fn a_listener_at_the_origin_hears_dead_waves() {
     scene.source.position -= STAND;
     scene.listener.position = Vec3::ZERO;
     let here = tracer.frame(&scene, &thesis(4096, 4)).unwrap();
-    // Those that died in the last iteration are not marched again.
+    // Waves that died in the last iteration are not marched again.
     let dead = apart.counts.dead - here.counts.dead;
     let heard = apart.counts.listener_hits + dead;
-    // Moving the scene rounds its coordinates otherwise: a few waves may flip.
+    // The moved scene's coordinates are rounded differently: a few waves may flip.
     assert!(
         here.counts.listener_hits.abs_diff(heard) <= 4,
         "{here:?}, {apart:?}"
@@ -151,44 +151,4 @@ fn nothing_arriving_is_the_middle() {
     assert_eq!(frame.counts.listener_hits, 0);
     assert_eq!((frame.panning.left, frame.panning.right), (0.0, 0.0));
     assert_eq!(frame.panning.pan(), 0.0);
-}
-
-#[cfg(feature = "cli")]
-mod through_the_program {
-    use crate::common::cli::{argument, json};
-
-    fn pan(folder: &std::path::Path, source: &str, listener: &str) -> f64 {
-        let file = folder.join("field.ron");
-        let text = format!(
-            "Scene(
-                surfaces: [Surface(shape: Plane, position: (0, -10, 0))],
-                source: Source(position: {source}),
-                listener: Listener(position: (20, 0, 30), radius: 2, {listener}),
-            )"
-        );
-        std::fs::write(&file, text).unwrap();
-        let report = json(&[
-            "trace",
-            argument(&file),
-            "--profile",
-            "thesis",
-            "--iterations",
-            "4",
-        ]);
-        report["pan"].as_f64().unwrap()
-    }
-
-    /// Protects the signs and the degrees from scene file to printed report; the bounds are
-    /// those of the tests above.
-    #[test]
-    fn scene_files_pan_the_same_way() {
-        let folder = tempfile::tempdir().unwrap();
-        let pan = |source, listener| pan(folder.path(), source, listener);
-        assert!(pan("(20, 0, 25)", "").abs() < 0.02);
-        assert!(pan("(15, 0, 30)", "") < -0.5);
-        assert!(pan("(25, 0, 30)", "") > 0.5);
-        assert!(pan("(20, 0, 25)", "yaw: 90") < -0.5);
-        assert!(pan("(20, 0, 25)", "yaw: -90") > 0.5);
-        assert_eq!(pan("(20, 0, 30)", ""), 0.0);
-    }
 }

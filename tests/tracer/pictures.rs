@@ -1,10 +1,9 @@
-//! Pictures on every GL API, against golden ones and against the CPU's distance
-//! function. A machine without GL fails these tests.
+//! Pictures on every GL API, against golden ones and against the CPU's distance function. Without GL these tests fail.
 //!
 //! The golden pictures in `tests/golden/` come from Mesa's llvmpipe. Another renderer may
 //! round differently, so a picture matches when the mean difference of its channels is
 //! below 1/255 and fewer than 0.5 % of its pixels differ by more than 8/255 in any.
-//! `ECHOMARCH_UPDATE_GOLDEN=1` writes them anew, drawn with the first API.
+//! `ECHOMARCH_UPDATE_GOLDEN=1` rewrites them, drawn with the first API.
 
 #![cfg(feature = "picture")]
 
@@ -21,7 +20,7 @@ const MEAN_DIFFERENCE: f64 = 1.0;
 const PIXEL_DIFFERENCE: u8 = 8;
 const PIXELS_OFF: f64 = 0.005;
 
-/// A picture's name, and how it is drawn.
+/// A picture's name, and the function that draws it.
 type Golden = (&'static str, fn(&mut Tracer) -> RgbaImage);
 
 const GOLDEN: [Golden; 8] = [
@@ -35,7 +34,7 @@ const GOLDEN: [Golden; 8] = [
     ("open-pillars-slice-paths", |t| plan(t, "open-pillars", 40)),
 ];
 
-/// Protects every picture from changing unseen, and the APIs from drawing differently.
+/// Protects every picture from unnoticed changes, and the APIs from drawing differently.
 #[test]
 fn pictures_match_the_golden_ones_on_every_api() {
     if std::env::var_os("ECHOMARCH_UPDATE_GOLDEN").is_some() {
@@ -57,8 +56,8 @@ fn pictures_match_the_golden_ones_on_every_api() {
     }
 }
 
-/// Protects the claim that a picture shows what the waves meet: a block that hides the
-/// source from the waves hides it from the eye, and without the block it is seen.
+/// Protects the claim that a picture shows what the waves hit: a block that hides the source from the waves hides it
+/// from the eye, and without the block it is visible.
 #[test]
 fn the_source_is_seen_only_where_nothing_is_before_it() {
     let context = tracer(Api::Gl).context().clone();
@@ -79,13 +78,13 @@ fn the_source_is_seen_only_where_nothing_is_before_it() {
     assert!(!glows(&scene));
     scene.surfaces.truncate(1);
     assert!(glows(&scene));
-    // Turned away, it is behind the eye.
+    // After the turn it is behind the eye.
     scene.listener.yaw += std::f32::consts::PI;
     assert!(!glows(&scene));
 }
 
-/// Protects the plan: what the CPU's distance function calls solid is filled, what it
-/// calls air is not, and every pixel lies where the bounds say.
+/// Protects the plan: points that the CPU's distance function calls solid are filled, those in the air are not, and
+/// every pixel lies where the bounds state.
 #[test]
 fn a_slice_is_filled_where_the_scene_is_solid() {
     let mut tracer = tracer(Api::Gl);
@@ -117,8 +116,8 @@ fn a_slice_is_filled_where_the_scene_is_solid() {
     }
 }
 
-/// Protects x and yaw from a wrong sign anywhere: the plan of a mirrored scene is the
-/// mirrored plan, marks and key-framed paths included.
+/// Protects x and yaw from a wrong sign anywhere: the plan of a mirrored scene is the mirrored plan, including marks
+/// and key-framed paths.
 #[test]
 fn a_mirrored_scene_gives_a_mirrored_slice() {
     let mut tracer = tracer(Api::Gl);
@@ -136,8 +135,8 @@ fn a_mirrored_scene_gives_a_mirrored_slice() {
     assert_alike(&drawn, &expected, "mirrored-slice");
 }
 
-/// Protects plans of several sources and listeners: all are shown, those that no wave is drawn from or to paler, and
-/// named.
+/// Protects plans of several sources and listeners: all are shown and named, those without a drawn wave in a paler
+/// colour.
 #[test]
 fn a_slice_shows_all_sources_and_listeners() {
     let mut tracer = tracer(Api::Gl);
@@ -174,19 +173,19 @@ fn a_slice_shows_all_sources_and_listeners() {
     let (x, y) = pixel(source);
     let [red, green, blue, _] = all.get_pixel(x as u32, y as u32).0;
     assert!(red > green && green > blue, "a source is orange");
-    // Without bounds, they are in the picture too.
+    // Without bounds, they are in the picture as well.
     scene.further_sources[0].position.x = 40.0;
     let shown = Bounds::of(&scene, scene.listener.position.y);
     assert!(shown.max.x > 40.0, "{shown:?}");
 }
 
-/// Protects the user from a picture of nothing, and the renderer from what it cannot draw.
+/// Protects the user from an empty picture, and the renderer from sizes that it cannot draw.
 #[test]
 fn pictures_that_cannot_be_are_refused_as_bad_input() {
     let mut tracer = tracer(Api::Gl);
     let context = tracer.context().clone();
     let scene = Scene::builtin("corner").unwrap();
-    // No renderer has textures of so many texels a side.
+    // No renderer has textures with sides of this many texels.
     let too_wide = 1 << 20;
     for (width, height, field_of_view) in [
         (0, 10, 1.0),
@@ -218,7 +217,7 @@ fn pictures_that_cannot_be_are_refused_as_bad_input() {
     }
 }
 
-/// Protects files: what is read is what was drawn, and a folder that is not there is told.
+/// Protects files: the picture read is the one that was drawn, and a missing folder is reported.
 #[test]
 fn a_saved_picture_reads_back() {
     let folder = tempfile::tempdir().unwrap();
@@ -228,7 +227,7 @@ fn a_saved_picture_reads_back() {
     assert_eq!(image::open(&file).unwrap().into_rgba8(), picture);
     let error = save_png(&folder.path().join("absent/picture.png"), &picture).unwrap_err();
     assert!(error.to_string().contains("absent"), "{error}");
-    assert!(error.is_bad_input(), "a place that is not there was typed");
+    assert!(error.is_bad_input(), "a missing folder is bad input");
 }
 
 fn tracer(api: Api) -> Tracer {
@@ -301,7 +300,7 @@ fn mirrored(scene: &Scene) -> Scene {
 }
 
 fn refused(drawn: Result<RgbaImage, Error>) {
-    let error = drawn.expect_err("this must be refused");
+    let error = drawn.expect_err("the call should fail");
     assert!(error.is_bad_input(), "{error}");
 }
 
@@ -309,13 +308,13 @@ fn golden_file(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/golden/{name}.png"))
 }
 
-/// Compares within the tolerance above; a picture that does not match is kept to be seen.
+/// Compares within the tolerance above; a picture that does not match is kept for inspection.
 fn assert_alike(drawn: &RgbaImage, expected: &RgbaImage, name: &str) {
     let verdict = difference(drawn, expected);
     if let Err(difference) = verdict {
         let kept = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}.png"));
         save_png(&kept, drawn).unwrap();
-        panic!("{name}: {difference}; what was drawn is {}", kept.display());
+        panic!("{name}: {difference}; drawn: {}", kept.display());
     }
 }
 

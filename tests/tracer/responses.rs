@@ -41,7 +41,7 @@ impl Shoebox {
         Scene::shoebox(self.size, &self.absorption, source, listener)
     }
 
-    /// By image sources.
+    /// The exact figures, by image sources.
     fn truth(&self, seconds: f64) -> Figures {
         let [size, source, listener] =
             [self.size, self.source, self.listener].map(|v| v.as_dvec3());
@@ -50,8 +50,7 @@ impl Shoebox {
     }
 }
 
-/// How far a figure is off over all bands at worst, as a share of it or in its unit; at least half of
-/// the bands must have it.
+/// Largest error of a figure over all bands, relative or in its unit; at least half of the bands must have the figure.
 fn worst(
     truth: &Figures,
     found: &Figures,
@@ -68,8 +67,8 @@ fn worst(
     all.into_iter().fold(0.0, f64::max)
 }
 
-/// Protects the accuracy that is promised of 262,144 waves, from the scene to the figures: T30 and EDT
-/// within 3 %, C80 within 0.3 dB, G within 0.15 dB of image sources, in a live and in a dry room.
+/// Protects the documented accuracy with 262,144 waves, from the scene to the figures: T30 and EDT within 3 %, C80
+/// within 0.3 dB, G within 0.15 dB of image sources, in a live and in a dry room.
 #[test]
 fn a_shoebox_answers_as_its_image_sources_do() {
     let mut tracer = tracer();
@@ -113,7 +112,7 @@ fn a_shoebox_answers_as_its_image_sources_do() {
 }
 
 /// Protects the end of an uneven decay, where sound goes to and fro between two hard walls when the others have
-/// absorbed all else: each band's T30 is told, and is right.
+/// absorbed the rest: each band's T30 is reported, and is right.
 #[test]
 fn the_end_of_an_uneven_decay_is_told() {
     let mut tracer = tracer();
@@ -135,7 +134,7 @@ fn the_end_of_an_uneven_decay_is_told() {
         let (t30_s, error) = found.bands[band]
             .t30_s
             .zip(found.errors[band].t30_s)
-            .unwrap_or_else(|| panic!("band {band} is not told: {truth} s"));
+            .unwrap_or_else(|| panic!("band {band} has no T30: {truth} s"));
         let off = (t30_s - truth).abs();
         assert!(
             off < 0.03 * truth && off < 4.0 * error,
@@ -166,7 +165,7 @@ fn early_paths_are_the_image_sources() {
         .images(3)
         .unwrap();
     assert_eq!(response.paths.len(), 63);
-    // The directions that are searched besides find what few waves do.
+    // The directions searched in addition find the paths that few waves find.
     let missed = response.missed.energy_share().unwrap();
     assert!(missed < 0.01, "{missed}");
     assert_eq!(images.len(), 63);
@@ -183,8 +182,8 @@ fn early_paths_are_the_image_sources() {
     }
 }
 
-/// Protects the energy of paths that waves miss: with so few waves most paths of up to 16 reflections have no wave, and
-/// the energy of those that have none comes from others.
+/// Protects the energy of paths that waves miss: with this few waves most paths of up to 16 reflections have no wave,
+/// and other paths supply their energy.
 #[test]
 fn paths_that_few_waves_find_take_no_energy_away() {
     let mut tracer = tracer();
@@ -214,8 +213,8 @@ fn paths_that_few_waves_find_take_no_energy_away() {
     }
 }
 
-/// Protects bands from one another: those that walls mirror are as image sources say, however much of the others is
-/// scattered.
+/// Protects bands from one another: bands that walls reflect without scattering agree with image sources, however much
+/// of the others is scattered.
 #[test]
 fn mirrored_bands_are_exact_beside_bands_that_scatter() {
     let room = Shoebox::new(
@@ -240,8 +239,8 @@ fn mirrored_bands_are_exact_beside_bands_that_scatter() {
     }
 }
 
-/// Protects a source in the edge or the corner of a hollow box: each wall mirrors what flies against it, and no wave is
-/// lost.
+/// Protects a source in an edge or corner of a hollow box: each wall reflects the waves that fly against it, and no
+/// wave is lost.
 #[test]
 fn a_source_in_the_edge_of_a_hollow_box_loses_nothing() {
     let mut tracer = tracer();
@@ -273,7 +272,7 @@ fn a_source_in_the_edge_of_a_hollow_box_loses_nothing() {
     }
 }
 
-/// Protects a source on an edge and at a corner of a box: it is as loud whatever paths are taken exactly.
+/// Protects a source on an edge and at a corner of a box: its level does not depend on the order of exact paths.
 #[test]
 fn a_source_on_an_edge_of_a_box_is_as_loud_with_any_order() {
     let mut tracer = tracer();
@@ -310,8 +309,8 @@ fn a_source_on_an_edge_of_a_box_is_as_loud_with_any_order() {
     }
 }
 
-/// Protects live sound that has time for few late waves: exact paths stay, to the bit, and the level stays right,
-/// also in a hollow ball, which gathers sound.
+/// Protects live sound with time for only few late waves: exact paths stay the same to the bit, and the level stays
+/// right, also in a hollow ball, which focuses sound.
 #[test]
 fn fewer_late_waves_bring_the_same_energy() {
     let mut tracer = tracer();
@@ -348,17 +347,17 @@ fn fewer_late_waves_bring_the_same_energy() {
                 off_db < 4.0 * errors[0].hypot(errors[1]),
                 "{band}: {off_db} dB, {errors:?}"
             );
-            // In the ball both hold what exact paths and their waves differ by, 0.4 dB.
+            // In the ball both include the difference between exact paths and their waves, 0.4 dB.
             assert!(errors[1] < errors[0] + 0.2 && errors[0] < 0.6, "{errors:?}");
         }
     }
 }
 
-/// Protects the open field: the direct sound alone, 1/r², and silence behind a wall that absorbs all.
+/// Protects the open field: only the direct sound, 1/r², and silence behind a wall that absorbs everything.
 #[test]
 fn in_the_open_there_is_the_direct_sound_alone() {
     let mut tracer = tracer();
-    // A scene has a surface: this one no wave meets.
+    // A scene needs a surface: no wave hits this one.
     let speck = Surface::new(Sphere { radius: 1e-3 }).at(Vec3::Y * -1000.0);
     let scene = Scene::new(
         "open",

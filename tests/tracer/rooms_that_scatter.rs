@@ -1,6 +1,7 @@
-//! Figures and their errors against rays in `f64`, in rooms that scatter, have doors, and hold close pairs.
+//! Figures and their errors against rays in `f64`, in rooms that scatter, have doors, or contain close pairs.
 //!
-//! `ROOMS=40 RAYS=1000000 cargo test --release --test tracer -- --nocapture random_rooms` prints the table of more rooms.
+//! `ROOMS=40 RAYS=1000000 cargo test --release --test tracer -- --nocapture random_rooms` prints the table for more
+//! rooms.
 
 use crate::common::rays::{Echoes, Estimate, RoomWithBoxes, Sums, Wall};
 use crate::common::{Random, tracer};
@@ -10,13 +11,13 @@ use echomarch::scene::Material;
 use echomarch::scene::shape::{Cuboid, Room};
 use echomarch::{Listener, Scene, Settings, Source, Surface, Tracer};
 
-/// 1 kHz.
+/// Index of the 1 kHz band.
 const BAND: usize = 4;
 
-/// The errors of G that are found in the rooms below are at most half of this.
+/// The errors of G in the rooms below are at most half of this.
 const MOST_ERROR_DB: f64 = 0.5;
 
-/// What rays may be followed for at most, in seconds.
+/// Maximum time for which rays are followed, in seconds.
 const LONGEST_S: f64 = 3.0;
 
 fn scene(room: &RoomWithBoxes) -> Scene {
@@ -65,7 +66,7 @@ fn found(response: &Response) -> ([Option<Estimate>; 4], f64) {
     (list, response.figures.begins_s.expect("sound arrives"))
 }
 
-/// By how many standard deviations of both the figures are off; `None` where a figure is missing.
+/// Deviations of the figures in standard deviations of both; `None` where a figure is missing.
 fn deviations(found: &[Option<Estimate>; 4], truth: &Sums) -> [Option<f64>; 4] {
     std::array::from_fn(|figure| {
         let ((value, error), (exact, of_rays)) = (found[figure]?, truth[figure]);
@@ -80,7 +81,7 @@ fn wall(absorption: f64, scattering: f64) -> Wall {
     }
 }
 
-/// A room with walls of one material and nothing in it.
+/// An empty room with walls of one material.
 fn empty(
     size: [f64; 3],
     walls: Wall,
@@ -129,7 +130,7 @@ fn l_shaped() -> RoomWithBoxes {
     }
 }
 
-/// A wall with an opening between source and listener, which hides the one from the other.
+/// A wall with an opening between source and listener, which hides one from the other.
 fn door() -> RoomWithBoxes {
     let part = |z: f64, depth: f64| {
         let (middle, size) = (DVec3::new(0.0, 0.0, z), DVec3::new(0.3, 4.0, depth));
@@ -208,8 +209,8 @@ fn number(name: &str, default: usize) -> usize {
     given.and_then(|text| text.parse().ok()).unwrap_or(default)
 }
 
-/// Protects the errors of figures: of the sums in random rooms, 95 % should be within two standard deviations of those of
-/// rays. With 24 figures nine tenths may not be missed by chance.
+/// Protects the errors of figures: 95 % of the sums in random rooms should be within two standard deviations of the
+/// rays' sums. The test requires nine tenths, which 24 figures should not miss by chance.
 #[test]
 fn errors_hold_the_rays_of_random_rooms() {
     let (rooms, rays) = (number("ROOMS", 6), number("RAYS", 100_000));
@@ -224,7 +225,7 @@ fn errors_hold_the_rays_of_random_rooms() {
         let truth = echoes.sums(origin_s);
         let off = deviations(&found, &truth);
         println!(
-            "{index:3} {} boxes, scattering {:.2}, apart {:.1} m: {found:.4?} rays {truth:.4?} off {off:.1?}",
+            "{index:3} {} boxes, scattering {:.2}, distance {:.1} m: {found:.4?} rays {truth:.4?} off {off:.1?}",
             room.boxes.len(),
             room.walls.scattering,
             room.source.distance(room.listener),
@@ -255,8 +256,8 @@ fn assert_holds(response: &Response, echoes: &Echoes) {
     assert!(error_db < MOST_ERROR_DB, "{error_db} dB");
 }
 
-/// Protects G next to walls that scatter: the order of exact paths does not change it, and rays agree. It was 0.5 dB too
-/// low with an error of 0.004 dB, as scattered sound was counted in a sphere of 0.8 m.
+/// Protects G next to walls that scatter: the order of exact paths does not change it, and rays agree. It was 0.5 dB
+/// too low with an error of 0.004 dB when scattered sound was counted in a sphere of 0.8 m.
 #[test]
 fn sound_scattered_nearby_is_counted_at_the_listener() {
     let mut tracer = tracer();
@@ -265,8 +266,8 @@ fn sound_scattered_nearby_is_counted_at_the_listener() {
     assert_holds(&response, &room.echoes(300_000, 0.5, 5));
 }
 
-/// Protects the time origin where the source is hidden: it does not depend on the number of waves, and neither do the
-/// figures beyond their errors.
+/// Protects the time origin of a hidden source: it does not depend on the number of waves, and the figures do not
+/// beyond their errors.
 #[test]
 fn the_time_origin_does_not_depend_on_the_number_of_waves() {
     let mut tracer = tracer();
@@ -285,7 +286,7 @@ fn the_time_origin_does_not_depend_on_the_number_of_waves() {
     assert_holds(&many, &room.echoes(200_000, many.seconds, 6));
 }
 
-/// Protects the error of a partly hidden listener: it holds the mean over the sphere, and does not depend on the seed.
+/// Protects the error of a partly hidden listener: it covers the mean over the sphere, and does not depend on the seed.
 #[test]
 fn the_error_of_a_partly_hidden_listener_is_steady() {
     let mut tracer = tracer();
@@ -305,7 +306,8 @@ fn the_error_of_a_partly_hidden_listener_is_steady() {
     assert_holds(&response, &room.echoes(200_000, response.seconds, 7));
 }
 
-/// Protects a listener that hardly a wave meets: its error is neither 0 nor a jump of the noise, and the exact paths count.
+/// Protects a listener that hardly any wave hits: its error is neither 0 nor a jump of the noise, and the exact paths
+/// count.
 #[test]
 fn a_tiny_listener_has_honest_errors() {
     let mut tracer = tracer();

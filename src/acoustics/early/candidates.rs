@@ -1,4 +1,4 @@
-//! Which sequences of surfaces may have a path: those of waves that pass by the listener.
+//! Finds the sequences of surfaces that may have a path: those of waves that pass the listener.
 
 use super::Ends;
 use super::edge_start::EdgeStart;
@@ -8,14 +8,15 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Waves that are followed together on one thread.
+/// Number of waves that are followed together on one thread.
 const WAVES_A_SHARE: usize = 16;
 
-/// Rounds in which waves are followed, a power of two. Each has every so-maniest wave, so that those of the first
-/// rounds go in all directions; after a round it is decided whether there is a next one.
+/// Number of rounds in which waves are followed, a power of two. The waves of each round are spread evenly over
+/// all, so that those of the first rounds go in all directions; after each round the limit of work decides
+/// whether there is a next one.
 const ROUNDS: u32 = 64;
 
-/// The reflections of waves that passed by the listener.
+/// The reflections of waves that passed the listener.
 #[derive(Clone, Debug, Default)]
 pub struct Candidates {
     waves: usize,
@@ -25,7 +26,7 @@ pub struct Candidates {
     left_out: Vec<u32>,
 }
 
-/// One wave up to the listener: some vertices in a row.
+/// A wave up to the listener: a range of vertices.
 #[derive(Clone, Copy, Debug)]
 struct Span {
     wave: u32,
@@ -33,17 +34,17 @@ struct Span {
     count: usize,
 }
 
-/// A wave that passed by the listener after some reflections.
+/// A wave that passed the listener after some reflections.
 #[derive(Clone, Copy, Debug)]
 pub struct Candidate<'a> {
     /// Index of the wave.
     pub wave: u32,
-    /// Its reflections in order; none for a wave that came straight from the source.
+    /// Its reflections in order; empty for a wave that came straight from the source.
     pub vertices: &'a [Vertex],
 }
 
 impl Candidates {
-    /// None so far, of `waves` waves that are followed altogether.
+    /// Empty, for `waves` waves followed in total.
     pub fn new(waves: usize) -> Candidates {
         Candidates {
             waves,
@@ -51,14 +52,14 @@ impl Candidates {
         }
     }
 
-    /// The same, of so many waves altogether: some may have been left out, as they are known to pass
-    /// by nowhere.
+    /// The same with the total number of waves: some may have been skipped because they are known
+    /// not to pass the listener.
     pub fn among(mut self, waves: usize) -> Candidates {
         self.waves = waves;
         self
     }
 
-    /// Adds a wave that passed by the listener after these reflections. One whose index is not below
+    /// Adds a wave that passed the listener after these reflections. One whose index is not below
     /// [`Candidates::waves`] names its path, but does not count among those that found it.
     pub fn add(&mut self, wave: u32, vertices: &[Vertex]) {
         let (first, count) = (self.vertices.len(), vertices.len());
@@ -66,7 +67,7 @@ impl Candidates {
         self.spans.push(Span { wave, first, count });
     }
 
-    /// How many waves were followed, those included that passed by nowhere.
+    /// Number of waves followed, including those that did not pass the listener.
     pub fn waves(&self) -> usize {
         self.waves
     }
@@ -76,12 +77,12 @@ impl Candidates {
         &self.left_out
     }
 
-    /// How many times a wave passed by.
+    /// Number of times that a wave passed the listener.
     pub fn len(&self) -> usize {
         self.spans.len()
     }
 
-    /// Whether no wave passed by.
+    /// Whether no wave passed the listener.
     pub fn is_empty(&self) -> bool {
         self.spans.is_empty()
     }
@@ -93,7 +94,7 @@ impl Candidates {
         Some(Candidate { wave, vertices })
     }
 
-    /// All of them in order.
+    /// All candidates in order.
     pub fn iter(&self) -> impl Iterator<Item = Candidate<'_>> {
         (0..self.len()).filter_map(|index| self.get(index))
     }
@@ -103,20 +104,20 @@ impl Candidates {
         &self.vertices
     }
 
-    /// Which of [`Candidates::vertices`] each candidate has.
+    /// The range of [`Candidates::vertices`] of each candidate.
     pub(super) fn ranges(&self) -> impl Iterator<Item = Range<usize>> {
         self.spans
             .iter()
             .map(|span| span.first..span.first + span.count)
     }
 
-    /// Drops the vertices that the last wave has behind its last candidate.
+    /// Drops the vertices of the last wave that follow its last candidate.
     fn forget_vertices_behind(&mut self) {
         let end = self.spans.last().map_or(0, |span| span.first + span.count);
         self.vertices.truncate(end);
     }
 
-    /// Adds those of other waves.
+    /// Adds the candidates of other waves.
     fn append(&mut self, other: Candidates) {
         let before = self.vertices.len();
         self.vertices.extend(other.vertices);
@@ -127,22 +128,22 @@ impl Candidates {
     }
 }
 
-/// How waves are followed from the source through the listener.
+/// Settings for following waves from the source through the listener.
 pub(super) struct Follow<'a> {
     pub exact: &'a ExactScene,
     pub edge: EdgeStart<'a>,
     pub ends: &'a Ends,
-    /// Reflections at most.
+    /// Maximum number of reflections.
     pub order: u32,
-    /// Metres from the listener's centre within which a flight is a candidate.
+    /// Maximum distance in metres of a flight from the listener's centre to be a candidate.
     pub reach_m: f64,
 }
 
 impl Follow<'_> {
-    /// Follows waves along `directions` (of any length but 0); the index of a wave is that of its direction. Once more
-    /// than `most_asked` surfaces, and boxes around them, have been asked, the other rounds are left out.
+    /// Follows waves along `directions` (of any length except 0); the index of a wave is that of its direction. Once
+    /// more than `most_asked` surfaces, and boxes around them, have been evaluated, the remaining rounds are left out.
     ///
-    /// On the threads of rayon's pool; the result does not depend on their number.
+    /// Runs on the threads of rayon's pool; the result does not depend on their number.
     pub fn all(&self, directions: &[Vec3], most_asked: u64) -> Candidates {
         let mut all = Candidates::new(directions.len());
         let mut asked = 0;
@@ -164,7 +165,7 @@ impl Follow<'_> {
         all
     }
 
-    /// Some of the waves, and how many surfaces were asked for them.
+    /// Follows these waves, and returns the number of surfaces evaluated for them.
     fn share(&self, directions: &[Vec3], waves: &[u32]) -> (Candidates, u64) {
         let mut found = Candidates::default();
         let mut asked = 0;
@@ -178,8 +179,8 @@ impl Follow<'_> {
         (found, asked)
     }
 
-    /// Follows one wave; every flight of it that comes near enough is a candidate, and all of
-    /// them share its vertices. Returns how many surfaces, and boxes around them, were asked for its reflections.
+    /// Follows one wave; every flight of it that comes near enough is a candidate, and all of them share its
+    /// vertices. Returns the number of surfaces, and boxes around them, evaluated for its reflections.
     fn one(&self, found: &mut Candidates, wave: u32, start: DVec3) -> u64 {
         let first = found.vertices.len();
         let mut from = self.ends.source;
@@ -224,8 +225,8 @@ impl Follow<'_> {
         flight.asked
     }
 
-    /// The direction in which a wave leaves the source along `start`, and how many reflections at an edge there come
-    /// first.
+    /// The direction in which a wave leaves the source along `start`, and the number of reflections at an edge there
+    /// before.
     fn leave_edge(&self, start: DVec3, visit: &mut impl FnMut(Vertex)) -> (DVec3, u32) {
         let mut direction = start;
         for reflections in 0..self.order {
@@ -244,8 +245,8 @@ impl Follow<'_> {
     }
 }
 
-/// The numbers of the waves of a round, out of `waves` waves. Rounds come in the order of their reversed bits: so those of the first
-/// ones lie evenly between each other.
+/// The indices of the waves of a round, out of `waves` waves. Rounds are in bit-reversed order, so that the waves of
+/// the first ones are evenly spaced.
 fn waves_of_round(round: u32, waves: u32) -> Vec<u32> {
     let first = round.reverse_bits() >> (ROUNDS.leading_zeros() + 1);
     (first..waves).step_by(ROUNDS as usize).collect()
@@ -273,8 +274,8 @@ mod tests {
     use crate::acoustics::early::tests::{directions, scene};
     use crate::scene::shape::{Cuboid, Room};
 
-    /// Protects the limit of work: what is left out is known and depends on no number of threads, and what is not left
-    /// out is the same as without a limit.
+    /// Protects the limit of work: the waves left out are known and do not depend on the number of threads, and the
+    /// results of the others are the same as without a limit.
     #[test]
     fn a_limit_leaves_out_whole_waves() {
         let block = |index: usize| {
@@ -302,7 +303,7 @@ mod tests {
         };
         let (all, none) = found(1, u64::MAX);
         assert!(none.is_empty() && all.is_sorted_by_key(|(wave, _)| *wave));
-        // Each flight asks one surface at least, and a round some hundred.
+        // Each flight evaluates at least one surface, and a round some hundred.
         let (some, left_out) = found(1, 3000);
         assert!((1..1950).contains(&left_out.len()), "{}", left_out.len());
         let is_followed = |(wave, _): &&(u32, Vec<Vertex>)| left_out.binary_search(wave).is_err();
@@ -310,12 +311,12 @@ mod tests {
         for threads in [2, 3, 7] {
             assert_eq!(found(threads, 3000), (some.clone(), left_out.clone()));
         }
-        // After a limit of nothing the first round alone has been followed.
+        // With a limit of 0 only the first round was followed.
         assert_eq!(found(2, 0).1.len(), 2000 - waves_of_round(0, 2000).len());
     }
 
-    /// Protects directions from being left out that no others stand for: the first rounds have waves everywhere, and
-    /// all rounds together have every wave once.
+    /// Protects against leaving out whole regions of directions: the first rounds have waves everywhere, and all
+    /// rounds together have every wave once.
     #[test]
     fn rounds_are_spread_evenly() {
         let first: Vec<u32> = (0..4).map(|round| waves_of_round(round, 640)[0]).collect();

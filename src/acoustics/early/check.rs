@@ -1,33 +1,33 @@
-//! Whether a stationary path is one that sound takes.
+//! Checks whether sound takes a stationary path.
 //!
-//! Rules for what arithmetic cannot decide, with *touch* = 10⁴ roundings of the scene, some 10⁻⁹
-//! of its extent:
+//! Rules for cases that arithmetic cannot decide, with *touch* = 10⁴ roundings of the scene, about
+//! 10⁻⁹ of its extent:
 //! - A point up to *touch* beyond the edge of a face is on the face.
-//! - A reflection at less than [`GRAZING`] to the surface is none: the path cannot be distinguished from
-//!   the one that goes straight on. But a source on a surface has an image there for a listener on it, too.
-//! - A segment is free if it is shorter than 20 *touches*, or if nothing is met on it before *touch* of its end; the surface that it
-//!   ends on may be met earlier by *touch* ÷ cosine, as its distance is measured along the segment.
-//! - Two points closer than *touch* lie in an edge, or are an end on a surface: between them the wave has
-//!   the direction that mirroring gives (`flight.rs`). At an end that must come from the solid, or lead into
-//!   it: where it does not, as before an edge of a box, the wave flies on in the air. In an edge that
-//!   points into the air a wave that reaches several faces is mirrored by one of them, and the choice is ambiguous:
-//!   there is no exact path, and its waves stay statistics.
+//! - A reflection with a cosine below [`GRAZING`] does not count: the path cannot be distinguished from the
+//!   one that goes straight on. But a source on a surface has an image there, also for a listener on it.
+//! - A segment is free if it is shorter than 20 *touches*, or if it meets no surface until *touch* before its end; the
+//!   surface at its end may be met earlier by *touch* ÷ cosine, as its distance is measured along the segment.
+//! - Two points closer than *touch* lie in an edge, or are an end on a surface: between them the wave has the
+//!   direction that mirroring gives (`flight.rs`). At an end that direction must come from the solid, or lead into
+//!   it: otherwise, as before an edge of a box, the wave flies on in the air. In an edge that points into the air a
+//!   wave that reaches several faces is mirrored by one of them, and the choice is ambiguous: there is no exact
+//!   path, and its waves remain statistical.
 
 use super::NoPath;
 use super::surfaces::{Surfaces, Vertex};
 use crate::reference::ExactScene;
 use glam::DVec3;
 
-/// Least cosine between a wave and a surface's normal: at it rounding along the wave is 10⁹
-/// times that across the surface, 10⁻⁶ of the scene's extent.
+/// Least cosine between a wave and a surface's normal: there rounding along the wave is 10⁹ times
+/// that across the surface, 10⁻⁶ of the scene's extent.
 const GRAZING: f64 = 1e-9;
 
-/// How far from an end the solid is looked for, in *touches*: more than an end may lie off its surface, for directions
-/// that do not graze it.
+/// Distance from an end at which the solid is probed, in *touches*: more than an end may be off its surface, for
+/// directions that do not graze it.
 pub(super) const PROBE_IN_TOUCHES: f64 = 1e3;
 
-/// Shorter segments lie next to an edge, and nothing is between their ends, in *touches*: fields are looked at so far
-/// ahead of a place (`reference::marched`), and twice that.
+/// Shorter segments, in *touches*, lie next to an edge and count as free: twice the distance at which fields are
+/// probed ahead of a point (`reference::marched`).
 const SHORTEST_IN_TOUCHES: f64 = 20.0;
 
 /// A path to check: `points` from source to listener, and for each reflection between them the
@@ -42,7 +42,7 @@ pub(super) struct Checked<'a> {
 
 impl Checked<'_> {
     /// # Errors
-    /// Why sound does not take the path.
+    /// Checks the path; the error states why sound does not take it.
     pub fn is_taken(&self, exact: &ExactScene, surfaces: &Surfaces) -> Result<(), NoPath> {
         let inner = self.surfaces.iter().zip(&self.points[1..]);
         for (surface, point) in inner {
@@ -54,7 +54,7 @@ impl Checked<'_> {
         for (i, normal) in self.normals.iter().enumerate() {
             let (to, from) = (self.directions[i], self.directions[i + 1]);
             let (to, from) = (to.dot(*normal), from.dot(*normal));
-            // A source on a surface has an image there, for what flies along it too.
+            // A source on a surface has an image there, also for directions along it.
             let least = if i < at_source { -GRAZING } else { GRAZING };
             if to > -least || from < least {
                 return Err(NoPath::NotFromTheAir);
@@ -69,9 +69,9 @@ impl Checked<'_> {
         }
     }
 
-    /// Whether each reflection in an edge, where two between the ends are at one point, comes from the air, at an edge that
-    /// points into the solid: at one that points into the air a wave meets one of the faces alone, and a face that lies
-    /// in another solid mirrors nothing.
+    /// Checks that each reflection in an edge, where two reflections away from the ends are at one point, comes from
+    /// the air, at an edge that points into the solid: at one that points into the air a wave meets only one of the
+    /// faces, and a face inside another solid does not reflect.
     fn edges_mirror(&self, exact: &ExactScene, surfaces: &Surfaces) -> Result<(), NoPath> {
         let end = EndOnSurface { exact, surfaces };
         for (i, pair) in self.normals.windows(2).enumerate() {
@@ -92,7 +92,8 @@ impl Checked<'_> {
         Ok(())
     }
 
-    /// Whether each segment of no length at an end, so many of them at the source, is mirrored there.
+    /// Checks that each segment of length 0 at an end (`at_source` of them at the source) is mirrored
+    /// there.
     fn ends_mirror(
         &self,
         exact: &ExactScene,
@@ -141,7 +142,7 @@ impl Checked<'_> {
     }
 }
 
-/// Normals closer than this are those of one face.
+/// Normals with a smaller difference belong to one face.
 const SAME_NORMAL: f64 = 1e-6;
 
 /// The surroundings of a source or a listener on a surface.
@@ -151,8 +152,8 @@ struct EndOnSurface<'a> {
 }
 
 impl EndOnSurface<'_> {
-    /// Whether what flies from a point on a surface along `direction` is mirrored there, by the surface of this number
-    /// with this normal, so that it leaves the point along `leaves` in the end.
+    /// Checks that a wave from a point on a surface along `direction` is mirrored there, by the surface with this
+    /// number and normal, so that it finally leaves the point along `leaves`.
     fn mirrors(
         &self,
         point: DVec3,
@@ -160,17 +161,18 @@ impl EndOnSurface<'_> {
         (surface, normal): (u32, DVec3),
         leaves: DVec3,
     ) -> Result<(), NoPath> {
-        // A face that ends at the point mirrors what leaves over it, and not what leaves beside it.
+        // A face that ends at the point mirrors waves that leave over it, but not those that leave
+        // next to it.
         let over = point
             + leaves.reject_from_normalized(normal) * (PROBE_IN_TOUCHES * self.surfaces.touch);
-        // What flies along a surface is on it.
+        // A wave along a surface is on it.
         let touch = self.surfaces.touch;
         if self.value(point, direction) > touch || !self.surfaces.has(surface, over) {
             return Err(NoPath::NotFromTheAir);
         }
         let sheets = self.surfaces.sheets_at(surface, point);
         let against = |sheet: &&Vertex| direction.dot(sheet.normal) < -GRAZING;
-        // Beyond one face and behind the other one there is air if the edge points into it.
+        // Above one face and behind the other one there is air if the edge points into it.
         let into_air = |other: &Vertex| {
             let across = other.normal - normal;
             across.length() > SAME_NORMAL && self.value(point, across.normalize()) > -touch
@@ -181,8 +183,8 @@ impl EndOnSurface<'_> {
         }
     }
 
-    /// The distance of the nearest surface next to a point on a surface, in this direction; negative in a solid. Of
-    /// what is farther than the point itself nothing depends.
+    /// The signed distance of the nearest surface at a probe next to a point on a surface, in this direction. Only
+    /// surfaces near the point itself matter.
     fn value(&self, point: DVec3, direction: DVec3) -> f64 {
         let probe_m = PROBE_IN_TOUCHES * self.surfaces.touch;
         let probe = point + direction * probe_m;
@@ -190,7 +192,7 @@ impl EndOnSurface<'_> {
     }
 }
 
-/// How many of these segments, from the first on, have no length.
+/// Number of these segments, from the first on, that have length 0.
 fn short<'a>(segments: impl Iterator<Item = &'a [DVec3]>, touch: f64) -> usize {
     segments
         .take_while(|pair| pair[0].distance(pair[1]) <= touch)

@@ -1,11 +1,11 @@
 //! Derivatives of a tree's value by central differences.
 //!
-//! Values are rounded: of coordinates up to X a value is known to about ε X. With features of
-//! length ℓ its n-th derivative is about ℓ^(1−n). A difference quotient over steps h adds the two
-//! errors; h makes them equal:
+//! Values are rounded: for coordinates up to X the error of a value is about ε X. With features of
+//! length ℓ its n-th derivative is about ℓ^(1−n). A difference quotient over steps h has both
+//! errors; this h makes them equal:
 //! - gradient, of fourth order: rounding ε X / h, truncation h⁴ / ℓ⁴ (÷ 30): h⁵ = ε X ℓ⁴;
-//! - second derivatives, of second order: ε X / h² and h² / ℓ³ (÷ 12): h⁴ = 12 ε X ℓ³, taken
-//!   for two steps to where a step of 0 would be (Richardson).
+//! - second derivatives, of second order: ε X / h² and h² / ℓ³ (÷ 12): h⁴ = 12 ε X ℓ³, extrapolated
+//!   from two steps to a step of 0 (Richardson).
 //!
 //! X = 50 m and ℓ = 0.1 m give a gradient to 4·10⁻¹¹ and second derivatives to 10⁻⁶/m.
 
@@ -30,13 +30,13 @@ pub(super) struct Differenced<'a> {
 }
 
 impl<'a> Differenced<'a> {
-    /// Where the value of `shape` is `level` metres; `largest` is the largest coordinate that
-    /// of a point, in metres.
+    /// The surface where the value of `shape` is `level` metres; `largest` is the largest
+    /// coordinate of a point, in metres.
     pub fn new(shape: &'a Shape, level: f64, largest: f64) -> Differenced<'a> {
         let lengths = shape.nodes().into_iter();
         let own = lengths.map(|tree| tree.node.part().own_length());
         let shortest = own.filter(|l| *l > 0.0).fold(f64::INFINITY, f64::min);
-        // Of what has no length every one is as good.
+        // Without lengths in the shape any step is suitable.
         let feature = if shortest.is_finite() { shortest } else { 1.0 };
         let rounding = f64::EPSILON * largest.max(feature);
         Differenced {
@@ -47,7 +47,7 @@ impl<'a> Differenced<'a> {
         }
     }
 
-    /// At a point of the tree's own axes.
+    /// Derivatives at a point in the tree's own axes.
     pub fn derivatives(&self, p: DVec3) -> Derivatives {
         let (h, value) = (self.hessian_step, self.shape.value(p));
         let fine = self.second(p, value, h);

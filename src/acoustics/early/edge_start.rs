@@ -1,13 +1,13 @@
 //! The start of waves from a source in an edge or a corner of a field.
 //!
-//! There differences of the field's value, by which [`ExactScene`](crate::reference::ExactScene) mirrors, are those of
-//! no face. The sheets that meet there are known: each mirrors what flies against it.
+//! There differences of the field's value, by which [`ExactScene`](crate::reference::ExactScene) mirrors, do not give
+//! the normal of any face. But the sheets that meet there are known: each mirrors waves that fly against it.
 
 use super::check::PROBE_IN_TOUCHES;
 use super::surfaces::{Surfaces, Vertex};
 use glam::DVec3;
 
-/// Where a source lies in edges of fields.
+/// The edges of fields in which a source lies.
 pub(super) struct EdgeStart<'a> {
     surfaces: &'a Surfaces,
     /// The sheets that meet there, as reflections at the source.
@@ -24,8 +24,8 @@ impl EdgeStart<'_> {
         }
     }
 
-    /// The reflection at the source of a wave that is about to fly along the unit vector `direction`; none if it flies
-    /// off. Of several sheets that it flies against it meets the one over which it flies first.
+    /// The reflection at the source of a wave that starts along the unit vector `direction`; `None` if it leaves
+    /// freely. If it flies against several sheets, it meets the one over which it flies first.
     pub fn reflection(&self, direction: DVec3) -> Option<&Vertex> {
         let ahead = direction * (PROBE_IN_TOUCHES * self.surfaces.touch);
         let meets = |sheet: &&Vertex| {

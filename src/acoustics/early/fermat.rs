@@ -1,4 +1,4 @@
-//! Fermat's principle: a path is specular where its length is stationary among all that touch
+//! Fermat's principle: a path is specular if its length is stationary among all paths that touch
 //! the same surfaces in the same order.
 //!
 //! Length L(x₁ … x_k) = Σ |x_{i+1} − x_i| between fixed ends, subject to f_i(x_i) = 0. With unit
@@ -8,44 +8,45 @@
 //! - W_ii = P_{i−1}/d_{i−1} + P_i/d_i + λ_i B_i, where P = I − u uᵀ and B_i = ∇²f_i/|∇f_i|,
 //! - W_{i,i+1} = −P_i/d_i,
 //!
-//! and then sets the points back onto their surfaces (Absil, Mahony and Sepulchre, *Optimization
-//! Algorithms on Matrix Manifolds*, 2008, chapter 6: so it converges quadratically). The
-//! path may be a minimum, a maximum or a saddle: what must fall is |Tᵀ∇L|, the tangential
-//! difference of two unit vectors. Where the step does not let it fall, and where the matrix
-//! is singular (a focus), Levenberg's and Marquardt's step takes its place.
+//! and then projects the points back onto their surfaces (Absil, Mahony and Sepulchre,
+//! *Optimization Algorithms on Matrix Manifolds*, 2008, chapter 6: so it converges quadratically).
+//! The path may be a minimum, a maximum or a saddle: the merit that must fall is |Tᵀ∇L|, the
+//! tangential difference of two unit vectors. If the step does not reduce it, or the matrix is
+//! singular (a focus), a Levenberg–Marquardt step is used instead.
 
 use super::linear::Matrix;
 use super::sheet::{Osculation, Sheet, outer};
 use glam::{DMat3, DVec3};
 
-/// Why there is no stationary path.
+/// No stationary path was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct NotConverged;
 
-/// Largest tangential difference of the unit vectors before and after a reflection that counts as
-/// specular, in radians; one more step follows and squares it. A thousand times the rounding of
-/// directions between points that are a thousandth of the scene apart.
+/// Maximum tangential difference of the unit vectors before and after a specular reflection, in
+/// radians; one more step then squares it. A thousand times the rounding of directions between
+/// points that are a thousandth of the scene apart.
 const SPECULAR: f64 = 1e-10;
 
-/// The same at a sheet that is known by differences, whose normals are good to some 10⁻¹⁰.
+/// The same at a sheet with derivatives by differences, whose normals are accurate to about 10⁻¹⁰.
 const SPECULAR_BY_DIFFERENCES: f64 = 1e-8;
 
-/// Steps at most. From a wave that passed close by it takes three to six; a focus some
-/// twenty.
+/// Maximum number of steps. From a wave that passed close by, three to six are needed; at a focus
+/// about twenty.
 const STEPS: usize = 60;
 
-/// Halvings of a step at most, and tenfold growths of Marquardt's number.
+/// Maximum number of halvings of a step, and of tenfold increases of Marquardt's parameter.
 const TRIES: usize = 12;
 
-/// A step goes no further than this share of the shorter segment beside its point, and turns the
-/// normal by at most so many radians: beyond, second derivatives are not valid.
+/// Maximum length of a step, as a share of the shorter segment next to its point, and maximum turn
+/// of the normal in radians: beyond, second derivatives are not valid.
 const TRUST: f64 = 0.5;
 
-/// Two consecutive points closer than this share of the path are a corner, not a path.
+/// Least distance of two consecutive points, as a share of the path: closer ones are a corner, not
+/// a path.
 const SHORTEST_SEGMENT: f64 = 1e-13;
 
-/// Newton steps that set a point onto its sheet, and the error at which they end, as a share
-/// of the coordinate's size.
+/// Maximum number of Newton steps that project a point onto its sheet, and the error at which they
+/// end, as a share of the coordinate's size.
 const PROJECTION_STEPS: usize = 8;
 const ON_SURFACE: f64 = 4.0 * f64::EPSILON;
 
@@ -56,7 +57,7 @@ pub(super) struct Chain<'a> {
     pub sheets: &'a [Sheet<'a>],
 }
 
-/// Points on their sheets with what Newton's step needs.
+/// Points on their sheets, with the data for Newton's step.
 #[derive(Clone)]
 struct State {
     points: Vec<DVec3>,
@@ -69,10 +70,10 @@ struct State {
 }
 
 impl Chain<'_> {
-    /// The points of a specular path that is found from `points`.
+    /// The points of a specular path, solved for from `points`.
     ///
     /// # Errors
-    /// [`NotConverged`] if none is found.
+    /// [`NotConverged`] if no path is found.
     pub fn solve(&self, points: &[DVec3]) -> Result<Vec<DVec3>, NotConverged> {
         let mut state = self.state(points.to_vec()).ok_or(NotConverged)?;
         let by_differences = self.sheets.iter().any(Sheet::is_differenced);
@@ -89,7 +90,7 @@ impl Chain<'_> {
         Err(NotConverged)
     }
 
-    /// One more step, if it helps.
+    /// Takes one more step, if it helps.
     fn polished(&self, state: State) -> State {
         let step = state.newton_step();
         let next = step.and_then(|step| self.moved(&state, &step, 1.0));
@@ -100,7 +101,8 @@ impl Chain<'_> {
     }
 
     fn better(&self, state: &State) -> Option<State> {
-        /// The least fall of a merit, for the share of a step that is taken (Armijo).
+        /// The least relative decrease of the merit, for the share of a step that is taken
+        /// (Armijo).
         const LEAST_FALL: f64 = 1e-4;
         if let Some(step) = state.newton_step() {
             let mut share = state.trusted(&step);
@@ -117,7 +119,7 @@ impl Chain<'_> {
     }
 
     fn damped(&self, state: &State) -> Option<State> {
-        /// Marquardt's number at first, as a share of the matrix' largest number squared.
+        /// Initial Marquardt parameter, as a share of the square of the matrix' largest element.
         const FIRST: f64 = 1e-8;
         let matrix = state.matrix();
         let right: Vec<f64> = matrix.times(&state.slope).iter().map(|x| -x).collect();
@@ -141,7 +143,8 @@ impl Chain<'_> {
         self.state(moved.collect())
     }
 
-    /// Sets points onto their sheets; `None` where they have no normal, or two are one.
+    /// Projects points onto their sheets; `None` if a sheet has no normal there, or two points
+    /// coincide.
     fn state(&self, mut points: Vec<DVec3>) -> Option<State> {
         let mut near = Vec::with_capacity(points.len());
         for (point, sheet) in points.iter_mut().zip(self.sheets) {
@@ -184,7 +187,7 @@ impl Chain<'_> {
     }
 }
 
-/// Moves a point along normals onto its sheet, and returns what is there.
+/// Moves a point along normals onto its sheet, and returns the sheet's osculation there.
 fn project(sheet: &Sheet, point: &mut DVec3) -> Option<Osculation> {
     let mut at = sheet.at(*point)?;
     for _ in 0..PROJECTION_STEPS {
@@ -203,7 +206,7 @@ impl State {
         0.5 * self.slope.iter().map(|x| x * x).sum::<f64>()
     }
 
-    /// The largest angle by which a reflection is not specular, in radians.
+    /// The largest deviation of a reflection from a specular one, in radians.
     fn error(&self) -> f64 {
         self.slope.iter().fold(0.0, |most, x| x.abs().max(most))
     }
@@ -213,7 +216,7 @@ impl State {
         self.matrix().solve(right)
     }
 
-    /// The share of a step that can be trusted.
+    /// The share of a step within which second derivatives are valid.
     fn trusted(&self, step: &[f64]) -> f64 {
         let mut share: f64 = 1.0;
         for (i, at) in self.near.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! From candidates to paths.
+//! Finds paths from candidates.
 
 use super::candidates::Candidates;
 use super::check::Checked;
@@ -16,20 +16,20 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// The paths that candidates led to.
+/// The paths found from candidates.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Found {
     /// By length, then by surfaces.
     pub paths: Vec<SpecularPath>,
-    /// For each candidate the index of its path, or why it has none.
+    /// For each candidate the index of its path, or the reason why it has none.
     pub outcomes: Vec<Result<usize, NoPath>>,
-    /// How much of the early part the waves have missed.
+    /// Estimate of the early part that the waves have missed.
     pub missed: Missed,
 }
 
 impl Found {
-    /// No path at all, for one reason.
+    /// A result without paths, for one reason.
     pub(super) fn none(candidates: &Candidates, why: NoPath) -> Found {
         Found {
             paths: Vec::new(),
@@ -39,7 +39,8 @@ impl Found {
     }
 }
 
-/// Times that a path which left the sheet of a candidate may go on at the neighbouring one.
+/// Maximum number of times that a path which leaves the sheet of a candidate may continue on the
+/// neighbouring one.
 const MOST_CROSSINGS: usize = 6;
 
 /// Surfaces, and walls of rooms.
@@ -87,7 +88,7 @@ pub(super) fn find(
     }
 }
 
-/// Drafts that differ, with the counts of those that do not; and for each job the index of its
+/// The distinct drafts, with the counts of equal ones added, and for each job the index of its
 /// draft. At foci every draft is kept: some may be in a shadow.
 fn distinct(solved: Vec<Result<Draft, NoPath>>) -> (Vec<Draft>, Vec<Result<usize, NoPath>>) {
     let mut drafts: Vec<Draft> = Vec::new();

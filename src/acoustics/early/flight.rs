@@ -1,10 +1,10 @@
-//! The directions in which a path is flown.
+//! The directions of flight along a path.
 
 use glam::DVec3;
 
 /// The unit vectors of flight along `points`, one for each segment, mirrored between them at surfaces with these
 /// normals. Two points closer than `touch` metres lie in an edge, or an end lies on a surface: between them the
-/// direction is the one that mirroring gives; 0 if all are one point.
+/// direction follows from mirroring; 0 if all are one point.
 pub(super) fn directions(points: &[DVec3], normals: &[DVec3], touch: f64) -> Vec<DVec3> {
     let unit = |pair: &[DVec3]| {
         let offset = pair[1] - pair[0];
@@ -31,8 +31,8 @@ pub(super) fn directions(points: &[DVec3], normals: &[DVec3], touch: f64) -> Vec
 mod tests {
     use super::*;
 
-    /// Protects what is heard of a source or by a listener on a wall, and in an edge: there sound leaves a surface as
-    /// it would next to it.
+    /// Protects the direction of sound from a source or to a listener on a wall, and in an edge: it leaves a surface
+    /// there as it would next to it.
     #[test]
     fn short_segments_are_flown_as_mirrors_say() {
         let (wall, floor) = (DVec3::X, DVec3::Y);

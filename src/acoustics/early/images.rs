@@ -4,18 +4,18 @@
 use super::sheet::Sheet;
 use glam::DVec3;
 
-/// How far a point may lie beyond the ends of its segment, as a share of it: in an edge two
-/// points of a path are one, and rounding decides which comes first.
+/// How far a point may lie beyond the ends of its segment, as a share of it: in an edge two points
+/// of a path coincide, and rounding decides which comes first.
 const BEYOND: f64 = 1e-12;
 
-/// The image of a place in the plane of unit normal n where n · p is `offset`.
+/// The image of a point in the plane of unit normal n where n · p is `offset`.
 pub(super) fn image(place: DVec3, normal: DVec3, offset: f64) -> DVec3 {
     place - normal * (2.0 * (place.dot(normal) - offset))
 }
 
 /// The points at which the line from source to listener is mirrored at all sheets, in order; a line that is closer to a
-/// plane than `touch` metres at both ends lies in it. `None` if they are not all planes, or the line to an image does
-/// not cross its plane.
+/// plane than `touch` metres at both ends counts as within it. `None` if one of them is not a plane, or the line to an
+/// image does not cross its plane.
 pub(super) fn points<'a>(
     source: DVec3,
     listener: DVec3,
@@ -34,8 +34,8 @@ pub(super) fn points<'a>(
         let image = images[i + 1];
         let here = seen_from.dot(*normal) - offset;
         let there = image.dot(*normal) - offset;
-        // All that is left of the path is one point, the source in an edge; or it lies in the plane, and is mirrored
-        // where it comes from.
+        // The rest of the path is a single point, the source in an edge; or the path lies in the plane, and is
+        // mirrored where it comes from.
         let is_point = seen_from.distance(image) <= touch;
         if is_point || here.abs().max(there.abs()) <= touch {
             seen_from = image;

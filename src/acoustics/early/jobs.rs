@@ -1,12 +1,12 @@
-//! Which paths are solved for: not one for each wave.
+//! Selects the paths to solve for: not one for each wave.
 //!
 //! A sequence of planes has one path. One of curved surfaces may have many, and each is found from a
-//! wave that passes close by; but near a focus every wave passes by, again and again, and to solve for
-//! all of them takes minutes. So of the waves of one sequence [`SOLVED_OF_A_SEQUENCE`] are solved for
-//! at most, spread evenly over them, and each other one takes what was found from that which was
-//! mirrored nearest to it. A path that fewer than one in so many waves of its sequence lead to may be
-//! missed. Altogether [`SOLVED_AT_CURVES`] are solved for, of the sequences with the fewest reflections
-//! first, then of those with the most waves; the waves of all other sequences stay statistics.
+//! wave that passes close by; but near a focus every wave passes the listener repeatedly, and solving
+//! for all of them takes minutes. So at most [`SOLVED_OF_A_SEQUENCE`] waves of a sequence are solved
+//! for, spread evenly over its waves, and each other wave gets the result of the one that was mirrored
+//! nearest to it. A path found by fewer than one in this number of its sequence's waves may be missed.
+//! In total at most [`SOLVED_AT_CURVES`] are solved for, of the sequences with the fewest reflections
+//! first, then of those with the most waves; the waves of all other sequences remain statistical.
 
 use super::NoPath;
 use super::candidates::Candidates;
@@ -17,21 +17,21 @@ use std::cmp::Reverse;
 use std::collections::HashMap;
 use std::ops::Range;
 
-/// Of one sequence of surfaces with a curved one so many waves are solved for at most.
+/// Maximum number of waves solved for in a sequence with a curved surface.
 const SOLVED_OF_A_SEQUENCE: usize = 512;
 
-/// Waves at curved surfaces that are solved for at most: some seconds on one core, a fraction of a
-/// millisecond each.
+/// Maximum number of waves solved for at curved surfaces: a few seconds on one core, a fraction of
+/// a millisecond each.
 const SOLVED_AT_CURVES: usize = 1 << 15;
 
-/// A sequence of surfaces to find a path for, and from where.
+/// A sequence of surfaces to find a path for, and the points to start from.
 pub(super) struct Job<'a> {
     pub vertices: &'a [Vertex],
-    /// What it represents.
+    /// The candidates that it represents.
     pub found_by: FoundBy,
 }
 
-/// What is to be solved for.
+/// The paths to solve for.
 pub(super) struct Jobs<'a> {
     pub jobs: Vec<Job<'a>>,
     /// For each candidate the index of its job.
@@ -39,20 +39,20 @@ pub(super) struct Jobs<'a> {
     candidates: &'a Candidates,
 }
 
-/// What a vertex lies on.
+/// The kind of sheet at a vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Mirror {
     NotExact,
     /// A plane, by the surface's number and its sheet's id, which identifies the sheet of a surface. A sequence of
-    /// planes has one path, whatever the wave.
+    /// planes has one path for all waves.
     Flat(u32, u64),
-    /// What is solved for from the wave's own vertices, by the surface's number.
+    /// A curved sheet, solved for from the wave's own vertices, by the surface's number.
     Curved(u32),
 }
 
 impl<'a> Jobs<'a> {
-    /// The direct sound, one job for each sequence of planes, and some for each sequence with a curved
-    /// surface.
+    /// Jobs for the direct sound, one for each sequence of planes, and several for each sequence with
+    /// a curved surface.
     pub fn new(surfaces: &Surfaces, candidates: &'a Candidates) -> Jobs<'a> {
         let mirror = |vertex: &Vertex| match surfaces.sheet(vertex) {
             Err(_) => Mirror::NotExact,
@@ -65,7 +65,7 @@ impl<'a> Jobs<'a> {
         let mut jobs = Jobs {
             jobs: vec![Job {
                 vertices: &[],
-                // It is looked for, whether a wave is it or not.
+                // It is searched for, whether a wave finds it or not.
                 found_by: FoundBy {
                     waves: 0,
                     search: true,
@@ -101,7 +101,7 @@ impl<'a> Jobs<'a> {
         self.jobs.len() - 1
     }
 
-    /// Makes a job that of a candidate.
+    /// Assigns a candidate to a job.
     fn take(&mut self, candidate: usize, job: usize) {
         let waves = self.candidates.waves();
         let found = self.candidates.get(candidate);
@@ -147,7 +147,7 @@ impl<'a> Jobs<'a> {
     }
 }
 
-/// The index of the wave that was mirrored nearest to these vertices, by the squares of the
+/// The index of the wave that was mirrored nearest to these vertices, by the sum of squared
 /// distances; the first of several.
 fn nearest(waves: &[&[Vertex]], vertices: &[Vertex]) -> usize {
     let apart = |wave: &[Vertex]| -> f64 {
@@ -168,8 +168,8 @@ mod tests {
     use crate::{Shape, Surface};
     use glam::Vec3;
 
-    /// Protects the time that a focus takes: of waves that all arrive, after each of three reflections,
-    /// as many are solved for as the limits allow, and each represents one or more.
+    /// Protects the time spent at a focus: of waves that all arrive, after each of three reflections,
+    /// the number solved for keeps the limits, and each represents at least one.
     #[test]
     fn a_focus_has_few_jobs() {
         let radii = Vec3::new(10.0, 6.0, 6.0);

@@ -9,8 +9,8 @@ use crate::scene::shape::{
 };
 use glam::{DMat3, DVec2, DVec3};
 
-/// Offers the sheets of the shape that can be at the point that is searched; of what it has not in closed form
-/// nothing.
+/// Offers the sheets of the shape that may be at the searched point; those without a closed form are
+/// not offered.
 pub(super) fn add(search: &mut Search, node: &Node, way: Way) {
     let p = way.frame.place(search.point);
     let is_itself = way.level == 0.0;
@@ -74,7 +74,7 @@ fn faces() -> impl Iterator<Item = (u64, usize, f64)> {
     })
 }
 
-/// Faces, and where the box has grown the edges and corners next to `p`, which are round then.
+/// Faces, and, if the box has grown, the rounded edges and corners next to `p`.
 fn cuboid_sheets(search: &mut Search, half: DVec3, p: DVec3, way: Way) {
     for (face, axis, side) in faces() {
         let outward = side * DVec3::AXES[axis];
@@ -114,7 +114,7 @@ fn torus(search: &mut Search, ring: f64, tube: f64, way: Way) {
     }
 }
 
-/// Side and ends; where it has grown its rims are half rings.
+/// Side and ends; if it has grown its rims are half rings.
 fn capped_cylinder(search: &mut Search, capped: &CappedCylinder, p: DVec3, way: Way) {
     let half = 0.5 * f64::from(capped.height);
     rod(search, capped.radius, way.branch(0));
@@ -202,7 +202,7 @@ fn of_coefficients(quadric: &GeneralQuadric) -> Quadratic {
     }
 }
 
-/// The cell of the ground about `p`, and the sides of the box. Within a cell the height is
+/// The cell of the ground around `p`, and the sides of the box. Within a cell the height is
 /// bilinear, so that the ground there is a quadric.
 fn ground(search: &mut Search, field: &HeightField, p: DVec3, way: Way) {
     let size = field.size.as_dvec3();
@@ -232,7 +232,7 @@ fn ground(search: &mut Search, field: &HeightField, p: DVec3, way: Way) {
     }
 }
 
-/// y less the height over a cell that begins at the origin; heights by z, then x.
+/// y minus the height over a cell that begins at the origin; heights by z, then x.
 fn bilinear(heights: [[f64; 2]; 2], cell: DVec2) -> Quadratic {
     let [[h00, h10], [h01, h11]] = heights;
     let along = DVec2::new(h10 - h00, h01 - h00) / cell;

@@ -7,7 +7,7 @@ pub(super) struct Matrix {
     numbers: Vec<f64>,
 }
 
-/// A pivot below this share of the matrix' largest number is rounding.
+/// Least pivot, as a share of the matrix' largest element: a smaller one is rounding.
 const LEAST_PIVOT: f64 = 1e-14;
 
 impl Matrix {
@@ -26,7 +26,7 @@ impl Matrix {
         self.numbers[row * self.size + column]
     }
 
-    /// The largest of its numbers.
+    /// The largest magnitude of its elements.
     pub fn largest(&self) -> f64 {
         self.numbers.iter().fold(0.0, |most, x| x.abs().max(most))
     }
@@ -38,7 +38,7 @@ impl Matrix {
         rows.map(dot).collect()
     }
 
-    /// M M + `more` I of a symmetric matrix.
+    /// M M + `more` I for a symmetric matrix M.
     pub fn squared_plus(&self, more: f64) -> Matrix {
         let mut square = Matrix::zero(self.size);
         for row in 0..self.size {
@@ -51,8 +51,7 @@ impl Matrix {
         square
     }
 
-    /// x with M x = `right`, by Gauss' elimination with row pivots; `None` for a singular
-    /// matrix.
+    /// x with M x = `right`, by Gaussian elimination with row pivots; `None` for a singular matrix.
     pub fn solve(mut self, mut right: Vec<f64>) -> Option<Vec<f64>> {
         let least = LEAST_PIVOT * self.largest();
         for column in 0..self.size {

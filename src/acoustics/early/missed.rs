@@ -1,36 +1,37 @@
-//! What the waves have missed, estimated from what they have found.
+//! Estimates what the waves have missed from what they have found.
 //!
-//! A path is found if one of the waves that pass by the listener belongs to it, and each such
-//! wave belongs to it with a probability p in proportion to the energy that it brings without
-//! absorption. Good (*The population frequencies of species*, Biometrika 40, 1953, after Turing):
-//! of n waves that found paths, f₁ found one that no other wave found; then the paths that none
-//! found have together a probability of about f₁/n. Chao (*Nonparametric estimation of the
-//! number of classes in a population*, 1984, in its form without bias): they are at least some
-//! f₁ (f₁ − 1) / (2 (f₂ + 1)), f₂ those found by two. Where most paths are weak, as off balls and
-//! pillars, they are many more; the first estimate, of their energy, does not suffer from that.
+//! A path is found if one of the waves that pass the listener belongs to it, and each such wave
+//! belongs to it with a probability p proportional to the energy that it brings without absorption.
+//! Good (*The population frequencies of species*, Biometrika 40, 1953, after Turing): if of n waves
+//! that found paths, f₁ found one that no other wave found, the paths that no wave found together
+//! have a probability of about f₁/n. Chao (*Nonparametric estimation of the number of classes in a
+//! population*, 1984, in its bias-corrected form): their number is at least about f₁ (f₁ − 1) / (2
+//! (f₂ + 1)), where f₂ is the number of paths found by two waves. If most paths are weak, as at
+//! balls and pillars, there are many more; the first estimate, of their energy, does not suffer
+//! from that.
 //!
-//! A path that was looked for besides the waves is known whether waves find it or not: it counts
-//! among the n waves, and is no path that one wave alone found.
+//! A path that was also searched for is known whether waves find it or not: it counts among the n
+//! waves, but not as a path that only one wave found.
 //!
-//! What no wave can find is not in it: paths at users' fields, and those beyond the order that
-//! waves were followed to.
+//! The estimate does not include paths that no wave can find: those at users' fields, and those
+//! beyond the maximum order of the waves.
 
 use super::paths::SpecularPath;
 
-/// How much of the early part the waves, and the search besides, have missed.
+/// Estimate of the early part that the waves, and the additional search, have missed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Missed {
-    /// Waves that found a path.
+    /// Number of waves that found a path.
     pub waves: u64,
-    /// Paths that exactly one wave found, and no search besides.
+    /// Number of paths that exactly one wave found, and the search did not.
     pub found_once: u64,
-    /// Paths that exactly two waves found, and no search besides.
+    /// Number of paths that exactly two waves found, and the search did not.
     pub found_twice: u64,
 }
 
 impl Missed {
-    /// From what found each of these paths.
+    /// Estimates from the waves and searches that found each of these paths.
     pub fn of(paths: &[SpecularPath]) -> Missed {
         let mut missed = Missed::default();
         for path in paths {
@@ -42,15 +43,15 @@ impl Missed {
         missed
     }
 
-    /// The share, 0 to 1, that missed paths have of the energy of all paths without absorption;
-    /// also the probability that the next wave to pass by finds a new path. `None` when no
-    /// wave found any. Its standard deviation is about
-    /// √(f₁ + 2 f₂) / n (Good 1953, with f₂ the paths that two waves found).
+    /// The share, 0 to 1, of missed paths in the energy of all paths without absorption; also the
+    /// probability that the next wave passing the listener finds a new path. `None` if no wave
+    /// found any. Its standard deviation is about √(f₁ + 2 f₂) / n (Good 1953, with f₂ the number
+    /// of paths that two waves found).
     pub fn energy_share(&self) -> Option<f64> {
         (self.waves > 0).then(|| self.found_once as f64 / self.waves as f64)
     }
 
-    /// How many paths were missed at least.
+    /// Estimated minimum number of missed paths.
     pub fn paths(&self) -> f64 {
         let once = self.found_once as f64;
         once * (once - 1.0).max(0.0) / (2.0 * (self.found_twice as f64 + 1.0))
@@ -61,7 +62,8 @@ impl Missed {
 mod tests {
     use super::*;
 
-    /// Protects the estimate: paths that one wave found speak of more, unless a search knows them anyway.
+    /// Protects the estimate: paths that only one wave found indicate more, unless a search finds them
+    /// anyway.
     #[test]
     fn what_a_search_finds_is_not_missed() {
         let found = |by_waves: &[u32], is_searched: bool| {

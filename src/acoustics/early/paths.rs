@@ -1,15 +1,15 @@
-//! Specular paths, which of them are one, and their order.
+//! Specular paths: merging of equal ones, and their order.
 
 use glam::DVec3;
 use std::cmp::Ordering;
 use std::f64::consts::PI;
 
-/// What found a path.
+/// The waves and searches that found a path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct FoundBy {
-    /// Waves.
+    /// Number of waves.
     pub waves: u32,
-    /// Whether it was looked for besides the waves.
+    /// Whether it was also searched for.
     pub search: bool,
 }
 
@@ -25,74 +25,75 @@ impl FoundBy {
 #[cfg_attr(test, derive(Default))]
 #[non_exhaustive]
 pub struct SpecularPath {
-    /// The numbers of the surfaces in order, from 1; none for the direct sound.
+    /// The numbers of the surfaces in order, from 1; empty for the direct sound.
     pub surfaces: Vec<u32>,
     /// The wall for each reflection at a room: −x, +x, −y, +y, −z, +z of the room's own axes as
     /// 0 to 5; `None` for other surfaces.
     pub walls: Vec<Option<u8>>,
-    /// Where it is mirrored, in world metres.
+    /// The points of reflection, in world metres.
     pub points: Vec<DVec3>,
-    /// Metres from the source to the listener.
+    /// Length in metres from the source to the listener.
     pub length_m: f64,
-    /// Unit vector in world axes, from the source; 0 if both ends are one point.
+    /// Unit vector in world axes, at the source; 0 if both ends are one point.
     pub departure: DVec3,
     /// Unit vector of flight in world axes, at the listener; 0 if both ends are one point.
     pub arrival_direction: DVec3,
-    /// Energy density at the listener without absorption, in 1/m², for a source of power 1:
-    /// 1/(4π A), A the area of the wave front per solid angle. At a focus a bound, see
+    /// Energy density at the listener without absorption, in 1/m², for a source of power 1: 1/(4π
+    /// A), where A is the area of the wave front per solid angle. At a focus it is limited, see
     /// [`SpecularPath::is_focus`].
     pub spreading: f64,
-    /// Whether so much would arrive by 1/(4π A) that a sphere of the listener's radius cannot
-    /// hold it: see [`super`], section *Foci*.
+    /// Whether 1/(4π A) is more than a sphere of the listener's radius can receive: see [`super`],
+    /// section *Foci*.
     pub is_focus: bool,
-    /// How many of the waves found it.
+    /// Number of waves that found it.
     pub found_by: u32,
-    /// Whether it was searched besides the waves, so that it is known whatever these meet.
+    /// Whether it was also searched for, so that it is known regardless of the waves.
     pub is_searched: bool,
 }
 
-/// A stationary path before all is known of it.
+/// A stationary path that is not yet checked completely.
 #[derive(Clone, Debug)]
 pub(super) struct Draft {
     pub surfaces: Vec<u32>,
     pub walls: Vec<Option<u8>>,
-    /// From source to listener.
+    /// Points from source to listener.
     pub points: Vec<DVec3>,
     pub normals: Vec<DVec3>,
     /// Unit vectors of flight, one for each segment.
     pub directions: Vec<DVec3>,
     pub length: f64,
-    /// m² per steradian.
+    /// Area of the wave front in m² per steradian.
     pub area: f64,
     pub is_focus: bool,
     pub found_by: FoundBy,
 }
 
-/// Points of two paths closer than this share of their length are one point, and so are lengths:
-/// Newton's method leaves less, and paths that differ by less sound the same.
+/// Maximum difference between points of two paths that count as equal, as a share of their length,
+/// and between lengths: Newton's method leaves less, and paths that differ by less sound the same.
 const SAME: f64 = 1e-6;
 
-/// Normals that differ by no more radians are one, and so are directions at the ends: by this they differ at curved
-/// surfaces, and along segments that are hardly longer than rounding.
+/// Maximum difference in radians between normals that count as equal, and between directions at the ends: they
+/// differ by this at curved surfaces, and along segments that are hardly longer than rounding.
 const SAME_DIRECTION: f64 = 1e-3;
 
-/// Lengths in metres that differ by less have no order: then surfaces decide.
+/// Maximum difference of lengths in metres that count as equal in the order: then the surfaces
+/// decide.
 const SAME_LENGTH: f64 = 1e-9;
 
-/// The most energy density that a sphere can catch, times the square of its radius, when all
-/// waves pass through its centre: chord ÷ volume = 2r / (4/3 π r³).
+/// Maximum energy density that a sphere can receive, times the square of its radius, when all waves
+/// pass through its centre: chord ÷ volume = 2r / (4/3 π r³).
 const MOST_CAUGHT: f64 = 3.0 / (2.0 * PI);
 
-/// Whether a wave front of `area` m² per steradian brings more than a listener of `radius`
-/// metres can catch.
+/// Whether a wave front of `area` m² per steradian brings more than a listener of `radius` metres
+/// can receive.
 pub(super) fn is_focus(area: f64, radius: f64) -> bool {
     // 1/(4π A) > 3/(2π r²), without a division by 0.
     4.0 * PI * area * MOST_CAUGHT < radius * radius
 }
 
 impl Draft {
-    /// Whether the two are the same points with the same normals, in whatever order, and begin and end alike: in an edge
-    /// one path has two sequences of surfaces, and a source there is mirrored in each of them.
+    /// Whether the two have the same points with the same normals, in any order, and the same directions at the ends:
+    /// in an edge one path has two sequences of surfaces, and a source there is mirrored in each of them.
     pub fn is_same_way(&self, other: &Draft) -> bool {
         let close = |(a, b): (&DVec3, &DVec3)| a.distance(*b) <= SAME * self.length;
         self.points.len() == other.points.len()
@@ -101,14 +102,14 @@ impl Draft {
             && self.ends_off(other) <= SAME_DIRECTION
     }
 
-    /// How far the directions at the ends are from those of the other path: the longer of the two differences.
+    /// The larger difference between the two paths' directions at either end.
     fn ends_off(&self, other: &Draft) -> f64 {
         let last = self.directions.len() - 1;
         let off = |segment: usize| self.directions[segment].distance(other.directions[segment]);
         off(0).max(off(last))
     }
 
-    /// Whether both are mirrored by the same normals, in whatever order.
+    /// Whether both are mirrored by the same normals, in any order.
     fn has_normals_of(&self, other: &Draft) -> bool {
         let mut left = other.normals.clone();
         self.normals.iter().all(|normal| {
@@ -119,8 +120,8 @@ impl Draft {
         })
     }
 
-    /// Whether both are of one focus: there a whole area of a surface mirrors the source to the
-    /// listener, all by the same length, and every wave finds a point of its own.
+    /// Whether both belong to one focus: there a whole area of a surface mirrors the source to the
+    /// listener with equal lengths, and every wave finds a point of its own.
     pub fn is_same_focus(&self, other: &Draft) -> bool {
         self.is_focus
             && other.is_focus
@@ -146,7 +147,7 @@ impl Draft {
             .then_with(by_points)
     }
 
-    /// The path, for a listener of `radius` metres and so many waves altogether.
+    /// The path, for a listener of `radius` metres and `waves` waves in total.
     pub fn finished(self, radius: f64, waves: usize) -> SpecularPath {
         let last = self.points.len() - 1;
         let by_front = 1.0 / (4.0 * PI * self.area);
@@ -174,9 +175,9 @@ impl Draft {
     }
 }
 
-/// Merges what is one path: drafts with the same points (in an edge a path has two sequences
-/// of surfaces), and those of one focus. The result are the paths in order, and for each draft
-/// the index of its path.
+/// Merges equal paths: drafts with the same points (in an edge a path has two sequences of
+/// surfaces), and those of one focus. Returns the paths in order, and for each draft the index of
+/// its path.
 pub(super) fn merged(drafts: Vec<Draft>) -> (Vec<Draft>, Vec<usize>) {
     let mut order: Vec<usize> = (0..drafts.len()).collect();
     order.sort_by(|&a, &b| drafts[a].order(&drafts[b]));

@@ -1,8 +1,8 @@
-//! Every sequence of planes that has a path, up to an order: the tree of the source's images.
+//! Finds every sequence of planes with a path, up to an order, by the tree of the source's images.
 //!
-//! In rooms of planes waves would miss paths whose beams are narrow, and the energy of these with them. But there the
-//! images of the source are few enough to try them all: one is mirrored only at planes whose air it is in, as a path
-//! cannot come to a plane from behind. A source on a plane is in its air: its image there is itself.
+//! In rooms of planes waves would miss paths with narrow beams, and their energy. But there the images of the source
+//! are few enough to try them all: one is mirrored only at planes that have it on their air side, as a path cannot
+//! reach a plane from behind. A source on a plane counts as on its air side: its image there is itself.
 
 use super::candidates::Candidates;
 use super::sheet::Sheet;
@@ -10,26 +10,28 @@ use super::surfaces::{Surfaces, Vertex};
 use super::{Ends, images};
 use glam::DVec3;
 
-/// Images at most, some tens of milliseconds: in a room all up to order 8.
+/// Maximum number of images, a few tens of milliseconds: in a room all up to order 8.
 const MOST_IMAGES: usize = 1 << 17;
 
-/// Nodes of a field for which so many images are tried; of a larger one fewer, as for each its value is computed.
+/// Maximum number of a field's nodes for which that many images are tried; for a larger field fewer, as its value
+/// is computed for each.
 const NODES: usize = 16;
 
-/// Images times planes of a level at most: some tens of milliseconds as well, where planes are thousands.
+/// Maximum product of images and planes in a level: also a few tens of milliseconds, with thousands of
+/// planes.
 const MOST_TRIED: usize = 1 << 24;
 
-/// An image of the source: mirrored at a plane, and before as its parent was.
+/// An image of the source: the image of its parent in a plane.
 struct Image {
     place: DVec3,
     plane: usize,
-    /// The index of the image that was mirrored; none for those of the source itself.
+    /// The index of the image that was mirrored; `None` for those of the source itself.
     parent: Option<usize>,
 }
 
-/// Adds each sequence of planes of `surfaces`, `order` of them at most, over which sound could go from the source
-/// to the listener if nothing were in the way: it names its path, as what was searched besides the waves. Returns up
-/// to how many planes no sequence was left out.
+/// Adds each sequence of at most `order` planes of `surfaces` over which sound could go from the source to the
+/// listener if nothing were in the way: it names its path, which counts as searched for. Returns the number of
+/// planes up to which all sequences were tried.
 pub(super) fn add_all(
     surfaces: &Surfaces,
     ends: &Ends,
@@ -67,9 +69,9 @@ pub(super) fn add_all(
     order
 }
 
-/// Adds the images of a place (the source, or its image of this index) in all planes whose air it is in, but for the one
-/// that it is an image in. The source, and an image at the same place, are also in the air of what they lie on, but for
-/// what mirrored them already.
+/// Adds the images of a point (the source, or its image with this index) in all planes that have it on their air side,
+/// except the plane that made this image. The source, and an image at the same place, also count as on the air side of
+/// planes that they lie on, except those that already mirrored them.
 fn mirror(
     tree: &mut Vec<Image>,
     planes: &[(u32, Sheet)],
@@ -99,7 +101,7 @@ fn mirror(
     }
 }
 
-/// Where the line to an image is mirrored; `None` if it misses one of the surfaces.
+/// The points where the line to an image is mirrored; `None` if it misses one of the surfaces.
 fn vertices(
     surfaces: &Surfaces,
     ends: &Ends,

@@ -1,36 +1,36 @@
-//! A search for the sheets of a tree at a point: the way down to each, and what is found.
+//! Searches for the sheets of a tree at a point, on all ways down the tree.
 
 use super::sheet::{Form, Frame, Quadratic, Sheet};
 use crate::fnv;
 use glam::{DMat3, DVec3};
 
-/// A way down a tree.
+/// A way down a tree to a leaf or subtree.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Way {
     pub frame: Frame,
-    /// The value that the surface has, in metres.
+    /// The surface's level of the value, in metres.
     pub level: f64,
-    /// 1 where the air lies on the side of greater values, else −1.
+    /// 1 if the air is on the side of greater values, else −1.
     pub sign: f64,
     /// Identifies this way.
     pub id: u64,
 }
 
-/// The sheets that are found, and what they are looked for with.
+/// A search, with the sheets found.
 pub(super) struct Search<'a> {
-    /// Where the surface is met, in world metres.
+    /// The point where the surface is met, in world metres.
     pub point: DVec3,
-    /// Metres off a surface that count as on it.
+    /// Maximum distance in metres from a surface that counts as on it.
     pub touch: f64,
     /// The largest coordinate of the scene in metres.
     pub largest: f64,
     pub found: Vec<Sheet<'a>>,
-    /// Whether a surface was met that is known by samples alone.
+    /// Whether a surface was met that is known only from samples.
     pub is_sampled: bool,
 }
 
 impl Way {
-    /// The way to the surface with this number, of these axes.
+    /// The way to the surface with this number and these axes.
     pub fn to_surface(number: u32, frame: Frame) -> Way {
         let way = Way {
             frame,
@@ -41,7 +41,7 @@ impl Way {
         way.branch(number.into())
     }
 
-    /// The branch with this number.
+    /// The way down the branch with this number.
     pub fn branch(self, number: u64) -> Way {
         let id = fnv::with(self.id, number + 1);
         Way { id, ..self }
@@ -60,7 +60,7 @@ impl Way {
         Way { level, ..self }
     }
 
-    /// −value instead of value.
+    /// The way with the value negated.
     pub fn turned_out(self) -> Way {
         Way {
             level: -self.level,
@@ -80,19 +80,19 @@ impl Way {
         }
     }
 
-    /// The branch of 64 bits.
+    /// The way down the branch with these 64 bits.
     pub fn branch_of_bits(self, bits: u64) -> Way {
         self.branch(bits.rotate_left(20) >> 1)
     }
 }
 
 impl<'a> Search<'a> {
-    /// A plane normal · p = offset of a leaf's axes; the normal is a unit vector towards
+    /// Offers a plane normal · p = offset in a leaf's axes; the normal is a unit vector towards
     /// greater values.
     pub fn flat(&mut self, normal: DVec3, offset: f64, way: Way, wall: Option<u8>) {
         let seen = way.frame.turn.transpose() * normal;
         let scale = seen.length();
-        // Where a shape was pulled apart its faces across have no place.
+        // If the shape was moved apart along the normal, the face vanishes in the gap.
         if scale == 0.0 {
             return;
         }

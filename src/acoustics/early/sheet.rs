@@ -1,13 +1,13 @@
 //! One smooth piece of a surface: the face of a box, the side of a cylinder, a patch of ground.
 //!
-//! Surfaces of trees have edges, at which nothing can be differentiated. A [`Sheet`] is the piece
-//! that a wave has met, continued over its edges, so that Newton's method sees a smooth
-//! function. Whether what is found lies on the surface itself is checked afterwards.
+//! Surfaces of trees have edges, where they are not differentiable. A [`Sheet`] is the piece that a
+//! wave has met, continued over its edges, so that Newton's method sees a smooth function. Whether
+//! the result lies on the surface itself is checked afterwards.
 
 use super::differences::{Derivatives, Differenced};
 use glam::{DMat3, DVec3};
 
-/// A smooth implicit function next to one of its places: its zero set there, to second order.
+/// A smooth implicit function near a point: its zero set there, to second order.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Osculation {
     /// Value ÷ |gradient|: the signed distance to first order, in metres, positive in the air.
@@ -20,7 +20,7 @@ pub(super) struct Osculation {
 }
 
 /// Axes of a part of a tree: p_own = `turn` p_outer + `shift`. The turn may scale, mirror, and
-/// flatten (where a shape was pulled apart).
+/// flatten (where a shape was moved apart).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame {
     pub turn: DMat3,
@@ -35,16 +35,16 @@ pub(super) struct Quadratic {
     pub constant: f64,
 }
 
-/// What a sheet is, in its own axes.
+/// The form of a sheet, in its own axes.
 #[derive(Clone, Debug)]
 pub(super) enum Form<'a> {
-    /// normal · p = offset, in world axes already.
+    /// normal · p = offset, in world axes.
     Flat { normal: DVec3, offset: f64 },
     /// The zero set of a quadratic function.
     Quadric(Quadratic),
     /// A ring about y: radius of its centre line, and of its tube.
     Torus { ring: f64, tube: f64 },
-    /// A level of a tree's value, which is known by differences alone.
+    /// A level of a tree's value, with derivatives by differences.
     Differenced(Differenced<'a>),
 }
 
@@ -53,7 +53,7 @@ pub(super) enum Form<'a> {
 pub(super) struct Sheet<'a> {
     pub form: Form<'a>,
     pub frame: Frame,
-    /// 1 where the air lies on the side of positive values, else −1.
+    /// 1 if the air is on the side of positive values, else −1.
     pub sign: f64,
     /// Identifies the sheet of a surface.
     pub id: u64,
@@ -72,7 +72,7 @@ impl Frame {
         self.turn * p + self.shift
     }
 
-    /// The frame of what sees `turn` p + `shift` where this one's own point is p.
+    /// The frame whose own point is `turn` p + `shift` where this one's own point is p.
     pub fn then(&self, turn: DMat3, shift: DVec3) -> Frame {
         Frame {
             turn: turn * self.turn,
@@ -87,7 +87,7 @@ impl Quadratic {
         Quadratic::about(DMat3::IDENTITY, centre, radius)
     }
 
-    /// An endless cylinder about a line along the unit vector `axis`, scaled alike.
+    /// An infinite cylinder about a line along the unit vector `axis`, scaled in the same way.
     pub fn rod(axis: DVec3, on_axis: DVec3, radius: f64) -> Quadratic {
         let across = DMat3::IDENTITY - outer(axis, axis);
         Quadratic::about(across, on_axis, radius)
@@ -119,9 +119,10 @@ pub(super) fn outer(a: DVec3, b: DVec3) -> DMat3 {
 }
 
 impl Sheet<'_> {
-    /// The same number for sheets that are one plane with the air on one side, but for rounding: for most of them.
+    /// A key that is equal, in most cases despite rounding, for sheets in one plane with the air on the same side.
     pub fn rounded_plane(&self, touch: f64) -> Option<[i64; 4]> {
-        /// Resolution of normals, as a share of their length: more than turned axes are rounded by.
+        /// Resolution of normals, as a share of their length: coarser than the rounding of turned
+        /// axes.
         const PARTS: f64 = 1e11;
         let (normal, offset) = self.plane()?;
         let [x, y, z] = (normal * PARTS).to_array().map(|part| part.round() as i64);
@@ -146,7 +147,7 @@ impl Sheet<'_> {
         matches!(self.form, Form::Differenced(_))
     }
 
-    /// The sheet next to a world point; `None` where it has no normal.
+    /// The sheet near a world point; `None` if it has no normal there.
     pub fn at(&self, p: DVec3) -> Option<Osculation> {
         let own = self.frame.place(p);
         let found = match &self.form {

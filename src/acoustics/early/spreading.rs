@@ -1,11 +1,11 @@
-//! How far a wave front has spread: the area of it per solid angle of the start.
+//! Spreading of a wave front: its area per solid angle at the start.
 //!
 //! Ray differentials (Igehy, *Tracing ray differentials*, 1999): two rays next to the path's, at
-//! angles of 1 rad per unit along two axes across the departure, are followed to first order.
-//! Over a segment p′ grows by t d′. At a surface with unit normal n both are taken to where the
-//! neighbouring rays meet it, p′ − d (p′·n)/(d·n), and mirrored with the normals there:
-//! d′ − 2 ((d·n) n′ + (d′·n + d·n′) n), n′ = S p′ with the shape operator S, which is
-//! ∇²f/|∇f| within the surface. In a room of planes the area is the squared length exactly.
+//! angles of 1 rad per unit along two axes across the departure, are followed to first order. Over
+//! a segment p′ grows by t d′. At a surface with unit normal n both are moved to where the
+//! neighbouring rays meet it, p′ − d (p′·n)/(d·n), and mirrored with the normals there: d′ − 2
+//! ((d·n) n′ + (d′·n + d·n′) n), n′ = S p′ with the shape operator S, which is ∇²f/|∇f| within the
+//! surface. In a room of planes the area is the squared length exactly.
 
 use super::sheet::Sheet;
 use glam::DVec3;
@@ -26,9 +26,9 @@ impl Neighbour {
     }
 }
 
-/// The area of the wave front at the listener per solid angle at the source, in m² per
-/// steradian, for a path along `points` from source to listener over `sheets`; `None`
-/// where a sheet has no normal.
+/// The area of the wave front at the listener per solid angle at the source, in m² per steradian,
+/// for a path along `points` from source to listener over `sheets`; `None` if a sheet has no
+/// normal.
 pub(super) fn front_area(points: &[DVec3], sheets: &[Sheet]) -> Option<f64> {
     let legs: Vec<DVec3> = points.windows(2).map(|pair| pair[1] - pair[0]).collect();
     if sheets.iter().all(Sheet::is_flat) {

@@ -1,4 +1,4 @@
-//! The surfaces of a scene, and which sheet of them lies where.
+//! The surfaces of a scene, and the sheets of them at a point.
 
 use super::differences::Differenced;
 use super::search::{Search, Way};
@@ -7,7 +7,7 @@ use crate::scene::{ROUNDING, Scene, Shape, Surface};
 use glam::{DMat3, DQuat, DVec3};
 use std::collections::HashSet;
 
-/// A place where a wave met a surface.
+/// A point where a wave met a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vertex {
     /// World position in metres, on the surface.
@@ -24,28 +24,29 @@ pub(super) struct Surfaces {
     surfaces: Vec<(Shape, Frame)>,
     /// For each whether it has [planes alone](Shape::has_planes_alone).
     have_planes_alone: Vec<bool>,
-    /// Metres off a surface that count as on it.
+    /// Maximum distance in metres from a surface that counts as on it.
     pub touch: f64,
     /// The largest coordinate of the scene in metres.
     largest: f64,
 }
 
-/// Units of the scene's rounding that still count as on a surface: solutions of Newton's method
-/// and hits of marched fields are off by some tens of them, and what lies closer to an edge
-/// cannot be distinguished from it anyway. In a scene of 100 m this is 0.1 µm.
+/// The distance from a surface that counts as on it, in units of the scene's rounding: solutions of
+/// Newton's method and hits of marched fields are off by some tens of units, and points closer to
+/// an edge cannot be distinguished from it anyway. In a scene of 100 m it is 0.1 µm.
 const TOUCH_IN_ROUNDINGS: f64 = 1e4;
 
-/// A place in a corner lies in three solids by rounding, and setting it out of one may set it into another.
+/// Maximum number of solids that a point is moved out of: one in a corner lies in three solids by rounding,
+/// and moving it out of one may move it into another.
 const MOST_SOLIDS: usize = 8;
 
-/// A value that small, as a share of what counts as on the surface, is as good as 0.
+/// Value that counts as 0, as a share of the distance that counts as on the surface.
 const SETTLED: f64 = 1e-2;
 
-/// What cannot be mirrored exactly: its value is known at samples alone.
+/// A surface that cannot be mirrored exactly: its value is known only from samples.
 pub(super) struct NotExact;
 
 impl Surfaces {
-    /// Those of `scene`, in which `rounding` metres count as rounding.
+    /// The surfaces of `scene`, in which `rounding` metres count as rounding.
     pub fn new(scene: &Scene, rounding: f64) -> Surfaces {
         let placed = |surface: &Surface| (surface.shape.clone(), frame(surface));
         let surfaces: Vec<_> = scene.surfaces.iter().map(placed).collect();
@@ -64,11 +65,11 @@ impl Surfaces {
         }
     }
 
-    /// The sheet that was met at `vertex`: of those that have the surface there the one whose
-    /// normal is nearest to the vertex's.
+    /// The sheet that was met at `vertex`: of those at this point, the one whose normal is nearest
+    /// to the vertex's.
     ///
     /// # Errors
-    /// [`NotExact`] for what is known by samples alone, and for a number without a surface.
+    /// [`NotExact`] for a surface known only from samples, and for a number without a surface.
     pub fn sheet(&self, vertex: &Vertex) -> Result<Sheet<'_>, NotExact> {
         let search = self.search(vertex.surface, vertex.point, self.touch);
         let search = search.ok_or(NotExact)?;
@@ -100,7 +101,7 @@ impl Surfaces {
     }
 
     /// The planes of the surfaces that lie in the planes of their leaves, each with the number of its surface. A plane
-    /// in which several leaves of a surface lie is given once.
+    /// that contains several leaves of a surface is returned once.
     pub fn planes(&self) -> Vec<(u32, Sheet<'_>)> {
         let flat = (1..)
             .zip(&self.surfaces)
@@ -115,7 +116,7 @@ impl Surfaces {
         flat.flat_map(of).collect()
     }
 
-    /// The nodes of the largest tree among the surfaces of [`Surfaces::planes`].
+    /// Number of nodes of the largest tree among the surfaces of [`Surfaces::planes`].
     pub fn most_nodes_of_planes(&self) -> usize {
         let flat = self.surfaces.iter().map(|(shape, _)| shape);
         let flat = flat.filter(|shape| shape.has_planes_of_leaves());
@@ -125,15 +126,15 @@ impl Surfaces {
     /// Whether the sheet that was met at `vertex` is a plane.
     pub fn is_flat(&self, vertex: &Vertex) -> bool {
         let index = (vertex.surface as usize).wrapping_sub(1);
-        // Among planes alone the sheet need not be searched.
+        // If the surface has planes only, the sheet need not be searched.
         self.have_planes_alone.get(index) == Some(&true)
             || self.sheet(vertex).is_ok_and(|sheet| sheet.is_flat())
     }
 
-    /// The place on the surface with this number next to a world point, by steps along the
-    /// gradient of its value; `None` where they lead nowhere.
+    /// The point on the surface with this number near a world point, by steps along the gradient of
+    /// its value; `None` if they do not converge.
     pub fn onto(&self, surface: u32, point: DVec3) -> Option<Vertex> {
-        /// Newton's steps at most: next to a surface three are enough.
+        /// Maximum number of Newton steps: near a surface three are enough.
         const STEPS: usize = 16;
         let (shape, frame) = self.surfaces.get((surface as usize).checked_sub(1)?)?;
         let value = Differenced::new(shape, 0.0, self.largest);
@@ -157,8 +158,8 @@ impl Surfaces {
         None
     }
 
-    /// A world point set out of the solids in which it lies by no more than the rounding of coordinates in `f32`, as a
-    /// place on a turned wall does; the point itself if it lies in none, or deeper.
+    /// Moves a world point out of solids in which it lies only by the rounding of coordinates to `f32`, as a point on
+    /// a turned wall does; returns the point itself if it lies in none, or deeper.
     pub fn out_of_rounding(&self, point: DVec3) -> DVec3 {
         let most_m = f64::from(ROUNDING) * self.largest;
         let value = |(shape, frame): &(Shape, Frame), p: DVec3| shape.value(frame.place(p));
@@ -171,7 +172,7 @@ impl Surfaces {
             match deepest(place) {
                 Some((surface, value)) if value < 0.0 && value >= -most_m => {
                     match self.onto(surface, place) {
-                        // It is in the air then, whatever is left of the value.
+                        // The point is in the air then, whatever error of the value is left.
                         Some(on) => place = on.point + on.normal * (2.0 * SETTLED * self.touch),
                         None => return point,
                     }
@@ -183,8 +184,8 @@ impl Surfaces {
         point
     }
 
-    /// Whether a world point lies on the surface with this number, and not only on one of its
-    /// sheets' continuations.
+    /// Whether a world point lies on the surface with this number, and not only on the continuation
+    /// of one of its sheets.
     pub fn has(&self, surface: u32, point: DVec3) -> bool {
         self.value(surface, point)
             .is_some_and(|value| value.abs() <= self.touch)
@@ -204,8 +205,8 @@ impl Surfaces {
             .map(|(number, _)| number)
     }
 
-    /// The sheets of the surface with this number on which a world point lies, each as a reflection there; none of what
-    /// is known by samples alone.
+    /// The sheets of the surface with this number on which a world point lies, each as a reflection there; empty for a
+    /// surface known only from samples.
     pub fn sheets_at(&self, surface: u32, point: DVec3) -> Vec<Vertex> {
         let search = self.search(surface, point, self.touch);
         let found = search.filter(|_| self.has(surface, point));
@@ -222,7 +223,7 @@ impl Surfaces {
     }
 }
 
-/// The axes of a surface's own shape, its rotation made unit again.
+/// The axes of a surface's own shape, with its rotation normalised.
 fn frame(surface: &Surface) -> Frame {
     let [x, y, z, w] = surface.rotation.to_array().map(f64::from);
     let rotation = DQuat::from_xyzw(x, y, z, w).normalize();

@@ -1,8 +1,8 @@
-//! Which sheet of a tree lies at a point: down the tree, to the leaves that have the surface there.
+//! Finds the sheets of a tree at a point, down to the leaves that have the surface there.
 //!
-//! The surface is where value = level. Unions, cuts and walls choose a child or move the level;
-//! moves, turns and copies change the axes. What blends or distorts ends the way: there the
-//! level of the whole subtree is the sheet, by differences of its value.
+//! The surface is where value = level. Unions, cuts and walls choose a child or change the level;
+//! moves, turns and copies change the axes. Operators that blend or distort end the way: there the
+//! sheet is the level of the whole subtree, with derivatives by differences of its value.
 
 use super::differences::Differenced;
 use super::leaves;
@@ -13,7 +13,7 @@ use crate::scene::{Node, Shape};
 use glam::{DMat3, DVec3};
 
 impl<'a> Search<'a> {
-    /// Adds the sheets of `shape` that have the surface next to the point.
+    /// Adds the sheets of `shape` that have the surface near the point.
     pub fn descend(&mut self, shape: &'a Shape, way: Way) {
         match &shape.node {
             Node::Union(_) => self.nearest(&shape.children, way, 1.0),
@@ -68,7 +68,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The first child, and the complements of all others, cut each other.
+    /// The first child, cut by the complements of all others.
     fn difference(&mut self, children: &'a [Shape], way: Way) {
         let p = way.frame.place(self.point);
         let outward = |index: usize| if index == 0 { 1.0 } else { -1.0 };
@@ -87,7 +87,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Where one child alone has the value nothing is blended.
+    /// A value of only one child is not blended.
     fn smooth_union(&mut self, shape: &'a Shape, way: Way) {
         let p = way.frame.place(self.point);
         let value = shape.value(p);
@@ -121,7 +121,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The subtree's level itself.
+    /// Adds the level of the subtree itself.
     fn differenced(&mut self, shape: &'a Shape, way: Way) {
         if shape.nodes().iter().any(|tree| tree.node.user().is_some()) {
             self.is_sampled = true;
@@ -152,7 +152,7 @@ fn folded(mirror: &Mirror, p: DVec3, way: Way) -> Way {
     way.turned(turn, DVec3::ZERO).branch(number)
 }
 
-/// Between its halves a shape that was pulled apart is the same along the axis.
+/// Between its halves a shape that was moved apart is constant along the axis.
 fn pulled_apart(elongate: &Elongate, p: DVec3, way: Way) -> Way {
     let by = elongate.by.as_dvec3();
     let held = p.clamp(-by, by);

@@ -1,29 +1,29 @@
 //! The decay of one band: backward integration (Schroeder 1965), its tail beyond the record, and
-//! what ISO 3382-1 reads off it.
+//! the figures that ISO 3382-1 derives from it.
 
 use super::pieces::Piece;
 
-/// The tail is taken from so much decay at the record's end, in decibels: that of ISO 3382-1:2009,
-/// 5.3.3.
+/// Decay in decibels at the record's end from which the tail is extrapolated: that of ISO
+/// 3382-1:2009, 5.3.3.
 const TAIL_DECAY_DB: f64 = 10.0;
 
-/// The tail's window shrinks by this factor while it is searched: fine against the noise of the
-/// energies in it, and some 200 steps from a whole record to a bin.
+/// Factor by which the tail's window shrinks in each step of the search: small compared with the
+/// noise of its energies, and about 200 steps from a whole record to a bin.
 const WINDOW_STEP: f64 = 0.97;
 
-/// The record must end so far below the lower limit of a decay, in decibels: what ISO 3382-1:2009
-/// requires between that limit and noise.
+/// Decibels by which the record must end below the lower limit of a decay: the distance that ISO
+/// 3382-1:2009 requires between that limit and noise.
 const MARGIN_DB: f64 = 10.0;
 
-/// Of a sum of energies at most this share may be beyond the record: an error of a fifth in the
+/// Maximum share of a sum of energies that may be beyond the record: an error of a fifth in the
 /// tail is then 0.01 dB.
 const TAIL_SHARE: f64 = 0.01;
 
-/// A decay that takes fewer bins is that of the bin rather than of the room.
+/// A decay over fewer bins is determined by the bin rather than by the room.
 const LEAST_BINS: f64 = 3.0;
 
-/// Nodes and weights of Gauss and Legendre's rule with three points on 0 … 1: exact for
-/// polynomials of degree 5.
+/// Nodes and weights of the three-point Gauss–Legendre rule on 0 … 1: exact for polynomials of
+/// degree 5.
 const GAUSS: [(f64, f64); 3] = [
     (0.112_701_665_379_258_3, 5.0 / 18.0),
     (0.5, 8.0 / 18.0),
@@ -34,7 +34,7 @@ const GAUSS: [(f64, f64); 3] = [
 pub(super) struct Decay<'a> {
     pieces: &'a [Piece],
     band: usize,
-    /// Energy in 1/m² from the beginning of each piece on; one more for the record's end.
+    /// Energy in 1/m² from the beginning of each piece onwards, and at the record's end.
     remaining: Vec<f64>,
     tail: Tail,
     bin_s: f64,
@@ -43,18 +43,18 @@ pub(super) struct Decay<'a> {
 /// The energy beyond the record, as an exponential decay.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Tail {
-    /// 1/m².
+    /// Energy in 1/m².
     energy: f64,
     /// Seconds in which the energy falls by e.
     time_s: f64,
 }
 
-/// A line through a part of the curve.
+/// A line fitted to a part of the curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Line {
     /// Seconds for a decay by 60 dB.
     pub(super) time_s: f64,
-    /// When the part ends: seconds after the direct sound.
+    /// End of the part: seconds after the direct sound.
     pub(super) ends_s: f64,
 }
 
@@ -64,8 +64,8 @@ const NO_TAIL: Tail = Tail {
 };
 
 impl<'a> Decay<'a> {
-    /// The decay of a band; `None` if there is no energy, or if its tail cannot be estimated: the second half
-    /// of the record has not 5 dB less energy than the first, so that its decay is not 10 dB.
+    /// The decay of a band; `None` without energy, or if its tail cannot be estimated: the energy of
+    /// the record's second half is not 5 dB below that of the first, so that it does not decay by 10 dB.
     pub(super) fn new(pieces: &'a [Piece], band: usize, bin_s: f64) -> Option<Decay<'a>> {
         let mut remaining = vec![0.0; pieces.len() + 1];
         for (index, piece) in pieces.iter().enumerate().rev() {
@@ -93,9 +93,9 @@ impl<'a> Decay<'a> {
         self.pieces.last().map_or(0.0, |piece| piece.ends_s)
     }
 
-    /// The energy beyond the record. ISO 3382-1 takes it to fall as it does over the last 10 dB of
-    /// the record. These are found by the energies of two windows of the same length, the second
-    /// of which ends with the record: they are as long as their energies are 5 dB apart.
+    /// Estimates the energy beyond the record. As in ISO 3382-1 it decays like the last 10 dB of
+    /// the record. These are found from two adjacent windows of equal length, the second of which
+    /// ends with the record: their length is chosen so that their energies differ by 5 dB.
     fn find_tail(&self) -> Option<Tail> {
         let ratio = 10_f64.powf(TAIL_DECAY_DB / 2.0 / 10.0);
         let ends_s = self.length_s();
@@ -124,7 +124,7 @@ impl<'a> Decay<'a> {
         })
     }
 
-    /// Energy in 1/m² from a time on, which lies in the record.
+    /// Energy in 1/m² from a time within the record onwards.
     pub(super) fn from(&self, seconds: f64) -> f64 {
         let after = self.pieces.partition_point(|piece| piece.ends_s < seconds);
         let Some(piece) = self.pieces.get(after) else {
@@ -133,7 +133,7 @@ impl<'a> Decay<'a> {
         self.within(after, piece, seconds)
     }
 
-    /// Energy in 1/m² from a time within a piece on.
+    /// Energy in 1/m² from a time within a piece onwards.
     fn within(&self, index: usize, piece: &Piece, seconds: f64) -> f64 {
         let length_s = piece.ends_s - piece.begins_s;
         if length_s <= 0.0 || seconds <= piece.begins_s {
@@ -154,8 +154,8 @@ impl<'a> Decay<'a> {
         self.tail.energy / self.remaining[0]
     }
 
-    /// Energies in 1/m² before a time and from it on; `None` if all is before, or too much beyond
-    /// the record.
+    /// Energies in 1/m² before and after a time; `None` without energy after it, or if too much is
+    /// beyond the record.
     pub(super) fn parted_at(&self, seconds: f64) -> Option<(f64, f64)> {
         if seconds > self.length_s() {
             return None;
@@ -174,7 +174,7 @@ impl<'a> Decay<'a> {
         Some((self.pieces.iter().map(moments).sum::<f64>() + tail) / total)
     }
 
-    /// The line of least squares through the curve in decibels between two levels (both negative or 0,
+    /// The least-squares line through the curve in decibels between two levels (both negative or 0,
     /// the upper one first).
     pub(super) fn line(&self, upper_db: f64, lower_db: f64) -> Option<Line> {
         let ends_db = 10.0 * self.tail_share().log10();
@@ -195,7 +195,7 @@ impl<'a> Decay<'a> {
         })
     }
 
-    /// When the curve is first at a level, or below it.
+    /// The first time at which the curve is at or below a level.
     fn reaches_s(&self, level_db: f64) -> Option<f64> {
         if level_db >= 0.0 {
             return Some(0.0);

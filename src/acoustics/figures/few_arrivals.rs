@@ -1,7 +1,8 @@
-//! Figures behind which few waves stand.
+//! Figures that depend on few waves.
 //!
-//! The spread over batches says little where a band has a few dozen arrivals, and nothing where it has none. There the
-//! number of arrivals is the measure of what the waves may have missed: √n of n arrivals, and one of none.
+//! The spread over batches is unreliable for a few dozen arrivals in a band, and is not defined without any. There the
+//! energy that the waves may have missed is estimated from the number of arrivals: √n of n arrivals, and one if there
+//! are none.
 
 use super::uncertainty::others;
 use super::{BandFigures, FIGURE_COUNT, Figures, List};
@@ -9,14 +10,15 @@ use crate::acoustics::{Echogram, Tap};
 use crate::bands::{BAND_COUNT, Bands};
 use glam::DVec3;
 
-/// Arrivals of one energy in a band below which its spread over batches is not reported alone.
+/// Number of arrivals of equal energy in a band below which the spread over batches alone does not
+/// give its error.
 const FEW: f64 = 64.0;
 
-/// Seconds over which a further arrival is spread, from the time origin on: half of it comes before 80 ms.
+/// Seconds over which a further arrival is spread, from the time origin on: half of it is before 80 ms.
 const FURTHER_S: f64 = 0.16;
 
-/// The largest errors with which figures of few arrivals are reported: just noticeable differences (ISO 3382-1, annex A) of
-/// C50, C80, D50, Ts and G. Decay times need more arrivals in any case.
+/// Maximum errors of figures reported from few arrivals: just noticeable differences (ISO 3382-1, annex A) of C50, C80,
+/// D50, Ts and G. Decay times need more arrivals in any case.
 const WORST_ERRORS: List = [
     None,
     None,
@@ -28,9 +30,9 @@ const WORST_ERRORS: List = [
     Some(1.0),
 ];
 
-/// The energy that some arrivals may lack or have too much, from their sum: about √n times their mean where they are few.
-/// The more they are, the more of that the batches report: the factor is √(1 + n (1 − n / 64)), and 1 from 64 on. 0 of
-/// none.
+/// Error of the sum of a number of arrivals' energies that the spread over batches does not include: about √n times
+/// their mean if they are few. With more arrivals the batches report more of it: the factor is √(1 + n (1 − n / 64)),
+/// and 1 from 64 on. 0 without arrivals.
 pub(crate) fn uncertain_energy(sum: f64, arrivals: f64) -> f64 {
     if arrivals == 0.0 {
         return 0.0;
@@ -40,8 +42,8 @@ pub(crate) fn uncertain_energy(sum: f64, arrivals: f64) -> f64 {
 }
 
 impl Figures {
-    /// The same with what one more arrival of these energies would change as an error besides. In bands with few arrivals
-    /// only those figures are left that this hardly changes.
+    /// Adds the effect of one more arrival of these energies as an error. In bands with few arrivals only figures that
+    /// change little are kept.
     pub(crate) fn with_further_arrival(
         self,
         (taps, echogram, ends_s): (&[Tap], &Echogram, f64),
@@ -56,7 +58,7 @@ impl Figures {
         let of_bin = energy.map(|energy| energy / bins);
         for bin in 0..bins as usize {
             let seconds = begins_s + (bin as f64 + 0.5) * echogram.bin_s();
-            // Energies of waves that were added before are in range.
+            // The energies of waves that were already added are in range.
             let _ = further.add(0, seconds, &of_bin, DVec3::ZERO);
         }
         let Some(others) = others(taps, &further, begins_s, ends_s) else {
@@ -71,7 +73,7 @@ impl Figures {
         figures
     }
 
-    /// Leaves those figures of a band that have small errors, and are among `others` with one arrival more.
+    /// Keeps the figures of a band that have small errors and are also in `others`, with one arrival more.
     fn leave_certain(&mut self, band: usize, others: &List) {
         let (mut list, mut errors) = (self.bands[band].list(), self.errors[band].list());
         for figure in 0..FIGURE_COUNT {
@@ -92,7 +94,8 @@ impl Figures {
 mod tests {
     use super::*;
 
-    /// The figures of a direct sound of energy 1 and some arrivals of 0.001 each, with one more of these as their error.
+    /// The figures of a direct sound of energy 1 and some arrivals of 0.001 each, with the effect of one more of these
+    /// as their error.
     fn figures(arrivals: usize, energy: f64) -> Figures {
         let direct = Tap {
             seconds: 0.01,
@@ -115,8 +118,8 @@ mod tests {
         figures.with_further_arrival((&taps, &echogram, ends_s), &[uncertain; BAND_COUNT])
     }
 
-    /// Protects errors from a few dozen waves, and errors of 0: where these change G by more than 1 dB there is no G,
-    /// else its error is at least that of one arrival.
+    /// Protects against errors estimated from a few dozen waves, and errors of 0: if one arrival changes G by more
+    /// than 1 dB G is not reported, otherwise its error is at least that of one arrival.
     #[test]
     fn few_arrivals_give_no_certain_figures() {
         for arrivals in [0, 8] {

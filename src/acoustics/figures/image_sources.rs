@@ -1,4 +1,4 @@
-//! The figures of a rectangular room by its image sources.
+//! The figures of a rectangular room, from its image sources.
 
 use super::{Figures, Tap};
 use crate::acoustics::echogram::MAX_BINS;
@@ -6,17 +6,17 @@ use crate::acoustics::{AcousticsError, Echogram, MAX_SECONDS};
 use crate::reference::{ImageSource, ShoeboxEnergies};
 use glam::DVec3;
 
-/// Reflections of the image sources that are computed one by one; with more the decay is smooth.
+/// Maximum number of reflections of image sources that are taps; with more the decay is smooth.
 const TAPS_ORDER: u32 = 12;
 
-/// Seconds in which all further image sources are added up: the shortest of which an echogram of the record has
-/// enough. Each divides 10 ms, so that the limits of clarity are edges.
+/// Cell lengths in seconds for all further image sources: the shortest with which the record fits into an
+/// echogram is used. Each divides 10 ms, so that the limits of clarity are edges.
 const CELLS_S: [f64; 4] = [1e-4, 2e-4, 5e-4, 1e-3];
 
 impl Figures {
     /// The exact figures of a rectangular room, for `seconds` after the source's impulse and a speed of sound in metres
-    /// a second: image sources of up to twelve reflections one by one, all others in cells of 0.1 ms (up to 1 ms in
-    /// records of more than 6.5 s). Results for such a room can be compared with them.
+    /// a second: image sources of up to twelve reflections are taps, all others are summed in cells of 0.1 ms (up to 1
+    /// ms in records of more than 6.5 s). Results for such a room can be compared with them.
     ///
     /// # Errors
     /// [`AcousticsError::BadLength`] for a length that is not above 0 s, or more than
@@ -68,8 +68,8 @@ mod tests {
     use super::*;
     use crate::bands::BAND_COUNT;
 
-    /// Protects the decay times of long records, whose cells are more than an echogram has bins: a longer record gives
-    /// the same.
+    /// Protects the decay times of long records that need more cells than an echogram has bins: a longer record gives
+    /// the same times.
     #[test]
     fn long_records_are_whole() {
         let size = DVec3::new(30.0, 12.0, 24.0);

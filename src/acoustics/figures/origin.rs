@@ -1,20 +1,20 @@
-//! The instant that the times of figures count from.
+//! The time origin of figures.
 //!
 //! ISO 3382-1 counts from the direct sound, and takes the response to start where it is less than 20 dB below its
-//! maximum. Where nothing comes straight from the source, waves that cross an edge of the listener's sphere may arrive
-//! long before the sound that its centre hears, and how early the first of these is depends on the number of waves. So
-//! exact paths decide, and without any a share of the energy.
+//! maximum. Without a direct sound, waves that cross an edge of the listener's sphere may arrive long before the sound
+//! at its centre, and the time of the first one depends on the number of waves. So exact paths determine the origin,
+//! and without them a share of the energy does.
 
 use super::pieces::{Piece, Span, pieces};
 use crate::acoustics::{Echogram, Tap};
 use crate::bands::{self, Bands};
 
-/// 20 dB: a path starts the sound if it has this share of the largest energy of a path or bin, and without such a path it
+/// 20 dB: a path starts the sound if it has this share of the largest energy of a path or bin; without such a path it
 /// starts when this share of all energy has arrived.
 const START_SHARE: f64 = 0.01;
 
-/// The share of all energy that may arrive before the exact path that times count from, 10 dB below all: where waves bring
-/// more than that before it, the sound starts with them.
+/// Maximum share of all energy, 10 dB below the total, that may arrive before the exact path that is the origin: if
+/// waves bring more before it, the sound starts with them.
 const SHARE_BEFORE_PATH: f64 = 0.1;
 
 /// The time origin of a response.
@@ -26,8 +26,9 @@ pub(super) struct Origin {
     pub within_s: f64,
 }
 
-/// The time origin: the direct sound; else the first exact path that is less than 20 dB below the strongest path or bin,
-/// unless 10 % of all energy arrived before it; else when 1 % of all energy has arrived. `None` where nothing arrives.
+/// The time origin: the direct sound; else the first exact path that is less than 20 dB below the strongest path or
+/// bin, unless 10 % of all energy arrived before it; else the time when 1 % of all energy has arrived. `None` if
+/// nothing arrives.
 ///
 /// `energy` returns the energy of a bin; the energies are means over the bands.
 pub(super) fn origin(
@@ -68,8 +69,8 @@ fn is_instant(piece: &Piece) -> bool {
     piece.begins_s == piece.ends_s
 }
 
-/// When the energy of these pieces, in the order of time, passes `least`, within a bin of `bin_s` seconds. `None` where
-/// it does not, or is 0.
+/// The time when the energy of these pieces, in order of time, exceeds `least`, within a bin of `bin_s` seconds. `None`
+/// if it does not, or is 0.
 fn passes(pieces: &[Piece], least: f64, bin_s: f64) -> Option<Origin> {
     let mut arrived = 0.0;
     for piece in pieces {
@@ -112,8 +113,8 @@ mod tests {
         origin(taps, &echogram, |bin| echogram.energy(bin), (direct_s, 1.0))
     }
 
-    /// Protects the origin from stray waves: not the first arrival decides, nor a faint path, and a path is not rounded to
-    /// a bin.
+    /// Protects the origin from stray waves: neither the first arrival nor a faint path determines it, and the time of
+    /// a path is not rounded to a bin.
     #[test]
     fn a_share_of_the_energy_decides() {
         let exact = |seconds| {
@@ -130,7 +131,8 @@ mod tests {
         assert_eq!(origin_of(&[], &[], None), None);
     }
 
-    /// Protects scattered sound that comes before any path: it begins with 1 % of all energy, between the edges of a bin.
+    /// Protects scattered sound that arrives before any path: it begins when 1 % of all energy has arrived, between the
+    /// edges of a bin.
     #[test]
     fn sound_without_paths_begins_with_a_share_of_it() {
         let bins: Vec<(f64, f64)> = (0..50)

@@ -8,9 +8,9 @@ use crate::bands::{BAND_COUNT, Bands};
 pub(super) struct Piece {
     /// Seconds after the direct sound.
     pub(super) begins_s: f64,
-    /// As `begins_s`, and not before it.
+    /// End in seconds after the direct sound, not before `begins_s`.
     pub(super) ends_s: f64,
-    /// 1/m².
+    /// Energy in 1/m².
     pub(super) energy: Bands,
 }
 
@@ -21,8 +21,8 @@ pub(super) struct Span {
     pub(super) ends_s: f64,
 }
 
-/// All that arrives within `span`, without a gap, in the order of time. What is before it counts
-/// as at its beginning. A tap within a bin parts the bin.
+/// All energy that arrives within `span`, without gaps, in order of time. Earlier energy counts at
+/// its beginning. A tap within a bin splits the bin.
 ///
 /// `energy` returns the energy of a bin.
 pub(super) fn pieces(
@@ -59,8 +59,7 @@ fn instant(tap: &Tap, span: Span) -> Piece {
     }
 }
 
-/// The bins as pieces from the beginning of the span to its end, and an empty piece behind the
-/// last.
+/// The bins as pieces from the beginning of the span to its end, and an empty piece after the last.
 fn bins(echogram: &Echogram, energy: impl Fn(usize) -> Bands, span: Span) -> Vec<Piece> {
     let length_s = span.ends_s - span.begins_s;
     let edge = |bin: usize| {
@@ -85,7 +84,7 @@ fn bins(echogram: &Echogram, energy: impl Fn(usize) -> Bands, span: Span) -> Vec
     found
 }
 
-/// A piece's parts before and after a time in it.
+/// The parts of a piece before and after a time in it.
 fn parted(piece: Piece, at_s: f64) -> (Piece, Piece) {
     let length_s = piece.ends_s - piece.begins_s;
     let share = if length_s > 0.0 {

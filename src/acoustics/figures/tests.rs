@@ -1,4 +1,4 @@
-//! Figures against decays whose figures are known in closed form.
+//! Compares figures with decays whose figures are known in closed form.
 
 use super::uncertainty::student_975;
 use super::*;
@@ -9,10 +9,11 @@ use glam::DVec3;
 
 const BIN_S: f64 = 1e-3;
 
-/// 60 dB as a natural logarithm: a decay time over the time in which the energy falls by e.
+/// 60 dB as a natural logarithm: the ratio of the decay time to the time in which the energy falls
+/// by e.
 const SIXTY_DB: f64 = 13.815_510_557_964_274;
 
-/// What a decay by exp(−t/`time_s`) has between two times, of a whole of 1.
+/// Share of the energy of a decay by exp(−t/`time_s`) between two times.
 fn between(begins_s: f64, ends_s: f64, time_s: f64) -> f64 {
     (-begins_s / time_s).exp() - (-ends_s / time_s).exp()
 }
@@ -47,7 +48,7 @@ fn assert_near(found: Option<f64>, expected: f64, tolerance: f64) {
 
 /// Protects each figure of a pure decay, and the tail of a record that ends at −46 dB: without it
 /// T30 would be 0.5 % too short. A bin is a hundredth of the time in which the energy falls by e;
-/// its even energy is wrong by the square of that over 12: 10⁻⁵.
+/// distributing its energy evenly causes an error of the square of that over 12: 10⁻⁵.
 #[test]
 fn a_pure_decay_has_its_figures() {
     let time_s = 0.1;
@@ -67,7 +68,7 @@ fn a_pure_decay_has_its_figures() {
     assert_eq!(figures.errors[3], BandFigures::default());
 }
 
-/// Protects the margins: a record that ends too early says nothing of what it lacks.
+/// Protects the margins: a record that ends too early does not give the figures that need its tail.
 #[test]
 fn a_record_that_is_too_short_tells_less() {
     let time_s = 0.1;
@@ -83,12 +84,12 @@ fn a_record_that_is_too_short_tells_less() {
     assert_near(at_61.edt_s, SIXTY_DB * time_s, 1e-4);
     assert!(at_59.edt_s.is_none() && at_59.t30_s.is_some());
     assert!(at_34.g_db.is_some() && at_19.g_db.is_none());
-    // The whole record decays by less than 10 dB: its tail cannot be told.
+    // The whole record decays by less than 10 dB: its tail cannot be estimated.
     assert_eq!(at_9, BandFigures::default());
 }
 
-/// No decay time is reported from exact paths alone, or from a few waves: a row of taps falls by
-/// 60 dB, and behind it are no waves, few, or many that fall on.
+/// Decay times are not reported from exact paths alone, or from a few waves: a row of taps decays
+/// by 60 dB, followed by no waves, few waves, or many that continue the decay.
 #[test]
 fn decay_times_need_waves_behind_the_decay() {
     let falls = |seconds: f64| 10_f64.powf(-6.0 * seconds);
@@ -114,7 +115,7 @@ fn decay_times_need_waves_behind_the_decay() {
     assert!(many.edt_s.is_some() && many.t30_s.is_some(), "{many:?}");
 }
 
-/// Protects a room that absorbs nothing from having figures.
+/// Protects against figures of a room that does not absorb.
 #[test]
 fn what_does_not_decay_has_no_figures() {
     let mut echogram = Echogram::new(BIN_S, 1).expect("a good bin");
@@ -133,7 +134,7 @@ fn what_does_not_decay_has_no_figures() {
     assert_eq!(figures.cut_off[0], None);
 }
 
-/// Protects the free field: strength by distance, no decay, nothing late.
+/// Protects the free field: strength by distance, no decay and no late sound.
 #[test]
 fn the_direct_sound_alone_has_strength_and_no_decay() {
     let echogram = Echogram::new(BIN_S, 16).expect("a good bin");
@@ -147,8 +148,8 @@ fn the_direct_sound_alone_has_strength_and_no_decay() {
     assert_eq!((nothing.begins_s, nothing.bands[0].g_db), (None, None));
 }
 
-/// Protects where times count from, and taps that part bins: echoes 60 ms and 90 ms behind the
-/// direct sound, one of them in a filled bin.
+/// Protects the time origin, and taps that split bins: echoes 60 ms and 90 ms after the direct
+/// sound, one of them in a filled bin.
 #[test]
 fn times_count_from_the_direct_sound() {
     let mut echogram = Echogram::new(BIN_S, 1).expect("a good bin");
@@ -160,12 +161,12 @@ fn times_count_from_the_direct_sound() {
     assert_near(band.c50_db, 10.0 * (4.0_f64 / 6.0).log10(), 1e-12);
     assert_near(band.c80_db, 10.0 * (6.0_f64 / 4.0).log10(), 1e-12);
     assert_near(band.ts_s, (2.0 * 0.06 + 4.0 * 0.0905) / 10.0, 1e-12);
-    // Without the direct sound the first echo begins.
+    // Without the direct sound, times count from the first echo.
     let figures = Figures::new(&taps[1..], &echogram, None, 2.0);
     assert_eq!(figures.begins_s, Some(0.07));
 }
 
-/// Protects the factor of Student's t against its table.
+/// Protects the factor of Student's t, compared with its table.
 #[test]
 fn student_s_t_is_that_of_the_table() {
     for (degrees, expected) in [(1, 12.7062), (2, 4.3027), (15, 2.1314), (63, 1.9983)] {
@@ -174,8 +175,8 @@ fn student_s_t_is_that_of_the_table() {
     assert!((student_975(3) / 3.1824 - 1.0).abs() < 0.01);
 }
 
-/// A draw of waves in a place with two decays, half of the waves in each: in 16 batches, each
-/// heard 20 times at even random times over 2 s. With `only` of one of these batches alone.
+/// Random waves in a place with two decays, half of the waves in each: in 16 batches, each heard 20
+/// times at evenly distributed random times over 2 s. With `only`, the waves of that batch alone.
 fn draw(seed: u64, waves: usize, only: Option<usize>) -> Echogram {
     let batches = if only.is_some() { 1 } else { 16 };
     let mut echogram = Echogram::new(BIN_S, batches).expect("a good bin");
@@ -197,13 +198,13 @@ fn lowest(energy: f64) -> Bands {
     std::array::from_fn(|band| if band == 0 { energy } else { 0.0 })
 }
 
-/// How often a wave is heard.
+/// Number of arrivals of a wave.
 const ARRIVALS: usize = 20;
 
-/// Waves enough for a reverberation time.
+/// Number of waves that is sufficient for a reverberation time.
 const MANY: usize = 1600;
 
-/// In which the energies fall by e: reverberation times of 1.1 s and 1.7 s.
+/// Seconds in which the energies fall by e: reverberation times of 1.1 s and 1.7 s.
 const TWO_TIMES_S: [f64; 2] = [0.08, 0.12];
 
 fn told(figures: &Figures) -> [(Option<f64>, Option<f64>); 3] {
@@ -215,7 +216,7 @@ fn told(figures: &Figures) -> [(Option<f64>, Option<f64>); 3] {
     ]
 }
 
-/// The figures that infinitely many waves of [`draw`] have, but for their sum.
+/// The figures of infinitely many waves of [`draw`], up to the scale of their energy.
 fn truth() -> [f64; 3] {
     let mut echogram = Echogram::new(BIN_S, 1).expect("a good bin");
     for bin in 0..2000 {
@@ -229,8 +230,8 @@ fn truth() -> [f64; 3] {
     told(&Figures::new(&[], &echogram, Some(0.0), 2.0)).map(|(found, _)| found.expect("a figure"))
 }
 
-/// Protects that errors are honest: over 300 draws the truth lies within two errors in 95 % of
-/// them, by the binomial law ± 3 × 1.26 %.
+/// Protects the size of errors: over 300 draws the truth is within two errors in 95 % of them, by
+/// the binomial law ± 3 × 1.26 %.
 #[test]
 fn two_errors_hold_the_truth_in_95_of_100_draws() {
     const DRAWS: u64 = 300;
@@ -249,9 +250,9 @@ fn two_errors_hold_the_truth_in_95_of_100_draws() {
     }
 }
 
-/// Protects the reason for halves: of few waves the mean of figures from one batch each is
-/// biased, here by 0.2 dB, where the figure of all waves together is not: its bias is a
-/// sixteenth of that, if at all.
+/// Protects the reason for halves: with few waves the mean of figures from one batch each is
+/// biased, here by 0.2 dB, while the bias of the figure from all waves together is at most a
+/// sixteenth of that.
 #[test]
 fn figures_of_single_batches_are_biased() {
     const DRAWS: u64 = 200;
@@ -276,7 +277,7 @@ fn figures_of_single_batches_are_biased() {
     assert!(all_db.abs() < 2.0 * own_db, "{all_db} {own_db}");
 }
 
-/// Protects taps from errors: they are exact, and dilute those of the waves.
+/// Protects taps from errors: they are exact, and reduce the relative error of the waves.
 #[test]
 fn taps_have_no_error() {
     let echogram = draw(1, MANY, None);
@@ -288,7 +289,7 @@ fn taps_have_no_error() {
     assert!((error(&[tap(0.0, 9.0 * energy)]) / error(&[]) - 0.1).abs() < 0.01);
 }
 
-/// Protects errors where few waves arrive: most batches are empty then, and the fewer arrived the less is known.
+/// Protects errors where few waves arrive: most batches are empty then, and fewer arrivals mean larger errors.
 #[test]
 fn few_arrivals_have_larger_errors() {
     const BATCHES_OF_WAVES: usize = 16;
@@ -309,7 +310,8 @@ fn few_arrivals_have_larger_errors() {
         Figures::new(&[direct], &echogram, Some(0.01), 1.0).errors[0]
     };
     let [one, two, four, sixteen] = [1, 2, 4, 16].map(|arrivals| errors(arrivals).g_db.unwrap());
-    // Student's t at 1, 3 and 15 degrees of freedom, and what the arrivals themselves spread: 1/√n.
+    // Student's t at 1, 3 and 15 degrees of freedom, and the spread of the arrivals themselves:
+    // 1/√n.
     assert!(
         one > two && two > 4.0 * four && four > 2.0 * sixteen,
         "{one} {two} {four} {sixteen}"

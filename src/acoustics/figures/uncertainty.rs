@@ -1,5 +1,5 @@
-//! How wrong the waves make the figures: the spread over halves of the batches, what all waves have in common, and what
-//! two ways of counting differ by.
+//! Errors of the figures: the spread over halves of the batches, errors that all waves have in common, and differences
+//! between two ways of counting.
 
 use super::origin::{Origin, origin};
 use super::{BandFigures, DECAY_TIMES, FIGURE_COUNT, Figures, List, Span, lists, pieces};
@@ -7,9 +7,9 @@ use crate::acoustics::{Echogram, Tap};
 use crate::bands::{BAND_COUNT, Bands};
 use rayon::prelude::*;
 
-/// A time of decay with a larger error, as a share of itself, is none: its decay is too noisy. Two
-/// errors are 3 %, less than the least difference in reverberation that is noticed (5 %, ISO 3382-1,
-/// annex A).
+/// Maximum error of a reported decay time, as a share of it: with a larger one its decay is too
+/// noisy. Two errors are 3 %, less than the least noticeable difference in reverberation (5 %, ISO
+/// 3382-1, annex A).
 const WORST_TIME_ERROR: f64 = 0.015;
 
 const NO_FIGURES: [List; BAND_COUNT] = [[None; FIGURE_COUNT]; BAND_COUNT];
@@ -17,20 +17,20 @@ const NO_FIGURES: [List; BAND_COUNT] = [[None; FIGURE_COUNT]; BAND_COUNT];
 /// Errors that all waves have in common, one standard deviation each.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CommonErrors {
-    /// Of T20 and T30, as a share of them.
+    /// Error of T20 and T30, as a share of them.
     pub decay_share: f64,
-    /// Of EDT, as a share of it.
+    /// Error of EDT, as a share of it.
     pub early_decay_share: f64,
-    /// Of C50 and C80, in decibels.
+    /// Error of C50 and C80, in decibels.
     pub clarity_db: f64,
-    /// Of G, in decibels.
+    /// Error of G, in decibels.
     pub strength_db: f64,
-    /// Of Ts, in seconds.
+    /// Error of Ts, in seconds.
     pub centre_s: f64,
 }
 
 impl CommonErrors {
-    /// Of D50: what that of C50 makes of it, as C50 is 10 lg(D50 / (1 − D50)).
+    /// Error of D50, derived from that of C50, as C50 is 10 lg(D50 / (1 − D50)).
     fn definition(&self, d50: f64) -> f64 {
         let change_in_db = 10.0 / (std::f64::consts::LN_10 * d50 * (1.0 - d50));
         self.clarity_db / change_in_db
@@ -38,8 +38,8 @@ impl CommonErrors {
 }
 
 impl Figures {
-    /// The same with the differences from the figures of other taps and another echogram, of a record that ends after so
-    /// many seconds, as errors besides; each times the weight of its band.
+    /// Adds the differences from the figures of other taps and another echogram as errors, each times the weight of its
+    /// band, for a record that ends after `ends_s` seconds.
     pub(crate) fn with_differences(
         self,
         (taps, echogram, ends_s): (&[Tap], &Echogram, f64),
@@ -54,13 +54,14 @@ impl Figures {
         }
     }
 
-    /// The same with what the start of the times, which is known within a bin of `within_s` seconds, leaves uncertain.
+    /// Adds the error due to a time origin that is known only within a bin of `within_s` seconds.
     pub(super) fn with_start_within(
         self,
         (taps, echogram, ends_s): (&[Tap], &Echogram, f64),
         within_s: f64,
     ) -> Figures {
-        /// The standard deviation of what is spread evenly over an interval, over half of its length.
+        /// The standard deviation of a uniform distribution, relative to half of its interval's
+        /// length.
         const EVEN: f64 = 0.577_350_269_189_625_8;
         let later = self.begins_s.map(|begins_s| begins_s + 0.5 * within_s);
         match later.and_then(|later| others(taps, echogram, later, ends_s)) {
@@ -69,7 +70,7 @@ impl Figures {
         }
     }
 
-    /// The same with the weighted differences from other figures as errors besides.
+    /// Adds the weighted differences from other figures as errors.
     pub(super) fn differing(mut self, others: &[List; BAND_COUNT], weights: &Bands) -> Figures {
         for band in 0..BAND_COUNT {
             let pairs = self.bands[band].list().into_iter().zip(others[band]);
@@ -86,7 +87,7 @@ impl Figures {
         self
     }
 
-    /// The same with errors besides that all waves have in common.
+    /// Adds the errors that all waves have in common.
     pub(crate) fn with_common_errors(mut self, common: &CommonErrors) -> Figures {
         for (band, error) in self.bands.iter().zip(&mut self.errors) {
             let add = |error: &mut Option<f64>, common: Option<f64>| {
@@ -127,16 +128,18 @@ pub(super) fn others(
 /// The figures of halves of the batches.
 pub(super) struct Halves {
     lists: Vec<[List; BAND_COUNT]>,
-    /// The time origin of each, in seconds.
+    /// The time origin of each half, in seconds.
     starts_s: Vec<f64>,
     batches: usize,
 }
 
 impl Halves {
-    /// Every half and its complement: batch b is in half h by the sign of Sylvester's matrix,
-    /// whose rows are orthogonal, and half of whose entries in each row but the first are positive.
+    /// Every half and its complement: the sign of Sylvester's matrix determines whether batch b is
+    /// in half h. Its rows are orthogonal, and half of the entries in each row except the first are
+    /// positive.
     ///
-    /// Each half has its own time origin, so that figures know what that of all leaves uncertain.
+    /// Each half has its own time origin, so that the errors include the uncertainty of the common
+    /// one.
     pub fn new(taps: &[Tap], echogram: &Echogram, times: (Option<f64>, f64)) -> Halves {
         let batches = echogram.batches();
         let is_in = |half: usize, batch: usize| (half & batch).count_ones() % 2 == 1;
@@ -174,15 +177,15 @@ impl Halves {
 
     /// One standard deviation of the time origin of all batches, in seconds.
     pub fn error_of_start(&self, start: Origin) -> f64 {
-        /// The variance of what is spread evenly over an interval, over its squared length.
+        /// The variance of a uniform distribution, relative to the square of its interval's length.
         const EVEN: f64 = 1.0 / 12.0;
         let squares = self.starts_s.iter().map(|s| (s - start.seconds).powi(2));
         let variance = squares.sum::<f64>() / self.starts_s.len().max(1) as f64;
         (variance + EVEN * start.within_s.powi(2)).sqrt()
     }
 
-    /// A band's figures as far as they can be estimated, and their errors, where waves arrived as so many of one
-    /// energy.
+    /// Those of a band's figures that can be estimated, and their errors. `arrivals` is the number of arrivals
+    /// of equal energy.
     pub fn judge(&self, band: usize, list: List, arrivals: f64) -> (List, List) {
         let (mut told, mut errors) = (list, [None; FIGURE_COUNT]);
         if self.lists.is_empty() {
@@ -203,9 +206,9 @@ impl Halves {
         (told, errors)
     }
 
-    /// By how much Student's t widens an error. Its degrees of freedom are those of the batches, or of the arrivals where
-    /// these are fewer: most batches are empty then, and their spread says little. Where there is no arrival nothing
-    /// spreads; a single one counts as two, as its energy is all that is known of others that might have come.
+    /// Factor by which Student's t widens an error. Its degrees of freedom are those of the batches, or of the arrivals
+    /// if these are fewer: most batches are empty then, and their spread says little. Without arrivals the spread is 0;
+    /// a single one counts as two, as only its energy is known of others that might have arrived.
     fn widening(&self, arrivals: f64) -> f64 {
         let of_batches = self.batches - 1;
         let degrees = match arrivals > 0.0 {
@@ -215,7 +218,7 @@ impl Halves {
         student_975(degrees) / 2.0
     }
 
-    /// The standard deviation of a figure; `None` if there is no such figure for some half.
+    /// The standard deviation of a figure; `None` if some half does not have it.
     fn deviation(&self, band: usize, figure: usize, whole: f64) -> Option<f64> {
         let mut squares = 0.0;
         for list in &self.lists {
@@ -225,13 +228,13 @@ impl Halves {
     }
 }
 
-/// Student's t that a variate with so many degrees of freedom is below in 97.5 % of cases.
+/// Student's t at 97.5 %, for a number of degrees of freedom.
 ///
 /// M. Abramowitz and I. Stegun, *Handbook of Mathematical Functions*, 1964, 26.7.5: a series in
-/// 1/degrees about the normal variate. From 3 degrees on it is right to 1 %; with 1 and 2, where
-/// it is not, the numbers themselves.
+/// 1/degrees about the normal variate. From 3 degrees on its error is below 1 %; for 1 and 2, where
+/// it is not accurate, the values themselves.
 pub(super) fn student_975(degrees: usize) -> f64 {
-    /// The normal variate that 97.5 % are below.
+    /// The normal variate at 97.5 %.
     const NORMAL: f64 = 1.959_963_984_540_054;
     match degrees {
         0 => f64::INFINITY,

@@ -1,21 +1,21 @@
-//! Responses that begin together, each with its delay.
+//! Aligns responses to a common onset, with a delay for each.
 
 use super::onset::{Mover, OnsetFinder};
 use super::{Hrir, HrirPair, MARGIN, MeasuredHrir};
 use rayon::prelude::*;
 
-/// Responses that begin together.
+/// Responses with a common onset.
 pub(super) struct Aligned {
     pub(super) pairs: Vec<HrirPair>,
-    /// The onset of all, in seconds after their first sample.
+    /// The common onset, in seconds after their first sample.
     pub(super) onset_s: f64,
 }
 
-/// Takes the onsets out: all responses come to begin at the same sample, and no sample of a
+/// Removes the onsets: all responses begin at the same sample afterwards, and no sample of a
 /// measurement is lost. `None` if all are silent.
 pub(super) fn aligned(measured: &[&MeasuredHrir], samples: usize, rate_hz: u32) -> Option<Aligned> {
     let finder = OnsetFinder::new(samples);
-    // An onset is in the response: what is found beyond its ends is rounding.
+    // An onset is within the response: a result beyond its ends is due to rounding.
     let onset = |ear: &Vec<f32>| Some(finder.find(ear)?.clamp(0.0, samples as f64));
     let found: Vec<[Option<f64>; 2]> = measured
         .par_iter()
@@ -23,7 +23,7 @@ pub(super) fn aligned(measured: &[&MeasuredHrir], samples: usize, rate_hz: u32) 
         .collect();
     let known = || found.iter().flatten().flatten().copied();
     let (earliest, latest) = (known().reduce(f64::min)?, known().reduce(f64::max)?);
-    // Silence has no onset; the middle of the others disturbs no delay next to it.
+    // Silence has no onset; the mean of the others does not disturb the delays next to it.
     let middle = known().sum::<f64>() / known().count() as f64;
     let mover = Mover::new(samples + (latest - earliest).ceil() as usize + 2 * MARGIN);
     let (rate, place) = (f64::from(rate_hz), MARGIN as f64 + latest);

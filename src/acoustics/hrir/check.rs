@@ -1,11 +1,11 @@
-//! Which measurements make a set.
+//! Checks the measurements of a set.
 
 use super::{
     HRIR_RATES_HZ, HrirError, LONGEST_DELAY_S, LOUDEST, MAX_DIRECTIONS, MAX_SAMPLES, MAX_VALUES,
     MeasuredHrir,
 };
 
-/// The samples of each response, if all numbers are in range.
+/// The number of samples of each response, if all numbers are in range.
 pub(super) fn check(rate_hz: u32, measured: &[MeasuredHrir]) -> Result<usize, HrirError> {
     if !HRIR_RATES_HZ.contains(&rate_hz) {
         return Err(HrirError::BadRate { rate_hz });
@@ -18,7 +18,7 @@ pub(super) fn check(rate_hz: u32, measured: &[MeasuredHrir]) -> Result<usize, Hr
     Ok(samples)
 }
 
-/// Rejects what is too much to be read.
+/// Rejects sets that are too large.
 pub(super) fn sizes(directions: usize, samples: usize) -> Result<(), HrirError> {
     if !(1..=MAX_DIRECTIONS).contains(&directions) {
         return Err(HrirError::BadCount { count: directions });

@@ -1,8 +1,8 @@
-//! What can go wrong with a set of head-related impulse responses.
+//! Errors of sets of head-related impulse responses.
 
 use super::{HRIR_RATES_HZ, MAX_DIRECTIONS, MAX_SAMPLES, MAX_VALUES};
 
-/// Measurements that make no set of head-related impulse responses.
+/// The reason why measurements are not a valid set of head-related impulse responses.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum HrirError {
@@ -19,39 +19,37 @@ pub enum HrirError {
     /// No direction, or more than [`MAX_DIRECTIONS`].
     #[error("{count} measured directions: there must be 1 to {MAX_DIRECTIONS}")]
     BadCount {
-        /// How many directions there are.
+        /// Number of directions.
         count: usize,
     },
-    /// A response of no sample, or of more than [`MAX_SAMPLES`].
+    /// A response without samples, or with more than [`MAX_SAMPLES`].
     #[error(
         "head-related impulse responses of {samples} samples: they must have 1 to {MAX_SAMPLES}"
     )]
     BadLength {
-        /// Samples of a response.
+        /// Number of samples of a response.
         samples: usize,
     },
-    /// More than [`MAX_VALUES`] samples in all.
-    #[error(
-        "{values} samples in all directions and both ears: {MAX_VALUES} is the most that is taken"
-    )]
+    /// More than [`MAX_VALUES`] samples in total.
+    #[error("{values} samples in all directions and both ears: there must be at most {MAX_VALUES}")]
     TooLarge {
-        /// Samples in all.
+        /// Total number of samples.
         values: u64,
     },
-    /// A response whose length is not that of the first.
+    /// A response whose length differs from that of the first.
     #[error("measurement {index} has {samples} samples where the first has {expected}")]
     UnevenLength {
-        /// The measurement, from 0.
+        /// Index of the measurement, from 0.
         index: usize,
-        /// Samples that it has.
+        /// Its number of samples.
         samples: usize,
-        /// Samples of the first one.
+        /// Number of samples of the first one.
         expected: usize,
     },
-    /// A direction that is no finite vector, or has no length.
-    #[error("measurement {index} comes from {from:?}, which is no direction")]
+    /// A direction that is not a finite vector, or has no length.
+    #[error("measurement {index} comes from {from:?}, which is not a direction")]
     BadDirection {
-        /// The measurement, from 0.
+        /// Index of the measurement, from 0.
         index: usize,
         /// Its direction, listener axes.
         from: glam::DVec3,
@@ -62,7 +60,7 @@ pub enum HrirError {
         super::LOUDEST
     )]
     BadSample {
-        /// The measurement, from 0.
+        /// Index of the measurement, from 0.
         index: usize,
         /// The sample.
         value: f32,
@@ -73,7 +71,7 @@ pub enum HrirError {
         super::LONGEST_DELAY_S
     )]
     BadDelay {
-        /// The measurement, from 0.
+        /// Index of the measurement, from 0.
         index: usize,
         /// The delay in seconds.
         seconds: f64,
@@ -81,7 +79,7 @@ pub enum HrirError {
     /// Both ears are silent in all directions.
     #[error("all samples are 0")]
     Silent,
-    /// The resampler rejects the two rates.
+    /// The resampler rejects the pair of rates.
     #[error(
         "cannot resample head-related impulse responses from {from_hz} Hz to {to_hz} Hz: {reason}"
     )]

@@ -1,4 +1,4 @@
-//! Which measured directions surround a direction, and with what weights.
+//! Finds the measured directions that surround a direction, and their weights.
 //!
 //! The directions are triangulated once: by the Delaunay triangulation on the sphere, whose facets
 //! are those of the directions' convex hull. It is found in the plane by stereographic projection
@@ -7,26 +7,27 @@
 //! others lead from it to the edges of the plane's hull.
 //!
 //! # Weights
-//! Of the facet that a direction d passes through, w₁ a + w₂ b + w₃ c = d with non-negative weights,
-//! scaled so that they add up to 1 (the vector base of V. Pulkki, JAES 45, 1997). They are
-//! continuous over the whole sphere, and 1 at a measured direction.
+//! For a direction d that passes through a facet with corners a, b and c, the weights are those of
+//! w₁ a + w₂ b + w₃ c = d, non-negative and scaled so that they add up to 1 (the vector base of V.
+//! Pulkki, JAES 45, 1997). They are continuous over the whole sphere, and 1 at a measured direction.
 //!
 //! # Where nothing surrounds a direction
-//! Directions that span no volume about the head (a ring, a half-space) leave directions without a
-//! facet. There the three nearest count, by the inverse of the angle: not continuous, but near.
+//! If the directions do not surround the head (a ring, a half-space), some directions have no
+//! facet. There the three nearest are used, weighted by the inverse of the angle: not continuous,
+//! but close.
 
 use glam::{DMat3, DVec3};
 use spade::{DelaunayTriangulation, Point2, Triangulation};
 
-/// Directions nearer to each other than this (radians) are one: 0.0006°, far below what any
-/// measurement resolves, and far above the rounding of degrees in `f32`.
+/// Directions with a smaller angle (radians) between them count as one: 0.0006°, far below the
+/// resolution of any measurement, and far above the rounding of degrees in `f32`.
 const LEAST_ANGLE: f64 = 1e-5;
 
-/// A facet whose plane is nearer to the listener than this (1 is the directions' distance) says
-/// nothing about directions through it: the measured ones lie on a great circle.
+/// Least distance of a facet's plane from the listener (1 is the directions' distance): closer
+/// facets do not determine directions through them, as the measured ones lie on a great circle.
 const LEAST_OFFSET: f64 = 1e-3;
 
-/// Twice the area under which a facet is a line: that of a triangle with one side of
+/// Twice the area below which a facet counts as a line: that of a triangle with one side of
 /// [`LEAST_ANGLE`] and one of a tenth of a degree.
 const LEAST_AREA: f64 = LEAST_ANGLE * 1.7e-3;
 
@@ -39,7 +40,7 @@ pub(in crate::acoustics) type Weight = (usize, f64);
 #[derive(Clone, Debug, PartialEq)]
 struct Facet {
     corners: [usize; 3],
-    /// From a direction to the weights of the three corners.
+    /// Matrix from a direction to the weights of the three corners.
     inverse: DMat3,
 }
 
@@ -51,7 +52,7 @@ pub(in crate::acoustics) struct Facets {
 }
 
 impl Facets {
-    /// Triangulates these unit vectors, of which no two may be one ([`distinct`]).
+    /// Triangulates these unit vectors, which must be distinct ([`distinct`]).
     pub(in crate::acoustics) fn new(directions: Vec<DVec3>) -> Facets {
         let middle = directions.iter().sum::<DVec3>() / directions.len().max(1) as f64;
         let corners = triangulate(&directions);
@@ -65,12 +66,12 @@ impl Facets {
         &self.directions
     }
 
-    /// The measured directions about a direction (a unit vector), with weights that add up to 1.
+    /// The measured directions around a direction (a unit vector), with weights that add up to 1.
     pub(in crate::acoustics) fn around(&self, from: DVec3) -> [Weight; 3] {
         self.within(from).unwrap_or_else(|| self.nearest(from))
     }
 
-    /// By the facet of which the direction is the farthest inside.
+    /// The weights in the facet that contains the direction most clearly.
     fn within(&self, from: DVec3) -> Option<[Weight; 3]> {
         let mut best = (-EDGE, None);
         for facet in &self.facets {
@@ -86,7 +87,8 @@ impl Facets {
         Some(std::array::from_fn(|at| (facet.corners[at], share[at])))
     }
 
-    /// The three nearest by the inverse of their angle, or one alone where it is that direction.
+    /// The three nearest, weighted by the inverse of their angle; a single one if it is the
+    /// direction itself.
     fn nearest(&self, from: DVec3) -> [Weight; 3] {
         let mut found = [(0, f64::INFINITY); 3];
         for (index, direction) in self.directions.iter().enumerate() {
@@ -100,13 +102,14 @@ impl Facets {
         if found[0].1 < LEAST_ANGLE {
             return [(found[0].0, 1.0), (found[0].0, 0.0), (found[0].0, 0.0)];
         }
-        // Where there are fewer than three, the places left have an infinite angle: no weight.
+        // With fewer than three directions, the remaining places have an infinite angle and thus no
+        // weight.
         let sum: f64 = found.iter().map(|(_, angle)| 1.0 / angle).sum();
         found.map(|(index, angle)| (index, 1.0 / (angle * sum)))
     }
 }
 
-/// The indices of directions of which no two are one: of those that are, the first.
+/// The indices of distinct directions: of equal ones, the first.
 pub(super) fn distinct(directions: &[DVec3]) -> Vec<usize> {
     let cell = |direction: DVec3| (direction / LEAST_ANGLE).round().as_i64vec3();
     let mut seen = std::collections::HashSet::with_capacity(directions.len());
@@ -129,7 +132,7 @@ fn triangulate(directions: &[DVec3]) -> Vec<[usize; 3]> {
         )
     };
     let points: Vec<Point2<f64>> = others.iter().map(project).collect();
-    // Points are told apart by their places: spade keeps one vertex of equal ones.
+    // Points are identified by their position: spade keeps one vertex of equal ones.
     let Ok(plane) = DelaunayTriangulation::<Point2<f64>>::bulk_load_stable(points) else {
         return Vec::new();
     };
@@ -166,13 +169,13 @@ mod tests {
     use crate::acoustics::hrir::tests::rigid_sphere::grid;
     use crate::sphere_directions::lattice;
 
-    /// Protects the triangulation: a sphere of n directions has 2 n − 4 facets, also where many lie
-    /// on one circle, and the poles are one direction each.
+    /// Protects the triangulation: a sphere of n directions has 2 n − 4 facets, also if many lie on
+    /// one circle, and each pole is one direction.
     #[test]
     fn facets_close_the_sphere() {
         let round: Vec<DVec3> = lattice(500).collect();
         assert_eq!(Facets::new(round).facets.len(), 996);
-        // As files have it: the poles from each azimuth.
+        // As in files: the poles are repeated at each azimuth.
         let mut rings = grid(15);
         rings.extend([DVec3::new(1e-9, 0.0, 1.0), DVec3::new(0.0, 1e-9, 1.0)]);
         let kept = distinct(&rings);
@@ -182,8 +185,8 @@ mod tests {
         assert_eq!(Facets::new(grid).facets.len(), count);
     }
 
-    /// Protects weights: none below 0, sum 1, the direction itself as their mean's direction, and
-    /// only near corners.
+    /// Protects weights: they are not negative, their sum is 1, their mean is the requested
+    /// direction, and only near corners have weight.
     #[test]
     fn weights_point_where_they_should() {
         let facets = Facets::new(grid(15));
@@ -200,7 +203,7 @@ mod tests {
         }
     }
 
-    /// Protects a measured direction from being mixed with others, and continuity: small steps
+    /// Protects measured directions from being mixed with others, and continuity: small steps
     /// change the weights by little.
     #[test]
     fn weights_are_continuous() {
@@ -222,7 +225,7 @@ mod tests {
         for turn in (0..60_000).map(|count| f64::from(count) * step) {
             let (here, there) = (table(at(turn)), table(at(turn + step)));
             let change: f64 = here.iter().zip(&there).map(|(a, b)| (a - b).abs()).sum();
-            // Corners are some 0.25 apart: a step of 3e-4 changes weights by some 1e-3 each.
+            // Corners are about 0.25 apart: a step of 3e-4 changes each weight by about 1e-3.
             assert!(change < 0.01, "{turn}: {change}");
         }
     }

@@ -1,26 +1,27 @@
-//! Head-related impulse responses: what a head, its ears and its torso make of sound from each
+//! Head-related impulse responses: the effect of a head, its ears and its torso on sound from each
 //! direction.
 //!
-//! A [`HrirSet`] holds one pair of responses for each measured direction, and interpolates between
-//! them. It is made of measurements ([`HrirSet::new`]) or read from a SOFA file
+//! A [`HrirSet`] contains one pair of responses for each measured direction, and interpolates
+//! between them. It is made from measurements ([`HrirSet::new`]) or read from a SOFA file
 //! (`HrirSet::read_sofa`, feature `sofa`).
 //!
 //! # Axes
 //! Those of SOFA and AmbiX: x ahead of the listener, y to the left, z up. Directions point to where
-//! sound comes from. [`ListenerAxes::to_listener`](super::ListenerAxes::to_listener) takes a world
-//! vector there.
+//! sound comes from. [`ListenerAxes::to_listener`](super::ListenerAxes::to_listener) converts a
+//! world vector to them.
 //!
 //! # Method
-//! - The **onset** of each response is found (`onset.rs`) and taken out: all responses of a set begin
-//!   at the same sample, and each has a delay. Responses that are mixed without that cancel each
-//!   other at high frequencies.
-//! - **Between directions** the three that surround it are mixed (`facets.rs`): their samples, and
-//!   their delays, by the same weights.
+//! - The **onset** of each response is found (`onset.rs`) and removed: all responses of a set begin
+//!   at the same sample, and each has a delay. Mixing responses without this would cancel high
+//!   frequencies.
+//! - **Between directions** the responses of the three surrounding ones are mixed (`facets.rs`):
+//!   their samples and their delays, with the same weights.
 //! - **Delays count from the head's centre**: their mean over all directions and both ears is taken
-//!   as the moment in which sound would pass there without the head. So what a file has before its
-//!   onsets does not delay what is heard. A rigid sphere's mean is 0.04 radii off that, 10 µs.
+//!   as the time at which sound would pass there without the head. So silence before the onsets in
+//!   a file does not delay the sound. For a rigid sphere this mean is off by 0.04 radii, 10 µs.
 //! - **Levels** are those of the measurements. If they are relative to the sound pressure at the head's
-//!   centre without the head, as is usual, a direct sound at 1 m from a direction has its HRIR as it is.
+//!   centre without the head, as is usual, the response to a direct sound at 1 m is the unscaled HRIR of
+//!   its direction.
 
 mod align;
 mod check;
@@ -46,38 +47,40 @@ use std::ops::RangeInclusive;
 /// The lowest and the highest sampling rate of a set, in hertz.
 pub const HRIR_RATES_HZ: RangeInclusive<u32> = super::RATES_HZ;
 
-/// The most directions of a set. The densest measurements have some 20,000.
+/// Maximum number of directions of a set. The densest measurements have about 20,000.
 pub const MAX_DIRECTIONS: usize = 1 << 16;
 
-/// The most samples of a response: 85 ms at 192 kHz. A head rings for a few milliseconds.
+/// Maximum number of samples of a response: 85 ms at 192 kHz. A head's response lasts a few
+/// milliseconds.
 pub const MAX_SAMPLES: usize = 1 << 14;
 
-/// The most samples of a set, both ears: 128 MiB. A dense one has 6 million.
+/// Maximum number of samples of a set, both ears: 128 MiB. A dense one has 6 million.
 pub const MAX_VALUES: u64 = 1 << 25;
 
-/// The largest magnitude of a sample: 120 dB above full scale. Files in pascal or in arbitrary
-/// units are far below; beyond it sums lose all that is small.
+/// Maximum magnitude of a sample: 120 dB above full scale. Files in pascal or in arbitrary units
+/// are far below; beyond it sums lose small values.
 pub const LOUDEST: f32 = 1e6;
 
-/// The longest delay beside a response, in seconds: sound goes 34 m in it.
+/// Maximum delay of a response in addition to its samples, in seconds: sound travels 34 m in this
+/// time.
 pub const LONGEST_DELAY_S: f64 = 0.1;
 
-/// Silent samples before and behind moved responses, in which the ripple of a move between samples
-/// fades.
+/// Silent samples before and after moved responses, in which the ripple of a move by a fraction of
+/// a sample fades.
 const MARGIN: usize = 32;
 
-/// Directions over which the mean delay is taken: even over the sphere, however the measured ones
-/// lie.
+/// Number of directions over which the mean delay is taken: they are even over the sphere,
+/// regardless of the measured ones.
 const DELAY_DIRECTIONS: u64 = 256;
 
-/// What was measured from one direction.
+/// The measurement of one direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasuredHrir {
-    /// Where the sound comes from, listener axes, any length.
+    /// Direction that the sound comes from, listener axes, any length.
     pub from: DVec3,
     /// Samples of the left and of the right ear.
     pub ears: [Vec<f32>; 2],
-    /// Delay of each response beside that of its samples, in seconds.
+    /// Delay of each response in addition to its samples, in seconds.
     pub delays_s: [f64; 2],
 }
 
@@ -86,8 +89,8 @@ pub struct MeasuredHrir {
 pub struct Hrir {
     /// The samples, at the set's rate.
     pub samples: Vec<f32>,
-    /// Time of the first of them: seconds after the sound would pass the head's centre without
-    /// the head. Mostly negative: silent samples come before the onset.
+    /// Time of the first sample: seconds after the sound would pass the head's centre without the
+    /// head. Mostly negative: silent samples precede the onset.
     pub delay_s: f64,
 }
 
@@ -124,12 +127,12 @@ pub struct HrirSet {
     rate_hz: u32,
     samples: usize,
     facets: Facets,
-    /// One for each direction of `facets`.
+    /// One pair for each direction of `facets`.
     pairs: Vec<HrirPair>,
 }
 
 impl HrirSet {
-    /// A set of these measurements. Of several from one direction the first counts.
+    /// A set of these measurements. Of several from one direction the first is used.
     ///
     /// # Errors
     /// [`HrirError`]: numbers out of range, responses of different lengths, silence.
@@ -160,7 +163,7 @@ impl HrirSet {
         self.rate_hz
     }
 
-    /// How many samples each response has.
+    /// Number of samples of each response.
     pub fn samples(&self) -> usize {
         self.samples
     }
@@ -170,7 +173,7 @@ impl HrirSet {
         self.facets.directions()
     }
 
-    /// The same set at another rate. A response keeps its spectrum: its samples change by the ratio
+    /// The same set at another rate. Responses keep their spectrum: samples are scaled by the ratio
     /// of the rates.
     ///
     /// # Errors
@@ -216,8 +219,8 @@ impl HrirSet {
         pair
     }
 
-    /// As [`pair`](Self::pair), into a pair that is there: without allocating, once it was filled by
-    /// this set.
+    /// Like [`pair`](Self::pair), into an existing pair: it does not allocate if the pair was filled
+    /// by this set before.
     pub fn pair_into(&self, from: DVec3, pair: &mut HrirPair) {
         let from = from.try_normalize().unwrap_or(DVec3::X);
         let around = self.facets.around(from);
@@ -238,7 +241,7 @@ impl HrirSet {
         }
     }
 
-    /// Takes the mean delay out, so that the mean onset is at 0 s.
+    /// Subtracts the mean delay, so that the mean onset is at 0 s.
     fn count_from_the_centre(&mut self, onset_s: f64) {
         let delay = |from: DVec3| -> f64 {
             let of = |(index, weight): (usize, f64)| {
@@ -266,7 +269,7 @@ impl std::fmt::Debug for HrirSet {
     }
 }
 
-/// The samples of each response.
+/// Number of samples of each response.
 fn length(pairs: &[HrirPair]) -> usize {
     pairs.first().map_or(0, |pair| pair.left.samples.len())
 }

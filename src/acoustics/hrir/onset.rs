@@ -1,29 +1,31 @@
-//! When a head-related impulse response begins, and responses moved to begin together.
+//! Finds the onset of head-related impulse responses, and moves them to a common onset.
 //!
 //! The onset is the delay at which a response is most like its own minimum-phase version (J. Nam,
 //! J. S. Abel and J. O. Smith, *A Method for Estimating Interaural Time Difference for Binaural
-//! Synthesis*, AES 125, 2008): the maximum of their cross-correlation, between samples. Unlike a
-//! threshold it does not jump from one peak to another where the head casts a shadow.
+//! Synthesis*, AES 125, 2008): the maximum of their cross-correlation, interpolated between
+//! samples. Unlike a threshold it does not jump from one peak to another in the head's shadow.
 
 use realfft::num_complex::Complex;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// Magnitudes are taken as no smaller than this share of the largest, −100 dB: a logarithm needs
-/// some limit, and no measurement has so much dynamic.
+/// Lower limit of magnitudes as a share of the largest, −100 dB: a logarithm needs a limit, and no
+/// measurement has a larger dynamic range.
 const FLOOR: f64 = 1e-5;
 
-/// The spectrum's length over the response's, so that the cepstrum does not wrap around much.
+/// Ratio of the spectrum's length to the response's: large enough that the cepstrum hardly wraps
+/// around.
 const PADDING: usize = 4;
 
-/// Places a sample at which the cross-correlation is looked at; between them it is a parabola.
+/// Number of points per sample at which the cross-correlation is evaluated; between them it is
+/// interpolated by a parabola.
 const OVERSAMPLING: usize = 8;
 
 type Forward = Arc<dyn RealToComplex<f64>>;
 type Inverse = Arc<dyn ComplexToReal<f64>>;
 
-/// Finds onsets of responses of one length.
+/// Finds onsets of responses of a given length.
 pub(super) struct OnsetFinder {
     length: usize,
     forward: Forward,
@@ -32,7 +34,7 @@ pub(super) struct OnsetFinder {
 }
 
 impl OnsetFinder {
-    /// For responses of so many samples.
+    /// A finder for responses of `samples` samples.
     pub(super) fn new(samples: usize) -> OnsetFinder {
         let length = (PADDING * samples).next_power_of_two();
         let mut planner = RealFftPlanner::new();
@@ -44,7 +46,7 @@ impl OnsetFinder {
         }
     }
 
-    /// The onset in samples, which may lie a little before the first; `None` for silence.
+    /// The onset in samples, which may be slightly before the first; `None` for silence.
     pub(super) fn find(&self, samples: &[f32]) -> Option<f64> {
         let spectrum = self.spectrum(samples.iter().map(|sample| f64::from(*sample)));
         let largest = spectrum
@@ -77,8 +79,8 @@ impl OnsetFinder {
         spectrum
     }
 
-    /// The spectrum with these magnitudes and the least delay: its cepstrum is 0 before time 0
-    /// (A. V. Oppenheim and R. W. Schafer, *Discrete-Time Signal Processing*, chapter 13).
+    /// The minimum-phase spectrum with these magnitudes: its cepstrum is 0 before time 0 (A. V.
+    /// Oppenheim and R. W. Schafer, *Discrete-Time Signal Processing*, chapter 13).
     fn minimum_phase(&self, spectrum: &[Complex<f64>], floor: f64) -> Vec<Complex<f64>> {
         let log = |value: &Complex<f64>| Complex::new(value.norm().max(floor).ln(), 0.0);
         let mut logarithm: Vec<Complex<f64>> = spectrum.iter().map(log).collect();
@@ -102,8 +104,8 @@ impl OnsetFinder {
     }
 }
 
-/// Moves a response so that `onset` (in samples) is at `place`, in a response of
-/// `samples`: exactly, for what is below half the sampling rate.
+/// Moves responses by any number of samples, whole or not: exactly, for frequencies below half the
+/// sampling rate.
 pub(super) struct Mover {
     samples: usize,
     length: usize,
@@ -112,9 +114,9 @@ pub(super) struct Mover {
 }
 
 impl Mover {
-    /// For moved responses of so many samples.
+    /// A mover to responses of `samples` samples.
     pub(super) fn new(samples: usize) -> Mover {
-        // Twice as long: the ends of a move between samples fade as 1/t, and wrap around.
+        // Double length: the ends of a move by a fraction of a sample fade as 1/t, and wrap around.
         let length = (2 * samples).next_power_of_two();
         let mut planner = RealFftPlanner::new();
         Mover {
@@ -125,7 +127,7 @@ impl Mover {
         }
     }
 
-    /// The response, `by` samples later.
+    /// The response, moved later by `by` samples.
     pub(super) fn later(&self, response: &[f32], by: f64) -> Vec<f32> {
         let mut padded = self.forward.make_input_vec();
         for (padded, sample) in padded.iter_mut().zip(response) {
@@ -155,8 +157,8 @@ fn transform_back(plan: &Inverse, spectrum: &mut [Complex<f64>], out: &mut [f64]
     debug_assert!(done.is_ok(), "the spectrum is that of a real signal");
 }
 
-/// Where a periodic function is greatest, between its samples by a parabola; in the second half of
-/// the period it counts as before 0.
+/// Position of a periodic function's maximum, interpolated between samples by a parabola; the
+/// second half of the period counts as before 0.
 fn peak(values: &[f64]) -> f64 {
     let count = values.len();
     let greatest = (0..count).max_by(|a, b| values[*a].total_cmp(&values[*b]));
@@ -197,8 +199,8 @@ mod tests {
         samples
     }
 
-    /// Protects the onset: that of a delayed minimum-phase response is its delay, between samples
-    /// too, and whatever its level.
+    /// Protects the onset: that of a delayed minimum-phase response is its delay, also between
+    /// samples and at any level.
     #[test]
     fn the_onset_is_the_delay() {
         let finder = OnsetFinder::new(256);
@@ -217,7 +219,7 @@ mod tests {
         assert_eq!(finder.find(&[0.0; 256]), None);
     }
 
-    /// Protects moves: there and back is where it was, whole samples are exact.
+    /// Protects moves: moving back restores the response, and moves by whole samples are exact.
     #[test]
     fn a_move_can_be_undone() {
         let mover = Mover::new(400);

@@ -1,14 +1,14 @@
 //! SOFA files (AES69): sets of head-related impulse responses in netCDF-4, which is HDF5.
 //!
-//! Read is the convention SimpleFreeFieldHRIR: `Data.IR` \[M\]\[2\]\[N\] at `Data.SamplingRate`, later by
+//! Supports the convention SimpleFreeFieldHRIR: `Data.IR` \[M\]\[2\]\[N\] at `Data.SamplingRate`, delayed by
 //! `Data.Delay` samples, from the M directions of `SourcePosition`, relative to `ListenerPosition`,
 //! `ListenerView` and `ListenerUp`. The ear whose `ReceiverPosition` is farther to the left is the left one.
-//! Where a file holds several distances, the farthest counts in each direction.
+//! If a file contains several distances, the farthest is used in each direction.
 //!
 //! # Files of strangers
-//! No more than [`LARGEST_FILE`] bytes are read, and no variable before its shape and the sizes of its
-//! pieces have been checked.
-//! The HDF5 reader is safe Rust. If it panics at a damaged file, the panic is caught and reported as damage.
+//! At most [`LARGEST_FILE`] bytes are read, and each variable only after its shape and the sizes of its
+//! chunks have been checked. The HDF5 reader is safe Rust. If it panics at a damaged file, the panic is
+//! caught and reported as damage.
 
 mod error;
 mod geometry;
@@ -24,18 +24,18 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use variables::Variables;
 
-/// Bytes of a SOFA file at most: [`MAX_VALUES`](super::MAX_VALUES) numbers of 64 bits, and as much
-/// again for all else.
+/// Maximum size of a SOFA file in bytes: [`MAX_VALUES`](super::MAX_VALUES) numbers of 64 bits, and
+/// the same again for everything else.
 const LARGEST_FILE: u64 = 2 * 8 * super::MAX_VALUES;
 
-/// The convention that is read.
+/// The supported convention.
 const CONVENTION: &str = "SimpleFreeFieldHRIR";
 
-/// Ears of a head.
+/// Number of ears of a head.
 const EARS: u64 = 2;
 
 impl HrirSet {
-    /// Reads a SOFA file of the convention SimpleFreeFieldHRIR (AES69), at the rate it has.
+    /// Reads a SOFA file of the convention SimpleFreeFieldHRIR (AES69), at the rate of the file.
     ///
     /// # Errors
     /// [`SofaError`]: the file and what is wrong with it.
@@ -56,7 +56,7 @@ fn from_bytes(bytes: Vec<u8>) -> Result<HrirSet, SofaProblem> {
     let (rate_hz, measured) = caught.unwrap_or_else(|_| {
         Err(SofaProblem::Damaged {
             what: "its structure".into(),
-            reason: "the reader stumbled over it".into(),
+            reason: "the reader failed".into(),
         })
     })?;
     HrirSet::new(rate_hz, measured).map_err(|source| SofaProblem::Set { source })
@@ -91,7 +91,8 @@ fn measurements(bytes: Vec<u8>) -> Result<(u32, Vec<MeasuredHrir>), SofaProblem>
         ears: [ear(index, left), ear(index, right)],
         delays_s: [delays[index][left], delays[index][right]],
     };
-    // Of several from one direction the first counts: the farthest is the most like a plane wave.
+    // Of several from one direction the first is used: the farthest, which is closest to a plane
+    // wave.
     let mut order: Vec<usize> = (0..count).collect();
     order.sort_by(|a, b| metres[*b].total_cmp(&metres[*a]));
     Ok((rate_hz, order.into_iter().map(measured).collect()))
@@ -106,7 +107,10 @@ fn rate(file: &Variables) -> Result<u32, SofaProblem> {
     };
     let whole = rate_hz as u32;
     if f64::from(whole) != rate_hz {
-        return Err(bad_value(NAME, format!("{rate_hz} Hz is no whole number")));
+        return Err(bad_value(
+            NAME,
+            format!("{rate_hz} Hz is not a whole number"),
+        ));
     }
     if rates.iter().any(|other| *other != rate_hz) {
         return Err(bad_value(NAME, "it differs between measurements".into()));

@@ -4,11 +4,11 @@ use crate::acoustics::AcousticsError;
 use crate::scene::Listener;
 use glam::DVec3;
 
-/// Shorter vectors, and a forward and an up that are nearer to one line (sine of the angle), say
-/// nothing about a direction: beyond it lies the rounding of `f32`, from which they come.
+/// Least length of a vector, and least sine of the angle between forward and up: below it the
+/// direction is lost in the rounding of `f32`, in which the vectors are given.
 const LEAST_LENGTH: f64 = 1e-6;
 
-/// A listener's axes in the world: unit vectors, at right angles.
+/// A listener's axes in the world: orthogonal unit vectors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ListenerAxes {
     forward: DVec3,
@@ -17,12 +17,12 @@ pub struct ListenerAxes {
 }
 
 impl ListenerAxes {
-    /// The axes of a listener that looks along `forward`, with `up` above it (world axes, any
-    /// length): `up` is turned to a right angle with `forward`.
+    /// The axes of a listener that looks along `forward`, with `up` upwards (world axes, any
+    /// length): `up` is made perpendicular to `forward`.
     ///
     /// # Errors
-    /// [`AcousticsError::BadAxes`] if one of them has no length or is not finite, or both are on
-    /// one line.
+    /// [`AcousticsError::BadAxes`] if one of them has no length or is not finite, or both are
+    /// parallel.
     pub fn new(forward: DVec3, up: DVec3) -> Result<ListenerAxes, AcousticsError> {
         let bad = AcousticsError::BadAxes { forward, up };
         let unit = |vector: DVec3| {
@@ -45,27 +45,28 @@ impl ListenerAxes {
     /// The axes of a scene's listener.
     ///
     /// # Errors
-    /// [`AcousticsError::BadAxes`] for one that is not finite.
+    /// [`AcousticsError::BadAxes`] if they are not finite.
     pub fn of(listener: &Listener) -> Result<ListenerAxes, AcousticsError> {
         ListenerAxes::new(listener.forward().as_dvec3(), listener.up().as_dvec3())
     }
 
-    /// Where the listener looks.
+    /// The viewing direction.
     pub fn forward(&self) -> DVec3 {
         self.forward
     }
 
-    /// Where the right ear points.
+    /// The direction of the right ear.
     pub fn right(&self) -> DVec3 {
         self.right
     }
 
-    /// What is above the listener.
+    /// The upward direction.
     pub fn up(&self) -> DVec3 {
         self.up
     }
 
-    /// A vector of the world in listener axes, those of AmbiX and SOFA: x ahead, y to the left, z up.
+    /// Converts a world vector to listener axes, those of AmbiX and SOFA: x ahead, y to the left, z
+    /// up.
     pub fn to_listener(&self, world: DVec3) -> DVec3 {
         DVec3::new(
             world.dot(self.forward),
@@ -79,7 +80,7 @@ impl ListenerAxes {
 mod tests {
     use super::*;
 
-    /// Protects left from right, and an up that is not at a right angle.
+    /// Protects left and right, and an up that is not perpendicular.
     #[test]
     fn axes_are_right_handed() {
         let axes = ListenerAxes::new(DVec3::NEG_Z * 3.0, DVec3::new(0.0, 2.0, -5.0));
@@ -90,7 +91,7 @@ mod tests {
         assert!(seen.distance(DVec3::new(-3.0, -1.0, 2.0)) < 1e-15);
     }
 
-    /// Protects the refusal of directions that span no axes.
+    /// Protects the refusal of directions that do not define axes.
     #[test]
     fn one_line_spans_no_axes() {
         assert!(ListenerAxes::new(DVec3::X, DVec3::X * -2.0).is_err());

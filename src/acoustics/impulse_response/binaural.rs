@@ -1,4 +1,4 @@
-//! Two ears: taps and noise through head-related impulse responses.
+//! Binaural responses: taps and noise through head-related impulse responses.
 
 use super::late::{Gauss, samples_of};
 use super::spectrum::{Crossing, Spectra};
@@ -9,12 +9,12 @@ use crate::bands::BAND_COUNT;
 use crate::sphere_directions::lattice;
 use glam::DVec3;
 
-/// Ears of a listener.
+/// Number of ears of a listener.
 const EARS: usize = 2;
 
-/// Directions from which the noise of the late part comes. In a diffuse field the levels and the
-/// coherence of a rigid sphere's ears are then within 0.01 dB and 0.001 of those by 1,500 directions
-/// in each octave from 250 Hz to 8 kHz; each more costs eight transforms of the response's length.
+/// Number of directions of the late part's noise. In a diffuse field the levels and the coherence of
+/// a rigid sphere's ears are then within 0.01 dB and 0.001 of those with 1,500 directions in each
+/// octave from 250 Hz to 8 kHz; each further one costs eight transforms of the response's length.
 const FIELD_DIRECTIONS: usize = 32;
 
 /// The channels of both ears; `hrirs` are at the response's rate.
@@ -25,7 +25,7 @@ pub(super) fn channels(
     sound: &Sound,
     samples: usize,
 ) -> Vec<Vec<f32>> {
-    // Behind the response the HRIRs go on.
+    // The HRIRs extend beyond the response.
     let length = samples + hrirs.samples();
     let mut spectra = Spectra::new(EARS, length, sound.rate_hz);
     if !taps.is_empty() {
@@ -42,7 +42,7 @@ pub(super) fn channels(
     spectra.into_channels(samples)
 }
 
-/// A response between samples, and the position of its first sample.
+/// A response placed between samples, and the index of its first sample.
 struct Placed {
     first: i64,
     samples: Vec<f32>,
@@ -66,7 +66,7 @@ impl Placed {
         [&pair.left, &pair.right].map(|hrir| Placed::new(hrir, place, rate_hz))
     }
 
-    /// Adds it; what lies before the first or behind the last sample is lost.
+    /// Adds it; samples before the first or after the last are lost.
     fn add(&self, samples: &mut [f64], amplitude: f64) {
         for (index, value) in (self.first..).zip(&self.samples) {
             let sample = usize::try_from(index)
@@ -98,7 +98,7 @@ fn add_taps(spectra: &mut Spectra, taps: &[Tap], hrirs: &HrirSet, sound: &Sound)
     }
 }
 
-/// The responses as filters of a spectrum: what comes before time 0 is at the end.
+/// The responses as filters of a spectrum: samples before time 0 are at the end.
 fn filters(spectra: &Spectra, pair: &HrirPair, sound: &Sound) -> Vec<Vec<f64>> {
     let filter = |placed: Placed| {
         let mut filter = spectra.silence();
@@ -117,9 +117,9 @@ fn filters(spectra: &Spectra, pair: &HrirPair, sound: &Sound) -> Vec<Vec<f64>> {
 /// The energy of one band of one bin by direction.
 #[derive(Clone, Copy, Default)]
 struct Share {
-    /// From each direction.
+    /// Energy from each direction.
     diffuse: f64,
-    /// From the directions about the mean one besides.
+    /// Additional energy from the directions around the mean one.
     directed: [(usize, f64); 3],
 }
 

@@ -1,4 +1,4 @@
-//! How many channels there are, and what share of sound from a direction each has.
+//! Channels of a response, and their gains by direction.
 
 use super::ListenerAxes;
 use crate::acoustics::hrir::HrirSet;
@@ -6,11 +6,11 @@ use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 use std::sync::Arc;
 
-/// The most channels that an encoding has.
+/// Maximum number of channels of an encoding.
 pub(crate) const MOST_CHANNELS: usize = 4;
 
-/// The mean of the square of one component of a unit vector over all directions: what a
-/// first-order channel (SN3D) has of a diffuse field's energy.
+/// The mean square of one component of a unit vector over all directions: the share of a diffuse
+/// field's energy in a first-order channel (SN3D).
 const DIFFUSE_SHARE: f64 = 1.0 / 3.0;
 
 /// The channels of an impulse response.
@@ -19,19 +19,19 @@ pub enum Format {
     /// One channel, the same for all directions.
     #[default]
     Mono,
-    /// Left and right: each arrival is panned with constant power by how far it comes from the
-    /// side, cos and sin of (1 + s) π/4, where s is its direction's component along the right ear.
+    /// Left and right: each arrival is panned with constant power by its lateral component s along
+    /// the right ear, with gains cos and sin of (1 + s) π/4.
     Stereo,
     /// First-order ambisonics in the convention AmbiX (C. Nachbar et al., *AmbiX – A Suggested
     /// Ambisonics Format*, 2011): channels W, Y, Z, X (ACN), of a wave from (x, y, z) with gains
     /// 1, y, z, x (SN3D); x is ahead of the listener, y to the left, z up.
     AmbiX,
-    /// Left and right ear, for headphones: each arrival through the head-related impulse responses of
-    /// its direction. A set at another rate is resampled.
+    /// Left and right ear, for headphones: each arrival is filtered by the head-related impulse
+    /// responses of its direction. A set at another rate is resampled.
     Binaural(Arc<HrirSet>),
 }
 
-/// How a direction is encoded by gains alone.
+/// An encoding of directions by gains alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Encoding {
     Mono,
@@ -39,7 +39,7 @@ pub(crate) enum Encoding {
     AmbiX,
 }
 
-/// Amplitudes of noise in each channel: one noise that all share, and one of its own.
+/// Amplitudes of noise in each channel: of one noise common to all, and of one of its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Noise {
     pub(super) common: [f64; MOST_CHANNELS],
@@ -47,7 +47,7 @@ pub(super) struct Noise {
 }
 
 impl Format {
-    /// How many channels there are.
+    /// Number of channels.
     pub fn channels(&self) -> usize {
         match self {
             Format::Mono => 1,
@@ -58,7 +58,7 @@ impl Format {
 }
 
 impl Encoding {
-    /// How many channels there are.
+    /// Number of channels.
     pub(super) fn channels(self) -> usize {
         match self {
             Encoding::Mono => 1,
@@ -67,7 +67,7 @@ impl Encoding {
         }
     }
 
-    /// The gains of sound from a direction (a unit vector towards where it comes from).
+    /// The gains of sound from a direction (a unit vector towards its source).
     pub(crate) fn gains(self, axes: &ListenerAxes, from: DVec3) -> [f64; MOST_CHANNELS] {
         match self {
             Encoding::Mono => [1.0, 0.0, 0.0, 0.0],
@@ -83,12 +83,12 @@ impl Encoding {
         }
     }
 
-    /// Noise of power 1 that comes from all around, but for a mean direction: `mean` is the mean
-    /// of the unit vectors towards where it comes from, by energy, from length 0 (diffuse) to 1.
+    /// Noise of power 1 from all directions, weighted by a mean direction: `mean` is the
+    /// energy-weighted mean of the unit vectors towards the sources, of length 0 (diffuse) to 1.
     ///
-    /// AmbiX: the share |mean| of the energy is one wave from there, the rest is diffuse; so the
-    /// energy and the intensity both are right. Stereo: independent noises whose powers are those
-    /// of one wave from that far to the side; equal if it is diffuse.
+    /// AmbiX: the share |mean| of the energy is one wave from there, the rest is diffuse; so both
+    /// the energy and the intensity are correct. Stereo: independent noises with the powers of one
+    /// wave at that lateral position; equal if it is diffuse.
     pub(super) fn noise(self, axes: &ListenerAxes, mean: DVec3) -> Noise {
         let none = [0.0; MOST_CHANNELS];
         match self {

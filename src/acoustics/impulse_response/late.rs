@@ -6,7 +6,7 @@ use crate::acoustics::Echogram;
 use crate::rng::{hash, unit_interval};
 use std::f64::consts::TAU;
 
-/// Gaussian numbers with mean 0 and variance 1, by a seed and a stream.
+/// Generates Gaussian numbers with mean 0 and variance 1, from a seed and a stream.
 pub(super) struct Gauss {
     key: u64,
     index: u64,
@@ -22,7 +22,7 @@ impl Gauss {
         }
     }
 
-    /// The next one (G. E. P. Box and M. E. Muller, Annals of Mathematical Statistics 29, 1958).
+    /// The next number (G. E. P. Box and M. E. Muller, Annals of Mathematical Statistics 29, 1958).
     pub(super) fn next(&mut self) -> f64 {
         if let Some(spare) = self.spare.take() {
             return spare;
@@ -40,7 +40,7 @@ impl Gauss {
     }
 }
 
-/// The noises of one band: one that all channels share, and one for each.
+/// The noises of one band: one common to all channels, and one for each.
 struct Noises {
     common: Gauss,
     own: [Gauss; MOST_CHANNELS],
@@ -65,8 +65,8 @@ impl Noises {
     }
 }
 
-/// Adds the noise of a band, not filtered yet, to the first `samples` of each channel: in each
-/// bin as much energy as the echogram has, at a bandwidth of half the sampling rate.
+/// Adds the unfiltered noise of a band to the first `samples` of each channel: in each bin with the
+/// energy of the echogram, at a bandwidth of half the sampling rate.
 pub(super) fn add(
     channels: &mut [Vec<f64>],
     samples: usize,
@@ -92,7 +92,7 @@ pub(super) fn add(
 }
 
 /// The samples that a bin covers, and the share of the bin in each. A sample covers half its
-/// distance to the next on both sides; what is before the first is its own.
+/// distance to the next on both sides; the first also covers everything before it.
 pub(super) fn samples_of(
     echogram: &Echogram,
     bin: usize,

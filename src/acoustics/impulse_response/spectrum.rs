@@ -11,14 +11,14 @@ use std::sync::Arc;
 const REFERENCE_HZ: f64 = 1000.0;
 const REFERENCE_BAND: f64 = 4.0;
 
-/// How far two bands go over into each other, in octaves about the edge between them.
+/// Width of the transition between two bands, in octaves about the edge between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Crossing {
     /// From centre to centre, by amplitude: cos² and sin², whose sum is 1. Equal bands leave a
-    /// sound as it is, and the filters are as short as they can be. For taps.
+    /// sound unchanged, and the filters are as short as possible. For taps.
     Amplitude,
-    /// Over a third of an octave, by power: cos and sin, the sum of whose squares is 1. Noises of
-    /// each band keep to their band. For noise.
+    /// Over a third of an octave, by power: cos and sin, whose squares add up to 1. The noise of
+    /// each band stays within it. For noise.
     Power,
 }
 
@@ -31,7 +31,7 @@ impl Crossing {
     }
 
     /// The gain of a band's filter at a frequency. Below the lowest centre and above the highest
-    /// these bands are alone.
+    /// only that band has gain.
     pub(super) fn gain(self, band: usize, frequency_hz: f64) -> f64 {
         let place = (frequency_hz / REFERENCE_HZ).log2() + REFERENCE_BAND;
         let place = place.clamp(0.0, (BAND_COUNT - 1) as f64);
@@ -55,7 +55,7 @@ fn gains(crossing: Crossing, band: usize, rate_hz: f64, length: usize) -> Vec<f6
 /// Sums of the spectra of several channels.
 pub(super) struct Spectra {
     rate_hz: f64,
-    /// Samples, with silence behind them in which the filters' ends may wrap around.
+    /// Number of samples, including silence at the end into which the filters may wrap around.
     length: usize,
     forward: Arc<dyn RealToComplex<f64>>,
     inverse: Arc<dyn ComplexToReal<f64>>,
@@ -63,12 +63,12 @@ pub(super) struct Spectra {
     spectrum: Vec<Complex<f64>>,
 }
 
-/// The filters are zero-phase, and reach both ways: the longest, those between 63 Hz and 125 Hz,
-/// have fallen by 60 dB after so many seconds.
+/// Seconds after which the longest filters, those between 63 Hz and 125 Hz, have fallen by 60 dB.
+/// Filters are zero-phase, and extend in both directions.
 const FILTER_REACH_S: f64 = 0.25;
 
 impl Spectra {
-    /// Nothing yet, for so many channels of so many samples.
+    /// Empty sums for the given numbers of channels and samples.
     pub(super) fn new(channels: usize, samples: usize, rate_hz: f64) -> Spectra {
         let silence = (FILTER_REACH_S * rate_hz).ceil() as usize;
         let length = (samples + silence).next_power_of_two();
@@ -84,12 +84,12 @@ impl Spectra {
         }
     }
 
-    /// A silent channel, as long as the transform takes it.
+    /// A silent channel of the transform's length.
     pub(super) fn silence(&self) -> Vec<f64> {
         vec![0.0; self.length]
     }
 
-    /// Adds a channel's samples through a band's filter, and leaves silence in their place.
+    /// Adds a channel's samples through a band's filter, and overwrites them with silence.
     pub(super) fn add(&mut self, channels: &mut [Vec<f64>], crossing: Crossing, band: usize) {
         let gains = gains(crossing, band, self.rate_hz, self.length);
         for (samples, sums) in channels.iter_mut().zip(&mut self.sums) {
@@ -102,8 +102,8 @@ impl Spectra {
         }
     }
 
-    /// Adds the one channel of `other` to each of these, through a filter that is as long as the
-    /// transform takes it ([`silence`](Self::silence)), and leaves silence in its place.
+    /// Adds the single channel of `other` to each of these, through filters of the transform's
+    /// length ([`silence`](Self::silence)), and overwrites it with silence.
     pub(super) fn add_filtered(&mut self, other: &mut Spectra, mut filters: Vec<Vec<f64>>) {
         for (filter, sums) in filters.iter_mut().zip(&mut self.sums) {
             let done = self.forward.process(filter, &mut self.spectrum);
@@ -137,7 +137,8 @@ mod tests {
     use super::*;
     use crate::bands::BANDS_HZ;
 
-    /// Protects energy: the filters of taps add up to 1, those of noise by their squares.
+    /// Protects energy: the gains of the filters for taps add up to 1, those for noise by their
+    /// squares.
     #[test]
     fn filters_are_complementary() {
         for step in 0..2000 {
@@ -151,11 +152,11 @@ mod tests {
         }
     }
 
-    /// Protects which band is where, and the ends.
+    /// Protects the centres of the bands, and the ends.
     #[test]
     fn a_band_is_alone_at_its_centre() {
         for (band, centre_hz) in BANDS_HZ.into_iter().enumerate() {
-            // 63 Hz is 62.5 Hz, rounded.
+            // The nominal 63 Hz are exactly 62.5 Hz.
             assert!(Crossing::Amplitude.gain(band, centre_hz) > 0.999);
             assert_eq!(Crossing::Power.gain(band, centre_hz), 1.0);
         }

@@ -1,17 +1,18 @@
-//! Taps between samples: windowed sinc functions.
+//! Taps at times between samples: windowed sinc functions.
 
 use std::f64::consts::PI;
 
-/// A tap reaches so many samples to both sides. With this window that keeps it flat up to 0.45 of
+/// Number of samples that a tap extends to both sides. With this window it is flat up to 0.45 of
 /// the sampling rate: 21.6 kHz at 48 kHz.
 const REACH: i64 = 32;
 
-/// The furthest place of an impulse, in samples: 165 years at 192 kHz, behind the end of every response. Places beyond
-/// would not fit into 64 bits.
+/// The furthest position of an impulse, in samples: 165 years at 192 kHz, after the end of every response. Positions
+/// beyond would not fit into 64 bits.
 const FURTHEST: f64 = 1e15;
 
-/// An impulse at a time in samples, not only at a whole one: a sinc function under the window of
-/// Blackman (R. B. Blackman and J. W. Tukey, 1958). Its samples, and the position of the first of them.
+/// An impulse at a time in samples, not necessarily a whole number: a sinc function with a Blackman
+/// window (R. B. Blackman and J. W. Tukey, 1958). Returns the index of its first sample, and its
+/// samples.
 pub(super) fn impulse(place: f64) -> (i64, impl Iterator<Item = f64>) {
     let place = place.clamp(-FURTHEST, FURTHEST);
     let nearest = place.round() as i64;
@@ -22,7 +23,7 @@ pub(super) fn impulse(place: f64) -> (i64, impl Iterator<Item = f64>) {
 
 /// Adds an impulse of this amplitude at a time in samples.
 ///
-/// What lies before the first or behind the last sample is lost.
+/// Samples before the first or after the last are lost.
 pub(super) fn add(samples: &mut [f64], place: f64, amplitude: f64) {
     let (first, impulse) = impulse(place);
     for (index, value) in (first..).zip(impulse) {
@@ -50,7 +51,7 @@ fn windowed_sinc(offset: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Protects a tap at a sample from being smeared: it is that sample alone.
+    /// Protects a tap at a whole sample from being smeared: it is that sample alone.
     #[test]
     fn a_tap_at_a_sample_is_one_sample() {
         let mut samples = vec![0.0; 128];
@@ -61,8 +62,8 @@ mod tests {
         }
     }
 
-    /// Protects phase and amplitude of a tap between samples, up to 0.4 of the sampling rate: of
-    /// its spectrum, which is that of a pure delay.
+    /// Protects phase and amplitude of a tap between samples, up to 0.4 of the sampling rate: its
+    /// spectrum is that of a pure delay.
     #[test]
     fn a_tap_between_samples_is_a_pure_delay() {
         let place = 60.37;
@@ -76,7 +77,7 @@ mod tests {
             };
             let sums = samples.iter().enumerate().map(at);
             let (real, imaginary) = sums.fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
-            // Blackman's window passes by 2 in 10,000 at most.
+            // Blackman's window ripples by at most 2 in 10,000.
             assert!((real - 1.0).abs() < 3e-4, "{turns}: {real}");
             assert!(imaginary.abs() < 3e-4, "{turns}: {imaginary}");
         }

@@ -1,4 +1,4 @@
-//! Impulse responses against the taps and echograms that they are made of.
+//! Compares impulse responses with their taps and echograms.
 
 mod binaural;
 
@@ -37,7 +37,7 @@ fn tap(seconds: f64, energy: Bands, from: DVec3) -> Tap {
 /// The energy of amplitude 1.
 const ONE: Bands = [1.0 / (4.0 * PI); BAND_COUNT];
 
-/// The response between its samples, whose spectrum is theirs.
+/// The band-limited interpolation of the response between its samples.
 fn at(samples: &[f32], place: f64) -> f64 {
     let sinc = |offset: f64| {
         if offset == 0.0 {
@@ -52,15 +52,15 @@ fn at(samples: &[f32], place: f64) -> f64 {
         .sum()
 }
 
-/// Protects times and amplitudes: a source at 1 m gives amplitude 1, at its time between samples;
-/// and bands that differ do not move the peak.
+/// Protects times and amplitudes: a source at 1 m gives amplitude 1, at its exact time; different
+/// bands do not move the peak.
 #[test]
 fn a_tap_is_where_it_belongs() {
     let seconds = 0.010_006_9;
     let place = seconds * RATE_HZ;
     let flat = response(&[tap(seconds, ONE, DVec3::X)], &empty(), Format::Mono, 0);
     let samples = &flat.channels()[0][..1000];
-    // A window of 65 samples loses what is above 0.45 of the rate: some percent of the peak.
+    // A window of 65 samples loses frequencies above 0.45 of the rate: a few per cent of the peak.
     assert!(
         (at(samples, place) - 1.0).abs() < 0.05,
         "{}",
@@ -75,7 +75,7 @@ fn a_tap_is_where_it_belongs() {
         let samples = &response.channels()[0][..1000];
         let steps = (-100..=100).map(|step| place + f64::from(step) * 0.002);
         let peak = steps.max_by(|a, b| at(samples, *a).total_cmp(&at(samples, *b)));
-        // What is above 0.45 of the rate has another phase: 0.02 samples are 0.4 µs.
+        // Frequencies above 0.45 of the rate have another phase: 0.02 samples are 0.4 µs.
         assert!((peak.expect("a peak") - place).abs() <= 0.02);
     }
 }
@@ -96,7 +96,7 @@ fn a_tap_has_the_energy_of_its_bands() {
             )
         });
         let found = real.hypot(imaginary);
-        // Windowing passes by 2 in 10,000; samples are f32.
+        // The window ripples by 2 in 10,000; samples are f32.
         assert!(
             (found / amplitude(*energy) - 1.0).abs() < 1e-3,
             "{band}: {found}"
@@ -104,7 +104,8 @@ fn a_tap_has_the_energy_of_its_bands() {
     }
 }
 
-/// Protects the conventions of AmbiX: order W Y Z X, SN3D, y to the left; and left from right.
+/// Protects the conventions of AmbiX: order W Y Z X, SN3D, y to the left; left and right are not
+/// swapped.
 #[test]
 fn directions_are_encoded() {
     let diagonal = DVec3::new(1.0, 1.0, -1.0).normalize();
@@ -133,7 +134,7 @@ fn directions_are_encoded() {
     }
 }
 
-/// Decays of another speed in each band, from all of `from` in equal parts.
+/// Decays with a different rate in each band, in equal parts from all of `from`.
 fn decaying(from: &[DVec3]) -> Echogram {
     let mut echogram = empty();
     for bin in 0..1000 {
@@ -147,7 +148,7 @@ fn decaying(from: &[DVec3]) -> Echogram {
     echogram
 }
 
-/// A channel within this share of an octave about a band's centre, to each side.
+/// A channel filtered to this share of an octave on each side of a band's centre.
 fn filtered(samples: &[f32], band: usize, octaves: f64) -> Vec<f64> {
     let length = samples.len().next_power_of_two();
     let mut planner = RealFftPlanner::new();
@@ -179,8 +180,9 @@ fn filtered(samples: &[f32], band: usize, octaves: f64) -> Vec<f64> {
 }
 
 /// Protects the late part's energy, by band and time. Within a third of an octave about its centre
-/// a band is alone, and noise of that bandwidth B has in T seconds an energy with the relative
-/// standard deviation 1/√(B T). Four of these, and 3 % for what the edges of a window spread.
+/// only one band contributes, and noise of that bandwidth B has in T seconds an energy with the
+/// relative standard deviation 1/√(B T). Four of these are allowed, and 3 % for energy spread
+/// across the edges of a window.
 #[test]
 fn noise_follows_the_echogram() {
     const WINDOWS: usize = 4;
@@ -191,7 +193,7 @@ fn noise_follows_the_echogram() {
         let found = filtered(&response.channels()[0], band, octaves);
         let width_hz = centre_hz * (octaves.exp2() - (-octaves).exp2());
         let samples = RATE_HZ as usize / WINDOWS;
-        // The first window has the edge of the sound itself.
+        // The first window contains the beginning of the sound.
         for window in 1..WINDOWS - 1 {
             let bins = window * 1000 / WINDOWS..(window + 1) * 1000 / WINDOWS;
             let energy: f64 = bins.map(|bin| echogram.energy(bin)[band]).sum();
@@ -209,8 +211,8 @@ fn noise_follows_the_echogram() {
 }
 
 /// Protects the late part's time structure: the energy of single bins at high frequencies, where a
-/// filter is sharper in time than a bin. Every tenth bin has sound; a millisecond at 8 kHz has
-/// B T = 11 over the octave, and so 300 bins together 2 %.
+/// filter is shorter than a bin. Every tenth bin has sound; a millisecond at 8 kHz has B T = 11
+/// over the octave, and so 300 bins together 2 %.
 #[test]
 fn noise_stays_in_its_bins() {
     let mut echogram = empty();
@@ -241,7 +243,7 @@ fn noise_stays_in_its_bins() {
     assert!(energy(0) < 0.01 * all, "{}", energy(0) / all);
 }
 
-/// The mean product of two channels' samples, over that of the first with itself.
+/// The mean product of two channels' samples, relative to that of the first with itself.
 fn share(response: &ImpulseResponse, a: usize, b: usize) -> f64 {
     let sum = |a: &[f32], b: &[f32]| -> f64 {
         let products = a.iter().zip(b).map(|(a, b)| f64::from(*a) * f64::from(*b));
@@ -251,8 +253,8 @@ fn share(response: &ImpulseResponse, a: usize, b: usize) -> f64 {
     sum(&channels[a], &channels[b]) / sum(&channels[0], &channels[0])
 }
 
-/// Protects where the late part comes from: one direction, and two opposite ones, which are
-/// diffuse as far as a first order resolves. The decaying noise has some 2000 independent values:
+/// Protects the directions of the late part: a single one, and two opposite ones, which first order
+/// cannot distinguish from a diffuse field. The decaying noise has about 2000 independent values:
 /// deviations are 2 %, and four of them are allowed.
 #[test]
 fn noise_comes_from_where_the_energy_came() {
@@ -268,7 +270,7 @@ fn noise_comes_from_where_the_energy_came() {
         assert!(share(&diffuse, 0, channel).abs() < 0.08);
         assert!((share(&diffuse, channel, channel) - 1.0 / 3.0).abs() < 0.08);
     }
-    // Three parts of four from ahead, one from behind: half of it is directed.
+    // Three quarters from ahead, one from behind: half of the energy is directed.
     let ahead = [DVec3::NEG_Z, DVec3::NEG_Z, DVec3::NEG_Z, DVec3::Z];
     let half = response(&[], &decaying(&ahead), Format::AmbiX, 5);
     assert!((share(&half, 0, 3) - 0.5).abs() < 0.08);
@@ -284,7 +286,7 @@ fn noise_comes_from_where_the_energy_came() {
     assert!((powers / 13.93 - 1.0).abs() < 0.16, "{powers}");
 }
 
-/// Protects that a response can be had again, and another one too.
+/// Protects that a response can be reproduced, and varied.
 #[test]
 fn the_seed_chooses_the_noise() {
     let echogram = decaying(&[DVec3::X]);
@@ -306,7 +308,7 @@ fn samples_are_interleaved() {
     assert!(samples[0].abs() < 1e-6 && (samples[1] - 1.0).abs() < 1e-6);
 }
 
-/// Protects the refusal of rates and lengths that no response has.
+/// Protects the refusal of invalid rates and lengths.
 #[test]
 fn bad_settings_are_refused() {
     let make = |rate_hz, seconds| {
@@ -326,7 +328,7 @@ fn bad_settings_are_refused() {
     assert!(make(44_100, 0.5).is_ok());
 }
 
-/// Protects samples from taps that no sound has: each is refused with its place and number.
+/// Protects samples from taps out of range: each is refused with its index and number.
 #[test]
 fn taps_that_no_sound_has_are_refused() {
     let good = Tap {
@@ -372,7 +374,7 @@ fn taps_that_no_sound_has_are_refused() {
         let is_told = matches!(refused, Err(AcousticsError::BadTap { index: 1, .. }));
         assert!(is_told, "{bad:?}: {refused:?}");
     }
-    // What comes after the end is cut off, however late.
+    // Samples after the end are cut off, however late.
     let late = Tap {
         seconds: 1e300,
         ..good

@@ -1,4 +1,4 @@
-//! The whole way from arrivals to figures, against exact energies.
+//! Compares the complete computation, from arrivals to figures, with exact energies.
 
 mod shoebox;
 mod waves;

@@ -1,4 +1,4 @@
-//! Echogram and figures of random waves in empty rectangular rooms against image sources.
+//! Compares echograms and figures of random waves in empty rectangular rooms with image sources.
 
 use super::waves::Room;
 use crate::acoustics::{Arrival, BandFigures, Echogram, Figures, Tap};
@@ -8,31 +8,32 @@ use crate::rng::{hash, unit_interval};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Metres a second.
+/// Speed of sound in metres a second.
 const SPEED: f64 = 343.0;
 
-/// Records are so much longer than the reverberation time by Sabine's formula: that of an uneven
+/// Ratio of the record's length to the reverberation time by Sabine's formula: that of an uneven
 /// room is longer, and T30 needs 45 dB of decay.
 const RECORD: f64 = 1.3;
 
 /// No absorption by the air.
 const AIRLESS: Bands = [0.0; BAND_COUNT];
 
-/// Radius of a listener of common size, and one in which late arrivals are counted, in metres.
+/// Radius of a listener of common size, and of one for late arrivals, in metres.
 const RADIUS_M: f64 = 0.3;
 const LATE_RADIUS_M: f64 = 0.9;
 
-/// Absorption of the walls' mean by band, from a live to a dead room.
+/// Mean absorption of the walls by band, from a live to a dead room.
 const ABSORPTION: Bands = [0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.7];
 
-/// Where C80 is more than this many decibels, the late sound is a hundredth of the early: how much
-/// it is no one hears, and it is a few echoes of the highest orders that random waves find seldom.
+/// Maximum C80 in decibels that is compared: above it the late sound is a hundredth of the early,
+/// which is inaudible, and consists of a few echoes of the highest orders that random waves seldom
+/// find.
 const WORST_CLARITY_DB: f64 = 20.0;
 
-/// A time is sure to 3 % if its error is at most a third of that.
+/// Maximum error of a time that is certain to 3 %: a third of that.
 const SURE: f64 = 0.01;
 
-/// Uniform numbers, by a seed.
+/// Generates uniform numbers from a seed.
 struct Draw(u64);
 
 impl Draw {
@@ -46,7 +47,7 @@ impl Draw {
     }
 }
 
-/// A room of 30 m³ to 350 m³ whose walls absorb 0.5 to 1.5 of [`ABSORPTION`], each its own.
+/// A room of 30 m³ to 350 m³ whose walls each absorb 0.5 to 1.5 of [`ABSORPTION`].
 fn random_room(seed: u64, radius: f64) -> Room {
     let mut draw = Draw(hash(seed));
     let size = DVec3::new(
@@ -78,7 +79,7 @@ fn tap(image: &ImageSource) -> Tap {
     }
 }
 
-/// The exact figures of a room, and those of waves.
+/// The exact figures of a room, and those from waves.
 struct Case {
     truth: Figures,
     found: Figures,
@@ -98,7 +99,7 @@ impl Case {
     }
 }
 
-/// The reverberation time of the band that absorbs least, by Sabine's formula.
+/// The reverberation time of the band with the least absorption, by Sabine's formula.
 fn longest_decay_s(room: &Room) -> f64 {
     let DVec3 { x, y, z } = room.size;
     let areas = [y * z, y * z, x * z, x * z, x * y, x * y];
@@ -116,7 +117,7 @@ fn truth(exact: &ShoeboxEnergies, seconds: f64) -> Figures {
     Figures::of_image_sources(exact, SPEED, seconds).expect("a near source")
 }
 
-/// Follows waves for so many metres, and hands over what arrives later than the taps.
+/// Follows waves for a length in metres, and passes on arrivals later than the taps.
 type Trace<'a> = dyn Fn(f64, &mut dyn FnMut(Arrival)) + 'a;
 
 fn found(exact: &ShoeboxEnergies, early_order: u32, seconds: f64, trace: &Trace) -> Figures {
@@ -130,7 +131,7 @@ fn found(exact: &ShoeboxEnergies, early_order: u32, seconds: f64, trace: &Trace)
     Figures::new(&taps, &echogram, Some(direct_s), seconds)
 }
 
-/// A figure of all bands: true, found, its error; without those that one of them lacks.
+/// A figure of all bands: exact, found, its error; without bands where one of them is missing.
 fn compared(case: &Case, figure: impl Fn(&BandFigures) -> Option<f64>) -> Vec<[f64; 3]> {
     let of_band = |band: usize| {
         let truth = figure(&case.truth.bands[band])?;
@@ -140,15 +141,15 @@ fn compared(case: &Case, figure: impl Fn(&BandFigures) -> Option<f64>) -> Vec<[f
     (0..BAND_COUNT).filter_map(of_band).collect()
 }
 
-/// How far a figure is off in a case, at worst: in its unit.
+/// The largest deviation of a figure in a case, in its unit.
 fn worst(case: &Case, figure: impl Fn(&BandFigures) -> Option<f64>) -> f64 {
     let compared = compared(case, figure);
     let off = |[truth, found, _]: &[f64; 3]| (found - truth).abs();
     compared.iter().map(off).fold(0.0, f64::max)
 }
 
-/// How far a time is off in a case, at worst, as a share of it: in the bands in which its error is
-/// said to be at most [`SURE`]. And how many these are.
+/// The largest relative deviation of a time in a case, over the bands whose stated error is at most
+/// [`SURE`], and the number of these bands.
 fn worst_sure_time(case: &Case, time: impl Fn(&BandFigures) -> Option<f64>) -> (f64, usize) {
     let mut compared = compared(case, time);
     compared.retain(|[_, found, error]| error / found <= SURE);
@@ -160,10 +161,10 @@ fn audible_c80_db(figures: &BandFigures) -> Option<f64> {
     figures.c80_db.filter(|c80_db| *c80_db < WORST_CLARITY_DB)
 }
 
-/// Protects the accuracy that is promised of 262,144 waves and taps of up to 3 reflections: in every
-/// band C80 within 0.3 dB and G within 0.15 dB of image sources, and T30 and EDT within 3 % where
-/// their errors say so: three errors. They do not in the deadest bands, whose decay to −35 dB is
-/// some dozen echoes of 4 to 8 reflections, each met by few waves.
+/// Protects the documented accuracy with 262,144 waves and taps of up to 3 reflections: in every
+/// band C80 within 0.3 dB and G within 0.15 dB of image sources, and T30 and EDT within 3 %, three
+/// errors, where their errors are small enough. They are not in the bands with the most absorption,
+/// whose decay to −35 dB is about a dozen echoes of 4 to 8 reflections, each met by few waves.
 #[test]
 fn figures_are_those_of_image_sources() {
     (0..3_u64).into_par_iter().for_each(|seed| {
@@ -178,7 +179,7 @@ fn figures_are_those_of_image_sources() {
         let (t30, t30_bands) = worst_sure_time(&case, |figures| figures.t30_s);
         println!("{seed}: EDT {edt:.4} in {edt_bands}, T30 {t30:.4} in {t30_bands}");
         assert!(edt < 0.03 && t30 < 0.03, "{seed}: EDT {edt}, T30 {t30}");
-        // Of T30 they say so for two bands at least, of EDT for half.
+        // They are small enough for T30 in at least two bands, for EDT in half.
         assert!(
             t30_bands >= 2 && edt_bands >= BAND_COUNT / 2,
             "{t30_bands} {edt_bands}"
@@ -186,10 +187,10 @@ fn figures_are_those_of_image_sources() {
     });
 }
 
-/// Protects the errors: over 40 rooms and 8 bands twice the error holds the truth in 95 % of cases.
-/// The bands of a room share its waves. Were they three independent ones, the share would have a
-/// standard deviation of 2 %: three of these are allowed. Errors that are too large would hold
-/// too much: their squares against the true ones are 1 on average.
+/// Protects the errors: over 40 rooms and 8 bands twice the error contains the truth in 95 % of
+/// cases. The bands of a room share its waves. If they were three independent ones, the share would
+/// have a standard deviation of 2 %: three of these are allowed. Errors that are too large would
+/// contain it too often: the ratio of the true squared errors to the stated ones is 1 on average.
 #[test]
 fn errors_are_honest() {
     type Figure = fn(&BandFigures) -> Option<f64>;
@@ -216,8 +217,8 @@ fn errors_are_honest() {
     }
 }
 
-/// Protects a case that other programs were measured with: 100,000 waves, late ones counted in a large
-/// sphere, are 1 % in T30 and 0.1 dB in C80 from image sources.
+/// Protects a case that other programs were measured with: with 100,000 waves, late ones counted in a
+/// large sphere, T30 is within 1 % and C80 within 0.1 dB of image sources.
 #[test]
 fn a_known_room_has_its_figures() {
     let size = DVec3::new(8.0, 3.0, 5.0);
@@ -236,8 +237,8 @@ fn a_known_room_has_its_figures() {
     assert!(t30 < 0.01 && c80_db < 0.1, "T30 {t30} C80 {c80_db}");
 }
 
-/// Protects directions and energies of arrivals: with no path exact, the strongest bins point away
-/// from the images that they hold, and the sum of all is that of the images.
+/// Protects directions and energies of arrivals: without exact paths, the strongest bins point away
+/// from their images, and the total is that of all images.
 #[test]
 fn arrivals_fly_away_from_images() {
     let room = random_room(7, RADIUS_M);
@@ -250,7 +251,8 @@ fn arrivals_fly_away_from_images() {
     };
     room.trace(262_144, direct.length_m + 0.01, None, 3, &mut take);
     let flow = (0..echogram.bins()).fold(DVec3::ZERO, |sum, bin| sum + echogram.flow(bin)[0]);
-    // Waves of other images come as early only if these are as near: none is, in this room.
+    // Waves of other images arrive as early only if these are as near, which does not occur in this
+    // room.
     let angle = flow.angle_between(direct.direction);
     assert!(angle < 0.02, "{angle}");
     let energy = echogram.total()[0] / direct.energy[0];

@@ -1,4 +1,4 @@
-//! Waves through an empty rectangular room, in `f64`: straight lines through the unfolded room.
+//! Traces waves in an empty rectangular room, in `f64`: straight lines through the unfolded room.
 
 use crate::acoustics::Arrival;
 use crate::bands::{BAND_COUNT, Bands};
@@ -6,28 +6,28 @@ use crate::rng::{hash, unit_interval};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
-/// An empty room about the origin, with a source and a listener that is wholly in it.
+/// An empty room about the origin, with a source and a listener that is completely inside.
 #[derive(Clone, Debug)]
 pub(super) struct Room {
     pub(super) size: DVec3,
     pub(super) source: DVec3,
     pub(super) listener: DVec3,
     pub(super) radius: f64,
-    /// Of the walls at −x, +x, −y, +y, −z, +z; below 1.
+    /// Absorption of the walls at −x, +x, −y, +y, −z, +z; below 1.
     pub(super) absorption: [Bands; 6],
 }
 
-/// One line on its way through the copies of the room.
+/// A line on its way through the copies of the room.
 struct Line {
     direction: DVec3,
     crossed: [u32; 3],
-    /// Metres to the next wall along each axis, and from one to the next.
+    /// Metres to the next wall along each axis, and between walls.
     ahead_m: [f64; 3],
     apart_m: [f64; 3],
 }
 
 impl Room {
-    /// Follows `waves` random waves for `length_m` metres, and hands over each crossing of the
+    /// Follows `waves` random waves for `length_m` metres, and passes on each crossing of the
     /// listener with more than `early_order` reflections.
     pub(super) fn trace(
         &self,
@@ -75,7 +75,8 @@ impl Room {
         }
     }
 
-    /// Metres to the middle of the chord through the listener in this copy, and the chord.
+    /// Metres to the middle of the chord through the listener in this copy, and length of the
+    /// chord.
     fn crossing(&self, line: &Line) -> Option<(f64, f64)> {
         let image: [f64; 3] = std::array::from_fn(|axis| {
             let number = f64::from(line.crossed[axis]) * line.direction[axis].signum();
@@ -130,7 +131,7 @@ impl Line {
         begins_m
     }
 
-    /// The direction in the room itself.
+    /// The direction in the original room.
     fn folded_direction(&self) -> DVec3 {
         let sign = |axis: usize| {
             if self.crossed[axis] % 2 == 1 {
@@ -143,7 +144,7 @@ impl Line {
     }
 }
 
-/// Evenly distributed over the sphere: Archimedes' cylinder.
+/// Evenly distributed over the sphere, by Archimedes' cylinder.
 fn random_direction(seed: u64, wave: u32) -> DVec3 {
     let key = hash(seed).wrapping_add(2 * u64::from(wave));
     let z = 2.0 * unit_interval(hash(key)) - 1.0;

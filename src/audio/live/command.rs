@@ -7,13 +7,13 @@ use crate::audio::{SoundSource, StereoSource};
 pub(super) enum Command {
     /// Fade to another sound.
     Sound(SoundSource),
-    /// Fade to a caller's own channels; none for the sound and its pan.
+    /// Fade to a caller's own channels; `None` for the mono sound and its pan.
     Stereo(Option<StereoSource>),
     /// Play on another device.
     Device(Option<String>),
-    /// A recording waits in the state.
+    /// Take the recording that waits in the state.
     Record,
-    /// An event on another thread that has to be reported.
+    /// An event on another thread to report.
     Notice(String),
     /// A stream broke off.
     Lost { generation: u64, reason: String },

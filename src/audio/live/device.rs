@@ -1,4 +1,4 @@
-//! Output devices: which there are, and how one is opened.
+//! Output devices: listing, choosing and opening them.
 
 use std::ops::RangeInclusive;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -14,37 +14,37 @@ use super::link::Link;
 use super::timeout::{ANSWER_LIMIT, within};
 use crate::audio::{SAMPLE_RATE, SAMPLE_RATES};
 
-/// An output device that can be chosen.
+/// An output device.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DeviceInfo {
-    /// What it is called; [`LiveOptions::device`](super::LiveOptions::device) takes it.
+    /// Its name; [`LiveOptions::device`](super::LiveOptions::device) accepts it.
     pub name: String,
-    /// Its name within the sound system, which is taken as well and is always unlike the others.
+    /// Its unique name within the sound system, which is accepted as well.
     pub id: String,
-    /// Whether it is played on when none is chosen.
+    /// Whether it is the default device.
     pub default: bool,
-    /// Channels that it uses by default.
+    /// Its default number of channels.
     pub channels: u16,
-    /// Samples a second that it takes, in hertz.
+    /// Its sample rates, in hertz.
     pub rates: RangeInclusive<u32>,
 }
 
-/// A device and the form of samples that it shall get.
+/// A device and the sample format to open it with.
 pub(super) struct Found {
     device: Device,
     pub(super) name: String,
     config: SupportedStreamConfig,
 }
 
-/// The PulseAudio server that was found last. A connection to it stays open for as long as the
-/// program runs, and the server takes only so many: so one is kept while it answers.
+/// The PulseAudio server found last. A connection to it stays open as long as the program runs, and
+/// the server limits their number, so one is kept while it answers.
 static HOST: Mutex<Option<Arc<Host>>> = Mutex::new(None);
 
 fn kept_host() -> MutexGuard<'static, Option<Arc<Host>>> {
     HOST.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The sound system. What it writes to standard error is not shown: errors are returned.
+/// The sound system. Its messages to standard error are not shown: errors are returned.
 fn host() -> Arc<Host> {
     hush();
     let kept = kept_host().clone();
@@ -54,25 +54,25 @@ fn host() -> Arc<Host> {
         return host;
     }
     let host = Arc::new(cpal::default_host());
-    // Another sound system costs nothing to look for, and PulseAudio may come up later.
+    // Looking for another sound system costs nothing, and PulseAudio may start later.
     let is_kept = host.id().name() == "PulseAudio";
     *kept_host() = is_kept.then(|| Arc::clone(&host));
     host
 }
 
-/// Looks for the sound system again next time if its client broke down. One that only does not
-/// answer is kept: it answers when the server does, and another would have to wait as well.
+/// Looks for the sound system again next time if its client broke down. A sound system that does
+/// not answer is kept: it answers when the server does, and another would have to wait as well.
 pub(super) fn forget_broken(error: &LiveError) {
     if matches!(error, LiveError::BrokenDown) {
         *kept_host() = None;
     }
 }
 
-/// Keeps ALSA and what it loads from writing to the standard error stream: ALSA itself on this
-/// thread, JACK's client library everywhere.
+/// Keeps ALSA and the libraries that it loads from writing to the standard error stream: ALSA
+/// itself on this thread, JACK's client library everywhere.
 #[cfg(target_os = "linux")]
 fn hush() {
-    // If it fails the lines are shown, which does no harm.
+    // If this fails the lines are shown, which is harmless.
     let _ = alsa::Output::local_error_handler();
     super::jack::hush();
 }
@@ -80,7 +80,7 @@ fn hush() {
 #[cfg(not(target_os = "linux"))]
 fn hush() {}
 
-/// The output devices; none if there is no sound system or it does not answer.
+/// Lists the output devices; empty if the sound system is missing or does not answer.
 pub fn list_devices() -> Vec<DeviceInfo> {
     within(ANSWER_LIMIT, || false, list).unwrap_or_else(|error| {
         forget_broken(&error);
@@ -107,7 +107,7 @@ fn list() -> Vec<DeviceInfo> {
             rates: lowest..=highest,
         })
     };
-    // ALSA lists a device that throws all sound away.
+    // ALSA lists a device that discards all sound.
     let plays = |device: &Device| id(device) != "null";
     devices.filter(plays).filter_map(describe).collect()
 }
@@ -117,7 +117,7 @@ pub(super) fn find(wanted: Option<&str>) -> Result<Found, LiveError> {
     let host = host();
     let no_device = |error: cpal::Error| LiveError::NoDevice {
         reason: match error.kind() {
-            // Its text tells of a device that was asked for, and none was.
+            // cpal's text refers to a requested device, but the default was requested.
             cpal::ErrorKind::DeviceNotAvailable => "the sound system offers none".to_owned(),
             _ => error.to_string(),
         },
@@ -167,7 +167,7 @@ fn id(device: &Device) -> String {
     id.map_or_else(|_| "unknown".to_owned(), |id| id.id().to_owned())
 }
 
-/// The device's own rate, two channels if it has them, and the finest samples.
+/// Chooses the device's own rate, two channels if it has them, and the finest sample format.
 fn choose(device: &Device, default: SupportedStreamConfig) -> SupportedStreamConfig {
     let rate_hz = if SAMPLE_RATES.contains(&default.sample_rate()) {
         default.sample_rate()
@@ -190,7 +190,7 @@ fn choose(device: &Device, default: SupportedStreamConfig) -> SupportedStreamCon
         .map_or(default, |range| range.with_sample_rate(rate_hz))
 }
 
-/// 0 for what cannot be played.
+/// Rank of a sample format; 0 for formats that cannot be played.
 fn format_rank(format: SampleFormat) -> u8 {
     match format {
         SampleFormat::F32 => 3,
@@ -201,13 +201,13 @@ fn format_rank(format: SampleFormat) -> u8 {
 }
 
 impl Found {
-    /// Samples a second.
+    /// Samples per second.
     pub(super) fn rate_hz(&self) -> u32 {
         self.config.sample_rate()
     }
 
-    /// Opens the device with a buffer of `buffer_frames`, or of what length it likes if it rejects
-    /// that, and lets it play.
+    /// Opens the device with a buffer of `buffer_frames`, or of its own choice if it rejects that
+    /// length, and starts it.
     pub(super) fn open(&self, buffer_frames: u32, link: &Link) -> Result<Stream, LiveError> {
         hush();
         let frames = match *self.config.buffer_size() {

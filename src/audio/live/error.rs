@@ -1,37 +1,37 @@
-//! What can go wrong with live sound.
+//! Errors of live sound.
 
 use crate::audio::AudioError;
 
-/// What went wrong with live sound.
+/// Error of live sound.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum LiveError {
-    /// A sound or a file.
+    /// An error of a sound or a file.
     #[error(transparent)]
     Audio(#[from] AudioError),
-    /// The sound system has no output device, or is not there itself.
+    /// The sound system is missing, or has no output device.
     #[error("there is no sound device to play on ({reason})")]
     NoDevice {
         /// The sound system's error.
         reason: String,
     },
-    /// No output device of that name.
+    /// The named output device does not exist.
     #[error("no sound device is called `{name}` (known: {known})")]
     UnknownDevice {
         /// The requested name.
         name: String,
-        /// The names that there are, in words.
+        /// List of the known names.
         known: String,
     },
-    /// The device takes no form of sample that is made here.
+    /// The device accepts none of the supported sample formats.
     #[error("the sound device {device} takes {format} samples, which are not supported")]
     UnsupportedFormat {
         /// The device.
         device: String,
-        /// Its form of sample.
+        /// Its sample format.
         format: String,
     },
-    /// The device is there but cannot be opened.
+    /// The device exists but cannot be opened.
     #[error("cannot open the sound device {device}: {reason}")]
     Open {
         /// The device.
@@ -42,13 +42,13 @@ pub enum LiveError {
     /// The sound system did not answer in time.
     #[error("the sound system has not answered for {seconds} s")]
     NoAnswer {
-        /// How long it was waited for.
+        /// The waiting time.
         seconds: u64,
     },
     /// The sound system's client panicked.
     #[error("the sound system's client has failed: it is started again")]
     BrokenDown,
-    /// The device broke off.
+    /// The connection to the device was lost.
     #[error("the sound device {device} is lost: {reason}")]
     Lost {
         /// The device.
@@ -59,10 +59,10 @@ pub enum LiveError {
     /// A recording is in progress already.
     #[error("a recording is under way: stop it first")]
     AlreadyRecording,
-    /// There is no recording to stop.
+    /// A request to stop a recording while not recording.
     #[error("nothing is being recorded")]
     NotRecording,
-    /// A recording whose device went on at another rate.
+    /// The recording ended because the device continued at another rate.
     #[error(
         "the recording ended: the sound device now runs at {rate_hz} Hz, and a file has one rate"
     )]
@@ -70,13 +70,13 @@ pub enum LiveError {
         /// The device's rate, in hertz.
         rate_hz: u32,
     },
-    /// A recording whose callback hangs.
+    /// The callback that holds the recording hangs.
     #[error("the recording ended: the sound device has not released it")]
     RecordingHeld,
-    /// The operating system gave no thread.
+    /// The operating system refused to start a thread.
     #[error("cannot start a thread: {source}")]
     Thread {
-        /// Its error.
+        /// The operating system's error.
         source: std::io::Error,
     },
 }

@@ -24,7 +24,7 @@ impl Glide {
         }
     }
 
-    /// Sets out for other gains from where it is.
+    /// Starts to change from the current gains to other ones.
     pub(super) fn aim(&mut self, target: Gains) {
         if target != self.target {
             self.target = target;
@@ -32,12 +32,12 @@ impl Glide {
         }
     }
 
-    /// Whether it has arrived in silence.
+    /// Whether the gains are zero and stay so.
     pub(super) fn is_silent(&self) -> bool {
         self.left == 0 && self.target == Gains::SILENT
     }
 
-    /// Advances by up to `most` samples: how many, and the gains that the last of them has.
+    /// Advances by up to `most` samples; returns their number and the gains of the last of them.
     pub(super) fn advance(&mut self, most: usize) -> (usize, Gains) {
         if self.left == 0 {
             return (most, self.target);
@@ -59,7 +59,7 @@ impl Glide {
 mod tests {
     use super::*;
 
-    /// Protects the time that a change takes from the length of the blocks.
+    /// Protects the duration of a change: it does not depend on the length of the blocks.
     #[test]
     fn a_change_takes_its_time_in_blocks_of_any_length() {
         let target = Gains {

@@ -1,24 +1,24 @@
 //! Turns off the messages of JACK's client library.
 //!
-//! ALSA has a plugin that plays to JACK. When the devices of ALSA are listed that plugin looks
-//! for a server, and without one the library writes an error to the standard error stream, some
-//! six lines a time. It offers two functions to send its messages elsewhere.
+//! ALSA has a plugin that plays to JACK. When ALSA's devices are listed, the plugin looks for a
+//! server, and without one the library writes an error of about six lines to the standard error
+//! stream each time. The library offers two functions to redirect its messages.
 
 use std::ffi::c_char;
 use std::sync::Once;
 
-/// What takes a message.
+/// A function that receives a message.
 type Told = extern "C" fn(*const c_char);
 
 extern "C" fn forget(_: *const c_char) {}
 
-/// Sends the messages of JACK's client library nowhere, where that library is installed. Errors
-/// still come back from ALSA.
+/// Discards the messages of JACK's client library, if that library is installed. ALSA still returns
+/// errors.
 pub(super) fn hush() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
-        // SAFETY: the library is the one that ALSA's plugin would load, by the same name; what it
-        // runs when it is loaded it would run there as well.
+        // SAFETY: this is the library that ALSA's plugin would load, by the same name; its
+        // initialisers would run there as well.
         let Ok(library) = (unsafe { libloading::Library::new("libjack.so.0") }) else {
             return;
         };
@@ -26,15 +26,15 @@ pub(super) fn hush() {
             b"jack_set_error_function\0" as &[u8],
             b"jack_set_info_function\0",
         ] {
-            // SAFETY: both are `void (void (*)(const char *))` since JACK 0.118, and what they are
-            // given may be called on any thread at any time: it does nothing.
+            // SAFETY: both are `void (void (*)(const char *))` since JACK 0.118, and the function
+            // passed to them may be called on any thread at any time: it does nothing.
             unsafe {
                 if let Ok(set) = library.get::<unsafe extern "C" fn(Told)>(name) {
                     set(forget);
                 }
             }
         }
-        // It holds on to `forget`, and other libraries to it.
+        // The library keeps a pointer to `forget`, and other libraries use the library.
         std::mem::forget(library);
     });
 }

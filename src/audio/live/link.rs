@@ -1,4 +1,4 @@
-//! The callbacks of a stream of the sound system, which drive the renderer.
+//! The stream callbacks of the sound system, which drive the renderer.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
@@ -12,15 +12,15 @@ use super::command::Command;
 use super::renderer::Renderer;
 use super::shared::Shared;
 
-/// Where the renderer is while nothing plays: it outlives streams. Taking it and putting it back
-/// swap one pointer.
+/// Holds the renderer while nothing plays: it outlives streams. Taking it and putting it back swap
+/// one pointer.
 pub(super) type Slot = AtomicCell<Option<Box<Renderer>>>;
 
-/// What the callbacks of one stream need.
+/// Data for the callbacks of one stream.
 #[derive(Clone)]
 pub(super) struct Link {
     pub(super) slot: Arc<Slot>,
-    /// A renderer that another was made in place of: the supervisor frees it.
+    /// Holds a replaced renderer, for the supervisor to free.
     pub(super) drop_queue: Arc<Slot>,
     pub(super) shared: Arc<Shared>,
     pub(super) commands: Sender<Command>,
@@ -60,8 +60,8 @@ impl Link {
         self.put_back(renderer);
     }
 
-    /// Puts the renderer back. If a callback hung for so long that the supervisor made another
-    /// one, the newer stays in the slot.
+    /// Puts the renderer back. If a callback hung and the supervisor made another renderer in the
+    /// meantime, the newer one stays in the slot.
     fn put_back(&self, renderer: Box<Renderer>) {
         let mut mine = renderer;
         loop {
@@ -74,15 +74,15 @@ impl Link {
         }
     }
 
-    /// Leaves a renderer to the supervisor; nothing is freed here.
+    /// Leaves a renderer to the supervisor, without freeing anything here.
     fn retire(&self, renderer: Box<Renderer>) {
         if let Some(another) = self.drop_queue.swap(Some(renderer)) {
-            // Two within one look of the supervisor's have never been seen: that one is leaked.
+            // Two between two checks of the supervisor have never been observed: the second is leaked.
             std::mem::forget(another);
         }
     }
 
-    /// Counts a callback: when it came, and when it will be heard.
+    /// Records a callback: the time of the call and the time when its samples will be heard.
     fn note(
         &self,
         info: &OutputCallbackInfo,
@@ -100,15 +100,15 @@ impl Link {
         let time = info.timestamp();
         let latency = time.playback.saturating_duration_since(time.callback);
         let latency_us = u64::try_from(latency.as_micros()).ok();
-        // Zero is what is told before anything is known.
+        // Zero is reported as long as the latency is unknown.
         self.shared
             .set_latency_us(latency_us.filter(|&latency_us| latency_us > 0));
         self.shared.callback_frames.store(frames as u32, Relaxed);
         self.shared.callbacks.fetch_add(1, Relaxed);
     }
 
-    /// The callback for errors: under-runs are counted; of the errors that end the stream only the
-    /// first is reported, because there may be hundreds.
+    /// The callback for errors: counts under-runs; of the errors that end the stream, reports only
+    /// the first, because there may be hundreds.
     pub(super) fn error_callback(&self) -> impl FnMut(cpal::Error) + Send + 'static {
         let link = self.clone();
         let mut is_told = false;
@@ -120,7 +120,7 @@ impl Link {
             _ if is_told => {}
             _ => {
                 is_told = true;
-                // If the supervisor is gone, so is the stream soon.
+                // If the supervisor is gone, the stream soon ends as well.
                 let _ = link.commands.send(Command::Lost {
                     generation: link.generation,
                     reason: error.to_string(),
@@ -141,9 +141,9 @@ mod tests {
         Box::new(renderer)
     }
 
-    /// Protects the renderer that belongs to the supervisor's remote: a callback that hung puts
-    /// back what it had, and the newer one stays, whichever comes first; the other is freed by the
-    /// supervisor, not by the callback.
+    /// Protects the renderer that belongs to the supervisor's remote: when a hung callback puts
+    /// back its renderer, the newer one stays, whichever comes first, and the supervisor frees the
+    /// other, not the callback.
     #[test]
     fn the_newer_renderer_stays_and_the_older_is_retired() {
         for (there, back) in [(2, 1), (1, 2)] {

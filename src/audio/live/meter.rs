@@ -2,7 +2,7 @@
 
 use super::shared::Shared;
 
-/// Windows a second.
+/// Windows per second.
 const WINDOWS_HZ: u32 = 20;
 
 /// Sums squares until a window is full, then returns its level (RMS).

@@ -1,18 +1,18 @@
-//! Live output: a sound that is heard while its panning changes.
+//! Live output: plays a sound while its panning changes.
 //!
 //! # Theory
 //! A sound system requests blocks of samples from a *callback*, on a thread that must never be
-//! late: a late block is a gap that is heard. So the callback here allocates nothing, locks
-//! nothing and waits for nothing ([`Renderer`]). Pan, volume and law reach it as single atomic
-//! values, sounds and recordings through rings without locks, and what it has done with is freed
-//! by a *supervisor* thread, which also opens the device and opens it again when it is lost. How
-//! the threads work together is described in `docs/audio.md`.
+//! late: a late block is an audible gap. So the callback here never allocates, locks or waits
+//! ([`Renderer`]). Pan, volume and law reach it as single atomic values, sounds and recordings
+//! through lock-free rings. A *supervisor* thread frees what the callback no longer needs, opens
+//! the device, and reopens it when it is lost. `docs/audio.md` describes how the threads work
+//! together.
 //!
 //! ```no_run
 //! use echomarch::audio::live::{Live, LiveOptions};
 //!
 //! let live = Live::start("speech".parse()?, LiveOptions::default());
-//! live.set_panning(1.0, 3.0); // what arrived from the left and from the right
+//! live.set_panning(1.0, 3.0); // the sums from the left and from the right
 //! std::thread::sleep(std::time::Duration::from_secs(2));
 //! println!("{:?}", live.status());
 //! # Ok::<(), echomarch::audio::AudioError>(())
@@ -51,15 +51,15 @@ use self::supervisor::{Common, State, Supervisor, lock};
 use super::{PanningLaw, SoundSource, StereoSource};
 use crate::trace::Panning;
 
-/// What live output starts with.
+/// Initial options of live output.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LiveOptions {
-    /// Name or id of the output device; none for the system's default.
+    /// Name or id of the output device; `None` for the system's default.
     pub device: Option<String>,
-    /// Frames that the device shall ask for at once; 1024 by default. Less is heard sooner, but a
-    /// busy machine may be too late for it.
+    /// Frames that the device requests at once; 1024 by default. With fewer, changes are heard
+    /// sooner, but a busy machine may be late.
     pub buffer_frames: u32,
-    /// How a pan becomes two gains.
+    /// Panning law: how a pan becomes two gains.
     pub law: PanningLaw,
 }
 
@@ -74,46 +74,46 @@ impl Default for LiveOptions {
 }
 
 /// The status of live output.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 #[non_exhaustive]
 pub struct LiveStatus {
-    /// The device that is played on; none while there is none, and all is silent.
+    /// The device in use; `None` while there is none, and all is silent.
     pub device: Option<String>,
-    /// Samples a second, in hertz; without a device, of the last one.
+    /// Sample rate in hertz; without a device, that of the last one.
     pub sample_rate: u32,
-    /// Frames that the device requested last; 0 before it has.
+    /// Frames that the device requested last; 0 before its first request.
     pub buffer_frames: u32,
-    /// Milliseconds from when a sample is made to when it is heard, as the sound system reports it
-    /// for the first sample of a block; none if it does not.
+    /// Latency in milliseconds from computing a sample to hearing it, as the sound system reports
+    /// it for the first sample of a block; `None` if it does not.
     pub latency_ms: Option<f64>,
-    /// Milliseconds that pans wait until a block is made with them, smoothed over the last ones;
-    /// none before the first.
+    /// Milliseconds from setting a pan to the block computed with it, smoothed over the last pans;
+    /// `None` before the first.
     pub pan_waited_ms: Option<f64>,
     /// Under-runs reported by the sound system. PulseAudio reports none.
     pub under_runs: u64,
-    /// Times that a block was requested later than the length of two blocks after the one before:
-    /// a device that holds two has run dry then.
+    /// Number of blocks requested later than two block lengths after the previous one: a device
+    /// that holds two blocks has then run dry.
     pub late_callbacks: u64,
-    /// Times that a device was opened after the first one.
+    /// Number of times that a device was opened after the first one.
     pub restarts: u64,
-    /// Times that a device was lost while it was open: it went away, or took no more sound.
+    /// Number of times that an open device was lost: it was removed, or accepted no more sound.
     pub losses: u64,
-    /// Whether what is heard is being recorded.
+    /// Whether the output is being recorded.
     pub is_recording: bool,
-    /// Frames that the recording, or else the last one, lost because the disk was too slow.
+    /// Frames that the current or last recording lost because the disk was too slow.
     pub dropped_frames: u64,
-    /// Whether there is a sound to play: not, if none could be loaded at the device's rate.
+    /// Whether there is a sound to play; false if none could be loaded at the device's rate.
     pub has_sound: bool,
-    /// What went wrong last, as a sentence; it stays when all is well again.
+    /// The last error, as a sentence; it stays after recovery.
     pub last_error: Option<String>,
-    /// What went wrong last with a sound or a recording while the device may play on, as a
-    /// sentence; none once a sound was loaded or a recording begun since.
+    /// The last error of a sound or a recording, during which the device may play on, as a
+    /// sentence; `None` once a sound has been loaded or a recording begun since.
     pub notice: Option<String>,
 }
 
 /// A sound that plays on a device until this is dropped.
 ///
-/// All methods may be called from any thread, none waits for the callback, and those that set
+/// All methods may be called from any thread and none waits for the callback; those that set
 /// something return at once.
 #[derive(Debug)]
 pub struct Live {
@@ -124,9 +124,9 @@ pub struct Live {
 impl Live {
     /// Starts to play `sound`, in the middle and at full volume.
     ///
-    /// This never fails: without a device, or with one that cannot be opened, nothing is heard,
-    /// the sound pauses, and [`status`](Self::status) contains the reason; the device is retried
-    /// from time to time. The same goes for a sound that cannot be loaded.
+    /// This never fails: without a device, or with one that cannot be opened, the sound pauses, the
+    /// output is silent, and [`status`](Self::status) contains the reason; the device is retried
+    /// from time to time. The same applies to a sound that cannot be loaded.
     pub fn start(sound: SoundSource, options: LiveOptions) -> Self {
         let (commands, receiver) = mpsc::channel();
         let common = Common {
@@ -153,19 +153,19 @@ impl Live {
         Self { common, supervisor }
     }
 
-    /// Sets what arrived from the left and from the right: the sums of a frame's [`Panning`]. The
-    /// gains glide there within 20 ms.
+    /// Sets the sums that arrived from the left and from the right, those of a frame's
+    /// [`Panning`]. The gains glide to the new values within 20 ms.
     pub fn set_panning(&self, left: f64, right: f64) {
         let pan = Panning { left, right }.pan();
         self.common.shared.set_pan(pan as f32);
     }
 
-    /// Sets how a pan becomes two gains, which glide there.
+    /// Sets the panning law; the gains glide to the new values.
     pub fn set_law(&self, law: PanningLaw) {
         self.common.shared.set_law(law);
     }
 
-    /// Sets a factor on both channels, 0 (silence) to 1, which glides there.
+    /// Sets a factor on both channels, 0 (silence) to 1; the volume glides to it.
     pub fn set_volume(&self, volume: f32) {
         self.common.shared.set_volume(volume);
     }
@@ -177,8 +177,8 @@ impl Live {
         self.send(Command::Sound(sound));
     }
 
-    /// Cross-fades to a sound of two channels, or back to the one sound and its pan (`None`), within
-    /// 20 ms. The volume counts for both.
+    /// Cross-fades to a sound of two channels, or back to the mono sound and its pan (`None`), within 20 ms. The volume
+    /// applies to both.
     pub fn set_stereo(&self, source: Option<StereoSource>) {
         self.send(Command::Stereo(source));
     }
@@ -212,11 +212,11 @@ impl Live {
         }
     }
 
-    /// Level (RMS) of left and right over the last whole 50 ms, of full scale 1; 0 without a
-    /// device.
+    /// Level (RMS) of left and right over the last whole 50 ms, relative to full scale 1; 0 without
+    /// a device.
     pub fn levels(&self) -> [f32; 2] {
         let shared = &self.common.shared;
-        // A callback that ends late may still tell levels after the device was closed.
+        // A callback that ends late may still report levels after the device was closed.
         if shared.is_open.load(Relaxed) {
             shared.levels()
         } else {
@@ -224,14 +224,14 @@ impl Live {
         }
     }
 
-    /// Starts to write what is heard to a WAV file of 32-bit float samples, at the device's rate.
+    /// Starts to write the output to a WAV file of 32-bit float samples, at the device's rate.
     ///
-    /// While there is no device nothing is heard, and nothing written. If the device comes back at
-    /// another rate than what was written the recording ends, as it does when the disk is full or
-    /// after 4 GiB; [`status`](Self::status) reports that. The next recording may then begin.
+    /// While there is no device, the recording pauses. If the device comes back at another rate
+    /// than the written samples have, the recording ends, as it does when the disk is full or after
+    /// 4 GiB; [`status`](Self::status) reports that. The next recording may then begin.
     ///
-    /// Until the file is complete it is called as `path`, with `-`, six letters and `.part.wav`
-    /// at the end; it is playable up to the last second.
+    /// Until the file is complete, its name is `path` followed by `-`, six letters and `.part.wav`;
+    /// it is playable up to the last second.
     ///
     /// # Errors
     /// [`LiveError::AlreadyRecording`], or as
@@ -240,7 +240,7 @@ impl Live {
         let mut state = lock(&self.common.state);
         if let Some(over) = state.recording.take_if(|recording| recording.is_over()) {
             drop(state);
-            // What ended it was told when it happened.
+            // The error that ended it was reported when it happened.
             let _ = over.finish();
             state = lock(&self.common.state);
         }
@@ -254,11 +254,11 @@ impl Live {
         Ok(())
     }
 
-    /// Completes the recording; the frames in the file. Lost frames are counted by
-    /// [`LiveStatus::dropped_frames`].
+    /// Completes the recording and returns the number of frames in the file.
+    /// [`LiveStatus::dropped_frames`] counts lost frames.
     ///
     /// # Errors
-    /// [`LiveError::NotRecording`], [`LiveError::Audio`] if the disk rejected, or
+    /// [`LiveError::NotRecording`], [`LiveError::Audio`] if writing to the disk failed, or
     /// [`LiveError::Thread`].
     pub fn stop_recording(&self) -> Result<u64, LiveError> {
         let mut state = lock(&self.common.state);
@@ -269,7 +269,7 @@ impl Live {
     }
 
     fn send(&self, command: Command) {
-        // Without a supervisor all is silent already, and the status says so.
+        // Without a supervisor the output is already silent, and the status says so.
         let _ = self.common.commands.send(command);
     }
 }
@@ -283,7 +283,7 @@ impl Drop for Live {
             // If it panicked there is nothing left to close.
             let _ = supervisor.join();
         }
-        // Whoever wants to know whether the file is complete stops the recording.
+        // Callers who need to know whether the file is complete stop the recording themselves.
         let _ = self.stop_recording();
     }
 }

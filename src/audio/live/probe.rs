@@ -1,4 +1,4 @@
-//! A device's callback without a device, for the test that forbids it to allocate.
+//! A device callback without a device, for the test that it does not allocate.
 
 use std::path::Path;
 use std::sync::{Arc, mpsc};
@@ -11,7 +11,7 @@ use super::link::{Link, Slot};
 use super::recording::Recording;
 use super::renderer::{Message, Remote, Renderer};
 
-/// The callback that a stream of `channels` channels would have, for this renderer.
+/// The callback that a stream of `channels` channels would use for this renderer.
 pub fn player<T: Sample + FromSample<f32>>(
     renderer: Renderer,
     remote: &Remote,
@@ -33,12 +33,12 @@ pub fn player<T: Sample + FromSample<f32>>(
     move |out| play(out, &info)
 }
 
-/// A recording of what a renderer plays.
+/// A recording of a renderer's output.
 #[derive(Debug)]
 pub struct Recorder(Recording);
 
 impl Recorder {
-    /// Starts a file at `rate_hz` samples a second; it stays empty if too much is queued.
+    /// Starts a file at `rate_hz` samples per second; it stays empty if too much is queued.
     ///
     /// # Errors
     /// As [`Live::start_recording`](super::Live::start_recording).
@@ -53,7 +53,7 @@ impl Recorder {
         Ok(Self(recording))
     }
 
-    /// Completes the file; the frames in it.
+    /// Completes the file and returns the number of frames in it.
     ///
     /// # Errors
     /// As [`Live::stop_recording`](super::Live::stop_recording).

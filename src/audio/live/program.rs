@@ -1,14 +1,14 @@
-//! What the callback plays: one sound between two channels, or a caller's own two; and the fade from
-//! one to the other.
+//! The callback's program: a mono sound between two channels, or a caller's own two channels; and the fade from one to
+//! the other.
 
 use std::fmt;
 
 use crate::audio::StereoSignal;
 
-/// What is played.
+/// The program that is played.
 #[derive(Default)]
 pub(super) enum Program {
-    /// The one sound and its pan.
+    /// The mono sound and its pan.
     #[default]
     Balance,
     /// A caller's own channels, made for this rate in hertz.
@@ -19,8 +19,7 @@ pub(super) enum Program {
 }
 
 impl Program {
-    /// Overwrites `out` with the next samples, where `balance` is what the one sound makes, which has
-    /// its volume.
+    /// Overwrites `out` with the next samples; `balance` holds those of the mono sound, with the volume applied.
     fn fill(&mut self, balance: &[f32], volumes: &[f32], out: &mut [f32]) {
         let Program::Stereo { signal, .. } = self else {
             out.copy_from_slice(balance);
@@ -52,7 +51,7 @@ impl fmt::Debug for Program {
     }
 }
 
-/// A program, and the one that is faded to.
+/// A program, and the one that it fades to.
 #[derive(Debug, Default)]
 pub(super) struct Programs {
     current: Program,
@@ -65,7 +64,7 @@ impl Programs {
         self.next.is_some()
     }
 
-    /// Whether only the one sound is heard, now and next.
+    /// Whether only the mono sound is heard, now and next.
     pub(super) fn is_balance(&self) -> bool {
         matches!(self.current, Program::Balance) && self.next.is_none()
     }
@@ -83,9 +82,9 @@ impl Programs {
         };
     }
 
-    /// Turns the samples of the one sound in `stereo` into what is heard, where a whole fade takes
-    /// `length` frames; hands out the program that a fade has ended. The blocks of `scratch` are as
-    /// long as `stereo` at least.
+    /// Turns the samples of the mono sound in `stereo` into the output, where a whole fade takes
+    /// `length` frames; returns the program that a fade has ended. Each block of `scratch` is at
+    /// least as long as `stereo`.
     pub(super) fn play<const N: usize>(
         &mut self,
         stereo: &mut [f32],

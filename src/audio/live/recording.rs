@@ -1,4 +1,4 @@
-//! What was heard, to a file: the thread behind a recording.
+//! The thread that writes the output to a file.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -14,16 +14,16 @@ use super::command::Command;
 use super::renderer::Tap;
 use crate::audio::{AudioError, WavWriter};
 
-/// What the ring holds, in seconds: longer than a disk commonly stalls.
+/// Capacity of the ring, in seconds: longer than a disk commonly stalls.
 const RING_S: usize = 4;
 
-/// How often the ring is emptied.
+/// Interval between two times that the ring is emptied.
 const PERIOD: Duration = Duration::from_millis(20);
 
-/// How often the file is made playable as far as it is: what an interrupted program loses.
+/// Interval at which the file is made playable: an interrupted program loses at most this much.
 const FLUSH: Duration = Duration::from_secs(1);
 
-/// A recording in progress, or one that has ended and was not completed yet.
+/// A recording in progress, or one that has ended but is not completed.
 #[derive(Debug)]
 pub(super) struct Recording {
     path: PathBuf,
@@ -32,12 +32,12 @@ pub(super) struct Recording {
     dropped: Arc<AtomicU64>,
     /// The file, until something plays.
     waiting: Option<WavWriter>,
-    /// The thread that has the file since then.
+    /// The thread that has owned the file since then.
     writer: Option<Result<JoinHandle<Result<u64, AudioError>>, LiveError>>,
 }
 
 impl Recording {
-    /// Starts a file. Until [`begin`](Self::begin) nothing is written.
+    /// Starts a file; writing begins with [`begin`](Self::begin).
     pub(super) fn new(path: &Path, rate_hz: u32) -> Result<Self, LiveError> {
         Ok(Self {
             path: path.to_owned(),
@@ -49,8 +49,8 @@ impl Recording {
         })
     }
 
-    /// Starts the thread that writes; the tap is for the callback. None if it was started before.
-    /// Errors are reported to the supervisor.
+    /// Starts the thread that writes, and returns the tap for the callback; `None` if it was
+    /// already started. Errors are reported to the supervisor.
     pub(super) fn begin(&mut self, commands: &Sender<Command>) -> Option<Tap> {
         let file = self.waiting.take()?;
         let (ring, from_ring) = RingBuffer::new(2 * RING_S * self.rate_hz as usize);
@@ -73,10 +73,10 @@ impl Recording {
         tap
     }
 
-    /// Begins a file at another rate in place of one that nothing was written to.
+    /// Starts a file at another rate to replace one that is still empty.
     ///
     /// # Errors
-    /// [`LiveError::RecordingRate`] if something was: the recording then ends.
+    /// [`LiveError::RecordingRate`] if the file is not empty: the recording then ends.
     pub(super) fn change_rate(&mut self, rate_hz: u32) -> Result<(), LiveError> {
         if self.rate_hz == rate_hz || self.is_over() {
             return Ok(());
@@ -101,22 +101,22 @@ impl Recording {
         self.writer.is_some()
     }
 
-    /// Frames that were heard but are not in the file, because the disk was too slow.
+    /// Frames heard but missing in the file, because the disk was too slow.
     pub(super) fn dropped(&self) -> u64 {
         self.dropped.load(Relaxed)
     }
 
-    /// Whether the file takes no more.
+    /// Whether the file accepts no more frames.
     pub(super) fn is_over(&self) -> bool {
         self.is_over.load(Relaxed)
     }
 
-    /// Takes no more; the file is completed behind the scenes.
+    /// Stops accepting frames; the file is completed in the background.
     pub(super) fn end(&self) {
         self.is_over.store(true, Relaxed);
     }
 
-    /// Completes the file; the frames in it.
+    /// Completes the file and returns the number of frames in it.
     pub(super) fn finish(self) -> Result<u64, LiveError> {
         self.end();
         if let Some(file) = self.waiting {
@@ -131,11 +131,11 @@ impl Recording {
 }
 
 fn tell(commands: &Sender<Command>, error: &dyn std::error::Error) {
-    // Without a supervisor nobody plays, and whoever stops the recording gets its error.
+    // Without a supervisor the output is silent, and the caller that stops the recording gets its error.
     let _ = commands.send(Command::Notice(error.to_string()));
 }
 
-/// As [`write`]; an error that ends the recording before it is stopped is reported when it happens.
+/// Same as [`write`]; an error that ends the recording before it is stopped is reported when it happens.
 fn write_or_tell(
     file: WavWriter,
     ring: Consumer<f32>,
@@ -150,7 +150,7 @@ fn write_or_tell(
     written
 }
 
-/// Writes what comes through the ring until the recording has ended, or the file is full.
+/// Writes the contents of the ring until the recording has ended or the file is full.
 fn write(
     mut file: WavWriter,
     mut ring: Consumer<f32>,
@@ -160,15 +160,15 @@ fn write(
     let mut frames = 0;
     let mut flushed = Instant::now();
     loop {
-        // Asked before the ring is emptied: what came until then is still written.
+        // Read before the ring is emptied, so that everything queued until then is still written.
         let is_last = is_over.load(Relaxed);
         if is_last {
-            // A block that is being written right now takes much less.
+            // A block that is being written right now takes much less time.
             thread::sleep(PERIOD);
         }
         match empty(&mut file, &mut ring) {
             Ok(count) => frames += count,
-            // What a file can hold is in it: that is kept.
+            // The file is full; its contents are kept.
             Err(error @ AudioError::WavTooLong { .. }) => {
                 is_full(&error);
                 break;
@@ -188,7 +188,7 @@ fn write(
     Ok(frames)
 }
 
-/// Writes what the ring holds now; how many frames.
+/// Writes the contents of the ring and returns the number of frames.
 fn empty(file: &mut WavWriter, ring: &mut Consumer<f32>) -> Result<u64, AudioError> {
     // The callback writes whole frames, so the count is even.
     let count = ring.slots() / 2 * 2;

@@ -1,9 +1,9 @@
-//! What the callback does, as a plain value: sounds in, interleaved stereo out.
+//! The callback's work, as a plain value: sounds in, interleaved stereo out.
 //!
-//! A [`Renderer`] allocates nothing, frees nothing, locks nothing and waits for nothing while it
-//! fills a block. Values that change often (pan, volume, law) are atomics. Things that own memory
-//! (a sound, the ring that a recording goes to) come in through one ring and, when they have had
-//! their time, go out through another, to be freed elsewhere.
+//! A [`Renderer`] never allocates, frees, locks or waits while it fills a block. Values that change
+//! often (pan, volume, law) are atomics. Objects that own memory (a sound, the ring of a recording)
+//! come in through one ring and, when no longer needed, go out through another, to be freed
+//! elsewhere.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
@@ -18,23 +18,23 @@ use super::shared::Shared;
 use crate::audio::{Gains, Mixer, PanningLaw, Sound, StereoSignal};
 use crate::trace::Panning;
 
-/// Frames that are mixed at once.
+/// Frames mixed at once.
 const BLOCK: usize = 256;
 
-/// A second divided by the time that a change of gains and a cross-fade take.
+/// Inverse of the duration of a gain change and of a cross-fade, in hertz.
 const FADES_HZ: u32 = 50;
 
-/// What may be queued to the callback, and back from it.
+/// Capacity of the queue to the callback; the queue back holds twice this number.
 const MESSAGES: usize = 8;
 
-/// Something for the callback, or something that it has done with.
+/// An object for the callback, or one that it no longer needs.
 #[derive(Debug)]
 pub(super) enum Message {
     /// Another sound, made for this rate in hertz.
     Sound { sound: Sound, rate_hz: u32 },
-    /// What is played from now on.
+    /// The program to play from now on.
     Program(Program),
-    /// Where to write what is heard.
+    /// Destination of a recording of the output.
     Tap(Tap),
 }
 
@@ -45,7 +45,7 @@ pub(super) struct Tap {
     pub(super) ring: Producer<f32>,
     /// Whether the recording has ended.
     pub(super) is_over: Arc<AtomicBool>,
-    /// Frames that found no room.
+    /// Frames dropped because the ring was full.
     pub(super) dropped: Arc<AtomicU64>,
 }
 
@@ -54,23 +54,23 @@ pub(super) struct Tap {
 /// Both take 20 ms. The first samples rise from silence.
 #[derive(Debug)]
 pub struct Renderer {
-    /// Which one it is, of those that one supervisor made.
+    /// Its number among the renderers of one supervisor.
     pub(super) number: u64,
     shared: Arc<Shared>,
     inbox: Consumer<Message>,
     outbox: Producer<Message>,
     rate_hz: u32,
     sound: Option<Sound>,
-    /// Samples of the sound that have been played.
+    /// Samples of the sound already played.
     position: u64,
-    /// The sound that is faded to, and the samples of it that have been played.
+    /// The next sound of a cross-fade, and its samples already played.
     next: Option<(Sound, u64)>,
     glide: Glide,
     mixer: Mixer,
     programs: Programs,
-    /// The volume of a program of two channels.
+    /// The volume of a program with two channels.
     volume: Glide,
-    /// What the last sample had of it.
+    /// The volume of the last sample.
     last_volume: f32,
     meter: Meter,
     tap: Option<Tap>,
@@ -81,7 +81,7 @@ pub struct Renderer {
     scratch: [[f32; 2 * BLOCK]; 2],
 }
 
-/// The other end of a [`Renderer`]: what it plays, from any thread.
+/// The other end of a [`Renderer`], which controls it from any thread.
 #[derive(Debug)]
 pub struct Remote {
     pub(super) shared: Arc<Shared>,
@@ -90,7 +90,7 @@ pub struct Remote {
 }
 
 impl Renderer {
-    /// A renderer at `rate_hz` samples a second, for `sound` made at that rate, and its remote.
+    /// Creates a renderer at `rate_hz` samples per second, for `sound` made at that rate, and its remote.
     pub fn new(sound: Option<Sound>, rate_hz: u32, law: PanningLaw) -> (Self, Remote) {
         Self::with_shared(Arc::new(Shared::new(law)), sound, rate_hz)
     }
@@ -101,7 +101,7 @@ impl Renderer {
         rate_hz: u32,
     ) -> (Self, Remote) {
         let (to_inbox, inbox) = RingBuffer::new(MESSAGES);
-        // Room for all that can be inside: what is under way, a sound that fades, a tap.
+        // Room for everything that can be inside: queued messages, a fading sound, a tap.
         let (outbox, from_outbox) = RingBuffer::new(2 * MESSAGES);
         let renderer = Self {
             number: 0,
@@ -132,18 +132,18 @@ impl Renderer {
         (renderer, remote)
     }
 
-    /// Samples a second.
+    /// Samples per second.
     pub fn rate_hz(&self) -> u32 {
         self.rate_hz
     }
 
-    /// How far the sound has been played, in seconds.
+    /// Playback position of the sound, in seconds.
     pub fn position_s(&self) -> f64 {
         let newest = self.next.as_ref().map_or(self.position, |next| next.1);
         newest as f64 / f64::from(self.rate_hz)
     }
 
-    /// Continues at another rate with a sound made for it. Frees what it had: not for the callback.
+    /// Continues at another rate with a sound made for it. Frees the old objects, so the callback must not call it.
     pub(super) fn change_rate(&mut self, rate_hz: u32, sound: Option<Sound>) {
         self.settle();
         let position = (self.position_s() * f64::from(rate_hz)).round() as u64;
@@ -156,7 +156,7 @@ impl Renderer {
         self.meter = Meter::new(rate_hz);
     }
 
-    /// Applies what is queued at once, without a fade. Frees what it had: not for the callback.
+    /// Applies what is queued at once, without a fade. Frees the old objects, so the callback must not call it.
     fn settle(&mut self) {
         if let Some((sound, played)) = self.next.take() {
             self.sound = Some(sound);
@@ -178,7 +178,8 @@ impl Renderer {
     }
 
     /// Begins from silence, as after a gap, with the start of another sound if there is one: the
-    /// last of those that came meanwhile. Frees what it had: not for the callback.
+    /// last of those queued in the meantime. Frees the old objects, so the callback must not call
+    /// it.
     pub(super) fn begin(&mut self, newest: Option<Sound>) {
         self.settle();
         if newest.is_some() {
@@ -191,7 +192,7 @@ impl Renderer {
         self.mixer = silent_mixer();
     }
 
-    /// Switches to another program at once. Frees what it had: not for the callback.
+    /// Switches to another program at once. Frees the old objects, so the callback must not call it.
     pub(super) fn set_program(&mut self, program: Program) {
         self.programs.set(program);
     }
@@ -211,8 +212,9 @@ impl Renderer {
         }
     }
 
-    /// Overwrites `out` with the next samples for a device of `channels` channels: one gets half
-    /// of left and right together, of more the first two get them and the others silence.
+    /// Overwrites `out` with the next samples for a device of `channels` channels: a single channel
+    /// gets the mean of left and right; of several, the first two get left and right, the others
+    /// silence.
     pub fn fill_device<T: Sample + FromSample<f32>>(&mut self, out: &mut [T], channels: usize) {
         let mut stereo = [0.0; 2 * BLOCK];
         for block in out.chunks_mut(BLOCK * channels.max(1)) {
@@ -232,7 +234,7 @@ impl Renderer {
                 Ok(Message::Sound { sound, rate_hz }) if rate_hz == self.rate_hz => {
                     self.next = Some((sound, 0));
                 }
-                // Made for a device that is gone: the next opening brought its own.
+                // Made for a device that is gone: opening the next one brought its own sound.
                 Ok(stale @ Message::Sound { .. }) => self.hand_out(stale),
                 Ok(Message::Program(program)) if program.fits(self.rate_hz) => {
                     self.programs.fade_to(program);
@@ -253,7 +255,7 @@ impl Renderer {
         let _ = self.outbox.push(message);
     }
 
-    /// The next samples of the sound, or of two that cross-fade.
+    /// Computes the next samples of the sound, or of two that cross-fade.
     fn fill_mono(&mut self, count: usize) {
         let length = fade_length(self.rate_hz) as u64;
         let mono = &mut self.mono[..count];
@@ -305,7 +307,7 @@ impl Renderer {
         }
     }
 
-    /// Plays what replaces the one sound, if anything does.
+    /// Plays the program that replaces the mono sound, if there is one.
     fn play(&mut self, stereo: &mut [f32]) {
         let count = stereo.len() / 2;
         self.fill_volumes(count);
@@ -319,7 +321,7 @@ impl Renderer {
         }
     }
 
-    /// The volume of each of the next samples.
+    /// Computes the volume of each of the next samples.
     fn fill_volumes(&mut self, count: usize) {
         self.volume.aim(self.shared.volume_target());
         let mut done = 0;
@@ -369,14 +371,14 @@ impl Remote {
         self.shared.levels()
     }
 
-    /// Fades to a sound made at `rate_hz`; false, if too much is queued already. A sound for
+    /// Fades to a sound made at `rate_hz`; returns false if too much is queued. A sound made for
     /// another rate than the renderer's is not played.
     pub fn set_sound(&mut self, sound: Sound, rate_hz: u32) -> bool {
         self.send(Message::Sound { sound, rate_hz }).is_ok()
     }
 
-    /// Fades to channels made at `rate_hz`, in place of the one sound and its pan, or back to these
-    /// (`None`); false, if too much is queued already.
+    /// Fades to channels made at `rate_hz`, which replace the mono sound and its pan, or back to
+    /// these (`None`); returns false if too much is queued.
     pub fn set_stereo(&mut self, signal: Option<Box<dyn StereoSignal>>, rate_hz: u32) -> bool {
         let program = match signal {
             None => Program::Balance,
@@ -385,13 +387,13 @@ impl Remote {
         self.send(Message::Program(program)).is_ok()
     }
 
-    /// Hands the message back if there is no room for it.
+    /// Queues a message; hands it back if the queue is full.
     pub(super) fn send(&mut self, message: Message) -> Result<(), Message> {
         let sent = self.inbox.push(message);
         sent.map_err(|rtrb::PushError::Full(message)| message)
     }
 
-    /// Frees what the renderer has done with; how many things.
+    /// Frees the objects that the renderer no longer needs; returns their number.
     pub fn collect(&mut self) -> usize {
         let mut count = 0;
         while self.outbox.pop().is_ok() {
@@ -401,12 +403,12 @@ impl Remote {
     }
 }
 
-/// Samples that a change of gains takes.
+/// Samples of a gain change.
 fn fade_length(rate_hz: u32) -> usize {
     (rate_hz / FADES_HZ).max(1) as usize
 }
 
-/// A mixer that comes from silence, where a new one would start at its first gains.
+/// A mixer that starts from silence, where a new one would start at its first gains.
 fn silent_mixer() -> Mixer {
     let mut mixer = Mixer::new(PanningLaw::default());
     let mixed = mixer.mix_to(&[0.0], Gains::SILENT, &mut [0.0; 2]);
@@ -431,8 +433,8 @@ mod tests {
     use super::*;
     use crate::audio::SAMPLE_RATE;
 
-    /// Protects a sound that was sent when no callback came any more: it is heard as soon as something plays again,
-    /// but not if it was made for another rate.
+    /// Protects a sound that was sent after the last callback: it is heard as soon as something plays again, but not if
+    /// it was made for another rate.
     #[test]
     fn a_sound_that_waited_is_heard_at_its_own_rate_alone() {
         for (made_hz, is_heard) in [(SAMPLE_RATE, true), (44_100, false)] {

@@ -1,4 +1,4 @@
-//! Values that the callback shares with other threads: single atomics, so that none waits.
+//! Values that the callback shares with other threads: single atomics, so no thread waits.
 
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, AtomicU64, Ordering::Relaxed};
 
@@ -9,40 +9,40 @@ use crate::audio::{Gains, PanningLaw};
 /// Latency that was not reported, or not measured yet.
 const NO_LATENCY: u64 = u64::MAX;
 
-/// The share of the newest waiting time in the reported value.
+/// The weight of the newest waiting time in the reported value.
 const FRESH: f64 = 0.15;
 
-/// The values are independent, so the order in which they are seen does not matter.
+/// Atomic values of one live output. They are independent, so the order in which they are seen does not matter.
 #[derive(Debug)]
 pub(super) struct Shared {
     /// −1 to 1, as the bits of an `f32`.
     pan: AtomicU32,
-    /// What the times of pans are counted from.
+    /// Origin of the times of pans.
     epoch: Instant,
-    /// Microseconds when the oldest pan was set that no callback has taken yet; 0 without one.
+    /// Time when the oldest pan was set that no callback has taken yet, in microseconds; 0 without one.
     pan_set_us: AtomicU64,
-    /// Microseconds that pans waited for a callback to take them: glides after the last one.
+    /// Microseconds that pans waited for a callback to take them, smoothed.
     pan_waited_us: AtomicU64,
     /// 0 to 1, as the bits of an `f32`.
     volume: AtomicU32,
     law: AtomicU8,
     /// Whether a device is open: otherwise the levels are outdated.
     pub(super) is_open: AtomicBool,
-    /// Whether all fades to silence, before a stream is closed.
+    /// Whether the output fades to silence, before a stream is closed.
     pub(super) is_muted: AtomicBool,
-    /// Whether it has: a block was made with the end of that fade.
+    /// Whether that fade is complete: a block with its end was computed.
     pub(super) has_faded: AtomicBool,
-    /// The stream whose callback may play; the callbacks of others keep silent.
+    /// The stream whose callback may play; the callbacks of other streams output silence.
     pub(super) generation: AtomicU64,
-    /// Callbacks so far, over all streams.
+    /// Total callbacks of all streams.
     pub(super) callbacks: AtomicU64,
     /// Frames requested from the last callback.
     pub(super) callback_frames: AtomicU32,
-    /// Microseconds from a callback to when its first sample is heard.
+    /// Microseconds from a callback until its first sample is heard.
     latency_us: AtomicU64,
     /// Under-runs that the sound system reported.
     pub(super) under_runs: AtomicU64,
-    /// Callbacks that came later than two buffers after the one before.
+    /// Callbacks later than two buffers after the previous one.
     pub(super) late_callbacks: AtomicU64,
     /// Level of both channels, as the bits of an `f32`.
     levels: [AtomicU32; 2],
@@ -74,17 +74,17 @@ impl Shared {
 
     pub(super) fn set_pan(&self, pan: f32) {
         self.pan.store(pan.to_bits(), Relaxed);
-        // One that is set before the last was taken is taken sooner: the oldest counts.
+        // A pan set before the last one was taken is taken sooner: the oldest counts.
         let now = self.now_us();
         let _ = self.pan_set_us.compare_exchange(0, now, Relaxed, Relaxed);
     }
 
-    /// Microseconds, never 0.
+    /// Microseconds since the origin, never 0.
     fn now_us(&self) -> u64 {
         self.epoch.elapsed().as_micros() as u64 + 1
     }
 
-    /// Called when the pan is taken.
+    /// Measures the waiting time when the pan is taken.
     fn measure_wait(&self) {
         let set = self.pan_set_us.swap(0, Relaxed);
         if set != 0 {
@@ -97,12 +97,12 @@ impl Shared {
         }
     }
 
-    /// Forgets a pan that no callback took: the next stream's is not to be blamed for it.
+    /// Forgets a pan that no callback took, so that it does not count for the next stream.
     pub(super) fn forget_pan(&self) {
         self.pan_set_us.store(0, Relaxed);
     }
 
-    /// Milliseconds that pans waited for a callback to take them, smoothed; none before the first.
+    /// Milliseconds that pans waited for a callback to take them, smoothed; `None` before the first.
     pub(super) fn pan_waited_ms(&self) -> Option<f64> {
         told(self.pan_waited_us.load(Relaxed))
     }
@@ -127,7 +127,7 @@ impl Shared {
         }
     }
 
-    /// The gains that are wanted now.
+    /// The requested gains.
     pub(super) fn target(&self) -> Gains {
         self.measure_wait();
         if self.is_muted.load(Relaxed) {
@@ -141,7 +141,7 @@ impl Shared {
         }
     }
 
-    /// The factor on both channels of a sound of two channels.
+    /// The requested factor on both channels of a stereo sound.
     pub(super) fn volume_target(&self) -> Gains {
         if self.is_muted.load(Relaxed) {
             return Gains::SILENT;
@@ -168,18 +168,18 @@ impl Shared {
             .store(latency_us.unwrap_or(NO_LATENCY), Relaxed);
     }
 
-    /// In milliseconds.
+    /// Latency in milliseconds.
     pub(super) fn latency_ms(&self) -> Option<f64> {
         told(self.latency_us.load(Relaxed))
     }
 }
 
-/// A value that glides towards another.
+/// Smooths a value: moves it part of the way to another.
 fn glide(from: u64, to: u64) -> u64 {
     (from as f64 + FRESH * (to as f64 - from as f64)).round() as u64
 }
 
-/// In milliseconds, if it was reported at all.
+/// A time in milliseconds, if it was reported.
 fn told(microseconds: u64) -> Option<f64> {
     (microseconds != NO_LATENCY).then_some(microseconds as f64 / 1000.0)
 }

@@ -1,5 +1,5 @@
-//! The thread that keeps sound going: it opens the device, loads sounds, frees what the callback
-//! has done with, and opens the device again when it is lost.
+//! The supervisor thread: opens the device, loads sounds, frees what the callback no longer needs,
+//! and reopens the device when it is lost.
 
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender};
@@ -18,7 +18,7 @@ use super::shared::Shared;
 use super::timeout::{ANSWER_LIMIT, drop_elsewhere, within};
 use crate::audio::{SAMPLE_RATE, Sound, SoundSource, StereoSource};
 
-/// How often the thread looks after the stream.
+/// Interval at which the thread checks the stream.
 const TICK: Duration = Duration::from_millis(20);
 /// A stream whose callbacks stop for this long is lost, ...
 const STALL: Duration = Duration::from_secs(1);
@@ -26,17 +26,17 @@ const STALL: Duration = Duration::from_secs(1);
 const FIRST_CALLBACK: Duration = Duration::from_secs(3);
 /// Waiting times between attempts to open: the first, and the longest.
 const RETRY: (Duration, Duration) = (Duration::from_millis(100), Duration::from_secs(5));
-/// A stream that ran for this long was no failed attempt.
+/// A stream that ran for this long does not count as a failed attempt.
 const PROVEN: Duration = Duration::from_secs(2);
-/// What a fade-out before closing takes beside the buffers: the glide, and a little to spare.
+/// Duration of a fade-out before closing in addition to the buffers: the glide, and a small margin.
 const FADE_OUT: Duration = Duration::from_millis(25);
-/// How long is waited beside two buffers, for the callback to fade and for what it made to be
-/// heard each: a stream that hangs must not delay the end.
+/// Limit of waiting in addition to two buffers, once for the callback to fade and once for its
+/// output to be heard: a stream that hangs must not delay the end.
 const FADE_OUT_LIMIT: Duration = Duration::from_millis(100);
-/// How often is looked whether the callback has faded.
+/// Interval at which the fade-out is checked.
 const FADE_OUT_GLANCE: Duration = Duration::from_millis(2);
 
-/// Its status; never locked by the callback.
+/// The supervisor's status; never locked by the callback.
 #[derive(Debug)]
 pub(super) struct State {
     pub(super) device: Option<String>,
@@ -46,10 +46,10 @@ pub(super) struct State {
     /// Whether the renderer has a sound.
     pub(super) has_sound: bool,
     pub(super) last_error: Option<String>,
-    /// The last of them that does not concern the device.
+    /// The last error that does not concern the device.
     pub(super) notice: Option<String>,
     pub(super) recording: Option<Recording>,
-    /// Frames that the last finished recording lost.
+    /// Frames lost by the last finished recording.
     pub(super) dropped: u64,
 }
 
@@ -69,12 +69,12 @@ impl State {
     }
 }
 
-/// Locks the state; whatever a thread that panicked left there is sound.
+/// Locks the state, which stays valid after a panic in another thread.
 pub(super) fn lock(state: &Mutex<State>) -> MutexGuard<'_, State> {
     state.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// What the supervisor shares with [`Live`](super::Live).
+/// Data that the supervisor shares with [`Live`](super::Live).
 #[derive(Debug, Clone)]
 pub(super) struct Common {
     pub(super) shared: Arc<Shared>,
@@ -93,17 +93,17 @@ pub(super) struct Supervisor {
     renderer: u64,
     rate_hz: u32,
     source: SoundSource,
-    /// What is played in place of the sound, if anything is.
+    /// The stereo source that replaces the sound, if any.
     stereo: Option<StereoSource>,
     device: Option<String>,
     buffer_frames: u32,
     stream: Option<OpenStream>,
     generation: u64,
-    /// The sound that was loaded last, until there is a stream and room for it.
+    /// The last loaded sound, until there is a stream and room for it.
     waiting: Option<Sound>,
-    /// The same for what is played in its place.
+    /// The waiting program that replaces the sound.
     program: Option<Program>,
-    /// The same for a recording.
+    /// The waiting tap of a recording.
     tap: Option<Tap>,
     next_try: Instant,
     delay: Duration,
@@ -114,7 +114,7 @@ struct OpenStream {
     stream: cpal::Stream,
     name: String,
     opened: Instant,
-    /// The count of callbacks, and when it last changed.
+    /// The number of callbacks, and the time of its last change.
     callbacks: u64,
     seen: Instant,
     has_called: bool,
@@ -190,12 +190,12 @@ impl Supervisor {
             Command::Lost { generation, reason } if generation == self.generation => {
                 self.lose(reason);
             }
-            // Of a stream that is closed already, or seen to in the next moment.
+            // From a stream that is already closed, or handled in the next moment.
             Command::Lost { .. } | Command::Record | Command::Stop => {}
         }
     }
 
-    /// Loads a sound and sends it to the callback; of several that wait only the last is wanted.
+    /// Loads a sound and sends it to the callback; only the last of several waiting ones is kept.
     fn change_sound(&mut self, source: SoundSource) {
         match source.sound(self.rate_hz) {
             Ok(sound) => {
@@ -209,7 +209,7 @@ impl Supervisor {
         }
     }
 
-    /// What is played, made for the rate of now.
+    /// The program to play, made for the current rate.
     fn make_program(&self) -> Program {
         let rate_hz = self.rate_hz;
         match &self.stereo {
@@ -232,7 +232,7 @@ impl Supervisor {
         lock(&self.common.state).last_error = Some(error.to_string());
     }
 
-    /// Sends what waits to the callback, if there is one, and frees what came back.
+    /// Sends waiting objects to the callback, if there is one, and frees what came back.
     fn deliver(&mut self) {
         self.remote.collect();
         drop(self.drop_queue.take());
@@ -265,7 +265,7 @@ impl Supervisor {
         }
     }
 
-    /// Notices a stream whose callbacks have stopped.
+    /// Detects a stream whose callbacks have stopped.
     fn watch(&mut self) {
         let buffer = self.buffer();
         let Some(stream) = &mut self.stream else {
@@ -288,7 +288,7 @@ impl Supervisor {
         }
     }
 
-    /// Gives up a stream that broke off; it is opened again later.
+    /// Gives up a stream that broke off; it is reopened later.
     fn lose(&mut self, reason: String) {
         let Some(stream) = &self.stream else {
             return;
@@ -308,7 +308,7 @@ impl Supervisor {
         self.delay = (2 * self.delay).min(RETRY.1);
     }
 
-    /// Lets the sound fade, if it plays, so that the end does not click.
+    /// Fades the sound out if it plays, so that the end does not click.
     fn fade_out(&self) {
         if self.stream.is_none() {
             return;
@@ -320,20 +320,20 @@ impl Supervisor {
         while !shared.has_faded.load(Relaxed) && start.elapsed() < limit {
             thread::sleep(FADE_OUT_GLANCE);
         }
-        // The block that it ends in was made just now.
+        // The block with the end of the fade was computed just now.
         let latency = shared.latency_ms();
         let latency = latency.map_or(limit, |ms| Duration::from_secs_f64(ms / 1000.0));
         thread::sleep(latency.min(limit) + FADE_OUT);
     }
 
-    /// The length of the last block requested from the callback.
+    /// The duration of the last block requested from the callback.
     fn buffer(&self) -> Duration {
         let frames = self.common.shared.callback_frames.load(Relaxed);
         Duration::from_secs_f64(f64::from(frames) / f64::from(self.rate_hz))
     }
 
     fn close(&mut self) {
-        // From now on the stream's callback keeps silent, whenever it really ends.
+        // From now on the stream's callback is silent, whenever it really ends.
         self.generation += 1;
         let shared = &self.common.shared;
         shared.generation.store(self.generation, Relaxed);
@@ -406,7 +406,7 @@ impl Supervisor {
         within(ANSWER_LIMIT, move || is_stopping.load(Relaxed), work)
     }
 
-    /// Makes the renderer ready to go on, from silence, at a rate in hertz.
+    /// Prepares the renderer to continue from silence, at a rate in hertz.
     fn prepare(&mut self, rate_hz: u32) {
         let mut renderer = self.take_renderer();
         if renderer.rate_hz() != rate_hz {
@@ -428,7 +428,7 @@ impl Supervisor {
         self.slot.store(Some(renderer));
     }
 
-    /// Loads the sound that is wanted at another rate.
+    /// Loads the current sound at another rate.
     fn load_again(&self, rate_hz: u32) -> Option<Sound> {
         let loaded = self.source.sound(rate_hz);
         let mut state = lock(&self.common.state);
@@ -443,7 +443,7 @@ impl Supervisor {
     /// Takes the renderer back from the last stream.
     fn take_renderer(&mut self) -> Box<Renderer> {
         for _ in 0..50 {
-            // One that another was made in place of, and that came back since, is freed.
+            // A renderer that has been replaced, and has come back since, is freed.
             if let Some(renderer) = self.slot.take()
                 && renderer.number == self.renderer
             {
@@ -452,7 +452,7 @@ impl Supervisor {
             // A callback of the old stream is at work on it.
             thread::sleep(Duration::from_millis(5));
         }
-        // That callback hangs, and the renderer with it.
+        // The callback hangs, and it holds the renderer.
         let shared = Arc::clone(&self.common.shared);
         let sound = self.source.sound(self.rate_hz).ok();
         let (mut renderer, remote) = Renderer::with_shared(shared, sound, self.rate_hz);
@@ -478,7 +478,7 @@ impl Supervisor {
         }
     }
 
-    /// A file has one rate: a recording at another one ends.
+    /// Reports the new rate to the recording, which ends if its file has another one.
     fn tell_rate(&self, rate_hz: u32) {
         let mut state = lock(&self.common.state);
         state.rate_hz = rate_hz;

@@ -7,21 +7,21 @@ use std::time::{Duration, Instant};
 
 use super::LiveError;
 
-/// How long a sound system is waited for.
+/// Maximum time to wait for a sound system.
 pub(super) const ANSWER_LIMIT: Duration = Duration::from_secs(5);
 
-/// How often a waiting thread looks whether it shall give up.
+/// Interval at which a waiting thread checks whether to give up.
 const GLANCE: Duration = Duration::from_millis(20);
 
-/// Whether a request is in progress. There is one at a time, so that a sound system that hangs
-/// holds one thread and one connection, however many requests there are.
+/// Whether a request is in progress. Only one request runs at a time, so that a sound system that
+/// hangs holds one thread and one connection, however many requests follow.
 static IS_PENDING: AtomicBool = AtomicBool::new(false);
 
-/// Ends the request when the thread that makes it ends, by a panic too.
+/// Ends the request when its thread ends, even by a panic.
 struct PendingRequest;
 
 impl PendingRequest {
-    /// None while another is in progress.
+    /// `None` while another request is in progress.
     fn begin() -> Option<Self> {
         (!IS_PENDING.swap(true, Acquire)).then(|| Self)
     }
@@ -33,10 +33,10 @@ impl Drop for PendingRequest {
     }
 }
 
-/// Runs `work`, which calls the sound system, on a separate thread and waits for it up to a
-/// limit, or until `is_off`.
+/// Runs `work`, which calls the sound system, on a separate thread and waits for it up to a limit,
+/// or until `is_off`.
 ///
-/// If it answers later, the answer is dropped on that thread; until then there is no other request.
+/// A later answer is dropped on that thread; until then no other request starts.
 pub(super) fn within<T: Send + 'static>(
     limit: Duration,
     is_off: impl Fn() -> bool,
@@ -58,7 +58,7 @@ pub(super) fn within<T: Send + 'static>(
     spawn("echomarch-open", move || {
         let answer = work();
         drop(request);
-        // Nobody listens any more: the answer goes.
+        // The receiver may be gone: the answer is then dropped.
         let _ = sender.send(answer);
     })?;
     loop {
@@ -71,9 +71,9 @@ pub(super) fn within<T: Send + 'static>(
     }
 }
 
-/// Drops a value on a thread of its own, which may take as long as it likes.
+/// Drops a value on a separate thread, since that may take long.
 pub(super) fn drop_elsewhere<T: Send + 'static>(value: T) {
-    // Without a thread it is dropped with the closure, here.
+    // If the thread cannot start, the value is dropped with the closure, here.
     let _ = spawn("echomarch-close", move || drop(value));
 }
 
@@ -87,8 +87,8 @@ fn spawn(name: &str, work: impl FnOnce() + Send + 'static) -> Result<(), LiveErr
 mod tests {
     use super::*;
 
-    /// Protects a sound system that hangs from being asked over and over, each time by another
-    /// thread; and a panic from being called a time-out. One test: there is one request for all.
+    /// Protects a hanging sound system from repeated requests, each from another thread; and a
+    /// panic from being reported as a time-out. It is one test because all requests share one lock.
     #[test]
     fn one_request_at_a_time_and_a_panic_is_told() {
         let (answer, hangs) = mpsc::channel::<()>();

@@ -1,14 +1,14 @@
-//! Contexts of EGL's that echomarch did not make.
+//! EGL contexts that echomarch did not make.
 
 use std::ffi::c_void;
 
 use super::library::{Functions, loaded};
 
-// Values of EGL/egl.h.
+// Values from EGL/egl.h.
 const EGL_DRAW: i32 = 0x3059;
 const EGL_READ: i32 = 0x305A;
 
-/// A context of EGL's that echomarch did not make, as it was current.
+/// A current EGL context that echomarch did not make.
 pub(in crate::gpu) struct Foreign {
     functions: &'static Functions,
     api: u32,
@@ -19,11 +19,11 @@ pub(in crate::gpu) struct Foreign {
 }
 
 impl Foreign {
-    /// The EGL context that is current on this thread, if any; none where there was no EGL context yet.
+    /// The EGL context that is current on this thread, if any; `None` if no EGL context has been made yet.
     pub fn of_system() -> Option<Foreign> {
         let functions = loaded()?;
         let egl = &functions.egl;
-        // SAFETY: asks only.
+        // SAFETY: only a query.
         unsafe {
             let context = egl.GetCurrentContext();
             if context.is_null() {
@@ -51,10 +51,10 @@ impl Foreign {
         };
     }
 
-    /// Makes it current again. If its owner has destroyed it in the meantime EGL rejects, and none is current.
+    /// Makes it current again. If its owner has destroyed it in the meantime, EGL refuses and no context is current.
     pub fn make_current(&self) {
         let egl = &self.functions.egl;
-        // SAFETY: EGL checks handles against those that there are.
+        // SAFETY: EGL checks the handles against its own.
         unsafe {
             egl.BindAPI(self.api);
             egl.MakeCurrent(self.display, self.draw, self.read, self.context);

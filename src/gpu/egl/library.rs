@@ -1,4 +1,4 @@
-//! EGL's functions, of a library that has them.
+//! EGL's functions, loaded from a complete library.
 
 use std::ffi::{CStr, CString, c_void};
 use std::ptr;
@@ -9,10 +9,10 @@ use libloading::Library;
 
 use crate::gpu::GpuError;
 
-/// Names under which the library is looked for. Glutin, which opens displays, takes the first that is there as well.
+/// Names under which the library is looked for. Glutin, which opens displays, also takes the first one found.
 const NAMES: [&str; 2] = ["libEGL.so.1", "libEGL.so"];
 
-/// Functions that a libEGL must have, those that glutin calls among them: calls of a function that is missing end the program.
+/// Functions that a libEGL must have, including those that glutin calls: calling a missing function ends the program.
 const NEEDED: [&CStr; 23] = [
     c"eglBindAPI",
     c"eglChooseConfig",
@@ -39,7 +39,7 @@ const NEEDED: [&CStr; 23] = [
     c"eglTerminate",
 ];
 
-/// The functions, which stay: drivers do not survive being unloaded.
+/// The functions, which stay loaded: drivers do not survive being unloaded.
 pub struct Functions {
     pub egl: Egl,
     _library: Library,
@@ -50,7 +50,7 @@ unsafe impl Send for Functions {}
 // SAFETY: as above.
 unsafe impl Sync for Functions {}
 
-/// Why there are none.
+/// Reason why loading the functions failed.
 #[derive(Clone, Debug)]
 enum Failure {
     NotThere,
@@ -73,7 +73,7 @@ pub fn functions() -> Result<&'static Functions, GpuError> {
     }
 }
 
-/// The functions, if they were requested before.
+/// The functions, if they have been loaded.
 pub fn loaded() -> Option<&'static Functions> {
     FUNCTIONS.get()?.as_ref().ok()
 }
@@ -111,9 +111,9 @@ fn load() -> Result<Functions, Failure> {
     })
 }
 
-/// Where the library has a symbol; null where it has none.
+/// The address of a symbol of the library, or null if it has none.
 fn symbol(library: &Library, name: &CStr) -> *const c_void {
-    // SAFETY: the address alone is taken.
+    // SAFETY: only the address is taken.
     match unsafe { library.get::<*const c_void>(name.to_bytes_with_nul()) } {
         Ok(symbol) => *symbol,
         Err(_) => ptr::null(),

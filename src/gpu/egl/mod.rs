@@ -1,4 +1,5 @@
-//! Contexts without a window through EGL: on a device chosen by number, or where EGL lists none on a display without one.
+//! Contexts without a window through EGL: on a device chosen by index, or on a display without a device if EGL lists
+//! none.
 
 mod foreign;
 mod library;
@@ -19,16 +20,16 @@ use super::{Api, GpuError};
 pub(super) use foreign::Foreign;
 use plain::{Plain, Platform};
 
-/// Where a context can be made.
+/// A place where a context can be made.
 #[derive(Debug)]
 pub(super) enum Place {
-    /// A device, by EGL's own list.
+    /// A device in EGL's list.
     Device(Device),
     /// A display without a device.
     Platform(Platform),
 }
 
-/// The places where contexts can be made, at least one: the devices that EGL lists, in its order. Where it lists none
+/// The places where contexts can be made, at least one: the devices that EGL lists, in its order. If it lists none
 /// (ANGLE, older drivers), the displays without a device that can be opened.
 ///
 /// # Errors
@@ -61,7 +62,7 @@ pub(super) fn places() -> Result<Vec<Place>, GpuError> {
     }
 }
 
-/// Sees that there is a library that is one, before glutin's own look at it, which ends the program where functions are
+/// Checks that there is a complete library before glutin looks for one, which ends the program if functions are
 /// missing.
 ///
 /// # Errors
@@ -73,7 +74,7 @@ pub(super) fn prepare() -> Result<(), GpuError> {
 /// Makes a context; it is not current yet.
 ///
 /// # Errors
-/// [`GpuError::NoContext`] with what EGL answered.
+/// [`GpuError::NoContext`] with EGL's answer.
 pub(super) fn open(place: &Place, api: Api) -> Result<Rc<dyn Backend>, GpuError> {
     match place {
         Place::Device(device) => match create(device, api) {
@@ -87,7 +88,7 @@ pub(super) fn open(place: &Place, api: Api) -> Result<Rc<dyn Backend>, GpuError>
     }
 }
 
-/// A context on a device, that draws into no surface.
+/// Creates a context on a device, without a surface.
 fn create(device: &Device, api: Api) -> Result<impl Backend + use<>, glutin::error::Error> {
     // SAFETY: no native display handle is given that would have to be valid.
     let display = unsafe { Display::with_device(device, None) }?;

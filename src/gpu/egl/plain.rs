@@ -1,5 +1,5 @@
-//! Contexts without a window where EGL lists no devices: on Mesa's platform without surfaces, or on the default display.
-//! ANGLE and older drivers are used through them.
+//! Contexts without a window if EGL lists no devices: on Mesa's platform without surfaces, or on the default display.
+//! Used for ANGLE and older drivers.
 
 use std::ffi::{CStr, c_void};
 use std::fmt;
@@ -12,18 +12,18 @@ use super::library::{Functions, functions};
 use crate::gpu::backend::Backend;
 use crate::gpu::{Api, GpuError};
 
-// Of EGL_MESA_platform_surfaceless.
+// Constant of EGL_MESA_platform_surfaceless.
 const PLATFORM_SURFACELESS_MESA: u32 = 0x31DD;
 
-/// Side in pixels of the surface that a context is current with where it must have one; nothing is drawn into it.
+/// Side in pixels of the unused surface for contexts that must have one.
 const SIDE: EGLint = 1;
 
-/// A display that is opened without a device and without a window system's connection.
+/// A display that is opened without a device and without a connection to a window system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::gpu) enum Platform {
-    /// Mesa's, of `EGL_MESA_platform_surfaceless`.
+    /// Mesa's platform of `EGL_MESA_platform_surfaceless`.
     Surfaceless,
-    /// The one that EGL takes by itself.
+    /// EGL's default display.
     Default,
 }
 
@@ -36,10 +36,10 @@ impl fmt::Display for Platform {
     }
 }
 
-/// What EGL answered to a call that failed.
+/// EGL's answer to a call that failed.
 struct Refusal(String);
 
-/// An opened display. It stays so: others in this process may have opened the same.
+/// An opened display. It stays open: other code in this process may have opened the same one.
 struct Opened {
     functions: &'static Functions,
     display: EGLDisplay,
@@ -49,13 +49,13 @@ struct Opened {
 }
 
 impl Platform {
-    /// All of them, in the order in which they are tried.
+    /// All platforms, in the order in which they are tried.
     pub const ALL: [Platform; 2] = [Platform::Surfaceless, Platform::Default];
 
     /// Whether it can be opened.
     ///
     /// # Errors
-    /// What EGL answered.
+    /// EGL's answer.
     pub fn check(self) -> Result<(), String> {
         let functions = functions().map_err(|error| error.to_string())?;
         self.open(functions).map(drop).map_err(|Refusal(why)| why)
@@ -83,7 +83,7 @@ impl Platform {
             return Err(refusal(functions, &format!("{self}: eglGetDisplay")));
         }
         let mut version = (0, 0);
-        // SAFETY: the display is one, and the numbers have room.
+        // SAFETY: the display is EGL's own, and the numbers have room.
         if unsafe { egl.Initialize(display, &raw mut version.0, &raw mut version.1) } == egl::FALSE
         {
             return Err(refusal(functions, &format!("{self}: eglInitialize")));
@@ -104,7 +104,7 @@ pub(in crate::gpu) struct Plain {
     api: egl::types::EGLenum,
     display: EGLDisplay,
     context: EGLContext,
-    /// Null where contexts are current without one.
+    /// Null if contexts are current without a surface.
     surface: EGLSurface,
 }
 
@@ -112,7 +112,7 @@ impl Plain {
     /// Makes a context; it is not current yet.
     ///
     /// # Errors
-    /// [`GpuError::NoContext`] with what EGL answered, and those of the library.
+    /// [`GpuError::NoContext`] with EGL's answer, and the errors of the library.
     pub fn on(platform: Platform, api: Api) -> Result<Plain, GpuError> {
         let functions = functions()?;
         let made = platform.open(functions).and_then(|open| open.context(api));
@@ -183,7 +183,7 @@ impl Opened {
         }
     }
 
-    /// A context with reports of resets, where these are offered; otherwise a lost context looks like a slow one.
+    /// Creates a context with reset notification if available; otherwise a lost context looks like a slow one.
     fn new_context(&self, api: Api, config: EGLConfig) -> Result<EGLContext, Refusal> {
         let (minor, profile) = match api {
             Api::Gles => (0, &[][..]),
@@ -218,7 +218,7 @@ impl Opened {
         Err(refusal(self.functions, "eglCreateContext"))
     }
 
-    /// The attribute that requests reports of resets.
+    /// The attribute that requests reset notification.
     fn reset_attribute(&self) -> Option<u32> {
         if has(&self.extensions, "EGL_EXT_create_context_robustness") {
             return Some(egl::CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY_EXT);
@@ -242,14 +242,14 @@ impl Backend for Plain {
     }
 
     fn is_current(&self) -> bool {
-        // SAFETY: asks only; the answer is compared and never followed.
+        // SAFETY: only a query; the answer is compared and never dereferenced.
         unsafe { self.functions.egl.GetCurrentContext() == self.context }
     }
 
     fn release(&self) {
         let (display, none) = (self.display, egl::NO_SURFACE);
-        // SAFETY: null surfaces and no context mean that none is current. A failure leaves a context current that the
-        // next call replaces.
+        // SAFETY: null surfaces and no context mean that none is current. After a failure a context stays current,
+        // which the next call replaces.
         unsafe {
             self.functions
                 .egl
@@ -276,14 +276,14 @@ impl Drop for Plain {
     }
 }
 
-/// The list with the end that EGL looks for.
+/// The list with EGL's end marker.
 fn ended(attributes: &[EGLint]) -> Vec<EGLint> {
     [attributes, &[egl::NONE as EGLint]].concat()
 }
 
-/// The extensions of a display, or of EGL itself, between blanks.
+/// The extensions of a display, or of EGL itself, separated by spaces.
 fn extensions(functions: &Functions, display: EGLDisplay) -> String {
-    // SAFETY: the answer is null or a string that stays.
+    // SAFETY: the answer is null or a string that stays valid.
     unsafe {
         let names = functions
             .egl
@@ -302,7 +302,7 @@ fn has(extensions: &str, name: &str) -> bool {
 }
 
 fn refusal(functions: &Functions, call: &str) -> Refusal {
-    // SAFETY: asks only.
+    // SAFETY: only a query.
     let code = unsafe { functions.egl.GetError() };
     Refusal(format!("{call} failed with EGL error {code:#x}"))
 }

@@ -1,4 +1,4 @@
-//! Contexts without a window, of every API, alone and in turns. A machine without GL fails these tests.
+//! Contexts without a window, of every API, alone and in turn. These tests fail on a machine without GL.
 
 use super::raw_egl::RawEgl;
 use crate::gpu::{
@@ -18,7 +18,8 @@ fn draws(context: &Context, value: f32) {
     assert_eq!(target.read(0).unwrap(), [value; 24]);
 }
 
-/// The name of the renderer gets out, and the limits are those that OpenGL 3.3 and ES 3.0 promise.
+/// Protects the description of a context: its renderer has a name, and its limits are those that OpenGL 3.3 and ES 3.0
+/// promise.
 #[test]
 fn gpu_context_describes_itself() {
     on_every_api(|api| {
@@ -39,7 +40,7 @@ fn gpu_context_describes_itself() {
     });
 }
 
-/// Calls go to the context they are made for while contexts of all APIs take turns on one thread. The order comes back
+/// Protects that calls go to their own context while contexts of all APIs take turns on one thread. The order returns
 /// to the same EGL context straight after OSMesa's, which EGL does not notice by itself.
 #[test]
 fn gpu_contexts_of_all_apis_interleave_on_one_thread() {
@@ -56,7 +57,7 @@ fn gpu_contexts_of_all_apis_interleave_on_one_thread() {
     }
 }
 
-/// Objects stay in their own context while another API's draws in between, and when that is dropped.
+/// Protects objects of a context while another API's context draws in between, and when that one is dropped.
 #[test]
 fn gpu_objects_survive_other_contexts() {
     for api in [Api::Gl, Api::Gles] {
@@ -77,7 +78,7 @@ fn gpu_objects_survive_other_contexts() {
     }
 }
 
-/// Contexts may be dropped in any order, the current one or another, and before what was made with them.
+/// Protects dropping contexts in any order, the current one or another, and before the objects made with them.
 #[test]
 fn gpu_contexts_drop_in_any_order() {
     let apis = [Api::Gl, Api::OsMesa, Api::Gles];
@@ -93,7 +94,7 @@ fn gpu_contexts_drop_in_any_order() {
             for (index, context) in contexts.iter().enumerate() {
                 draws(context, index as f32);
             }
-            // The first context dies with its texture here, while another is current.
+            // The first context is destroyed with its texture here, while another is current.
             drop(textures);
             draws(&contexts[0], 5.0);
             drop(contexts.remove(1));
@@ -102,7 +103,7 @@ fn gpu_contexts_drop_in_any_order() {
     }
 }
 
-/// Contexts are freed: 200 in a row work, and 20 at once.
+/// Protects from leaking contexts: 200 in a row work, and 20 at once.
 #[test]
 fn gpu_contexts_are_freed() {
     on_every_api(|api| {
@@ -117,11 +118,11 @@ fn gpu_contexts_are_freed() {
     });
 }
 
-/// Protects from waiting without end for a context that a reset of the graphics card has taken: where the driver offers
-/// to report them, that was requested.
+/// Protects from waiting forever for a context lost in a reset of the graphics card: reset notification is requested if
+/// the driver offers it.
 #[test]
 fn gpu_contexts_are_told_of_resets_where_the_driver_offers_it() {
-    // Of KHR_robustness.
+    // Constant of KHR_robustness.
     const RESET_NOTIFICATION_STRATEGY: u32 = 0x8256;
     const LOSE_CONTEXT_ON_RESET: i32 = 0x8252;
     let raw = RawEgl::new();
@@ -136,7 +137,7 @@ fn gpu_contexts_are_told_of_resets_where_the_driver_offers_it() {
     assert_eq!(is_offered, strategy == LOSE_CONTEXT_ON_RESET);
 }
 
-/// A clone keeps the context alive.
+/// Protects a clone, which keeps the context alive.
 #[test]
 fn gpu_context_lives_as_long_as_its_last_clone() {
     on_every_api(|api| {
@@ -147,7 +148,7 @@ fn gpu_context_lives_as_long_as_its_last_clone() {
     });
 }
 
-/// Impossible sizes are errors with numbers, not failures of the driver later on.
+/// Protects error reporting: impossible sizes give errors with numbers, not driver failures later on.
 #[test]
 fn gpu_impossible_sizes_are_errors() {
     on_every_api(|api| {
@@ -173,7 +174,8 @@ fn gpu_impossible_sizes_are_errors() {
     });
 }
 
-/// A texture that the limit allows and memory does not is an error, and the context goes on working.
+/// Protects the context from a texture that the limit allows and memory does not: an error, after which the context
+/// still works.
 #[test]
 fn gpu_out_of_memory_is_an_error() {
     on_every_api(|api| {
@@ -187,7 +189,7 @@ fn gpu_out_of_memory_is_an_error() {
     });
 }
 
-/// A mistake in the use of GL is reported with its name, once.
+/// Protects error reporting: a GL error is reported with its name, once.
 #[test]
 fn gpu_check_names_the_error() {
     on_every_api(|api| {
@@ -203,7 +205,7 @@ fn gpu_check_names_the_error() {
     });
 }
 
-/// Protects the times of passes: each takes some, and software renderers are measured by the wall clock.
+/// Protects the times of passes: each is positive, and software renderers are measured by the wall clock.
 #[test]
 fn gpu_timers_measure() {
     on_every_api(|api| {

@@ -1,4 +1,4 @@
-//! A program that draws with a context of its own.
+//! A test program that draws with its own context.
 
 use super::raw_egl::{Kind, RawEgl};
 use glow::{HasContext, PixelPackData, PixelUnpackData};
@@ -8,7 +8,7 @@ use std::rc::Rc;
 const SIDE: i32 = 8;
 
 type IsObject = unsafe extern "system" fn(u32) -> u8;
-/// The program, whose context is current from its making on.
+/// The program, whose context is current once it is made.
 pub struct ForeignProgram {
     pub egl: Rc<RawEgl>,
     pub(super) gl: glow::Context,
@@ -19,13 +19,12 @@ pub struct ForeignProgram {
 }
 
 impl ForeignProgram {
-    /// A program with a picture to draw to, half of which its triangles cover; what is drawn is what is there plus a
-    /// quarter.
+    /// Creates a program with a picture, half of which its triangles cover; each draw adds a quarter to the picture.
     pub fn new(kind: Kind) -> ForeignProgram {
         let egl = Rc::new(RawEgl::of(kind));
         egl.bind();
         let gl = egl.gl();
-        // SAFETY: the context is current, and all objects are its own; so in all of this file.
+        // SAFETY: the context is current, and all objects are its own; the same holds in all of this file.
         unsafe {
             let program = program(&gl, kind);
             let framebuffers = [0, 1].map(|_| framebuffer(&gl));
@@ -50,7 +49,7 @@ impl ForeignProgram {
         }
     }
 
-    /// Draws once more, with the state as it stands.
+    /// Draws once more, with the current state.
     pub fn draw(&self) {
         // SAFETY: the program's own context is current while a test calls this, and the names are its own.
         unsafe { self.gl.draw_arrays(glow::TRIANGLES, 0, 3) };
@@ -68,7 +67,7 @@ impl ForeignProgram {
         pixels
     }
 
-    /// What the picture is after so many draws: red in the left half, and no blue.
+    /// The picture after `draws` draws: red in the left half, and no blue.
     pub fn expected_picture(draws: u8) -> Vec<u8> {
         let pixel = |index| match index % SIDE < SIDE / 2 {
             true => [64 * draws, 0, 0, 64 * draws],
@@ -77,13 +76,13 @@ impl ForeignProgram {
         (0..SIDE * SIDE).flat_map(pixel).collect()
     }
 
-    /// An error that the program has not queried.
+    /// Causes an error that the program does not query.
     pub fn make_an_error(&self) {
         // SAFETY: the program's own context is current while a test calls this, and the names are its own.
         unsafe { self.gl.enable(0xFFFF) };
     }
 
-    /// Begins to write what the vertex shader computes into a buffer.
+    /// Begins to write the vertex shader's output into a buffer.
     pub fn begin_feedback(&self) {
         let gl = &self.gl;
         // SAFETY: the program's own context is current while a test calls this, and the names are its own.
@@ -97,7 +96,7 @@ impl ForeignProgram {
         }
     }
 
-    /// Ends that, and gives what was written: the vertices' numbers.
+    /// Ends the transform feedback, and returns its data: the vertices' numbers.
     pub fn end_feedback(&self) -> Vec<f32> {
         let gl = &self.gl;
         // SAFETY: the program's own context is current while a test calls this, and the names are its own.
@@ -111,7 +110,7 @@ impl ForeignProgram {
         }
     }
 
-    /// How many objects of each kind there are: textures, buffers, programs, vertex arrays, framebuffers.
+    /// Number of objects of each kind: textures, buffers, programs, vertex arrays, framebuffers.
     pub fn objects(&self) -> [usize; 5] {
         let gl = &self.gl;
         let names = || (1..500).map(|name| std::num::NonZeroU32::new(name).unwrap());
@@ -129,7 +128,7 @@ impl ForeignProgram {
         }
     }
 
-    /// Whether the program's shaders are what it draws with.
+    /// Whether the program's shaders are in use.
     pub fn is_in_use(&self) -> bool {
         // SAFETY: the program's own context is current while a test calls this, and the names are its own.
         unsafe { self.gl.get_parameter_program(glow::CURRENT_PROGRAM) == Some(self.program) }
@@ -154,7 +153,7 @@ impl ForeignProgram {
         bytes.chunks_exact(16).map(texel).collect()
     }
 
-    /// A function that glow has not, or has with less.
+    /// A function that glow lacks, or has with fewer parameters.
     pub(super) unsafe fn function<T: Copy>(&self, name: &str) -> T {
         let address = self.egl.address(&std::ffi::CString::new(name).unwrap());
         assert!(!address.is_null(), "{name}");
@@ -174,7 +173,7 @@ unsafe fn program(gl: &glow::Context, kind: Kind) -> glow::Program {
         gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0); }";
     let fragment =
         "out vec4 colour; void main() { colour = vec4(0.2509804, 0.0, 0.25, 0.2509804); }";
-    // SAFETY: the caller's: the context is current.
+    // SAFETY: guaranteed by the caller: the context is current.
     unsafe {
         let program = gl.create_program().unwrap();
         for (stage, text) in [
@@ -194,9 +193,9 @@ unsafe fn program(gl: &glow::Context, kind: Kind) -> glow::Program {
     }
 }
 
-/// A framebuffer with a picture that is black.
+/// A framebuffer with a black picture.
 unsafe fn framebuffer(gl: &glow::Context) -> glow::Framebuffer {
-    // SAFETY: the caller's: the context is current.
+    // SAFETY: guaranteed by the caller: the context is current.
     unsafe {
         let texture = gl.create_texture().unwrap();
         gl.bind_texture(glow::TEXTURE_2D, Some(texture));

@@ -1,22 +1,22 @@
-//! A state of a context that would spoil any pass, and what can be asked of it.
+//! A context state that would spoil any pass, and queries of it.
 
 use super::foreign_program::ForeignProgram;
 use super::raw_egl::Kind;
 use glow::HasContext;
 use std::fmt::Debug;
 
-/// Numbers that one parameter has at most.
+/// Maximum numbers of one parameter.
 const MOST_NUMBERS: usize = 16;
 
-// What glow has no names for.
+// Constants that glow does not define.
 const ALPHA_TEST: u32 = 0x0BC0;
 const POLYGON_STIPPLE: u32 = 0x0B42;
 const CLAMP_FRAGMENT_COLOR: u32 = 0x891B;
 
-/// Texture units that are looked at.
+/// Texture units that are compared.
 const UNITS: [u32; 7] = [0, 1, 2, 3, 4, 7, 31];
 
-/// Parameters of every version, besides capabilities.
+/// Parameters of every version, except capabilities.
 const PARAMETERS: [u32; 62] = [
     glow::CURRENT_PROGRAM,
     glow::VERTEX_ARRAY_BINDING,
@@ -82,7 +82,7 @@ const PARAMETERS: [u32; 62] = [
     glow::SAMPLES,
 ];
 
-/// Parameters of OpenGL 4.5 alone.
+/// Parameters of OpenGL 4.5 only.
 const PARAMETERS_OF_GL: [u32; 15] = [
     glow::POLYGON_MODE,
     glow::LOGIC_OP_MODE,
@@ -116,7 +116,7 @@ const CAPABILITIES: [u32; 11] = [
     glow::PRIMITIVE_RESTART_FIXED_INDEX,
 ];
 
-/// Capabilities of OpenGL alone.
+/// Capabilities of OpenGL only.
 const CAPABILITIES_OF_GL: [u32; 12] = [
     glow::COLOR_LOGIC_OP,
     glow::POLYGON_SMOOTH,
@@ -136,7 +136,7 @@ type GetIndexed<T> = unsafe extern "system" fn(u32, u32, *mut T);
 type ClampColor = unsafe extern "system" fn(u32, u32);
 
 impl ForeignProgram {
-    /// Sets whatever would spoil a pass, an upload or a read-back.
+    /// Sets all state that would spoil a pass, an upload or a read-back.
     pub fn spoil(&self) {
         let gl = &self.gl;
         // SAFETY: the program's own context is current while a test calls this, and the names are its own.
@@ -254,7 +254,7 @@ impl ForeignProgram {
                 gl.active_texture(glow::TEXTURE0 + unit);
                 gl.bind_texture(glow::TEXTURE_BUFFER, Some(gl.create_texture().unwrap()));
             }
-            // Mesa 22 writes to the numbers that it is given: they must not be constants.
+            // Mesa 22 writes to the numbers that it is given, so they must not be constants.
             let viewports = [[0.5, 1.5, 7.25, 3.0], [1.0, 1.0, 2.0, 2.0]];
             gl.viewport_f32_slice(0, 2, &std::hint::black_box(viewports));
             gl.scissor_slice(1, 1, &[[4, 3, 2, 1]]);
@@ -270,7 +270,7 @@ impl ForeignProgram {
         }
     }
 
-    /// Takes back what the least versions do not know: a buffer for the results of queries, viewports between pixels.
+    /// Resets what the lowest versions lack: a buffer for query results, viewports between pixels.
     pub fn spoil_no_newer(&self) {
         // SAFETY: the program's own context is current while a test calls this.
         unsafe {
@@ -281,7 +281,7 @@ impl ForeignProgram {
         }
     }
 
-    /// All state that is looked at, with names.
+    /// All compared state, with names.
     pub fn state(&self) -> Vec<String> {
         let gl = &self.gl;
         let mut state = Vec::new();
@@ -326,13 +326,13 @@ impl ForeignProgram {
                 tell("clamp".into(), &clamp);
             }
             self.indexed_state(&mut tell);
-            // What a version does not know is an error, and compared as zeros.
+            // Parameters that a version lacks cause an error and are compared as zeros.
             while gl.get_error() != glow::NO_ERROR {}
         }
         state
     }
 
-    /// The state that there is for each draw buffer, viewport and scissor.
+    /// The state of each draw buffer, viewport and scissor.
     unsafe fn indexed_state(&self, tell: &mut dyn FnMut(String, &dyn Debug)) {
         let gl = &self.gl;
         // SAFETY: the program's own context is current while a test calls this.

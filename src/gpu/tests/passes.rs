@@ -1,4 +1,4 @@
-//! Textures, programs and passes on every API. A machine without GL fails these tests.
+//! Textures, programs and passes on every API. These tests fail on a machine without GL.
 
 use crate::gpu::program::header;
 use crate::gpu::{
@@ -8,7 +8,7 @@ use crate::gpu::{
 use crate::test_common::for_each_api;
 use glam::{Vec2, Vec3, Vec4};
 
-/// Runs the test on every API, none of which may have an error left at its end.
+/// Runs the test on every API and checks that no error is left at its end.
 fn on_every_api(test: fn(&Context)) {
     for_each_api(|context| {
         test(context);
@@ -35,7 +35,7 @@ fn bits(floats: &[f32]) -> Vec<u32> {
     floats.iter().map(|float| float.to_bits()).collect()
 }
 
-/// Floats come back from a texture bit for bit, of the attachment requested, whole and in part.
+/// Protects the bits of floats read back from a texture, from the requested attachment, whole and in part.
 #[test]
 fn gpu_textures_keep_every_bit() {
     on_every_api(|context| {
@@ -53,7 +53,7 @@ fn gpu_textures_keep_every_bit() {
     });
 }
 
-/// Data or reads of the wrong size are errors and never touch memory outside.
+/// Protects memory from data or reads of the wrong size, which are errors.
 #[test]
 fn gpu_sizes_that_do_not_fit_are_errors() {
     on_every_api(|context| {
@@ -89,7 +89,8 @@ fn gpu_sizes_that_do_not_fit_are_errors() {
     });
 }
 
-/// Each pass reads what the one before wrote: n passes add n, in both textures of the pair.
+/// Protects the order of passes: each reads what the previous one wrote, so n passes add n, in both textures of the
+/// pair.
 #[test]
 fn gpu_ping_pong_adds_once_a_pass() {
     on_every_api(|context| {
@@ -123,7 +124,8 @@ fn gpu_ping_pong_adds_once_a_pass() {
     });
 }
 
-/// Making and filling a texture between set_texture and the pass leaves the units bound for the pass alone.
+/// Protects bound textures: making and filling a texture between set_texture and the pass leaves the units of the pass
+/// unchanged.
 #[test]
 fn gpu_new_textures_leave_bound_ones_alone() {
     on_every_api(|context| {
@@ -150,7 +152,7 @@ const COORDINATES: &str = "
     layout(location = 0) out vec4 result;
     void main() { result = vec4(gl_FragCoord.xy, sqrt(gl_FragCoord.x * gl_FragCoord.y), round); }";
 
-/// Bands of rows drawn one by one give what one draw gives, each row once, and nothing outside the viewport.
+/// Protects drawing in bands of rows: the result is that of one draw, each row once, with nothing outside the viewport.
 #[test]
 fn gpu_bands_cover_what_one_draw_covers() {
     on_every_api(|context| {
@@ -170,7 +172,7 @@ fn gpu_bands_cover_what_one_draw_covers() {
             full_screen_pass_rows(context, &program, &targets[1], 8, 10, rows).unwrap();
         }
         assert_eq!(targets[1].read(0).unwrap(), whole);
-        // A band leaves the other rows alone, and a whole pass afterwards is not clipped.
+        // A band leaves the other rows unchanged, and a whole pass afterwards is not clipped.
         program.set_f32("round", 2.0);
         full_screen_pass_rows(context, &program, &targets[1], 8, 10, 4..6).unwrap();
         let rounds: Vec<f32> = targets[1]
@@ -188,7 +190,7 @@ fn gpu_bands_cover_what_one_draw_covers() {
     });
 }
 
-/// Every setter reaches its uniform, arrays by their plain name, and unknown names do nothing.
+/// Protects the setters: each reaches its uniform, arrays by their plain name, and unknown names have no effect.
 #[test]
 fn gpu_uniforms_arrive() {
     on_every_api(|context| {
@@ -232,7 +234,7 @@ fn gpu_uniforms_arrive() {
     });
 }
 
-/// A shader that does not compile is an error with its label and the driver's log, which counts the body's lines.
+/// Protects compile errors, which state the label and the driver's log, whose lines count from the body's first.
 #[test]
 fn gpu_compile_errors_name_shader_and_line() {
     on_every_api(|context| {
@@ -252,7 +254,7 @@ fn gpu_compile_errors_name_shader_and_line() {
     });
 }
 
-/// A shader that lacks a function is an error too, found when linking or, by some drivers, before.
+/// Protects link errors: a missing function is an error, found when linking or, by some drivers, before.
 #[test]
 fn gpu_link_errors_name_the_program() {
     on_every_api(|context| {
@@ -266,7 +268,7 @@ fn gpu_link_errors_name_the_program() {
     });
 }
 
-/// A uniform of another type than its setter's does not pass in silence.
+/// Protects from silently setting a uniform of another type than its setter's.
 #[test]
 fn gpu_wrong_uniform_type_is_reported() {
     on_every_api(|context| {
@@ -277,7 +279,7 @@ fn gpu_wrong_uniform_type_is_reported() {
     });
 }
 
-/// Pictures come back with the top row first.
+/// Protects pictures read back with the top row first.
 #[test]
 fn gpu_pictures_have_the_top_row_first() {
     on_every_api(|context| {
@@ -293,7 +295,7 @@ fn gpu_pictures_have_the_top_row_first() {
     });
 }
 
-/// The version line stands first, where GLSL demands it.
+/// Protects the version line, which GLSL requires to be first.
 #[test]
 fn gpu_headers_begin_with_the_version() {
     assert!(header(Api::Gl).starts_with("#version 330 core\n"));

@@ -1,4 +1,4 @@
-//! EGL beside the library: contexts that a program makes for itself.
+//! EGL without the crate: contexts that a test program makes for itself.
 
 use crate::gpu::SwitchContext;
 use glow::HasContext;
@@ -12,14 +12,14 @@ use glutin::prelude::*;
 use std::ffi::{CStr, CString, c_void};
 use std::rc::Rc;
 
-/// EGL by raw calls, as a program has it that knows nothing of echomarch's contexts.
+/// EGL by raw calls, as used by a program that does not know echomarch's contexts.
 pub struct RawEgl {
     egl: &'static glutin::api::egl::Egl,
     display: Display,
     context: PossiblyCurrentContext,
 }
 
-/// Which context a program has made for itself.
+/// The kind of context that a program has made for itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     Core,
@@ -44,16 +44,16 @@ impl Kind {
 }
 
 impl RawEgl {
-    /// A context of the program's own, on the first device on which one can be made; not current.
+    /// Creates a context of the program's own on the first device that allows one; not current.
     pub fn new() -> RawEgl {
         RawEgl::of(Kind::Core)
     }
 
-    /// The same of one kind.
+    /// The same for a given kind.
     pub fn of(kind: Kind) -> RawEgl {
         let (config_api, context_api, profile) = kind.apis();
         let made = Device::query_devices().unwrap().find_map(|device| {
-            // SAFETY: there is no native display or window, and nothing is shared.
+            // SAFETY: the call uses neither a native display nor a window, and shares no context.
             unsafe {
                 let display = Display::with_device(&device, None).ok()?;
                 let template = ConfigTemplateBuilder::new()
@@ -83,7 +83,7 @@ impl RawEgl {
         self.context.make_current_surfaceless().unwrap();
     }
 
-    /// No context at all is current.
+    /// Makes no context current.
     pub fn unbind(&self) {
         let RawDisplay::Egl(display) = self.display.raw_display();
         let none = std::ptr::null();
@@ -91,12 +91,12 @@ impl RawEgl {
         unsafe { self.egl.MakeCurrent(display, none, none, none) };
     }
 
-    /// Whether EGL says that it is current.
+    /// Whether EGL reports it as current.
     pub fn is_current(&self) -> bool {
         self.context.is_current()
     }
 
-    /// Whether its display offers contexts with reports of resets.
+    /// Whether its display offers contexts with reset notification.
     pub fn offers_robustness(&self) -> bool {
         let features = self.display.supported_features();
         features.contains(DisplayFeatures::CONTEXT_ROBUSTNESS)
@@ -119,12 +119,12 @@ impl RawEgl {
         found
     }
 
-    /// Where the library has a function.
+    /// The address of a function of the library.
     pub fn address(&self, name: &CStr) -> *const c_void {
         self.display.get_proc_address(name)
     }
 
-    /// The functions of GL, for when the context is current.
+    /// The GL functions, for use while the context is current.
     pub fn gl(&self) -> glow::Context {
         let address = |name: &str| self.address(&CString::new(name).unwrap());
         // SAFETY: a context is current, and the addresses are those of its library.
@@ -132,7 +132,7 @@ impl RawEgl {
     }
 }
 
-/// The program's functions, as it gives them away.
+/// The program's functions, as it passes them to echomarch.
 pub struct Switch(pub Rc<RawEgl>);
 
 impl SwitchContext for Switch {

@@ -1,39 +1,39 @@
-//! The grid: uniform cells about the surfaces.
+//! The grid: uniform cells around the surfaces.
 
 use super::ENDLESS;
 use crate::scene::Bounds3;
 use glam::{DVec3, UVec3};
 
-/// Cells for each surface, about: so many that most hold one surface or none. From 2 to 5 the rates
-/// of `hybrid` differ by less than a tenth; fewer make lists longer, more make ways longer.
+/// Approximate number of cells per surface, so that most hold one surface or none. From 2 to 5 the
+/// rates of `hybrid` differ by less than a tenth; fewer cells make lists longer, more make paths
+/// through the grid longer.
 const CELLS_A_SURFACE: f64 = 2.0;
 
-/// Cells along an axis at most: rounding puts a face of the last one a quarter of [`PAD`] off.
+/// Maximum cells along an axis: rounding then puts a face of the last one a quarter of [`PAD`] off.
 const MOST_CELLS: f64 = 1024.0;
 
-/// What is added to every cell when lists are made, as a share of its size: a place that
-/// rounding put into the next cell must find the same surfaces there.
+/// Extension of every cell when lists are built, as a share of its size: a point that rounding puts
+/// into the next cell must find the same surfaces there.
 const PAD: f64 = 1e-3;
 
-/// The free border of the grid, as a share of its size: what moves within it makes no new
-/// grid.
+/// The free border of the grid, as a share of its size: movements within it need no new grid.
 const BORDER: f64 = 0.05;
 
-/// The grid: where its cells are, in world metres.
+/// The grid: the position and size of its cells, in world metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
-    /// The corner with the least coordinates.
+    /// The corner with the lowest coordinates.
     pub origin: DVec3,
     /// Width, height and depth of a cell.
     pub cell: DVec3,
     /// Cells along each axis.
     pub count: UVec3,
-    /// What holds every surface in it: smaller than the grid.
+    /// Bounds of all its surfaces: smaller than the grid.
     pub inner: Bounds3,
 }
 
 impl Grid {
-    /// A grid for so many surfaces, which `inner` holds.
+    /// A grid for `surfaces` surfaces within `inner`.
     pub fn around(inner: Bounds3, surfaces: usize, unbounded_axes: [bool; 3]) -> Grid {
         let size = inner.max - inner.min;
         let longest = (0..3)
@@ -65,7 +65,7 @@ impl Grid {
         }
     }
 
-    /// Whether the border about the surfaces is still at least half as wide as it was.
+    /// Whether the border around the surfaces still has at least half its original width.
     pub fn has_room(&self) -> bool {
         let end = self.origin + self.cell * self.count.as_dvec3();
         let unbounded_axes = self.cell.cmpge(DVec3::splat(2.0 * ENDLESS));
@@ -104,7 +104,7 @@ impl Grid {
         (held(padded.min), held(padded.max))
     }
 
-    /// Neighbouring cells together, so that most surfaces are ruled out for all of them.
+    /// Blocks of neighbouring cells, for which most surfaces are ruled out together.
     pub fn blocks(&self) -> Vec<Vec<usize>> {
         const SIDE: u32 = 4;
         let blocks = (self.count + (SIDE - 1)) / SIDE;

@@ -1,26 +1,27 @@
-//! Groups of surfaces that lie together, for distances from outside the grid.
+//! Groups of nearby surfaces, for distances from outside the grid.
 //!
 //! Outside the grid any surface can be the nearest. A group whose box is further away than the
-//! least distance found so far is skipped as a whole; about √n groups of √n surfaces each are
-//! tested and few of them opened. The result is the least distance itself, not a bound.
+//! least distance yet found is skipped as a whole; about √n groups of √n surfaces each are
+//! tested, and few of them need their surfaces tested. The result is the least distance itself, not
+//! a bound.
 
 use super::ENDLESS;
 use super::member::Member;
 use crate::scene::Bounds3;
 use glam::DVec3;
 
-/// Surfaces that lie together.
+/// A group of nearby surfaces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Group {
-    /// No surface of it is nearer than this box (world metres); ±1e9 m stands for no end.
+    /// Box that no surface of the group is nearer than (world metres); ±1e9 m represents an endless extent.
     pub bounds: Bounds3,
     /// Indices of the surfaces in the scene, in their order.
     pub surfaces: Vec<u32>,
 }
 
-/// All members in groups.
+/// Divides all members into groups.
 pub(super) fn groups(members: &[Member]) -> Vec<Group> {
-    // The value of a bound may be less than the distance to what holds the solid.
+    // The value of a bound may be less than the distance to the box around the solid.
     let (exact, bounds): (Vec<&Member>, Vec<&Member>) = members.iter().partition(|m| m.exact);
     let most = (members.len() as f64).sqrt().ceil() as usize;
     let mut all = Vec::new();
@@ -34,7 +35,7 @@ pub(super) fn groups(members: &[Member]) -> Vec<Group> {
     all
 }
 
-/// Halves the members by their middles along the longest axis until they are few enough.
+/// Halves the members by their centres along the longest axis until a part has at most `most`.
 fn split(mut members: Vec<&Member>, most: usize, all: &mut Vec<Group>) {
     if members.is_empty() {
         return;
@@ -64,7 +65,7 @@ fn group(members: &[&Member]) -> Group {
     }
 }
 
-/// The same with ends that `f32` can square.
+/// The same bounds, limited to coordinates that `f32` can square.
 fn ended(bounds: Bounds3) -> Bounds3 {
     let end = DVec3::splat(ENDLESS);
     Bounds3 {

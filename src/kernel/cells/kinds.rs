@@ -1,7 +1,7 @@
 //! All cells of a scene, as the passes of a profile read them.
 //!
-//! Where lines are intersected in closed form each kind has cells of its own: a loop over them
-//! tests one shape alone, and they are as fine as the kind is dense. All else lies together.
+//! If lines are intersected in closed form, each kind has separate cells: a loop over them tests
+//! only one shape, and their size suits the density of that kind. All other surfaces share cells.
 
 use super::{Cells, Lists};
 use crate::kernel::layout::Layout;
@@ -13,14 +13,14 @@ use crate::scene::Scene;
 pub struct SceneCells {
     layout: Layout,
     which: Lists,
-    /// The kinds that have cells of their own, in their order.
+    /// The kinds with separate cells, in their order.
     kinds: Vec<(usize, Cells)>,
-    /// Those of the surfaces of all other kinds, if there are any.
+    /// The cells of all other kinds, if there are any.
     lists: Option<Cells>,
 }
 
 impl SceneCells {
-    /// The cells of a scene with the lists requested, or `None` for one without.
+    /// The cells of a scene with the requested lists, or `None` for a scene without.
     pub fn new(scene: &Scene, layout: &Layout, which: Lists) -> Option<SceneCells> {
         if !layout.has_cells() {
             return None;
@@ -42,7 +42,7 @@ impl SceneCells {
         })
     }
 
-    /// Follows the scene, if its layout is unchanged; otherwise reports that it is not.
+    /// Follows the scene and returns true if its layout is unchanged; otherwise returns false.
     pub fn update(&mut self, scene: &Scene, layout: &Layout, which: Lists) -> bool {
         if *layout != self.layout || which != self.which {
             return false;
@@ -53,23 +53,23 @@ impl SceneCells {
         true
     }
 
-    /// The kinds that have cells of their own, with these.
+    /// The kinds with separate cells, and these cells.
     pub fn kinds(&self) -> &[(usize, Cells)] {
         &self.kinds
     }
 
-    /// Those of the surfaces of all other kinds, if there are any.
+    /// The cells of all other kinds, if there are any.
     pub fn lists(&self) -> Option<&Cells> {
         self.lists.as_ref()
     }
 
-    /// Which lists these have.
+    /// The kind of lists.
     pub fn which(&self) -> Lists {
         self.which
     }
 }
 
-/// Whether a kind has cells of its own.
+/// Whether a kind has separate cells.
 fn has_own_cells(scene: &Scene, layout: &Layout, which: Lists, kind: usize) -> bool {
     which == Lists::Lines && !is_marched(&scene.surfaces[layout.instanced[kind]])
 }

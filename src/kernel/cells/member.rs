@@ -1,4 +1,4 @@
-//! A surface in the grid, and how far it is from a cell.
+//! A surface in the grid, and its distance from a cell.
 
 use super::ENDLESS;
 use crate::scene::{Bounds3, Exactness, Node, Surface};
@@ -26,8 +26,8 @@ impl Member {
         }
     }
 
-    /// Whether its value at the centre of a box is the distance there: not where there are
-    /// unbounded axes and it has ends.
+    /// Whether its value at the centre of a box is the distance there: always without unbounded
+    /// axes; with one, only for a cylinder that is endless along it.
     fn is_told_by_value(&self, unbounded_axes: [bool; 3]) -> bool {
         let column = (0..3).find(|&axis| unbounded_axes[axis]);
         column.is_none_or(|axis| {
@@ -41,7 +41,7 @@ impl Member {
         self.least_distance(bounds, unbounded_axes) <= radius(bounds, unbounded_axes)
     }
 
-    /// Never more than its distance from the middle of a box.
+    /// A lower bound of its distance from the centre of a box.
     fn least_distance(&self, bounds: Bounds3, unbounded_axes: [bool; 3]) -> f64 {
         let middle = middle(bounds, unbounded_axes);
         if self.is_told_by_value(unbounded_axes) {
@@ -55,7 +55,7 @@ impl Member {
         flat.distance(middle)
     }
 
-    /// Never more than its value there, which for a bound may be less than the distance.
+    /// A lower bound of its value there, which for a bound may be less than the distance.
     pub fn least_value(&self, bounds: Bounds3, unbounded_axes: [bool; 3]) -> f64 {
         match self.exact || self.is_told_by_value(unbounded_axes) {
             true => self.least_distance(bounds, unbounded_axes),
@@ -63,7 +63,7 @@ impl Member {
         }
     }
 
-    /// Never less than that distance.
+    /// An upper bound of that distance.
     pub fn most_distance(&self, bounds: Bounds3, unbounded_axes: [bool; 3]) -> f64 {
         if !self.is_told_by_value(unbounded_axes) {
             return f64::INFINITY;
@@ -79,14 +79,13 @@ impl Member {
     }
 }
 
-/// The middle of a box, 0 along unbounded axes.
+/// The centre of a box, 0 along unbounded axes.
 fn middle(bounds: Bounds3, unbounded_axes: [bool; 3]) -> DVec3 {
     let middle = 0.5 * (bounds.min + bounds.max);
     DVec3::select(BVec3::from_array(unbounded_axes), DVec3::ZERO, middle)
 }
 
-/// Half the diagonal of a box, what unbounded axes add left out, and what `f32` rounds a distance
-/// by.
+/// Half the diagonal of a box without unbounded axes, plus the rounding of a distance in `f32`.
 pub fn radius(bounds: Bounds3, unbounded_axes: [bool; 3]) -> f64 {
     let flat = |v: DVec3| DVec3::select(BVec3::from_array(unbounded_axes), DVec3::ZERO, v);
     let half = flat(0.5 * (bounds.max - bounds.min));
@@ -94,7 +93,7 @@ pub fn radius(bounds: Bounds3, unbounded_axes: [bool; 3]) -> f64 {
     half.length() + 8.0 * f64::from(f32::EPSILON) * place.max_element()
 }
 
-/// What holds all members; without end along unbounded axes.
+/// Bounds of all members; endless along unbounded axes.
 pub fn hull(members: &[Member], unbounded_axes: [bool; 3]) -> Bounds3 {
     let all = members.iter().map(|m| m.bounds).reduce(Bounds3::hull);
     let hull = all.unwrap_or(Bounds3::EVERYWHERE);

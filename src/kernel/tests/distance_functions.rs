@@ -1,5 +1,5 @@
-//! The distance functions of the shaders against their twins on the CPU: one list of surfaces,
-//! walked by both over the same points, on every API.
+//! The distance functions of the shaders against their twins on the CPU: both evaluate one list of
+//! surfaces at the same points, on every API.
 
 use super::{parts_of, world_values};
 use crate::gpu::{Context, Program, RenderTarget, Texture, full_screen_pass};
@@ -11,13 +11,13 @@ use crate::{Listener, Node, Scene, Source, Surface};
 use glam::{EulerRot, Quat, Vec3};
 use std::rc::Rc;
 
-/// Units in the last place, of the largest number that an evaluation meets, by which shader and
-/// CPU may part. Without a rotation there are some five operations (the offset, squares, a sum,
-/// a root, the radius), each off by half a unit here and perhaps by more in a shader, whose root
-/// OpenGL hardly bounds. (llvmpipe: 0.9 at most.)
+/// Maximum difference between shader and CPU, in units in the last place of the largest number in
+/// an evaluation. Without a rotation there are about five operations (the offset, squares, a sum, a
+/// root, the radius), each off by half a unit here and perhaps by more in a shader, whose root
+/// OpenGL hardly bounds. (llvmpipe: at most 0.9.)
 const PLAIN_ULPS: f32 = 4.0;
 
-/// A turn adds two cross products: some ten more operations. (llvmpipe: 3.3 at most.)
+/// A rotation adds two cross products, about ten more operations. (llvmpipe: at most 3.3.)
 const TURNED_ULPS: f32 = 12.0;
 
 const KINDS: usize = 5;
@@ -58,7 +58,7 @@ fn shapes() -> Vec<Node> {
     ]
 }
 
-/// Every shape as it is, displaced, turned, and both; and one that is to be turned later.
+/// Every shape unchanged, displaced, rotated, and both; and one that is to be rotated later.
 fn surfaces() -> Vec<Surface> {
     let place = Vec3::new(3.5, -7.25, 11.125);
     let turn = Quat::from_euler(EulerRot::XYZEx, 0.4, -1.1, 2.3);
@@ -79,8 +79,8 @@ fn surfaces() -> Vec<Surface> {
     shapes().into_iter().flat_map(placed).collect()
 }
 
-/// Points in a surface's own axes, taken to the world: the origin, a shell of directions at
-/// distances from a hair to 300 m (so inside, near and far), and points on the surface itself.
+/// Points in a surface's own axes, transformed to the world: the origin, a shell of directions at
+/// distances from tiny to 300 m (so inside, near and far), and points on the surface itself.
 fn points(surface: &Surface) -> Vec<Vec3> {
     let mut local = vec![Vec3::ZERO];
     for direction in directions() {
@@ -134,7 +134,7 @@ fn scene_of(surface: Surface) -> Scene {
     )
 }
 
-/// What the shaders answer at a point.
+/// The shaders' results at a point.
 struct Answer {
     surface: f32,
     surface_object: f32,
@@ -191,7 +191,7 @@ fn evaluate(context: &Context, program: &Program, scene: &Scene, points: &[Vec3]
     answers.take(points.len()).collect()
 }
 
-/// One unit in the last place of the largest number that an evaluation at `point` meets.
+/// One unit in the last place of the largest number in an evaluation at `point`.
 fn unit(surface: &Surface, point: Vec3) -> f32 {
     let size = match surface.shape.node {
         Node::Cuboid(Cuboid { size }) | Node::Room(Room { size }) => 0.5 * size.length(),
@@ -201,8 +201,8 @@ fn unit(surface: &Surface, point: Vec3) -> f32 {
     f32::EPSILON * (point.length() + surface.position.length() + size)
 }
 
-/// Protects the list above: each kind of shape is in it as it is, displaced, and turned. A shape
-/// that exists in Rust alone, or whose twins were never compared, fails here.
+/// Protects the list above: it contains each kind of shape unchanged, displaced, and rotated. A
+/// shape that only exists in Rust, or whose twins were never compared, fails here.
 #[test]
 fn every_shape_is_in_the_list() {
     type Form = fn(&Surface) -> bool;
@@ -227,8 +227,8 @@ fn every_shape_is_in_the_list() {
     }
 }
 
-/// Protects each shape's shader: it is the function that the CPU computes, in the solid, on the
-/// surface and in the air, wherever the surface stands.
+/// Protects each shape's shader: it computes the same function as the CPU, in the solid, on the
+/// surface and in the air, wherever the surface is placed.
 #[test]
 fn shaders_and_cpu_agree_on_every_shape() {
     for_each_api(|context| {
@@ -262,13 +262,13 @@ fn shaders_and_cpu_agree_on_every_shape() {
                 assert_eq!(answer.surface_object, 1.0);
                 sides[usize::from(cpu.distance > 0.0)] = true;
             }
-            // The points must have tried both the air and the solid.
+            // The points must cover both the air and the solid.
             assert_eq!(sides, [true; 2], "{surface:?}");
         }
     });
 }
 
-/// Protects the union: of several surfaces and the listener, shader and CPU name the same
+/// Protects the union: among several surfaces and the listener, shader and CPU name the same
 /// nearest one wherever it is nearest by more than rounding.
 #[test]
 fn shaders_and_cpu_name_the_same_nearest_object() {
@@ -301,7 +301,7 @@ fn shaders_and_cpu_name_the_same_nearest_object() {
                     named[cpu.object as usize] = true;
                 }
             }
-            // Every object was nearest somewhere: none is left out of the union.
+            // Every object was nearest somewhere: the union includes all of them.
             assert!(named.iter().all(|&n| n), "{name}: {named:?}");
         }
     });

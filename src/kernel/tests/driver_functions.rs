@@ -1,4 +1,4 @@
-//! What GLSL leaves to the driver, and no result may rest on.
+//! Results must not depend on the parts of GLSL that are left to the driver.
 
 use crate::gpu::{Context, Program, RenderTarget, Texture, full_screen_pass};
 use crate::kernel::text::library;
@@ -25,8 +25,8 @@ fn each_file(folder: &Path, visit: &mut dyn FnMut(&Path, &str)) {
     }
 }
 
-/// Protects waves from the driver's sine and the like, which on some drivers is 2e-4 off. Pictures
-/// may use them.
+/// Protects waves from the driver's sine and similar functions, which on some drivers are 2e-4 off.
+/// Pictures may use them.
 #[test]
 fn no_wave_rests_on_an_inexact_function() {
     let glsl = Path::new(env!("CARGO_MANIFEST_DIR")).join("glsl");
@@ -50,7 +50,7 @@ fn no_wave_rests_on_an_inexact_function() {
     assert!(files > 50, "{files}");
 }
 
-/// One texel for each value: what `expression` of `float value` is.
+/// One texel for each value: the result of `expression` of `float value`.
 fn asked(context: &Context, expression: &str, values: &[f32]) -> Vec<[f32; 4]> {
     let root = format!(
         "uniform highp sampler2D uValues;\nlayout(location = 0) out vec4 outAnswer;\n\
@@ -70,8 +70,8 @@ fn asked(context: &Context, expression: &str, values: &[f32]) -> Vec<[f32; 4]> {
     target.read(0).unwrap().as_chunks::<4>().0.to_vec()
 }
 
-/// Protects start directions, twists and bends: cosine and sine are right to three roundings of 1
-/// (the angle, the polynomial, its last sum), and of the angle itself beyond a turn.
+/// Protects start directions, twists and bends: cosine and sine are correct to three roundings of 1
+/// (the angle, the polynomial, its last sum), plus the rounding of the angle itself beyond a turn.
 #[test]
 fn cosine_and_sine_are_right_on_every_driver() {
     const ROUNDING: f64 = f32::EPSILON as f64 / 2.0;
@@ -103,12 +103,12 @@ fn cosine_and_sine_are_right_on_every_driver() {
     });
 }
 
-/// Protects reports from waves that a driver broke: they are counted, and give nothing to either
-/// ear. Summed on the GPU and on the CPU alike.
+/// Protects reports from waves that a driver broke: they are counted, and add to neither ear,
+/// whether summed on the GPU or on the CPU.
 #[test]
 fn waves_that_are_not_finite_are_counted() {
     let nan = f32::NAN;
-    // Origin and status, direction and counters: heard, dead, travelling, and five that are broken.
+    // Origin and status, direction and counters: heard, dead, travelling, and five broken ones.
     let waves = [
         ([0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 1.0, 3.0]),
         ([0.0, 0.0, 0.0, -1.0], [0.0, 0.0, 0.0, 0.0]),

@@ -17,10 +17,10 @@ use glam::{DVec3, Vec3};
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::TestRunner;
 
-/// Fields in one shader: few programs to compile, and each stays small.
+/// Number of fields in one shader: few programs to compile, each of them small.
 const IN_ONE: usize = 8;
 
-/// Runs a shader whose `vec4 answer(int which, vec3 p, vec3 d)` is asked at points.
+/// Runs a shader with `vec4 answer(int which, vec3 p, vec3 d)` at points.
 pub struct Asked {
     context: Context,
     program: Program,
@@ -86,15 +86,14 @@ void main() {
     }
 }
 
-/// One unit in the last place of the largest number that an evaluation meets.
+/// One unit in the last place of the largest number in an evaluation.
 pub fn unit(entry: &Entry, surface: &Surface, p: Vec3) -> f64 {
     let size = p.length() + surface.position.length();
     f64::from(f32::EPSILON) * (f64::from(size) + entry.reach()) * awkwardness(entry)
 }
 
-/// By how much a node makes the roundings before it larger: a quadric's terms cancel (as the
-/// square of how stretched an ellipsoid is), a turning multiplies an angle's rounding by the
-/// radius.
+/// The factor by which a node amplifies preceding roundings: a quadric's terms cancel (as the
+/// square of the stretch of an ellipsoid), a rotation multiplies an angle's rounding by the radius.
 fn awkwardness(entry: &Entry) -> f64 {
     let of_node = |node: &Node| match node {
         Node::Ellipsoid(Ellipsoid { radii }) => {
@@ -108,7 +107,7 @@ fn awkwardness(entry: &Entry) -> f64 {
     nodes.iter().map(|f| of_node(&f.node)).fold(1.0, f64::max)
 }
 
-/// Points near, far, on and inside, in the surface's own axes.
+/// Points near, far, on and inside the surface, in its own axes.
 pub fn points(entry: &Entry, random: &mut Random) -> Vec<DVec3> {
     let reach = entry.reach();
     let mut all = vec![DVec3::ZERO];
@@ -118,7 +117,7 @@ pub fn points(entry: &Entry, random: &mut Random) -> Vec<DVec3> {
         }
     }
     for _ in 0..40 {
-        // Towards the surface by Newton's steps of the CPU's value.
+        // Towards the surface by Newton's steps with the CPU's value.
         let mut p = 0.9 * reach * random.direction() * random.unit();
         for _ in 0..6 {
             p -= gradient(entry, p) * entry.distance(p);
@@ -138,7 +137,7 @@ pub fn gradient(entry: &Entry, p: DVec3) -> DVec3 {
     DVec3::new(along(DVec3::X), along(DVec3::Y), along(DVec3::Z))
 }
 
-/// Whether the differences to both sides are the same along several lines, within some metres.
+/// Whether the differences to both sides agree along several lines, within some metres.
 fn is_smooth(entry: &Entry, p: DVec3, within: f64) -> bool {
     let here = gradient(entry, p);
     let mut random = Random(1);
@@ -161,7 +160,7 @@ fn field_calls(count: usize) -> String {
     text + "    return vec4(0.0);\n}\n"
 }
 
-/// Asks for values and gradients of one scene's fields.
+/// A shader for values and gradients of one scene's fields.
 fn asked(context: &Context, scene: &Scene) -> Asked {
     let mut ask = String::new();
     let mut first = 0;
@@ -217,7 +216,7 @@ fn check_batch(context: &Context, batch: &[(Entry, Surface)], worst: &mut Worst)
             let [x, y, z, _] = gradients[at].map(f64::from);
             let turn = surface.rotation.as_dquat().normalize();
             let there = turn.inverse() * DVec3::new(x, y, z);
-            // A user's gradient is itself taken over a step.
+            // A user's gradient is itself computed over a step.
             let step = if entry.truth.is_some() { 2e-3 } else { 1e-4 };
             let within = 64.0 * unit + step * entry.reach();
             worst.length = worst.length.max(there.length());
@@ -249,16 +248,15 @@ fn check_batch(context: &Context, batch: &[(Entry, Surface)], worst: &mut Worst)
     failures
 }
 
-/// Units by which values may part: some four operations a node, eight nodes deep at most,
-/// and a turn of the whole. (llvmpipe: 2.2 at most.)
+/// Maximum difference of values in units: about four operations per node, at most eight nested
+/// nodes, and a rotation of the whole. (llvmpipe: at most 2.2.)
 const VALUE_ULPS: f64 = 16.0;
 
-/// By how much gradients may part: where the CPU's own differences change by 0.01 within the
-/// rounding of the place, they are no edge yet. (llvmpipe: 1.1e-3 at most; the longest is
-/// 1.016.)
+/// Maximum difference of gradients: a place where the CPU's own differences change by 0.01 within
+/// rounding does not count as an edge yet. (llvmpipe: at most 1.1e-3; the longest is 1.016.)
 const GRADIENT: f64 = 0.03;
 
-/// With every number of the field in uniforms instead of literals.
+/// The same surface with every number of the field in uniforms instead of literals.
 fn driven(surface: Surface) -> Surface {
     let mut named = surface.clone();
     let numbers = named.parameters_mut().into_iter();
@@ -279,9 +277,9 @@ fn pairs(all: Vec<Entry>) -> Vec<(Entry, Surface)> {
     all.into_iter().flat_map(placed).collect()
 }
 
-/// Protects the shaders' values and gradients: they are those of the CPU for every shape and
-/// operator, as it is,
-/// placed, and with its numbers driven. The passes of the APIs are tested elsewhere; one is enough.
+/// Protects the shaders' values and gradients: they equal those of the CPU for every shape and
+/// operator, unchanged, placed, and with its numbers driven. The passes of the APIs are tested
+/// elsewhere; one is enough.
 #[test]
 fn shaders_and_cpu_agree_on_values_and_gradients() {
     let context = context(Api::Gl);
@@ -297,7 +295,7 @@ fn shaders_and_cpu_agree_on_values_and_gradients() {
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
-/// The same for random trees.
+/// Protects the same for random trees.
 #[test]
 fn shaders_and_cpu_agree_on_random_trees() {
     let context = context(Api::Gl);
@@ -328,13 +326,14 @@ fn shaders_and_cpu_agree_on_random_trees() {
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
-/// Units of the place by which hits may part, over the cosine of the incidence: those
-/// of the value, through a discriminant whose terms cancel. (llvmpipe: 26 at
-/// the most where the cosine is above 0.1.)
+/// Maximum difference of hits in units of the position, over the cosine of the incidence: those of
+/// the value, through a discriminant whose terms cancel. (llvmpipe: at most 26 if the cosine is
+/// above 0.1.)
 const HIT_ULPS: f64 = 64.0;
 
 /// Protects closed forms: a line intersects a field where the march in f64 meets it, from the air
-/// and on its way from the surface; lines whose twins a hair aside fare otherwise are left out.
+/// and when leaving the surface; lines whose slightly shifted twins have another result are left
+/// out.
 #[test]
 fn closed_forms_meet_what_a_march_meets() {
     let context = context(Api::Gl);
@@ -366,7 +365,7 @@ fn closed_forms_meet_what_a_march_meets() {
             let direction = (to_world(&surface, aim) - from).normalize_or(Vec3::X);
             if entry.distance(to_local(&surface, from)) > 1e-3 * entry.reach() {
                 lines.push((from, direction));
-                // On its way from the surface.
+                // When leaving the surface.
                 if let Some(hit) = exact.closest_hit(from.as_dvec3(), direction.as_dvec3()) {
                     let d = direction.as_dvec3();
                     let mirrored = d - 2.0 * d.dot(hit.normal) * hit.normal;

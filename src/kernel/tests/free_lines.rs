@@ -15,20 +15,20 @@ use glam::{DVec3, Vec3};
 /// Lines from each point.
 const LINES: usize = 4;
 
-/// Places on each line at which the field is looked at, the more the nearer to its end.
+/// Points on each line at which the field is evaluated, denser towards its end.
 const PLACES: usize = 64;
 
-/// Units of the place by which a line may be in the solid: what rounding does to its start and to the bound.
+/// Maximum depth of a line in the solid, in units of the position: the rounding of its start and of the bound.
 const SOLID_ULPS: f64 = 64.0;
 
-/// How far along d from p all fields are free by the shader, asked as the march asks it.
+/// Shader for the free length along d from p for all fields, called as the march calls it.
 const FREE: &str = "
 vec4 answer(int which, vec3 p, vec3 d) {
     return vec4(fieldsFree(p, d, -1.0, ROUNDING * largest(p)));
 }
 ";
 
-/// How far from the surface lines begin besides, as shares of its reach: bounds are asked next to surfaces.
+/// Distances from the surface at which further lines begin, as shares of its reach: bounds are used next to surfaces.
 const NEAR: [f64; 2] = [1e-4, 1e-2];
 
 /// Lines through the air, from places near and far, in all directions and towards the surface.
@@ -50,7 +50,7 @@ fn lines(entry: &Entry, surface: &Surface) -> Vec<(DVec3, DVec3)> {
     all
 }
 
-/// By Newton's steps from p to where the value is so large.
+/// Newton's steps from p to where the value equals `value`.
 fn towards(entry: &Entry, mut p: DVec3, value: f64) -> DVec3 {
     for _ in 0..6 {
         p += gradient(entry, p) * (value - entry.distance(p));
@@ -58,7 +58,7 @@ fn towards(entry: &Entry, mut p: DVec3, value: f64) -> DVec3 {
     p
 }
 
-/// The first place on a line that is in the solid though it should be free.
+/// The first point of a line that is in the solid although the line should be free there.
 fn solid_within(
     entry: &Entry,
     (from, direction): (DVec3, DVec3),
@@ -67,7 +67,7 @@ fn solid_within(
 ) -> Option<f64> {
     let place = |index: usize| {
         let share = (index as f64 + 0.5) / PLACES as f64;
-        // Most bounds end where they would be wrong first.
+        // Most bounds would be wrong at their end first.
         free * share * (2.0 - share)
     };
     (0..PLACES)
@@ -75,7 +75,7 @@ fn solid_within(
         .find(|t| entry.distance(from + *t * direction) < -bound)
 }
 
-/// Adds to `worth` how many times the value each line that begins next to the surface is free.
+/// Adds to `worth`, for each line that begins next to the surface, the free length over the value.
 fn check(
     context: &Context,
     entry: &Entry,
@@ -100,7 +100,7 @@ fn check(
         if free.is_nan() || free < 0.0 {
             return Err(format!("free for {free} m at {p}: {}", entry.name));
         }
-        // Past all that is there.
+        // Limited to the extent of the field.
         let free = f64::from(free).min(p.length() + 2.0 * entry.reach());
         let bound = SOLID_ULPS * unit(entry, surface, start);
         let value = entry.distance(p);
@@ -118,7 +118,7 @@ fn check(
     Ok(())
 }
 
-/// All entries that the CPU knows, and their complements: bounds in the air and in the solid are texts of their own.
+/// All entries that the CPU knows, and their complements: bounds in the air and in the solid have separate texts.
 fn both_sides() -> Vec<Entry> {
     let other = |entry: &Entry| Entry {
         name: format!("complement of {}", entry.name),
@@ -130,8 +130,9 @@ fn both_sides() -> Vec<Entry> {
     entries.into_iter().chain(others).collect()
 }
 
-/// Protects waves from going through surfaces: no line is free farther than the field is. And protects what bounds are
-/// for: next to a surface half of all lines are free for a fifth more than the value, for nearly all fields.
+/// Protects waves from passing through surfaces: a line is free at most as far as the field is. Also protects the
+/// usefulness of bounds: next to a surface half of all lines are free for a fifth more than the value, for nearly all
+/// fields.
 #[test]
 fn lines_are_free_as_far_as_bounds_say() {
     let context = context(Api::Gl);

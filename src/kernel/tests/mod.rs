@@ -78,7 +78,7 @@ fn only_the_shapes_of_the_scene_are_in_its_text() {
     }
 }
 
-/// Protects the promise that moving things never compiles a shader again.
+/// Protects the promise that moving things never recompiles a shader.
 #[test]
 fn moving_and_resizing_leaves_the_text_alone() {
     let scene = Scene::builtin("open-pillars").unwrap();

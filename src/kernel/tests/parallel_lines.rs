@@ -1,4 +1,4 @@
-//! Lines that are exactly parallel to faces: where a closed form would divide by 0.
+//! Lines exactly parallel to faces, where a closed form would divide by 0.
 
 use super::field_shaders::Asked;
 use super::{has_marched_fields, parts_of};
@@ -21,10 +21,10 @@ vec4 answer(int which, vec3 p, vec3 d) {
 }
 ";
 
-/// Metres between a hit and its twin in f64.
+/// Maximum distance in metres between a hit and its twin in f64.
 const CLOSE: f64 = 1e-5;
 
-/// Shapes of 2 m with faces along the axes, or an axis of their own.
+/// Shapes of 2 m with faces along the axes, or with an axis.
 fn shapes() -> Vec<Shape> {
     let right_angle = [
         Vec2::new(-1.0, -1.0),
@@ -58,7 +58,7 @@ fn shapes() -> Vec<Shape> {
     ]
 }
 
-/// Lines along both ways of every axis, from a grid of which no line touches a face or grazes a curved side.
+/// Lines along both directions of every axis, from a grid whose lines neither touch a face nor graze a curved side.
 fn lines() -> Vec<(Vec3, Vec3)> {
     const AT: [f32; 6] = [-2.3, -1.1, -0.4, 0.35, 0.9, 1.7];
     let axes = Vec3::AXES.into_iter().flat_map(|axis| [axis, -axis]);
@@ -73,7 +73,8 @@ fn lines() -> Vec<(Vec3, Vec3)> {
     all
 }
 
-/// Protects misses: a line beside a face and parallel to it passes by, and one within meets what the reference meets.
+/// Protects misses: a line beside a face and parallel to it passes by, and one within meets the same hit as the
+/// reference.
 #[test]
 fn lines_parallel_to_faces_meet_what_they_should() {
     let context = context(Api::Gl);

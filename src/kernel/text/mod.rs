@@ -27,5 +27,6 @@ pub(crate) use link::source;
 pub use link::{Part, Source, file_name, join, link, parts};
 pub use scene_text::ListenerText;
 pub(crate) use scene_text::Text;
-pub(crate) use surface_names::is_marched;
+#[doc(hidden)]
+pub use surface_names::is_marched;
 pub(super) use surface_names::{Marched, Named};

@@ -25,7 +25,7 @@ pub(in crate::kernel) enum Marched {
 }
 
 /// Whether every profile has to march to a surface: a field without a closed form.
-pub(crate) fn is_marched(surface: &Surface) -> bool {
+pub fn is_marched(surface: &Surface) -> bool {
     let field = surface.shape.field();
     field.is_some_and(|field| !has_closed_form(field))
 }

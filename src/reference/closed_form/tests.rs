@@ -1,4 +1,4 @@
-//! Lines against shapes at points worked out by hand.
+//! Intersections of lines and shapes, compared with points worked out by hand.
 
 use super::*;
 use crate::scene::shape::Plane;
@@ -14,7 +14,7 @@ fn intersect(shape: Node, origin: DVec3, towards: DVec3) -> Option<(f64, DVec3, 
     Some((intersection.t, point, normal))
 }
 
-/// Protects each shape's nearest hit at points worked out by hand.
+/// Protects each shape's nearest hit, compared with points worked out by hand.
 #[test]
 fn lines_intersect_shapes_where_they_should() {
     let size = Vec3::new(2.0, 4.0, 6.0);
@@ -94,8 +94,8 @@ fn lines_pass_shapes_that_are_behind_or_beside() {
     assert_eq!(along_the_axis, None);
 }
 
-/// Protects waves that rounding has put a hair into a solid: they are sent back
-/// on their way in and let go on their way out.
+/// Protects waves that are slightly within a solid by rounding: they are mirrored on their way in
+/// and not stopped on their way out.
 #[test]
 fn a_start_just_inside_a_box_counts_as_its_surface() {
     let size = Vec3::splat(2.0);

@@ -1,4 +1,4 @@
-//! The hierarchy against asking every surface.
+//! Compares the hierarchy with evaluating every surface.
 
 use super::super::ExactScene;
 use super::Hierarchy;
@@ -8,11 +8,11 @@ use crate::test_common::Random;
 use glam::{DVec3, EulerRot, Quat, Vec2, Vec3};
 use proptest::prelude::*;
 
-/// Half the side of the cube in which surfaces stand, in metres.
+/// Half the side of the cube that contains the surfaces, in metres.
 const HALF: f64 = 10.0;
 
 fn place(random: &mut Random) -> Vec3 {
-    // Whole decimetres: lines along the axes run in faces, and surfaces share them.
+    // Whole decimetres, so that lines along the axes lie in faces, and surfaces share faces.
     Vec3::from_array(std::array::from_fn(|_| {
         (10.0 * HALF * random.signed()).round() as f32 * 0.1
     }))
@@ -47,7 +47,8 @@ fn surface(random: &mut Random) -> Surface {
         .turned(turn)
 }
 
-/// So many surfaces in a room, every tenth one twice, far from the world's origin or not.
+/// The given number of surfaces in a room, every tenth one twice, moved by `away` from the world's
+/// origin.
 fn scene(random: &mut Random, count: usize, away: Vec3) -> Scene {
     let size = Vec3::splat(2.5 * HALF as f32);
     let mut surfaces = vec![Surface::new(Node::Room(Room { size }))];
@@ -64,7 +65,7 @@ fn scene(random: &mut Random, count: usize, away: Vec3) -> Scene {
     Scene::new("many", surfaces, source, listener)
 }
 
-/// The same scene, every one of whose surfaces is asked.
+/// The same scene, evaluating every surface.
 fn asking_all(exact: &ExactScene) -> ExactScene {
     let mut all = exact.clone();
     all.hierarchies = [false, true].map(|is_marched| {
@@ -89,8 +90,9 @@ fn direction(random: &mut Random, number: usize) -> DVec3 {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(12))]
 
-    /// Protects what waves meet among many surfaces: each flight of a wave, each obstacle and each place in a solid is,
-    /// bit for bit, the one that asking every surface gives; also of surfaces that share a face, and along their faces.
+    /// Protects the hits of waves among many surfaces: each flight of a wave, each obstacle and each point in a solid
+    /// is, bit for bit, the one found by evaluating every surface; also of surfaces that share a face, and along their
+    /// faces.
     #[test]
     fn the_hierarchy_changes_no_hit(seed in any::<u32>(), count in 17..160usize, is_far in any::<bool>()) {
         let mut random = Random(seed.into());
@@ -125,7 +127,7 @@ proptest! {
     }
 }
 
-/// Protects the time that many surfaces take: a line asks a small part of them.
+/// Protects the time that many surfaces take: a line evaluates a small part of them.
 #[test]
 fn a_line_asks_few_of_many() {
     let mut random = Random(5);

@@ -1,4 +1,4 @@
-//! The unit sphere in cells of nearly one size: squares on the sides of a cube about it.
+//! Divides the unit sphere into cells of similar size: squares on the sides of a cube around it.
 
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_4;
@@ -6,15 +6,15 @@ use std::f64::consts::FRAC_PI_4;
 /// Sides of a cube.
 const SIDES: usize = 6;
 
-/// So many cells along each edge of the cube. An edge is divided evenly by angle, so that the largest cell is no more
-/// than 1.4 times as large as the smallest one.
+/// The number of cells along each edge of the cube. An edge is divided evenly by angle, so that the largest cell is at
+/// most 1.4 times as large as the smallest one.
 #[derive(Clone, Copy, Debug)]
 pub struct Cells {
     along: usize,
 }
 
 impl Cells {
-    /// About so many cells, and at least six.
+    /// About `count` cells, and at least six.
     pub fn about(count: f64) -> Cells {
         let along = (count / SIDES as f64).sqrt() as usize;
         Cells {
@@ -22,14 +22,14 @@ impl Cells {
         }
     }
 
-    /// Each of these cells divided so many times each way.
+    /// Divides each cell into `times` cells each way.
     pub fn divided(self, times: usize) -> Cells {
         Cells {
             along: self.along * times,
         }
     }
 
-    /// The cell that was [divided](Cells::divided) into this one and others.
+    /// The cell that was [divided](Cells::divided) into `cell` and others.
     pub fn undivided(self, cell: usize, times: usize) -> usize {
         let (row, column) = (cell / self.along, cell % self.along);
         let along = self.along / times;
@@ -54,8 +54,8 @@ impl Cells {
         (side * self.along + place(1)) * self.along + place(2)
     }
 
-    /// The direction at a place in a cell, 0 … 1 each way, and the solid angle in steradians that the cell would have
-    /// if it were as wide everywhere as it is there.
+    /// The direction at a position in a cell, 0 … 1 each way, and the solid angle in steradians that the cell would
+    /// have if it were everywhere as wide as there.
     pub fn direction(self, cell: usize, place: [f64; 2]) -> (DVec3, f64) {
         let along = self.along;
         let side = cell / (along * along);
@@ -70,14 +70,14 @@ impl Cells {
         direction[axis] = if is_negative { -1.0 } else { 1.0 };
         direction[(axis + 1) % 3] = a;
         direction[(axis + 2) % 3] = b;
-        // On the side of a cube: dω = da db / (1 + a² + b²)^(3/2), and a is the tangent of an angle.
+        // On the side of a cube: dω = da db / (1 + a² + b²)^(3/2), where a is the tangent of an angle.
         let width = 2.0 * FRAC_PI_4 / along as f64;
         let area = (1.0 + a * a) * (1.0 + b * b) * width * width;
         let steradians = area / direction.length().powi(3);
         (direction.normalize(), steradians)
     }
 
-    /// The cells about a cell on its side of the cube, itself among them.
+    /// The neighbours of a cell on its side of the cube, including itself.
     pub fn about_cell(self, cell: usize) -> impl Iterator<Item = usize> {
         let along = self.along as isize;
         let (row, column) = (cell as isize / along % along, cell as isize % along);
@@ -97,7 +97,7 @@ mod tests {
     use crate::sphere_directions::lattice;
     use std::f64::consts::PI;
 
-    /// Protects the weights of waves: places lie in their cells, and the cells make up the sphere.
+    /// Protects the weights of waves: positions lie in their cells, and the cells add up to the sphere.
     #[test]
     fn cells_are_the_sphere() {
         for cells in [Cells::about(1.0), Cells::about(1000.0)] {
@@ -121,7 +121,7 @@ mod tests {
         }
     }
 
-    /// An estimate for one direction is not used for another one.
+    /// Protects directions from using the estimate of another one.
     #[test]
     fn directions_have_cells_and_neighbours() {
         let cells = Cells::about(5000.0);

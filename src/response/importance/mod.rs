@@ -1,14 +1,14 @@
-//! Start directions by importance: more waves where those start that bring the end of the decay.
+//! Importance sampling of start directions: more waves start where they contribute to the end of the decay.
 //!
 //! Between two hard walls a flutter echo remains long after all other sound has been absorbed, and the end of the decay
 //! comes from a few waves in ten thousand. So the first waves of a response, the pilot waves, estimate the energy from
-//! each direction after each moment ([`Pilot`]). The first half of them start evenly. If by these at least
-//! [`ENOUGH_WAVES`] effective waves carry each part of the decay, or if the two halves of these disagree about the
-//! directions, all other waves start evenly. Otherwise the second half of the pilot waves is drawn by
-//! importance, so that there are more where more must be known; then most of the other waves are drawn by
-//! importance and some evenly, and each has the weight that makes up for it. The pilot waves are dropped then, as they
-//! have decided where the others start, and sums have no bias. (Where the others start evenly the pilot waves count,
-//! though they have decided so: the bias of that is small.)
+//! each direction after each moment ([`Pilot`]). The first half of them start evenly. If according to them at least
+//! [`ENOUGH_WAVES`] effective waves carry each part of the decay, or if two subsets of them disagree about the
+//! directions, all other waves start evenly. Otherwise the second half of the pilot waves is drawn by importance, so
+//! that the estimate is best where it matters; then most of the other waves are drawn by importance and some evenly,
+//! and each has the weight that compensates for this. The pilot waves are then dropped, because they have decided where
+//! the others start, so that sums have no bias. (If the others start evenly the pilot waves count, although they have
+//! decided so: the bias of that is small.)
 
 mod direction_cells;
 mod pilot;
@@ -24,36 +24,36 @@ use glam::Vec3;
 use std::f64::consts::PI;
 use std::ops::{Range, RangeInclusive};
 
-/// One wave of so many is a pilot wave of the first or the second half.
+/// One in this number of waves is a pilot wave of the first or the second half.
 const ONE_OF: u32 = 4;
 
-/// The least and the greatest number of pilot waves, both halves together: from fewer nothing can be known, and more are
-/// not needed.
+/// The minimum and the maximum number of pilot waves, both halves together: fewer give no estimate, and more are not
+/// needed.
 const PILOT_WAVES: RangeInclusive<u32> = 2048..=65_536;
 
-/// So many waves of one energy are enough behind what comes after each moment: a level is then 0.06 dB off, and a
-/// decay time, evaluated over 30 dB, 0.3 %.
+/// Sufficient number of waves of equal energy after each moment: a level is then 0.06 dB off, and a decay time,
+/// evaluated over 30 dB, 0.3 %.
 const ENOUGH_WAVES: f64 = 5000.0;
 
-/// The share of waves that start evenly: levels and early decays come from these. In six very uneven rooms of 262,144
-/// waves, with two seeds each, the worst error of T30 was 0.98 % on average with this and 1.04 % with 0.25.
+/// The share of waves that start evenly: levels and early decays come from these. In six very uneven rooms with 262,144
+/// waves and two seeds each, the worst error of T30 was 0.98 % on average with this and 1.04 % with 0.25.
 const EVEN_SHARE: f64 = 0.35;
 
-/// How much directions must differ for waves to be drawn by importance: the mean of its square over the square of its
-/// mean, which is how much the variance could fall. With 2 the waves that are drawn, half of all, make up for those that
+/// Minimum unevenness of the directions for importance sampling: the mean square of the importance over the square of
+/// its mean, the factor by which the variance could fall. With 2, the drawn waves, half of all, make up for those that
 /// start evenly and for the pilot waves.
 const LEAST_UNEVENNESS: f64 = 2.0;
 
-/// Pilot waves in a cell on average: what is known of a direction is blurred over a cell and those about it.
+/// Mean number of pilot waves in a cell: an estimate is blurred over a cell and its neighbours.
 const WAVES_IN_CELL: f64 = 2.0;
 
-/// When pilot waves have been drawn by importance, a cell is divided so many times each way: half of what is known of
-/// a direction is that of such a small cell then, and of those about it. The waves between two hard walls that are
-/// heard longest start within some hundredths of a radian.
+/// Divisions of a cell each way once pilot waves have been drawn by importance: half of an estimate is then that of
+/// such a small cell and its neighbours. The longest lasting waves between two hard walls start within some hundredths
+/// of a radian.
 const DIVIDED: usize = 4;
 
-/// How many pilot waves there are. None where the waves are too few, where their directions are a lattice, which
-/// is even as a whole alone, and where something scatters these bands: there the start direction has little influence.
+/// Number of pilot waves; 0 if the waves are too few, if their directions are a lattice, which is even only as a whole,
+/// and if something scatters these bands: then the start direction has little influence.
 pub(super) fn pilot_waves(scene: &Scene, bands: &Range<usize>, trace: &Settings) -> u32 {
     let waves = (trace.waves / ONE_OF).min(*PILOT_WAVES.end());
     let is_random = trace.directions == Directions::Random;
@@ -66,15 +66,16 @@ pub(super) fn pilot_waves(scene: &Scene, bands: &Range<usize>, trace: &Settings)
     }
 }
 
-/// Where waves start, after the pilot waves.
+/// Distribution of the start directions after the pilot waves.
 pub(super) struct Importance {
     cells: Cells,
-    /// Probability of each cell and those before it.
+    /// Cumulative probability of each cell.
     cumulative: Vec<f64>,
 }
 
 impl Importance {
-    /// From the pilot waves of so many waves, which started in these directions; `None` where waves may start evenly.
+    /// Estimates importance from the pilot waves of `waves` waves, which started in these directions; `None` if waves
+    /// may start evenly.
     pub fn of(pilot: &Pilot, directions: &[Vec3], waves: u32) -> Option<Importance> {
         let sums = pilot.sums();
         let pilot_waves = directions.len() as f64;
@@ -93,7 +94,7 @@ impl Importance {
         Some(Importance::by(cells, &wanted))
     }
 
-    /// From all pilot waves, including those in these directions that were drawn by importance.
+    /// Refines the estimate with all pilot waves, including those in these directions that were drawn by importance.
     pub fn refined(pilot: &Pilot, directions: &[Vec3]) -> Importance {
         let importance = pilot.importance(&pilot.sums());
         let cells = Cells::about(directions.len() as f64 / WAVES_IN_CELL);
@@ -107,7 +108,7 @@ impl Importance {
         Importance::by(fine, &wanted)
     }
 
-    /// Of these cells, wanted so much each.
+    /// The distribution over `cells` with the given importance of each.
     fn by(cells: Cells, wanted: &[f64]) -> Importance {
         let all: f64 = wanted.iter().sum();
         let mut sum = 0.0;
@@ -122,8 +123,8 @@ impl Importance {
         }
     }
 
-    /// Starts of some of so many waves, by seed. Each batch of all of them (wave by wave in turns) is spread over all
-    /// cells.
+    /// Draws the starts of waves `numbers` out of `waves`, by seed. Each batch of all waves (wave by wave in turn) is
+    /// spread over all cells.
     pub fn starts(&self, numbers: Range<u32>, waves: u32, batches: usize, seed: u32) -> Vec<Start> {
         let stream = hash(u64::from(seed));
         let start = |wave: u32| {
@@ -137,12 +138,12 @@ impl Importance {
         numbers.map(start).collect()
     }
 
-    /// 1 but for the sizes of cells, which are those at their middles.
+    /// The sum of the probabilities: 1, except that cells are taken to be as large as at their middles.
     fn total(&self) -> f64 {
         self.cumulative[self.cumulative.len() - 1]
     }
 
-    /// The start at a place in the cell in which this much of the probability ends.
+    /// The start at a position in the cell that contains this cumulative probability.
     fn start(&self, until: f64, place: [f64; 2]) -> Start {
         let cell = self.cumulative.partition_point(|sum| *sum <= until);
         let cell = cell.min(self.cumulative.len() - 1);
@@ -169,7 +170,7 @@ fn blurred<'a>(waves: impl Iterator<Item = (&'a Vec3, &'a f64)>, cells: Cells) -
     sums
 }
 
-/// Adds the importance of a wave: half in its own cell, half in that and all about it.
+/// Adds the importance of a wave: half to its own cell, half to that cell and its neighbours.
 fn add_about(sums: &mut [f64], cells: Cells, direction: Vec3, importance: f64) {
     let cell = cells.of(direction.as_dvec3());
     let near: Vec<usize> = cells.about_cell(cell).collect();
@@ -179,8 +180,8 @@ fn add_about(sums: &mut [f64], cells: Cells, direction: Vec3, importance: f64) {
     }
 }
 
-/// The mean over the cells of the importance squared, over the square of its mean: of one half of the waves times the
-/// other, so that what is drawn by chance is not in it. 1 where all directions matter the same.
+/// The mean over the cells of the squared importance, over the square of its mean. It multiplies one half of the waves
+/// with the other, so that chance does not contribute. 1 if all directions are equally important.
 fn unevenness([even, odd]: &[Vec<f64>; 2]) -> f64 {
     let both: f64 = even.iter().zip(odd).map(|(even, odd)| even * odd).sum();
     let sum = |half: &[f64]| half.iter().sum::<f64>();
@@ -197,7 +198,7 @@ mod tests {
 
     const WAVES: u32 = 1 << 15;
 
-    /// Estimate from waves near the z axis that alone carry the end of a decay.
+    /// An estimate from waves near the z axis that alone carry the end of a decay.
     fn importance_of_few() -> Importance {
         let directions: Vec<Vec3> = lattice(u64::from(WAVES / ONE_OF))
             .map(|d| d.as_vec3())
@@ -218,8 +219,8 @@ mod tests {
         direction.truncate().length() < 0.08
     }
 
-    /// Protects sums over waves from bias: the weights of those in any part of the sphere add up to its solid angle, and
-    /// none is much above 1/[`EVEN_SHARE`].
+    /// Protects sums over waves from bias: the weights of those in any part of the sphere add up to its solid angle,
+    /// and no weight is much above 1/[`EVEN_SHARE`].
     #[test]
     fn weights_make_up_for_uneven_directions() {
         const MANY: u32 = 1 << 18;
@@ -243,7 +244,8 @@ mod tests {
         }
     }
 
-    /// Protects what this is for: many more waves go where few brought the end, in each batch as many.
+    /// Protects the purpose of importance sampling: many more waves start where few carry the end, in each batch the
+    /// same number.
     #[test]
     fn more_waves_start_where_they_matter() {
         const BATCHES: usize = 16;
@@ -252,7 +254,7 @@ mod tests {
         for (wave, start) in starts.iter().enumerate() {
             found[wave % BATCHES] += usize::from(is_important(start.direction.as_dvec3()));
         }
-        // Evenly there would be 6 or 7 in a batch.
+        // Even starts would give 6 or 7 in a batch.
         assert!(found.iter().all(|found| *found > 100), "{found:?}");
         // By chance sixteen counts of 300 would spread over a fifth of it.
         let most = found.iter().max().zip(found.iter().min());
@@ -262,7 +264,7 @@ mod tests {
         );
     }
 
-    /// Without an important direction waves are not drawn by importance.
+    /// Protects even starts: without an important direction waves are not drawn by importance.
     #[test]
     fn importance_that_does_not_repeat_is_none() {
         let directions: Vec<Vec3> = lattice(4096).map(|d| d.as_vec3()).collect();
@@ -278,7 +280,7 @@ mod tests {
         assert!(Importance::of(&pilot, &directions, WAVES).is_none());
     }
 
-    /// Protects lattices, which are even as a whole alone, runs of few waves, and scenes that scatter.
+    /// Protects lattices, which are even only as a whole, runs of few waves, and scenes that scatter.
     #[test]
     fn some_waves_tell_nothing_of_others() {
         let mut scene = Scene::builtin("shoebox").expect("a built-in scene");

@@ -1,43 +1,42 @@
-//! What pilot waves predict of the others: the start directions of those that carry the end of a decay.
+//! Predictions from pilot waves: the start directions of waves that carry the end of a decay.
 
 use crate::bands::{BAND_COUNT, Bands};
 use rayon::prelude::*;
 
-/// Moments at which a decay is looked at: each is 1.26 times as late as the one before, so that fast bands are looked
-/// at as well as slow ones, and an exponential decay that ends at one falls by a fifth of its decibels between it and
-/// the one before.
+/// Moments at which a decay is evaluated: each is 1.26 times as late as the previous one, to cover fast and slow bands
+/// alike; an exponential decay that ends at one moment falls by a fifth of its decibels after the previous one.
 const MOMENTS: usize = 20;
 
-/// The first of them, as a share of the response's length.
+/// The first moment, as a share of the response's length.
 const FIRST_MOMENT: f64 = 0.01;
 
-/// The decay is looked at until this share of the energy is left: T30 is evaluated from a decay of 35 dB, and
-/// the energy after that decides its end.
+/// The decay is evaluated until this share of the energy remains: T30 is evaluated from a decay of 35 dB, and the
+/// energy after that decides its end.
 const LEAST_LEFT: f64 = 3e-5;
 
-/// How often the noise of sums is evened out: in six very uneven rooms of 262,144 waves the worst error of T30 was
-/// 1.00 % on average without, 0.91 % with one, 0.84 % with two and 0.82 % with four times.
+/// Number of iterations that equalise the noise of the sums: in six very uneven rooms with 262,144 waves the worst
+/// error of T30 was 1.00 % on average without, 0.91 % with one, 0.84 % with two and 0.82 % with four.
 const EVENED_OUT: usize = 2;
 
 /// A number for each moment and band.
 type Moments<T> = [[T; BAND_COUNT]; MOMENTS];
 
-/// What each pilot wave brings, by moment and band.
+/// The energy of each pilot wave, by moment and band.
 pub struct Pilot {
     seconds: f64,
     waves: Vec<Moments<f32>>,
-    /// The first of the waves that were added last.
+    /// The first of the waves added last.
     first: usize,
 }
 
-/// The sums over all pilot waves of what comes after each moment, and of its squares.
+/// The sums over all pilot waves of the energy after each moment, and of its squares.
 pub struct Sums {
     energies: Moments<f64>,
     squares: Moments<f64>,
 }
 
 impl Sums {
-    /// Number of waves of one energy that would be as noisy as the noisiest sum used for figures (L. Kish, *Survey
+    /// Number of waves of equal energy that would be as noisy as the noisiest sum used for figures (L. Kish, *Survey
     /// Sampling*, 1965, section 11.7).
     pub fn fewest_waves(&self) -> f64 {
         let waves = |(moment, band): (usize, usize)| {
@@ -55,7 +54,7 @@ impl Sums {
 }
 
 impl Pilot {
-    /// None so far of so many waves, which are followed for so many seconds.
+    /// An empty estimate for `waves` waves, which are followed for `seconds` seconds.
     pub fn new(waves: u32, seconds: f64) -> Pilot {
         Pilot {
             seconds,
@@ -64,14 +63,14 @@ impl Pilot {
         }
     }
 
-    /// So many waves more, which are numbered from 0.
+    /// Adds `waves` further waves, which are numbered from 0.
     pub fn begin(&mut self, waves: u32) {
         self.first = self.waves.len();
         let all = self.first + waves as usize;
         self.waves.resize(all, [[0.0; BAND_COUNT]; MOMENTS]);
     }
 
-    /// Adds what a wave brings `seconds` after the source's impulse, times its weight.
+    /// Adds the weighted energy of a wave `seconds` after the source's impulse.
     pub fn add(&mut self, wave: u32, seconds: f64, energy: &Bands) {
         let moment = last_moment(seconds / self.seconds);
         let sums = &mut self.waves[self.first + wave as usize][moment];
@@ -80,7 +79,7 @@ impl Pilot {
         }
     }
 
-    /// What all waves bring.
+    /// Sums over all waves.
     pub fn sums(&self) -> Sums {
         let mut energies = [[0.0; BAND_COUNT]; MOMENTS];
         let mut squares = energies;
@@ -94,10 +93,10 @@ impl Pilot {
         Sums { energies, squares }
     }
 
-    /// How important each wave is: the root of the sum of the squares of its shares of what comes after each moment in
-    /// each band. Waves drawn by it make the variance of all these sums together the least (H. Kahn and A. W. Marshall,
-    /// *Methods of reducing sample size in Monte Carlo computations*, 1953). Then the shares of sums that would still be
-    /// noisier than others are weighted more, since every band is to be reported.
+    /// The importance of each wave: the root of the sum of the squares of its shares of the energy after each moment in
+    /// each band. Drawing waves by it minimises the total variance of these sums (H. Kahn and A. W. Marshall, *Methods
+    /// of reducing sample size in Monte Carlo computations*, 1953). Shares of sums that would still be noisier than
+    /// others then get more weight, since every band is reported.
     pub fn importance(&self, sums: &Sums) -> Vec<f64> {
         let squared = |moment: usize, band: usize| sums.energies[moment][band].powi(2);
         let mut weights = [[0.0; BAND_COUNT]; MOMENTS];
@@ -115,7 +114,7 @@ impl Pilot {
         importance
     }
 
-    /// The root of the sum of the weighted squares of what each wave brings after each moment.
+    /// The root of the sum of the weighted squares of each wave's energy after each moment.
     fn weighted(&self, weights: &Moments<f64>) -> Vec<f64> {
         let square = |(energy, weight): (&f32, &f64)| f64::from(*energy).powi(2) * weight;
         let weights = weights.as_flattened();
@@ -127,7 +126,7 @@ impl Pilot {
         self.waves.par_iter().map(importance).collect()
     }
 
-    /// The mean square of what comes after each moment, times some factor, if waves were drawn by this importance.
+    /// The mean square of the energy after each moment, up to a factor, if waves were drawn by this importance.
     fn mean_squares(&self, importance: &[f64]) -> Moments<f64> {
         let mut squares = [[0.0; BAND_COUNT]; MOMENTS];
         for (wave, importance) in self.waves.iter().zip(importance) {
@@ -148,13 +147,13 @@ fn all() -> impl Iterator<Item = (usize, usize)> {
     (0..MOMENTS).flat_map(|moment| (0..BAND_COUNT).map(move |band| (moment, band)))
 }
 
-/// The last moment that is not after a share of the response's length; the first where all are.
+/// The last moment not after this share of the response's length; the first if all are later.
 fn last_moment(share: f64) -> usize {
     let later = (share / FIRST_MOMENT).ln() / (1.0 / FIRST_MOMENT).ln();
     ((later * MOMENTS as f64).max(0.0) as usize).min(MOMENTS - 1)
 }
 
-/// What comes after each moment, of what comes between them.
+/// The energy after each moment, from the energy between moments.
 fn to_come(between: &Moments<f32>) -> Moments<f32> {
     let mut wave = *between;
     for moment in (1..MOMENTS).rev() {
@@ -170,7 +169,7 @@ fn to_come(between: &Moments<f32>) -> Moments<f32> {
 mod tests {
     use super::*;
 
-    /// Protects waves that bring as much as all others from being moved, and finds the few that bring the end.
+    /// Protects even starts of waves with equal energy, and the detection of the few that carry the end.
     #[test]
     fn few_waves_that_bring_the_end_are_important() {
         const WAVES: u32 = 1000;
@@ -193,7 +192,7 @@ mod tests {
         assert_eq!(importance.len(), WAVES as usize);
         assert!(importance[..10].iter().all(|important| *important > 0.1));
         assert!(importance[10..].iter().all(|important| *important < 0.02));
-        // What is 50 dB down no figure is told from.
+        // Energy 50 dB down has no influence on any figure.
         let mut faint = pilot(0);
         faint.add(3, 0.9, &[1e-2; BAND_COUNT]);
         assert!(faint.sums().fewest_waves() > 999.0);

@@ -11,21 +11,22 @@ use crate::scene::{Motion, Scene, SceneError, Surface};
 use glam::Vec3;
 use std::fmt;
 
-/// Times of a surface's key frames times nodes of its field, at most: some seconds of looking
-/// at each node at each time.
+/// Maximum product of a surface's key-frame times and the nodes of its field: a few seconds of
+/// checking each node at each time.
 const MOST_WORK: usize = 3_000_000;
 
-/// As [`MOST_WORK`], of all surfaces and the times between keys alone: less than a second.
+/// As [`MOST_WORK`], for the times between keys alone and all surfaces together: less than a
+/// second.
 const MOST_WORK_BETWEEN: usize = 300_000;
 
-/// Frames between keys that are looked at, at most: a minute and a half.
+/// Maximum number of frames between keys that are checked: a minute and a half.
 const MOST_BETWEEN: usize = 2700;
 
 impl Scene {
-    /// [`Scene::validate_moving`], and every field as [`Shape::check`](super::Shape::check) does: some
-    /// milliseconds for each that states how fast it grows. Scene files are checked like
-    /// this when they are read, and a tracer does so with every new structure. The text of
-    /// users' fields is compiled later, by the tracer.
+    /// Checks as [`Scene::validate_moving`] does, and every field as
+    /// [`Shape::check`](super::Shape::check) does: a few milliseconds for each field that states its
+    /// Lipschitz constant. Scene files are checked like this when they are read, and a tracer does so
+    /// with every new structure. The text of users' fields is compiled later, by the tracer.
     ///
     /// # Errors
     /// As [`Scene::validate_moving`].
@@ -38,8 +39,8 @@ impl Scene {
         self.at_checked_times(Scene::check_growth)
     }
 
-    /// Constants that are stated, at one of `times` times; what they are tried at gets less
-    /// where there are many.
+    /// Checks the stated Lipschitz constants at one of `times` times; with many times, fewer points
+    /// are tried at each.
     fn check_growth(&self, label: &str, surface: &Surface, times: usize) -> Result<(), SceneError> {
         let checked = surface.shape.check_growth_at_one_of(times);
         checked.map_err(|why| self.bad_field(label, why))
@@ -63,11 +64,12 @@ impl Scene {
         self.validate_sound()
     }
 
-    /// [`Scene::validate`], and each surface at every time of its key frames, and at the
-    /// thirtieths of a second between them.
+    /// Checks as [`Scene::validate`] does, and each surface at every time of its key frames and at
+    /// the thirtieths of a second between them.
     ///
     /// # Errors
-    /// Those of [`Scene::validate`]; [`SceneError::At`] for what is wrong only later.
+    /// Errors of [`Scene::validate`]; [`SceneError::At`] for a value that is wrong only at a later
+    /// time.
     pub fn validate_moving(&self) -> Result<(), SceneError> {
         self.validate()?;
         for (index, surface) in self.surfaces.iter().enumerate() {
@@ -76,7 +78,7 @@ impl Scene {
         self.at_checked_times(|scene, label, posed, _| scene.validate_pose(label, posed))
     }
 
-    /// Looking at every node at every key must take seconds at most.
+    /// Checks that evaluating every node at every key takes seconds at most.
     fn validate_work(&self, label: &str, surface: &Surface) -> Result<(), SceneError> {
         let nodes = surface.nodes();
         let keys = surface.checked_times(0).len();
@@ -115,7 +117,7 @@ impl Scene {
         self.validate_drivers(label, surface)
     }
 
-    /// The numbers as they are now.
+    /// Checks the current numbers.
     fn validate_pose(&self, label: &str, surface: &Surface) -> Result<(), SceneError> {
         self.finite(&format!("{label}: position"), surface.position)?;
         let rotation = surface.rotation;
@@ -127,7 +129,7 @@ impl Scene {
         checked.map_err(|why| self.bad_field(label, why))
     }
 
-    /// Every driver drives a number that is there, and its keys are in order.
+    /// Checks that every driver drives an existing number and that its keys are in order.
     fn validate_drivers(&self, label: &str, surface: &Surface) -> Result<(), SceneError> {
         if surface.drivers.is_empty() {
             return Ok(());
@@ -195,13 +197,13 @@ impl Scene {
 }
 
 impl Surface {
-    /// Nodes of its tree.
+    /// Number of nodes in its tree.
     fn nodes(&self) -> usize {
         self.shape.nodes().len()
     }
 
-    /// What a sentence calls the surface with this index (from 0).
-    pub(crate) fn label(&self, index: usize) -> String {
+    /// The name of the surface with this index (from 0) in messages.
+    pub fn label(&self, index: usize) -> String {
         let number = index + 1;
         match &self.name {
             Some(name) => format!("surface {number} ({name})"),
@@ -210,8 +212,8 @@ impl Surface {
     }
 }
 
-/// The sentence on a user's field without the kind that the surface is already called by: it begins
-/// with the field's file.
+/// The message about a user's field without the kind of the surface, which `label` already
+/// contains: it begins with the field's file.
 fn without_kind(label: &str, why: String) -> String {
     match why
         .strip_prefix("Field: ")
@@ -239,7 +241,7 @@ mod tests {
         )
     }
 
-    /// Protects the refusal of numbers that would poison a shader.
+    /// Protects from numbers that would break a shader: they are refused.
     #[test]
     fn bad_numbers_are_refused() {
         assert!(room().validate().is_ok());

@@ -1,5 +1,4 @@
-//! Checks of what sound is made, reflected, carried and heard by: sources and listeners, materials,
-//! air.
+//! Checks of a scene's sound data: sources and listeners, materials, air.
 
 use crate::scene::air::{HUMIDITIES, PRESSURES, TEMPERATURES};
 use crate::scene::{
@@ -10,15 +9,16 @@ use glam::Vec3;
 use std::collections::HashSet;
 use std::ops::RangeInclusive;
 
-/// Decibels of a source against others: more than lies between the softest sound and pain.
+/// Level of a source relative to others in decibels: a wider range than from the softest audible
+/// sound to pain.
 pub(crate) const LEVELS: RangeInclusive<f32> = -120.0..=120.0;
 
-/// Sources of a scene, and listeners, at most: each pair of them is looked at, and is a sound of
-/// its own to be traced.
+/// Maximum number of a scene's sources, and of its listeners: each pair of them is checked, and
+/// traced as a sound of its own.
 pub(crate) const MOST_PLACED: usize = 256;
 
 impl Scene {
-    /// Everything but surfaces' shapes and places.
+    /// Checks everything except the surfaces' shapes and positions.
     pub(super) fn validate_sound(&self) -> Result<(), SceneError> {
         self.few_enough("sources", 1 + self.further_sources.len())?;
         self.few_enough("listeners", 1 + self.further_listeners.len())?;
@@ -75,7 +75,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Each name once.
+    /// Checks that each name is used once.
     fn validate_names<'a>(
         &self,
         what: &'static str,
@@ -130,7 +130,8 @@ impl Scene {
         Ok(())
     }
 
-    /// Every material that the surface names is there, and walls are those of a room.
+    /// Checks that every material named by the surface exists, and that only a room has materials
+    /// of walls.
     fn validate_material_names(&self, index: usize, surface: &Surface) -> Result<(), SceneError> {
         for name in surface.material_names() {
             self.find_material(name)
@@ -142,7 +143,7 @@ impl Scene {
         Err(self.bad_field(&surface.label(index), NOT_A_ROOM.to_owned()))
     }
 
-    /// The material of this name, or the sentence that there is none.
+    /// The material of this name, or the message that there is none.
     pub(in crate::scene) fn find_material(&self, name: &str) -> Result<&Material, String> {
         self.material_named(name).ok_or_else(|| {
             let mut all: Vec<&str> = self.materials.keys().map(String::as_str).collect();
@@ -152,14 +153,14 @@ impl Scene {
         })
     }
 
-    /// What a sentence calls the source of this number (from 0).
+    /// The name of the source with this index (from 0) in messages.
     pub(super) fn source_label(&self, index: usize) -> String {
         let count = 1 + self.further_sources.len();
         let name = self.sources().nth(index).and_then(|s| s.name.as_deref());
         label("source", index, count, name)
     }
 
-    /// What a sentence calls the listener of this number (from 0).
+    /// The name of the listener with this index (from 0) in messages.
     pub(super) fn listener_label(&self, index: usize) -> String {
         let count = 1 + self.further_listeners.len();
         let name = self.listeners().nth(index).and_then(|l| l.name.as_deref());
@@ -167,11 +168,11 @@ impl Scene {
     }
 }
 
-/// Why walls of other shapes cannot be distinguished.
+/// Message where another shape than a room has materials of walls.
 pub(in crate::scene) const NOT_A_ROOM: &str =
     "only the walls of a Room have materials of their own";
 
-/// The first of some names that was there before.
+/// The first name that occurs twice.
 pub(in crate::scene) fn twice<'a>(
     names: impl Iterator<Item = Option<&'a String>>,
 ) -> Option<&'a String> {
@@ -179,7 +180,7 @@ pub(in crate::scene) fn twice<'a>(
     names.flatten().find(|name| !known.insert(*name))
 }
 
-/// A name that is the number of another, which has no name and is called by its number.
+/// A name that is the number of an unnamed one, which is called by its number.
 fn number_of_another<'a>(names: &[Option<&'a String>]) -> Option<&'a String> {
     let is_of_another = |(index, name): &(usize, &'a String)| {
         let other = name.parse::<usize>().ok().and_then(|n| n.checked_sub(1));
@@ -219,7 +220,7 @@ mod tests {
         scene
     }
 
-    /// Naming in sentences: one alone has no number, one of several has.
+    /// Names in messages: a single one has no number, one of several has.
     #[test]
     fn one_of_several_is_called_by_its_number() {
         let mut scene = hall();
@@ -232,7 +233,7 @@ mod tests {
         assert_eq!(labels(&scene), ["the source", "the listener"]);
     }
 
-    /// Numbers are unambiguous: no name is the number of another without a name.
+    /// Numbers are unambiguous: no name is the number of an unnamed one.
     #[test]
     fn no_name_is_the_number_of_another() {
         let named = |first: Option<&str>, second: Option<&str>| {
@@ -255,7 +256,7 @@ mod tests {
         }
     }
 
-    /// Numbers that are not valid shares, air or sources are reported by name.
+    /// Invalid shares, air and sources are reported by name.
     #[test]
     fn bad_sound_is_refused_by_its_name() {
         hall().validate().unwrap();

@@ -1,13 +1,13 @@
-//! What is odd about a scene, and runs.
+//! Warnings about scenes that are odd but can be traced.
 
 use crate::scene::{Node, ROUNDING, Scene, WALL_COUNT, WALL_NAMES};
 use glam::Vec3;
 use std::fmt;
 
-/// Surfaces that one sentence lists at most.
+/// Maximum number of surfaces that one message lists.
 const MOST_LISTED: usize = 6;
 
-/// The first labels of many, and how many more there are.
+/// The first labels of a list, and the number of further ones.
 fn listed(labels: &[String]) -> String {
     let (listed, more) = labels.split_at(labels.len().min(MOST_LISTED));
     match more.len() {
@@ -16,24 +16,24 @@ fn listed(labels: &[String]) -> String {
     }
 }
 
-/// Something odd that still runs.
+/// An oddity of a scene that can still be traced.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Warning {
-    /// The source is in a solid: nothing of it is heard.
+    /// The source is in a solid: it cannot be heard.
     SourceInsideSurface {
-        /// Which source, as a sentence calls it: `the source`, `source 2 (flute)`.
+        /// The source, as messages name it: `the source`, `source 2 (flute)`.
         source: String,
-        /// Which surface, or the solid around which room.
+        /// The surface, or the solid around a room.
         surface: String,
-        /// How deep, in metres.
+        /// Depth in metres.
         depth: f32,
     },
     /// The source is within the listener's sphere: each wave of a frame ends where it starts.
     SourceInsideListener {
-        /// Which source, as a sentence calls it.
+        /// The source, as messages name it.
         source: String,
-        /// Which listener, as a sentence calls it.
+        /// The listener, as messages name it.
         listener: String,
         /// Distance of the source from the listener's centre, in metres.
         distance: f32,
@@ -42,36 +42,36 @@ pub enum Warning {
     },
     /// The centre of the listener is in a solid.
     ListenerInsideSurface {
-        /// Which listener, as a sentence calls it.
+        /// The listener, as messages name it.
         listener: String,
-        /// Which surface, or the solid around which room.
+        /// The surface, or the solid around a room.
         surface: String,
-        /// How deep, in metres.
+        /// Depth in metres.
         depth: f32,
     },
-    /// Several rooms: each is solid outside, and fills the others except for the space that is inside all.
+    /// Several rooms: each is solid outside, and fills the others except for the space inside all of them.
     RoomsFillEachOther {
         /// Their labels: `1`, `surface 2 (Room)`.
         rooms: Vec<String>,
     },
-    /// Surfaces and walls without a material, in a scene whose others have one: these reflect all
-    /// sound, and decays are longer for it.
+    /// Surfaces and walls without a material, in a scene where others have one: they reflect all
+    /// sound, which makes decays longer.
     NoMaterial {
-        /// Which: `1/floor`, `surface 2 (Sphere)`.
+        /// Labels of the surfaces and walls: `1/floor`, `surface 2 (Sphere)`.
         surfaces: Vec<String>,
     },
-    /// A user's field without air or without a solid in its box, by its samples.
+    /// A user's field whose samples in its box are all solid or all air.
     OneSided {
-        /// Which surface.
+        /// The surface.
         surface: String,
         /// The field's file.
         file: String,
-        /// Whether it is solid everywhere; else it is nowhere.
+        /// Whether it is solid at every sample; otherwise it is air at every sample.
         solid: bool,
     },
 }
 
-/// Metres without insignificant digits.
+/// Metres rounded to millimetres.
 fn to_millimetres(metres: f32) -> f64 {
     (1e3 * f64::from(metres)).round() / 1e3
 }
@@ -146,7 +146,7 @@ impl fmt::Display for Warning {
 }
 
 impl Scene {
-    /// Warnings about the scene in its current state, although it can be traced.
+    /// Returns warnings about the scene in its current state; it can still be traced.
     pub fn warnings(&self) -> Vec<Warning> {
         let mut warnings = self.odd_sources();
         for (index, listener) in self.listeners().enumerate() {
@@ -165,7 +165,7 @@ impl Scene {
         warnings
     }
 
-    /// All rooms, if there are several.
+    /// Warns of several rooms.
     fn rooms_that_fill_each_other(&self) -> Option<Warning> {
         let all = self.surfaces.iter().enumerate();
         let rooms = all.filter(|(_, surface)| surface.has_walls());
@@ -173,7 +173,7 @@ impl Scene {
         (rooms.len() > 1).then_some(Warning::RoomsFillEachOther { rooms })
     }
 
-    /// What has no material, where something has.
+    /// Warns of surfaces without a material where others have one.
     fn without_material(&self) -> Option<Warning> {
         if !self.has_materials() {
             return None;
@@ -198,7 +198,7 @@ impl Scene {
         (!surfaces.is_empty()).then_some(Warning::NoMaterial { surfaces })
     }
 
-    /// Sources in solids, and those in listeners.
+    /// Warns of sources in solids and in listeners.
     fn odd_sources(&self) -> Vec<Warning> {
         let mut warnings = Vec::new();
         for (index, from) in self.sources().enumerate() {
@@ -226,7 +226,7 @@ impl Scene {
         warnings
     }
 
-    /// Users' fields that are all solid or all air.
+    /// Warns of users' fields that are all solid or all air.
     fn one_sided_fields(&self) -> Vec<Warning> {
         let mut warnings = Vec::new();
         for (index, surface) in self.surfaces.iter().enumerate() {
@@ -275,7 +275,7 @@ mod tests {
     use crate::scene::Surface;
     use crate::scene::shape::Sphere;
 
-    /// Protects people from rooms without air: the sentence names both rooms and what to write.
+    /// Protects against rooms without air: the warning names both rooms and what to write instead.
     #[test]
     fn rooms_that_fill_each_other_are_told() {
         let mut scene = super::super::tests::room();
@@ -291,8 +291,8 @@ mod tests {
         assert!(said.contains("Complement(of: Union(of: [Box(…), Box(…)]))"));
     }
 
-    /// Protects decays from surfaces that reflect all unnoticed: each is named, also a wall, and a
-    /// scene without any material is not told of each.
+    /// Protects decays from surfaces that reflect everything unnoticed: each is named, walls too; a
+    /// scene without any material gets no such warning.
     #[test]
     fn what_has_no_material_is_told() {
         let mut scene = super::super::tests::room();
@@ -314,7 +314,7 @@ mod tests {
         );
     }
 
-    /// Protects the warnings: they name the surface and do not reject.
+    /// Protects the warnings: they name the surface and do not reject the scene.
     #[test]
     fn odd_places_are_warned_of() {
         let mut scene = super::super::tests::room();
@@ -322,7 +322,7 @@ mod tests {
         scene.source.position.x = 6.0;
         assert!(matches!(&scene.warnings()[..],
             [Warning::SourceInsideSurface { surface, depth, .. }] if surface == "the solid around surface 1 (Room)" && *depth == 1.0));
-        // Within both nothing arrives at all: only the solid is told.
+        // Inside both solids no wave arrives: only the solid is reported.
         scene.listener.position.x = 5.5;
         assert_eq!(scene.warnings().len(), 2);
         scene.listener.position.x = 0.0;

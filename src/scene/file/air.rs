@@ -5,7 +5,7 @@ use crate::scene::air::{HUMIDITIES, PRESSURES, TEMPERATURES};
 use serde::Deserialize;
 use std::ops::RangeInclusive;
 
-/// The air, as far as it is given.
+/// The air of a file; values may be left out.
 #[derive(Deserialize)]
 #[serde(rename = "Air", deny_unknown_fields)]
 pub(super) struct AirFile {
@@ -18,7 +18,7 @@ pub(super) struct AirFile {
 }
 
 impl AirFile {
-    /// The previous air, or else the default, with the given values.
+    /// The previous air, or else the default, with the given values changed.
     pub fn change(&self, before: Option<Air>) -> Air {
         let before = before.unwrap_or_default();
         let Air {

@@ -1,4 +1,4 @@
-//! Scenes that are based on others: a file that names its base, and what differs.
+//! Scenes based on others: a file that names its base, and its differences from it.
 //!
 //! ```ron
 //! Scene(
@@ -8,8 +8,8 @@
 //! )
 //! ```
 //!
-//! The surfaces are always those of the base, so that a chain of files holds one list of them
-//! in memory.
+//! The surfaces are always those of the base, so that a chain of files holds one list of them in
+//! memory.
 
 use super::air::AirFile;
 use super::chain::{Chain, MOST_BASES};
@@ -46,7 +46,7 @@ pub(super) struct BasedFile<'a> {
     listener: Option<ListenerFile<Option<FixedRadius>>>,
     #[serde(default)]
     listeners: Option<Several<ListenerFile<FixedRadius>>>,
-    /// Each a [`ValueFile`].
+    /// Each one is a [`ValueFile`].
     #[serde(borrow, default)]
     values: Vec<&'a RawValue>,
 }
@@ -56,7 +56,6 @@ pub(super) struct BasedFile<'a> {
 #[serde(rename = "Value")]
 pub(super) struct ValueFile(Name, f32);
 
-#[cfg(feature = "demo")]
 impl ValueFile {
     pub fn pair(self) -> (String, f32) {
         (self.0.0, self.1)
@@ -71,13 +70,13 @@ struct Head<'a> {
     base: Option<&'a RawValue>,
 }
 
-/// The text of a scene file's base, if it has one.
+/// The text that names a scene file's base, if it has one.
 fn base_of(text: &str) -> Option<&RawValue> {
     let head: Head = options().from_str(text).ok()?;
     head.base
 }
 
-/// Whether a text that is no scene by itself names a base.
+/// Whether a text that cannot be read as a scene without a base names a base.
 pub(super) fn has_base(text: &str, error: &ron::Error) -> bool {
     let is_met = matches!(error, ron::Error::NoSuchStructField { found, outer, .. }
         if found == "base" && outer.as_deref() == Some("Scene"));
@@ -85,7 +84,7 @@ pub(super) fn has_base(text: &str, error: &ron::Error) -> bool {
 }
 
 impl BasedFile<'_> {
-    /// The scene of the base with what differs.
+    /// The scene of the base with the changes applied.
     pub fn scene(self, text: &str, files: &Attached, chain: &Chain) -> Result<Scene, SceneError> {
         let mut scene = self.base(text, files, chain)?;
         let changed = self.change(&mut scene);
@@ -97,12 +96,12 @@ impl BasedFile<'_> {
         let Err(refused) = scene.check() else {
             return Ok(scene);
         };
-        // Unless the base is at fault, the values are.
+        // If the base itself is valid, the values are at fault.
         self.base(text, files, chain)?.check()?;
         Err(at_value(text, files, first, refused.to_string()))
     }
 
-    /// Everything but the values.
+    /// Applies everything except the values.
     fn change(&self, scene: &mut Scene) -> Result<(), Refused> {
         if !self.name.0.is_empty() {
             scene.name.clone_from(&self.name.0);
@@ -193,7 +192,7 @@ fn at_value(text: &str, files: &Attached, value: &RawValue, why: String) -> Scen
     malformed(files, line, column, &why)
 }
 
-/// Rejects a name that the first has and one of the others.
+/// Rejects a name that both the first and one of the others have.
 fn once_each<'a, T: Placed>(
     names: impl Iterator<Item = &'a Option<String>>,
 ) -> Result<(), Refused> {
@@ -205,7 +204,7 @@ fn once_each<'a, T: Placed>(
 }
 
 /// The files that a scene file is based on, as far as they can be read.
-pub(crate) fn bases_of(path: &Path) -> Vec<PathBuf> {
+pub fn bases_of(path: &Path) -> Vec<PathBuf> {
     let mut bases = Vec::new();
     let mut path = path.to_owned();
     while bases.len() <= MOST_BASES {
@@ -221,7 +220,7 @@ pub(crate) fn bases_of(path: &Path) -> Vec<PathBuf> {
     bases
 }
 
-/// The file that a scene file calls its base by this name; none for a built-in scene.
+/// The file that a scene file names as its base; `None` for a built-in scene.
 pub(super) fn base_beside(path: &Path, name: &str) -> Option<PathBuf> {
     match builtin::named(name, Some(super::folder_of(path))) {
         Named::File(path) => Some(path),
@@ -244,7 +243,7 @@ mod tests {
         listener: Listener(position: (0, 0, 6), radius: 1, yaw: 10, pitch: 5, path: [Key(time: 1, position: (0, 0, 5))]),
     )"#;
 
-    /// A folder with `hall.ron`; other files are written beside it.
+    /// A folder with `hall.ron`; other files are written next to it.
     struct Folder(tempfile::TempDir);
 
     impl Folder {
@@ -264,7 +263,7 @@ mod tests {
             std::fs::write(path, text).unwrap();
         }
 
-        /// What is read of `small.ron` with this text.
+        /// Reads a scene file `small.ron` with this text.
         fn read(&self, text: &str) -> Result<Scene, SceneError> {
             self.write("small.ron", text);
             Scene::from_file(&self.path("small.ron"))
@@ -277,7 +276,7 @@ mod tests {
         }
     }
 
-    /// Protects the rule of a base: what is named is changed, all else is the base's.
+    /// Protects the rule of a base: what is named is changed, everything else is the base's.
     #[test]
     fn only_what_is_named_differs_from_the_base() {
         let folder = Folder::new();
@@ -293,7 +292,7 @@ mod tests {
             (values: [Value("door", 60)], source: (position: (0, 1, 0)), name: "small", base: "hall.ron")"#;
         assert_eq!(folder.read(text).unwrap(), expected);
 
-        // Who is put somewhere has no path; a radius alone moves nobody.
+        // A listener with a given position has no path; a radius alone does not move it.
         let listener = |said: &str| {
             let text = format!(r#"Scene(base: "hall.ron", listener: Listener({said}))"#);
             folder.read(&text).unwrap().listener
@@ -311,7 +310,8 @@ mod tests {
         assert_eq!((walks.yaw, walks.pitch), (90f32.to_radians(), 0.0));
     }
 
-    /// Protects names: a built-in scene first, then a file beside the one that names it; and text in no file.
+    /// Protects names: a built-in scene first, then a file in the folder of the one that names it; an
+    /// embedded text has no files.
     #[test]
     fn a_base_is_a_built_in_scene_or_a_file_beside() {
         let folder = Folder::new();
@@ -406,7 +406,7 @@ mod tests {
         }
     }
 
-    /// Protects from chains without an end, and from deep ones: a cycle is reported, through links too, and nine bases.
+    /// Protects against endless and deep chains: a cycle is reported, also through links, and so are nine bases.
     #[test]
     fn chains_of_bases_have_an_end() {
         let folder = Folder::new();
@@ -447,7 +447,8 @@ mod tests {
         );
     }
 
-    /// Protects a running program: a base is an input like the file that names it, and a change of it is seen.
+    /// Protects a running program: a base is an input like the file that names it, and its changes are
+    /// noticed.
     #[test]
     fn a_base_is_watched_and_never_replaced() {
         let folder = Folder::new();

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-/// Scenes that one is based on, one on the other, at most: a chain is written by hand, and
-/// each file of it may have the full size.
+/// Maximum number of scenes in a chain of bases: a chain is written by hand, and each of its files
+/// may have the full size.
 pub(super) const MOST_BASES: usize = 8;
 
 /// The files from the requested scene down to the one being read, by their real paths.
@@ -22,7 +22,7 @@ impl Chain {
         }
     }
 
-    /// The chain down to this base, or why there is none.
+    /// The chain extended by this base, or why it cannot be.
     pub fn down_to(&self, base: &Path) -> Result<Chain, String> {
         let real = std::fs::canonicalize(base).ok();
         if real.as_ref().is_some_and(|real| self.files.contains(real)) {

@@ -1,7 +1,7 @@
-//! What is wrong with a shape, a material and the like in a scene file, in the words of scene files.
+//! Error messages about shapes, materials and other parts of a scene file, in terms of the notation.
 //!
 //! RON's own errors report their place and what the parser expected there. The author of
-//! `Sphere(1)` or `Air(20)` needs to know how that is written.
+//! `Sphere(1)` or `Air(20)` needs to know the correct notation.
 
 use super::air::AirFile;
 use super::material::MaterialFile;
@@ -12,7 +12,7 @@ use crate::scene::shape::{form_of, shape_names};
 use crate::text::nearest_or_all;
 use ron::error::{Error, SpannedError};
 
-/// The sentence for an error in this text that is about a shape, an operator, or another part that
+/// The message for an error in this text that is about a shape, an operator, or another part that
 /// has a name and fields.
 pub(super) fn about_part(text: &str, error: &SpannedError) -> Option<String> {
     match &error.code {
@@ -47,13 +47,13 @@ fn how_written(before: &str, behind: &str) -> Option<String> {
     let form = form_of(name).or_else(|| form_of_sound(name))?;
     let has_bracket = behind.trim_start().starts_with(['(', '[', '{']);
     if form == Form::NameAlone && !has_bracket {
-        // Something else is missing behind it.
+        // The error is that something is missing after it.
         return None;
     }
     Some(format!("{name} is written {}", form.written(name)))
 }
 
-/// How that is written which makes, reflects, carries or hears sound.
+/// The notation of sources, listeners, materials and air.
 fn form_of_sound(name: &str) -> Option<Form> {
     match name {
         "Material" => Form::of::<MaterialFile>(),
@@ -122,7 +122,7 @@ mod tests {
         }
     }
 
-    /// For a mistyped shape the nearest one is suggested, or else all are listed.
+    /// For a mistyped shape the nearest one is suggested; without a near one, all are listed.
     #[test]
     fn the_nearest_shape_is_suggested() {
         for (shape, nearest) in [
@@ -145,7 +145,7 @@ mod tests {
         );
     }
 
-    /// Protects other errors from a hint that would lead astray.
+    /// Protects other errors from misleading hints.
     #[test]
     fn what_is_no_error_of_a_shape_is_told_as_it_was() {
         for shape in ["Plane position: (0, 0, 0)", "Sphere(radius: one)"] {

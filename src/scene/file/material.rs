@@ -11,19 +11,19 @@ use std::fmt;
 
 /// Materials by their names, each defined once.
 #[derive(Default)]
-pub(super) struct Materials(pub BTreeMap<String, Material>);
+pub struct Materials(pub BTreeMap<String, Material>);
 
 #[derive(Deserialize)]
 #[serde(rename = "Material", deny_unknown_fields)]
 pub(super) struct MaterialFile {
     absorption: Option<Shares<false>>,
     scattering: Option<Shares<true>>,
-    /// Its values that are not given.
+    /// The material that gives the values left out.
     #[serde(default)]
     base: Base,
 }
 
-/// A built-in material, by its name; a mirror where none is named.
+/// A built-in material by its name; without a name, a mirror.
 #[derive(Default)]
 struct Base(Material);
 
@@ -83,14 +83,14 @@ impl<T> Walls<T> {
 }
 
 impl Walls<Name> {
-    /// The names of their materials.
+    /// The names of the walls' materials.
     pub fn names(self) -> [Option<String>; WALL_COUNT] {
         self.into_array().map(|name| name.map(|name| name.0))
     }
 }
 
-/// Shares of energy by octave bands, given by one number or by eight; of the energy that is
-/// scattered if `SCATTERED`, else of that absorbed.
+/// Shares of energy by octave bands, given as one number or eight: of the scattered energy if
+/// `SCATTERED`, else of the absorbed energy.
 struct Shares<const SCATTERED: bool>(Bands);
 
 /// One share, checked at its place.
@@ -224,7 +224,8 @@ mod tests {
         Ok(scene.materials["own"])
     }
 
-    /// Protects a built-in material that scatters: what is said is said, and all else is that of the base.
+    /// Protects a built-in material that scatters: given values are used, and all others are those of the
+    /// base.
     #[test]
     fn a_base_says_what_is_left_out() {
         let brick = Material::builtin("brick").expect("a built-in material");

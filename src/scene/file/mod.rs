@@ -1,8 +1,8 @@
 //! Scene files in RON.
 //!
-//! The types here are the content of the text (degrees, full sizes); they turn into
-//! the plain [`Scene`] at once. Every number is checked while it is read, so that
-//! an error points at its line and column. See `docs/scene-format.md`.
+//! The types here are the content of the text (degrees, full sizes); they are converted to the
+//! plain [`Scene`] at once. Every number is checked while it is read, so that an error points at
+//! its line and column. See `docs/scene-format.md`.
 
 mod air;
 mod base_scene;
@@ -15,7 +15,6 @@ mod serialise;
 mod sources_and_listeners;
 mod surface;
 mod text_places;
-#[cfg(feature = "demo")]
 mod write;
 
 use super::check::NOT_A_ROOM;
@@ -36,16 +35,17 @@ use std::path;
 use surface::SurfaceFile;
 use text_places::{Place, Refused};
 
-pub(crate) use base_scene::bases_of;
-#[cfg(feature = "demo")]
-pub(crate) use write::BasedScene;
+#[doc(hidden)]
+pub use base_scene::bases_of;
+#[doc(hidden)]
+pub use write::BasedScene;
 
-/// Bytes of a scene file at most: 100,000 key frames are 2 MB, and what a text of this size
-/// can contain (a shape in six bytes) fits into a gigabyte of memory.
+/// Maximum size of a scene file in bytes: 100,000 key frames are 2 MB, and the content of a text of
+/// this size (a shape in six bytes) fits into a gigabyte of memory.
 const LARGEST_FILE: u64 = 4 << 20;
 
-/// How deep the text may be nested; a shape within a shape takes four or five of it. It keeps
-/// a text from filling the stack.
+/// Maximum nesting of the text, which protects the stack; a shape within a shape takes four or five
+/// levels.
 const DEEPEST: usize = 512;
 
 impl Scene {
@@ -61,8 +61,8 @@ impl Scene {
         Ok(scene)
     }
 
-    /// Reads a scene from RON text; `origin` is what errors call it. Files that it names
-    /// are looked for from the current folder.
+    /// Reads a scene from RON text; `origin` is its name in errors. Files that it names are
+    /// relative to the current folder.
     ///
     /// ```
     /// let text = "Scene(
@@ -76,15 +76,15 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// As of [`Scene::from_file`].
+    /// As for [`Scene::from_file`].
     pub fn from_ron(text: &str, origin: &str) -> Result<Scene, SceneError> {
         Scene::from_ron_in(text, origin, path::Path::new(""))
     }
 
-    /// As [`Scene::from_ron`]; the files that it names are in `folder`.
+    /// Reads a scene as [`Scene::from_ron`] does; the files that it names are in `folder`.
     ///
     /// # Errors
-    /// As of [`Scene::from_file`].
+    /// As for [`Scene::from_file`].
     pub fn from_ron_in(text: &str, origin: &str, folder: &path::Path) -> Result<Scene, SceneError> {
         let files = Attached::in_folder(origin, folder);
         let scene = parse(text, &files, &Chain::default())?;
@@ -105,8 +105,8 @@ impl Scene {
     }
 }
 
-/// The text of a scene file, as it stands but for a byte-order mark, which some editors put
-/// before it.
+/// The text of a scene file, unchanged except for a byte-order mark, which some editors put before
+/// it.
 fn text_of(path: &path::Path) -> Result<String, SceneError> {
     read_text(path, LARGEST_FILE).map_err(|source| SceneError::Unreadable {
         path: path.to_owned(),
@@ -114,7 +114,7 @@ fn text_of(path: &path::Path) -> Result<String, SceneError> {
     })
 }
 
-/// The folder that a file lies in; the current one for a name alone.
+/// The folder of a file; the current one for a bare name.
 fn folder_of(path: &path::Path) -> &path::Path {
     path.parent().unwrap_or(path::Path::new(""))
 }
@@ -145,7 +145,7 @@ fn parse(text: &str, files: &Attached, chain: &Chain) -> Result<Scene, SceneErro
         .map_err(|error| modern.in_text_as_it_was(error, files.origin()))
 }
 
-/// The scene of a text whose operators are all in the one form.
+/// The scene of a text whose operators are all in the current form.
 fn parse_modern(text: &str, files: &Attached, chain: &Chain) -> Result<Scene, SceneError> {
     let error = match options().from_str::<SceneFile>(text) {
         Ok(file) => {
@@ -222,7 +222,7 @@ impl SceneFile {
     }
 }
 
-/// Every material that a surface or a wall names is there, and the walls are those of a room.
+/// Checks that every material named by a surface or a wall exists, and that only rooms have walls.
 fn check_materials(scene: &Scene) -> Result<(), Refused> {
     for (surface, of) in scene.surfaces.iter().enumerate() {
         let walls = of.walls.iter().enumerate();

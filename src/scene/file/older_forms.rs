@@ -1,21 +1,21 @@
-//! The form of three operators that older scene files have: `Union([…])` for `Union(of: […])`.
+//! Older notation of three operators in scene files: `Union([…])` for `Union(of: […])`.
 //!
-//! RON reads a name's content either as fields or as one value, so the text is brought to the one
-//! form before it is read. Places in errors are those of the text as it was.
+//! RON reads a name's content either as fields or as one value, so the text is converted to the
+//! current form before it is read. Errors give places in the original text.
 
 use crate::scene::SceneError;
 use std::borrow::Cow;
 
-/// Operators that had no names within their parentheses.
+/// Operators whose operands had no field name.
 const OPERATORS: [&str; 3] = ["Union", "Intersection", "Complement"];
 
-/// What is put before their operands.
+/// Text inserted before their operands.
 const NAME: &str = "of: ";
 
-/// A text in the one form, and where it differs from the one that was read.
+/// A text in the current form, and its differences from the original text.
 pub(super) struct Modern<'a> {
     pub text: Cow<'a, str>,
-    /// Line and column, each from 1, of every name put in, in the text as it was; in order.
+    /// Line and column, each from 1, of every inserted name, in the original text; in order.
     inserted: Vec<(usize, usize)>,
 }
 
@@ -50,8 +50,8 @@ impl<'a> Modern<'a> {
         }
     }
 
-    /// An error of this text, of the file that is called `origin`, at its place in the text as it
-    /// was.
+    /// Converts the place of an error in this text, of the file called `origin`, to its place in
+    /// the original text.
     pub fn in_text_as_it_was(&self, mut error: SceneError, origin: &str) -> SceneError {
         if let SceneError::Malformed(malformed) = &mut error
             && malformed.origin == origin
@@ -64,7 +64,7 @@ impl<'a> Modern<'a> {
     fn column_as_it_was(&self, line: usize, column: usize) -> usize {
         let in_line = self.inserted.iter().filter(|(at, _)| *at == line);
         in_line.fold(column, |column, (_, begin)| {
-            // Within a name that was put in: where it was put.
+            // Within an inserted name: the place where it was inserted.
             match column > *begin {
                 true => column.saturating_sub(NAME.len()).max(*begin),
                 false => column,
@@ -73,7 +73,7 @@ impl<'a> Modern<'a> {
     }
 }
 
-/// Where operands stand without a name, in bytes.
+/// Positions of operands without a name, in bytes.
 fn places(text: &str) -> Vec<usize> {
     let mut places = Vec::new();
     let mut at = 0;
@@ -101,7 +101,7 @@ fn places(text: &str) -> Vec<usize> {
     places
 }
 
-/// Where the content of a parenthesis begins, if one opens here.
+/// Position of a parenthesis' content, if one opens here.
 fn inside(text: &str, at: usize) -> Option<usize> {
     let open = after_blanks(text, at);
     text[open..]
@@ -109,7 +109,7 @@ fn inside(text: &str, at: usize) -> Option<usize> {
         .then(|| after_blanks(text, open + 1))
 }
 
-/// Whether a value begins here, not a field's name.
+/// Whether a value begins here rather than a field's name.
 fn is_unnamed(text: &str, at: usize) -> bool {
     let word = word_length(&text[at..]);
     let is_name = word > 0 && text[after_blanks(text, at + word)..].starts_with(':');
@@ -134,7 +134,7 @@ fn word_length(text: &str) -> usize {
     end.unwrap_or(text.len())
 }
 
-/// Bytes of the comment, text or character that begins here.
+/// Length in bytes of the comment, string or character that begins here.
 fn beside_code(text: &str) -> Option<usize> {
     if let Some(length) = comment_length(text) {
         return Some(length);
@@ -152,7 +152,7 @@ fn beside_code(text: &str) -> Option<usize> {
     Some(text.len() - inside.len() + length)
 }
 
-/// Bytes of the comment that begins here; those in stars stand within each other.
+/// Length in bytes of the comment that begins here; block comments nest.
 fn comment_length(text: &str) -> Option<usize> {
     if text.starts_with("//") {
         return Some(text.find('\n').unwrap_or(text.len()));
@@ -179,7 +179,7 @@ fn comment_length(text: &str) -> Option<usize> {
     Some(text.len())
 }
 
-/// Bytes of the text in quotation marks that begins here.
+/// Length in bytes of the string in quotation marks that begins here.
 fn text_length(text: &str) -> usize {
     let mut at = 1;
     while let Some(found) = text[at..].find(['"', '\\']) {
@@ -197,7 +197,7 @@ mod tests {
     use super::*;
     use crate::scene::Scene;
 
-    /// Protects files of either form: names are put in where they lack, and nowhere else.
+    /// Protects files of either form: names are inserted where they are missing, and nowhere else.
     #[test]
     fn names_are_put_in_where_they_lack() {
         for (text, expected) in [
@@ -251,7 +251,7 @@ mod tests {
         ] {
             let said = told(shape);
             assert!(said.starts_with(place), "{shape}: {said}");
-            // As in the one form, but for the names.
+            // As in the current form, except for the names.
             let modern = told(&Modern::of(shape).text);
             assert_eq!(
                 said.split_once(": ").unwrap().1,

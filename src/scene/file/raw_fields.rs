@@ -1,4 +1,4 @@
-//! The fields of a scene file as in its text, not read.
+//! The fields of a scene file as unparsed text.
 
 use super::options;
 use ron::value::RawValue;
@@ -31,12 +31,12 @@ pub(super) struct RawFields<'a> {
 }
 
 impl<'a> RawFields<'a> {
-    /// Those of a text; `None` if it is no scene.
+    /// The fields of a text; `None` if it is not a scene.
     pub fn of(text: &'a str) -> Option<RawFields<'a>> {
         options().from_str(text).ok()
     }
 
-    /// The value of a field; `None` where the file has none.
+    /// The text of a field; `None` if the file does not have it.
     pub fn get(&self, name: &str) -> Option<&'a RawValue> {
         match name {
             "base" => self.base,
@@ -53,7 +53,7 @@ impl<'a> RawFields<'a> {
         }
     }
 
-    /// A field, read.
+    /// The parsed value of a field.
     pub fn read<T: Deserialize<'a>>(&self, name: &str) -> Option<T> {
         options().from_str(self.get(name)?.get_ron()).ok()
     }

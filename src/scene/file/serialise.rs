@@ -1,7 +1,7 @@
-//! Scenes by serde: the content of a scene file, in any format.
+//! Serialises and deserialises scenes with serde: the content of a scene file, in any format.
 //!
-//! Fields have the names that the types ask for which read them ([`Form`]), and stand in the units
-//! of the file, so that there is one notation.
+//! Fields have the names that the types reading them request ([`Form`]), and values have the units
+//! of the file, so that there is only one notation.
 
 use super::SceneFile;
 use crate::bands::BAND_COUNT;
@@ -15,8 +15,8 @@ use glam::{EulerRot, Quat, Vec3};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de, ser};
 use std::collections::BTreeMap;
 
-/// A scene is written as the content of its file; a base is written out. Height images and users'
-/// GLSL are named, not included, and looked for there when the scene is read.
+/// A scene is written as the content of its file, with the content of its base included. Height
+/// images and users' GLSL are written as file names, and these files are read with the scene.
 ///
 /// ```
 /// # use echomarch::Scene;
@@ -27,9 +27,9 @@ use std::collections::BTreeMap;
 /// # Ok::<(), echomarch::Error>(())
 /// ```
 ///
-/// Angles are written in degrees, and rotations as three of them: what is read may differ in the
-/// last places. A scene is read as it stands at time 0. A scene that [`Scene::check`] rejects is
-/// neither written nor read.
+/// Rotations are written as three angles in degrees, so the last places of what is read may differ.
+/// A scene is read in its state at time 0. A scene that [`Scene::check`] rejects is neither written
+/// nor read.
 impl Serialize for Scene {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         self.check().map_err(ser::Error::custom)?;
@@ -57,7 +57,7 @@ impl Serialize for Scene {
     }
 }
 
-/// Files that the scene names are looked for from the current folder.
+/// Files that the scene names are relative to the current folder.
 impl<'de> Deserialize<'de> for Scene {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Scene, D::Error> {
         let file = SceneFile::deserialize(deserializer)?;
@@ -171,7 +171,7 @@ fn surface(of: &Surface) -> Written {
     Written::Struct("Surface", fields)
 }
 
-/// Degrees about x, then y, then z of the world's axes.
+/// Angles of a rotation in degrees about x, then y, then z of the world's axes.
 fn angles_of(rotation: Quat) -> [f32; 3] {
     let (x, y, z) = rotation.as_dquat().normalize().to_euler(EulerRot::XYZEx);
     [x, y, z].map(|angle| angle.to_degrees() as f32)
@@ -218,8 +218,8 @@ fn node(of: &Shape, at: &str, drivers: &[Driver]) -> Written {
     }
 }
 
-/// Numbers by the first part of their names: those of a vector together, as `(x, y)`, and vectors
-/// in a row as `[(x, y), …]`.
+/// Groups numbers by the first part of their names: those of a vector as `(x, y)`, and lists of
+/// vectors as `[(x, y), …]`.
 fn grouped(numbers: Vec<(String, Written)>) -> Vec<(String, Written)> {
     let mut groups: Vec<(String, Vec<(String, Written)>)> = Vec::new();
     for (name, number) in numbers {
@@ -246,9 +246,9 @@ fn together(mut members: Vec<(String, Written)>) -> Written {
     }
 }
 
-/// A number with what moves it; `value` is in the unit of the file.
+/// A number with its motion; `value` is in the unit of the file.
 fn number(name: &str, value: f32, quantity: Quantity, drivers: &[Driver]) -> Written {
-    // Of several drivers of one number the last counts.
+    // If several drivers set one number, the last one counts.
     let driver = drivers.iter().rev().find(|d| d.parameter == name);
     match driver.map(|driver| &driver.motion) {
         None => Written::Number(value),
@@ -268,7 +268,8 @@ fn point(of: Vec3) -> Written {
     Written::Tuple(of.to_array().map(Written::Number).to_vec())
 }
 
-/// A number of the code in the unit of the file, such that it is read as it was where one can be.
+/// Converts a number of the code to the unit of the file, if possible to one that is read back
+/// exactly.
 fn in_file(quantity: Quantity, value: f32) -> f32 {
     let near = quantity.in_file(value);
     let all = [near, near.next_up(), near.next_down()];
@@ -288,7 +289,7 @@ mod tests {
         Scene::from_ron(&text, "written").unwrap_or_else(|error| panic!("{error}\n{text}"))
     }
 
-    /// Whether nothing of it is in a separate file.
+    /// Whether it is complete without separate files.
     fn is_whole(entry: &Entry) -> bool {
         let mut nodes = entry.field.nodes().into_iter();
         nodes.all(|part| {
@@ -339,7 +340,7 @@ mod tests {
         }
     }
 
-    /// Protects every shape and operator: what is written is read as it was.
+    /// Protects every shape and operator: reading returns what was written.
     #[test]
     fn every_shape_is_read_as_it_was_written() {
         for entry in entries().iter().filter(|entry| is_whole(entry)) {
@@ -348,7 +349,8 @@ mod tests {
         }
     }
 
-    /// Protects what moves, and the unit of the file: text and scene are each other's.
+    /// Protects moving numbers and the units of the file: text and scene convert to each other
+    /// without loss.
     #[test]
     fn what_moves_is_read_as_it_was_written() {
         const TEXT: &str = r#"Scene(
@@ -387,7 +389,7 @@ mod tests {
         }
     }
 
-    /// Protects readers from what no file can say: an unsound scene is not written.
+    /// Protects readers from scenes that no file can contain: an invalid scene is not written.
     #[test]
     fn an_unsound_scene_is_not_written() {
         let mut scene = Scene::builtin("corner").unwrap();

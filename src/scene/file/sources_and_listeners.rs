@@ -24,7 +24,7 @@ pub(super) struct SourceFile {
     path: Option<PathFile>,
 }
 
-/// A listener, whose radius is `R`: it may be left out where a base has one.
+/// A listener with a radius of type `R`, which may be optional where the scene has a base.
 #[derive(Deserialize)]
 #[serde(
     rename = "Listener",
@@ -45,7 +45,7 @@ pub(super) struct ListenerFile<R> {
     path: Option<PathFile>,
 }
 
-/// Decibels of a source.
+/// Level of a source in decibels.
 #[derive(Clone, Copy, Deserialize)]
 #[serde(try_from = "f32")]
 struct Level(f32);
@@ -115,8 +115,8 @@ impl SourceFile {
         source
     }
 
-    /// Puts a source where the file has it: without a position it is where its path begins.
-    /// A source with a given position has no path but the one given with it.
+    /// Moves a source to its place in the file: without a position it is at the start of its path.
+    /// A given position removes a path that is not given with it.
     pub fn change(&self, source: &mut Source) {
         if let Some(name) = &self.name {
             source.name = Some(name.0.clone());
@@ -144,8 +144,8 @@ impl ListenerFile<FixedRadius> {
 }
 
 impl<R: Copy + Into<Option<FixedRadius>>> ListenerFile<R> {
-    /// Puts a listener where the file has it: without a position it is and looks as its path
-    /// begins. A listener with a given position has no path but the one given with it.
+    /// Moves a listener to its place in the file: without a position, the start of its path gives
+    /// position and direction. A given position removes a path that is not given with it.
     pub fn change(&self, listener: &mut Listener) {
         if let Some(name) = &self.name {
             listener.name = Some(name.0.clone());
@@ -172,13 +172,13 @@ impl<R: Copy + Into<Option<FixedRadius>>> ListenerFile<R> {
     }
 }
 
-/// What a scene has one or several of, each of which may have a name.
+/// An element of a scene that occurs once or several times and may have a name.
 pub(super) trait Placed {
-    /// The field for one of them.
+    /// Field name for a single one.
     const ONE: &'static str;
-    /// The field for several.
+    /// Field name for several.
     const SEVERAL: &'static str;
-    /// How one is written.
+    /// The notation of one.
     const NOTATION: &'static str;
 
     fn name(&self) -> Option<&Name>;
@@ -204,7 +204,7 @@ impl<R> Placed for ListenerFile<R> {
     }
 }
 
-/// A list of one at least, whose names differ.
+/// A list of at least one element, with distinct names.
 pub(super) struct Several<T> {
     first: T,
     further: Vec<T>,
@@ -220,7 +220,7 @@ pub(super) fn one_form<T: Placed>(one: bool, several: bool) -> Result<(), Refuse
 }
 
 impl<T: Placed> Several<T> {
-    /// The values that a scene gives by one of the two forms.
+    /// The values of a scene in whichever of the two forms it uses.
     pub fn needed(one: Option<T>, several: Option<Several<T>>) -> Result<Several<T>, Refused> {
         one_form::<T>(one.is_some(), several.is_some())?;
         let alone = |first| Several {
@@ -236,7 +236,7 @@ impl<T: Placed> Several<T> {
         })
     }
 
-    /// The first, and the further ones.
+    /// Converts the first and the further ones.
     pub fn read<U>(&self, read: impl Fn(&T) -> U) -> (U, Vec<U>) {
         (read(&self.first), self.further.iter().map(&read).collect())
     }
@@ -248,7 +248,7 @@ impl<'de, T: Placed + Deserialize<'de>> Deserialize<'de> for Several<T> {
     }
 }
 
-/// Reads a list.
+/// Visitor of a list.
 struct OneAtLeast<T>(PhantomData<T>);
 
 impl<'de, T: Placed + Deserialize<'de>> Visitor<'de> for OneAtLeast<T> {
@@ -260,7 +260,7 @@ impl<'de, T: Placed + Deserialize<'de>> Visitor<'de> for OneAtLeast<T> {
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Several<T>, A::Error> {
         let Some(first) = list.next_element::<T>()? else {
-            let why = format!("{} need one at least", T::SEVERAL);
+            let why = format!("{} need at least one", T::SEVERAL);
             return Err(A::Error::custom(why));
         };
         let mut known: HashSet<String> = first
@@ -278,7 +278,7 @@ impl<'de, T: Placed + Deserialize<'de>> Visitor<'de> for OneAtLeast<T> {
             }
             further.push(next);
             if further.len() == MOST_PLACED {
-                let why = format!("a scene has {MOST_PLACED} {} at the most", T::SEVERAL);
+                let why = format!("a scene has at most {MOST_PLACED} {}", T::SEVERAL);
                 return Err(A::Error::custom(why));
             }
         }

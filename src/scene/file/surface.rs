@@ -27,10 +27,10 @@ pub(super) struct SurfaceFile {
 }
 
 impl SurfaceFile {
-    /// The surface of the file.
+    /// Converts the file's surface.
     ///
     /// # Errors
-    /// What is wrong with the files that it names.
+    /// Errors of the files that it names.
     pub fn read(self, files: &Attached) -> Result<Surface, SceneError> {
         let mut reader = Reader::new(files);
         let position = Vec3::read(self.position, "position", &mut reader);

@@ -1,5 +1,4 @@
-//! Where something stands in the text of a scene file that can be read, and is rejected for what else
-//! the file says.
+//! Places in the text of a scene file that can be parsed, but is rejected because of its content.
 
 use super::material::Walls;
 use super::raw_fields::RawFields;
@@ -10,22 +9,22 @@ use ron::value::RawValue;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
-/// What is rejected in a file that can be read.
+/// The reason why a parsed file is rejected.
 pub(super) enum Refused {
     /// The text at a place, and why it is invalid.
     At(Place, String),
-    /// What has no place, or reports its own.
+    /// An error without a place, or one that reports its own.
     Scene(SceneError),
 }
 
-/// The place of something in a scene file.
+/// The place of a value in a scene file.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Place {
     /// The value of a field of the scene.
     Field(&'static str),
     /// The material of a surface (from 0), or of one of its walls.
     Material { surface: usize, wall: Option<usize> },
-    /// Where the scene ends: what should stand before it is missing.
+    /// The end of the scene, if something is missing.
     End,
 }
 
@@ -36,7 +35,7 @@ impl From<SceneError> for Refused {
 }
 
 impl Refused {
-    /// The error, at its line and column in the file's text.
+    /// The error with its line and column in the file's text.
     pub fn in_text(self, text: &str, files: &Attached) -> SceneError {
         match self {
             Refused::Scene(error) => error,
@@ -47,7 +46,7 @@ impl Refused {
         }
     }
 
-    /// The error in a format that knows no places.
+    /// The error in a format without places.
     pub fn without_place(self) -> String {
         match self {
             Refused::Scene(error) => error.to_string(),
@@ -75,7 +74,7 @@ struct SurfaceValues<'a> {
     walls: Option<Walls<&'a RawValue>>,
 }
 
-/// A file's scene, whose end is rejected.
+/// A file's scene that is rejected at its end.
 #[derive(Deserialize)]
 #[serde(try_from = "IgnoredAny")]
 struct Ended;

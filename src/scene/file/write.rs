@@ -1,4 +1,4 @@
-//! Scene files with a base, written.
+//! Writes scene files that have a base.
 
 use super::base_scene::{ValueFile, base_beside};
 use super::raw_fields::RawFields;
@@ -14,16 +14,16 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::{Component, Path, PathBuf};
 
-/// A scene file with a base, to be written: what is not set is as in the base.
+/// A scene file with a base, to be written; values that are not set are the base's.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct BasedScene {
+pub struct BasedScene {
     base: String,
-    /// Each field except the values, as it is in the file.
+    /// The text of each field except the values.
     fields: BTreeMap<Field, String>,
     values: BTreeMap<String, f32>,
 }
 
-/// A field of a scene file with a base, in the order in which they are written.
+/// A field of a scene file with a base; they are written in this order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Field {
     Name,
@@ -59,7 +59,7 @@ impl Field {
     }
 }
 
-/// What a source keeps wherever it is put.
+/// The fields of a source that remain when it is moved.
 #[derive(Default, Deserialize)]
 #[serde(rename = "Source")]
 struct KeptSource<'a> {
@@ -69,7 +69,7 @@ struct KeptSource<'a> {
     level_db: Option<&'a RawValue>,
 }
 
-/// What a listener keeps wherever it is put.
+/// The fields of a listener that remain when it is moved.
 #[derive(Default, Deserialize)]
 #[serde(rename = "Listener")]
 struct KeptListener<'a> {
@@ -78,12 +78,12 @@ struct KeptListener<'a> {
 }
 
 impl BasedScene {
-    /// A file in `folder` whose scene is that of `origin`, a built-in scene's name or a file.
-    /// Where that file has a base itself, its base is taken, with all that it changes: files
-    /// that are made of each other make no chain.
+    /// Starts a file in `folder` with the scene of `origin`, a built-in scene's name or a file. If
+    /// that file has a base itself, its base is used together with all its changes, so that files
+    /// made from each other do not form a chain.
     ///
     /// # Errors
-    /// [`SceneError::Unreadable`], [`SceneError::NoBase`] for a path that no scene file can name.
+    /// [`SceneError::Unreadable`]; [`SceneError::NoBase`] for a path that no scene file can name.
     pub fn of(origin: &str, folder: &Path) -> Result<BasedScene, SceneError> {
         let on = |base: String| BasedScene {
             base,
@@ -122,8 +122,8 @@ impl BasedScene {
         })
     }
 
-    /// Puts the first source where that of a scene is, whose other sources are those of this file;
-    /// it stands still there.
+    /// Moves the first source to its place in `scene`, without a path. The other sources of `scene`
+    /// must be those of this file.
     pub fn put_source(&mut self, scene: &Scene) {
         if let Some(list) = self.fields.get_mut(&Field::Sources) {
             *list = in_ron(&sources(scene));
@@ -136,8 +136,8 @@ impl BasedScene {
         self.fields.insert(Field::Source, text);
     }
 
-    /// Puts the first listener where that of a scene stands and looks, without a path; the other
-    /// listeners of the scene are those of this file.
+    /// Gives the first listener the position and direction that it has in `scene`, without a path.
+    /// The other listeners of `scene` must be those of this file.
     pub fn put_listener(&mut self, scene: &Scene) {
         if let Some(list) = self.fields.get_mut(&Field::Listeners) {
             *list = in_ron(&listeners(scene));
@@ -156,10 +156,10 @@ impl BasedScene {
         self.fields.insert(Field::Listener, text);
     }
 
-    /// The file's value of a field; nothing where it has none and the base's is used.
+    /// The file's value of a field; the default if the file leaves it to the base.
     fn said<'a, T: Deserialize<'a> + Default>(&'a self, field: Field) -> T {
         let said = self.fields.get(&field).map_or("()", String::as_str);
-        // What was read before has this form.
+        // Fields that were parsed before have this form.
         options().from_str(said).unwrap_or_default()
     }
 
@@ -168,7 +168,7 @@ impl BasedScene {
         self.values.insert(name.to_owned(), value);
     }
 
-    /// The file's text, with these lines as a comment before it.
+    /// The file's text after these comment lines.
     pub fn text(&self, comment: &str) -> String {
         let mut text = String::new();
         // Writing to a string never fails.
@@ -195,7 +195,7 @@ fn point(p: Vec3) -> String {
     format!("({}, {}, {})", p.x, p.y, p.z)
 }
 
-/// Fields as they were written, each with a comma behind it.
+/// Fields with their original text, each followed by a comma.
 fn again<const N: usize>(fields: [(&str, Option<&RawValue>); N]) -> String {
     let said = fields.into_iter().filter_map(|(field, value)| {
         let value = value?.trim();
@@ -217,19 +217,19 @@ fn in_ron(list: &Written) -> String {
         .unwrap_or_default()
 }
 
-/// A string in RON, which has the escapes of Rust.
+/// A string in RON, with escapes as in Rust.
 fn quoted(text: &str) -> String {
     format!("{text:?}")
 }
 
-/// The way from a folder to a file, as a scene file there names it.
+/// The relative path from a folder to a file, as a scene file there names it.
 fn relative(folder: &Path, file: &Path) -> Result<String, SceneError> {
     let refused = || SceneError::NoBase {
         folder: folder.to_owned(),
         base: file.to_owned(),
     };
     let name = file.file_name().ok_or_else(refused)?;
-    // The file itself may be a link: what it names is looked for beside the link.
+    // The file itself may be a link: names in it are relative to the folder of the link.
     let (from, to) = (real(folder), real(folder_of(file)));
     let (Some(from), Some(to)) = (from, to) else {
         return Err(refused());
@@ -241,7 +241,7 @@ fn relative(folder: &Path, file: &Path) -> Result<String, SceneError> {
         way.extend(from.components().skip(shared).map(|_| Component::ParentDir));
         way.extend(to.components().skip(shared));
     } else {
-        // On another drive.
+        // The file is on another drive.
         way.clone_from(&to);
     }
     way.push(name);

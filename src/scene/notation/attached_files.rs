@@ -9,12 +9,12 @@ use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Bytes of a GLSL field at most: what is larger is no field that was meant.
+/// Maximum size of a GLSL field in bytes: a larger file cannot be meant as one.
 const LARGEST_FIELD: u64 = 1 << 20;
 
-/// Where the files of one scene lie; each is read once.
+/// The places of a scene's files; each file is read once.
 pub(crate) struct Attached {
-    /// What errors call the scene's text.
+    /// The name of the scene's text in errors.
     origin: String,
     place: Place,
     images: RefCell<Vec<(String, Arc<HeightImage>)>>,
@@ -22,14 +22,14 @@ pub(crate) struct Attached {
 }
 
 enum Place {
-    /// Beside the scene file.
+    /// In the scene file's folder.
     Folder(PathBuf),
     /// Within the program: names and texts.
     Embedded(&'static [(&'static str, &'static str)]),
 }
 
 impl Attached {
-    /// Files beside a scene file, or beneath the current folder.
+    /// Files in the scene file's folder, or in the current folder.
     pub fn in_folder(origin: &str, folder: &Path) -> Attached {
         Attached::new(origin, Place::Folder(folder.to_owned()))
     }
@@ -48,12 +48,12 @@ impl Attached {
         }
     }
 
-    /// What errors call the scene's text.
+    /// The name of the scene's text in errors.
     pub fn origin(&self) -> &str {
         &self.origin
     }
 
-    /// Where the files lie; none within the program.
+    /// The folder of the files; `None` for texts within the program.
     pub fn folder(&self) -> Option<&Path> {
         match &self.place {
             Place::Folder(folder) => Some(folder),
@@ -61,7 +61,7 @@ impl Attached {
         }
     }
 
-    /// A height image by the name that the scene has for it.
+    /// Reads a height image by the name that the scene gives.
     pub fn heights(&self, name: &str) -> Result<Arc<HeightImage>, SceneError> {
         let known = self.images.borrow();
         if let Some((_, image)) = known.iter().find(|(known, _)| known == name) {
@@ -75,7 +75,7 @@ impl Attached {
         Ok(image)
     }
 
-    /// A GLSL field by the name that the scene has for its file.
+    /// Reads a GLSL field by the file name that the scene gives.
     pub fn field(
         &self,
         name: &str,
@@ -108,7 +108,7 @@ impl Attached {
         match &self.place {
             Place::Folder(folder) => {
                 let path = folder.join(name);
-                // A built-in scene that was saved elsewhere still finds its field.
+                // A copy of a built-in scene in another folder still finds its field.
                 match (path.exists(), embedded(FIELDS, name)) {
                     (false, Some(text)) => Ok(text),
                     _ => read_text(&path, LARGEST_FIELD).map_err(|error| error.to_string()),

@@ -4,7 +4,7 @@ use serde::de::{self, Deserialize, Deserializer, Visitor};
 use serde::forward_to_deserialize_any;
 use std::fmt;
 
-/// What follows the name of a shape or an operator.
+/// The notation after the name of a shape or an operator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Form {
     /// Numbers and children by their names: `Torus(ring: …, tube: …)`.
@@ -16,12 +16,12 @@ pub(crate) enum Form {
 }
 
 impl Form {
-    /// What `F` requests when it is read; nothing where it accepts anything.
+    /// The form that `F` requests when it is read; `None` if it accepts any.
     pub fn of<'de, F: Deserialize<'de>>() -> Option<Form> {
         F::deserialize(Asked).err().and_then(|answer| answer.0)
     }
 
-    /// A part of this form and name as it is written.
+    /// A part of this name as it is written in this form.
     pub fn written(self, name: &str) -> String {
         match self {
             Form::Fields(fields) => format!("{name}({}: …)", fields.join(": …, ")),
@@ -31,10 +31,10 @@ impl Form {
     }
 }
 
-/// Reads nothing, and records what was requested.
+/// A deserializer that reads nothing and records the requested form.
 struct Asked;
 
-/// What was requested, as the error that ends the reading.
+/// The requested form, as the error that ends the reading.
 #[derive(Debug)]
 struct Answer(Option<Form>);
 

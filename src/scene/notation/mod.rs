@@ -1,5 +1,5 @@
-//! The notation of scene files below surfaces and shapes: numbers with their units, words, what
-//! moves a number, and the files that a scene names.
+//! The notation of scene files below surfaces and shapes: numbers with their units, words, motion
+//! of numbers, and the files that a scene names.
 
 mod attached_files;
 mod form;

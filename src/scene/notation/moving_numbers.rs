@@ -1,25 +1,24 @@
-//! From the numbers of a file to where they start, and the drivers of those that move.
+//! Reads the numbers of a file: their values at the start, and the drivers of those that move.
 
 use super::attached_files::Attached;
 use super::numbers::{Number, Pair, Unit, Vector};
 use crate::scene::{Driver, SceneError};
 use glam::{Vec2, Vec3};
 
-/// Reads one surface, collecting what moves its numbers.
+/// Reads one surface and collects the drivers of its numbers.
 pub(crate) struct Reader<'a> {
     files: &'a Attached,
     drivers: Vec<Driver>,
-    /// What stands before the names of the numbers that are read: the way down the tree, as
-    /// `1.0.`.
+    /// Prefix of the names of the numbers that are read: the path down the tree, as `1.0.`.
     at: String,
 }
 
-/// Numbers that belong together, one or a vector's, as a file writes them.
+/// Numbers that belong together, a single one or those of a vector, as a file writes them.
 pub(crate) trait ReadNumbers: Sized {
     /// The file's values.
     type Said<U: Unit>;
 
-    /// Where they start; what moves them is kept.
+    /// Returns their values at the start and keeps the drivers.
     fn read<U: Unit>(said: Self::Said<U>, name: &str, reader: &mut Reader) -> Self;
 }
 
@@ -57,7 +56,7 @@ impl ReadNumbers for Vec3 {
 }
 
 impl<'a> Reader<'a> {
-    /// For a surface whose files are `files`.
+    /// A reader of a surface whose files are `files`.
     pub fn new(files: &'a Attached) -> Reader<'a> {
         Reader {
             files,
@@ -71,18 +70,18 @@ impl<'a> Reader<'a> {
         self.files
     }
 
-    /// What moves the numbers that were read.
+    /// The drivers of the numbers that were read.
     pub fn into_drivers(self) -> Vec<Driver> {
         self.drivers
     }
 
-    /// Whether something moves one of the numbers whose names begin so.
+    /// Whether a driver moves a number whose name begins with `name`.
     pub fn moves(&self, name: &str) -> bool {
         let mut drivers = self.drivers.iter();
         drivers.any(|driver| driver.parameter.starts_with(name))
     }
 
-    /// A number where it starts; what moves it is kept.
+    /// Returns a number's value at the start and keeps its driver.
     pub fn number<U>(&mut self, name: &str, said: Number<U>) -> f32 {
         if let Some(motion) = said.motion {
             let parameter = format!("{}{name}", self.at);
@@ -91,7 +90,7 @@ impl<'a> Reader<'a> {
         said.start
     }
 
-    /// Reads what belongs to the child with this index.
+    /// Reads the parts of the child with this index.
     pub fn within<T>(
         &mut self,
         index: usize,

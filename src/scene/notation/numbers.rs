@@ -1,4 +1,4 @@
-//! Numbers of a scene file: checked while they are read, in the units of the file.
+//! Numbers of a scene file, in the units of the file, checked while they are read.
 //!
 //! A surface's numbers may move. Each is a plain number, key frames, or a named value:
 //!
@@ -14,15 +14,15 @@ use glam::Vec3;
 use serde::Deserialize;
 use std::marker::PhantomData;
 
-/// What a number measures: how it is checked, and turned into the unit of the code.
+/// The quantity of a number: its check, and its conversion to the unit of the code.
 pub(crate) trait Unit {
-    /// What the code calls it.
+    /// The quantity in the code.
     const QUANTITY: Quantity;
 
     /// The value in the unit of the code.
     ///
     /// # Errors
-    /// A sentence on what it must be.
+    /// A message that states the valid range.
     fn read(value: f32) -> Result<f32, String>;
 }
 
@@ -66,7 +66,7 @@ units! {
     Side = Length, positive("a size in metres");
     /// A factor, greater than 0.
     Factor = Factor, positive("a factor");
-    /// A coordinate or a difference of such, in metres.
+    /// A coordinate or a difference of coordinates, in metres.
     Metres = Position, finite("a position in metres");
     /// Any number.
     Plain = Plain, finite("a number");
@@ -101,9 +101,9 @@ impl Unit for Share {
 #[derive(Deserialize)]
 #[serde(try_from = "Said", bound = "U: Unit")]
 pub(crate) struct Number<U> {
-    /// Where it stands at time 0.
+    /// Its value at time 0.
     pub start: f32,
-    /// What moves it.
+    /// Its motion.
     pub motion: Option<Motion>,
     unit: PhantomData<U>,
 }
@@ -132,14 +132,14 @@ enum Said {
     Driven(Driven),
 }
 
-/// What moves a number.
+/// The motion of a number.
 #[derive(Deserialize)]
 enum Driven {
     Keys(Vec<(f64, f32)>),
     Value(Name, f32),
 }
 
-/// What something is called: up to 200 characters, all of them to be seen.
+/// A name: up to 200 characters, all of them visible.
 #[derive(Default, Deserialize)]
 #[serde(try_from = "String")]
 pub(crate) struct Name(pub String);
@@ -254,7 +254,7 @@ pub(crate) struct Point(pub Vec3);
 #[serde(try_from = "(f32, f32, f32)")]
 pub(crate) struct Size(pub Vec3);
 
-/// How fast a value may grow, in metres a metre: the Lipschitz constant that is stated.
+/// Maximum growth of a value, in metres a metre: the stated Lipschitz constant.
 #[derive(Clone, Copy, Deserialize)]
 #[serde(try_from = "f32")]
 pub(crate) struct Lipschitz(pub f32);

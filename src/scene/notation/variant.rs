@@ -1,14 +1,14 @@
 //! A variant of an enum, read as the type of its content.
 //!
-//! `Torus(ring: 1, tube: 2)` is a variant with fields, `Quadric((…))` one with a value, `Plane`
-//! one with nothing. Read through this, each is an ordinary struct, newtype or unit type that
-//! stands in the file of its shape.
+//! `Torus(ring: 1, tube: 2)` is a variant with fields, `Quadric((…))` one with a value, `Plane` one
+//! without content. Through this deserializer, each is read as an ordinary struct, newtype or unit
+//! type, defined in the file of its shape.
 
 use serde::de::{DeserializeSeed, Deserializer, Error, VariantAccess, Visitor};
 use serde::forward_to_deserialize_any;
 use std::marker::PhantomData;
 
-/// The rest of a variant whose name was read.
+/// The rest of a variant after its name.
 pub(crate) struct Variant<A>(pub A);
 
 impl<'de, A: VariantAccess<'de>> Deserializer<'de> for Variant<A> {
@@ -52,7 +52,7 @@ impl<'de, A: VariantAccess<'de>> Deserializer<'de> for Variant<A> {
     }
 }
 
-/// What is in a newtype, for a visitor of the newtype.
+/// The content of a newtype, for a visitor of the newtype.
 struct Newtype<'de, V>(V, PhantomData<&'de ()>);
 
 impl<'de, V: Visitor<'de>> DeserializeSeed<'de> for Newtype<'de, V> {

@@ -1,4 +1,4 @@
-//! Words of a scene file that are no numbers: axes, corners, sheets.
+//! Words of a scene file that stand for values: axes, corners, sheets.
 
 use super::numbers::{Metres, Pair};
 use glam::Vec3;
@@ -82,7 +82,7 @@ impl TryFrom<i64> for Sheets {
     }
 }
 
-/// For x, y and z: whether there is a mirror.
+/// Whether there is a mirror across x, y and z.
 #[derive(Deserialize)]
 #[serde(try_from = "String")]
 pub(crate) struct MirrorAxes(pub [bool; 3]);

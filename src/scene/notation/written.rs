@@ -1,4 +1,4 @@
-//! Values of a scene file, to be written: the notation that is read, the other way.
+//! Serialises values of a scene file: the reverse of reading the notation.
 
 use serde::ser::{
     Serialize, SerializeStruct, SerializeStructVariant, SerializeTuple, SerializeTupleVariant,
@@ -9,7 +9,7 @@ use serde::ser::{
 #[derive(Clone, Debug)]
 pub(crate) enum Written {
     Number(f32),
-    /// A number of 64 bits.
+    /// A 64-bit number.
     Real(f64),
     Count(u32),
     Flag(bool),
@@ -18,13 +18,13 @@ pub(crate) enum Written {
     Tuple(Vec<Written>),
     /// In brackets.
     List(Vec<Written>),
-    /// A number that follows key frames: seconds, and where it is then.
+    /// A key-framed number: seconds and value.
     Keys(Vec<(f64, f32)>),
-    /// A number that follows a named value, and where it is.
+    /// A number that follows a named value, and its current value.
     Named(String, f32),
-    /// Texts and their values: `{"name": …}`.
+    /// Names and their values: `{"name": …}`.
     Map(Vec<(String, Written)>),
-    /// A name of the notation, and what follows it.
+    /// A name of the notation, and its fields.
     Struct(&'static str, Fields),
     /// The name of a shape or an operator.
     Plain(ShapeName),

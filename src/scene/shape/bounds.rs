@@ -1,8 +1,8 @@
-//! Boxes along the axes that hold a solid; endless ones have infinite faces.
+//! Axis-aligned boxes that enclose a solid; unbounded ones have infinite faces.
 
 use glam::{DMat3, DVec3};
 
-/// The least and greatest coordinates of a solid in metres, ±∞ where it has no end.
+/// The least and greatest coordinates of a solid in metres, ±∞ where it is unbounded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds3 {
     /// Least x, y, z.
@@ -26,7 +26,7 @@ impl Bounds3 {
         }
     }
 
-    /// The smallest box that holds the points.
+    /// The smallest box that contains the points.
     pub fn of_points(points: impl IntoIterator<Item = DVec3>) -> Bounds3 {
         let nothing = Bounds3 {
             min: DVec3::INFINITY,
@@ -38,7 +38,7 @@ impl Bounds3 {
         })
     }
 
-    /// What holds both.
+    /// The smallest box that contains both.
     pub fn hull(self, other: Bounds3) -> Bounds3 {
         Bounds3 {
             min: self.min.min(other.min),
@@ -46,7 +46,7 @@ impl Bounds3 {
         }
     }
 
-    /// What both hold; its least may be beyond its greatest when that is nothing.
+    /// The intersection; if it is empty, its minimum may exceed its maximum.
     pub fn common(self, other: Bounds3) -> Bounds3 {
         Bounds3 {
             min: self.min.max(other.min),
@@ -54,7 +54,7 @@ impl Bounds3 {
         }
     }
 
-    /// Grown on all sides, in metres.
+    /// Grown on all sides by a length in metres.
     pub fn grown(self, by: DVec3) -> Bounds3 {
         Bounds3 {
             min: self.min - by,
@@ -62,7 +62,7 @@ impl Bounds3 {
         }
     }
 
-    /// Moved, in metres.
+    /// Moved by a vector in metres.
     pub fn moved(self, by: DVec3) -> Bounds3 {
         Bounds3 {
             min: self.min + by,
@@ -70,7 +70,7 @@ impl Bounds3 {
         }
     }
 
-    /// Made larger about the origin.
+    /// Scaled about the origin.
     pub fn scaled(self, by: f64) -> Bounds3 {
         Bounds3 {
             min: self.min * by,
@@ -78,7 +78,7 @@ impl Bounds3 {
         }
     }
 
-    /// What holds it when it is turned about the origin.
+    /// Bounds of the box turned about the origin.
     pub fn turned(self, by: DMat3) -> Bounds3 {
         let mut turned = Bounds3 {
             min: DVec3::ZERO,
@@ -87,7 +87,7 @@ impl Bounds3 {
         for column in 0..3 {
             for row in 0..3 {
                 let share = by.col(column)[row];
-                // 0 times infinity is nothing here, and a quarter turn in `f32` leaves 4e-8.
+                // Avoids 0 times infinity; a quarter turn in `f32` leaves 4e-8.
                 if share.abs() < 1e-6 {
                     continue;
                 }
@@ -99,17 +99,17 @@ impl Bounds3 {
         turned
     }
 
-    /// Whether the two have no place in common, on their faces neither.
+    /// Whether the two do not touch, not even at their faces.
     pub(super) fn is_apart_from(self, other: Bounds3) -> bool {
         self.common(other).is_empty()
     }
 
-    /// Whether there is nothing in it.
+    /// Whether the box is empty.
     pub fn is_empty(self) -> bool {
         !(self.min.x <= self.max.x && self.min.y <= self.max.y && self.min.z <= self.max.z)
     }
 
-    /// Whether it ends on every side.
+    /// Whether it is bounded on every side.
     pub fn is_finite(self) -> bool {
         self.min.is_finite() && self.max.is_finite()
     }
@@ -119,13 +119,13 @@ impl Bounds3 {
         0.5 * (self.max - self.min)
     }
 
-    /// Its middle, where it ends on both sides; 0 along the other axes.
+    /// Its middle along the axes where both faces are finite; 0 along the others.
     pub fn middle(self) -> DVec3 {
         let middle = 0.5 * (self.min + self.max);
         DVec3::select(middle.is_finite_mask(), middle, DVec3::ZERO)
     }
 
-    /// Metres from a point to the box; 0 inside.
+    /// Distance of a point from the box in metres; 0 inside.
     pub fn distance(self, point: DVec3) -> f64 {
         (self.min - point)
             .max(point - self.max)
@@ -133,8 +133,8 @@ impl Bounds3 {
             .length()
     }
 
-    /// The greatest distance of any of it from an axis through the origin (0 = x …); from the origin for other numbers
-    /// than 0 to 2.
+    /// The greatest distance of any of its points from an axis through the origin (0 = x …); from the origin for other
+    /// numbers than 0 to 2.
     pub fn radius_about(self, axis: usize) -> f64 {
         let mut far = self.min.abs().max(self.max.abs());
         if let Some(along) = AsMut::<[f64; 3]>::as_mut(&mut far).get_mut(axis) {
@@ -145,7 +145,7 @@ impl Bounds3 {
 }
 
 impl Bounds3 {
-    /// The distance to the box, negative inside.
+    /// Signed distance to the box, negative inside.
     pub fn signed_distance(self, point: DVec3) -> f64 {
         let outside = self.distance(point);
         if outside > 0.0 {

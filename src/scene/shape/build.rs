@@ -1,4 +1,4 @@
-//! Trees written in Rust.
+//! Builds trees in Rust.
 
 use super::operator::{
     Bend, Complement, Difference, Elongate, Intersection, Mirror, Morph, Offset, Repeat, Rotate,
@@ -38,39 +38,39 @@ impl Shape {
         }
     }
 
-    /// Solid where any of them is.
+    /// The union: solid where any of the children is.
     pub fn union(children: impl IntoIterator<Item = Shape>) -> Shape {
         Shape::over(Union, children)
     }
 
-    /// Solid where all of them are.
+    /// The intersection: solid where all of the children are.
     pub fn intersection(children: impl IntoIterator<Item = Shape>) -> Shape {
         Shape::over(Intersection, children)
     }
 
-    /// The union, blended below a difference of distances of `radius` metres.
+    /// The union, blended where distances differ by less than `radius` metres.
     pub fn smooth_union(radius: f32, children: impl IntoIterator<Item = Shape>) -> Shape {
         Shape::over(SmoothUnion { radius }, children)
     }
 
-    /// This field, less all the others.
+    /// This field minus all the others.
     pub fn minus(self, cut: impl IntoIterator<Item = Shape>) -> Shape {
         let mut children = vec![self];
         children.extend(cut);
         Shape::over(Difference, children)
     }
 
-    /// Between this field (0) and another (1).
+    /// A blend between this field (0) and another (1).
     pub fn morph(self, to: Shape, amount: f32) -> Shape {
         Shape::over(Morph { amount }, [self, to])
     }
 
-    /// Air and solid exchanged.
+    /// The complement: air and solid exchanged.
     pub fn complement(self) -> Shape {
         self.under(Complement)
     }
 
-    /// Its surface as a wall of `thickness` metres.
+    /// A wall of `thickness` metres along its surface.
     pub fn shell(self, thickness: f32) -> Shape {
         self.under(Shell { thickness })
     }
@@ -80,7 +80,7 @@ impl Shape {
         self.under(Offset { by })
     }
 
-    /// Moved by so many metres.
+    /// Moved by a vector in metres.
     pub fn translate(self, by: Vec3) -> Shape {
         self.under(Translate { by })
     }
@@ -90,33 +90,33 @@ impl Shape {
         self.under(Rotate { by })
     }
 
-    /// Made larger by a factor.
+    /// Scaled by a factor.
     pub fn scale(self, by: f32) -> Shape {
         self.under(Scale { by })
     }
 
-    /// What lies on the positive side of the chosen axes, on both sides.
+    /// The part on the positive side of the chosen axes, mirrored to the other side.
     pub fn mirror(self, axes: [bool; 3]) -> Shape {
         self.under(Mirror { axes })
     }
 
-    /// Repeated every `period` metres (0: not along that axis), `count` times (0: endless).
+    /// Repeated every `period` metres (0: not along that axis), `count` times (0: without end).
     pub fn repeat(self, period: Vec3, count: [u32; 3]) -> Shape {
         self.under(Repeat { period, count })
     }
 
-    /// Cut at the origin and pulled apart by so many metres to either side.
+    /// Cut at the origin, with each half moved outwards by `by` metres.
     pub fn elongate(self, by: Vec3) -> Shape {
         self.under(Elongate { by })
     }
 
-    /// Turned about y by `rate` radians a metre of y.
+    /// Turned about y by `rate` radians per metre of y.
     pub fn twist(self, rate: f32) -> Shape {
         let lipschitz = 0.0;
         self.under(Twist { rate, lipschitz })
     }
 
-    /// Turned about z by `rate` radians a metre of x.
+    /// Turned about z by `rate` radians per metre of x.
     pub fn bend(self, rate: f32) -> Shape {
         let lipschitz = 0.0;
         self.under(Bend { rate, lipschitz })

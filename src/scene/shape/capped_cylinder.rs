@@ -1,11 +1,11 @@
-//! A cylinder that ends: in a scene file a `Cylinder` with a height.
+//! A finite cylinder: in a scene file a `Cylinder` with a height.
 
 use super::part::parameters;
 use super::{Part, Properties, Shape};
 use crate::scene::Quantity;
 use glam::{DVec2, DVec3};
 
-/// A cylinder about y that ends.
+/// A finite cylinder about y.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CappedCylinder {
     /// Radius in metres.
@@ -40,7 +40,7 @@ impl CappedCylinder {
     }
 }
 
-/// The distance to a quarter plane, from the distances to its two edges' lines.
+/// The signed distance to a quarter plane, from the signed distances to the lines of its two edges.
 pub(super) fn corner_value(beyond: DVec2) -> f64 {
     beyond.max(DVec2::ZERO).length() + beyond.max_element().min(0.0)
 }

@@ -1,38 +1,38 @@
-//! Checks of a tree of shapes; each refusal is one sentence.
+//! Checks trees of shapes; each error is one sentence.
 
 use super::parameter::in_range;
 use super::{Node, Shape, User};
 use glam::DVec3;
 
-/// Nodes of one tree at most: a shader takes more memory and time to compile than they do. A
-/// field of 4,000 nodes took llvmpipe more than 7 GB.
+/// Maximum number of nodes in a tree: larger trees take a shader too much memory and time to
+/// compile. A field of 4,000 nodes took llvmpipe more than 7 GB.
 pub(crate) const MOST_NODES: usize = 512;
 
-/// Points at which a stated Lipschitz constant is tried.
+/// Number of points at which a stated Lipschitz constant is checked.
 const TRIES: usize = 4096;
 
-/// Times at which it is tried at all these points; of more times each gets a share of them.
+/// Maximum number of times at which it is checked at all these points; more times share the points.
 const TIMES_IN_FULL: usize = 64;
 
-/// Points at which it is tried at each time at least.
+/// Minimum number of points at which it is checked at each time.
 const LEAST_TRIES: usize = 32;
 
-/// By how much a difference quotient may exceed a stated constant before it is rejected:
-/// what rounding does to a quotient over a thousandth of the size.
+/// Relative excess of a difference quotient over a stated constant above which it is rejected: the
+/// effect of rounding on a quotient over a thousandth of the size.
 const ROUNDING: f64 = 1e-3;
 
 impl Shape {
-    /// Checks the tree's numbers, its operators' operands and that every repetition is safe:
-    /// cheap enough for every frame. What takes evaluations is in [`Shape::check`].
+    /// Checks the tree's numbers, its operators' operands and that every repetition is safe: cheap
+    /// enough for every frame. Checks that need evaluations are in [`Shape::check`].
     ///
     /// # Errors
-    /// A sentence that names the node and states what it must be.
+    /// A message that names the node and states the requirement.
     pub fn validate(&self) -> Result<(), String> {
         let nodes = self.nodes();
         if nodes.len() > MOST_NODES {
             let count = nodes.len();
             return Err(format!(
-                "a field of {count} nodes is too large: {MOST_NODES} at the most"
+                "a field of {count} nodes is too large: at most {MOST_NODES}"
             ));
         }
         for tree in &nodes {
@@ -41,7 +41,7 @@ impl Shape {
                 .and_then(|()| tree.node.check())
                 .map_err(named)?;
         }
-        // Only sound numbers have properties.
+        // Properties are defined for valid numbers only.
         for tree in nodes {
             let checked = tree.node.part().check_over(&tree.children);
             checked.map_err(|why| format!("{}: {why}", tree.node.name()))?;
@@ -49,11 +49,11 @@ impl Shape {
         Ok(())
     }
 
-    /// Checks the tree as [`Shape::validate`] does, and tries every stated Lipschitz constant
-    /// by some thousand evaluations; the text of users' fields is read, but not yet compiled.
+    /// Checks the tree as [`Shape::validate`] does, and checks every stated Lipschitz constant by a
+    /// few thousand evaluations; the text of users' fields is read, but not yet compiled.
     ///
     /// # Errors
-    /// A sentence that names the node and states what it must be.
+    /// A message that names the node and states the requirement.
     pub fn check(&self) -> Result<(), String> {
         self.validate()?;
         for field in self.nodes() {
@@ -65,8 +65,8 @@ impl Shape {
         Ok(())
     }
 
-    /// Tries every stated Lipschitz constant as the field stands at one of so many times, all
-    /// of which take some seconds together at most.
+    /// Checks every stated Lipschitz constant in the field's current state, at one of `times`
+    /// times, which together take a few seconds at most.
     pub(in crate::scene) fn check_growth_at_one_of(&self, times: usize) -> Result<(), String> {
         let tries = TRIES * TIMES_IN_FULL / times.max(1);
         let tries = tries.clamp(LEAST_TRIES, TRIES);
@@ -90,7 +90,7 @@ impl Shape {
         })
     }
 
-    /// The constant that a twist or a bend states is tried.
+    /// Checks the stated constant of a twist or a bend.
     fn check_growth(&self, tries: usize) -> Result<(), String> {
         let Some(stated) = self.node.part().stated_lipschitz() else {
             return Ok(());
@@ -108,7 +108,7 @@ impl Shape {
         ))
     }
 
-    /// A user's text has the function, and nothing that a shader would have to be given.
+    /// Checks that a user's text defines the function and needs no other inputs.
     fn check_text(&self) -> Result<(), String> {
         match &self.node {
             Node::User(User { field }) => field.check_text().map_err(|(line, why)| {
@@ -122,7 +122,8 @@ impl Shape {
         }
     }
 
-    /// The greatest difference quotient found at points of the field's bounds, and where.
+    /// The greatest difference quotient found at points of the field's bounds, and the point where
+    /// it was found.
     pub fn steepest(&self) -> (f64, DVec3) {
         self.steepest_of(TRIES)
     }
@@ -150,7 +151,7 @@ impl Shape {
     }
 }
 
-/// The n-th point of Halton's sequence in bases 2, 3, 5: evenly over the unit cube.
+/// The n-th point of Halton's sequence in bases 2, 3, 5: evenly distributed in the unit cube.
 pub(crate) fn halton(index: usize) -> DVec3 {
     let radical_inverse = |base: usize| {
         let (mut rest, mut share, mut sum) = (index, 1.0, 0.0);
@@ -165,10 +166,10 @@ pub(crate) fn halton(index: usize) -> DVec3 {
 }
 
 impl Node {
-    /// The node's own numbers, each against its range.
+    /// Checks the node's own numbers against their ranges.
     fn check(&self) -> Result<(), String> {
         if !in_range(self.part()) {
-            // Only who names the number needs a copy, and the names.
+            // Only an error message needs a copy and the names.
             let mut copy = self.clone();
             let parameters = copy.part_mut().parameters_mut();
             parameters.iter().try_for_each(|number| number.check())?;

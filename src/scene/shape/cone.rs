@@ -1,11 +1,11 @@
-//! A cone that ends.
+//! A finite cone.
 
 use super::part::numbers;
 use super::{Part, Properties, Shape};
 use glam::{DVec2, DVec3};
 
 numbers! {
-    /// A cone about y that ends: base at −height/2, tip at height/2.
+    /// A finite cone about y: base at −height/2, tip at height/2.
     Cone {
         /// Radius of the base, in metres.
         radius: f32 as Radius,
@@ -48,7 +48,7 @@ impl Cone {
     }
 }
 
-/// The distance of a point of a plane from a segment between two points.
+/// The distance of a point in a plane from a segment between two points.
 pub(super) fn segment_distance(p: DVec2, a: DVec2, b: DVec2) -> f64 {
     let along = b - a;
     let share = ((p - a).dot(along) / along.length_squared()).clamp(0.0, 1.0);

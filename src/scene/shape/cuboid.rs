@@ -1,4 +1,4 @@
-//! A box; in Rust it is called a cuboid, for `Box` is taken.
+//! A box; in Rust it is called a cuboid because `Box` is taken.
 
 use super::part::numbers;
 use super::{Part, Properties, Shape, SurfaceKind};
@@ -38,7 +38,7 @@ impl Part for Cuboid {
     }
 }
 
-/// The distance to a box about the origin.
+/// The signed distance to a box about the origin.
 pub(crate) fn box_value(p: DVec3, half_size: DVec3) -> f64 {
     let beyond = p.abs() - half_size;
     beyond.max(DVec3::ZERO).length() + beyond.max_element().min(0.0)

@@ -1,4 +1,4 @@
-//! An endless cylinder, and the form of all cylinders in a scene file.
+//! An infinite cylinder, and the form of all cylinders in a scene file.
 
 use super::part::parameters;
 use super::{CappedCylinder, Part, Properties, Rotate, Shape, SurfaceKind};
@@ -8,14 +8,14 @@ use crate::scene::{Quantity, SceneError};
 use glam::{DVec2, DVec3, Vec3};
 use serde::Deserialize;
 
-/// A solid endless cylinder about y.
+/// A solid infinite cylinder about y.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cylinder {
     /// Radius in metres.
     pub radius: f32,
 }
 
-/// Its form in a scene file: with a height it is bounded, with an axis it is turned.
+/// Its form in a scene file: with a height it is finite, with an axis it is turned.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct File {

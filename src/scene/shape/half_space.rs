@@ -7,14 +7,14 @@ use glam::{DVec3, Vec3};
 numbers! {
     /// Solid where `normal · p < offset`; the normal need not be a unit vector.
     HalfSpace {
-        /// Out of the solid.
+        /// Points out of the solid.
         normal: Vec3 as Plain,
         /// Distance of the boundary from the origin along the unit normal, in metres.
         offset: f32 as Metres = default,
     }
 }
 
-/// A normal shorter than this has no direction that `f32` can resolve.
+/// A shorter normal has no direction that `f32` can resolve.
 const SHORTEST_NORMAL: f32 = 1e-6;
 
 impl Part for HalfSpace {

@@ -1,4 +1,4 @@
-//! Heights from an image: bilinear ground.
+//! Heights from an image, interpolated bilinearly.
 
 use crate::file_input::read;
 use glam::{DVec2, UVec2};
@@ -8,24 +8,23 @@ use std::io::Cursor;
 use std::path::Path;
 use std::sync::OnceLock;
 
-/// Pixels along a side at most: a million heights are 16 MB on the GPU.
+/// Maximum number of pixels along a side: a million heights are 16 MB on the GPU.
 const LARGEST_SIDE: u32 = 1024;
 
-/// Bytes of an image file at most: four channels of 16 bits need 8 MiB as they are.
+/// Maximum size of an image file in bytes: four channels of 16 bits need 8 MiB uncompressed.
 const LARGEST_FILE: u64 = 32 << 20;
 
-/// Bytes that the decoder may take for itself beside the picture: rows, and what stands in
-/// the file about colours.
+/// Maximum memory of the decoder in bytes, besides the picture: rows, and colour data in the file.
 const DECODER_BYTES: usize = 64 << 20;
 
-/// A grid of heights from 0 (black) to 1 (white), the image's upper row first: the image
-/// lies as it is seen from above, its upper edge at −z.
+/// A grid of heights from 0 (black) to 1 (white), the image's upper row first: the image is a view
+/// from above, with its upper edge at −z.
 #[derive(Clone, Debug)]
 pub struct HeightImage {
     size: UVec2,
     heights: Vec<f32>,
     name: String,
-    /// The width and depth for which the steepest slope was computed first, and that slope.
+    /// The width and depth for which the steepest slope was first computed, and that slope.
     steepest: OnceLock<(DVec2, f64)>,
 }
 
@@ -36,16 +35,16 @@ impl PartialEq for HeightImage {
 }
 
 impl HeightImage {
-    /// Whether the two are one, wherever their files lie.
+    /// Whether the two are equal, wherever their files are.
     pub(crate) fn has_heights_of(&self, other: &HeightImage) -> bool {
         self.size == other.size && self.heights == other.heights
     }
 
-    /// A grid of heights, row by row; `name` is what reports call it.
+    /// A grid of heights, row by row; `name` is its name in reports.
     ///
     /// # Errors
-    /// A sentence when the grid is smaller than 2 × 2, larger than 1024 × 1024, or a height is
-    /// not within 0 to 1.
+    /// A message if the grid is smaller than 2 × 2 or larger than 1024 × 1024, or a height is not
+    /// within 0 to 1.
     pub fn new(name: &str, size: UVec2, heights: Vec<f32>) -> Result<HeightImage, String> {
         if size.min_element() < 2 || size.max_element() > LARGEST_SIDE {
             return Err(wrong_size(name, size));
@@ -72,8 +71,8 @@ impl HeightImage {
     /// Reads an 8- or 16-bit grey (or coloured: its luma) PNG file.
     ///
     /// # Errors
-    /// A sentence with the file when it cannot be read or is too large: more than 32 MiB, or
-    /// more than 1024 pixels along a side, which is known before it is decoded.
+    /// A message with the file if it cannot be read or is too large: more than 32 MiB, or more than
+    /// 1024 pixels along a side, which is checked before decoding.
     pub fn from_file(path: &Path) -> Result<HeightImage, String> {
         let shown = path.display().to_string();
         let refused = |why: String| format!("cannot read the height image {shown}: {why}");
@@ -87,7 +86,7 @@ impl HeightImage {
         HeightImage::new(&shown, size, heights.collect())
     }
 
-    /// What reports call it.
+    /// Its name in reports.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -98,7 +97,6 @@ impl HeightImage {
     }
 
     /// Width, height and all heights, each in four bytes, little-endian.
-    #[cfg(feature = "experiment")]
     pub(crate) fn to_bytes(&self) -> Vec<u8> {
         let size = self.size.to_array().into_iter().flat_map(u32::to_le_bytes);
         let heights = self.heights.iter().flat_map(|height| height.to_le_bytes());
@@ -114,7 +112,7 @@ impl HeightImage {
         f64::from(self.heights[(z * self.size.x + x) as usize])
     }
 
-    /// The cell that a place lies in, and where in it. `at` is 0 to 1 along x and z.
+    /// The cell that contains a point, and the position in it. `at` is 0 to 1 along x and z.
     fn cell(&self, at: DVec2) -> (UVec2, DVec2) {
         let cells = (self.size - 1).as_dvec2();
         let place = (at * cells).clamp(DVec2::ZERO, cells);
@@ -122,7 +120,7 @@ impl HeightImage {
         (cell.as_uvec2(), place - cell)
     }
 
-    /// Bilinear height, 0 to 1. `at` is 0 to 1 along x and z, held at the edges.
+    /// Bilinear height, 0 to 1. `at` is 0 to 1 along x and z, clamped at the edges.
     pub fn at(&self, at: DVec2) -> f64 {
         let (cell, within) = self.cell(at);
         let row = |z: u32| {
@@ -133,9 +131,9 @@ impl HeightImage {
         near + (row(cell.y + 1) - near) * within.y
     }
 
-    /// The steepest slope there is, in heights for the full width, along x and z.
+    /// The steepest slope, in heights for the full width, along x and z.
     ///
-    /// Walks over the whole image once; the result for the same size is cached.
+    /// Visits the whole image once; the result for the same size is cached.
     pub fn steepest(&self, size: DVec2) -> f64 {
         let (known_size, known) = self
             .steepest
@@ -173,11 +171,11 @@ fn wrong_size(name: &str, size: UVec2) -> String {
     )
 }
 
-/// What is wrong with a PNG.
+/// Errors of a PNG file.
 enum PngError {
     /// Its width and height.
     Side(UVec2),
-    /// Anything else, in words.
+    /// Any other error, as a message.
     Refused(String),
 }
 
@@ -187,7 +185,7 @@ impl From<DecodingError> for PngError {
     }
 }
 
-/// The picture's luma. Its size is known, and small enough, before anything is decoded.
+/// The picture's luma. Its size is checked before anything is decoded.
 fn luma(bytes: &[u8]) -> Result<ImageBuffer<Luma<u16>, Vec<u16>>, PngError> {
     let limits = png::Limits {
         bytes: DECODER_BYTES,
@@ -217,9 +215,9 @@ fn luma(bytes: &[u8]) -> Result<ImageBuffer<Luma<u16>, Vec<u16>>, PngError> {
     Ok(picture.into_luma16())
 }
 
-/// The decoder takes a palette of whole colours for granted, and panics at others.
+/// The decoder assumes a palette of complete colours, and panics at others.
 fn check_palette(info: &png::Info) -> Result<(), PngError> {
-    /// Red, green and blue, of 256 colours at most.
+    /// Bytes of a colour: red, green and blue; a palette has at most 256 colours.
     const COLOUR: usize = 3;
     const MOST: usize = 256 * COLOUR;
     let length = info.palette.as_ref().map_or(0, |palette| palette.len());
@@ -231,7 +229,7 @@ fn check_palette(info: &png::Info) -> Result<(), PngError> {
     )))
 }
 
-/// Pixels as the decoder leaves them, big-endian and of at least 8 bits; `None` for others.
+/// Pixels as the decoder returns them, big-endian and of at least 8 bits; `None` for other types.
 fn picture(
     size: UVec2,
     (colour, depth): (ColorType, BitDepth),

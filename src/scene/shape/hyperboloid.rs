@@ -13,7 +13,7 @@ use serde::Deserialize;
 /// Two sheets: y² > rise² (1 + (x² + z²)/waist²), two solid bowls.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hyperboloid {
-    /// Radius at the waist, in metres; of two sheets that of the hyperbola's box.
+    /// Radius at the waist, in metres; for two sheets, that of the hyperbola's box.
     pub waist: f32,
     /// Height in metres over which the asymptotic cone is as wide as the waist.
     pub rise: f32,

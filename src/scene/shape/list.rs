@@ -23,15 +23,15 @@ macro_rules! parts {
         said: { $($(#[$attr:meta])* $name:literal $module:ident::$part:ident,)* }
         made: { $($made_name:literal $made_module:ident::$made:ident,)* }
     ) => {
-        /// What one node of a tree is: a shape or an operator, without its children.
+        /// A node of a tree: a shape or an operator, without its children.
         #[derive(Clone, Debug, PartialEq)]
         pub enum Node {
             $($(#[$attr])* #[doc = concat!("`", $name, "` in scene files.")] $part($module::$part),)*
-            $(#[doc = "Said otherwise in scene files."] $made($made_module::$made),)*
+            $(#[doc = "Written differently in scene files."] $made($made_module::$made),)*
         }
 
         impl Node {
-            /// The name that shaders and reports use; in scene files a `CappedCylinder` is a `Cylinder`.
+            /// The name in shaders and reports; in scene files a `CappedCylinder` is a `Cylinder`.
             pub fn name(&self) -> &'static str {
                 match self {
                     $($(#[$attr])* Node::$part(_) => $name,)*
@@ -39,7 +39,7 @@ macro_rules! parts {
                 }
             }
 
-            /// The name that scene files use.
+            /// The name in scene files.
             pub(crate) fn name_in_files(&self) -> &'static str {
                 match self {
                     $(Node::$made(_) => $made_name,)*
@@ -92,10 +92,10 @@ macro_rules! parts {
         }
 
         impl ShapeFile {
-            /// Its tree.
+            /// Reads its tree.
             ///
             /// # Errors
-            /// What is wrong with the files that it names.
+            /// Errors of the files that it names.
             pub fn read(self, reader: &mut Reader) -> Result<Shape, SceneError> {
                 match self {
                     $($(#[$attr])* ShapeFile::$part(file) => file.read(reader),)*
@@ -103,7 +103,7 @@ macro_rules! parts {
             }
         }
 
-        /// How the shape or operator of this name is written in a scene file.
+        /// The notation of the shape or operator of this name in a scene file.
         pub(crate) fn form_of(name: &str) -> Option<Form> {
             match name {
                 $($(#[$attr])* $name => Form::of::<$module::File>(),)*
@@ -152,8 +152,8 @@ macro_rules! all_parts {
     };
 }
 
-/// Hands the list to a macro: the name in scene files, the module here (and of most the file
-/// under `glsl/`), the type.
+/// Passes the list to a macro: the name in scene files, the module here (for most also the name of
+/// the file under `glsl/`), the type.
 macro_rules! every_part {
     ($callback:ident) => {
         $callback! {
@@ -175,7 +175,7 @@ macro_rules! every_part {
                 "Hyperboloid" hyperboloid::Hyperboloid,
                 "Quadric" quadric::GeneralQuadric,
                 "HeightField" height_field::HeightField,
-                // The worked example of `docs/architecture.md`.
+                // The worked example in `docs/architecture.md`.
                 #[cfg(test)]
                 "Octahedron" octahedron::Octahedron,
             }
@@ -194,7 +194,7 @@ macro_rules! every_part {
                 "Bend" bend::Bend,
                 "Morph" morph::Morph,
             }
-            // Written into the text where they stand, without functions.
+            // Inlined in the shader's text, without functions.
             written_out: {
                 "Field" user::User,
                 "Complement" complement::Complement,
@@ -202,7 +202,7 @@ macro_rules! every_part {
                 "Rotate" rotate::Rotate,
                 "Scale" scale::Scale,
             }
-            // Shapes that scene files say otherwise: a cylinder with a height.
+            // Shapes with a different notation in scene files: a cylinder with a height.
             made: {
                 "Cylinder" capped_cylinder::CappedCylinder,
             }
@@ -218,14 +218,14 @@ pub(crate) fn shape_names() -> &'static [&'static str] {
     NAMES
 }
 
-/// This name with its number.
+/// This name and its number.
 pub(crate) fn numbered(name: &'static str) -> ShapeName {
     let index = NAMES.iter().position(|known| *known == name);
     let index = index.unwrap_or_default() as u32;
     ShapeName { name, index }
 }
 
-/// Reads the name of a shape or operator, and what belongs to it.
+/// Reads the name of a shape or operator, and its content.
 struct Tree;
 
 impl<'de> Deserialize<'de> for ShapeFile {

@@ -1,17 +1,16 @@
 //! Shapes: implicit surfaces as trees of shapes and operators.
 //!
-//! A [`Shape`] is a function of space whose sign separates air (positive) from solid
-//! (negative). Its leaves are shapes, its inner nodes operators, nested to any depth.
-//! What a tree promises about its value is in its [`Properties`]: whether the value is
-//! the distance to the surface, a bound of it, or only Lipschitz (Hart 1996, section 3);
-//! where it lies in space; whether the solid is convex.
+//! A [`Shape`] is a function of space whose sign separates air (positive) from solid (negative).
+//! Its leaves are shapes, its inner nodes operators, nested to any depth. The [`Properties`] of a
+//! tree state whether its value is the distance to the surface, a bound of it, or only Lipschitz
+//! (Hart 1996, section 3), the bounds of the solid, and whether it is convex.
 //!
-//! Each shape and operator has a file of its own here, and one under `glsl/`; `list` names
-//! them all.
+//! Each shape and operator has a file of its own here, and one under `glsl/`; `list` names them
+//! all.
 //!
-//! Theory: Hart 1996, "Sphere tracing"; Quilez, "distance functions", for the operators'
-//! customary names. Values here are computed in `f64`, apart from the shader's text, so that
-//! the two can disagree; a table of tests walks both.
+//! Theory: Hart 1996, "Sphere tracing"; Quilez, "distance functions", for the operators' customary
+//! names. Values here are computed in `f64`, independently of the shader's text, so that the two
+//! can disagree; tests compare both for a table of shapes.
 
 mod bounds;
 mod build;
@@ -54,8 +53,8 @@ pub(crate) use parameter::{LARGEST, Numbers};
 pub(crate) use part::{Asset, Part};
 use quadric::Quadric;
 pub(crate) use read::{FromFile, Operands};
-#[cfg(feature = "experiment")]
-pub(crate) use user_glsl::code_lines;
+#[doc(hidden)]
+pub use user_glsl::code_lines;
 
 pub use bounds::Bounds3;
 pub use capped_cylinder::CappedCylinder;
@@ -92,7 +91,7 @@ pub(crate) use user_field::UserSamples;
 use glam::DVec3;
 use std::sync::Arc;
 
-/// A shape, or an operator on the shapes below it.
+/// A shape, or an operator with its children.
 ///
 /// ```
 /// use echomarch::Shape;
@@ -105,14 +104,14 @@ use std::sync::Arc;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shape {
-    /// What it is, with its own numbers.
+    /// The shape or operator, with its own numbers.
     pub node: Node,
-    /// What an operator works on; empty for a shape.
+    /// The operands of an operator; empty for a shape.
     pub children: Vec<Shape>,
 }
 
 impl Node {
-    /// The user's field that it is, if it is one.
+    /// The user's field, if the shape is one.
     pub fn user(&self) -> Option<&Arc<UserField>> {
         match self.asset() {
             Some(Asset::User(field)) => Some(field),
@@ -127,31 +126,31 @@ impl Node {
 }
 
 impl Shape {
-    /// Whether it is one of the thesis' five shapes alone: a plane, a box, a room, a sphere or
-    /// a cylinder. Their sizes are passed to the shader relative to the listener, with every
-    /// frame; the numbers of all other trees are in its text.
+    /// Whether the tree is a single one of the thesis' five shapes: a plane, a box, a room, a
+    /// sphere or a cylinder. Their sizes are passed to the shader relative to the listener, with
+    /// every frame; the numbers of all other trees are in its text.
     pub fn is_basic(&self) -> bool {
         self.node.part().is_basic()
     }
 
-    /// Whether it is one shape all of whose faces are planes.
+    /// Whether it is a single shape with plane faces only.
     pub(crate) fn is_flat(&self) -> bool {
         self.children.is_empty() && self.node.part().surface_kind().flat
     }
 
-    /// Whether all of its surface lies in planes, however they are put together and copied.
+    /// Whether all of its surface lies in planes, however they are combined and copied.
     pub(crate) fn has_planes_alone(&self) -> bool {
         self.all_parts(|part| part.surface_kind().flat)
     }
 
-    /// Whether its surface has no edges and no corners: it is one smooth shape or a blend of such, moved, turned, scaled or
-    /// turned inside out.
+    /// Whether its surface has no edges and no corners: it is a smooth shape or a blend of such shapes, moved, turned,
+    /// scaled or inverted.
     pub(crate) fn is_smooth(&self) -> bool {
         self.all_parts(|part| part.surface_kind().smooth)
     }
 
-    /// Whether sheets of its surface may meet in a hollow edge, with less than half of space in the air: an edge of a
-    /// room, or where two solids touch.
+    /// Whether sheets of its surface may meet in a hollow edge, where less than half of space is air: an edge of a
+    /// room, or a place where two solids touch.
     pub(crate) fn may_have_hollow_edges(&self) -> bool {
         if self.is_convex() || self.is_smooth() {
             return false;
@@ -165,22 +164,22 @@ impl Shape {
         self.all_parts(|part| part.surface_kind().flat && !part.copies())
     }
 
-    /// Whether it is hollow and curved, so that it may gather sound.
-    pub(crate) fn gathers_sound(&self) -> bool {
+    /// Whether it is hollow and curved, so that it may focus sound.
+    pub fn gathers_sound(&self) -> bool {
         !self.has_planes_alone() && !self.is_convex()
     }
 
-    /// Whether something holds for all nodes of the tree.
+    /// Whether `holds` is true for all nodes of the tree.
     fn all_parts(&self, holds: fn(&dyn Part) -> bool) -> bool {
         holds(self.node.part()) && self.children.iter().all(|child| child.all_parts(holds))
     }
 
-    /// The tree, if it is no [basic](Shape::is_basic) shape.
-    pub(crate) fn field(&self) -> Option<&Shape> {
+    /// The tree, unless it is a [basic](Shape::is_basic) shape.
+    pub fn field(&self) -> Option<&Shape> {
         (!self.is_basic()).then_some(self)
     }
 
-    /// What the tree promises.
+    /// Properties of the tree.
     pub fn properties(&self) -> Properties {
         self.node.part().properties(&self.children)
     }
@@ -201,9 +200,9 @@ impl Shape {
         self.node.part().shader_numbers(&self.children)
     }
 
-    /// The largest length that its value is computed from, in metres: that of its bounds where
-    /// it ends, else the largest among its nodes. 0 for a plane.
-    pub(crate) fn extent(&self) -> f64 {
+    /// The largest length in the computation of its value, in metres: that of its bounds if they
+    /// are finite, else the largest among its nodes. 0 for a plane.
+    pub fn extent(&self) -> f64 {
         let bounds = self.properties().bounds;
         if bounds.is_finite() && !bounds.is_empty() {
             return bounds.min.abs().max(bounds.max.abs()).max_element();
@@ -213,8 +212,7 @@ impl Shape {
         lengths.fold(0.0, f64::max)
     }
 
-    /// Whether the two are alike but for where the files lie that they name.
-    #[cfg(feature = "demo")]
+    /// Whether the two are equal except for the paths of the files that they name.
     pub(crate) fn is_alike(&self, other: &Shape) -> bool {
         let nodes_are_alike = match (&self.node, &other.node) {
             (Node::User(one), Node::User(other)) => one.field.has_text_of(&other.field),
@@ -231,8 +229,8 @@ impl Shape {
 
     /// Every number of the tree that may move.
     ///
-    /// A node's own are called as in a scene file (`radius`, `size.x`); those of the n-th
-    /// child (from 0) have `n.` before them (`0.radius`, `1.0.by.y`).
+    /// A node's own numbers are named as in a scene file (`radius`, `size.x`); the names of the
+    /// n-th child's (from 0) begin with `n.` (`0.radius`, `1.0.by.y`).
     pub(crate) fn parameters_mut(&mut self) -> Vec<Parameter<'_>> {
         let mut all = self.node.part_mut().parameters_mut();
         for (index, child) in self.children.iter_mut().enumerate() {
@@ -245,12 +243,12 @@ impl Shape {
         all
     }
 
-    /// Whether the solid is convex: a wave that was mirrored at it cannot meet it next.
+    /// Whether the solid is convex: a wave reflected by it cannot hit it next.
     pub fn is_convex(&self) -> bool {
         self.properties().convex
     }
 
-    /// The name that scene files and reports use: the outermost node's.
+    /// The name of the outermost node in scene files and reports.
     pub fn name(&self) -> &'static str {
         self.node.name()
     }

@@ -1,4 +1,4 @@
-//! A regular octahedron: the worked example of `docs/architecture.md`, built for tests alone.
+//! A regular octahedron: the worked example in `docs/architecture.md`, built for tests only.
 
 use super::part::numbers;
 use super::{Bounds3, Part, Properties, Shape};
@@ -13,7 +13,7 @@ numbers! {
 }
 
 impl Part for Octahedron {
-    /// The value is the distance to the nearest face's plane: a bound next to edges.
+    /// The value is the distance to the nearest face's plane: a bound near edges.
     fn properties(&self, _: &[Shape]) -> Properties {
         let half_size = DVec3::splat(self.radius.into());
         Properties {
@@ -47,9 +47,9 @@ mod tests {
         listener: Listener(position: (0, 4, 0), radius: 0.5),
     )";
 
-    /// Protects the way to add a shape: two files, a line in the list and two in `mod.rs` make one that files name,
-    /// the CPU evaluates, and every profile traces; here against the reference, which knows its
-    /// value alone.
+    /// Protects the procedure of adding a shape: two files, a line in the list and two in `mod.rs` add one that
+    /// files can name, the CPU evaluates, and every profile traces; here it is compared with the reference, which
+    /// knows only its value.
     #[test]
     fn a_shape_of_two_files_and_a_line_is_traced() {
         let scene = Scene::from_ron(SCENE, "octahedra").unwrap();
@@ -72,7 +72,7 @@ mod tests {
                 }
             }
             assert!(met.iter().all(|&met| met > 100), "{profile}: {met:?}");
-            // Rounding decides at an edge.
+            // At an edge the result depends on rounding.
             assert!(differ <= 2, "{profile}: {differ} of {} waves", waves.len());
         }
     }

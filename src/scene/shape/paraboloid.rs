@@ -22,8 +22,8 @@ impl Part for Paraboloid {
         Properties {
             convex: true,
             symmetric: [true, false, true],
-            // Below the vertex its value grows as the root of the way: no multiple of it
-            // bounds how far a level lies from y = 0.
+            // Below the vertex its value grows as the root of the distance: no multiple of it
+            // bounds the distance of a level from y = 0.
             ..Properties::bound(Bounds3::EVERYWHERE)
         }
     }

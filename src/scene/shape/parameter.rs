@@ -1,37 +1,37 @@
-//! The numbers of shapes and operators that may move: their names, what they measure, and their ranges.
+//! The numbers of shapes and operators that may move: their names, quantities and ranges.
 
 use crate::scene::Quantity;
 use glam::{Vec2, Vec3};
 
 /// A number of a part that may move.
 pub struct Parameter<'a> {
-    /// What a scene file calls it: `radius`, `size.x`, `corners.2.y`.
+    /// Name in a scene file: `radius`, `size.x`, `corners.2.y`.
     pub name: String,
-    /// Where it stands, in the unit of the code.
+    /// Its current value, in the unit of the code.
     pub number: &'a mut f32,
-    /// What it measures.
+    /// Its quantity.
     pub quantity: Quantity,
 }
 
-/// What a part is made of: its numbers that may move, and how many children it takes.
+/// The content of a part: its numbers that may move, and the number of its children.
 pub(crate) trait Parameters {
-    /// How many children it takes: least and most.
+    /// Least and greatest number of children.
     fn operands(&self) -> (usize, usize) {
         (0, 0)
     }
 
-    /// Each with its name and what it measures, in order.
+    /// All numbers with their names and quantities, in order.
     fn parameters_mut(&mut self) -> Vec<Parameter<'_>>;
 
-    /// Each without its name, which takes no memory: for every frame.
+    /// Visits all numbers without their names, which allocates no memory: for every frame.
     fn each_number(&self, visit: &mut dyn FnMut(Quantity, f32));
 }
 
-/// The largest coordinate, size or time that a scene may hold, in metres or seconds: what is
-/// computed of it in `f32`, squares included, stays finite.
+/// The largest coordinate, size or time in a scene, in metres or seconds: results computed from it
+/// in `f32`, squares included, stay finite.
 pub(crate) const LARGEST: f32 = 1e9;
 
-/// Whether a number is in the range of its quantity, and what it must be.
+/// Whether a number is in the range of its quantity, and a statement of the range.
 fn range(quantity: Quantity, value: f32) -> (bool, &'static str) {
     match quantity {
         Quantity::Length | Quantity::Factor => (
@@ -54,10 +54,10 @@ pub(super) fn in_range(part: &(impl Parameters + ?Sized)) -> bool {
 }
 
 impl Parameter<'_> {
-    /// Rejects a number out of the range of its quantity.
+    /// Rejects a number outside the range of its quantity.
     ///
     /// # Errors
-    /// A sentence on what it must be.
+    /// A message that states the valid range.
     pub(super) fn check(&self) -> Result<(), String> {
         let value = *self.number;
         let (is_right, must) = range(self.quantity, value);
@@ -69,12 +69,12 @@ impl Parameter<'_> {
     }
 }
 
-/// Numbers that stand together: one, or a vector's.
+/// Numbers that belong together: a single one, or those of a vector.
 pub(crate) trait Numbers {
-    /// Adds each with its name.
+    /// Adds each number with its name.
     fn add_to<'a>(&'a mut self, name: &str, quantity: Quantity, all: &mut Vec<Parameter<'a>>);
 
-    /// Visits each.
+    /// Visits each number.
     fn each(&self, visit: &mut dyn FnMut(f32));
 }
 
@@ -117,7 +117,7 @@ impl Numbers for Vec3 {
     }
 }
 
-/// Numbers in a row are called after their place: `corners.0.x`.
+/// The numbers of an array are named by their position: `corners.0.x`.
 impl<T: Numbers, const N: usize> Numbers for [T; N] {
     fn add_to<'a>(&'a mut self, name: &str, quantity: Quantity, all: &mut Vec<Parameter<'a>>) {
         for (index, number) in self.iter_mut().enumerate() {

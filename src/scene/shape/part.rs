@@ -10,7 +10,7 @@ use crate::scene::notation::{Fields, Written};
 use glam::DVec3;
 use std::sync::Arc;
 
-/// A large thing that a shape's value comes from, beside its numbers.
+/// A large object that a shape's value depends on, besides its numbers.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Asset<'a> {
     /// The heights of an image.
@@ -19,10 +19,10 @@ pub(crate) enum Asset<'a> {
     User(&'a Arc<UserField>),
 }
 
-/// The interface of a shape or an operator. `children` are the fields that an operator
-/// works on; of a shape there are none.
+/// The interface of a shape or an operator. `children` are the operands of an operator; a shape has
+/// none.
 pub(crate) trait Part: Parameters {
-    /// Its form in a scene file apart from its children and the numbers that may move.
+    /// Its form in a scene file without its children and the numbers that may move.
     fn words(&self) -> Fields {
         Fields::new()
     }
@@ -45,49 +45,50 @@ pub(crate) trait Part: Parameters {
         false
     }
 
-    /// What its surface is like; of an operator, where the surfaces of its children are so.
+    /// The kind of its surface; for an operator, if its children's surfaces are of that kind.
     fn surface_kind(&self) -> SurfaceKind {
         SurfaceKind::GENERAL
     }
 
-    /// Whether it is an operator whose surface lies elsewhere than that of its children: it has copies of them.
+    /// Whether it is an operator that copies its children's surface to other places.
     fn copies(&self) -> bool {
         false
     }
 
-    /// Whether its surface consists of those of its children, moved and copied, none of which touch.
+    /// Whether its surface consists of those of its children, moved and copied, without any of them
+    /// touching.
     fn keeps_apart(&self, _children: &[Shape]) -> bool {
         self.surface_kind().moved
     }
 
-    /// Rejects what the ranges of the parameters alone do not.
+    /// Rejects numbers that are within their ranges but do not fit together.
     ///
     /// # Errors
-    /// A sentence on what must be.
+    /// A message that states the requirement.
     fn check(&self) -> Result<(), String> {
         Ok(())
     }
 
-    /// Rejects children that it cannot work on; their numbers are sound.
+    /// Rejects children that it cannot be applied to; their numbers are valid.
     ///
     /// # Errors
-    /// A sentence on what must be.
+    /// A message that states the requirement.
     fn check_over(&self, _children: &[Shape]) -> Result<(), String> {
         Ok(())
     }
 
-    /// What its value promises.
+    /// Properties of its value.
     fn properties(&self, children: &[Shape]) -> Properties;
 
-    /// How far the solid may reach out of its bounds when its surface is moved to a value of
-    /// 1 m, along any axis. 1 m where the value is the distance; a bound of the distance can
-    /// be slower, and its levels further apart.
+    /// Distance in metres by which the solid may exceed its bounds along any axis when its surface
+    /// is moved to a value of 1 m. 1 m if the value is the distance; a bound of the distance can
+    /// grow more slowly, so that its levels are further apart.
     fn slowness(&self, children: &[Shape]) -> f64 {
         slowest(children)
     }
 
-    /// The largest length among its own numbers, in metres; of a shape how far it reaches, if
-    /// it ends.
+    /// The largest length among its own numbers, in metres; for a bounded shape, its greatest
+    /// distance from the origin.
     fn own_length(&self) -> f64 {
         let (_, most) = self.operands();
         let bounds = match most {
@@ -101,24 +102,23 @@ pub(crate) trait Part: Parameters {
     /// The value at a point of its own axes (metres): positive in the air.
     fn value(&self, children: &[Shape], p: DVec3) -> f64;
 
-    /// The numbers that the shader's text uses, in its order: what follows from the parameters
-    /// (halves, squares, sines).
+    /// The numbers that the shader's text uses, in its order, derived from the parameters (halves,
+    /// squares, sines).
     fn shader_numbers(&self, _children: &[Shape]) -> Vec<f64> {
         Vec::new()
     }
 
-    /// How these are grouped into the arguments of its functions: components of each.
+    /// Number of components of each argument of its shader functions.
     fn arguments(&self) -> &'static [usize] {
         &[1; 8]
     }
 
-    /// The large thing beside its numbers that its value comes from.
+    /// The large object that its value depends on, if any.
     fn asset(&self) -> Option<Asset<'_>> {
         None
     }
 
-    /// How fast its value may grow, in metres a metre, where its scene states that instead of
-    /// having it computed.
+    /// The stated Lipschitz constant of its value, in metres per metre; `None` if it is computed.
     fn stated_lipschitz(&self) -> Option<f32> {
         None
     }
@@ -129,9 +129,9 @@ pub(super) fn slowest(of: &[Shape]) -> f64 {
     of.iter().map(Shape::slowness).fold(1.0, f64::max)
 }
 
-/// A part whose numbers all may move: the struct, its form in a scene file, and the list of
-/// its parameters. Each number is `name: type as Unit`, or `= default` where a file may leave
-/// it out.
+/// Defines a part whose numbers all may move: the struct, its form in a scene file, and the list of
+/// its parameters. Each number is `name: type as Unit`, with `= default` if a file may leave it
+/// out.
 ///
 /// ```text
 /// numbers! {
@@ -145,7 +145,7 @@ pub(super) fn slowest(of: &[Shape]) -> f64 {
 /// }
 /// ```
 ///
-/// An operator states before its numbers what it works on: `Shell over (of: Box<ShapeFile>) {…}`.
+/// An operator states its operands before its numbers: `Shell over (of: Box<ShapeFile>) {…}`.
 macro_rules! numbers {
     (
         $(#[$doc:meta])*
@@ -199,7 +199,8 @@ macro_rules! numbers {
 }
 pub(super) use numbers;
 
-/// Lists which numbers of a part may move and what each measures; of an operator, over how many children it is.
+/// Lists the numbers of a part that may move and their quantities; for an operator, also the number of its
+/// children.
 macro_rules! parameters {
     ($part:ident $(over $operands:tt)? { $($field:ident: $quantity:expr),* $(,)? }) => {
         impl $crate::scene::shape::parameter::Parameters for $part {
@@ -231,14 +232,14 @@ macro_rules! parameters {
 }
 pub(super) use parameters;
 
-/// A part without numbers: a unit struct. Its form in a scene file is its name alone.
+/// Defines a part without numbers: a unit struct. Its form in a scene file is its name alone.
 macro_rules! no_numbers {
     ($(#[$doc:meta])* $part:ident) => {
         $(#[$doc])*
         #[derive(Clone, Debug, PartialEq)]
         pub struct $part;
 
-        /// Its form in a scene file: nothing but its name.
+        /// Its form in a scene file: its name alone.
         #[derive(serde::Deserialize)]
         pub(crate) struct File;
 
@@ -258,7 +259,7 @@ macro_rules! no_numbers {
         #[derive(Clone, Debug, PartialEq)]
         pub struct $part;
 
-        /// Its form in a scene file: what it works on.
+        /// Its form in a scene file: its operands.
         #[derive(serde::Deserialize)]
         #[serde(deny_unknown_fields)]
         pub(crate) struct File {

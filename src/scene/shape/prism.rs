@@ -43,8 +43,8 @@ parameters!(Prism {
     depth: Quantity::Length
 });
 
-/// Area of a triangle, as a share of its longest side's square, below which its corners count
-/// as lying on one line: `f32` does not resolve their places better.
+/// Area of a triangle, as a share of its longest side squared, below which its corners count as
+/// collinear: `f32` cannot resolve them better.
 const LEAST_AREA: f64 = 1e-6;
 
 impl Part for Prism {
@@ -77,7 +77,7 @@ impl Part for Prism {
         corner_value(DVec2::new(flat, p.z.abs() - self.half_depth()))
     }
 
-    /// The corners in positive sense, and half the depth.
+    /// The corners in counter-clockwise order, and half the depth.
     fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
         let [a, b, c] = self.flat();
         let (b, c) = match (b - a).perp_dot(c - a) < 0.0 {
@@ -102,7 +102,7 @@ impl Prism {
     }
 }
 
-/// The signed distance of a point of the plane from a triangle.
+/// The signed distance of a point in the plane from a triangle.
 fn triangle_value(p: DVec2, corners: [DVec2; 3]) -> f64 {
     let [a, b, c] = corners;
     let turn = (b - a).perp_dot(c - a).signum();

@@ -1,26 +1,26 @@
-//! What a field promises, from its leaves up.
+//! Properties of a field, from its leaves up.
 //!
-//! Exactness on either side, and the Lipschitz constant L of the value: |value| / L never
-//! exceeds the distance to the surface, which is what a safe step needs (Hart 1996,
-//! theorem 1). Each shape and operator has its own rule. What they share: where several fields
-//! are joined the value is a bound, with the greatest L; moving, turning, mirroring and
-//! cutting space never grows a distance.
+//! Exactness on either side, and the Lipschitz constant L of the value: |value| / L never exceeds
+//! the distance to the surface, which is what a safe step needs (Hart 1996, theorem 1). Each shape
+//! and operator has its own rule. Common rules: where several fields are joined the value is a
+//! bound, with the greatest L; moving, turning, mirroring and cutting space never increases a
+//! distance.
 
 use super::Bounds3;
 use glam::DVec3;
 
-/// How a value is related to the distance to the surface.
+/// The relation of a value to the distance to the surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Exactness {
-    /// It is the Euclidean distance.
+    /// The value is the Euclidean distance.
     Exact,
-    /// It is never more.
+    /// The value never exceeds the distance.
     Bound,
     /// Neither: it must be divided by the Lipschitz constant.
     Neither,
 }
 
-/// What is known of a field without evaluating it.
+/// Properties of a field that are known without evaluating it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Properties {
@@ -28,40 +28,40 @@ pub struct Properties {
     pub in_air: Exactness,
     /// The relation of negative values to the distance.
     pub in_solid: Exactness,
-    /// How much faster than the way the value changes at most; at least 1.
+    /// The Lipschitz constant of the value; at least 1.
     pub lipschitz: f64,
-    /// What holds the solid.
+    /// Bounds of the solid.
     pub bounds: Bounds3,
     /// Whether the solid is convex.
     pub convex: bool,
-    /// Whether it is the same mirrored at x = 0, y = 0, z = 0.
+    /// Whether it is symmetric about x = 0, y = 0, z = 0.
     pub symmetric: [bool; 3],
 }
 
-/// What a surface is like, without evaluating it.
+/// The kind of a surface, known without evaluating it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SurfaceKind {
     /// Whether all of it lies in planes.
     pub flat: bool,
     /// Whether it has no edges and no corners.
     pub smooth: bool,
-    /// Whether it is that of one child at another place, turned or larger.
+    /// Whether it is that of a single child moved, turned or scaled.
     pub moved: bool,
 }
 
 impl SurfaceKind {
-    /// Nothing is known of it.
+    /// A surface of unknown kind.
     pub(super) const GENERAL: SurfaceKind = SurfaceKind {
         flat: false,
         smooth: false,
         moved: false,
     };
-    /// Planes with edges between them; of an operator, flat where its children are, and edges where these meet.
+    /// Planes with edges between them; for an operator, flat if its children are, with edges where these meet.
     pub(super) const FLAT: SurfaceKind = SurfaceKind {
         flat: true,
         ..SurfaceKind::GENERAL
     };
-    /// Curved, without edges; of an operator, smooth where its children are.
+    /// Curved, without edges; for an operator, smooth if its children are.
     pub(super) const SMOOTH: SurfaceKind = SurfaceKind {
         smooth: true,
         ..SurfaceKind::GENERAL
@@ -74,7 +74,7 @@ impl SurfaceKind {
     };
     /// The child's, seen from its other side.
     pub(super) const TURNED_INSIDE_OUT: SurfaceKind = SurfaceKind::PLANE;
-    /// The child's at another place.
+    /// The child's, moved.
     pub(super) const MOVED: SurfaceKind = SurfaceKind {
         flat: true,
         smooth: true,
@@ -115,7 +115,7 @@ impl Properties {
         Properties::exact(DVec3::new(radius, half_height, radius))
     }
 
-    /// With a Lipschitz constant; above 1 the value is not even a bound.
+    /// Sets the Lipschitz constant; above 1 the value is not even a bound.
     pub(super) fn growing(mut self, lipschitz: f64) -> Properties {
         self.lipschitz = lipschitz.max(1.0);
         if self.lipschitz > 1.0 {
@@ -126,7 +126,7 @@ impl Properties {
 }
 
 impl Exactness {
-    /// The relation of several values together, where the constant is that of the steepest.
+    /// The common relation of several values, with the Lipschitz constant of the steepest.
     pub(super) fn worst(of: impl Iterator<Item = Exactness>, lipschitz: f64) -> Exactness {
         let mut of = of;
         match lipschitz > 1.0 {
@@ -136,25 +136,24 @@ impl Exactness {
         }
     }
 
-    /// A bound, as far as the constant allows.
+    /// A bound, if the constant allows it.
     pub(super) fn bound(lipschitz: f64) -> Exactness {
         if lipschitz > 1.0 { Neither } else { Bound }
     }
 
-    /// A bound, where it was the distance.
+    /// Turns an exact distance into a bound.
     pub(super) fn or_bound(self) -> Exactness {
         if self == Exact { Bound } else { self }
     }
 }
 
-/// What holds all of them.
+/// Common bounds of all.
 pub(super) fn hull(of: &[Properties]) -> Bounds3 {
     let bounds = of.iter().map(|p| p.bounds);
     bounds.reduce(Bounds3::hull).unwrap_or(Bounds3::EVERYWHERE)
 }
 
-/// What fields joined to one promise: a bound with the greatest constant, symmetric where all
-/// are.
+/// Properties of fields joined to one: a bound with the greatest constant, symmetric if all are.
 pub(super) fn merged(of: &[Properties], bounds: Bounds3) -> Properties {
     let lipschitz = of.iter().map(|p| p.lipschitz).fold(1.0, f64::max);
     let every = |axis: usize| of.iter().all(|p| p.symmetric[axis]);

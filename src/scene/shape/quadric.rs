@@ -1,9 +1,9 @@
-//! Any quadric, and the form that the special ones share.
+//! The general quadric, and the common form of the special ones.
 //!
-//! The distance r to the surface of F obeys |F| ≤ g r + λ r² with g = |∇F| and λ the norm of
-//! the quadratic form (Taylor's theorem, exact for a quadratic). Solved for r,
-//! φ = 2 F / (g + √(g² + 4 λ |F|)) is never more than the distance, agrees with it to first
-//! order at the surface, and is Lipschitz with constant 1, for |∇g| ≤ 2 λ.
+//! The distance r to the surface of F obeys |F| ≤ g r + λ r² with g = |∇F| and λ the norm of the
+//! quadratic form (Taylor's theorem, exact for a quadratic). Solved for r, φ = 2 F / (g + √(g² + 4
+//! λ |F|)) never exceeds the distance, agrees with it to first order at the surface, and is
+//! Lipschitz with constant 1, because |∇g| ≤ 2 λ.
 
 use super::part::parameters;
 use super::{Bounds3, Part, Properties, Shape};
@@ -57,7 +57,7 @@ impl Part for GeneralQuadric {
         }
     }
 
-    /// Coefficients are no lengths; their quotients are.
+    /// Coefficients are not lengths, but their quotients are.
     fn own_length(&self) -> f64 {
         let form = self.form();
         let (linear, constant) = (form.linear.length(), form.constant.abs());
@@ -94,7 +94,7 @@ impl GeneralQuadric {
     }
 }
 
-/// What the parts have in common that are quadrics along the coordinates' axes, by their `form`.
+/// Common implementation of the quadrics along the coordinate axes, from their `form`.
 macro_rules! straight_quadric {
     () => {
         fn value(&self, _: &[Shape], p: DVec3) -> f64 {
@@ -117,7 +117,7 @@ pub(super) use straight_quadric;
 pub(crate) struct Quadric {
     /// Q's diagonal.
     pub diagonal: DVec3,
-    /// Q's other numbers: yz, zx, xy.
+    /// Q's off-diagonal elements: yz, zx, xy.
     pub mixed: DVec3,
     /// b.
     pub linear: DVec3,
@@ -129,7 +129,7 @@ impl Quadric {
     /// The groups of [`Quadric::straight_numbers`].
     pub(super) const STRAIGHT_ARGUMENTS: &[usize] = &[3, 1, 1];
 
-    /// One whose axes are those of the coordinates.
+    /// A quadric along the coordinate axes.
     pub(super) fn straight(diagonal: DVec3, linear: DVec3, constant: f64) -> Quadric {
         Quadric {
             diagonal,
@@ -139,14 +139,15 @@ impl Quadric {
         }
     }
 
-    /// Diagonal, constant, norm: what differs between straight ones of one kind.
+    /// Diagonal, constant, norm: the numbers that differ between axis-parallel quadrics of one
+    /// kind.
     pub(super) fn straight_numbers(&self) -> Vec<f64> {
         let mut numbers = self.diagonal.to_array().to_vec();
         numbers.extend([self.constant, self.norm()]);
         numbers
     }
 
-    /// Never more than the distance to the surface, see the module.
+    /// A lower bound of the distance to the surface, see the module.
     pub(super) fn distance_bound(&self, p: DVec3) -> f64 {
         let (value, gradient) = self.at(p);
         let g = gradient.length();
@@ -175,8 +176,8 @@ impl Quadric {
         (value, 2.0 * form + self.linear)
     }
 
-    /// What Q stretches a vector by at most: of a diagonal form its largest number, else
-    /// the Frobenius norm, which is never less.
+    /// Upper bound of the factor by which Q stretches a vector: for a diagonal form its largest
+    /// element, else the Frobenius norm, which is never less.
     pub fn norm(&self) -> f64 {
         if self.mixed == DVec3::ZERO {
             return self.diagonal.abs().max_element();

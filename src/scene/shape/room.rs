@@ -5,7 +5,7 @@ use super::{Bounds3, Exactness, Part, Properties, Shape, SurfaceKind};
 use glam::{DVec3, Vec3};
 
 numbers! {
-    /// The inside of a box: air within, solid without.
+    /// The inside of a box: air inside, solid outside.
     Room {
         /// Full width, height and depth of the air in metres.
         size: Vec3 as Side,

@@ -21,7 +21,7 @@ impl Part for Torus {
 
     fn properties(&self, _: &[Shape]) -> Properties {
         Properties {
-            // A tube that reaches over the axis covers its own inner side: that is no
+            // A tube that reaches across the axis covers its own inner side, which is then not a
             // surface, but the value is the distance to it.
             in_solid: match self.tube > self.ring {
                 true => Exactness::Bound,

@@ -15,7 +15,7 @@ use std::sync::Arc;
 /// scene files.
 #[derive(Clone, Debug, PartialEq)]
 pub struct User {
-    /// The text and what it promises.
+    /// The text and its stated properties.
     pub field: Arc<UserField>,
 }
 

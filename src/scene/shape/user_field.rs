@@ -1,9 +1,9 @@
-//! A user's field: GLSL text with a `float field(vec3 p)` in it, and perhaps a
+//! A user's field: GLSL text with a `float field(vec3 p)`, and optionally a
 //! `vec3 fieldGradient(vec3 p)`.
 //!
-//! Only a GPU can evaluate it. What the CPU needs to know (whether the source is in a solid,
-//! where a walker may go) it has from samples, which are taken once on the GPU when the
-//! field is checked; see `crate::trace`.
+//! Only a GPU can evaluate it. For its own questions (whether the source is in a solid, where a
+//! walker may go) the CPU uses samples, which are taken once on the GPU when the field is checked;
+//! see `crate::trace`.
 
 use super::parameter::Numbers;
 use super::{Parameter, user_glsl};
@@ -12,25 +12,25 @@ use glam::{DVec3, Vec3};
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
-/// A user's field, and what is promised of it.
+/// A user's field, with its stated properties.
 #[derive(Debug)]
 pub struct UserField {
-    /// The file that the text came from, or what reports call it.
+    /// The file of the text, or another name for reports.
     pub file: PathBuf,
-    /// GLSL with a `float field(vec3 p)`; helpers, constants and macros beside it are fine. A
-    /// `vec3 fieldGradient(vec3 p)` states its gradient, in units of the value a metre.
+    /// GLSL with a `float field(vec3 p)`; helpers, constants and macros are allowed. A
+    /// `vec3 fieldGradient(vec3 p)` states its gradient, in units of the value per metre.
     pub text: String,
-    /// Full size in metres of the box about the origin that it fills: it is cut off there,
-    /// and never evaluated beyond.
+    /// Full size in metres of the box about the origin that it fills: it is cut off there, and
+    /// never evaluated outside.
     pub size: Vec3,
-    /// How fast its value may grow at most, in metres a metre.
+    /// Lipschitz constant of its value, in metres per metre.
     pub lipschitz: f32,
     samples: OnceLock<Arc<UserSamples>>,
     read: OnceLock<Read>,
     evaluation_seconds: OnceLock<f64>,
 }
 
-/// Properties of the text needed in every frame: it is read once.
+/// Properties of the text that every frame needs: it is read only once.
 #[derive(Clone, Copy, Debug, Default)]
 struct Read {
     has_loops: bool,
@@ -47,7 +47,7 @@ pub struct UserSamples {
 }
 
 impl UserField {
-    /// A field from text; `file` is what reports call it.
+    /// A field from text; `file` is its name in reports.
     pub fn new(file: impl Into<PathBuf>, text: String, size: Vec3, lipschitz: f32) -> UserField {
         UserField {
             file: file.into(),
@@ -60,10 +60,10 @@ impl UserField {
         }
     }
 
-    /// Rejects a box without a size, and a constant that cannot be meant.
+    /// Rejects an empty box, and a Lipschitz constant out of range.
     ///
     /// # Errors
-    /// A sentence on what it must be.
+    /// A message that states the valid range.
     pub(super) fn check_numbers(&self) -> Result<(), String> {
         let mut size = self.size;
         let mut sides = Vec::new();
@@ -76,35 +76,36 @@ impl UserField {
         Err(format!("its lipschitz must be 0.001 to 1e6, not {value}"))
     }
 
-    /// Keeps what the GPU answered; the first answer stays.
+    /// Stores the samples from the GPU; later calls change nothing.
     pub(crate) fn set_samples(&self, samples: Arc<UserSamples>) {
         // The same text over the same box has the same samples.
         let _ = self.samples.set(samples);
     }
 
-    /// The GPU's samples, once they were taken.
+    /// The samples from the GPU, once they were taken.
     pub(crate) fn samples(&self) -> Option<&Arc<UserSamples>> {
         self.samples.get()
     }
 
-    /// Keeps how long an evaluation takes; the first measurement stays.
+    /// Stores the time of an evaluation; later calls change nothing.
     pub(crate) fn set_evaluation_seconds(&self, seconds: f64) {
-        // Another measurement of the same text says the same, within the load.
+        // Another measurement of the same text gives the same time, apart from the load.
         let _ = self.evaluation_seconds.set(seconds);
     }
 
-    /// Seconds that an evaluation took on the renderer, many of them side by side, once that
-    /// was measured.
+    /// Seconds per evaluation on the renderer, with many running in parallel, once that was
+    /// measured.
     pub(crate) fn evaluation_seconds(&self) -> Option<f64> {
         self.evaluation_seconds.get().copied()
     }
 
-    /// Whether the text is one of the program's own.
+    /// Whether the text is built into the program.
     pub(crate) fn is_own(&self) -> bool {
         crate::scene::builtin::is_own_text(&self.text)
     }
 
-    /// The value as the samples have it (trilinear), held at the box; 0 before there are any.
+    /// The value interpolated from the samples (trilinear), clamped to the box; 0 before there are
+    /// any.
     pub fn value(&self, point: DVec3) -> f64 {
         let Some(samples) = self.samples.get() else {
             return 0.0;
@@ -113,24 +114,24 @@ impl UserField {
         samples.at(share)
     }
 
-    /// The text as it may stand within a shader, line by line: in ASCII, its macros expanded,
-    /// without directives and `precision` statements, which are the whole shader's. Empty for
-    /// a text that [`UserField::check_text`] rejects.
+    /// The text for use within a shader, line by line: in ASCII, with macros expanded, and without
+    /// directives and `precision` statements, which belong to the whole shader. Empty for a text
+    /// that [`UserField::check_text`] rejects.
     pub fn shader_text(&self) -> String {
         user_glsl::read(&self.text).map_or_else(|_| String::new(), |text| text.code)
     }
 
-    /// Checks what can be seen without compiling it.
+    /// Checks everything that can be checked without compiling.
     ///
     /// # Errors
-    /// The line, where it is in one, and a sentence: there is no `float field(vec3 p)`, a
-    /// value that a shader would have to be given from outside, something that a function of
-    /// one point cannot do, or more than a compiler can be trusted with.
+    /// The line, if the error is in one, and a message: the text lacks a `float field(vec3 p)`,
+    /// needs a value from outside, does something that a function of one point cannot do, or
+    /// exceeds the limits that protect compilers.
     pub fn check_text(&self) -> Result<(), (Option<u32>, String)> {
         user_glsl::read(&self.text).map(|_| ())
     }
 
-    /// Whether there are loops in the text, as far as it can be read.
+    /// Whether the text contains loops, as far as it can be read.
     pub fn has_loops(&self) -> bool {
         self.read().has_loops
     }
@@ -150,8 +151,8 @@ impl UserField {
             .get_or_init(|| user_glsl::read(&self.text).map(read).unwrap_or_default())
     }
 
-    /// All names in the text that are not GLSL's own: they are renamed when it is taken into a
-    /// shader, so that two fields never clash, and no field reaches what is around it. Empty
+    /// All names in the text that are not GLSL's own: they are renamed when it is included in a
+    /// shader, so that fields do not clash with each other or with the shader around them. Empty
     /// for a text that [`UserField::check_text`] rejects.
     pub fn names(&self) -> Vec<String> {
         user_glsl::read(&self.text).map_or_else(|_| Vec::new(), |text| text.names)
@@ -165,14 +166,14 @@ impl PartialEq for UserField {
 }
 
 impl UserField {
-    /// Whether the two are one, wherever their files lie.
+    /// Whether the two are equal, wherever their files are.
     pub(crate) fn has_text_of(&self, other: &UserField) -> bool {
         self.text == other.text && self.size == other.size && self.lipschitz == other.lipschitz
     }
 }
 
 impl UserSamples {
-    /// Trilinear value at 0 to 1 along each side, held at the edges.
+    /// Trilinear value at 0 to 1 along each side, clamped at the edges.
     fn at(&self, share: DVec3) -> f64 {
         let last = (self.side - 1) as f64;
         let place = (share * last).clamp(DVec3::ZERO, DVec3::splat(last));
@@ -200,7 +201,7 @@ impl UserSamples {
 mod tests {
     use super::*;
 
-    /// Protects the CPU's idea of a field: the samples, interpolated.
+    /// Protects the CPU's values of a field: the interpolated samples.
     #[test]
     fn samples_are_interpolated() {
         let size = Vec3::new(2.0, 4.0, 8.0);

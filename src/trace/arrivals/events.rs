@@ -1,33 +1,33 @@
-//! The events of a wave in a chunk, and what they leave of its energy.
+//! The events of a wave in a chunk, and the energy that remains after them.
 
 use crate::bands::{BAND_COUNT, Bands};
 use crate::kernel::{Materials, WORD_BITS};
 
-/// Words of events that a wave has at most: one in its tally, four in a texture.
+/// Maximum words of events of a wave: one in its tally, four in a texture.
 const WORDS: usize = 5;
 
-/// Bits of the events that are looked up at a time: a table of 64 KiB, five events of two bits.
+/// Bits of the events looked up at once: a table of 64 KiB, five events of two bits.
 const GROUP_BITS: u32 = 10;
 
 /// The share of the energy that events leave, looked up for several events at once.
 #[derive(Clone, Debug)]
 pub struct EventTable {
     bits: u32,
-    /// Events that are looked up at a time.
+    /// Events looked up at once.
     in_group: u32,
     /// The share of the energy after a group of events, by their bits.
     left: Vec<Bands>,
-    /// Whether a wave is scattered in one of them.
+    /// Whether one of them scatters the wave.
     is_scattered: Vec<bool>,
     materials: Materials,
 }
 
-/// The events of one wave in a chunk, of which those before an iteration are done.
+/// The events of one wave in a chunk; those before an iteration are already done.
 #[derive(Debug)]
 pub struct Events<'a> {
     table: &'a EventTable,
     words: [u32; WORDS],
-    /// The word in progress, without the events that are done.
+    /// The word in progress, without the events already done.
     word: u32,
     next_word: usize,
     in_word: u32,
@@ -46,7 +46,7 @@ impl EventTable {
         let mut is_scattered = vec![false];
         let of_one = materials.left();
         for _ in 0..in_group {
-            // The events before are the lower bits.
+            // The earlier events are the lower bits.
             let (before, scattered) = (left.clone(), is_scattered.clone());
             left.clear();
             is_scattered.clear();
@@ -91,12 +91,12 @@ impl EventTable {
 }
 
 impl Events<'_> {
-    /// Takes a wave through its events before an iteration.
+    /// Applies the events before an iteration to a wave.
     pub fn suffer(&mut self, until: u32, energy: &mut Bands, is_mirrored: &mut bool) {
         let EventTable { bits, in_group, .. } = *self.table;
         while self.iteration < until {
             if self.in_word == 0 {
-                // Beyond the last word nothing happens.
+                // Beyond the last word there are only zeros.
                 self.word = self.words.get(self.next_word).copied().unwrap_or_default();
                 self.next_word += 1;
                 self.in_word = WORD_BITS / bits;
@@ -146,8 +146,8 @@ mod tests {
         Materials::of(&scene, 0..BAND_COUNT)
     }
 
-    /// Protects events from being lost between groups and words: looked up in groups, in any
-    /// parts, they leave what they leave one by one.
+    /// Protects events from being lost between groups and words: looked up in groups of any size,
+    /// they leave the same energy as one by one.
     #[test]
     fn groups_leave_what_single_events_leave() {
         for count in [1, 2, 5, 9, 20, 40] {

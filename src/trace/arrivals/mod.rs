@@ -1,5 +1,5 @@
-//! Arrivals: every crossing of the listener's sphere by every wave, with the energy that it
-//! carries. [`Tracer::arrivals`](super::Tracer::arrivals) gives them.
+//! Arrivals: every crossing of the listener's sphere by every wave, with its energy.
+//! [`Tracer::arrivals`](super::Tracer::arrivals) returns them.
 //!
 //! The listener is transparent here. A pass (`glsl/arrivals/`) takes the waves of a *block* through
 //! a *chunk* of iterations and writes a record for each crossing, up to a number for each wave. What was
@@ -7,12 +7,12 @@
 //! crosses more often than there are records is drawn again from the chunk's start, as one of a
 //! list, and earlier crossings are skipped. Blending is off: the same input gives the same bits.
 //!
-//! | file | what it does |
+//! | file | contents |
 //! | --- | --- |
 //! | `events.rs` | what reflections leave of a wave's energy |
 //! | `settings.rs` | settings, which waves are followed and how they start, counts |
 //! | `volume.rs` | the open volume of the listener's sphere |
-//! | `targets.rs` | textures, and what is read back of them |
+//! | `targets.rs` | textures, and their read-back |
 //! | `replay.rs` | from records to arrivals |
 //! | `../tracer/arrival_passes.rs` | the passes |
 
@@ -29,12 +29,12 @@ pub(crate) use settings::{Followed, Start, WavesToFollow};
 pub(super) use targets::{ArrivalTargets, LISTED_AT_MOST, listed_rows};
 pub(super) use volume::open_volume;
 
-/// Waves that are followed at a time, through all their chunks: 60 MB of textures, and enough for
-/// every core of a large graphics card.
+/// Waves followed at once, through all their chunks: 60 MB of textures, and enough for every core
+/// of a large graphics card.
 pub(super) const WAVES_IN_BLOCK: u32 = 1 << 18;
 
-/// Iterations in a chunk where loops and records allow it: writing what a chunk writes costs about
-/// as much as ten iterations in an empty room.
+/// Iterations in a chunk if loops and records allow it: writing a chunk's results costs about as
+/// much as ten iterations in an empty room.
 pub(super) const ITERATIONS_IN_CHUNK: u32 = 64;
 
 /// Crossings that are recorded of a wave in a chunk, if the driver has enough outputs. A wave

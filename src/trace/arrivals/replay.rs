@@ -8,19 +8,19 @@ use crate::bands::{self, BAND_COUNT, Bands};
 use glam::DVec3;
 use std::ops::Range;
 
-/// In a tally crossings count 1, fates this (`glsl/arrivals/chunk.frag`).
+/// A tally is the number of crossings plus this factor times the fate (`glsl/arrivals/chunk.frag`).
 const CROSSINGS: u32 = 1024;
 
 /// The constants that arrivals are computed with.
 #[derive(Clone, Debug)]
 pub struct Replay {
-    /// Reflections of an early arrival at most.
+    /// Maximum reflections of an early arrival.
     pub early_order: u32,
-    /// Metres that waves are followed.
+    /// Metres for which waves are followed.
     pub length_limit: f64,
-    /// Metres of a chord that is recorded as 1.
+    /// Length in metres of a chord recorded as 1.
     pub chord_unit: f64,
-    /// Energy density of a metre of chord of a wave that has lost nothing: 1 / (V N), in 1/m³.
+    /// Energy density per metre of chord of a wave without losses: 1 / (V N), in 1/m³.
     pub density: f64,
     /// The effect of reflections; `None` if no surface absorbs or scatters.
     pub events: Option<EventTable>,
@@ -31,7 +31,7 @@ pub struct Replay {
 pub struct Listed {
     /// Number in the block.
     pub wave: u32,
-    /// Crossings that are recorded already.
+    /// Crossings already recorded.
     pub passed_over: u32,
 }
 
@@ -64,17 +64,17 @@ struct WaveSoFar {
     is_mirrored: bool,
 }
 
-/// The waves of a block, and how far they have come.
+/// The waves of a block, and their progress.
 #[derive(Debug)]
 pub struct Block {
     first: u32,
     grid: Grid,
     waves: Vec<WaveSoFar>,
-    /// The energy with which all start, in each band that they carry.
+    /// The initial energy of each wave, in each band that it carries.
     energy_at_start: f64,
     /// Their remaining energies, where these are not always 1.
     energies: Vec<Bands>,
-    /// Rows that have waves which are followed.
+    /// Rows with waves that are still followed.
     pub rows: Range<u32>,
     /// Iterations before the chunk.
     pub iterations: u32,
@@ -84,7 +84,7 @@ pub struct Block {
 #[derive(Clone, Copy, Debug)]
 pub struct Chunk<'a> {
     pub tally: &'a [f32],
-    /// Further words of events, where there is such a texture.
+    /// Further words of events, if there is such a texture.
     pub words: Option<&'a [f32]>,
     pub records: &'a [Vec<f32>],
     /// The records of the waves that were drawn once more, in the order of their list.
@@ -94,8 +94,8 @@ pub struct Chunk<'a> {
 }
 
 impl Block {
-    /// Waves at the source: those of the grid, from this number on, with the energies that they start with; none
-    /// where all start with 1 and lose nothing.
+    /// Waves at the source: those of the grid, from number `first` on, with their initial energies; empty if all start
+    /// with 1 and lose nothing.
     pub fn new(first: u32, grid: Grid, energies: Vec<Bands>) -> Block {
         let start = WaveSoFar {
             length: 0.0,
@@ -149,8 +149,8 @@ impl Block {
         }
     }
 
-    /// Takes the waves through a chunk, and gives their arrivals: wave by wave, in the order of
-    /// their flight. How many they were.
+    /// Takes the waves through a chunk, and passes their arrivals to `take`: wave by wave, in the
+    /// order of their flight. Returns the number of arrivals.
     pub fn replay(&mut self, with: &Replay, chunk: &Chunk, take: &mut dyn FnMut(Arrival)) -> u64 {
         let records = chunk.records.len();
         let mut listed = 0;
@@ -190,7 +190,7 @@ impl Block {
         taken
     }
 
-    /// Takes a wave through its reflections before an iteration of the chunk.
+    /// Applies the reflections before an iteration of the chunk to a wave.
     fn suffer(&mut self, wave: u32, events: Option<&mut Events>, until: u32) {
         let Some(events) = events else {
             return;
@@ -200,7 +200,7 @@ impl Block {
         events.suffer(until, energy, is_mirrored);
     }
 
-    /// The arrival that was recorded; none beyond the limit, or without any energy.
+    /// The recorded arrival; `None` beyond the limit or without energy.
     fn arrival(&self, with: &Replay, wave: u32, iteration: u32, record: &[f32]) -> Option<Arrival> {
         let so_far = &self.waves[wave as usize];
         let length_m = so_far.length + f64::from(record[0]);
@@ -232,7 +232,7 @@ impl Block {
         left.unwrap_or([1.0; BAND_COUNT])
     }
 
-    /// Whether the waves that travel have more than a share of the energy of all waves at the source, in some band.
+    /// Whether the travelling waves have more than a share of the energy of all waves at the source, in some band.
     pub fn has_energy(&self, share: f64) -> bool {
         if self.energies.is_empty() || share == 0.0 {
             return true;
@@ -256,13 +256,13 @@ impl Block {
         }
     }
 
-    /// Metres that each wave had flown which was cut off.
+    /// Distances in metres that the cut-off waves had flown.
     pub fn cut_off_m(&self) -> impl Iterator<Item = f64> + '_ {
         let travelling = |wave: &&WaveSoFar| wave.fate == Fate::Travelling;
         self.waves.iter().filter(travelling).map(|wave| wave.length)
     }
 
-    /// Adds what became of the waves.
+    /// Adds the fates of the waves to the counts.
     pub fn count(&self, counts: &mut ArrivalCounts) {
         counts.waves += self.waves.len() as u64;
         counts.iterations = counts.iterations.max(self.iterations);
@@ -284,10 +284,10 @@ fn tally_of(texels: &[f32], wave: u32) -> u32 {
     texels[4 * wave as usize + 2] as u32
 }
 
-/// The unit vector of which a record holds x, y and the sign of z.
+/// The unit vector from a record with x, y and the sign of z.
 ///
-/// Its length is 1 within 2e-7, and so is that of x and y within as much of what it was: the
-/// angle is off by 2e-7 / |z|, and by √(4e-7) = 6e-4 (0.04°) at most, where z is 0.
+/// Its length is 1 within 2e-7, and the length of (x, y) is that of the original within the same
+/// amount: the angle is off by 2e-7 / |z|, and by at most √(4e-7) = 6e-4 (0.04°), where z is 0.
 fn direction(record: &[f32]) -> DVec3 {
     let (x, y) = (f64::from(record[2]), f64::from(record[3]));
     let z = (1.0 - x * x - y * y).max(0.0).sqrt();

@@ -7,26 +7,26 @@ use crate::bands::{self, BAND_COUNT, Bands};
 use glam::Vec3;
 use std::ops::Range;
 
-/// How arrivals are traced, beside [`Settings`](crate::Settings): of these the waves, their
+/// Settings of arrivals in addition to [`Settings`](crate::Settings), of which the waves, their
 /// directions and the algorithm count.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ArrivalSettings {
-    /// Waves are followed until they have flown as far as sound flies in this time, in seconds.
+    /// Time in seconds: waves are followed until they have flown as far as sound does in it.
     pub seconds: f64,
-    /// Reflections of an arrival that is called early at most: 3 by default.
+    /// Maximum reflections of an arrival that is called early: 3 by default.
     pub early_order: u32,
-    /// Iterations of a wave at most, 1 … [`MAX_ITERATIONS`], however short its way was until
-    /// then: by default as many as that.
+    /// Maximum iterations of a wave, 1 … [`MAX_ITERATIONS`], even if it has flown less than the
+    /// time then: the upper limit by default.
     pub iterations: u32,
-    /// Octave bands that are traced, by number: all by default. The energies of the others are 0.
+    /// Numbers of the octave bands that are traced: all by default. The energies of the others are 0.
     pub(crate) bands: Range<usize>,
-    /// Waves are followed while those of a block together have more than this share of the energy that they
-    /// started with, in some band: 0 by default.
+    /// Waves are followed while those of a block together have more than this share of their initial energy, in some
+    /// band: 0 by default.
     pub(crate) least_energy: f64,
-    /// Iterations in a chunk at most.
+    /// Maximum iterations in a chunk.
     pub(crate) iterations_in_chunk: u32,
-    /// Crossings that a pass records of a wave at most.
+    /// Maximum recorded crossings of a wave in a pass.
     pub(crate) records: u32,
     /// Outputs of a pass at most, within the driver's limit.
     pub(crate) outputs: u32,
@@ -47,25 +47,25 @@ impl ArrivalSettings {
         }
     }
 
-    /// The same with another order up to which arrivals are early.
+    /// Sets the order up to which arrivals are early.
     pub fn with_early_order(mut self, order: u32) -> ArrivalSettings {
         self.early_order = order;
         self
     }
 
-    /// The same with another limit of iterations.
+    /// Sets the limit of iterations.
     pub fn with_iterations(mut self, iterations: u32) -> ArrivalSettings {
         self.iterations = iterations;
         self
     }
 
-    /// The same for waves that carry these bands.
+    /// Sets the bands that the waves carry.
     pub(crate) fn with_bands(mut self, bands: Range<usize>) -> ArrivalSettings {
         self.bands = bands;
         self
     }
 
-    /// The same for waves that are followed until only this share of their energy is left.
+    /// Sets the share of their energy down to which waves are followed.
     pub(crate) fn with_least_energy(mut self, share: f64) -> ArrivalSettings {
         self.least_energy = share;
         self
@@ -145,32 +145,31 @@ impl WavesToFollow<'_> {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct ArrivalCounts {
-    /// Waves that were followed: where bands scatter differently, those of each group of bands.
+    /// Number of followed waves: if bands scatter differently, the sum over the groups of bands.
     pub waves: u64,
-    /// Arrivals that were given.
+    /// Number of returned arrivals.
     pub arrivals: u64,
-    /// Waves that flew into the open, or never started, because the source is in a solid.
+    /// Waves that flew into the open, or never started because the source is in a solid.
     pub gone: u64,
     /// Waves that were given up at the step limit of a march.
     pub step_limit_reached: u64,
-    /// Waves that flew as far as requested, or of a response until they had too little energy to be heard.
+    /// Waves that flew as far as requested or, in a response, until their energy was inaudible.
     pub flown: u64,
     /// Waves that were cut off after [`ArrivalSettings::iterations`].
     pub cut_off: u64,
-    /// Metres from the source within which all waves were followed but one in a thousand at most;
-    /// ∞ where no more than these were cut off.
+    /// Distance from the source in metres within which at most one in a thousand waves was cut off;
+    /// ∞ if at most that many were cut off in total.
     pub followed_m: f64,
-    /// Iterations that were traced; waves of a later block may have needed more than those before.
+    /// Traced iterations; waves of a later block may have needed more than those before.
     pub iterations: u32,
-    /// Energy of waves that were followed no more, by bands, as a share of what the source gives
-    /// out: what was cut off.
+    /// Remaining energy of the waves that were cut off, by band, as a share of the source's energy.
     pub energy_under_way: Bands,
     /// Volume of the listener's sphere that is not in a solid, in m³.
     pub open_volume_m3: f64,
 }
 
 impl ArrivalCounts {
-    /// Of no wave yet.
+    /// Counts without waves.
     pub(crate) fn of_none() -> ArrivalCounts {
         ArrivalCounts {
             followed_m: f64::INFINITY,
@@ -178,7 +177,7 @@ impl ArrivalCounts {
         }
     }
 
-    /// With others, of other bands or other waves past the same listener.
+    /// Adds counts of other bands or other waves past the same listener.
     pub(crate) fn and(mut self, others: ArrivalCounts) -> ArrivalCounts {
         self.waves += others.waves;
         self.arrivals += others.arrivals;
@@ -198,7 +197,7 @@ impl ArrivalCounts {
 pub(crate) struct Followed {
     /// Without [`followed_m`](ArrivalCounts::followed_m).
     pub counts: ArrivalCounts,
-    /// Metres that each wave had flown which was cut off.
+    /// Distances in metres that the cut-off waves had flown.
     pub cut_off_m: Vec<f64>,
 }
 
@@ -207,14 +206,14 @@ pub(crate) struct Followed {
 const CUT_OFF_UNTOLD: usize = 1000;
 
 impl Followed {
-    /// With other waves of the same settings.
+    /// Adds other waves of the same settings.
     pub fn and(mut self, others: Followed) -> Followed {
         self.counts = self.counts.and(others.counts);
         self.cut_off_m.extend(others.cut_off_m);
         self
     }
 
-    /// All counts.
+    /// Completes the counts.
     pub fn counts(mut self) -> ArrivalCounts {
         self.cut_off_m.sort_by(f64::total_cmp);
         let next = self

@@ -1,4 +1,4 @@
-//! The textures that the passes of arrivals draw to, and what is read back of them.
+//! The textures that the passes of arrivals draw to, and their read-back.
 
 use super::super::Grid;
 use super::super::waves::start_texels;
@@ -7,13 +7,13 @@ use super::settings::Start;
 use crate::gpu::{AsyncRead, Context, GpuError, RenderTarget, Texture};
 use crate::kernel::ArrivalsText;
 
-/// Waves of a list in a row.
+/// Waves in a row of a list.
 const LIST_WIDTH: u32 = 256;
 
 /// Rows of a list.
 const LIST_HEIGHT: u32 = 64;
 
-/// Waves that are drawn as one list at most.
+/// Maximum waves drawn as one list.
 pub const LISTED_AT_MOST: usize = (LIST_WIDTH * LIST_HEIGHT) as usize;
 
 /// An entry of a list without a wave.
@@ -29,7 +29,7 @@ pub struct ArrivalTargets {
     pub grid: Grid,
     /// The text that defines the outputs.
     pub text: ArrivalsText,
-    /// Position and status, direction and length: where the waves stand, and where they go.
+    /// Two pairs of textures: position and status, direction and length of the waves.
     states: [[Texture; 2]; 2],
     /// The target of each pair, with the tally and the records, which both share.
     chunks: [RenderTarget; 2],
@@ -78,12 +78,12 @@ impl ArrivalTargets {
         })
     }
 
-    /// Whether the outputs of such a text go to these textures.
+    /// Whether these textures fit the outputs of such a text.
     pub fn is_for(&self, text: &ArrivalsText) -> bool {
         (self.text.has_words, self.text.records) == (text.has_words, text.records)
     }
 
-    /// Puts waves to where they start: position and status, which they share, and directions.
+    /// Puts waves at their start: with a common position and status, and separate directions.
     pub fn upload_starts(&self, start: [f32; 4], starts: &[Start]) -> Result<(), GpuError> {
         let texels = (self.grid.width * self.grid.height) as usize;
         let directions = starts.iter().map(|start| start.direction);
@@ -108,7 +108,7 @@ impl ArrivalTargets {
         self.current = 1 - self.current;
     }
 
-    /// Reads back what a chunk has written, up to a row.
+    /// Reads back a chunk's results, up to a row.
     pub fn read(&mut self, rows: u32) -> Result<(), GpuError> {
         let target = &self.chunks[1 - self.current];
         let first = ArrivalsText::TALLY as usize;
@@ -124,7 +124,7 @@ impl ArrivalTargets {
         Ok(())
     }
 
-    /// The tally that was read.
+    /// The tally read back.
     pub fn tally(&self) -> &[f32] {
         &self.texels[0]
     }
@@ -160,7 +160,7 @@ impl ListTargets {
         (LIST_WIDTH, LIST_HEIGHT)
     }
 
-    /// Makes these the waves of the list.
+    /// Sets the waves of the list.
     pub fn upload(&self, list: &[Listed]) -> Result<(), GpuError> {
         let entry = |listed: &Listed| [listed.wave as f32, listed.passed_over as f32, 0.0, 0.0];
         let mut entries: Vec<[f32; 4]> = list.iter().map(entry).collect();

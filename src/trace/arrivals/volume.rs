@@ -1,31 +1,31 @@
-//! The volume of the listener's sphere that lies in the open.
+//! The open volume of the listener's sphere.
 
 use crate::scene::shape::halton;
 use crate::scene::{Scene, Surface};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
-/// Points by which the volume is found where a surface reaches into the sphere.
+/// Number of points that estimate the volume if a surface reaches into the sphere.
 ///
-/// A sequence of low discrepancy in three dimensions is off by some N^(−2/3) of the cube for what
-/// a smooth surface bounds (L. Kuipers and H. Niederreiter, *Uniform Distribution of Sequences*,
-/// 1974, ch. 2.1: N^(−1/3) is the bound, and half a face's worth of cells fall either way by
-/// chance): 1.5e-3 here, 0.007 dB. A test holds caps against their closed form.
+/// A sequence of low discrepancy in three dimensions is off by about N^(−2/3) of the cube for a
+/// volume bounded by a smooth surface (L. Kuipers and H. Niederreiter, *Uniform Distribution of
+/// Sequences*, 1974, ch. 2.1: N^(−1/3) is the bound, and half a face's worth of cells fall either
+/// way by chance): 1.5e-3 here, 0.007 dB. A test compares caps with their closed form.
 const POINTS: usize = 16_384;
 
-/// Cells along each axis of the cube around the sphere: where a thousand surfaces reach into the sphere, only some tens
-/// are asked for a point.
+/// Cells along each axis of the cube around the sphere: if a thousand surfaces reach into the sphere, only a few dozen
+/// are tested for a point.
 const CELLS: usize = 4;
 
 /// The rounding error of a distance in `f32`, as a share of the largest coordinate: some ten units in the last place.
 const SPARE: f32 = 1e-6;
 
-/// Cubic metres of the listener's sphere that are in no solid.
+/// Cubic metres of the listener's sphere outside solids.
 pub fn open_volume(scene: &Scene) -> f64 {
     let (centre, radius) = (scene.listener.position, scene.listener.radius);
     let sphere = 4.0 / 3.0 * PI * f64::from(radius).powi(3);
-    // The distance is never more than the way to a surface: what is farther off than the radius
-    // does not reach into the sphere.
+    // The value is at most the distance to a surface: a surface whose value exceeds the radius does
+    // not reach into the sphere.
     let reaches = |surface: &&Surface| surface.distance(centre) < radius;
     let near: Vec<&Surface> = scene.surfaces.iter().filter(reaches).collect();
     if near.is_empty() {
@@ -41,7 +41,7 @@ pub fn open_volume(scene: &Scene) -> f64 {
     sphere * open as f64 / POINTS as f64
 }
 
-/// The surfaces that may reach into each cell of the cube around the sphere, of those that reach into the sphere.
+/// The surfaces that may reach into each cell of the cube around the sphere, out of those that reach into the sphere.
 fn near_cells<'a>(near: &[&'a Surface], centre: Vec3, radius: f32) -> Vec<Vec<&'a Surface>> {
     let half = radius / CELLS as f32;
     let half_diagonal = 3f32.sqrt() * half;
@@ -64,8 +64,8 @@ fn cell_of(unit: DVec3) -> usize {
     place(unit.x) + CELLS * (place(unit.y) + CELLS * place(unit.z))
 }
 
-/// Points of the unit ball, spread evenly: radii by the cube root, directions as Archimedes has
-/// them.
+/// Points spread evenly over the unit ball: radii by the cube root, directions by Archimedes'
+/// theorem.
 fn points_in_ball() -> impl Iterator<Item = DVec3> {
     (1..=POINTS).map(|index| {
         let share = halton(index);
@@ -96,8 +96,8 @@ mod tests {
         plane.at(Vec3::new(1.0, 2.0, 3.0) - normal * below)
     }
 
-    /// Protects the exact volume in the open, and what a plane cuts off: a cap of height h has
-    /// π h² (r − h/3). Within the 1.5e-3 that [`POINTS`] argues.
+    /// Protects the exact volume in the open, and the volume that a plane cuts off: a cap of height
+    /// h has π h² (r − h/3). Within the 1.5e-3 derived at [`POINTS`].
     #[test]
     fn planes_cut_off_caps() {
         let sphere = |r: f64| 4.0 / 3.0 * PI * r.powi(3);
@@ -114,7 +114,7 @@ mod tests {
         }
     }
 
-    /// Protects a listener with something in its middle, and one within a solid.
+    /// Protects a listener with an object in its centre, and one within a solid.
     #[test]
     fn solids_within_count() {
         let ball = Surface::new(Node::Sphere(Sphere { radius: 0.5 })).at(Vec3::new(1.0, 2.0, 3.0));
@@ -123,8 +123,8 @@ mod tests {
         assert_eq!(volume(vec![ball], 0.25), 0.0);
     }
 
-    /// Protects the volume among many surfaces from the cells in which they are looked for: it is the share of the same
-    /// points that every surface leaves open.
+    /// Protects the volume among many surfaces from the use of cells: it is the same share of the points as when every
+    /// surface is tested.
     #[test]
     fn cells_leave_no_surface_out() {
         let centre = Vec3::new(1.0, 2.0, 3.0);

@@ -1,4 +1,4 @@
-//! The child's side: compiles and tries what the parent requests, within limits.
+//! The child's side: compiles and tries the requested texts, within limits.
 
 use super::STACK;
 use super::protocol::{self, Answer, Request, RequestedField, TriedField};
@@ -14,16 +14,15 @@ use glam::Vec3;
 use std::io::{Read, Write};
 use std::process::ExitCode;
 
-/// Bytes of a request at most: many fields, each as long as may be, in many programs.
+/// Maximum bytes of a request: many fields of maximum length, in many programs.
 const LONGEST_REQUEST: u64 = 1 << 26;
 
-/// Pixels of the pass by which a program is tried: a driver compiles the rest of it then.
+/// Size in pixels of the pass that tries a program: only then does a driver compile the rest of it.
 const TRIED: [u32; 2] = [8, 1];
 
-/// Answers a request of another process of this program by [`FieldTrial`](super::FieldTrial): reads from standard
-/// input which texts to try, tries them on a renderer, and writes to standard output what came
-/// of it. To be called at the beginning of a process that does nothing else: it limits the
-/// time and memory that this process may take.
+/// Answers a request of another process of this program by [`FieldTrial`](super::FieldTrial): reads the texts to try
+/// from standard input, tries them on a renderer, and writes the results to standard output. Call it at the beginning
+/// of a process that does nothing else: it limits the time and memory of this process.
 pub fn answer_field_trial(options: &ContextOptions) -> ExitCode {
     limit_process();
     let mut text = String::new();
@@ -88,8 +87,8 @@ fn tried(
     Ok(fields)
 }
 
-/// Compiles a program, and draws it once. What does not compile is reported by the parent: its
-/// own compiler gets no further.
+/// Compiles a program, and draws it once. The parent reports texts that do not compile: its own
+/// compiler fails in the same place.
 fn try_program(context: &Context, text: &str) -> Result<(), GpuError> {
     let program = match Program::fragment(context, "a trial", text) {
         Ok(program) => program,
@@ -101,22 +100,22 @@ fn try_program(context: &Context, text: &str) -> Result<(), GpuError> {
     let second = Texture::new(context, width, height)?;
     let target = RenderTarget::new(context, &[&first, &second])?;
     full_screen_pass_rows(context, &program, &target, width, height, 0..height)?;
-    // Waits for it. What it has drawn means nothing: no uniform is set.
+    // Waits for the drawing, whose result is meaningless because no uniform is set.
     target.read(0).map(drop)
 }
 
 #[cfg(target_os = "linux")]
 fn limit_process() {
     use rustix::process::{Resource, Signal, set_parent_process_death_signal};
-    // The parent keeps the time; these are for a parent that has ended.
+    // The parent limits the time; these limits are for a parent that has ended.
     let _ = set_parent_process_death_signal(Some(Signal::KILL));
     let cores = std::thread::available_parallelism().map_or(1, |cores| cores.get() as u64);
     limit(Resource::Cpu, LONGEST.as_secs() * cores);
     limit(Resource::Core, 0);
 }
 
-/// Limits what is taken from now on: a driver has reserved its own already, and how much
-/// differs from one to the next.
+/// Limits the memory allocated from now on: a driver has already reserved some, in an amount that
+/// differs from driver to driver.
 #[cfg(target_os = "linux")]
 fn limit_memory() {
     let taken = std::fs::read_to_string("/proc/self/status").ok();
@@ -134,7 +133,7 @@ fn limit_memory() {
     }
 }
 
-/// A limit that cannot be set is one that the system already has.
+/// If a limit cannot be set, the system already has a lower one.
 #[cfg(target_os = "linux")]
 fn limit(what: rustix::process::Resource, most: u64) {
     let both = rustix::process::Rlimit {

@@ -13,25 +13,25 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::{Arc, LazyLock, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// From one look at the child to the next, where it is waited for.
+/// Interval between two checks of the child while waiting for it.
 const BETWEEN_LOOKS: Duration = Duration::from_millis(2);
 
-/// Texts and refusals that are remembered at most; then all are forgotten.
+/// Maximum number of remembered texts and refusals; beyond it all are forgotten.
 const MOST_KNOWN: usize = 1024;
 
 /// A child process that tries fields. Dropping it ends it.
 pub(crate) struct Trial {
     child: Child,
-    /// What the child writes to: a file without a name, so that neither waits for the other.
+    /// The child's output: an unnamed file, so that neither process waits for the other.
     answer: File,
     began: Instant,
     fields: Vec<Arc<UserField>>,
     keys: Vec<u64>,
-    /// What the fields' files are called in messages.
+    /// The names of the fields' files in messages.
     files: String,
 }
 
-/// What was tried in this process' children.
+/// The results of this process' children.
 #[derive(Default)]
 struct Known {
     passed: HashSet<u64>,
@@ -40,7 +40,7 @@ struct Known {
 
 static KNOWN: LazyLock<Mutex<Known>> = LazyLock::new(Mutex::default);
 
-/// Keys differ from process to process, so that hash collisions cannot be prepared.
+/// Keys differ from process to process, so that nobody can prepare hash collisions.
 static KEYS: LazyLock<RandomState> = LazyLock::new(RandomState::new);
 
 fn known() -> MutexGuard<'static, Known> {
@@ -56,19 +56,19 @@ fn key_of_field(field: &UserField) -> u64 {
     key_of((&field.file, &field.text, numbers.map(f32::to_bits)))
 }
 
-/// Whether a child process has compiled and tried a field by itself, so that this one need not.
+/// Whether a child process has compiled and tried a field on its own, so that this process need not.
 pub(crate) fn has_passed(field: &UserField) -> bool {
     let is_in_child = matches!(FieldTrial::chosen(), FieldTrial::InChild(_));
     is_in_child && known().passed.contains(&key_of_field(field))
 }
 
 impl Trial {
-    /// Begins to try what of a scene's fields, and of the programs that they are part of, was
-    /// not tried yet; nothing if there is nothing to try, or fields are trusted.
+    /// Begins to try the fields of a scene, and the programs that contain them, unless tried
+    /// before; returns `None` if all have been tried or fields are trusted.
     ///
     /// # Errors
-    /// [`Error::Trace`] for a text that is rejected without being compiled, for what was tried
-    /// and rejected before, and where no child can be started.
+    /// [`Error::Trace`] for a text that is rejected without being compiled, for a text that was
+    /// tried and rejected before, and if no child can be started.
     pub fn begin(scene: &Scene, programs: &[&str]) -> Result<Option<Trial>, Error> {
         let FieldTrial::InChild(command) = FieldTrial::chosen() else {
             return Ok(None);
@@ -127,13 +127,13 @@ impl Trial {
         }))
     }
 
-    /// Whether the fields can be used, once that is known. Does not block.
+    /// Whether the fields can be used, once known. Does not block.
     pub fn poll(&mut self) -> Option<Result<(), Error>> {
         let longest = self.longest();
         let ended = match self.child.try_wait() {
             Ok(Some(status)) => self.judge(status),
             Ok(None) if self.began.elapsed() < longest => return None,
-            // Not remembered: on a machine that does much else a good field takes long too.
+            // Not remembered: on a busy machine a good field takes long too.
             Ok(None) => {
                 let how = format!("took longer than {} s", longest.as_secs());
                 return Some(Err(self.dies(how).into()));
@@ -146,7 +146,7 @@ impl Trial {
         Some(ended.map_err(Error::from))
     }
 
-    /// Waits until it is known.
+    /// Waits for the result.
     pub fn wait(mut self) -> Result<(), Error> {
         loop {
             match self.poll() {
@@ -156,7 +156,7 @@ impl Trial {
         }
     }
 
-    /// How long the child may take: longer where other programs leave it little of the processor.
+    /// The time limit of the child: longer if other programs leave it little of the processor.
     fn longest(&self) -> Duration {
         let waited = self.began.elapsed();
         if waited < LONGEST {
@@ -175,7 +175,7 @@ impl Trial {
         }
         match ended {
             Ok(()) => known.passed.extend(&self.keys),
-            // That may be otherwise the next time.
+            // This may be different the next time.
             Err(TraceError::NoFieldTrial { .. }) => (),
             Err(error) => {
                 known.refused.insert(self.keys.clone(), error.clone());
@@ -190,7 +190,7 @@ impl Trial {
         }
     }
 
-    /// What the child's end and answer mean.
+    /// Interprets the child's exit status and answer.
     fn judge(&mut self, status: ExitStatus) -> Result<(), TraceError> {
         if let Some(signal) = signal(status) {
             let memory = MOST_MEMORY >> 20;
@@ -232,7 +232,7 @@ impl Trial {
 
 impl Drop for Trial {
     fn drop(&mut self) {
-        // Of one that has ended there is nothing to end.
+        // A child that has ended cannot be killed.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
@@ -247,13 +247,13 @@ fn requested(field: &UserField) -> RequestedField {
     }
 }
 
-/// The processor time that a process has used; `None` where that is not known.
+/// The processor time that a process has used; `None` if unknown.
 #[cfg(target_os = "linux")]
 fn processor_time(process: u32) -> Option<Duration> {
-    // Clock ticks, of which the kernel shows programs 100 a second on every architecture.
+    // Clock ticks, reported to programs as 100 per second on every architecture.
     const TICK: Duration = Duration::from_millis(10);
     let status = std::fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
-    // Behind the name, which may hold anything, fields 14 and 15 of proc(5): user and system.
+    // After the name, which may contain anything, fields 14 and 15 of proc(5): user and system.
     let (_, fields) = status.rsplit_once(')')?;
     let mut ticks = fields.split_whitespace().skip(11).map(str::parse::<u32>);
     let [user, system] = [ticks.next()?.ok()?, ticks.next()?.ok()?];
@@ -297,7 +297,7 @@ fn start(command: &TrialCommand, request: &Request) -> std::io::Result<(Child, F
 #[cfg(unix)]
 fn signal(status: ExitStatus) -> Option<String> {
     use std::os::unix::process::ExitStatusExt;
-    // As POSIX numbers them; the others differ from system to system.
+    // POSIX numbers; other signals differ from system to system.
     let name = match status.signal()? {
         4 => "SIGILL",
         6 => "SIGABRT",
@@ -319,8 +319,8 @@ fn signal(_: ExitStatus) -> Option<String> {
 mod tests {
     use super::*;
 
-    /// Protects good fields on a busy machine: a process' time is what it has used, not what has
-    /// passed.
+    /// Protects good fields on a busy machine: the time of a process is the processor time that it
+    /// has used, not the elapsed time.
     #[test]
     fn a_process_that_waits_uses_no_time() {
         let mut sleeper = Command::new("sleep").arg("60").spawn().unwrap();

@@ -1,5 +1,5 @@
-//! What parent and child send each other: the parent a line of RON, the child a mark, a line
-//! of RON and the samples as they are in memory.
+//! The messages between parent and child: the parent sends a line of RON; the child a mark, a line
+//! of RON, and the samples as they are in memory.
 
 use super::super::TraceError;
 use serde::{Deserialize, Serialize};
@@ -7,11 +7,11 @@ use serde::{Deserialize, Serialize};
 /// Precedes the answer: drivers may write to standard output as well.
 const MARK: &[u8] = b"\nechomarch field trial\n";
 
-/// What is to be tried.
+/// The texts to try.
 #[derive(Debug, Serialize, Deserialize)]
 pub struct Request {
     pub fields: Vec<RequestedField>,
-    /// Fragment shaders that they are part of.
+    /// Fragment shaders that contain the fields.
     pub programs: Vec<String>,
 }
 
@@ -19,7 +19,7 @@ pub struct Request {
 pub struct RequestedField {
     pub file: String,
     pub text: String,
-    /// Metres.
+    /// In metres.
     pub size: [f32; 3],
     pub lipschitz: f32,
 }
@@ -27,9 +27,9 @@ pub struct RequestedField {
 /// The result.
 #[derive(Debug, Serialize, Deserialize)]
 pub enum Answer {
-    /// All can be used; the fields in order.
+    /// All fields can be used; in order.
     Passed(Vec<TriedField>),
-    /// One cannot be used, and why.
+    /// A field cannot be used, with the reason.
     Refused(TraceError),
     /// The renderer failed.
     Failed(String),
@@ -51,7 +51,7 @@ pub fn written(answer: &Answer, values: &[f32]) -> Result<Vec<u8>, ron::Error> {
     Ok(bytes)
 }
 
-/// The reverse; nothing where there is no whole answer.
+/// Reads an answer back; `None` if it is incomplete.
 pub fn read(bytes: &[u8]) -> Option<(Answer, Vec<f32>)> {
     let at = bytes.windows(MARK.len()).position(|part| part == MARK)?;
     let bytes = &bytes[at + MARK.len()..];
@@ -66,7 +66,7 @@ pub fn read(bytes: &[u8]) -> Option<(Answer, Vec<f32>)> {
 mod tests {
     use super::*;
 
-    /// A child's answer is separated from a driver's output, and half an answer is rejected.
+    /// Protects a child's answer: it is separated from a driver's output, and an incomplete answer is rejected.
     #[test]
     fn an_answer_is_read_as_it_was_written() {
         let tried = TriedField {

@@ -12,9 +12,8 @@ use std::str::FromStr;
 
 /// The name of an algorithm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
 pub enum Profile {
-    /// Closed form where a surface has one. What people should use.
+    /// Closed form if a surface has one. Recommended.
     Hybrid,
     /// Accurate sphere tracing, for any distance function with a Lipschitz bound.
     March,
@@ -22,18 +21,17 @@ pub enum Profile {
     Thesis,
 }
 
-/// The algorithm that a wave is followed with, and its own options.
+/// The algorithm that follows a wave, with its own options.
 ///
-/// Serialised as the options beside `"profile": NAME`.
+/// Serialised as the options next to `"profile": NAME`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(tag = "profile", rename_all = "lowercase")]
-#[non_exhaustive]
 pub enum Algorithm {
-    /// Of [`Profile::Hybrid`].
+    /// Algorithm of [`Profile::Hybrid`].
     Hybrid(HybridOptions),
-    /// Of [`Profile::March`].
+    /// Algorithm of [`Profile::March`].
     March(MarchOptions),
-    /// Of [`Profile::Thesis`].
+    /// Algorithm of [`Profile::Thesis`].
     Thesis(ThesisOptions),
 }
 
@@ -46,25 +44,24 @@ pub struct HybridOptions {}
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct MarchOptions {
-    /// For the experiments alone.
+    /// For experiments only.
     #[serde(skip)]
-    pub(crate) variant: MarchVariant,
+    pub variant: MarchVariant,
 }
 
-/// What `thesis` alone has: its constants, in metres. The defaults are the thesis' own
-/// (section 4.2.3, figure 8); it names no step for its normals, and 0.01 m is what the
-/// reconstruction of its scenes was fitted with.
+/// Options of `thesis`: its constants, in metres. The defaults are the thesis' own (section 4.2.3,
+/// figure 8); it states no step for its normals, and the reconstruction of its scenes was fitted
+/// with 0.01 m.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct ThesisOptions {
-    /// A surface is met below this distance, in metres: 0.1 by default. Greater than 0 and
-    /// less than the maximum distance.
+    /// A surface is met below this distance, in metres: 0.1 by default. Greater than 0 and less
+    /// than the maximum distance.
     pub min_distance: f32,
     /// Each march starts this far along the direction, in metres: 0.04 by default. Not
     /// negative.
     pub start_offset: f32,
-    /// Step of the difference normals to either side, in metres: 0.01 by default. Greater
-    /// than 0.
+    /// Step of the difference normals to either side, in metres: 0.01 by default. Greater than 0.
     pub normal_step: f32,
 }
 
@@ -79,26 +76,26 @@ impl Default for ThesisOptions {
 }
 
 impl ThesisOptions {
-    /// The same with another minimum distance, in metres.
+    /// Sets the minimum distance, in metres.
     pub fn with_min_distance(mut self, metres: f32) -> ThesisOptions {
         self.min_distance = metres;
         self
     }
 
-    /// The same with another start offset, in metres.
+    /// Sets the start offset, in metres.
     pub fn with_start_offset(mut self, metres: f32) -> ThesisOptions {
         self.start_offset = metres;
         self
     }
 
-    /// The same with another step of the normals, in metres.
+    /// Sets the step of the normals, in metres.
     pub fn with_normal_step(mut self, metres: f32) -> ThesisOptions {
         self.normal_step = metres;
         self
     }
 
-    /// Evaluations of the distance after which a march ends: as many as the distances allow,
-    /// and never more than [`MAX_STEPS`].
+    /// Evaluations of the distance after which a march ends: derived from the distances, at most
+    /// [`MAX_STEPS`].
     pub(crate) fn step_limit(&self, max_distance: f32) -> u32 {
         let needed = (max_distance / self.min_distance).ceil() + 1.0;
         (needed as u32).clamp(1, MAX_STEPS)
@@ -138,7 +135,7 @@ impl Algorithm {
         }
     }
 
-    /// Checks its own options.
+    /// Checks the algorithm's options.
     pub(super) fn validate(&self, max_distance: f32) -> Result<(), TraceError> {
         match self {
             Algorithm::Hybrid(HybridOptions {}) => Ok(()),
@@ -173,7 +170,7 @@ impl From<Profile> for Algorithm {
 }
 
 impl Profile {
-    /// Every profile there is.
+    /// All profiles.
     pub const ALL: [Profile; 3] = [Profile::Hybrid, Profile::March, Profile::Thesis];
 }
 
@@ -204,7 +201,7 @@ const EVERYWHERE: f32 = 1e8;
 
 /// How `march` is carried out.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct MarchVariant {
+pub struct MarchVariant {
     /// Width of the shell about surfaces in which steps are Newton's, in metres. Outside of it
     /// they are Hart's.
     pub shell: f32,
@@ -234,7 +231,6 @@ impl Default for MarchVariant {
 
 impl MarchVariant {
     /// Whether the shell ends anywhere.
-    #[cfg(feature = "experiment")]
     pub fn has_shell(&self) -> bool {
         self.shell < EVERYWHERE
     }

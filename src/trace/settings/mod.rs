@@ -1,4 +1,4 @@
-//! How to trace: the thesis' constants, and the numbers a user may change.
+//! Settings of traces: the thesis' constants, and the user's numbers.
 //!
 //! An option without meaning in an algorithm cannot be set in it: [`Settings`] holds the options that all
 //! share, [`Algorithm`] those of one (`algorithm.rs`).
@@ -7,8 +7,8 @@ mod algorithm;
 
 use super::TraceError;
 use crate::kernel::Directions;
-#[cfg(feature = "experiment")]
-pub(crate) use algorithm::MarchVariant;
+#[doc(hidden)]
+pub use algorithm::MarchVariant;
 pub use algorithm::{Algorithm, HybridOptions, MarchOptions, Profile, ThesisOptions};
 use serde::Serialize;
 use std::fmt;
@@ -27,13 +27,13 @@ const MAX_DISTANCE: f32 = 1e15;
 /// listener hears of, and well inside what `f32` can square.
 const FAR: f32 = 1e9;
 
-/// Iterations in one pass of `march` by default: more save no time that could be measured.
+/// Default iterations in one pass of `march`: more save no measurable time.
 pub const MARCHES_PER_PASS: u32 = 8;
 
-/// Where a wave of `thesis` counts as gone, in metres (section 4.2.3).
+/// Distance at which a wave of `thesis` counts as gone, in metres (section 4.2.3).
 const THESIS_MAX_DISTANCE: f32 = 300.0;
 
-/// Everything about a frame that is not the scene: what all algorithms share, and the
+/// Everything about a frame except the scene: options shared by all algorithms, and the
 /// [`Algorithm`] with its own options.
 ///
 /// ```
@@ -44,13 +44,13 @@ const THESIS_MAX_DISTANCE: f32 = 300.0;
 /// assert!(settings.validate().is_ok());
 /// ```
 ///
-/// Serialised flat: the algorithm's options are beside its name as `profile`.
+/// Serialised flat: the algorithm's options are next to its name as `profile`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Settings {
-    /// The algorithm and its own options. To change to another one begin with
-    /// [`Settings::new`] or [`Settings::with_profile`]: the maximum distance and the
-    /// iterations in a pass have defaults by algorithm.
+    /// The algorithm and its own options. To change to another one begin with [`Settings::new`] or
+    /// [`Settings::with_profile`]: the defaults of the maximum distance and of the iterations in a
+    /// pass depend on the algorithm.
     #[serde(flatten)]
     pub algorithm: Algorithm,
     /// Number of waves, 1 … [`MAX_WAVES`].
@@ -60,18 +60,18 @@ pub struct Settings {
     /// A wave is dead beyond this distance in one iteration, in metres. By default 300 in
     /// `thesis` (section 4.2.3), 10^9 in the others.
     pub max_distance: f32,
-    /// Chooses the random directions.
+    /// Seed of the random directions.
     pub seed: u32,
-    /// How the start directions are chosen.
+    /// The distribution of the start directions.
     pub directions: Directions,
-    /// Iterations in one pass at most; 1 is the thesis' way, more save texture traffic.
-    /// A pass has no more than the loops of the scene allow, for drivers leave loops in silence
-    /// after so many turns. By default 1 in `thesis`, 8 in `march`, [`MAX_ITERATIONS`] in `hybrid`.
+    /// Maximum iterations in one pass; 1 as in the thesis, more save texture traffic. The loops of
+    /// a scene may reduce it, since drivers silently leave loops after a number of turns. By
+    /// default 1 in `thesis`, 8 in `march`, [`MAX_ITERATIONS`] in `hybrid`.
     pub iterations_per_pass: u32,
     /// Whether the panning texture is summed on the GPU and read back as one texel.
     pub sum_on_gpu: bool,
-    /// Whether to count evaluations of the distance, in the place of zero-length passes
-    /// and marches that reached the step limit.
+    /// Whether to count evaluations of the distance, instead of zero-length passes and marches that
+    /// reached the step limit.
     pub count_evaluations: bool,
 }
 
@@ -103,18 +103,18 @@ impl Settings {
         }
     }
 
-    /// Closed form where a surface has one; all iterations in one pass.
+    /// Closed form if a surface has one; all iterations in one pass.
     pub fn hybrid() -> Settings {
         Settings::new(Profile::Hybrid)
     }
 
-    /// Accurate sphere tracing: Newton's steps everywhere, projection, exact normals, no end
-    /// at 300 m, eight iterations in a pass.
+    /// Accurate sphere tracing: Newton's steps everywhere, projection, exact normals, no limit at
+    /// 300 m, eight iterations in a pass.
     pub fn march() -> Settings {
         Settings::new(Profile::March)
     }
 
-    /// The thesis' algorithm at its own constants ([`ThesisOptions`]).
+    /// The thesis' algorithm with its own constants ([`ThesisOptions`]).
     pub fn thesis() -> Settings {
         Settings::new(Profile::Thesis)
     }
@@ -124,7 +124,7 @@ impl Settings {
         self.algorithm.profile()
     }
 
-    /// The same waves by an algorithm with all of its defaults.
+    /// Changes the algorithm, with all of its defaults, and keeps the waves.
     pub fn with_profile(self, profile: Profile) -> Settings {
         Settings {
             waves: self.waves,
@@ -137,49 +137,49 @@ impl Settings {
         }
     }
 
-    /// The same with another number of waves.
+    /// Sets the number of waves.
     pub fn with_waves(mut self, waves: u32) -> Settings {
         self.waves = waves;
         self
     }
 
-    /// The same with another number of iterations.
+    /// Sets the number of iterations.
     pub fn with_iterations(mut self, iterations: u32) -> Settings {
         self.iterations = iterations;
         self
     }
 
-    /// The same with another seed.
+    /// Sets the seed.
     pub fn with_seed(mut self, seed: u32) -> Settings {
         self.seed = seed;
         self
     }
 
-    /// The same with another maximum distance of an iteration, in metres.
+    /// Sets the maximum distance of an iteration, in metres.
     pub fn with_max_distance(mut self, metres: f32) -> Settings {
         self.max_distance = metres;
         self
     }
 
-    /// The same with start directions chosen otherwise.
+    /// Sets the distribution of the start directions.
     pub fn with_directions(mut self, directions: Directions) -> Settings {
         self.directions = directions;
         self
     }
 
-    /// The same with another number of iterations in one pass.
+    /// Sets the maximum iterations in one pass.
     pub fn with_iterations_per_pass(mut self, iterations: u32) -> Settings {
         self.iterations_per_pass = iterations;
         self
     }
 
-    /// The same, with the panning summed on the GPU or not.
+    /// Chooses whether the panning is summed on the GPU.
     pub fn with_sum_on_gpu(mut self, sum_on_gpu: bool) -> Settings {
         self.sum_on_gpu = sum_on_gpu;
         self
     }
 
-    /// The same, with evaluations of the distance counted or not.
+    /// Chooses whether evaluations of the distance are counted.
     pub fn with_count_evaluations(mut self, count_evaluations: bool) -> Settings {
         self.count_evaluations = count_evaluations;
         self
@@ -194,7 +194,7 @@ impl Settings {
         in_range("iterations", self.iterations, MAX_ITERATIONS)?;
         positive("maximum distance in metres", self.max_distance)?;
         if self.max_distance > MAX_DISTANCE {
-            let must = format!("{MAX_DISTANCE} at the most");
+            let must = format!("at most {MAX_DISTANCE}");
             return Err(bad("maximum distance in metres", must, self.max_distance));
         }
         let per_pass = self.iterations_per_pass;
@@ -230,7 +230,7 @@ mod tests {
     use super::algorithm::MarchVariant;
     use super::*;
 
-    /// Protects the step limit: no result of the thesis' own constants reaches it.
+    /// Protects the thesis' results from the step limit: its own constants never reach it.
     #[test]
     fn the_step_limit_leaves_the_thesis_alone() {
         let thesis = ThesisOptions::default();
@@ -243,7 +243,7 @@ mod tests {
         );
     }
 
-    /// Protects the GPU from settings that make no sense.
+    /// Protects the GPU from invalid settings.
     #[test]
     fn senseless_settings_are_refused() {
         let thesis = ThesisOptions::default();
@@ -279,7 +279,7 @@ mod tests {
         }
     }
 
-    /// Protects a change of algorithm: everything that has a default by algorithm comes with it.
+    /// Protects a change of algorithm: it also sets the defaults that depend on the algorithm.
     #[test]
     fn another_profile_brings_its_own_defaults() {
         let asked = Settings::hybrid()
@@ -293,8 +293,8 @@ mod tests {
         assert_eq!(asked.with_profile(Profile::Thesis), expected);
     }
 
-    /// Protects reports: the options of an algorithm stand beside its name, and those of the
-    /// others nowhere.
+    /// Protects reports: the options of an algorithm are next to its name, and those of the others
+    /// are absent.
     #[test]
     fn settings_are_serialised_with_the_options_of_their_algorithm() {
         let json = |settings: &Settings| serde_json::to_value(settings).unwrap();

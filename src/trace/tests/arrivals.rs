@@ -1,5 +1,5 @@
-//! Arrivals against exact waves, and against themselves: how they are divided into blocks, chunks
-//! and records must change nothing.
+//! Arrivals against exact waves, and against themselves: the division into blocks, chunks and
+//! records must not change them.
 
 use crate::acoustics::Arrival;
 use crate::gpu::{Api, Context};
@@ -13,14 +13,14 @@ use crate::trace::{ArrivalCounts, ArrivalSettings, Start, WavesToFollow};
 use crate::{Listener, Node, Scene, Settings, Shape, Source, Surface, Tracer};
 use glam::{DVec3, Vec3};
 
-/// A crossing as the exact reference has it.
+/// A crossing in the exact reference.
 #[derive(Clone, Copy, Debug)]
 struct Crossing {
     length: f64,
     chord: f64,
     direction: DVec3,
     reflections: u32,
-    /// How far the line passes the sphere's edge within it, in metres.
+    /// Depth in metres at which the line passes within the sphere's edge.
     depth: f64,
 }
 
@@ -35,12 +35,12 @@ pub fn arrivals(
         .arrivals(scene, settings, how, &mut |arrival| all.push(arrival))
         .unwrap();
     assert_eq!(all.len() as u64, counts.arrivals);
-    // They come chunk by chunk, in each by wave.
+    // They arrive chunk by chunk, in each by wave.
     all.sort_by_key(|arrival| arrival.wave);
     (all, counts)
 }
 
-/// The scene with the listener where no wave comes.
+/// The scene with the listener at a place that waves never reach.
 pub fn without_listener(scene: &Scene, nowhere: Vec3) -> ExactScene {
     let mut scene = scene.clone();
     scene.listener = Listener::at(nowhere, 1e-3);
@@ -97,16 +97,15 @@ pub fn start_directions(tracer: &mut Tracer, scene: &Scene, settings: &Settings)
     starts.collect()
 }
 
-/// How arrivals may differ from exact ones.
+/// Allowed differences from exact arrivals.
 struct Allowed {
-    /// Metres by which a wave's way may be off after so many reflections.
+    /// Allowed error of a wave's path in metres, by the number of reflections.
     off: fn(u32) -> f64,
-    /// Waves of which one crossing is another, as a share.
+    /// Allowed share of waves with one different crossing.
     parted: f64,
 }
 
-/// A chord 2 √(2 r e) changes by no more than √(8 r) (√(e + off) − √e) where e, how deep it is,
-/// does by `off`.
+/// A chord 2 √(2 r e) changes by at most √(8 r) (√(e + off) − √e) if its depth e changes by `off`.
 fn chord_error(radius: f64, depth: f64, off: f64) -> f64 {
     let depth = depth.max(0.0);
     (8.0 * radius).sqrt() * ((depth + 2.0 * off).sqrt() - (depth - 2.0 * off).max(0.0).sqrt())
@@ -122,7 +121,7 @@ fn is_same(
 ) -> bool {
     let off = (allowed.off)(exact.reflections);
     let chord = arrival.energy[0] / unit;
-    // What a record holds of a chord is rounded: to 2^-16 of four radii at 64 iterations.
+    // A record rounds the chord to 2^-16 of four radii at 64 iterations.
     let radius = f64::from(scene.listener.radius);
     let chord_off = chord_error(radius, exact.depth, off) + radius * 2f64.powi(-14);
     (arrival.length_m - exact.length).abs() <= off + chord_off
@@ -130,7 +129,7 @@ fn is_same(
         && arrival.direction.distance(exact.direction) <= 7e-4 + off
 }
 
-/// Every crossing of every wave, on both sides; those that only graze the sphere may be missing.
+/// Compares every crossing of every wave, in both directions; those that only graze the sphere may be missing.
 fn compare(
     context: &Context,
     scene: &Scene,
@@ -173,7 +172,7 @@ fn compare(
     assert!(seen > 100);
 }
 
-/// Places of 15 m are rounded by 5e-7 m, sums and products of them a few times; at flat walls
+/// Positions of 15 m are rounded by 5e-7 m, sums and products of them a few times; at flat walls
 /// errors add up. (Seen in shoebox: 1.4e-5 m after 100 reflections.)
 fn flat(reflections: u32) -> f64 {
     2e-6 * f64::from(1 + reflections)
@@ -188,8 +187,8 @@ fn crossings_between_flat_walls_are_exact() {
     };
     let corner = Allowed {
         off: flat,
-        // At the block's edges a rounding decides which side a wave meets: of 10 m of edge waves
-        // come within 1e-4 m once in 1e5 flights.
+        // At the block's edges a rounding decides which side a wave meets: with 10 m of edges,
+        // waves come within 1e-4 m once in 1e5 flights.
         parted: 0.01,
     };
     for_each_api(|context| {
@@ -245,8 +244,8 @@ fn curved() -> Vec<Scene> {
     ]
 }
 
-/// Protects every other kind of surface: what is curved multiplies errors, by some 2 × 10 m ÷ 0.3 m
-/// a reflection.
+/// Protects every other kind of surface: curved ones multiply errors, by about 2 × 10 m ÷ 0.3 m per
+/// reflection.
 #[test]
 fn crossings_among_curved_surfaces_are_exact() {
     let allowed = Allowed {
@@ -269,7 +268,7 @@ fn crossings_among_curved_surfaces_are_exact() {
 fn records_and_chunks_change_nothing() {
     for_each_api(|context| {
         let mut tracer = Tracer::new(context).unwrap();
-        // Two walls between which waves come back again and again.
+        // Two walls between which waves return again and again.
         let scene = builtin("shoebox");
         let settings = Settings::hybrid().with_waves(2000);
         let mut traced = |records: u32, chunk: u32| {
@@ -300,7 +299,7 @@ fn records_and_chunks_change_nothing() {
                 assert_eq!((a.wave, a.is_early), (b.wave, b.is_early));
                 assert!((a.length_m - b.length_m).abs() < 1e-4, "{a:?} {b:?}");
                 assert!(a.direction.distance(b.direction) < 1e-9);
-                // Of a chord 2^-17 of four radii are rounded away.
+                // 2^-17 of four radii of a chord are rounded away.
                 let chords = (a.energy[0] - b.energy[0]).abs() / unit;
                 assert!(chords < 1e-4, "{a:?} {b:?}");
             }
@@ -308,8 +307,8 @@ fn records_and_chunks_change_nothing() {
     });
 }
 
-/// Protects waves that are followed in parts, and those whose starts are given: both are the waves that all are. A weight
-/// is the energy with which a wave starts.
+/// Protects waves followed in parts, and those with given starts: both are the same as all waves together. A weight is
+/// the energy with which a wave starts.
 #[test]
 fn parts_and_given_starts_are_the_same_waves() {
     for_each_api(|context| {
@@ -366,7 +365,7 @@ fn parts_and_given_starts_are_the_same_waves() {
     });
 }
 
-/// Protects runs of more waves than are followed at a time: each block has the starts of its own numbers.
+/// Protects runs with more waves than are followed at once: each block has the starts of its own numbers.
 #[test]
 fn given_starts_go_on_from_block_to_block() {
     let context = context(Api::Gl);
@@ -410,7 +409,7 @@ fn waves_are_followed_until_their_energy_is_gone() {
         ..ArrivalSettings::new(10.0)
     };
     let until = to_the_end.clone().with_least_energy(1e-6);
-    // Nothing absorbs: they are followed all the same.
+    // Without absorption they are followed to the end.
     let (all, counts) = arrivals(&mut tracer, &scene, &settings, &to_the_end);
     assert_eq!(
         arrivals(&mut tracer, &scene, &settings, &until),
@@ -434,13 +433,13 @@ fn waves_are_followed_until_their_energy_is_gone() {
     assert_eq!(fewer.followed_m, f64::INFINITY);
     let energy = |of: &[Arrival]| of.iter().map(|arrival| arrival.energy[4]).sum::<f64>();
     assert!(energy(&most) < energy(&all), "waves have something left");
-    // The listener's share of what is left varies: few of 2,000 waves cross it.
+    // The listener's share of the remaining energy varies: few of 2,000 waves cross it.
     let left = (energy(&all) - energy(&most)) / energy(&all);
     assert!(left < 1e-5, "{left}");
 }
 
-/// Protects the report of waves that were given up: where bands have separate waves, the one whose waves get least
-/// far decides.
+/// Protects the report of waves that were given up: if bands have separate waves, the one whose waves get least far
+/// decides.
 #[test]
 fn the_band_that_comes_least_far_decides() {
     let followed = |waves: u64, cut_off_m: Vec<f64>| {
@@ -458,7 +457,7 @@ fn the_band_that_comes_least_far_decides() {
         (both.waves, both.cut_off, both.followed_m),
         (20_000, 80, 7.0)
     );
-    // Waves of the same bands are told of together.
+    // Waves of the same bands are reported together.
     let together = followed(10_000, Vec::new()).and(followed(70_000, vec![7.0; 80]));
     assert_eq!(together.counts().followed_m, f64::INFINITY);
 }

@@ -1,4 +1,4 @@
-//! The energies of arrivals: what materials take, what scattering moves, and what is conserved.
+//! The energies of arrivals: absorption by materials, scattering, and conservation.
 
 use super::arrivals::{arrivals, start_directions, without_listener};
 use crate::acoustics::Arrival;
@@ -27,7 +27,7 @@ fn with_materials(mut scene: Scene, count: usize) -> Scene {
     scene
 }
 
-/// A turned room whose walls differ, with a box and balls in cells in it, each of its own material.
+/// A rotated room with different walls, containing a box and balls in cells, each with its own material.
 fn furnished() -> Scene {
     let size = Vec3::new(12.0, 6.0, 10.0);
     let turn = Quat::from_rotation_y(0.3) * Quat::from_rotation_x(0.1);
@@ -48,8 +48,8 @@ fn furnished() -> Scene {
     with_materials(Scene::new("furnished", surfaces, source, listener), 10)
 }
 
-/// Rooms that stand in each other, each turned a little more, all of whose walls differ from each other: more numbers
-/// than there are uniforms for. Sound is in what they have in common, so that it meets walls of all of them.
+/// Nested rooms, each rotated a little more, with walls that all differ: more numbers than there are uniforms for.
+/// Sound is in their common part, so that it meets walls of all of them.
 fn rooms_in_rooms() -> Scene {
     let size = Vec3::new(12.0, 6.0, 10.0);
     let room = |number: usize| {
@@ -69,17 +69,16 @@ fn rooms_in_rooms() -> Scene {
     with_materials(Scene::new("rooms", surfaces, source, listener), 23)
 }
 
-/// Which wall of a room a normal is of.
+/// The wall of a room that a normal belongs to.
 fn wall(room: &Surface, normal: DVec3) -> usize {
     let inward = room.rotation.as_dquat().inverse() * normal;
     let axis = inward.abs().max_position();
     2 * axis + usize::from(inward[axis] < 0.0)
 }
 
-/// Protects every way by which a shader finds a material: of a wall of a turned room, of a surface
-/// that stands in the text, of one in cells, of those that are so many that a table has their numbers; and each band
-/// from the others. Against the same waves
-/// without materials energies are what the reflections before leave, to 1e-4 m of chord.
+/// Protects every way in which a shader finds a material: of a wall of a rotated room, of a surface in the text, of one
+/// in cells, and of surfaces whose numbers need a table; and each band from the others. Compared with the same waves
+/// without materials, energies are those that the previous reflections leave, to 1e-4 m of chord.
 #[test]
 fn each_reflection_takes_what_its_material_takes() {
     for_each_api(|context| {
@@ -116,7 +115,7 @@ fn reflections_take(context: &Context, scene: &Scene) {
             for vertex in &path {
                 length += vertex.point.distance(place);
                 place = vertex.point;
-                // The chord's middle is within a radius of any end of a flight in the sphere.
+                // The chord's middle is within a radius of either end of a flight in the sphere.
                 if length > arrival.length_m {
                     break;
                 }
@@ -132,7 +131,7 @@ fn reflections_take(context: &Context, scene: &Scene) {
             let off = (0..BAND_COUNT).map(|band| {
                 (arrival.energy[band] - bare.energy[band] * expected[band]).abs() / unit
             });
-            // Balls multiply errors: a wave that meets one may part from the exact one.
+            // Balls multiply errors: a wave that meets one may deviate from the exact one.
             let is_same = off.fold(0.0, f64::max) < 1e-4;
             let is_ball = |object: u32| {
                 let surface = &scene.surfaces[object as usize - 1];
@@ -151,7 +150,7 @@ fn reflections_take(context: &Context, scene: &Scene) {
 }
 
 /// Protects drivers with four outputs, and the division into chunks: neither changes a bit of an
-/// energy but for the chord's rounding.
+/// energy except for the chord's rounding.
 #[test]
 fn few_outputs_and_short_chunks_take_the_same() {
     let mut tracer = tracer();
@@ -184,7 +183,7 @@ fn few_outputs_and_short_chunks_take_the_same() {
     }
 }
 
-/// Protects silence: what takes all leaves nothing to arrive but the direct sound.
+/// Protects silence: with full absorption only the direct sound arrives.
 #[test]
 fn what_takes_all_silences() {
     let mut scene = builtin("shoebox");
@@ -198,11 +197,11 @@ fn what_takes_all_silences() {
     let radius = f64::from(scene.listener.radius);
     assert!(!all.is_empty());
     for arrival in &all {
-        // The middle of the chord is on the sphere about the way from source to listener.
+        // The middle of the chord is on the sphere whose diameter is the line from source to listener.
         assert!(arrival.is_early && arrival.length_m <= apart);
     }
-    // 1 / 4π r², a mean over the sphere: 1 + r²/5d² of that at its centre (the Laplacian of 1/r² is
-    // 2/r⁴). Fewer than 1 in 200 waves are heard: 5 standard errors are 5 · √(200 / 20,000).
+    // 1 / 4π r², a mean over the sphere: 1 + r²/5d² times that at its centre (the Laplacian of 1/r²
+    // is 2/r⁴). Fewer than 1 in 200 waves are heard: 5 standard errors are 5 · √(200 / 20,000).
     let sum: f64 = all.iter().map(|arrival| arrival.energy[0]).sum();
     let expected = (1.0 + radius * radius / (5.0 * apart * apart))
         / (4.0 * std::f64::consts::PI * apart * apart);
@@ -217,15 +216,15 @@ fn room(material: Material) -> Scene {
     scene
 }
 
-/// Protects energy: nothing is lost where nothing absorbs, mirrored or scattered.
+/// Protects energy: without absorption all of it is kept, mirrored or scattered.
 ///
-/// In a room that takes nothing energy spreads evenly: of L metres that a wave flies L V / V_room
-/// lie in the listener's sphere V, and each metre counts 1 / (V N): the sum over all waves is
-/// L / V_room. A wave crosses the sphere π r² L / V_room times, by chords of 4/3 r ± 35 %: five
+/// In a room without absorption energy spreads evenly: of L metres that a wave flies, L V / V_room
+/// lie in the listener's sphere V, and each metre counts 1 / (V N): the sum over all waves is L /
+/// V_room. A wave crosses the sphere π r² L / V_room times, by chords of 4/3 r ± 35 %: five
 /// standard errors of the sum are 5 · 1.06 / √crossings, if crossings are independent.
 #[test]
 fn a_room_that_takes_nothing_keeps_all() {
-    // Bands that scatter by different shares are of waves of their own.
+    // Bands with different scattering have separate waves.
     let differently: Bands = std::array::from_fn(|band| [0.0, 0.4, 1.0][band / 3]);
     let evenly = [0.0, 0.4, 1.0].map(|share| ([share; BAND_COUNT], 1));
     for (scattering, groups) in evenly.into_iter().chain([(differently, 3)]) {
@@ -236,7 +235,7 @@ fn a_room_that_takes_nothing_keeps_all() {
         let settings = Settings::hybrid().with_waves(16_384);
         let (all, counts) = arrivals(&mut tracer(), &scene, &settings, &ArrivalSettings::new(1.2));
         assert_eq!(counts.flown, groups * 16_384);
-        // Shares of waves that are scattered are right to 1e-6, and what is left makes up for it.
+        // Shares of scattered waves are accurate to 1e-6, and the remainder makes up for it.
         assert!(
             counts
                 .energy_under_way
@@ -262,12 +261,12 @@ fn a_room_that_takes_nothing_keeps_all() {
     }
 }
 
-/// In the shoebox the direct way is shorter, and all others are longer, in metres: it is 9.76 m long; of ways by the
-/// floor or the ceiling the shortest into the sphere is 11.4 m − 1.2 m.
+/// Length in metres above the direct path and below all others in the shoebox: the direct path is 9.76 m long; the
+/// shortest one into the sphere by the floor or the ceiling is 11.4 m − 1.2 m.
 const DIRECT_M: f64 = 10.0;
 
-/// Protects the share that is scattered, where bands scatter differently, too: the mean over both
-/// ways is what the material says in each band, and each way has its part.
+/// Protects the share of scattered energy, also if bands scatter differently: the mean of mirrored
+/// and scattered energy follows the material in each band, and each has its part.
 #[test]
 fn scattering_takes_its_share() {
     let scattering: Bands = std::array::from_fn(|band| band as f64 / 8.0);
@@ -278,14 +277,14 @@ fn scattering_takes_its_share() {
     let settings = Settings::hybrid().with_waves(16_384);
     let how = ArrivalSettings::new(1.0).with_iterations(2);
     let (all, counts) = arrivals(&mut tracer(), &room(material), &settings, &how);
-    // After two reflections. Of 16,384 waves two choices between energies of at most 1 ± 1 each: five
-    // standard errors are less than 5 · √(2 / 16,384).
+    // After two reflections. With 16,384 waves and two choices between energies of at most 1 ± 1 each, five standard
+    // errors are less than 5 · √(2 / 16,384).
     for left in counts.energy_under_way {
         assert!((left / 0.75f64.powi(2) - 1.0).abs() < 0.055, "{left}");
     }
     let early = all.iter().filter(|arrival| arrival.is_early).count();
     assert!(early > 0 && early < all.len());
-    // All bands by the same waves: after one reflection each has what it mirrors, or what it scatters.
+    // All bands with the same waves: after one reflection each has its mirrored or its scattered energy.
     let together = WavesToFollow::Numbers(0..settings.waves);
     let (mut mirrored, mut scattered) = (0, 0);
     let mut is_part = |arrival: Arrival| {
@@ -312,11 +311,11 @@ fn scattering_takes_its_share() {
         &settings,
         &how,
     );
-    // All that was reflected was scattered.
+    // All reflected sound was scattered.
     assert!(all.iter().all(|a| a.is_early == (a.length_m < DIRECT_M)));
 }
 
-/// Protects Lambert's law, against the integral over a floor that scatters all: each piece of it
+/// Protects Lambert's law, against the integral over a fully scattering floor: each piece of it
 /// gets cos θ / 4π a² of the power and sends cos θ' / π b² of that to the listener.
 #[test]
 fn a_floor_scatters_by_lamberts_law() {
@@ -357,7 +356,7 @@ fn a_floor_scatters_by_lamberts_law() {
             expected += side * side * density * (b.y / b2.sqrt()) / (std::f64::consts::PI * b2);
         }
     }
-    // The mean over the sphere is some r²/10 of the second derivatives off: (0.4 / 1)² / 10 · 2.
+    // The mean over the sphere is off by about r²/10 of the second derivatives: (0.4 / 1)² / 10 · 2.
     let error = 5.0 * 1.06 / crossings.sqrt() + 0.032;
     assert!(error < 0.12, "{crossings}");
     assert!(
@@ -366,7 +365,7 @@ fn a_floor_scatters_by_lamberts_law() {
     );
 }
 
-/// Protects from what has no meaning.
+/// Protects arrivals from invalid requests.
 #[test]
 fn what_cannot_be_traced_is_refused() {
     let scene = builtin("shoebox");

@@ -19,7 +19,8 @@ fn context_of(egl: &Rc<RawEgl>, is_switched: bool) -> Context {
         true => MakeCurrent::With(Box::new(Switch(egl.clone()))),
         false => MakeCurrent::ByCaller,
     };
-    // SAFETY: the functions are those of the context, which is current or made current, and lives to the end of the test.
+    // SAFETY: the functions are those of the context, which is current or made current, and lives to the end of the
+    // test.
     unsafe { Context::from_loader(loader, current) }.unwrap()
 }
 
@@ -30,8 +31,8 @@ fn api_of(kind: Kind) -> Api {
     }
 }
 
-/// A scene and settings for every way that passes are drawn in: as one, several with texture pairs, with the scene's data
-/// in a buffer, summed on the GPU.
+/// A scene and settings for each way of drawing passes: in one, in several with texture pairs, with the scene's data in
+/// a buffer, summed on the GPU.
 fn inputs() -> Vec<(Scene, Settings)> {
     let corner = || Scene::builtin("corner").unwrap();
     vec![
@@ -53,8 +54,8 @@ fn frame(tracer: &mut Tracer, (scene, settings): &(Scene, Settings)) -> (Panning
     (frame.panning, frame.counts)
 }
 
-/// Protects both programs that share a context, in the worst state that one can be in: the frame is the same to the bit as
-/// on a context of echomarch's own, and after every call all state is as it was, transform feedback included.
+/// Protects both programs that share a context, in the worst possible state: the frame is the same to the bit as on
+/// echomarch's own context, and every call restores all state, including transform feedback.
 #[test]
 fn gpu_a_callers_context_is_left_as_it_was() {
     for (kind, is_switched) in Kind::ALL.into_iter().flat_map(|k| [(k, false), (k, true)]) {
@@ -132,8 +133,8 @@ extern "system" fn of_es_3_0(name: u32) -> *const c_char {
     }
 }
 
-/// Protects programs on drivers of the least versions, which have one viewport, one scissor, one way to blend, and
-/// feedback that cannot be paused: all that such a version knows is as it was.
+/// Protects programs on drivers of the lowest versions, which have one viewport, one scissor, one blending state, and
+/// feedback that cannot be paused: all state of such a version is restored.
 #[test]
 fn gpu_a_callers_context_of_the_least_version_is_left_as_it_was() {
     for (kind, version) in [(Kind::Core, of_gl_3_3 as GetString), (Kind::Es, of_es_3_0)] {
@@ -152,7 +153,7 @@ fn gpu_a_callers_context_of_the_least_version_is_left_as_it_was() {
             true => version as *const c_void,
             false => egl.address(name),
         };
-        // SAFETY: the context is current, and has all that the version it is said to be of has.
+        // SAFETY: the context is current, and has everything of the version that it claims.
         let context = unsafe { Context::from_loader(older, MakeCurrent::ByCaller) }.unwrap();
         let mut tracer = Tracer::new(&context).unwrap();
         for input in inputs() {
@@ -168,8 +169,8 @@ fn gpu_a_callers_context_of_the_least_version_is_left_as_it_was() {
 /// `glGetString`.
 type GetString = extern "system" fn(u32) -> *const c_char;
 
-/// The transform feedback of two drawings in that state with nothing of echomarch between: `[0, 1, 2, 0, 1, 2]`, and on zink
-/// of Mesa 22.3 in the compatibility profile zeros.
+/// The transform feedback of two drawings in that state without echomarch in between: `[0, 1, 2, 0, 1, 2]`, and zeros
+/// on zink of Mesa 22.3 in the compatibility profile.
 fn feedback_alone(kind: Kind) -> Vec<f32> {
     let program = ForeignProgram::new(kind);
     program.spoil();
@@ -179,8 +180,8 @@ fn feedback_alone(kind: Kind) -> Vec<f32> {
     program.end_feedback()
 }
 
-/// Protects the other program's drawing, which sets its state once and then only draws, and its memory: of what echomarch
-/// made nothing is left.
+/// Protects the other program's drawing, which sets its state once and then only draws, and its memory: all of
+/// echomarch's objects are freed.
 #[test]
 fn gpu_a_caller_draws_between_the_parts_of_a_frame() {
     for kind in Kind::ALL {
@@ -210,8 +211,8 @@ fn gpu_a_caller_draws_between_the_parts_of_a_frame() {
     }
 }
 
-/// Protects a program that makes its context current and not current as it likes, and has another one: what was current is
-/// so again.
+/// Protects a program that makes its context current and not current as it likes, and has another one: the previously
+/// current context is restored.
 #[test]
 fn gpu_a_callers_context_is_current_only_when_it_was() {
     let settings = Settings::hybrid().with_waves(1024);
@@ -255,8 +256,8 @@ fn gpu_a_callers_context_is_current_only_when_it_was() {
     }
 }
 
-/// Protects results that never leave the GPU: the texture that a program is given holds what each wave gives, and the
-/// program's context knows it.
+/// Protects results that never leave the GPU: the texture returned to the program holds each wave's value and belongs
+/// to the program's context.
 #[test]
 fn gpu_a_frame_stays_in_a_texture() {
     let program = ForeignProgram::new(Kind::Core);
@@ -276,7 +277,7 @@ fn gpu_a_frame_stays_in_a_texture() {
             (right - expected.panning.right).abs() < 1e-6 * right,
             "{right}"
         );
-        // What was drawn before is collected still.
+        // The frame drawn before is still collected.
         let drawn = tracer.frame_wait().unwrap().unwrap();
         assert_eq!(drawn.counts, expected.counts);
     }
@@ -311,17 +312,17 @@ fn gpu_a_callers_context_that_cannot_trace_is_an_error() {
         fn release(&self) {}
     }
     let nothing = |_: &CStr| std::ptr::null();
-    // SAFETY: the functions never come to be used.
+    // SAFETY: the functions are never called.
     let error = unsafe { Context::from_loader(nothing, MakeCurrent::ByCaller) }.unwrap_err();
     assert!(matches!(error, GpuError::NoFunctions { .. }), "{error}");
     let loader = move |name: &CStr| egl.address(name);
-    // SAFETY: the functions never come to be used.
+    // SAFETY: the functions are never called.
     let error = unsafe { Context::from_loader(loader, MakeCurrent::With(Box::new(Gone))) };
     let error = error.unwrap_err().to_string();
     assert!(error.contains("the window was closed"), "{error}");
 }
 
-/// The functions of a context that goes: from then on it cannot be made current.
+/// The functions of a context that may disappear, after which it cannot be made current.
 struct Going {
     switch: Switch,
     is_gone: Rc<Cell<bool>>,
@@ -345,8 +346,8 @@ impl SwitchContext for Going {
     }
 }
 
-/// Protects a program whose window goes before the tracer: frames are errors, what is dropped calls no function of GL, and
-/// another context of the program's stays current.
+/// Protects a program whose window closes before the tracer is dropped: frames are errors, dropping calls no GL
+/// function, and another context of the program stays current.
 #[test]
 fn gpu_a_callers_context_that_goes_is_an_error_and_no_panic() {
     let egl = Rc::new(RawEgl::of(Kind::Core));

@@ -11,19 +11,20 @@ use glam::{DVec3, Vec3};
 
 const WAVES: u32 = 200;
 
-/// How far the ends of a wave may lie apart, in metres, where no twin parts: places are right to
-/// some 1e-6 m, and a ball of a centimetre makes that a few millimetres over the next ten metres.
-/// (llvmpipe: 1.04e-3 at most of those that need no SHARE, and no close call among 29,600 waves.)
+/// Maximum distance between the ends of a wave, in metres, if no twin deviates: positions are
+/// accurate to about 1e-6 m, and a ball of a centimetre magnifies that to a few millimetres over
+/// the next ten metres. (llvmpipe: at most 1.04e-3 for waves that need no SHARE, and no close call
+/// among 29,600 waves.)
 const SAME_PLACE: f64 = 2e-3;
 
-/// What more they may, of how far the ends of its twins do: a turn of 2e-6 at the source, which
-/// what is curved makes as much larger as theirs.
+/// Additional tolerance, as a share of the distance between the ends of its twins: a rotation of
+/// 2e-6 at the source, which curved surfaces magnify like theirs.
 const SHARE: f64 = 0.02;
 
-/// By how much a twin's direction differs.
+/// Difference of a twin's direction.
 const HAIR: f64 = 1e-4;
 
-/// A room about the field, with source and listener in the air of both.
+/// A room around the field, with source and listener in the air of both.
 fn scene(entry: &Entry) -> Option<Scene> {
     let [_, surface] = surfaces(entry);
     let room = (6.0 * entry.reach() as f32).clamp(2.0, 20.0);
@@ -54,8 +55,8 @@ fn is_same(wave: &Wave, exact: &ExactWave, more: f64) -> bool {
     wave.status == exact.status as f32 && (gap < SAME_PLACE + more || wave.fate() == Fate::Dead)
 }
 
-/// How far apart the wave and its twins end, in metres; nothing where it hangs on a rounding,
-/// so that one of them fares otherwise.
+/// Distance between the ends of the wave and its twins, in metres; `None` if it depends on a
+/// rounding, so that one of them ends otherwise.
 fn spread(exact: &ExactScene, start: DVec3, direction: DVec3) -> Option<f64> {
     let here = exact.trace(start, direction, 2);
     let (one, other) = direction.any_orthonormal_pair();
@@ -69,8 +70,8 @@ fn spread(exact: &ExactScene, start: DVec3, direction: DVec3) -> Option<f64> {
     apart.iter().fold(Some(0.0), most)
 }
 
-/// Protects the march and the closed forms as waves see them: in both profiles waves end as in
-/// the exact reference, never in a solid, never without a number, and no march is given up.
+/// Protects the march and the closed forms as used by waves: in both profiles waves end as in the
+/// exact reference, never in a solid, never with NaN, and every march completes.
 #[test]
 fn waves_in_a_room_with_each_field_end_as_in_the_reference() {
     let mut tracer = Tracer::new(&context(Api::Gl)).unwrap();

@@ -1,12 +1,12 @@
-//! Tracers, and contexts that a program made current for itself.
+//! Tracers, together with contexts that a program made current itself.
 
 use crate::gpu::tests::raw_egl::RawEgl;
 use crate::gpu::{Api, AsyncRead, GpuTimer, Picture, Program, RenderTarget, Texture};
 use crate::test_common::context;
 use crate::{Scene, Settings, Tracer};
 
-/// Whatever a program makes current between two frames, a frame is that of its own scene, on the tracer's context; and
-/// a context of the program's own is current again afterwards.
+/// Protects frames from contexts that a program makes current in between: a frame is that of its own scene, on the
+/// tracer's context, and the program's own context is current again afterwards.
 #[test]
 fn gpu_frames_do_not_mind_what_others_make_current() {
     for api in Api::ALL {
@@ -43,8 +43,8 @@ fn gpu_frames_do_not_mind_what_others_make_current() {
     }
 }
 
-/// Drops what belongs to a context of echomarch's while a context of the program's own is current, which has to be
-/// current afterwards: EGL says so, and calls go there.
+/// Drops an object of an echomarch context while the program's own context is current, which must be current
+/// afterwards: EGL reports it, and calls go there.
 fn drop_beside<T>(raw: &RawEgl, what: &str, dropped: T) {
     const VIEWPORT: [i32; 4] = [1, 2, 3, 4];
     raw.bind();
@@ -54,8 +54,8 @@ fn drop_beside<T>(raw: &RawEgl, what: &str, dropped: T) {
     assert_eq!(raw.viewport(), VIEWPORT, "{what} was dropped");
 }
 
-/// Protects a program's own context from what it drops beside it: to free an object its context is made current, and
-/// then the program's again. Each kind of object is dropped alone, the context with the last of them.
+/// Protects a program's own context when it drops objects of echomarch: freeing an object makes its context current,
+/// and then the program's again. Each kind of object is dropped alone, the context with the last of them.
 #[test]
 fn gpu_drops_leave_the_context_of_others_current() {
     const BODY: &str = "layout(location = 0) out vec4 result; void main() { result = vec4(1.0); }";
@@ -72,7 +72,7 @@ fn gpu_drops_leave_the_context_of_others_current() {
         let program = Program::fragment(&context, "constant", BODY).unwrap();
         drop_beside(&raw, "a program", program);
         drop_beside(&raw, "a picture", Picture::new(&context, 2, 2).unwrap());
-        // Two marks have a query between them, where there is one to be had.
+        // Two marks have a query between them, if queries are available.
         let mut timer = GpuTimer::new(&context);
         timer.restart().unwrap();
         timer.mark().unwrap();

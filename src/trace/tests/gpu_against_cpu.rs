@@ -1,13 +1,13 @@
 //! The thesis' algorithm on the GPU against the same algorithm on the CPU, on every API.
 //!
-//! Both compute in `f32`, but not in the same order: a GPU may fuse or regroup, and its sine,
-//! square root and division may be off by some units in the last place. A wave stays the same
-//! until a decision hangs on such a difference; each wave that parts must be one of those.
+//! Both compute in `f32`, but not in the same order: a GPU may fuse or regroup operations, and its
+//! sine, square root and division may be off by some units in the last place. A wave stays the same
+//! until a decision depends on such a difference; each wave that deviates must be one of those.
 
-use crate::experiment::median;
 use crate::gpu::{Api, Context};
 use crate::reference::march32::{self, MarchedWave};
 use crate::scene::shape::Room;
+use crate::stats::median;
 use crate::test_common::{builtin, context, for_each_api, thesis};
 use crate::trace::{Fate, ThesisOptions, Wave};
 use crate::{Frame, Node, Scene, Settings, Surface, Tracer};
@@ -15,16 +15,16 @@ use glam::Vec3;
 
 const WAVES: u32 = 65_536;
 
-/// How far the ends of a wave may lie apart and be the same, in metres. A distance near 15 m is
-/// rounded by up to 1e-6 m; a difference normal divides that by twice its step of 0.01 m, which
+/// Maximum distance in metres between ends of a wave that count as the same. A distance near 15 m
+/// is rounded by up to 1e-6 m; a difference normal divides that by twice its step of 0.01 m, which
 /// turns the next direction by up to 5e-5, and most flights are shorter than 20 m. (Seen with
-/// llvmpipe, of 1,048,576 waves in 8 iterations: 2.6e-4 at most, 3e-8 for most waves.)
+/// llvmpipe, of 1,048,576 waves in 8 iterations: at most 2.6e-4, 3e-8 for most waves.)
 const SAME_PLACE: f32 = 1e-3;
 
 /// A decision may fall either way below this difference of two distances, in metres: a hundred
-/// roundings of 1e-6 m, all of one sign, in the distance and along the march before it. A
-/// hundredth of the waves have so small a margin; so a wave that parts for another reason has
-/// one chance in a hundred to go unnoticed.
+/// roundings of 1e-6 m, all of one sign, in the distance and along the march before it. One in a
+/// hundred waves has a margin this small, so a wave that deviates for another reason goes unnoticed
+/// with a probability of one in a hundred.
 const FLIP_MARGIN: f32 = 1e-4;
 
 struct Pair {
@@ -39,7 +39,7 @@ impl Pair {
     }
 }
 
-/// Traces on the GPU, and on the CPU from the very directions that the GPU started with.
+/// Traces on the GPU, and on the CPU from the same directions that the GPU started with.
 fn trace_both(context: &Context, scene: &Scene, settings: &Settings) -> (Frame, Vec<Pair>) {
     let (frame, waves) = trace(context, scene, settings);
     let starts: Vec<Vec3> = waves.iter().map(|wave| wave.start_direction).collect();
@@ -54,7 +54,7 @@ fn trace(context: &Context, scene: &Scene, settings: &Settings) -> (Frame, Vec<W
     tracer.frame_with_waves(scene, settings).unwrap()
 }
 
-/// Every float of a wave as bits: 0 and −0 differ, and a NaN is itself.
+/// Every float of a wave as bits: 0 and −0 differ, and a NaN equals itself.
 fn bits(wave: &Wave) -> [u32; 12] {
     let [s, p, d] = [wave.start_direction, wave.position, wave.direction]
         .map(|v| v.to_array().map(f32::to_bits));
@@ -78,9 +78,9 @@ fn all_bits(waves: &[Wave]) -> Vec<[u32; 12]> {
     waves.iter().map(bits).collect()
 }
 
-/// Protects the whole march on the GPU, passes, textures and shaders: at least 99.5 % of the
-/// waves end as on the CPU, those that do not hung on a rounding, and the counts are the same
-/// but for them.
+/// Protects the whole march on the GPU, passes, textures and shaders: at least 99.5 % of the waves
+/// end as on the CPU, the others depended on a rounding, and the counts are the same except for
+/// them.
 #[test]
 fn waves_end_on_the_gpu_as_on_the_cpu() {
     for_each_api(|context| {
@@ -107,7 +107,7 @@ fn check_waves(case: &str, pairs: &[Pair]) {
             "{case}: no close call parted\n{gpu:?} from\n{cpu:?}"
         );
     }
-    // The bound above says something only where most waves are far from it.
+    // The bound above is only meaningful if most waves are far from it.
     let usual = median(pairs.iter().map(|pair| f64::from(pair.cpu.margin)));
     assert!(
         usual > 10.0 * f64::from(FLIP_MARGIN),
@@ -127,7 +127,7 @@ fn check_counts(frame: &Frame, pairs: &[Pair]) {
     let allowed = (0.005 * hits as f64).max(1.0);
     assert!(gap as f64 <= allowed, "{counts:?}, {hits} on the CPU");
 
-    // A wave that parts can differ in as many passes as it makes; those that do not, in none.
+    // A wave that deviates can differ in each of its passes; the others do not differ.
     let of_flips = |count: fn(&Pair) -> u32| {
         let differ = pairs.iter().filter(|pair| !pair.is_same());
         differ.map(|pair| u64::from(count(pair))).sum::<u64>()
@@ -142,9 +142,9 @@ fn check_counts(frame: &Frame, pairs: &[Pair]) {
     );
 }
 
-/// Protects the margin itself, which the test above excuses waves by: when the minimum distance
-/// is nudged by 1e-5 m, exactly those waves part whose closest call was closer than that (and a
-/// rounding of 1e-6 m). A margin that came out too small would excuse everything.
+/// Protects the margin itself, by which the test above excuses waves: when the minimum distance is
+/// changed by 1e-5 m, exactly those waves deviate whose margin was below that (and a rounding of
+/// 1e-6 m). A margin that is too small would excuse everything.
 #[test]
 fn a_margin_tells_which_waves_a_nudge_parts() {
     const NUDGE: f32 = 1e-5;
@@ -165,12 +165,12 @@ fn a_margin_tells_which_waves_a_nudge_parts() {
     }
     let close = before.iter().filter(|w| w.margin < NUDGE + 1e-6).count();
     assert!(parted > 0 && parted <= close, "{parted} of {close}");
-    // A nudge one way parts only calls on that side of the threshold: about half of them.
+    // A change in one direction only affects margins on that side of the threshold: about half of them.
     assert!(4 * parted > close, "{parted} of {close}");
 }
 
 /// Protects the start directions: those of the CPU twin, and unit vectors. Sine, cosine, a root and
-/// the normalising are multiplied; each may be some units in the last place off, 1.2e-7 of 1.
+/// the normalisation are multiplied; each may be some units in the last place off, 1.2e-7 of 1.
 #[test]
 fn start_directions_are_those_of_the_cpu() {
     let few_ulps = 4.0 * f32::EPSILON;
@@ -189,8 +189,8 @@ fn start_directions_are_those_of_the_cpu() {
     });
 }
 
-/// Protects `thesis` from what a driver makes of `normalize(0)`: in the middle of a room smaller than the minimum
-/// distance all differences are 0, and waves that have no normal there die. A listener there is reached all the same.
+/// Protects `thesis` from the driver's result of `normalize(0)`: in the middle of a room smaller than the minimum
+/// distance all differences are 0, and waves without a normal die there. A listener there is still reached.
 #[test]
 fn waves_without_a_normal_die() {
     let room = Surface::new(Node::Room(Room {
@@ -217,10 +217,10 @@ fn waves_without_a_normal_die() {
     });
 }
 
-/// Protects the uniformity of the start directions, which every count of the thesis rests on.
-/// A component of a uniform direction has variance 1/3: its mean over n waves has the standard
-/// deviation √(1/3n), and five of them are passed once in 1.7 million draws. The octants' chi
-/// square has 7 degrees of freedom: 40 is passed once in 1.7 million draws as well.
+/// Protects the uniformity of the start directions, which every count of the thesis relies on. A
+/// component of a uniform direction has variance 1/3: its mean over n waves has the standard
+/// deviation √(1/3n), and five of them are exceeded once in 1.7 million draws. The octants' chi
+/// square has 7 degrees of freedom: 40 is exceeded once in 1.7 million draws as well.
 #[test]
 fn start_directions_are_uniform() {
     let context = context(Api::Gl);
@@ -265,7 +265,7 @@ fn a_seed_decides_every_bit() {
         let (_, second_waves) = trace(&second_context, &scene, &settings);
         assert_eq!(all_bits(&waves), all_bits(&second_waves));
 
-        // Two directions out of 2^48 are not the same by chance.
+        // By chance, two directions out of 2^48 are never the same.
         let kept = waves.iter().zip(&other_waves);
         let kept = kept.filter(|(a, b)| a.start_direction == b.start_direction);
         assert_eq!(kept.count(), 0);
@@ -273,8 +273,8 @@ fn a_seed_decides_every_bit() {
     });
 }
 
-/// Protects counts of waves that fill no square: each wave is counted once, and the texels
-/// beyond the last one are not.
+/// Protects counts if the waves do not fill a square: each wave is counted once, and the texels
+/// beyond the last one are ignored.
 #[test]
 fn every_wave_is_counted_once() {
     for_each_api(|context| {
@@ -290,7 +290,7 @@ fn every_wave_is_counted_once() {
             assert_eq!(counts.dead, of(Fate::Dead));
             let zero = ends.iter().map(|w| u64::from(w.zero_length_passes));
             assert_eq!(counts.zero_length_passes, zero.sum::<u64>());
-            // Every wave gives 1, split in two: the halves add up but for rounding in `f32`.
+            // Every wave adds 1, split in two: the halves add up except for rounding in `f32`.
             let given = frame.panning.left + frame.panning.right;
             let hits = counts.listener_hits as f64;
             assert!((given - hits).abs() <= 1e-7 * hits, "{given} of {hits}");
@@ -298,8 +298,8 @@ fn every_wave_is_counted_once() {
     });
 }
 
-/// Protects a wave from its neighbours: it depends on its number and the seed alone, not on the
-/// size of the texture that it lies in.
+/// Protects a wave from its neighbours: it depends only on its number and the seed, not on the size
+/// of the texture that it lies in.
 #[test]
 fn a_wave_is_the_same_in_a_larger_frame() {
     for_each_api(|context| {

@@ -1,6 +1,6 @@
-//! Not a bit of the result depends on how many iterations a pass takes: drivers leave loops in
-//! silence after so many turns (Mesa's llvmpipe after 65,536, all loops of a shader together), so
-//! every kind of loop has to be in the count.
+//! The number of iterations in a pass must not change a bit of the result: drivers silently leave
+//! loops after a number of turns (Mesa's llvmpipe after 65,536, all loops of a shader together), so
+//! every kind of loop has to be counted.
 
 use crate::scene::shape::{Room, Sphere, Torus};
 use crate::scene::{Node, Shape};
@@ -107,15 +107,15 @@ fn passes_of_any_length_give_the_same_bits() {
     }
 }
 
-/// Protects the rule from a loop that is not counted: each of these scenes allows fewer
-/// iterations in a pass than the room alone.
+/// Protects the rule from an uncounted loop: each of these scenes allows fewer iterations in a pass
+/// than the room alone.
 #[test]
 fn every_loop_shortens_the_passes() {
     for profile in Profile::ALL {
         let settings = Settings::new(profile).with_iterations_per_pass(MAX_ITERATIONS);
         let alone = Budget::of(&room([]), &settings).iterations_per_pass;
         for (what, scene) in scenes() {
-            // Of what repeats copies that keep to their cells one is evaluated: no loop.
+            // Of repeated copies that stay within their cells only one is evaluated, without a loop.
             let loops = profile == Profile::Hybrid || !what.contains("repeat");
             let budget = Budget::of(&scene, &settings).iterations_per_pass;
             assert!(!loops || budget < alone, "{what}, {profile}: {budget}");

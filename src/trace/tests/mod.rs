@@ -1,4 +1,4 @@
-//! Frames and the text of passes, where a test needs what callers do not have.
+//! Tests of frames and of the text of passes that need more than the public interface.
 
 mod arrivals;
 mod arrivals_energy;

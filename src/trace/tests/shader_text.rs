@@ -1,7 +1,7 @@
-//! The text that scenes become, against golden files, and what may be in it.
+//! The shader text of scenes, against golden files, and rules for its contents.
 //!
-//! `ECHOMARCH_UPDATE_GOLDEN=1` writes `tests/golden/shaders/` again. Only what is written for
-//! the scene is in the golden files: the files under `glsl/` that it takes in are named.
+//! `ECHOMARCH_UPDATE_GOLDEN=1` writes `tests/golden/shaders/` again. The golden files contain only
+//! the text generated for the scene; included files under `glsl/` are only named.
 
 use crate::scene::shape::{
     CappedCylinder, Capsule, Cone, Cuboid, Cylinder, Ellipsoid, GeneralQuadric, HalfSpace,
@@ -93,7 +93,7 @@ fn golden() -> Vec<(&'static str, Scene, Profile)> {
     ]
 }
 
-/// The text, of which files under `glsl/` are left out but for their names.
+/// The text, with included files under `glsl/` replaced by their names.
 fn written(text: &str) -> String {
     let mut out = String::new();
     let mut is_file = false;
@@ -102,7 +102,7 @@ fn written(text: &str) -> String {
             && number.parse::<u32>().is_ok()
         {
             is_file = name.starts_with("glsl/");
-            // Numbers change with every file that comes or goes before.
+            // Numbers change with every earlier file that is added or removed.
             out += &format!("// {name}\n");
         } else if !is_file && !line.starts_with("#line") {
             out += line;
@@ -112,7 +112,7 @@ fn written(text: &str) -> String {
     out
 }
 
-/// Protects generated text from changing unseen.
+/// Protects generated text from unnoticed changes.
 #[test]
 fn texts_match_the_golden_ones() {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/golden/shaders");
@@ -195,19 +195,19 @@ fn shapes() -> Vec<Shape> {
     shapes
 }
 
-/// Shapes that others are made of.
+/// Shapes that another shape is made of.
 fn building_blocks(name: &str) -> &'static [&'static str] {
     match name {
         // Their bounds are a box.
         "RoundedBox" | "HeightField" | "Field" => &["Box"],
-        // A ball is its ends.
+        // A capsule has balls as its ends.
         "Capsule" => &["Sphere"],
         "CappedCylinder" => &["Cylinder"],
         _ => &[],
     }
 }
 
-/// Protects specialisation: a scene's shader has no function of a shape that is not in it.
+/// Protects specialisation: a scene's shader only has functions of the shapes in it.
 #[test]
 fn a_scene_of_one_shape_names_no_other() {
     let all = shapes();
@@ -229,8 +229,8 @@ fn a_scene_of_one_shape_names_no_other() {
     }
 }
 
-/// Protects what is compiled and what is printed from drifting apart: nothing of a scene's
-/// numbers but fields' literals is in the text.
+/// Protects compiled and printed text from diverging: of a scene's numbers the text contains only
+/// fields' literals.
 #[test]
 fn the_text_needs_no_renderer_and_tells_its_files() {
     let scene = scene(vec![Surface::new(user())]);

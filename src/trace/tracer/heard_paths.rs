@@ -9,7 +9,7 @@ use glam::Vec3;
 /// Traces waves with one seed after another, and keeps the start directions of those searched
 /// for. Tracing these again gives their paths.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct HeardSearch {
+pub struct HeardSearch {
     /// Of waves that reached the listener.
     pub heard: Vec<Vec3>,
     /// Of other waves.
@@ -20,7 +20,7 @@ pub(crate) struct HeardSearch {
 
 /// Directions that are kept at most.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct MostKept {
+pub struct MostKept {
     pub heard: usize,
     pub others: usize,
 }

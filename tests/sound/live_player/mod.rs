@@ -1,5 +1,5 @@
-//! The player of the tests through a sound server: this program, started once more with the
-//! server in its environment. Here is what it plays, and how a test starts it and listens to it.
+//! The player of the tests through a sound server: this program, started again with the server in
+//! its environment. Defines what it plays, and how a test starts it and listens to it.
 
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
@@ -14,20 +14,20 @@ use echomarch::audio::live::{Live, LiveError, LiveOptions, list_devices};
 
 use crate::sound_server::{Process, SINK, TIMEOUT, wait_for};
 
-/// Says which part of the player below is wanted.
+/// Names the part of the player to run.
 const PART: &str = "ECHOMARCH_TEST_PART";
-/// Says which file it shall record to.
+/// Names the file to record to.
 const FILE: &str = "ECHOMARCH_TEST_FILE";
 
-/// Seconds that the sound stays at each place, and places from left to right.
+/// Seconds that the sound stays at each place, and the number of places from left to right.
 pub const STEP_S: f64 = 0.4;
 pub const PLACES: u32 = 9;
 pub const SWEEP_S: f64 = 3.0;
 
-/// Times that the device is closed and opened again.
+/// Number of times that the device is closed and opened again.
 pub const CLOSINGS: u64 = 5;
 
-/// The player's half of each test; nothing when it is not started by one.
+/// The player's part of each test; does nothing unless a test starts it.
 pub fn play() {
     match std::env::var(PART).as_deref() {
         Ok("sweep") => play_sweep(),
@@ -44,7 +44,7 @@ pub fn play() {
 fn start(device: Option<&str>) -> Live {
     let options = LiveOptions {
         device: device.map(str::to_owned),
-        // In the middle both sides have half of the sound.
+        // In the middle each side has half of the sound.
         law: PanningLaw::Linear,
         ..LiveOptions::default()
     };
@@ -81,7 +81,7 @@ fn play_sweep() {
         log += &format!(" {along:.6}");
         live.set_panning(1.0 - along, along);
     };
-    // Back to the first at the end, where the sweep begins.
+    // Returns to the first at the end, where the sweep begins.
     for step in (0..PLACES).chain([0]) {
         set(place(step));
         pause(STEP_S);
@@ -107,8 +107,8 @@ fn play_sweep() {
     assert_eq!(status.sample_rate, 48_000);
 }
 
-/// A sine that is closed and opened again at several places of its period. The buffer is long,
-/// so that a machine that is busy leaves no gap.
+/// Plays a sine that is closed and opened again at several places of its period. The buffer is
+/// long, so that a busy machine leaves no gap.
 fn play_and_close() {
     let options = LiveOptions {
         buffer_frames: 4096,
@@ -119,7 +119,7 @@ fn play_and_close() {
     for restarts in 0..CLOSINGS {
         wait_for("the device", || {
             let status = live.status();
-            // A busy machine may have lost it in between.
+            // A busy machine may have lost it in the meantime.
             status.device.is_some() && status.restarts - status.losses == restarts
         });
         wait_for_sound(&live);
@@ -135,7 +135,7 @@ fn play_and_close() {
     println!("late callbacks {}", live.status().late_callbacks);
 }
 
-/// Plays until its input ends, and tells each change of its status.
+/// Plays until its input ends, and prints each change of its status.
 fn play_on() {
     let is_over = Arc::new(AtomicBool::new(false));
     let theirs = Arc::clone(&is_over);
@@ -203,8 +203,8 @@ fn play_devices() {
     assert!(live.status().restarts >= 2);
 }
 
-/// Records from before the first device, which then has another rate than is assumed; over a
-/// change of the rate, which ends it; and once more.
+/// Records from before the first device, whose rate then differs from the assumed one; across a
+/// change of the rate, which ends the recording; and once more.
 fn play_recordings() {
     let live = start(Some("other"));
     live.start_recording(&file()).unwrap();
@@ -220,12 +220,12 @@ fn play_recordings() {
     let told = status.notice.unwrap();
     assert!(told.contains("48000 Hz"), "{told}");
     assert!(status.device.is_some() && status.has_sound);
-    // It was told: it stands in the way of nothing.
+    // The notice has been read and does not block a new recording.
     let again = file().with_file_name("again.wav");
     live.start_recording(&again).unwrap();
     let status = live.status();
     assert!(status.is_recording && status.notice.is_none(), "{status:?}");
-    // What a program leaves that is interrupted now can be read.
+    // A program interrupted now leaves a readable file.
     wait_recorded("again", 24_000);
     let part = part_of("again");
     assert!(live.stop_recording().unwrap() > 24_000);
@@ -239,7 +239,7 @@ fn play_recordings() {
     wait_for("the sound", || live.status().notice.is_none());
 }
 
-/// Waits until whoever breaks off now leaves a file of so many frames.
+/// Waits until an interruption would leave a file of at least `frames` frames.
 fn wait_recorded(stem: &str, frames: u32) {
     let part = part_of(stem);
     wait_for("the recording", || {
@@ -247,7 +247,7 @@ fn wait_recorded(stem: &str, frames: u32) {
     });
 }
 
-/// The file beside [`FILE`] that is being written.
+/// The partial file next to [`FILE`] that is being written.
 fn part_of(stem: &str) -> PathBuf {
     let files = std::fs::read_dir(file().parent().unwrap()).unwrap();
     let names = files.map(|entry| entry.unwrap().path());
@@ -258,14 +258,14 @@ fn part_of(stem: &str) -> PathBuf {
     names.into_iter().find(is_part).unwrap()
 }
 
-/// Many sounds are chosen while there is no device: the last is heard.
+/// Chooses many sounds without a device: the last is heard.
 fn play_changes_in_silence() {
     let live = start(Some("no such device"));
     wait_for("an error", || live.status().last_error.is_some());
     live.start_recording(&file()).unwrap();
     for sound in ["sine:200", "sine:300", "sine:400", "sine:500", "noise"] {
         live.set_sound(sound.parse().unwrap());
-        // Attempts to open it lie in between.
+        // Attempts to open the device lie in between.
         live.set_device(Some("no such device".to_owned()));
         pause(0.1);
     }
@@ -335,15 +335,15 @@ impl Player {
         }
     }
 
-    /// Waits for a line that holds all of these.
+    /// Waits for a line that contains all of `parts`.
     pub fn wait_for(&self, parts: &[&str]) -> String {
         self.wait_until(&format!("{parts:?}"), |line| {
             parts.iter().all(|part| line.contains(part))
         })
     }
 
-    /// Waits until the sound is heard after so many losses of the device or more (a busy machine
-    /// may lose it by itself): it was opened again once for each, and no more often.
+    /// Waits until the sound is heard after at least `losses` losses of the device (a busy machine
+    /// may cause more): it was reopened exactly once for each.
     pub fn wait_for_sound_after(&self, losses: u64) -> String {
         self.wait_until(&format!("sound after {losses} losses"), |line| {
             let [restarts, lost] = ["restarts", "losses"].map(|name| number_after(line, name));
@@ -357,27 +357,27 @@ impl Player {
         loop {
             let left = end.saturating_duration_since(Instant::now());
             let line = self.lines.recv_timeout(left);
-            let line = line.unwrap_or_else(|_| panic!("the player did not say {what}"));
+            let line = line.unwrap_or_else(|_| panic!("the player did not print {what}"));
             if is_so(&line) {
                 return line;
             }
         }
     }
 
-    /// How many threads it has now.
+    /// Its current number of threads.
     pub fn threads(&self) -> usize {
         let tasks = std::fs::read_dir(format!("/proc/{}/task", self.process.0.id()));
         tasks.unwrap().count()
     }
 
-    /// Lets it end, and fails if it does not end well.
+    /// Lets it end, and fails unless it succeeds.
     pub fn finish(mut self) {
         self.input = None;
         assert!(self.process.0.wait().unwrap().success());
     }
 }
 
-/// The number that stands after a word of the player's line.
+/// The number after a word of the player's line.
 fn number_after(line: &str, word: &str) -> Option<u64> {
     let (_, rest) = line.split_once(&format!("{word} "))?;
     rest.split(',').next()?.parse().ok()

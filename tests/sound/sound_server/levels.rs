@@ -1,9 +1,9 @@
-//! How loud what was heard is, beside the noise that was played.
+//! Levels of what was heard, relative to the noise that was played.
 
 use crate::measures::rms;
 use echomarch::audio::NOISE_AMPLITUDE;
 
-/// Left and right gains over so many frames each: levels, divided by that of the noise.
+/// Left and right gains over `frames` frames each: levels divided by that of the noise.
 pub fn gains(stereo: &[f32], frames: usize) -> Vec<[f64; 2]> {
     let full = f64::from(NOISE_AMPLITUDE) / 3f64.sqrt();
     let gain = |piece: &[f32], which| {
@@ -20,8 +20,8 @@ pub fn db(ratio: f64) -> f64 {
     20.0 * ratio.log10()
 }
 
-/// How far the louder and the quieter channel are from what is wanted, in decibels; a channel
-/// that is to be silent counts as right below −60 dB.
+/// Largest deviation of the two channels from the wanted gains, in decibels; a channel that should
+/// be silent is correct below −60 dB.
 pub fn error_db(gains: [f64; 2], wanted: [f64; 2]) -> f64 {
     let of = |gain: f64, wanted: f64| {
         if wanted < 1e-3 {
@@ -33,37 +33,38 @@ pub fn error_db(gains: [f64; 2], wanted: [f64; 2]) -> f64 {
     of(gains[0], wanted[0]).max(of(gains[1], wanted[1]))
 }
 
-/// How far a level may be from what is wanted, in decibels: noise over 50 ms is known to 0.1 dB.
+/// Largest accepted deviation of a level, in decibels: noise over 50 ms is known to 0.1 dB.
 const TOLERANCE_DB: f64 = 0.5;
 
-/// What was heard beside the places that were set one after the other.
+/// Comparison of what was heard with the places that were set one after the other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Comparison {
-    /// Windows that were compared, and those that were left out: at a gap that the sound server
-    /// had nothing to play in, or beside one.
+    /// Windows compared, and windows left out because the sound server had a gap in or next to
+    /// them.
     pub windows: usize,
     pub left_out: usize,
-    /// Of those compared: windows in which the gains moved from one place to a later one.
+    /// Compared windows in which the gains moved from one place to a later one.
     pub moving: usize,
-    /// Windows that are neither at the place of those before them, nor on the way to a later one.
+    /// Compared windows that are neither at the place of those before them, nor on the way to a
+    /// later one.
     pub wrong: usize,
 }
 
 /// Levels of what was heard.
 #[derive(Debug)]
 pub struct Heard {
-    /// Left and right in each window; none in those that are left out.
+    /// Left and right in each window; `None` for those left out.
     gains: Vec<Option<[f64; 2]>>,
 }
 
 impl Heard {
-    /// In windows of so many milliseconds, at 48 kHz.
+    /// Measures windows of `window_ms` milliseconds at 48 kHz.
     pub fn new(stereo: &[f32], window_ms: usize) -> Self {
         let frames = 48 * window_ms;
         // Noise is never zero for a millisecond in both channels.
         let is_gap = |piece: &[f32]| piece.chunks(96).any(|ms| ms.iter().all(|&s| s == 0.0));
         let gaps: Vec<bool> = stereo.chunks_exact(2 * frames).map(is_gap).collect();
-        // Beside a gap a stream may rise from silence or fall to it.
+        // Next to a gap a stream may rise from silence or fall to it.
         let is_beside = |at: usize| gaps[at.saturating_sub(1)..].iter().take(3).any(|gap| *gap);
         let kept = |(at, gains)| (!is_beside(at)).then_some(gains);
         Self {
@@ -76,9 +77,9 @@ impl Heard {
     }
 
     /// Follows shares of the right side (left and right add up to 1) in the order in which they
-    /// were set. When a place was taken does not count: a busy machine takes it late, or not
-    /// before the next. What counts is that each window is as loud on either side as one of the
-    /// places says, or lies between two, and that none comes back once a later one was heard.
+    /// were set. The time at which a place is applied does not count: a busy machine applies it
+    /// late, or skips it. Each window must have the levels of one of the places or lie between two,
+    /// and no place may return after a later one was heard.
     pub fn follow(&self, shares: &[f64]) -> Comparison {
         let mut places = shares.to_vec();
         places.dedup();
@@ -88,7 +89,7 @@ impl Heard {
             moving: 0,
             wrong: 0,
         };
-        // For each place: the fewest windows wrong, and then moving, of all ways to be there now.
+        // For each place: the fewest wrong, then moving, windows of all ways to be there now.
         let mut costs = vec![(0usize, 0usize); places.len()];
         for gains in &self.gains {
             let Some(gains) = gains else {
@@ -108,7 +109,7 @@ impl Heard {
     }
 }
 
-/// One window further.
+/// Advances by one window.
 fn step(costs: &[(usize, usize)], places: &[f64], gains: [f64; 2]) -> Vec<(usize, usize)> {
     let stay = |at: usize| {
         let (wrong, moving) = *costs[..=at].iter().min().unwrap();
@@ -116,8 +117,8 @@ fn step(costs: &[(usize, usize)], places: &[f64], gains: [f64; 2]) -> Vec<(usize
         (wrong + usize::from(!is_there), moving)
     };
     let mut next: Vec<_> = (0..places.len()).map(stay).collect();
-    // On the way from one place to a later one, over all that lie in between: it may have come
-    // there by the end of the window, or not yet.
+    // Moves from one place to a later one, over all places in between: it may or may not have
+    // arrived by the end of the window.
     for from in 0..places.len() {
         let (wrong, moving) = costs[from];
         let on_the_way = (wrong, moving + 1);
@@ -134,7 +135,7 @@ fn step(costs: &[(usize, usize)], places: &[f64], gains: [f64; 2]) -> Vec<(usize
 }
 
 fn is_between(gain: f64, low: f64, high: f64) -> bool {
-    // What is to be silent is right below −60 dB.
+    // A silent side is correct below −60 dB.
     const SILENT: f64 = 1e-3;
     db(gain.max(SILENT) / low.max(SILENT)) >= -TOLERANCE_DB
         && db(gain.max(SILENT) / high.max(SILENT)) <= TOLERANCE_DB

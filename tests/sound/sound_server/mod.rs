@@ -1,4 +1,4 @@
-//! A PulseAudio server of a test's own, without hardware: its sink's monitor is what is heard.
+//! A private PulseAudio server without hardware: its sink's monitor is what is heard.
 #![allow(dead_code)] // Every test file uses its own part of this.
 
 pub mod levels;
@@ -13,19 +13,19 @@ use tempfile::TempDir;
 /// The server's sink: 48 kHz, stereo.
 pub const SINK: &str = "probe";
 
-/// How long anything may take before a test is given up: no machine is so busy.
+/// Longest wait before a test gives up: no machine is this slow.
 pub const TIMEOUT: Duration = Duration::from_secs(300);
 
-/// Waits until something is so.
+/// Waits until `is_so` returns true.
 pub fn wait_for(what: &str, mut is_so: impl FnMut() -> bool) {
     let start = Instant::now();
     while !is_so() {
-        assert!(start.elapsed() < TIMEOUT, "waited: {what}");
+        assert!(start.elapsed() < TIMEOUT, "waited too long: {what}");
         std::thread::sleep(Duration::from_millis(20));
     }
 }
 
-/// A child process that ends with this value.
+/// A child process, ended on drop.
 pub struct Process(pub Child);
 
 impl Drop for Process {
@@ -53,12 +53,12 @@ impl Server {
         server
     }
 
-    /// Kills it: no goodbyes.
+    /// Kills it without a shutdown.
     pub fn kill(&mut self) {
         self.process = None;
     }
 
-    /// Starts it, anew if it runs; when this returns it answers.
+    /// Starts or restarts it; it responds when this returns.
     pub fn restart(&mut self) {
         self.kill();
         let null_sink = format!(
@@ -76,7 +76,7 @@ impl Server {
             .spawn()
             .expect("pulseaudio must be installed: scripts/test.sh does it");
         self.process = Some(Process(child));
-        wait_for("the server answers", || {
+        wait_for("the server's answer", || {
             self.command("pactl")
                 .args(["info"])
                 .stdout(Stdio::null())
@@ -96,7 +96,7 @@ impl Server {
         assert!(status.unwrap().success());
     }
 
-    /// A command that knows this server and no other.
+    /// A command that knows only this server.
     pub fn command(&self, program: impl Into<PathBuf>) -> Command {
         let folder = self.folder.path();
         let mut command = Command::new(program.into());
@@ -113,7 +113,7 @@ impl Server {
         command
     }
 
-    /// Asks the server for something; what it answers.
+    /// Sends the server a request and returns its answer.
     pub fn pactl(&self, arguments: &[&str]) -> String {
         let output = self.command("pactl").args(arguments).output().unwrap();
         assert!(output.status.success(), "pactl {arguments:?}");
@@ -134,7 +134,7 @@ impl Server {
         ]);
     }
 
-    /// Records what a sink plays, from now on.
+    /// Starts to record what a sink plays.
     pub fn record(&self, sink: &str, rate_hz: u32, channels: u32) -> Recorder {
         let path = self.folder.path().join(format!("{sink}.raw"));
         let child = self
@@ -152,7 +152,7 @@ impl Server {
             process: Process(child),
             path,
         };
-        wait_for("the recorder hears", || recorder.samples().len() > 4800);
+        wait_for("the recorder", || recorder.samples().len() > 4800);
         recorder
     }
 }
@@ -172,7 +172,7 @@ impl Recorder {
     }
 
     pub fn stop(self) -> Vec<f32> {
-        // What was played last is still on its way.
+        // The last sound is still on its way.
         std::thread::sleep(Duration::from_millis(200));
         let samples = self.samples();
         drop(self.process);

@@ -1,4 +1,4 @@
-//! Sounds out of WAV files, played: loops, ends and resampling.
+//! Playback of sounds from WAV files: loops, ends and resampling.
 
 use super::{amplitude_at, float, load, pull, write};
 use echomarch::audio::SAMPLE_RATE;
@@ -19,13 +19,13 @@ fn a_clip_loops_or_ends_in_silence() {
     assert!(clip.is_finished());
 }
 
-/// Protects a loop whose end does not fit its start from a click each time: no step is larger
-/// than the sound's own and the cross-fade's. The first time nothing is changed, nor without
-/// looping.
+/// Protects a loop whose end does not fit its start from a click in each round: no step is larger
+/// than the steps of the sound and of the cross-fade. The first round is unchanged, as is a clip
+/// without looping.
 #[test]
 fn a_clip_that_loops_does_not_click() {
     let dir = TempDir::new().unwrap();
-    // It starts with a zero and ends with a peak, in 5003 samples: blocks end everywhere.
+    // It starts with a zero and ends with a peak after 5003 samples, so that blocks end everywhere.
     let count = 5003;
     let hertz = 10.25 * 48_000.0 / f64::from(count - 1);
     let tone = |i: u32| 0.5 * (TAU * hertz * f64::from(i) / 48_000.0).sin() as f32;
@@ -37,7 +37,7 @@ fn a_clip_that_loops_does_not_click() {
         looped.extend(pull(&mut clip, 777));
     }
     assert_eq!(looped[..5003], samples);
-    // After the cross-fade of 5 ms it is the clip again, as long as it was.
+    // After the cross-fade of 5 ms it is the clip again, at its full length.
     assert_eq!(looped[5003 + 240..2 * 5003], samples[240..]);
     let largest = looped
         .windows(2)
@@ -46,7 +46,7 @@ fn a_clip_that_loops_does_not_click() {
     let fade = 2.0 * 0.5 / 240.0;
     println!("largest step {largest:.5}, allowed {:.5}", own + fade);
     assert!(largest <= own + fade + 1e-6);
-    // A place in the second time is the same when it is sought.
+    // Seeking to a place in the second round gives the same samples.
     clip.seek(5003 + 100);
     assert_eq!(pull(&mut clip, 500), looped[5103..5603]);
     clip.rewind();
@@ -54,7 +54,7 @@ fn a_clip_that_loops_does_not_click() {
     assert_eq!(pull(&mut clip, 5003), samples);
 }
 
-/// Protects a clip that was made to loop: its end fits its start, and nothing is changed.
+/// Protects a clip made to loop: its end fits its start, and it is not changed.
 #[test]
 fn a_clip_that_fits_itself_is_looped_as_it_is() {
     let dir = TempDir::new().unwrap();
@@ -80,7 +80,7 @@ fn resampling_keeps_frequency_level_and_length() {
         let wanted = (count as f64 * 48_000.0 / f64::from(rate)).round() as usize;
         assert_eq!(sound.length(), Some(wanted), "{rate} Hz");
         let samples = pull(&mut sound, wanted);
-        // Away from the ends the tone itself must stand there, in phase, within −74 dB of it.
+        // Away from the ends the samples must equal the tone itself, in phase, within −74 dB of it.
         for (i, &s) in samples.iter().enumerate().take(72_000).skip(24_000) {
             let exact = 0.5 * (TAU * 1000.0 * i as f64 / 48_000.0).sin();
             assert!(
@@ -93,7 +93,7 @@ fn resampling_keeps_frequency_level_and_length() {
     }
 }
 
-/// A short pulse without high frequencies is known at every time, its beginning included.
+/// A short pulse without high frequencies is known at all times, including its beginning.
 #[test]
 fn resampling_keeps_the_onset() {
     let dir = TempDir::new().unwrap();

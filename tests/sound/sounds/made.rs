@@ -1,4 +1,4 @@
-//! Sounds that are made: a sine, noise, speech, and a caller's own.
+//! Synthetic sounds: a sine, noise, speech, and a caller's own.
 
 use super::{amplitude_at, error_of, float, load, pull, write};
 use echomarch::audio::{
@@ -120,11 +120,10 @@ fn any_sample_can_be_sought() {
     assert!(clip.is_finished());
 }
 
-/// Protects a caller's own sound: it is read, sought and ended as it says, at the rate that is
-/// asked for.
+/// Protects a caller's own sound: it is read, sought and ended as it states, at the requested rate.
 #[test]
 fn a_sound_of_ones_own_is_played() {
-    /// Counts up by one a sample, to its length.
+    /// Counts up by one per sample, up to its length.
     struct Ramp {
         next: usize,
         length: usize,
@@ -167,7 +166,7 @@ fn a_sound_of_ones_own_is_played() {
     assert_eq!(source.sound(96_000).unwrap().length(), Some(6));
 }
 
-/// Protects live output from a sound that cannot be made: its source says why.
+/// Protects live output from a sound that cannot be made: its source states why.
 #[test]
 fn a_source_says_why_it_makes_no_sound() {
     let missing: SoundSource = "missing.wav".parse().unwrap();

@@ -1,4 +1,4 @@
-//! Sounds and WAV files: made, read, resampled, written.
+//! Sounds and WAV files: generated, read, resampled, written.
 
 mod clips;
 mod made;
@@ -47,12 +47,12 @@ fn write<S: hound::Sample + Copy>(dir: &TempDir, spec: WavSpec, samples: &[S]) -
 }
 
 fn error_of(result: Result<Sound, AudioError>) -> AudioError {
-    let error = result.expect_err("this must be refused");
+    let error = result.expect_err("the call should fail");
     assert!(error.is_bad_input(), "{error}");
     error
 }
 
-/// The amplitude of `frequency_hz` in `samples`, of which it must fill whole periods.
+/// The amplitude of `frequency_hz` in `samples`, which must contain whole periods of it.
 fn amplitude_at(frequency_hz: f64, samples: &[f32]) -> f64 {
     let (mut re, mut im) = (0.0, 0.0);
     for (i, &s) in samples.iter().enumerate() {

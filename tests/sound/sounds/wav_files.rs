@@ -87,7 +87,7 @@ fn bad_files_are_refused_each_in_its_own_words() {
     ));
 }
 
-/// A mono WAV file with any format tag and width: 80 bytes of zeros as its sound.
+/// A mono WAV file with any format tag and width, and 80 zero bytes as its sound.
 fn raw_wav(tag: u16, bits: u16) -> Vec<u8> {
     let mut wav = wav_header(tag, 48_000, bits, 80);
     wav.extend([0; 80]);
@@ -130,7 +130,7 @@ fn a_file_that_cannot_be_written_is_named() {
     for target in [dir.path().join("missing/out.wav"), dir.path().to_owned()] {
         let error = WavWriter::create(&target).unwrap_err();
         assert!(matches!(error, AudioError::WriteWav { .. }), "{error}");
-        assert!(error.is_bad_input(), "a place that is not there was typed");
+        assert!(error.is_bad_input(), "a missing folder is bad input");
         assert!(
             error.to_string().contains(target.to_str().unwrap()),
             "{error}"

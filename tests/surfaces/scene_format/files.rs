@@ -1,4 +1,4 @@
-//! The files that a scene names.
+//! Files referenced by a scene.
 
 use super::text;
 use echomarch::Scene;
@@ -8,8 +8,8 @@ use glam::{UVec2, Vec3};
 use std::path::Path;
 use std::sync::Arc;
 
-/// Protects scenes that name files: they are found beside the scene, wherever the program
-/// runs, and one that is missing or spoilt is named.
+/// Protects scenes that refer to files: they are found in the scene's folder, wherever the program
+/// runs, and the error for a missing or corrupt file names it.
 #[test]
 fn files_lie_beside_the_scene() {
     let folder = tempfile::tempdir().unwrap();
@@ -82,7 +82,7 @@ fn files_lie_beside_the_scene() {
     }
 }
 
-/// Protects whoever writes a scene in a program: files are then found from the current folder.
+/// Protects programs that create a scene from text: files are then searched in the current folder.
 #[test]
 fn text_finds_files_from_the_current_folder() {
     let error = Scene::from_ron(

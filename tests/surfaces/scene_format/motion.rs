@@ -4,8 +4,8 @@ use super::scene;
 use echomarch::scene::shape::Sphere;
 use echomarch::scene::{Driver, Motion, Node};
 
-/// Protects key frames and named values: every kind of number takes them, under the name that
-/// the API has for it, and moves.
+/// Protects key frames and named values: every kind of number accepts them, under its name in the
+/// API, and moves.
 #[test]
 fn numbers_move() {
     let keys = |keys: &[(f64, f32)]| Motion::Keys(keys.to_vec());
@@ -98,7 +98,7 @@ fn numbers_move() {
     );
 }
 
-/// Protects a rotation of which one angle moves: the others stay, and the shader has it.
+/// Protects a rotation with one moving angle: the others stay, and the shader receives it.
 #[test]
 fn a_moving_rotation_keeps_its_other_angles() {
     let read = scene("shape: Plane, rotation: (30, Keys([(0, 0), (1, 40)]), 50)");

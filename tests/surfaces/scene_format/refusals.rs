@@ -1,8 +1,8 @@
-//! What is refused in a scene file, and where.
+//! Errors in scene files, and their positions.
 
 use super::{refusal, scene};
 
-/// Protects the author of a scene: the line and the column, and what is wrong there.
+/// Protects the author of a scene: an error states the line, the column and the mistake.
 #[test]
 fn mistakes_are_refused_at_their_place() {
     let cases = [
@@ -55,7 +55,7 @@ fn mistakes_are_refused_at_their_place() {
             "shape: Twist(of: Plane, rate: 1, lipschitz: 0)",
             "a Lipschitz constant",
         ),
-        // What moves.
+        // Motion.
         ("shape: Sphere(radius: Keys([]))", "at least one"),
         (
             "shape: Sphere(radius: Keys([(0, 1), (0, 2)]))",
@@ -100,8 +100,8 @@ fn mistakes_are_refused_at_their_place() {
     }
 }
 
-/// Protects the author where a number is fine and what it makes is not: surface and node are
-/// named, and the time when it is only later.
+/// Protects the author where each number is valid but the resulting shape is not: the error names
+/// the surface, the node, and the time if it occurs only later.
 #[test]
 fn what_cannot_be_is_refused_by_name() {
     let cases = [
@@ -137,8 +137,8 @@ fn what_cannot_be_is_refused_by_name() {
     }
 }
 
-/// Protects the stack: text nested without end is refused at its place, and what a person may
-/// write is not.
+/// Protects the stack: endlessly nested text is refused at its position, and any depth that a
+/// person may write is accepted.
 #[test]
 fn deep_nesting_is_refused_in_a_sentence() {
     let nested = |depth: usize| {

@@ -22,7 +22,7 @@ fn block() -> Shape {
     field(Node::Cuboid(Cuboid { size }))
 }
 
-/// Protects the grammar: each shape and operator, from its text to the field that it says.
+/// Protects the grammar: each shape and operator, from its text to the field that it describes.
 #[test]
 fn every_node_is_read_from_a_file() {
     const BALL: &str = "Sphere(radius: 1)";
@@ -224,7 +224,7 @@ fn every_node_is_read_from_a_file() {
     }
 }
 
-/// Protects older scenes: what stands alone and was always there is the same basic shape.
+/// Protects older scenes: the original basic shapes stay basic when they stand alone.
 #[test]
 fn basic_shapes_stay_basic() {
     let size = Vec3::new(1.0, 2.0, 3.0);
@@ -247,8 +247,8 @@ fn basic_shapes_stay_basic() {
     }
 }
 
-/// Protects cylinders that lie: along their axis nothing ends, or their ends are where they
-/// belong.
+/// Protects cylinders with a horizontal axis: along it they are endless, or end at the right
+/// places.
 #[test]
 fn cylinders_lie_along_their_axis() {
     let slanted = Vec3::new(1.0, -2.0, 3.0);

@@ -6,7 +6,7 @@ use echomarch::scene::{Air, BUILTIN_MATERIALS, Key, Material, Path, WALL_NAMES};
 use echomarch::{Listener, Scene, Source, Surface};
 use glam::Vec3;
 
-/// All that a scene may say of sound.
+/// A scene that uses every setting of sound.
 const HALL: &str = r#"Scene(
     surfaces: [
         Surface(shape: Room(size: (9, 4, 7)), material: "brick", walls: (floor: "mat", back: "curtain")),
@@ -32,7 +32,7 @@ fn read(text: &str) -> Scene {
     Scene::from_ron(text, "text").unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
 
-/// Protects what a file says of sound: each word leads to its number.
+/// Protects the settings of sound in a file: each word sets its number.
 #[test]
 fn everything_that_is_said_is_in_the_scene() {
     let scene = read(HALL);
@@ -71,7 +71,7 @@ fn everything_that_is_said_is_in_the_scene() {
     assert_eq!(scene.listener.yaw, 30f32.to_radians());
 }
 
-/// Protects the two forms: one source in a list is the source.
+/// Protects the two forms: a list of one source or listener equals the short form.
 #[test]
 fn a_list_of_one_is_the_short_form() {
     let short = "Scene(surfaces: [Surface(shape: Plane)], source: Source(position: (0, 1, 0)), \
@@ -90,7 +90,7 @@ fn a_list_of_one_is_the_short_form() {
     assert!(!read(short).has_materials());
 }
 
-/// Protects the author of a scene: the line, the column, and what is wrong there.
+/// Protects the author of a scene: an error states the line, the column and the mistake.
 #[test]
 fn bad_sound_is_refused_at_its_place() {
     let cases = [
@@ -215,7 +215,7 @@ fn bad_sound_is_refused_at_its_place() {
     }
 }
 
-/// Protects whoever leaves out who sounds or who hears: what is missing is told, and how it is written.
+/// Protects authors who leave out the source or the listener: the error states what is missing and how to write it.
 #[test]
 fn a_scene_needs_a_source_and_a_listener() {
     let surfaces = "surfaces: [Surface(shape: Plane)]";
@@ -230,7 +230,7 @@ fn a_scene_needs_a_source_and_a_listener() {
         ),
         (
             "sources: [], listener: Listener(radius: 1)",
-            "sources need one at least",
+            "sources need at least one",
         ),
     ];
     for (one, told) in cases {
@@ -243,7 +243,7 @@ fn a_scene_needs_a_source_and_a_listener() {
     }
 }
 
-/// Protects from a file that would keep the program busy: pairs of sources and listeners are looked at.
+/// Protects from a file that would keep the program busy: every pair of source and listener is checked.
 #[test]
 fn a_scene_has_so_many_sources_and_listeners_at_the_most() {
     let read = |count: usize| {
@@ -257,13 +257,10 @@ fn a_scene_has_so_many_sources_and_listeners_at_the_most() {
     assert_eq!(read(256).unwrap().listeners().count(), 256);
     let said = read(257).unwrap_err();
     assert!(said.starts_with("text:2:"), "{said}");
-    assert!(
-        said.ends_with("a scene has 256 sources at the most"),
-        "{said}"
-    );
+    assert!(said.ends_with("a scene has at most 256 sources"), "{said}");
 }
 
-/// Protects the rule of a base for sound: what is named is changed, all else is the base's.
+/// Protects the rule of a base for sound: named settings change, all others are the base's.
 #[test]
 fn sound_of_a_base_stays_unless_it_is_named() {
     let folder = tempfile::tempdir().unwrap();
@@ -323,12 +320,12 @@ fn sound_of_a_base_stays_unless_it_is_named() {
     }
 }
 
-/// A number of three decimals from 0 to 1: every reader reads it as it was.
+/// A number of three decimals from 0 to 1: every reader restores it exactly.
 fn share(random: &mut Random) -> f64 {
     (1000.0 * random.unit()).round() / 1000.0
 }
 
-/// A scene of drawn materials, air, sources and listeners.
+/// A random scene of materials, air, sources and listeners.
 fn drawn(random: &mut Random) -> Scene {
     let shares = |random: &mut Random| match random.unit() < 0.3 {
         true => [share(random); 8],
@@ -403,7 +400,7 @@ fn drawn(random: &mut Random) -> Scene {
     scene
 }
 
-/// Angles go through degrees; everything else of the scene is the same to the bit.
+/// The scene with angles set to 0: they are converted through degrees; everything else is the same to the bit.
 fn without_angles(mut scene: Scene) -> Scene {
     let mut listeners = vec![&mut scene.listener];
     listeners.extend(&mut scene.further_listeners);
@@ -429,7 +426,7 @@ fn without_angles(mut scene: Scene) -> Scene {
     scene
 }
 
-/// Protects whatever is saved: drawn scenes are read as they were written, in RON and in JSON.
+/// Protects saved scenes: random scenes are read as they were written, in RON and in JSON.
 #[test]
 fn a_scene_is_read_as_it_was_written() {
     for seed in 0..200 {
@@ -439,7 +436,7 @@ fn a_scene_is_read_as_it_was_written() {
         let from_json: Scene =
             serde_json::from_str(&json).unwrap_or_else(|e| panic!("{e}\n{json}"));
         for read in [read(&ron), from_json] {
-            // As near as a rounding of degrees: angles are at most 9.
+            // Within a rounding of degrees: angles are at most 9.
             let pairs = read.listeners().zip(scene.listeners());
             let turned = pairs.map(|(a, b)| (a.yaw - b.yaw).abs().max((a.pitch - b.pitch).abs()));
             assert!(

@@ -1,4 +1,4 @@
-//! What the renderer checks of a user's field before a scene is taken, and what is known then.
+//! The renderer's checks of a user's field before it accepts a scene, and their results.
 
 use super::{BALL, refusal, scene, settings, user};
 use crate::common::{context, for_each_api};
@@ -17,7 +17,7 @@ fn what_is_wrong_is_told_with_file_and_line() {
             "my.glsl:2: ",
             "foo",
         ),
-        // Lines stay where they are although these two are taken out.
+        // Line numbers stay correct although these two lines are removed.
         (
             "#version 450\nprecision mediump float;\n// caf\u{e9}\nfloat field(vec3 p) { return lenth(p); }",
             "my.glsl:4: ",
@@ -101,7 +101,7 @@ fn values_that_are_none_or_grow_too_fast_are_told_with_the_place() {
     });
 }
 
-/// Protects fields that keep their promise to the full from being refused.
+/// Protects fields that grow exactly as fast as stated from being refused.
 #[test]
 fn fields_that_grow_just_as_fast_as_they_say_are_taken() {
     let menger = std::fs::read_to_string("examples/scenes/menger.glsl").ok();
@@ -138,7 +138,7 @@ fn fields_that_grow_just_as_fast_as_they_say_are_taken() {
     });
 }
 
-/// Protects what the CPU knows of a field: whether the source is in a solid.
+/// Protects the CPU's knowledge of a field: whether the source is in a solid.
 #[test]
 fn a_checked_field_has_its_distance_on_the_cpu() {
     for_each_api(|context| {
@@ -155,7 +155,7 @@ fn a_checked_field_has_its_distance_on_the_cpu() {
                 "{distance}"
             );
         }
-        // The second, which is the same, has its samples from the first.
+        // The second, identical field uses the samples of the first.
         let second = scene.surfaces[2].position;
         assert!(scene.surface_distance(second).distance < -0.9);
         scene.source.position = second;
@@ -164,7 +164,7 @@ fn a_checked_field_has_its_distance_on_the_cpu() {
     });
 }
 
-/// Protects the value that a field has in every profile: a ball is a ball.
+/// Protects the value of a field in every profile: a ball as a field sounds like the built-in ball.
 #[test]
 fn a_ball_of_ones_own_sounds_like_a_ball() {
     for_each_api(|context| {
@@ -185,7 +185,7 @@ fn a_ball_of_ones_own_sounds_like_a_ball() {
     });
 }
 
-/// Protects two fields in one scene whose helpers, constants, macros and types have one name.
+/// Protects two fields in one scene whose helpers, constants, macros and types have the same names.
 #[test]
 fn fields_may_use_the_same_names() {
     let text = |radius: &str| {
@@ -199,7 +199,7 @@ fn fields_may_use_the_same_names() {
     };
     for_each_api(|context| {
         let (small, large) = (user(&text("0.25"), 1.0), user(&text("0.6"), 1.0));
-        // The same text again, which promises less.
+        // The same text again, with a larger stated constant.
         let again = user(&text("0.6"), 2.0);
         let scene = scene(&[small, large, again]);
         let mut tracer = Tracer::new(context).unwrap();
@@ -213,7 +213,7 @@ fn fields_may_use_the_same_names() {
     });
 }
 
-/// Protects people from a field whose sign is the wrong way round, or whose box misses it.
+/// Protects people from a field with an inverted sign, or with a box that misses its surface.
 #[test]
 fn a_field_without_a_surface_is_warned_of() {
     let mut tracer = Tracer::new(&context(Api::Gl)).unwrap();
@@ -237,7 +237,7 @@ fn a_field_without_a_surface_is_warned_of() {
     }
 }
 
-/// Protects every frame from paying for what is checked once, and once it is checked.
+/// Protects every frame from the cost of a check that is needed only once, and ensures that check.
 #[test]
 fn a_stated_growth_is_tried_once() {
     let twisted = Shape {

@@ -1,4 +1,4 @@
-//! Normals of users' fields: by differences, and by the gradient that a text states.
+//! Normals of users' fields: by differences, and by a stated gradient.
 
 use super::{BALL, refusal, scene, settings, user};
 use crate::common::{context, for_each_api};
@@ -9,18 +9,18 @@ use echomarch::{Listener, Profile, Scene, Settings, Source, Surface, Tracer};
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
-/// A smooth surface about `centre`, as a user states it.
+/// A smooth surface about `centre`, as stated by a user.
 struct Smooth {
     name: &'static str,
     value: String,
     gradient: String,
     box_size: f32,
     centre: Vec3,
-    /// A length by which the source stands off.
+    /// Length that sets the source's distance.
     size: f32,
-    /// At a point from the centre.
+    /// Normal at a point relative to the centre.
     normal: fn(DVec3) -> DVec3,
-    /// What a mirrored direction may be off by, by differences and by the stated gradient.
+    /// Largest error of a reflected direction, by differences and by the stated gradient.
     most: [f64; 2],
 }
 
@@ -52,7 +52,7 @@ fn smooth_surfaces() -> Vec<Smooth> {
             let ring = DVec3::new(p.x, 0.0, p.z).normalize() * 1.2;
             (p - ring).normalize()
         },
-        // Where a wave lands is known to 5e-7 m in each coordinate, and the tube has 0.4 m.
+        // A wave's hit is known to 5e-7 m in each coordinate, and the tube has a radius of 0.4 m.
         most: [4e-5, 4e-6],
     };
     let away = Vec3::new(10.0, -4.0, 8.0);
@@ -61,16 +61,15 @@ fn smooth_surfaces() -> Vec<Smooth> {
         ball("ball, large box", 1.0, 100.0, Vec3::ZERO, [1e-5, 1e-6]),
         ball("small ball", 0.1, 10.0, Vec3::ZERO, [1e-5, 1e-6]),
         ball("large ball", 50.0, 120.0, Vec3::ZERO, [1e-5, 1e-6]),
-        // A place is known to 1e-6 there, and so is the direction from the centre.
+        // A position there is known to 1e-6, and so is the direction from the centre.
         ball("ball away", 1.0, 40.0, away, [1e-5, 4e-6]),
         torus("torus", 4.0),
         torus("torus, large box", 100.0),
     ]
 }
 
-/// Protects normals of users' fields: whatever the box of the field, the unit that its text is
-/// written in, and the scale of the surface, and those of a text that states its gradient from
-/// being any worse than a ball's.
+/// Protects normals of users' fields from depending on the field's box, the unit of its text or the scale of the
+/// surface; with a stated gradient they are as good as a ball's.
 #[test]
 fn normals_do_not_depend_on_the_box() {
     let mut tracer = Tracer::new(&context(Api::Gl)).unwrap();
@@ -86,7 +85,7 @@ fn normals_do_not_depend_on_the_box() {
     }
 }
 
-/// By how much mirrored directions are off at the most, in both profiles.
+/// Largest error of the reflected directions in both profiles.
 fn worst_direction(tracer: &mut Tracer, surface: &Smooth, text: &str) -> f64 {
     let box_size = Vec3::splat(surface.box_size);
     let field = UserField::new("smooth.glsl", text.to_owned(), box_size, 1.0);
@@ -105,7 +104,7 @@ fn worst_direction(tracer: &mut Tracer, surface: &Smooth, text: &str) -> f64 {
         let settings = Settings::new(profile).with_waves(16_384).with_iterations(1);
         let (_, waves) = tracer.frame_with_waves(&scene, &settings).unwrap();
         let met: Vec<_> = waves.iter().filter(|wave| wave.status == 1.0).collect();
-        assert!(met.len() > 100, "{profile}: {} waves met it", met.len());
+        assert!(met.len() > 100, "{profile}: {} waves hit it", met.len());
         for wave in met {
             let normal = (surface.normal)(wave.position.as_dvec3());
             let d = wave.start_direction.as_dvec3();
@@ -116,8 +115,8 @@ fn worst_direction(tracer: &mut Tracer, surface: &Smooth, text: &str) -> f64 {
     worst
 }
 
-/// Protects the waves from a gradient that is not the value's: it is refused with the place and
-/// both gradients.
+/// Protects the waves from a gradient that does not belong to the value: it is refused with the place and both
+/// gradients.
 #[test]
 fn a_stated_gradient_that_is_none_is_refused() {
     let ball = |gradient: &str| {
@@ -131,7 +130,7 @@ fn a_stated_gradient_that_is_none_is_refused() {
         "normalize(p * vec3(1.0, 1.1, 1.0))",
         "p",
         "vec3(0.0)",
-        // Right but for one side, and but for one place.
+        // Right except on one side, and except at one place.
         "p.x > 0.0 ? normalize(p) : vec3(-1.0, 0.0, 0.0)",
         "normalize(p) * (distance(p, vec3(0.6, 0.0, 0.8)) < 0.3 ? 0.9 : 1.0)",
         "normalize(p) / 0.0",
@@ -150,12 +149,12 @@ fn a_stated_gradient_that_is_none_is_refused() {
     assert!(sentence.contains("'gl_FragCoord'"), "{sentence}");
 }
 
-/// Protects gradients that are right from being refused where differences cannot tell: at edges
-/// and ridges, where values are rounded much, and where there is no gradient.
+/// Protects correct gradients from being refused where differences cannot decide: at edges and ridges, with coarsely
+/// rounded values, and where there is no gradient.
 #[test]
 fn a_right_gradient_is_taken() {
     let honest = [
-        // Edges of a cube, within and without.
+        // Edges of a cube, inside and outside.
         (
             "float field(vec3 p) { vec3 q = abs(p); return max(q.x, max(q.y, q.z)) - 1.0; }
             vec3 fieldGradient(vec3 p) {
@@ -166,7 +165,7 @@ fn a_right_gradient_is_taken() {
             }",
             1.0,
         ),
-        // A cone, with no gradient along its axis.
+        // A cone, without a gradient along its axis.
         (
             "float field(vec3 p) { return 0.8 * length(p.xz) + 0.6 * (p.y - 1.0); }
             vec3 fieldGradient(vec3 p) {
@@ -180,7 +179,7 @@ fn a_right_gradient_is_taken() {
             vec3 fieldGradient(vec3 p) { return vec3(0.5 * cos(100.0 * p.x), 0.8, 0); }",
             1.0,
         ),
-        // Values that are rounded to a micrometre.
+        // Values rounded to a micrometre.
         (
             "float field(vec3 p) { return (length(p) + 10.0) - 11.0; }
             vec3 fieldGradient(vec3 p) { return normalize(p); }",
@@ -200,7 +199,7 @@ fn a_right_gradient_is_taken() {
             let checked = tracer.check(&scene, &settings(Profile::Hybrid));
             assert!(checked.is_ok(), "{text}: {checked:?}");
         }
-        // Two of them in one scene, and one that states none.
+        // Two of them in one scene, and one without a stated gradient.
         let fields = honest.map(|(text, lipschitz)| user(text, lipschitz));
         let both = scene(&[fields[0].clone(), fields[1].clone(), user(BALL, 1.0)]);
         for profile in Profile::ALL {
@@ -209,7 +208,7 @@ fn a_right_gradient_is_taken() {
     });
 }
 
-/// Protects a wave that is aimed at a tip, where the stated gradient divides 0 by 0.
+/// Protects a wave aimed at a tip, where the stated gradient divides 0 by 0.
 #[test]
 fn a_wave_that_meets_a_tip_is_mirrored() {
     let text = "float field(vec3 p) { return 0.8 * length(p.xz) + 0.6 * (p.y - 1.0); }
@@ -228,7 +227,7 @@ fn a_wave_that_meets_a_tip_is_mirrored() {
         let end = &states[1][0];
         assert_eq!(end.status, 2.0, "{profile}: {end:?}");
         assert!(end.position.distance(Vec3::Y) < 1e-5, "{profile}: {end:?}");
-        // One of the sides mirrors it, and no wave goes on as it came.
+        // One of the sides reflects it, so no wave continues in its old direction.
         let expected = -1.0 + 2.0 * 0.6 * 0.6;
         assert!(
             (end.direction.y - expected).abs() < 1e-4,
@@ -237,12 +236,12 @@ fn a_wave_that_meets_a_tip_is_mirrored() {
     }
 }
 
-/// By how much a gyroid's sheets may turn a direction wrong: rounding of its text's numbers over the
-/// narrowest step, next to the faces of its box.
+/// Largest error of a direction reflected by a gyroid's sheets: rounding of its text's numbers over the narrowest step,
+/// next to the faces of its box.
 const GYROID_MOST: f64 = 4e-4;
 
-/// Protects normals by differences from steps that agree by accident: next to a face of the box
-/// slopes were those of one side, and waves left 2e-3 rad off; no wave does now.
+/// Protects normals by differences from steps that agree by accident: next to a face of the box the slopes were those
+/// of one side, and waves left 2e-3 rad off; now all are right.
 #[test]
 fn no_face_of_the_box_spoils_a_normal() {
     const TIMES: f64 = 1.3;
@@ -285,7 +284,7 @@ fn no_face_of_the_box_spoils_a_normal() {
         let p = wave.position.as_dvec3();
         let to_face = (half - p.abs()).min_element();
         if to_face < 1e-5 {
-            // A face of the box itself.
+            // A hit on a face of the box itself.
             continue;
         }
         near_faces += usize::from(to_face < 0.05);
@@ -301,9 +300,8 @@ fn no_face_of_the_box_spoils_a_normal() {
     assert!(worst < GYROID_MOST, "{worst:e}");
 }
 
-/// Protects normals next to the edge of two planes that are nearly one: at 16/9 of a step from it
-/// slopes agreed by accident, and waves left by a normal between the planes', up to half a metre
-/// from the edge.
+/// Protects normals near the edge of two almost parallel planes: at 16/9 of a step from it slopes agreed by accident,
+/// and waves left with a normal between those of the planes, up to half a metre from the edge.
 #[test]
 fn no_edge_that_is_far_spoils_a_normal() {
     let mut tracer = Tracer::new(&context(Api::Gl)).unwrap();
@@ -338,13 +336,13 @@ fn no_edge_that_is_far_spoils_a_normal() {
                 continue;
             }
             met += 1;
-            // The solid is where either plane has it: the lower value is that of the plane met.
+            // The solid is the union of both half spaces: the lower value belongs to the plane that is hit.
             let normal = plane(-p.x.signum());
             let d = wave.start_direction.as_dvec3();
             let mirrored = d - 2.0 * d.dot(normal) * normal;
             worst = worst.max(mirrored.distance(wave.direction.as_dvec3()));
         }
-        println!("{slope}: {met} waves, at most {worst:.1e}");
+        println!("{slope}: {met} hits, at most {worst:.1e}");
         assert!(met > 10_000);
         assert!(worst < 2e-4, "{slope}: {worst:e}");
     }

@@ -1,5 +1,5 @@
-//! Users' GLSL fields: what is refused, and how it is told; what is known of them once the
-//! renderer has checked them; stated gradients; and scenes that follow their files.
+//! Users' GLSL fields: refusals and their messages, the results of the renderer's checks, stated
+//! gradients, and scenes that follow their files.
 
 mod checks;
 mod gradients;

@@ -1,4 +1,4 @@
-//! Names that a field's text declares: GLSL's own are refused, all others change nothing.
+//! Names declared by a field's text: GLSL's own are refused, all others change nothing.
 
 use super::{BALL, settings};
 use crate::common::for_each_api;
@@ -18,7 +18,7 @@ const FUNCTIONS: &str = "radians degrees sin cos tan asin acos atan sinh cosh ta
     refract matrixCompMult outerProduct transpose determinant inverse lessThan lessThanEqual \
     greaterThan greaterThanEqual equal notEqual any all not";
 
-/// Functions of one of the two, or of whole shaders alone.
+/// Functions of only one of the two, or of whole shaders only.
 const OTHER_FUNCTIONS: &str = "packSnorm2x16 unpackSnorm2x16 packUnorm2x16 unpackUnorm2x16 \
     packHalf2x16 unpackHalf2x16 ftransform EmitVertex EndPrimitive noise1 noise2 noise3 noise4 \
     textureSize texture textureProj textureLod textureOffset texelFetch texelFetchOffset \
@@ -47,7 +47,7 @@ const KEYWORDS: &str = "const break continue do for while switch case default if
     mat3x4 mat4x2 mat4x3 mat4x4 vec2 vec3 vec4 ivec2 ivec3 ivec4 bvec2 bvec3 bvec4 uint uvec2 \
     uvec3 uvec4 lowp mediump highp precision struct";
 
-/// Words of whole shaders, and what either language reserves.
+/// Words of whole shaders, and words reserved by either language.
 const RESERVED: &str = "attribute uniform varying layout centroid flat smooth noperspective \
     invariant discard sampler1D sampler2D sampler3D samplerCube sampler1DShadow sampler2DShadow \
     samplerCubeShadow sampler1DArray sampler2DArray sampler1DArrayShadow sampler2DArrayShadow \
@@ -65,14 +65,14 @@ const RESERVED: &str = "attribute uniform varying layout centroid flat smooth no
     row_major coherent restrict readonly writeonly atomic_uint patch sample subroutine \
     two__underscores __two user0_field users1_a GL_ES GL_any defined";
 
-/// Names that are a text's own, however odd: such that select components, and such that look
-/// like those that the program gives to others.
+/// Names that a text may use, however odd: those that select components, and those that resemble the names that the
+/// program generates.
 const OWN: &str = "s p st xyz rgba w stpq _s _ s_ user_field users_a user1 a0 s0 PI";
 
-/// A declaration of a name, with a number that no other has.
+/// A declaration of a name, with a number unique to it.
 type Form = (&'static str, fn(&str, usize) -> String);
 
-/// Declarations for the whole text.
+/// Declarations at the text's global level.
 const GLOBAL: [Form; 7] = [
     ("a function", |n, _| {
         format!("float {n}(float x) {{ return 9.0; }}")
@@ -87,7 +87,7 @@ const GLOBAL: [Form; 7] = [
     ("an array", |n, _| format!("float {n}[3];")),
 ];
 
-/// Declarations for the whole text behind others, where drivers alone refuse a word of the language.
+/// Declarations at the global level behind others, where only drivers refuse a word of the language.
 const FURTHER_GLOBAL: [Form; 2] = [
     ("a second global", |n, i| {
         format!("float g{i} = sqrt(9.0), {n} = 9.0;")
@@ -113,7 +113,7 @@ const LOCAL: [Form; 4] = [
     }),
 ];
 
-/// Macros; each is undefined again, since the text after it has words of the language.
+/// Macros; each is undefined again, since the text after it contains words of the language.
 const MACROS: [Form; 3] = [
     ("a macro", |n, _| format!("#define {n} 9.0\n#undef {n}")),
     ("a macro with parameters", |n, _| {
@@ -133,7 +133,7 @@ fn refused(line: &str) -> Option<(Option<u32>, String)> {
     field.check_text().err()
 }
 
-/// Names that the program's own shaders declare for the whole shader.
+/// Names that the program's own shaders declare globally.
 fn names_of_shaders() -> BTreeSet<String> {
     let mut names = BTreeSet::new();
     let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("glsl")];
@@ -162,8 +162,8 @@ fn names_of_shaders() -> BTreeSet<String> {
     names
 }
 
-/// Protects the program's own shaders: a text cannot declare a name of GLSL where its
-/// declaration reaches beyond the text's own functions.
+/// Protects the program's own shaders: a text cannot declare a name of GLSL where the declaration reaches beyond the
+/// text's own functions.
 #[test]
 fn names_of_glsl_are_refused_by_name_and_line() {
     let global = GLOBAL.iter();
@@ -212,7 +212,7 @@ fn names_of_glsl_are_refused_by_name_and_line() {
     }
 }
 
-/// Protects texts that call what they may not declare.
+/// Protects texts that call functions whose names they may not declare.
 #[test]
 fn functions_of_glsl_are_called_everywhere() {
     for text in [
@@ -227,7 +227,7 @@ fn functions_of_glsl_are_called_everywhere() {
     }
 }
 
-/// A room with a ball, and what a good field in it does to waves.
+/// A room with a ball and a field.
 fn scene_with(text: String) -> Scene {
     let room = Node::Room(Room {
         size: Vec3::splat(9.0),
@@ -248,9 +248,9 @@ fn scene_with(text: String) -> Scene {
     )
 }
 
-/// Protects the waves, on every interface: names that are taken change nothing, whether they are
-/// those of the program's own shaders, of one language alone, or of GLSL within a function. Each name
-/// is declared in one form; with `ECHOMARCH_EVERY_FORM=1` in every one, which takes a minute.
+/// Protects the waves on every interface: accepted names change nothing, whether they are those of the program's own
+/// shaders, of only one language, or of GLSL within a function. Each name is declared in one form, or with
+/// `ECHOMARCH_EVERY_FORM=1` in every form, which takes a minute.
 #[test]
 fn names_that_are_taken_change_no_wave() {
     let every_form = std::env::var_os("ECHOMARCH_EVERY_FORM").is_some();
@@ -303,8 +303,8 @@ fn names_that_are_taken_change_no_wave() {
     });
 }
 
-/// Protects scenes of several fields: helpers of one name are each their own text's, also where
-/// the name could select components.
+/// Protects scenes of several fields: helpers with the same name stay separate for each text, also where the name could
+/// select components.
 #[test]
 fn fields_of_one_scene_share_no_names() {
     let field = |radius: &str| {

@@ -1,4 +1,4 @@
-//! Scenes that follow the files of their fields, in the library and on the command line.
+//! Scenes that follow the files of their fields.
 
 use super::{BALL, settings};
 use crate::common::for_each_api;
@@ -19,7 +19,7 @@ fn write(folder: &Path, text: &str) {
     std::fs::write(folder.join("my.glsl"), text).unwrap();
 }
 
-/// What the next looks at the files bring.
+/// The first change that the next polls of the files return.
 fn settle(reloading: &mut Reloading, tracer: &mut Tracer, settings: &Settings) -> Reload {
     for _ in 0..3 {
         match reloading.poll(tracer, settings) {
@@ -30,8 +30,8 @@ fn settle(reloading: &mut Reloading, tracer: &mut Tracer, settings: &Settings) -
     Reload::Unchanged
 }
 
-/// Protects a running program from every broken state of the files: the last good scene stays
-/// until the next good one.
+/// Protects a running program from every broken state of the files: the last good scene stays until
+/// the next good one.
 #[test]
 fn a_scene_follows_its_files() {
     for_each_api(|context| {
@@ -81,83 +81,9 @@ fn a_scene_follows_its_files() {
         let change = settle(&mut reloading, &mut tracer, &settings);
         assert!(matches!(change, Reload::Taken), "{change:?}");
         assert!(*reloading.scene() != first);
-        // The program is there before the first frame needs it.
+        // The program is compiled before the first frame needs it.
         assert_eq!(tracer.programs_compiled(), compiled + 1);
         tracer.frame(reloading.scene(), &settings).unwrap();
         assert_eq!(tracer.programs_compiled(), compiled + 1);
     });
-}
-
-#[cfg(feature = "cli")]
-mod program {
-    use super::*;
-    use crate::common::cli::{command, json, stdout, succeed};
-    use std::io::{BufRead, BufReader};
-    use std::process::Stdio;
-
-    /// Protects the loop of writing a field and listening: what is wrong is told, the next
-    /// good state is traced.
-    #[test]
-    fn a_watched_scene_is_traced_with_every_change() {
-        let folder = tempfile::tempdir().unwrap();
-        std::fs::write(folder.path().join("scene.ron"), SCENE).unwrap();
-        write(folder.path(), BALL);
-        let mut running = command()
-            .args(["trace", "scene.ron", "--waves", "1000", "--watch"])
-            .current_dir(folder.path())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let mut printed = BufReader::new(running.stdout.take().unwrap()).lines();
-        let mut told = BufReader::new(running.stderr.take().unwrap()).lines();
-        // Each waits for what the change before it came to, however long that takes.
-        let mut wait_for = |part: &str| printed.find(|line| line.as_ref().unwrap().contains(part));
-        assert!(wait_for("scene: 1000 waves").is_some());
-        write(folder.path(), "float field(vec3 p) {\n    return foo;\n}");
-        let wrong = told.find(|line| line.as_ref().unwrap().contains("my.glsl:2: "));
-        assert!(wrong.is_some());
-        write(
-            folder.path(),
-            "float field(vec3 p) { return length(p) - 0.5; }",
-        );
-        assert!(wait_for("scene: 1000 waves").is_some());
-        running.kill().unwrap();
-        running.wait().unwrap();
-        // Nothing was told or traced more often than it changed.
-        assert_eq!(
-            printed
-                .filter(|line| line.as_ref().unwrap().contains("waves,"))
-                .count(),
-            0
-        );
-        assert_eq!(
-            told.filter(|line| line.as_ref().unwrap().contains("my.glsl:2: "))
-                .count(),
-            0
-        );
-    }
-
-    /// Protects what `shader` prints: the text that is compiled, user's text included.
-    #[test]
-    fn the_shader_is_printed() {
-        let folder = tempfile::tempdir().unwrap();
-        let scene = folder.path().join("scene.ron");
-        std::fs::write(&scene, SCENE).unwrap();
-        write(folder.path(), BALL);
-        let scene = scene.to_str().unwrap();
-        for pass in ["march", "view", "slice"] {
-            let text = succeed(&["shader", scene, "--pass", pass]);
-            let text = stdout(&text);
-            assert!(text.starts_with("#version 330 core\n"), "{text}");
-            assert!(text.contains(BALL.trim_end()) && text.contains("my.glsl\n#line 1 "));
-        }
-        let text = json(&["shader", scene, "--gl", "gles", "--pass", "pan"]);
-        assert!(
-            text["text"]
-                .as_str()
-                .unwrap()
-                .starts_with("#version 300 es\n")
-        );
-    }
 }

@@ -1,4 +1,4 @@
-//! Balls, from outside and from within.
+//! Balls, from outside and from inside.
 
 use super::{
     SPECULAR, area, assert_specular, by_way_of, directions, found, roots, scene, traced_area,
@@ -18,8 +18,8 @@ fn hollow(radius: f32) -> Surface {
     Surface::new(Shape::from(Sphere { radius }).complement())
 }
 
-/// Lengths of stationary paths over a circle of the radius, in the plane of both ends and
-/// the centre, by a search over the whole circle (Alhazen's problem).
+/// Lengths of stationary paths at a circle with the radius, in the plane of both ends and the
+/// centre, by a search over the whole circle (Alhazen's problem).
 fn alhazen(source: DVec3, listener: DVec3, radius: f64) -> Vec<f64> {
     let x = source.normalize();
     let y = (listener - x * listener.dot(x)).normalize();
@@ -35,7 +35,7 @@ fn alhazen(source: DVec3, listener: DVec3, radius: f64) -> Vec<f64> {
     all
 }
 
-/// Protects Alhazen's problem at a convex mirror, against a search: length and spreading.
+/// Protects Alhazen's problem at a convex mirror, compared with a search: length and spreading.
 #[test]
 fn a_ball_mirrors_as_a_search_says() {
     let ends = [
@@ -76,15 +76,16 @@ fn a_hollow_ball_has_all_of_alhazens_paths() {
             assert!((path.length_m - length).abs() < 1e-9);
             assert_specular(&scene, path, SPECULAR);
             let error = area(path) / traced_area(&scene, path, 1e-3) - 1.0;
-            // Normals of marched fields are good to 1e-9, differences to the angle's square.
+            // Normals of marched fields are accurate to 1e-9, differences to the square of the
+            // angle.
             assert!(error.abs() < 1e-4, "{error} at {path:?}");
         }
     }
     assert_eq!(most, 4);
 }
 
-/// Protects the focal gain of a concave mirror on its axis, against the mirror's equation: from p
-/// metres off to q metres off the front has the area (p + q − 2 p q/R)².
+/// Protects the focal gain of a concave mirror on its axis, compared with the mirror equation: from
+/// distance p to distance q (metres) the front has the area (p + q − 2 p q/R)².
 #[test]
 fn a_hollow_ball_gathers_as_the_mirrors_equation_says() {
     let radius = 4.0f64;
@@ -100,10 +101,10 @@ fn a_hollow_ball_gathers_as_the_mirrors_equation_says() {
     }
 }
 
-/// Protects the scale of spreading: what a ball mirrors, added up over a sphere far away, is what
-/// it intercepts, (1 − √(1 − R²/d²))/2 of the source's power. Around the axis all is the
-/// same; along it by Simpson's rule over 2000 parts, good to 1e-5 with a density that has a kink
-/// at the shadow's border.
+/// Protects the scale of spreading: the energy mirrored by a ball, integrated over a distant
+/// sphere, is what it intercepts, (1 − √(1 − R²/d²))/2 of the source's power. Around the axis it is
+/// constant; along the axis it is integrated by Simpson's rule over 2000 parts, accurate to 1e-5
+/// for a density that has a kink at the shadow's border.
 #[test]
 fn a_ball_mirrors_the_energy_that_it_intercepts() {
     let (radius, away, far) = (1.0f64, 3.0f64, 100.0f64);
@@ -145,7 +146,7 @@ fn a_ball_mirrors_the_energy_that_it_intercepts() {
     );
 }
 
-/// Protects results from the number of threads.
+/// Protects results from depending on the number of threads.
 #[test]
 fn any_number_of_threads_finds_the_same() {
     let scene = scene(

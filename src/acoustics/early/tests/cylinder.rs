@@ -5,9 +5,9 @@ use crate::Surface;
 use crate::scene::shape::{CappedCylinder, Cylinder, Plane};
 use glam::{DVec2, DVec3, Quat, Vec3};
 
-/// The shortest path over a cylinder about y, by a search: seen along y it is a path at a
-/// circle, whose stationary angle does not depend on heights, for the length of a straight
-/// line on the unrolled strip is √(flat² + rise²).
+/// The shortest path at a cylinder about y, by a search: seen along y it is a path at a circle,
+/// whose stationary angle does not depend on heights, because the length of a straight line on the
+/// unrolled strip is √(flat² + rise²).
 fn searched(source: DVec3, listener: DVec3, radius: f64) -> f64 {
     let flat = |p: DVec3| DVec2::new(p.x, p.z);
     let (a, b) = (flat(source), flat(listener));
@@ -23,8 +23,8 @@ fn searched(source: DVec3, listener: DVec3, radius: f64) -> f64 {
     lengths.fold(f64::INFINITY, f64::min)
 }
 
-/// Protects paths at a cylinder against a search over its surface, and their spreading against
-/// traced rays.
+/// Protects paths at a cylinder, compared with a search over its surface, and their spreading,
+/// compared with traced rays.
 #[test]
 fn a_cylinder_mirrors_as_a_search_says() {
     let pillar = Surface::new(Cylinder { radius: 0.8 });
@@ -43,9 +43,9 @@ fn a_cylinder_mirrors_as_a_search_says() {
     }
 }
 
-/// Protects sequences of several curved surfaces and planes: two turned pillars over a floor, to
-/// order 3, and reciprocity: with both ends swapped the paths are the same, lengths and spreading
-/// too.
+/// Protects sequences of several curved surfaces and planes: two turned pillars on a floor, to
+/// order 3, and reciprocity: with the ends swapped the paths are the same, including lengths and
+/// spreading.
 #[test]
 fn two_pillars_and_a_floor_mirror_in_turn() {
     let leaning = Quat::from_rotation_z(0.2);
@@ -90,7 +90,7 @@ fn two_pillars_and_a_floor_mirror_in_turn() {
     }
 }
 
-/// Protects cylinders that end: side and flat ends, each within its edges.
+/// Protects finite cylinders: side and flat ends, each within its edges.
 #[test]
 fn a_drum_has_a_side_and_two_ends() {
     let drum = Surface::new(CappedCylinder {

@@ -1,4 +1,4 @@
-//! Foci: an ellipsoid's, a paraboloid's, and a listener in the source.
+//! Foci: those of an ellipsoid and a paraboloid, and a listener at the source.
 
 use super::{area, by_way_of, found, scene};
 use crate::acoustics::early::{EarlyPaths, Ends};
@@ -7,8 +7,8 @@ use crate::{Scene, Shape, Surface};
 use glam::{DVec3, Quat, Vec3};
 use std::f64::consts::PI;
 
-/// Protects the beam of a paraboloid: off the focus its front keeps the area r² that it has at the
-/// mirror, r metres away, however far the listener is.
+/// Protects the beam of a paraboloid: after the mirror its front keeps the area r² that it has
+/// there, r metres from the focus, however far the listener is.
 #[test]
 fn a_source_in_the_focus_of_a_dish_gives_a_beam() {
     // Turned: it opens along +x.
@@ -36,7 +36,8 @@ fn a_source_in_the_focus_of_a_dish_gives_a_beam() {
     }
 }
 
-/// Protects perfect foci: one path for the whole gallery, by its one length, finite.
+/// Protects perfect foci: one path for the whole gallery, as all have the same length, with finite
+/// energy.
 #[test]
 fn focus_to_focus_is_one_focus() {
     let gallery = Shape::from(Ellipsoid {
@@ -50,7 +51,7 @@ fn focus_to_focus_is_one_focus() {
     };
     assert!(!direct.is_focus && path.is_focus);
     assert!((path.length_m - 20.0).abs() < 1e-9);
-    // All waves arrive, and all of them bring chords of two radii.
+    // All waves arrive, each with a chord of two radii.
     assert_eq!(path.found_by, 4096);
     let most = 3.0 / (2.0 * PI * 0.3f64.powi(2));
     assert!(
@@ -60,7 +61,8 @@ fn focus_to_focus_is_one_focus() {
     );
 }
 
-/// Protects the built-in dishes: from focus to focus all by one length, once over both.
+/// Protects the built-in dishes: all paths from focus to focus have the same length, with one
+/// reflection at each dish.
 #[test]
 fn two_dishes_have_a_focus() {
     let scene = Scene::builtin("parabolic-mirrors").expect("built in");
@@ -68,7 +70,7 @@ fn two_dishes_have_a_focus() {
     let foci: Vec<_> = found.paths.iter().filter(|path| path.is_focus).collect();
     let [path] = foci[..] else { panic!("{foci:?}") };
     assert_eq!(path.surfaces, [2, 3]);
-    // Both paths from focus to mirror have the length of the way to the directrix.
+    // The lengths from focus to mirror equal the distances to the directrix.
     assert!(
         (path.length_m - (30.0 + 4.0)).abs() < 1e-6,
         "{}",

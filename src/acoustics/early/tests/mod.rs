@@ -1,4 +1,4 @@
-//! Early paths against closed forms, brute force, and bundles of traced rays.
+//! Compares early paths with closed forms, brute force, and bundles of traced rays.
 
 mod ball;
 mod cylinder;
@@ -15,8 +15,8 @@ use crate::{Listener, Scene, Source, Surface};
 use glam::{DVec3, Vec3};
 use std::f64::consts::{PI, TAU};
 
-/// Radians by which a reflection at a basic shape may seem not to be specular: the normals of the
-/// test are differences over 1e-6 m, off by rounding ÷ step.
+/// Maximum error in radians of a specular reflection at a basic shape: the normals of the test are
+/// differences over 1e-6 m, with an error of rounding ÷ step.
 pub const SPECULAR: f64 = 1e-8;
 
 pub fn scene(surfaces: Vec<Surface>, source: Vec3, listener: Vec3) -> Scene {
@@ -28,7 +28,7 @@ pub fn scene(surfaces: Vec<Surface>, source: Vec3, listener: Vec3) -> Scene {
     )
 }
 
-/// Directions on a spiral over the unit sphere (Vogel 1979), even to some percent.
+/// Directions on a spiral over the unit sphere (Vogel 1979), even to a few per cent.
 pub fn directions(count: usize) -> Vec<Vec3> {
     let golden_angle = PI * (3.0 - 5f64.sqrt());
     let direction = |index: usize| {
@@ -40,7 +40,7 @@ pub fn directions(count: usize) -> Vec<Vec3> {
     (0..count).map(direction).collect()
 }
 
-/// What so many waves find that come within `reach` metres of the listener.
+/// The paths found by `waves` waves that come within `reach` metres of the listener.
 pub fn found(scene: &Scene, waves: usize, order: u32, reach: f64) -> Found {
     let early = EarlyPaths::new(scene).expect("a valid scene");
     let ends = Ends::of(scene);
@@ -54,13 +54,13 @@ pub fn by_way_of<'a>(found: &'a Found, surfaces: &[u32]) -> Vec<&'a SpecularPath
     paths.filter(|path| path.surfaces == surfaces).collect()
 }
 
-/// The area of the front per solid angle that a spreading says.
+/// The area of the front per solid angle that corresponds to the path's spreading.
 pub fn area(path: &SpecularPath) -> f64 {
     1.0 / (4.0 * PI * path.spreading)
 }
 
-/// The same from eight rays about the path's departure, by differences of fourth order: it
-/// knows nothing of curvatures. The rays are `angle` radians off, and twice that.
+/// The same from eight rays around the path's departure, by differences of fourth order, without
+/// using curvatures. The rays are `angle` radians off, and twice that.
 pub fn traced_area(scene: &Scene, path: &SpecularPath, angle: f64) -> f64 {
     let exact = ExactScene::new(scene).expect("a valid scene");
     let ends = Ends::of(scene);
@@ -97,7 +97,7 @@ pub fn roots(steps: usize, value: impl Fn(f64) -> f64) -> Vec<f64> {
     (0..steps).filter(has_root).map(bisect).collect()
 }
 
-/// Whether every reflection obeys the law, to `most` radians.
+/// Asserts that every reflection is specular, to `most` radians.
 pub fn assert_specular(scene: &Scene, path: &SpecularPath, most: f64) {
     let ends = Ends::of(scene);
     let mut all = vec![ends.source];
@@ -124,7 +124,7 @@ pub fn assert_specular(scene: &Scene, path: &SpecularPath, most: f64) {
     }
 }
 
-/// A vertex on a surface whose solid lies against `normal`.
+/// A vertex on a surface with this normal.
 pub fn vertex(surface: u32, point: DVec3, normal: DVec3) -> Vertex {
     Vertex {
         point,

@@ -1,4 +1,4 @@
-//! What is in the way, and what is not exact.
+//! Obstacles, and surfaces that are not exact.
 
 use super::{by_way_of, found, scene, vertex};
 use crate::acoustics::early::{Candidates, EarlyPaths, Ends, NoPath};
@@ -48,7 +48,7 @@ fn a_reflection_comes_from_the_air() {
     assert_eq!(found.outcomes, [Err(NoPath::NotFromTheAir), Ok(1)]);
 }
 
-/// Protects what is known by samples alone from a claim to be exact.
+/// Protects against claiming exact paths at surfaces that are known only from samples.
 #[test]
 fn users_fields_are_not_exact() {
     let text = "float field(vec3 p) { return length(p) - 1.0; }".to_owned();
@@ -65,8 +65,8 @@ fn users_fields_are_not_exact() {
     assert_eq!(found.outcomes, [Err(NoPath::NotExact)]);
 }
 
-/// Protects the estimate of what is missed: many waves miss little, few miss much, and with
-/// none nothing can be said.
+/// Protects the estimate of missed paths: many waves miss little, few miss much, and without waves
+/// the estimate is `None`.
 #[test]
 fn few_waves_say_that_they_miss_much() {
     let size = Vec3::new(20.0, 5.0, 13.0);

@@ -1,4 +1,4 @@
-//! All sequences of planes, without waves.
+//! Sequences of planes found without waves.
 
 use super::{directions, scene};
 use crate::acoustics::early::{Candidates, EarlyPaths, Ends, SpecularPath};
@@ -7,7 +7,8 @@ use crate::{Scene, Shape, Surface};
 use glam::{Quat, Vec3};
 use std::f64::consts::PI;
 
-/// What sequences of planes alone lead to, and up to how many reflections none is left out.
+/// The paths found from sequences of planes alone, and the number of reflections up to which all
+/// are tried.
 fn by_planes(scene: &Scene, order: u32) -> (Vec<SpecularPath>, u32) {
     let early = EarlyPaths::new(scene).expect("a valid scene");
     let ends = Ends::of(scene);
@@ -17,7 +18,7 @@ fn by_planes(scene: &Scene, order: u32) -> (Vec<SpecularPath>, u32) {
 }
 
 /// Protects the energy of narrow beams: in a long, low room each image up to eight reflections has its path, though
-/// only one in some 100,000 directions leads to some of them.
+/// only one in about 100,000 directions leads to some of them.
 #[test]
 fn a_long_room_has_all_its_images() {
     let size = Vec3::new(23.5, 2.5, 3.6);
@@ -38,8 +39,8 @@ fn a_long_room_has_all_its_images() {
     );
 }
 
-/// Protects paths among obstacles, and the order up to which all are known: there what very many directions find is
-/// what the images of the source are.
+/// Protects paths among obstacles, and the order up to which all are known: a very large number of directions finds
+/// the same paths there as the images of the source.
 #[test]
 fn paths_among_boxes_are_all_known() {
     let size = Vec3::new(9.0, 4.0, 7.0);
@@ -75,7 +76,7 @@ fn paths_among_boxes_are_all_known() {
 }
 
 /// Protects paths in fields of planes: a hollow box with a block in it, as one field with a material of its own, has
-/// those of a room with a box, also from its corner.
+/// the paths of a room with a box, also from its corner.
 #[test]
 fn fields_of_planes_have_the_paths_of_basic_shapes() {
     let size = Vec3::new(8.0, 3.0, 5.0);
@@ -105,7 +106,7 @@ fn fields_of_planes_have_the_paths_of_basic_shapes() {
     }
 }
 
-/// Protects the number of images that are tried: faces of a field's parts that lie in one plane are one.
+/// Protects the number of images that are tried: faces of a field's parts in one plane count as one.
 #[test]
 fn flush_parts_of_a_field_are_one_plane() {
     let size = Vec3::new(5.0, 3.0, 5.0);
@@ -122,8 +123,8 @@ fn flush_parts_of_a_field_are_one_plane() {
     assert_eq!((known, paths.len()), (4, 129));
 }
 
-/// Protects the loudness of a source on a wall, in an edge and in a corner of the room, and on a box: paths are those of a
-/// source next to it.
+/// Protects the loudness of a source on a wall, in an edge and in a corner of the room, and on a box: paths are those
+/// of a source next to it.
 #[test]
 fn a_source_on_a_wall_has_the_paths_of_one_next_to_it() {
     let size = Vec3::new(8.0, 3.0, 5.0);
@@ -152,14 +153,14 @@ fn a_source_on_a_wall_has_the_paths_of_one_next_to_it() {
     }
 }
 
-/// Protects a source in a corner from having fewer paths: there too all of eight reflections are known, in a room and
+/// Protects a source in a corner from having fewer paths: all of eight reflections are known there too, in a room and
 /// in a hollow box.
 #[test]
 fn a_source_in_a_corner_has_all_its_images() {
     let size = Vec3::new(8.0, 3.0, 5.0);
     let hollow = Shape::from(Cuboid { size }).complement();
     for room in [Shape::from(Room { size }), hollow] {
-        // The second listener has paths through edges, but for rounding.
+        // Rounding aside, the second listener has paths through edges.
         for listener in [Vec3::new(3.0, -0.3, 1.2), Vec3::new(2.0, -0.3, 1.5)] {
             let scene = scene(vec![Surface::new(room.clone())], size / -2.0, listener);
             let (paths, known) = by_planes(&scene, 8);
@@ -168,8 +169,8 @@ fn a_source_in_a_corner_has_all_its_images() {
     }
 }
 
-/// Protects the loudness of a source in an edge or a corner of a hollow box: waves that pass the listener are those of a
-/// room, mirrored by each wall in turn.
+/// Protects the loudness of a source in an edge or a corner of a hollow box: waves that pass the listener are those of
+/// a room, mirrored by each wall in turn.
 #[test]
 fn waves_leave_the_edges_of_a_hollow_box_as_those_of_a_room() {
     let size = Vec3::new(8.0, 3.0, 5.0);
@@ -188,8 +189,8 @@ fn waves_leave_the_edges_of_a_hollow_box_as_those_of_a_room() {
     }
 }
 
-/// Protects the loudness of a source or a listener on an edge and at a corner of a box: no face mirrors what flies from
-/// the air into the air.
+/// Protects the loudness of a source or a listener on an edge and at a corner of a box: no face mirrors waves that stay
+/// in the air.
 #[test]
 fn edges_of_a_box_mirror_nothing_into_the_air_before_them() {
     let block = Surface::new(Cuboid { size: Vec3::ONE });
@@ -202,8 +203,8 @@ fn edges_of_a_box_mirror_nothing_into_the_air_before_them() {
     }
 }
 
-/// Protects the loudness of a source on an edge and at a corner of a box: its faces have no images of what flies into the
-/// solid there, which one of them mirrors. (Three quarters, or seven eighths, of the sound fly off.)
+/// Protects the loudness of a source on an edge and at a corner of a box: waves into the solid there are mirrored by
+/// one of its faces, and do not have images in each. (Three quarters, or seven eighths, of the sound fly off.)
 #[test]
 fn edges_of_a_box_mirror_no_sound_twice() {
     let block = Surface::new(Cuboid { size: Vec3::ONE });
@@ -224,8 +225,8 @@ fn edges_of_a_box_mirror_no_sound_twice() {
     }
 }
 
-/// Protects the loudness of a source or a listener at the foot of a box on the floor: the floor mirrors it once, and the
-/// faces that end there mirror nothing beside them. In one field as in two surfaces.
+/// Protects the loudness of a source or a listener at the foot of a box on the floor: the floor mirrors it once, and
+/// the faces that end there do not mirror beyond their edges. The same holds for one field and for two surfaces.
 #[test]
 fn the_foot_of_a_box_is_mirrored_by_the_floor_alone() {
     let floor = HalfSpace {
@@ -253,8 +254,8 @@ fn the_foot_of_a_box_is_mirrored_by_the_floor_alone() {
     }
 }
 
-/// Protects the loudness of a source and a listener on one wall: the wall mirrors what flies along it, as it does what
-/// flies a little way off it.
+/// Protects the loudness of a source and a listener on one wall: the wall mirrors waves along it, as it does those
+/// slightly off it.
 #[test]
 fn a_wall_mirrors_what_flies_along_it() {
     let size = Vec3::new(8.0, 3.0, 5.0);
@@ -283,7 +284,8 @@ fn a_wall_mirrors_what_flies_along_it() {
     }
 }
 
-/// Protects a source on a turned wall, which lies in its solid by rounding: it is on the wall.
+/// Protects a source on a turned wall, which lies in its solid by rounding: it counts as on the
+/// wall.
 #[test]
 fn a_source_within_rounding_of_a_wall_is_on_it() {
     let size = Vec3::new(8.0, 3.0, 5.0);

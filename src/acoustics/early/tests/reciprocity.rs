@@ -1,4 +1,4 @@
-//! Paths among many surfaces, forth and back.
+//! Paths among many surfaces, in both directions.
 
 use super::{found, scene};
 use crate::acoustics::early::{Candidates, EarlyPaths, Ends, SpecularPath, Vertex};
@@ -50,8 +50,8 @@ fn reversed(path: &SpecularPath, ends: &Ends) -> Vec<Vertex> {
     (1..all.len() - 1).rev().map(vertex).collect()
 }
 
-/// Protects reciprocity among all kinds of surfaces: every path is one from the listener to the
-/// source too, as long and as far spread. Seen from the other side other surfaces hide and
+/// Protects reciprocity among all kinds of surfaces: every path is also one from the listener to
+/// the source, with the same length and spreading. From the other side, other surfaces hide and
 /// other points come first.
 #[test]
 fn every_path_goes_back() {
@@ -75,14 +75,14 @@ fn every_path_goes_back() {
         let other = &again.paths[index];
         assert!((path.length_m - other.length_m).abs() < 1e-9);
         assert!((path.departure + other.arrival_direction).length() < 1e-8);
-        // The front of a torus' marched neighbour: see its normals.
+        // The front at a torus' marched neighbour has the error of its normals.
         let error = (path.spreading / other.spreading - 1.0).abs();
         assert!(error < 1e-7, "{error} at {path:?}");
     }
 }
 
-/// Protects the estimate of what the waves miss, against twenty times as many: the energy
-/// of the paths that these find beside.
+/// Protects the estimate of what the waves miss, compared with twenty times as many: the energy of
+/// the additional paths that these find.
 #[test]
 fn what_more_waves_find_was_estimated() {
     let scene = furnished();
@@ -113,8 +113,8 @@ fn what_more_waves_find_was_estimated() {
     );
 }
 
-/// Protects spreading against counts of waves: within `reach` of the listener come
-/// N reach² / (4 A) of N by a path, give or take the root of that.
+/// Protects spreading, compared with counts of waves: of N waves, N reach² / (4 A) come within
+/// `reach` of the listener by a path, plus or minus the root of that.
 #[test]
 fn as_many_waves_arrive_as_the_spreading_says() {
     let (waves, reach) = (400_000, 0.3);

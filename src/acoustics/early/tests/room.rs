@@ -10,8 +10,8 @@ const SIZE: Vec3 = Vec3::new(8.0, 3.0, 5.0);
 const SOURCE: Vec3 = Vec3::new(-2.1, 0.2, -1.3);
 const LISTENER: Vec3 = Vec3::new(1.9, -0.4, 1.1);
 
-/// Images of the source in an empty room about the origin, up to an order: offset from the
-/// listener to the image, and order.
+/// Images of the source in an empty room about the origin, up to an order: vector from the listener
+/// to the image, and order.
 fn images(order: i32) -> Vec<(DVec3, usize)> {
     let (size, source) = (SIZE.as_dvec3(), SOURCE.as_dvec3());
     let mut all = Vec::new();
@@ -69,7 +69,7 @@ fn a_turned_shoebox_has_them_too() {
     let place = Vec3::new(30.0, -4.0, 11.0);
     let room = Surface::new(Room { size: SIZE }).at(place).turned(turn);
     let mut scene = scene(vec![room], Vec3::ZERO, Vec3::ZERO);
-    // Positions are f32: those that they have in the room are off by 1e-6 m.
+    // Positions are f32: when converted to the room's axes they are off by 1e-6 m.
     scene.source.position = place + turn * SOURCE;
     scene.listener.position = place + turn * LISTENER;
     let paths = found(&scene, 16_384, 3, f64::INFINITY).paths;
@@ -85,7 +85,7 @@ fn a_turned_shoebox_has_them_too() {
     }
 }
 
-/// Protects walls of other kinds: six half spaces and six planes are a room as well.
+/// Protects walls of other kinds: six half spaces and six planes form a room as well.
 #[test]
 fn rooms_of_half_spaces_and_planes_are_rooms() {
     let axes = Vec3::AXES.into_iter().flat_map(|axis| [axis, -axis]);
@@ -129,7 +129,8 @@ fn walls_are_numbered_by_axis_and_side() {
     assert_eq!(by_way_of(&found, &[1]).len(), 6);
 }
 
-/// Protects a path through the very edge of a room: one, though either wall may come first.
+/// Protects a path exactly through an edge of a room: there is one, though either wall may come
+/// first.
 #[test]
 fn an_edge_is_one_path() {
     let room = Surface::new(Room {
@@ -137,7 +138,7 @@ fn an_edge_is_one_path() {
     });
     let (source, listener) = (Vec3::new(1.5, 1.0, 0.0), Vec3::X);
     let scene = scene(vec![room], source, listener);
-    // By way of +x and +y the image is (2.5, 3, 0): its line goes through the edge at (2, 2, 0).
+    // For +x and +y the image is (2.5, 3, 0): its line goes through the edge at (2, 2, 0).
     let found = found(&scene, 4096, 2, f64::INFINITY);
     let seconds = found.paths.iter().filter(|path| path.points.len() == 2);
     assert_eq!(seconds.count(), 18);
@@ -152,7 +153,7 @@ fn an_edge_is_one_path() {
     );
 }
 
-/// Protects flat faces of solids: the top of a box mirrors, beyond its edge nothing does, and no
+/// Protects flat faces of solids: the top of a box mirrors, beyond its edge it does not, and no
 /// path goes over the edge.
 #[test]
 fn a_box_mirrors_within_its_faces() {

@@ -1,4 +1,4 @@
-//! Every kind of sheet, by reflections at random places.
+//! Every kind of sheet, by reflections at random points.
 
 use super::{area, assert_specular, by_way_of, directions, scene, traced_area};
 use crate::acoustics::early::{EarlyPaths, Ends, SpecularPath};
@@ -41,7 +41,7 @@ fn hills() -> Shape {
     })
 }
 
-/// Shapes that end about the origin.
+/// Finite shapes about the origin.
 fn shapes() -> Vec<Shape> {
     let corners = [
         Vec2::new(-1.0, -1.0),
@@ -86,7 +86,7 @@ fn shapes() -> Vec<Shape> {
     ]
 }
 
-/// Trees that end about the origin.
+/// Finite trees about the origin.
 fn trees() -> Vec<Shape> {
     vec![
         cuboid(1.0, 1.0, 1.0).offset(0.3),
@@ -117,13 +117,13 @@ fn trees() -> Vec<Shape> {
     ]
 }
 
-/// Waves that hit a shape in the test below.
+/// Number of waves that hit a shape in the test below.
 const TRIED: usize = 40;
 
 /// Protects every kind of sheet with its derivatives, moved and turned: to any listener that a
-/// reflected wave passes there is a path, it is specular, and its front is as large as traced
-/// rays say. The listener is put 3 m along a reflected wave, and the path is looked for from
-/// another wave 0.01 rad beside; next to edges, seams and outlines that one may miss.
+/// reflected wave passes there is a path, it is specular, and its front has the area found by
+/// traced rays. The listener is put 3 m along a reflected wave, and the path is solved for from
+/// another wave 0.01 rad away; next to edges, seams and outlines that wave may miss.
 #[test]
 fn shapes_mirror_as_rays_do() {
     let turn = Quat::from_euler(EulerRot::YXZ, 0.5, -0.8, 0.3);
@@ -139,17 +139,17 @@ fn shapes_mirror_as_rays_do() {
             let Some(path) = path_along(&mut scene, unit, unit + 0.01 * random.direction()) else {
                 continue;
             };
-            // What lies within 1e-8 m of where a blend begins has the sheet on one side of it;
+            // Within 1e-8 m of the border of a blend, points have the sheet on one side of it;
             // normals turn by the root of that.
             assert_specular(&scene, &path, 1e-4);
-            // A bundle over the seam of two sheets says another area for each width.
+            // A bundle over the seam of two sheets gives a different area for each width.
             let [traced, wider] = [1e-4, 2e-4].map(|angle| traced_area(&scene, &path, angle));
             if (wider / traced - 1.0).abs() > 1e-4 {
                 continue;
             }
             met += 1;
             let error = area(&path) / traced - 1.0;
-            // Normals of marched fields are good to 1e-9, and so differences to 1e-5; 1e-3 is
+            // Normals of marched fields are accurate to 1e-9, and so differences to 1e-5; 1e-3 is
             // 0.004 dB.
             assert!(error.abs() < 1e-3, "{name}: {error} at {path:?}");
         }
@@ -157,7 +157,7 @@ fn shapes_mirror_as_rays_do() {
     }
 }
 
-/// Directions from the source that are mirrored once and then fly 3 m freely.
+/// Directions from the source that are mirrored once and are then free for 3 m.
 fn mirrored(scene: &Scene) -> Vec<DVec3> {
     let exact = ExactScene::new(scene).expect("a valid scene");
     let start = scene.source.position.as_dvec3();
@@ -173,7 +173,8 @@ fn mirrored(scene: &Scene) -> Vec<DVec3> {
     units.filter(is_mirrored).take(TRIED).collect()
 }
 
-/// The path that departs along `unit` to a listener on that wave, from a wave `beside`.
+/// The path that departs along `unit` to a listener on that wave, solved for from a wave at
+/// `beside`.
 fn path_along(scene: &mut Scene, unit: DVec3, beside: DVec3) -> Option<SpecularPath> {
     let exact = ExactScene::new(scene).expect("a valid scene");
     let flight = exact.follow(Ends::of(scene).source, unit, 1, |_| ())?;
@@ -183,7 +184,7 @@ fn path_along(scene: &mut Scene, unit: DVec3, beside: DVec3) -> Option<SpecularP
     let candidates = early.candidates(&ends, &[beside.as_vec3()], 1, f64::INFINITY);
     let found = early.find(&ends, &candidates);
     let echoes = by_way_of(&found, &[1]).into_iter();
-    // The listener's place is rounded to f32.
+    // The listener's position is rounded to f32.
     let mut near = echoes.filter(|path| path.departure.distance(unit) < 1e-5);
     near.next().cloned()
 }

@@ -1,37 +1,37 @@
-//! What can be wrong with a SOFA file.
+//! Errors of SOFA files.
 
 use crate::acoustics::hrir::HrirError;
 use crate::file_input::InputError;
 use std::path::PathBuf;
 
-/// A SOFA file that no head-related impulse responses are read from.
+/// The reason why head-related impulse responses cannot be read from a SOFA file.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot use head-related impulse responses from {}: {problem}", path.display())]
 pub struct SofaError {
     /// The requested file.
     pub path: PathBuf,
-    /// What is wrong with it.
+    /// The problem with it.
     #[source]
     pub problem: SofaProblem,
 }
 
-/// What is wrong with a SOFA file.
+/// A problem with a SOFA file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SofaProblem {
-    /// The file is missing, too large, or may not be read.
+    /// The file is missing, too large, or not permitted to be read.
     #[error("{source}")]
     Unreadable {
-        /// The operating system's error, or the reason why it is not read.
+        /// The operating system's error, or the reason why the file is rejected.
         source: InputError,
     },
-    /// The file is not HDF5, in which SOFA files are written.
-    #[error("it is no SOFA file ({reason})")]
+    /// The file is not HDF5, the format of SOFA files.
+    #[error("it is not a SOFA file ({reason})")]
     NotHdf5 {
         /// The HDF5 reader's error.
         reason: String,
     },
-    /// A part of the file cannot be read: it breaks off, or contradicts itself.
+    /// A part of the file cannot be read: it is truncated or inconsistent.
     #[error("{what} cannot be read ({reason}): get the file again")]
     Damaged {
         /// The variable or the part.
@@ -39,24 +39,24 @@ pub enum SofaProblem {
         /// The HDF5 reader's error.
         reason: String,
     },
-    /// A variable that is stored in a way of HDF5 that is not read here.
+    /// A variable is stored in a form of HDF5 that is not supported.
     #[error(
-        "{what} is stored in a way of HDF5 that is not read here ({reason}): write the file anew with h5repack"
+        "{what} is stored in a form of HDF5 that is not supported ({reason}): rewrite the file with h5repack"
     )]
     NotRead {
         /// The variable or the part.
         what: String,
-        /// Which way.
+        /// The unsupported form.
         reason: String,
     },
     /// An attribute of the file is not that of the convention SimpleFreeFieldHRIR with FIR filters.
-    #[error("its {attribute} is {found}, where {expected:?} alone is read")]
+    #[error("its {attribute} is {found}, but only {expected:?} is supported")]
     WrongConvention {
         /// The attribute's name.
         attribute: &'static str,
-        /// What the file contains, quoted, or that it contains nothing.
+        /// Its value in the file, quoted, or that it is missing.
         found: String,
-        /// What it should contain.
+        /// The supported value.
         expected: &'static str,
     },
     /// A variable is missing.
@@ -65,28 +65,28 @@ pub enum SofaProblem {
         /// The variable's name.
         variable: &'static str,
     },
-    /// A variable of another shape.
+    /// A variable has a wrong shape.
     #[error("{variable} has the shape {found}, not {expected}")]
     BadShape {
         /// The variable's name.
         variable: &'static str,
         /// Its dimensions.
         found: String,
-        /// What they should be.
+        /// The expected dimensions.
         expected: &'static str,
     },
-    /// A variable whose numbers or units make no sense.
+    /// A variable has invalid numbers or units.
     #[error("{variable} cannot be used: {reason}")]
     BadValue {
         /// The variable's name.
         variable: &'static str,
-        /// What is wrong with it.
+        /// The reason.
         reason: String,
     },
-    /// All of it is read, but makes no set.
+    /// The file can be read, but its measurements are not a valid set.
     #[error("{source}")]
     Set {
-        /// What is wrong with the measurements.
+        /// The error of the measurements.
         source: HrirError,
     },
 }

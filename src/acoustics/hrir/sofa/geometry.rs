@@ -1,17 +1,17 @@
 //! Directions of a SOFA file in listener axes.
 //!
-//! Positions are spherical (azimuth from x towards y and elevation in degrees, metres) or
-//! cartesian (metres). A listener looks along `ListenerView` with `ListenerUp` above, by default along
-//! x with z above.
+//! Positions are spherical (azimuth from x towards y and elevation in degrees, metres) or cartesian
+//! (metres). A listener looks along `ListenerView` with `ListenerUp` pointing up, by default along x
+//! with z up.
 
 use super::variables::Variables;
 use super::{SofaProblem, bad_value};
 use glam::{DMat3, DVec3};
 
-/// A view and an up whose angle is smaller than this (its sine) span no axes.
+/// Least sine of the angle between view and up: with a smaller one they do not define axes.
 const LEAST_SINE: f64 = 1e-3;
 
-/// The direction of each source, and how far it is, in metres.
+/// The direction of each source, and its distance in metres.
 pub(super) fn directions(
     file: &Variables,
     count: usize,
@@ -36,14 +36,14 @@ pub(super) fn directions(
     Ok((directions, metres))
 }
 
-/// Which of the two receivers is the left ear, and which the right.
+/// The indices of the receivers at the left and at the right ear.
 pub(super) fn ears(file: &Variables) -> Result<[usize; 2], SofaProblem> {
     const NAME: &str = "ReceiverPosition";
     const FIRST_IS_LEFT: [usize; 2] = [0, 1];
     if !file.has(NAME) {
         return Ok(FIRST_IS_LEFT);
     }
-    // Two receivers of three coordinates, of one or all measurements: the first counts.
+    // Two receivers with three coordinates, for one or all measurements: the first is used.
     let shape = file.shape(NAME)?;
     let per_receiver = match shape[..] {
         [2, 3] => 1,
@@ -61,7 +61,8 @@ pub(super) fn ears(file: &Variables) -> Result<[usize; 2], SofaProblem> {
         kind.cartesian(std::array::from_fn(|axis| coordinate(receiver, axis)))
             .y
     };
-    // The convention has the left ear first. A file that does not say where ears are keeps to it.
+    // The convention has the left ear first. A file that does not state the positions of the ears
+    // follows it.
     let is_swapped = y(0) < 0.0 && y(1) > 0.0;
     Ok(if is_swapped { [1, 0] } else { FIRST_IS_LEFT })
 }
@@ -91,7 +92,7 @@ enum Kind {
 }
 
 impl Kind {
-    /// What a variable's numbers are, by its attributes Type and Units.
+    /// The kind of a variable's numbers, by its attributes Type and Units.
     fn of(file: &Variables, variable: &'static str) -> Result<Kind, SofaProblem> {
         let bad = |attribute: &str, found: &str, expected: &str| {
             bad_value(
@@ -103,7 +104,7 @@ impl Kind {
         let kind = match kind.as_deref() {
             Some("spherical") => Kind::Spherical,
             Some("cartesian") => Kind::Cartesian,
-            // Views often have none; SOFA's default is cartesian.
+            // Views often have no type; SOFA's default is cartesian.
             None => Kind::Cartesian,
             Some(other) => return Err(bad("Type", other, "\"spherical\" or \"cartesian\"")),
         };

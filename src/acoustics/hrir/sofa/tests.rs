@@ -1,4 +1,4 @@
-//! SOFA files that are read, and such as are rejected.
+//! Valid SOFA files, and rejected ones.
 
 use super::*;
 use crate::acoustics::hrir::{Hrir, HrirError};
@@ -9,12 +9,12 @@ fn read(file: &SofaFile) -> Result<HrirSet, SofaProblem> {
     from_bytes(file.bytes())
 }
 
-/// What is said of a file.
+/// The error message for a file.
 fn refused(file: &SofaFile) -> String {
     read(file).expect_err("a bad file").to_string()
 }
 
-/// The greatest sample, and when it stands, in samples at 48 kHz.
+/// The largest sample, and its time in samples at 48 kHz.
 fn peak(hrir: &Hrir) -> (f32, f64) {
     let by_size = |a: &(usize, &f32), b: &(usize, &f32)| a.1.total_cmp(b.1);
     let (index, sample) = hrir
@@ -42,9 +42,9 @@ fn measured_directions_have_their_responses() {
         let pair = set.pair(from);
         for (hrir, place) in [(&pair.left, left), (&pair.right, right)] {
             let (level, at) = peak(hrir);
-            // The mean over all directions is 24, of which at is counted.
+            // The mean over all directions is 24, from which `at` counts.
             assert!((at - (place - 24.0)).abs() < 0.3, "{from}: {at} {place}");
-            // A place is rounded to whole samples, and its level is not.
+            // A position is rounded to whole samples, but its level is not.
             assert!((f64::from(level) - (1.0 - place / 64.0)).abs() < 0.5 / 64.0);
         }
     }
@@ -67,8 +67,8 @@ fn delays_move_the_responses() {
     assert!(itd(file.without("Data.Delay")).abs() < 1e-6);
 }
 
-/// Protects cartesian positions, listeners that look elsewhere, are turned or moved, and receivers in
-/// the other order.
+/// Protects cartesian positions, listeners that look in another direction, are turned or moved, and
+/// receivers in the other order.
 #[test]
 fn geometry_is_that_of_the_file() {
     let file = SofaFile::simple();
@@ -78,13 +78,13 @@ fn geometry_is_that_of_the_file() {
     };
     assert!(louder_left(&file, DVec3::Y));
     let vector = |numbers: [f64; 3]| Variable::new(&numbers, &[1, 3]).with("Type", "cartesian");
-    // The listener looks to where the left was: what was ahead is to its right.
+    // The listener looks to its former left: the former front is to its right.
     let turned = file.clone().with("ListenerView", vector([0.0, 1.0, 0.0]));
     assert!(louder_left(&turned, DVec3::X));
     let spherical = Variable::new(&[90.0, 0.0, 1.0], &[1, 3]).with("Type", "spherical");
     let turned = file.clone().with("ListenerView", spherical);
     assert!(louder_left(&turned, DVec3::X));
-    // On its head: left is right.
+    // Upside down: left is right.
     let hanging = file.clone().with("ListenerUp", vector([0.0, 0.0, -1.0]));
     assert!(louder_left(&hanging, DVec3::NEG_Y));
     let receivers = [0.0, -0.09, 0.0, 0.0, 0.09, 0.0];
@@ -110,7 +110,7 @@ fn geometry_is_that_of_the_file() {
     assert!(louder_left(&moved, DVec3::Y));
 }
 
-/// Protects files with several distances: the farthest counts.
+/// Protects files with several distances: the farthest is used.
 #[test]
 fn the_farthest_distance_counts() {
     let click = |level: f64| vec![0.0, level, 0.0, 0.0];
@@ -126,8 +126,8 @@ fn the_farthest_distance_counts() {
     assert!((peak(&set.pair(DVec3::X).left).0 - 0.9).abs() < 1e-3);
 }
 
-/// Protects from files of another convention, and from numbers that make no sense: each is rejected
-/// with what is wrong.
+/// Protects from files of another convention, and from invalid numbers: each is rejected with a
+/// message that states the problem.
 #[test]
 fn what_is_wrong_is_told() {
     let file = SofaFile::simple();
@@ -139,7 +139,7 @@ fn what_is_wrong_is_told() {
     let other = global("SOFAConventions", "SimpleFreeFieldSOS");
     assert_eq!(
         other,
-        "its SOFAConventions is \"SimpleFreeFieldSOS\", where \"SimpleFreeFieldHRIR\" alone is read"
+        "its SOFAConventions is \"SimpleFreeFieldSOS\", but only \"SimpleFreeFieldHRIR\" is supported"
     );
     assert!(global("DataType", "TF").contains("DataType is \"TF\""));
     let mut bare = file.clone();
@@ -161,8 +161,8 @@ fn what_is_wrong_is_told() {
     let said = with("Data.IR", &[f64::NAN; 208], &[26, 2, 4]);
     assert!(said.contains("has the sample NaN"), "{said}");
     assert!(with("Data.SamplingRate", &[0.0], &[1]).contains("at 0 Hz"));
-    assert!(with("Data.SamplingRate", &[44_100.5], &[1]).contains("no whole number"));
-    assert!(with("Data.SamplingRate", &[f64::NAN], &[1]).contains("no whole number"));
+    assert!(with("Data.SamplingRate", &[44_100.5], &[1]).contains("not a whole number"));
+    assert!(with("Data.SamplingRate", &[f64::NAN], &[1]).contains("not a whole number"));
     let said = with("SourcePosition", &[f64::NAN; 78], &[26, 3]);
     assert!(said.contains("comes from nowhere"), "{said}");
     assert!(with("SourcePosition", &[1.0; 75], &[25, 3]).contains("25 × 3"));
@@ -183,8 +183,8 @@ macro_rules! written_by_hdf5 {
     };
 }
 
-/// Protects files of every HDF5 version, whole and in pieces, compressed and with sums: all give the
-/// same responses. What is not read is not called damaged.
+/// Protects files of every HDF5 version, contiguous and chunked, compressed and with checksums: all
+/// give the same responses. Unsupported forms are not reported as damage.
 #[test]
 fn files_of_other_hdf5_versions_are_read_or_named() {
     for (name, bytes) in [
@@ -216,7 +216,7 @@ fn files_of_other_hdf5_versions_are_read_or_named() {
         written_by_hdf5!("v112-endless-twice"),
     ] {
         let said = from_bytes(bytes).expect_err(name).to_string();
-        let told = "Data.IR is stored in a way of HDF5 that is not read here (";
+        let told = "Data.IR is stored in a form of HDF5 that is not supported (";
         assert!(
             said.starts_with(told) && said.ends_with("h5repack"),
             "{said}"
@@ -224,8 +224,8 @@ fn files_of_other_hdf5_versions_are_read_or_named() {
     }
 }
 
-/// Protects memory and the program from files that are none, break off, or ask for more than there
-/// is.
+/// Protects memory and the program from files that are not SOFA, are truncated, or claim huge
+/// sizes.
 #[test]
 fn damaged_and_huge_files_are_refused() {
     let bytes = SofaFile::simple().bytes();
@@ -236,7 +236,7 @@ fn damaged_and_huge_files_are_refused() {
     let told = |bytes: &[u8]| from_bytes(bytes.to_vec()).expect_err("no SOFA file");
     assert!(matches!(told(b"RIFF nothing"), SofaProblem::NotHdf5 { .. }));
     assert!(matches!(told(b""), SofaProblem::NotHdf5 { .. }));
-    // An HDF5 file says its sizes before its numbers: 16 TiB of zeros in a few bytes.
+    // An HDF5 file declares its sizes before its numbers: 16 TiB of zeros in a few bytes.
     let mut huge = hdf5_pure::FileBuilder::new();
     for (name, value) in &SofaFile::simple().globals {
         huge.set_attr(name, hdf5_pure::AttrValue::AsciiString((*value).into()));

@@ -4,10 +4,10 @@ use super::{SofaProblem, bad_shape, bad_value};
 use crate::acoustics::hrir::MAX_VALUES;
 use hdf5_pure::{Dataset, Error, File, FormatError};
 
-/// Characters of a file's text or of the reader's words that are shown.
+/// Maximum number of characters shown of a file's text or of the reader's message.
 const SHOWN: usize = 120;
 
-/// Bytes of one number at most: `f64`. Wider ones are no numbers that are read here.
+/// Maximum size of a number in bytes: `f64`. Wider values are not numbers that can be read.
 const WIDEST: u64 = 8;
 
 /// An open file.
@@ -62,7 +62,7 @@ impl Variables {
         Ok(found.map(|found| short(trimmed(found))))
     }
 
-    /// Whether there is such a variable, damaged or not.
+    /// Whether the file has the variable, damaged or not.
     pub(super) fn has(&self, variable: &str) -> bool {
         let is_absent =
             |error: &Error| matches!(error, Error::Format(FormatError::PathNotFound(_)));
@@ -92,7 +92,7 @@ impl Variables {
         Ok(samples)
     }
 
-    /// All numbers of a variable with at most so many.
+    /// All numbers of a variable with at most `most`.
     pub(super) fn numbers(
         &self,
         variable: &'static str,
@@ -106,7 +106,7 @@ impl Variables {
             .try_fold(1_u64, |product, size| product.checked_mul(*size));
         let count = count.filter(|count| *count <= most as u64);
         let Some(count) = count else {
-            return Err(bad_shape(variable, &shape, "so few numbers as it should"));
+            return Err(bad_shape(variable, &shape, "one with few enough numbers"));
         };
         let numbers = dataset
             .read_f64()
@@ -116,13 +116,13 @@ impl Variables {
     }
 
     /// The numbers of a variable with one row for all `count` measurements, or one for each; and
-    /// how many a row has.
+    /// the number of columns.
     pub(super) fn rows(
         &self,
         variable: &'static str,
         count: usize,
     ) -> Result<(Vec<f64>, usize), SofaProblem> {
-        /// Numbers of a row at most: coordinates, or ears.
+        /// Maximum number of columns: coordinates, or ears.
         const MOST_COLUMNS: u64 = 3;
         let shape = self.shape(variable)?;
         match shape[..] {
@@ -141,15 +141,15 @@ impl Variables {
         }
     }
 
-    /// Rejects values that are no numbers, and pieces of a variable (chunks) that are larger than
-    /// all that a set may have or than the file: the reader allocates as much memory as they declare.
+    /// Rejects values that are not numbers, and chunks of a variable that are larger than a set may
+    /// be or than the file: the reader allocates the memory that they declare.
     fn check_storage(&self, dataset: &Dataset, variable: &'static str) -> Result<(), SofaProblem> {
         let failed = |error: hdf5_pure::Error| damaged(variable, &error);
         let width = dataset.element_size().map_err(failed)?;
         if width > WIDEST {
             return Err(bad_value(
                 variable,
-                format!("its values have {width} bytes, which are no numbers"),
+                format!("its values have {width} bytes each, where numbers have at most {WIDEST}"),
             ));
         }
         let Some(chunk) = dataset.chunk_shape().map_err(failed)? else {
@@ -176,7 +176,7 @@ impl Variables {
 
     fn dataset(&self, variable: &'static str) -> Result<Dataset, SofaProblem> {
         self.0.dataset(variable).map_err(|error| {
-            // The reader's word for a name that is not there.
+            // The reader returns the same error for a missing name.
             match self.0.root().datasets() {
                 Ok(names) if !names.iter().any(|name| name == variable) => {
                     SofaProblem::Missing { variable }
@@ -210,12 +210,12 @@ fn damaged(what: &str, error: &Error) -> SofaProblem {
     }
 }
 
-/// The way of HDF5 that the reader does not know, where that is why it fails.
+/// The unsupported form of HDF5, if that is why the reader fails.
 fn way_not_read(error: &Error) -> Option<String> {
-    /// The newest version of the data layout message that it knows; HDF5 2.0 writes 5 for compressed
-    /// pieces where it may write files for itself alone.
+    /// The newest supported version of the data layout message; HDF5 2.0 writes 5 for compressed
+    /// chunks if it may write files for itself only.
     const NEWEST_LAYOUT: u8 = 4;
-    /// The reader's words for pieces that are listed in such a tree: two dimensions or more have no end.
+    /// Part of the reader's message for chunks listed in such a tree: two or more unlimited dimensions.
     const TREE_OF_PIECES: &str = "version 2 B-tree";
     let Error::Format(error) = error else {
         return None;
@@ -239,7 +239,7 @@ fn way_not_read(error: &Error) -> Option<String> {
     }
 }
 
-/// A text without what some writers pad it with.
+/// A text without the padding that some writers add.
 fn trimmed(text: &str) -> &str {
     text.trim_end_matches('\0').trim()
 }

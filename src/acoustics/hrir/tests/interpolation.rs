@@ -1,4 +1,4 @@
-//! Between measured directions, and at other rates.
+//! Interpolation between measured directions, and resampling.
 
 use super::rigid_sphere::{RATE_HZ, SAMPLES, fade, grid, set, transfer};
 use crate::acoustics::hrir::{Hrir, HrirError, HrirPair, HrirSet, MeasuredHrir};
@@ -7,7 +7,8 @@ use glam::DVec3;
 use realfft::num_complex::Complex;
 use std::f64::consts::TAU;
 
-/// The transfer function of a response at the frequencies of [`transfer`]: from the set's time 0 on.
+/// The transfer function of a response at the frequencies of [`transfer`], relative to time 0 of the
+/// set.
 fn spectrum(hrir: &Hrir, rate_hz: f64) -> Vec<Complex<f64>> {
     let value = |bin: usize| {
         let turns = TAU * bin as f64 * f64::from(RATE_HZ) / SAMPLES as f64;
@@ -25,8 +26,8 @@ fn ears(pair: &HrirPair) -> [&Hrir; 2] {
     [&pair.left, &pair.right]
 }
 
-/// The delay of time 0 of a set against the head's centre, in seconds: of the phase at low
-/// frequencies from a measured direction.
+/// The delay of a set's time 0 relative to the head's centre, in seconds: from the phase at low
+/// frequencies of a measured direction.
 fn offset_s(set: &HrirSet) -> f64 {
     const BIN: usize = 4;
     let from = set.directions()[0];
@@ -35,8 +36,8 @@ fn offset_s(set: &HrirSet) -> f64 {
     -phase / (TAU * BIN as f64 * f64::from(RATE_HZ) / SAMPLES as f64)
 }
 
-/// The error of a set against the sphere, all directions and both ears, as a share of the amplitude
-/// (rms) in a band of frequencies.
+/// The error of a set relative to the sphere, over all directions and both ears, as a share of the
+/// amplitude (rms) in a band of frequencies.
 fn error(set: &HrirSet, band_hz: std::ops::Range<f64>) -> f64 {
     let offset = offset_s(set);
     let (mut off, mut all) = (0.0, 0.0);
@@ -57,8 +58,8 @@ fn error(set: &HrirSet, band_hz: std::ops::Range<f64>) -> f64 {
     f64::sqrt(off / all)
 }
 
-/// Protects the interpolation, with the figures of `docs/acoustics.md`: against an exact head, over
-/// directions between measured ones.
+/// Protects the interpolation, with the figures in `docs/acoustics.md`: compared with an exact
+/// head, over directions between measured ones.
 #[test]
 fn interpolated_responses_are_near_the_truth() {
     for (step, limits) in [(10, [0.009, 0.03, 0.06]), (15, [0.02, 0.06, 0.11])] {
@@ -73,7 +74,7 @@ fn interpolated_responses_are_near_the_truth() {
     }
 }
 
-/// Protects measured directions: they come out as they went in.
+/// Protects measured directions: their responses are returned unchanged.
 #[test]
 fn measured_directions_are_exact() {
     let set = set(lattice(40));
@@ -85,14 +86,14 @@ fn measured_directions_are_exact() {
                 let turn = TAU * bin as f64 * f64::from(RATE_HZ) / SAMPLES as f64 * offset;
                 let exact = exact[bin] * fade(bin, exact.len());
                 let off = (found * Complex::from_polar(1.0, turn) - exact).norm();
-                // The offset is that of one frequency: 0.1 µs are 1 % at 16 kHz.
+                // The offset is measured at one frequency: 0.1 µs are 1 % at 16 kHz.
                 assert!(off < 0.02, "{from} {ear} {bin}: {off}");
             }
         }
     }
 }
 
-/// Protects other rates: levels and delays stay.
+/// Protects other rates: levels and delays are unchanged.
 #[test]
 fn another_rate_changes_nothing_below_half_of_it() {
     let set = set(grid(30));
@@ -117,7 +118,7 @@ fn another_rate_changes_nothing_below_half_of_it() {
     assert_eq!(set.at_rate(100), Err(HrirError::BadRate { rate_hz: 100 }));
 }
 
-/// Protects filling a pair again, and directions that are none.
+/// Protects filling a pair again, and vectors without a direction.
 #[test]
 fn a_pair_can_be_filled_again() {
     let set = set(lattice(20));
@@ -129,7 +130,7 @@ fn a_pair_can_be_filled_again() {
     assert!(set.pair(DVec3::ZERO) == set.pair(DVec3::X));
 }
 
-/// Protects the delays that stand beside responses, and an ear that hears nothing.
+/// Protects delays in addition to responses, and a silent ear.
 #[test]
 fn delays_and_silent_ears_are_kept() {
     let click = |level: f32| {
@@ -155,7 +156,7 @@ fn delays_and_silent_ears_are_kept() {
     assert!(pair.right.delay_s.is_finite());
 }
 
-/// Protects the refusal of measurements that make no set.
+/// Protects the refusal of measurements that are not a valid set.
 #[test]
 fn bad_measurements_are_refused() {
     let good = |from: DVec3| MeasuredHrir {

@@ -1,4 +1,4 @@
-//! Sets of responses against a head that is known exactly.
+//! Compares sets of responses with a head that is known exactly.
 
 mod interpolation;
 pub(crate) mod rigid_sphere;

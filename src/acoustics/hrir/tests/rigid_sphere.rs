@@ -1,4 +1,4 @@
-//! A head without ears: a rigid sphere, exactly.
+//! A head without ears: a rigid sphere, computed exactly.
 
 use crate::acoustics::hrir::{HrirSet, MeasuredHrir};
 use glam::DVec3;
@@ -15,10 +15,10 @@ pub(crate) const SAMPLES: usize = 256;
 pub(crate) const RATE_HZ: u32 = 48_000;
 pub(crate) const BEFORE: f64 = 64.0;
 
-/// Sound pressure on a rigid sphere over that at its centre without it, of a plane wave that comes
-/// from `cosine` off the place on the surface (R. O. Duda and W. L. Martens, JASA 104, 1998,
-/// equation 4 for a source infinitely far away): `ka` is the wave number × radius. Times go as
-/// exp(+iωt).
+/// Sound pressure on a rigid sphere relative to that at its centre without it, for a plane wave
+/// whose direction is at an angle with this cosine from the point on the surface (R. O. Duda and W.
+/// L. Martens, JASA 104, 1998, equation 4 for a source infinitely far away): `ka` is the wave
+/// number × radius. Time dependence is exp(+iωt).
 fn pressure(ka: f64, cosine: f64) -> Complex<f64> {
     if ka == 0.0 {
         return Complex::new(1.0, 0.0);
@@ -29,7 +29,7 @@ fn pressure(ka: f64, cosine: f64) -> Complex<f64> {
     let mut before = Complex::new(sin / ka, -cos / ka);
     let mut here = Complex::new(sin / (ka * ka) - cos / ka, -cos / (ka * ka) - sin / ka);
     let (mut legendre_before, mut legendre) = (1.0, cosine);
-    // The derivative of order 0 is −h₁. Orders go as (−i)^(m − 1).
+    // The derivative of order 0 is −h₁. Orders have the factor (−i)^(m − 1).
     let mut sum: Complex<f64> = i / (-here);
     let mut turn = Complex::new(1.0, 0.0);
     let mut order = 1.0;
@@ -37,7 +37,7 @@ fn pressure(ka: f64, cosine: f64) -> Complex<f64> {
         let derivative = before - here * ((order + 1.0) / ka);
         let term = turn * ((2.0 * order + 1.0) * legendre) / derivative;
         sum += term;
-        // Legendre's polynomials may be 0: the bound without them decides.
+        // Legendre polynomials may be 0: the bound without them ends the series.
         if (2.0 * order + 1.0) / derivative.norm() < 1e-9 && order > ka {
             return (sum / (ka * ka)).conj();
         }
@@ -63,7 +63,7 @@ pub(crate) fn transfer(from: DVec3, ear: usize) -> Vec<Complex<f64>> {
     (0..=SAMPLES / 2).map(value).collect()
 }
 
-/// The response of one ear: faded out above 20 kHz, so that it has an end.
+/// The response of one ear: faded out above 20 kHz, so that it is finite.
 fn response(from: DVec3, ear: usize) -> Vec<f32> {
     let mut spectrum = transfer(from, ear);
     let count = spectrum.len();
@@ -102,7 +102,7 @@ pub(crate) fn set(directions: impl IntoIterator<Item = DVec3>) -> HrirSet {
     HrirSet::new(RATE_HZ, all).expect("good measurements")
 }
 
-/// Directions every so many degrees of azimuth and elevation.
+/// Directions every `step_deg` degrees of azimuth and elevation.
 pub(crate) fn grid(step_deg: usize) -> Vec<DVec3> {
     let mut all = vec![DVec3::Z, DVec3::NEG_Z];
     for elevation in (step_deg..180).step_by(step_deg) {
@@ -115,8 +115,8 @@ pub(crate) fn grid(step_deg: usize) -> Vec<DVec3> {
     all
 }
 
-/// Protects the sphere: at low frequencies all places are alike, at high ones the near side has
-/// twice the pressure, and the values that the authors print.
+/// Protects the sphere: equal pressure everywhere at low frequencies, twice the pressure on the
+/// near side at high ones, and the values that the authors print.
 #[test]
 fn the_sphere_is_that_of_the_literature() {
     for cosine in [-1.0, 0.0, 1.0] {

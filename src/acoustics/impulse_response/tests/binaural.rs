@@ -1,4 +1,4 @@
-//! Binaural responses against a head that is known exactly.
+//! Compares binaural responses with a head that is known exactly.
 
 use super::*;
 use crate::acoustics::hrir::tests::rigid_sphere::{self, grid, set, transfer};
@@ -7,7 +7,7 @@ use realfft::num_complex::Complex;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// A direction in listener axes in the world: the listener looks along −z, y is up.
+/// Converts a direction from listener to world axes: the listener looks along −z, y is up.
 fn world(listener: DVec3) -> DVec3 {
     DVec3::new(-listener.y, listener.z, -listener.x)
 }
@@ -17,7 +17,7 @@ fn heard(taps: &[Tap], echogram: &Echogram, seed: u64) -> ImpulseResponse {
     response(taps, echogram, format, seed)
 }
 
-/// The spectrum at a frequency, of time 0 at `seconds`.
+/// The spectrum at a frequency, with time 0 at `seconds`.
 fn spectrum(samples: &[f32], hertz: f64, seconds: f64) -> Complex<f64> {
     let term = |(index, sample): (usize, &f32)| {
         let turn = -TAU * hertz * (index as f64 / RATE_HZ - seconds);
@@ -27,7 +27,7 @@ fn spectrum(samples: &[f32], hertz: f64, seconds: f64) -> Complex<f64> {
 }
 
 /// Protects taps: the transfer function of each ear for a measured direction, at the tap's time and
-/// level, and left from right.
+/// level, with left and right not swapped.
 #[test]
 fn a_tap_goes_through_the_head() {
     for from in [DVec3::Y, DVec3::NEG_Y, DVec3::X, DVec3::Z] {
@@ -50,7 +50,7 @@ fn a_tap_goes_through_the_head() {
     }
 }
 
-/// Protects a set at another rate than the response's: level and time stay.
+/// Protects a set whose rate differs from the response's: level and time are unchanged.
 #[test]
 fn a_set_at_another_rate_is_resampled() {
     let resampled = set(grid(30)).at_rate(44_100).expect("a good rate");
@@ -65,7 +65,7 @@ fn a_set_at_another_rate_is_resampled() {
     }
 }
 
-/// Energy that goes on evenly for a second, in equal parts from all of `from` (listener axes).
+/// Constant energy for a second, in equal parts from all of `from` (listener axes).
 fn steady(from: &[DVec3]) -> Echogram {
     let mut echogram = empty();
     let energy = 1e-3 / from.len() as f64;
@@ -81,7 +81,7 @@ fn steady(from: &[DVec3]) -> Echogram {
     echogram
 }
 
-/// Energies of both ears and their product in an octave, by directions: of the exact head.
+/// Energies of both ears and their product in an octave, for these directions: of the exact head.
 fn expected(from: &[DVec3], band: usize) -> [f64; 3] {
     let centre = 62.5 * 2_f64.powi(band as i32);
     let bins = 1..rigid_sphere::SAMPLES / 2;
@@ -104,14 +104,14 @@ fn expected(from: &[DVec3], band: usize) -> [f64; 3] {
 }
 
 /// Protects the late part's levels at both ears and their coherence: from all around, and from one
-/// side. An octave of 1 kHz has in a second some 700 independent values: its energy is within 4 %,
-/// and four times that are allowed; from one side 1.6 dB are, for three directions
-/// stand for it, and those differ in the head's shadow.
+/// side. An octave of 1 kHz has about 700 independent values in a second: its energy is within 4 %,
+/// and four times that is allowed; from one side 1.6 dB are allowed, because three directions
+/// represent it, and these differ in the head's shadow.
 #[test]
 fn noise_goes_through_the_head() {
     let around: Vec<DVec3> = lattice(200).collect();
-    // Not right at the side: what bends around a sphere meets behind it, in a spot that is smaller
-    // than the distance between the noise's directions.
+    // Not exactly at the side: sound diffracted around a sphere meets behind it, in a spot that is
+    // smaller than the distance between the noise's directions.
     let side = vec![DVec3::new(0.6, 0.7, 0.4)];
     for (from, limit, is_diffuse) in [(around, 0.16, true), (side, 0.45, false)] {
         let made = heard(&[], &steady(&from), 6);
@@ -123,7 +123,7 @@ fn noise_goes_through_the_head() {
                 .collect();
             let sum = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
             let width_hz = 62.5 * 2_f64.powi(band as i32) * 0.5_f64.sqrt();
-            // 1 s of 1 1/m² in all, at half the sampling rate.
+            // 1 s of 1 1/m² in total, at half the sampling rate.
             let unit = 4.0 * PI * width_hz / (RATE_HZ / 2.0);
             let [left, right, both] = expected(&from, band);
             for (found, expected) in [
@@ -133,7 +133,8 @@ fn noise_goes_through_the_head() {
                 let ratio = found / expected;
                 assert!((ratio - 1.0).abs() < limit, "{band}: {ratio}");
             }
-            // From one side the product turns with the frequency, and with each of three directions.
+            // From one side the product's phase changes with the frequency, and with each of three
+            // directions.
             if !is_diffuse {
                 continue;
             }
@@ -145,7 +146,7 @@ fn noise_goes_through_the_head() {
     }
 }
 
-/// Protects that the seed chooses the noise, and that it is the same again.
+/// Protects that the seed determines the noise, reproducibly.
 #[test]
 fn the_seed_chooses_the_binaural_noise() {
     let echogram = steady(&[DVec3::X]);

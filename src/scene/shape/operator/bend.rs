@@ -3,7 +3,7 @@
 use super::turning::turning;
 
 turning! {
-    /// Its child turned about z (right-handed) the further right one looks: a bar along x
-    /// becomes an arc.
+    /// Its child turned about z (right-handed) by an angle proportional to x: a bar along x becomes
+    /// an arc.
     Bend about 2, a metre of "x"
 }

@@ -25,7 +25,7 @@ impl Part for Complement {
         }
     }
 
-    /// The other side of everywhere does not move.
+    /// The complement of all space does not move.
     fn slowness(&self, _: &[Shape]) -> f64 {
         1.0
     }

@@ -8,7 +8,7 @@ use crate::scene::shape::{FromFile, Operands};
 use glam::DVec3;
 use serde::Deserialize;
 
-/// The first of its children without all the others.
+/// The first of its children minus all the others.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Difference;
 

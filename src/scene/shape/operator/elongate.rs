@@ -1,13 +1,13 @@
-//! A child cut and pulled apart.
+//! A child cut and moved apart.
 
 use super::part::numbers;
 use super::{Exactness, Part, Properties, Shape, ShapeFile};
 use glam::{DVec3, Vec3};
 
 numbers! {
-    /// Its child cut at the origin's planes and pulled apart, the gap filled straight.
+    /// Its child cut at the coordinate planes and moved apart, with the gap filled straight.
     Elongate over (of: Box<ShapeFile>) {
-        /// How far each half moves along x, y and z, in metres.
+        /// Distance that each half moves along x, y and z, in metres.
         by: Vec3 as Metres,
     }
 }
@@ -26,8 +26,8 @@ impl Part for Elongate {
             in_air: Exactness::bound(of.lipschitz),
             in_solid: Exactness::bound(of.lipschitz),
             bounds: of.bounds.grown(self.by.as_dvec3()),
-            // Pulled apart, a slanted side that crosses the cut gets a step; a solid
-            // that is the same on both sides is the sum with a box of half size `by`.
+            // A slanted side that crosses the cut gets a step; a symmetric solid becomes its sum
+            // with a box of half size `by`.
             convex: of.convex && (0..3).all(|a| self.by[a] == 0.0 || of.symmetric[a]),
             ..of
         }

@@ -14,7 +14,7 @@ impl Part for Intersection {
         SurfaceKind::FLAT
     }
 
-    /// Exact in the solid if all are.
+    /// Exact in the solid if all children are.
     fn properties(&self, children: &[Shape]) -> Properties {
         let of: Vec<Properties> = children.iter().map(Shape::properties).collect();
         let common = of.iter().map(|p| p.bounds).reduce(Bounds3::common);

@@ -8,10 +8,10 @@ use crate::scene::shape::{FromFile, Operands};
 use glam::DVec3;
 use serde::Deserialize;
 
-/// What lies on the positive side of some axes, on both sides.
+/// The part on the positive side of some axes, mirrored to the other side.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mirror {
-    /// For x, y and z: whether it is mirrored there.
+    /// Whether it is mirrored across x, y and z.
     pub axes: [bool; 3],
 }
 
@@ -64,11 +64,11 @@ impl Part for Mirror {
             if of.symmetric[axis] {
                 continue;
             }
-            // What reaches over the mirror is cut off there, but its distance is not.
+            // A solid that crosses the mirror is cut off there, but its distance is not.
             if of.bounds.min[axis] < 0.0 {
                 result.in_air = result.in_air.or_bound();
             }
-            // What touches the mirror grows together with its image: its face there is gone.
+            // A solid that touches the mirror merges with its image: its face there vanishes.
             if of.bounds.min[axis] <= 0.0 {
                 result.in_solid = result.in_solid.or_bound();
             }

@@ -36,7 +36,7 @@ pub use translate::Translate;
 pub use twist::Twist;
 pub use union::Union;
 
-// What the files of the operators share.
+// Items shared by the operators.
 use super::part;
 use super::properties::{hull, merged};
 use super::{Bounds3, Exactness, Node, Part, Properties, Shape, ShapeFile, SurfaceKind};

@@ -1,4 +1,4 @@
-//! Between two fields.
+//! A blend between two fields.
 
 use super::part::parameters;
 use super::{Part, Properties, Shape, ShapeFile, hull, merged};
@@ -8,7 +8,7 @@ use crate::scene::{Quantity, SceneError};
 use glam::DVec3;
 use serde::Deserialize;
 
-/// Between two fields: the first at 0, the second at 1.
+/// A blend between two fields: the first at 0, the second at 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Morph {
     /// 0 to 1.

@@ -13,8 +13,8 @@ numbers! {
 }
 
 impl Part for Offset {
-    /// The surface moves towards one side; on that side distances stay what they were. By
-    /// distances a convex solid stays convex; the levels of a bound need not be.
+    /// The surface moves towards one side; on that side exact distances stay exact. With exact
+    /// distances a convex solid stays convex; the levels of a bound need not be convex.
     fn properties(&self, children: &[Shape]) -> Properties {
         let of = children[0].properties();
         let by = f64::from(self.by);

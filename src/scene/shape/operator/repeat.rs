@@ -1,14 +1,14 @@
-//! Which copies of a repeated field can be the nearest.
+//! Finds the copies of a repeated field that can be the nearest.
 //!
-//! Along one axis a point q lies in the cell about copy i: |q − i P| ≤ P/2. If what is
-//! repeated lies within its cell, the nearest copy is that one or the next on the side of
-//! q: for every point x of it, |q − x| ≤ |q − (x − P)| for q ≥ 0 and x ≤ P/2. If it is
-//! also symmetric about the cell's middle, copy i is the nearest alone. What reaches out
-//! of its cell by up to k periods makes k more copies on either side matter.
+//! Along one axis a point q lies in the cell about copy i: |q − i P| ≤ P/2. If the child lies
+//! within its cell, the nearest copy is that one or the next on the side of q: for every point x of
+//! it, |q − x| ≤ |q − (x − P)| for q ≥ 0 and x ≤ P/2. If it is also symmetric about the cell's
+//! middle, copy i alone is the nearest. If it reaches out of its cell by up to k periods, k more
+//! copies on either side can be the nearest.
 //!
-//! That is true of distances. A bound of the distance may be less for a copy that is further
-//! away, and then would jump where that copy is evaluated no longer. So it is held at what
-//! such a copy has at least there, see [`Cap`].
+//! This holds for distances. A bound of the distance may be less for a copy that is further away,
+//! and would then jump where that copy stops being evaluated. So the value is capped there at the
+//! minimum value of such a copy, see [`Cap`].
 
 use super::part::parameters;
 use super::{Bounds3, Exactness, Node, Part, Properties, Shape, ShapeFile, SurfaceKind};
@@ -18,12 +18,12 @@ use crate::scene::{Quantity, SceneError};
 use glam::{DVec3, Vec3};
 use serde::Deserialize;
 
-/// Its child again and again.
+/// Its child repeated along the axes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Repeat {
-    /// Metres from one to the next along x, y, z; 0 where it is not repeated.
+    /// Distance between copies in metres along x, y, z; 0 where it is not repeated.
     pub period: Vec3,
-    /// How many along each axis, centred about the origin; 0 for endless.
+    /// Number of copies along each axis, centred about the origin; 0 for an infinite number.
     pub count: [u32; 3],
 }
 
@@ -49,10 +49,10 @@ parameters!(Repeat over (1, 1) {
     period: Quantity::Position
 });
 
-/// The share of a period that rounding may open or close between copies that touch.
+/// Gap or overlap that rounding may cause between touching copies, as a share of the period.
 const TOUCHING: f64 = 1e-6;
 
-/// Counts below which `f32` can distinguish neighbouring copies.
+/// Maximum count whose neighbouring copies `f32` can distinguish.
 const MOST_COUNTED: u32 = 1 << 24;
 
 impl Part for Repeat {
@@ -139,24 +139,24 @@ impl Part for Repeat {
     }
 }
 
-/// Copies that are evaluated at most: more would cost more than they are worth.
+/// Maximum number of copies that are evaluated: more would be too slow.
 const MOST_COPIES: u32 = 64;
 
-/// Which copies along one axis are evaluated, relative to the cell that the point is in.
+/// The copies evaluated along one axis, relative to the cell that contains the point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Copies {
     /// The axis is not repeated.
     None,
     /// The copy of the cell.
     Own,
-    /// That one, and the next on the point's side.
+    /// The copy of the cell, and the next on the point's side.
     OwnAndNext,
-    /// So many to either side, and its own.
+    /// This number of copies on either side, and that of the cell.
     Around(u32),
 }
 
 impl Copies {
-    /// How many that are.
+    /// Number of copies.
     pub fn count(self) -> u32 {
         match self {
             Copies::None | Copies::Own => 1,
@@ -166,7 +166,7 @@ impl Copies {
     }
 }
 
-/// What `Repeat` must evaluate along each axis, or why it cannot.
+/// The copies that `Repeat` must evaluate along each axis, or why it cannot.
 pub(super) fn copies(child: &Properties, period: Vec3) -> Result<[Copies; 3], String> {
     let mut all = [Copies::None; 3];
     for axis in 0..3 {
@@ -179,7 +179,7 @@ pub(super) fn copies(child: &Properties, period: Vec3) -> Result<[Copies; 3], St
     let count: u64 = all.iter().map(|c| u64::from(c.count())).product();
     if count > u64::from(MOST_COPIES) {
         return Err(format!(
-            "its copies reach so far into each other that {count} of them can be nearest, more than {MOST_COPIES}: make the period longer"
+            "its copies overlap, and {count} of them can be nearest, more than {MOST_COPIES}: make the period longer"
         ));
     }
     Ok(all)
@@ -193,11 +193,11 @@ fn along(bounds: Bounds3, symmetric: bool, axis: usize, step: f64) -> Result<Cop
     }
     if !(least.is_finite() && most.is_finite()) {
         return Err(format!(
-            "what it repeats along {name} has no end there, so that copies cannot be told apart"
+            "what it repeats along {name} has no end there, so that copies cannot be distinguished"
         ));
     }
     let reach = (most.abs().max(least.abs()) - 0.5 * step) / step;
-    // What just touches its cell's face is within it, give or take rounding.
+    // A child that just touches its cell's face counts as within it, despite rounding.
     if reach <= TOUCHING {
         return Ok(if symmetric {
             Copies::Own
@@ -205,12 +205,12 @@ fn along(bounds: Bounds3, symmetric: bool, axis: usize, step: f64) -> Result<Cop
             Copies::OwnAndNext
         });
     }
-    // |q − x| is at most (1 + reach) periods, so the nearest copy of x is that many, rounded.
+    // |q − x| is at most (1 + reach) periods, so the nearest copy of x is at most that many away, rounded.
     Ok(Copies::Around((reach + 1.5).min(1e6) as u32))
 }
 
-/// What the value of a repeated bound is held at: `near` among the copies, and further off
-/// the way to the box about all of them, over the slowness of the value.
+/// The cap of a repeated bound's value: `near` among the copies, and further off the distance to
+/// the box about all of them, divided by the slowness of the value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Cap {
     pub near: f64,
@@ -226,7 +226,7 @@ impl Cap {
 }
 
 impl Repeat {
-    /// The cap of one that needs it: of a bound that is evaluated for several copies.
+    /// The cap for a bound that is evaluated for several copies; `None` if no cap is needed.
     pub(crate) fn cap(&self, child: &Shape) -> Option<Cap> {
         let of = child.properties();
         if of.in_air == Exactness::Exact || of.bounds.is_empty() {
@@ -235,8 +235,8 @@ impl Repeat {
         let (copies, period) = (self.copies(child).ok()?, self.period.as_dvec3());
         let far = |b: Bounds3| b.min.abs().max(b.max.abs());
         let reach = far(of.bounds);
-        // How far the bounds of a copy are at the least where it comes in or goes out: at the
-        // middle of a cell, or at its face.
+        // The least distance of a copy's bounds where its evaluation begins or ends: at the middle
+        // of a cell, or at its face.
         let along = (0..3).filter_map(|axis| match copies[axis] {
             Copies::None | Copies::Own => None,
             Copies::OwnAndNext => Some(period[axis] - reach[axis]),
@@ -251,7 +251,7 @@ impl Repeat {
         })
     }
 
-    /// Where the copies that can be the nearest see the point `p`, in their own axes.
+    /// The point `p` in the axes of each copy that can be the nearest.
     pub(crate) fn places(&self, child: &Shape, p: DVec3) -> Vec<DVec3> {
         let copies = self.copies(child).unwrap_or([Copies::Own; 3]);
         let period = self.period.as_dvec3();
@@ -269,7 +269,7 @@ impl Repeat {
     /// The copies that are evaluated along x, y and z.
     ///
     /// # Errors
-    /// A sentence on why the repetition cannot be safe.
+    /// A message on why the repetition is not safe.
     pub(crate) fn copies(&self, child: &Shape) -> Result<[Copies; 3], String> {
         copies(&child.properties(), self.period)
     }
@@ -277,7 +277,7 @@ impl Repeat {
 
 /// The box about a copy's middle, in metres; its faces are finite.
 fn copy_box(child: &Shape) -> Bounds3 {
-    /// Beyond every place, and finite in `f32` when it is divided by the least speed.
+    /// Beyond every place, and finite in `f32` when divided by the least speed.
     const NO_END: DVec3 = DVec3::splat(1e15);
     let bounds = child.properties().bounds;
     if bounds.is_empty() {
@@ -290,7 +290,7 @@ fn copy_box(child: &Shape) -> Bounds3 {
 }
 
 impl Shape {
-    /// Moves that leave it as it is, in metres: the periods of repetitions without end.
+    /// Translations in metres that leave it unchanged: the periods of infinite repetitions.
     pub(crate) fn periods(&self) -> Vec<DVec3> {
         let below = || {
             self.children
@@ -317,7 +317,7 @@ impl Shape {
         }
     }
 
-    /// The cap of a [`Repeat`] that needs one.
+    /// The cap of a [`Repeat`]; `None` if no cap is needed.
     pub(crate) fn cap(&self) -> Option<Cap> {
         match (&self.node, self.children.first()) {
             (Node::Repeat(repeat), Some(child)) => repeat.cap(child),
@@ -328,7 +328,7 @@ impl Shape {
     /// The copies of a [`Repeat`] that are evaluated along x, y and z.
     ///
     /// # Errors
-    /// A sentence on why the repetition cannot be safe.
+    /// A message on why the repetition is not safe.
     pub(crate) fn copies(&self) -> Result<[Copies; 3], String> {
         match (&self.node, self.children.first()) {
             (Node::Repeat(repeat), Some(child)) => repeat.copies(child),
@@ -342,7 +342,7 @@ fn offsets(q: f64, period: f64, count: u32, copies: Copies) -> Vec<f64> {
     if copies == Copies::None || period == 0.0 {
         return vec![q];
     }
-    // An even number of copies lies about the origin with none at it.
+    // With an even number of copies there is none at the origin.
     let shift = if count > 0 && count.is_multiple_of(2) {
         0.5 * period
     } else {
@@ -377,7 +377,7 @@ mod tests {
     use crate::scene::shape::Sphere;
     use std::f32::consts::FRAC_PI_2;
 
-    /// Protects places far off in what repeats without end: they are moved by its periods, turned and scaled as it is.
+    /// Protects distant places in infinite repetitions: they are moved by its periods, turned and scaled as it is.
     #[test]
     fn periods_are_turned_and_scaled() {
         let repeat = Repeat {

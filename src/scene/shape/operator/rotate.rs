@@ -26,7 +26,7 @@ impl Part for Rotate {
         }
     }
 
-    /// A corner of a box that grows along its axes moves by √3 of that.
+    /// When a box grows along its axes, a corner moves by √3 of that.
     fn slowness(&self, children: &[Shape]) -> f64 {
         match children[0].properties().in_air {
             Exactness::Exact => slowest(children),
@@ -38,14 +38,14 @@ impl Part for Rotate {
         children[0].value(self.matrix().transpose() * p)
     }
 
-    /// The inner axes from the outer ones, a column after the other.
+    /// The matrix to the inner axes from the outer ones, column by column.
     fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
         self.matrix().transpose().to_cols_array().to_vec()
     }
 }
 
 impl Rotate {
-    /// Outer axes from the inner ones.
+    /// The matrix to the outer axes from the inner ones.
     pub(crate) fn matrix(&self) -> DMat3 {
         let by = self.by.as_dvec3();
         DMat3::from_euler(EulerRot::XYZEx, by.x, by.y, by.z)

@@ -1,11 +1,11 @@
-//! A child made larger.
+//! A child scaled.
 
 use super::part::numbers;
 use super::{Part, Properties, Shape, ShapeFile, SurfaceKind};
 use glam::DVec3;
 
 numbers! {
-    /// Its child made larger, about the origin.
+    /// Its child scaled about the origin.
     Scale over (of: Box<ShapeFile>) {
         /// Factor, greater than 0.
         by: f32 as Factor,

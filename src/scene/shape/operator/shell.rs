@@ -1,11 +1,11 @@
-//! A wall about a surface.
+//! A wall along a surface.
 
 use super::part::{numbers, slowest};
 use super::{Exactness, Part, Properties, Shape, ShapeFile};
 use glam::DVec3;
 
 numbers! {
-    /// The surface of its child as a wall.
+    /// A wall along the surface of its child.
     Shell over (of: Box<ShapeFile>) {
         /// Full thickness in metres.
         thickness: f32 as Length,

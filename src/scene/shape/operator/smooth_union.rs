@@ -17,8 +17,9 @@ impl Part for SmoothUnion {
         SurfaceKind::SMOOTH
     }
 
-    /// It mixes the gradients of two: the Lipschitz constant stays the greater one. It reaches
-    /// beyond the plain union by a quarter of the radius for each field that is blended in.
+    /// Blending mixes the gradients of two fields, so the greater Lipschitz constant still holds.
+    /// The solid reaches beyond the plain union by a quarter of the radius for each field that is
+    /// blended in.
     fn properties(&self, children: &[Shape]) -> Properties {
         let of: Vec<Properties> = children.iter().map(Shape::properties).collect();
         let blended = children.len().saturating_sub(1) as f64;

@@ -1,29 +1,30 @@
-//! What a twist and a bend share: a turn that grows along an axis.
+//! Common code of a twist and a bend: a turn proportional to a coordinate.
 //!
-//! A twist turns by rate · y, so its Jacobian is I + s t yᵀ with s = rate · radius and unit
-//! vectors t ⟂ y: its norm is (s + √(s² + 4)) / 2. A bend's t need not be perpendicular: its
-//! norm is at most 1 + s. Beyond the radius of the child's own bounds the value is that at the
-//! bounds, and the way there.
+//! A twist turns by rate · y, so its Jacobian is I + s t yᵀ with s = rate · radius and unit vectors
+//! t ⟂ y: its norm is (s + √(s² + 4)) / 2. A bend's t need not be perpendicular: its norm is at
+//! most 1 + s. Beyond the radius of the child's own bounds the value is that at the bounds plus the
+//! distance to them.
 
 use super::{Bounds3, Properties, Shape};
 use glam::DVec3;
 
-/// A turn about an axis (1: y, a twist; 2: z, a bend) that grows along y or x.
+/// A turn about an axis (1: y, a twist; 2: z, a bend) proportional to y or x.
 pub(super) struct Turning {
     pub axis: usize,
-    /// Radians a metre.
+    /// Radians per metre.
     pub rate: f64,
-    /// The Lipschitz constant that is stated; 0 where none is.
+    /// The stated Lipschitz constant; 0 if it is not stated.
     pub stated: f64,
 }
 
-/// A constant is stated between 1 and this: below 1 no turning is, above it no march ends.
+/// The largest constant that may be stated. The least is 1: a turn never has less; with more than
+/// the largest no march ends.
 const LARGEST_LIPSCHITZ: f32 = 1e6;
 
-/// Rejects a stated constant that cannot be meant; 0 stands for none.
+/// Rejects a stated constant that is out of range; 0 stands for none.
 ///
 /// # Errors
-/// A sentence on what it must be.
+/// A message that states the valid range.
 pub(super) fn check_stated(lipschitz: f32) -> Result<(), String> {
     if lipschitz == 0.0 || (1.0..=LARGEST_LIPSCHITZ).contains(&lipschitz) {
         return Ok(());
@@ -32,10 +33,10 @@ pub(super) fn check_stated(lipschitz: f32) -> Result<(), String> {
 }
 
 impl Turning {
-    /// A turning grows the value without bound unless what it turns ends.
+    /// Rejects an unbounded child: its turned value would grow without bound.
     ///
     /// # Errors
-    /// A sentence on what must be.
+    /// A message that states the requirement.
     pub fn check_over(&self, child: &Shape) -> Result<(), String> {
         let away = ["x", "y", "z"][self.axis];
         let bounds = child.properties().bounds;
@@ -114,7 +115,7 @@ fn norm_of_turning(axis: usize, s: f64) -> f64 {
     }
 }
 
-/// A twist or a bend: the struct, its form in a scene file, and its properties, all by
+/// A twist or a bend: the struct, its form in a scene file, and its properties, all from
 /// [`Turning`] about one axis.
 macro_rules! turning {
     ($(#[$doc:meta])* $part:ident about $axis:literal, a metre of $along:literal) => {
@@ -132,7 +133,7 @@ macro_rules! turning {
         pub struct $part {
             #[doc = concat!("Radians per metre of ", $along, ".")]
             pub rate: f32,
-            /// How fast the value may grow; 0 to have it from the bounds.
+            /// The stated Lipschitz constant; 0 to compute it from the bounds.
             pub lipschitz: f32,
         }
 

@@ -3,6 +3,6 @@
 use super::turning::turning;
 
 turning! {
-    /// Its child turned about y the further up one looks.
+    /// Its child turned about y by an angle proportional to y.
     Twist about 1, a metre of "y"
 }

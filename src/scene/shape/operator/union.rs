@@ -24,7 +24,7 @@ impl Part for Union {
         })
     }
 
-    /// Exact in the air if all are (Hart 1996, section 3.3).
+    /// Exact in the air if all children are (Hart 1996, section 3.3).
     fn properties(&self, children: &[Shape]) -> Properties {
         let of: Vec<Properties> = children.iter().map(Shape::properties).collect();
         let merged = merged(&of, hull(&of));

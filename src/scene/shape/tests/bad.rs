@@ -1,4 +1,4 @@
-//! What cannot be a field is rejected, with a sentence that names the node.
+//! Invalid fields are rejected, with a message that names the node.
 
 use super::table::{cuboid, sphere};
 use crate::scene::shape::{
@@ -140,7 +140,7 @@ fn refusals() -> Vec<(Shape, &'static str)> {
         (sphere(1.0).elongate(v(-1.0, 0.0, 0.0)), "negative"),
         (sphere(1.0).morph(sphere(2.0), 1.5), "amount"),
         (cuboid(1.0, 1.0, 1.0).twist(f32::NAN), "rate"),
-        // Repetitions and turnings of what has no end.
+        // Repetitions and turns of unbounded children.
         (
             f(Node::Plane(Plane)).repeat(v(1.0, 0.0, 0.0), [0; 3]),
             "no end",
@@ -217,8 +217,7 @@ fn refusals() -> Vec<(Shape, &'static str)> {
     list
 }
 
-/// Each wrong number of a field is reported, and its node, alone and within
-/// a tree.
+/// Each invalid number of a field is reported with its node, alone and within a tree.
 #[test]
 fn bad_fields_are_refused_by_name() {
     for (field, says) in refusals() {
@@ -232,7 +231,7 @@ fn bad_fields_are_refused_by_name() {
     }
 }
 
-/// Protects trees that would compile for minutes.
+/// Protects from trees that would compile for minutes.
 #[test]
 fn a_field_has_an_end() {
     let many = Shape::union((0..5000).map(|_| sphere(1.0)));

@@ -1,4 +1,4 @@
-//! Which trees may have hollow edges.
+//! Trees that may have hollow edges.
 
 use crate::scene::Shape;
 use crate::scene::shape::{Cuboid, Cylinder, Plane, Room, Sphere};
@@ -8,8 +8,8 @@ fn cube() -> Shape {
     Shape::from(Cuboid { size: Vec3::ONE })
 }
 
-/// Protects waves that start in an edge of a field: where sheets may meet at less than half of space in the air the
-/// shader asks for each.
+/// Protects waves that start in an edge of a field: where sheets may meet with less than half of space in the air,
+/// the shader evaluates each.
 #[test]
 fn edges_of_hollows_and_between_solids_that_touch_are_hollow() {
     let room = Shape::from(Room { size: Vec3::ONE });

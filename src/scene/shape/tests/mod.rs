@@ -1,5 +1,5 @@
-//! One table of shapes and operators, walked by tests of all that is promised of them: here on the
-//! CPU, in `kernel/tests` as shaders, in `trace/tests` as waves.
+//! A table of shapes and operators, used by tests of all their properties: here on the CPU, in
+//! `kernel/tests` as shaders, in `trace/tests` with waves.
 
 mod bad;
 mod edges;

@@ -1,4 +1,4 @@
-//! What `properties` promise, against what is found by sampling, on the CPU alone.
+//! Compares `properties` with values sampled on the CPU.
 
 use super::table::{Entry, on_cpu, operators, shapes};
 use crate::scene::{Exactness, Shape};
@@ -10,8 +10,8 @@ fn anywhere(random: &mut Random, reach: f64) -> DVec3 {
     reach * DVec3::new(random.signed(), random.signed(), random.signed())
 }
 
-/// Points of the surface: where the sign changes along random lines, by bisection. It uses
-/// nothing of the value but its sign.
+/// Points of the surface: sign changes along random lines, found by bisection. Only the sign of the
+/// value is used.
 fn surface_points(entry: &Entry, random: &mut Random, lines: usize) -> Vec<DVec3> {
     const PIECES: usize = 48;
     let reach = 1.5 * entry.reach();
@@ -43,8 +43,8 @@ fn surface_points(entry: &Entry, random: &mut Random, lines: usize) -> Vec<DVec3
     found
 }
 
-/// Whether the value leads to a place of the surface: along its gradient and as far as it is.
-/// With the way to the surface never shorter, that proves it the distance.
+/// Whether a step by the value against the gradient ends on the surface. As the distance is never
+/// less than the value, it is then equal to it.
 fn leads_to_surface(entry: &Entry, p: DVec3) -> bool {
     let (value, step) = (entry.distance(p), 1e-6 * entry.reach());
     let along = |axis: DVec3| {
@@ -55,8 +55,8 @@ fn leads_to_surface(entry: &Entry, p: DVec3) -> bool {
     foot.abs() <= 1e-4 * value.abs() + 1e-6 * entry.reach()
 }
 
-/// Protects safe steps: a value over the Lipschitz constant is never more than the way to the
-/// surface, and leads to it on the sides where it is said to be exact.
+/// Protects safe steps: a value divided by the Lipschitz constant never exceeds the distance to the
+/// surface, and equals it on the sides where it is stated to be exact.
 #[test]
 fn values_are_the_distances_that_they_are_said_to_be() {
     let mut failures = Vec::new();
@@ -101,7 +101,7 @@ fn values_are_the_distances_that_they_are_said_to_be() {
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
-/// Whether the value grows faster than it may between two points.
+/// Whether the value grows faster than its Lipschitz constant between two points.
 fn grows_too_fast(field: &Shape, reach: f64, seed: u64) -> Option<String> {
     let lipschitz = field.properties().lipschitz;
     let mut random = Random(seed);
@@ -118,7 +118,7 @@ fn grows_too_fast(field: &Shape, reach: f64, seed: u64) -> Option<String> {
     None
 }
 
-/// Whether the solid is where the bounds say, convex and symmetric as promised.
+/// Whether the solid has the stated bounds, convexity and symmetry.
 fn breaks_its_form(field: &Shape, reach: f64, seed: u64) -> Option<String> {
     let properties = field.properties();
     let mut random = Random(seed);
@@ -152,7 +152,7 @@ fn breaks_its_form(field: &Shape, reach: f64, seed: u64) -> Option<String> {
     None
 }
 
-/// Protects the Lipschitz constants, which every step is divided by.
+/// Protects the Lipschitz constants, by which every step is divided.
 #[test]
 fn values_grow_no_faster_than_they_may() {
     let found = on_cpu()
@@ -162,7 +162,7 @@ fn values_grow_no_faster_than_they_may() {
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
-/// Protects bounds, convexity and symmetry, which repetitions and waves that leave rely on.
+/// Protects bounds, convexity and symmetry, on which repetitions and departing waves rely.
 #[test]
 fn solids_have_the_form_that_is_promised() {
     let found = on_cpu()
@@ -172,7 +172,7 @@ fn solids_have_the_form_that_is_promised() {
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
-/// Random trees of what the table has.
+/// Random trees of the table's shapes and operators.
 pub fn trees() -> impl Strategy<Value = Shape> {
     let mut leaves = shapes();
     leaves.extend(operators());
@@ -215,7 +215,7 @@ pub fn trees() -> impl Strategy<Value = Shape> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 96, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Protects the rules by which promises pass through operators.
+    /// Protects the rules by which operators derive properties from their children's.
     #[test]
     fn random_trees_keep_their_promises(field in trees(), seed in any::<u64>()) {
         let entry = Entry { name: String::new(), field, truth: None };

@@ -1,4 +1,4 @@
-//! Every shape and every operator, and combinations of them: what the tests walk.
+//! All shapes and operators, and combinations of them, as a table for tests.
 
 use crate::scene::shape::{
     CappedCylinder, Capsule, Complement, Cone, Cuboid, Cylinder, Difference, Ellipsoid,
@@ -15,7 +15,7 @@ use std::sync::Arc;
 pub struct Entry {
     pub name: String,
     pub field: Shape,
-    /// The value that a user's text has; the CPU only knows samples of it.
+    /// The value of a user's text; the CPU has only samples of it.
     pub truth: Option<fn(DVec3) -> f64>,
 }
 
@@ -28,7 +28,7 @@ impl Entry {
         }
     }
 
-    /// Metres from the origin within which something is to be seen.
+    /// Distance from the origin in metres within which the field has features.
     pub fn reach(&self) -> f64 {
         let bounds = self.field.properties().bounds;
         if bounds.is_finite() && !bounds.is_empty() {
@@ -41,8 +41,8 @@ impl Entry {
 
 const KINDS: usize = 34;
 
-/// The number of a node's kind. A new variant does not compile here: give it a number, raise
-/// [`KINDS`], and add it to [`shapes`] or [`operators`].
+/// The number of a node's kind. A new variant does not compile until it is added here: give it a
+/// number, raise [`KINDS`], and add it to [`shapes`] or [`operators`].
 fn kind(node: &Node) -> usize {
     match node {
         Node::Plane(Plane) => 0,
@@ -128,7 +128,7 @@ fn hills() -> Shape {
     .into()
 }
 
-/// Shapes in several sizes, users' texts apart.
+/// Shapes in several sizes, without users' texts.
 pub fn shapes() -> Vec<Shape> {
     let node = Shape::from;
     let quadric = |coefficients| Shape::from(Node::GeneralQuadric(GeneralQuadric { coefficients }));
@@ -202,7 +202,7 @@ pub fn shapes() -> Vec<Shape> {
     ]
 }
 
-/// Users' texts with what they compute.
+/// Users' texts with the functions that they compute.
 pub fn users() -> Vec<Entry> {
     const BALL: &str = "#define SQUARE(x) ((x) * (x))\nconst float RADIUS = 0.75;\n\
         float lengthOf(vec3 p) { return sqrt(SQUARE(p.x) + SQUARE(p.y) + SQUARE(p.z)); }\n\
@@ -266,7 +266,7 @@ pub fn operators() -> Vec<Shape> {
         ellipsoid(2.0, 0.5, 1.0).shell(0.4),
         Shape::smooth_union(0.6, [sphere(0.7), bar(), aside()]),
         Shape::smooth_union(1.0, [ellipsoid(2.0, 0.4, 0.6), ellipsoid(0.4, 1.0, 0.5)]),
-        // Far from each other but for a place: there they are as they are.
+        // Far apart except at one place; far from it the fields are unchanged.
         Shape::smooth_union(
             0.15,
             [
@@ -316,7 +316,7 @@ pub fn operators() -> Vec<Shape> {
         cuboid(3.0, 0.3, 0.5).bend(0.4),
         sphere(0.8).morph(cuboid(2.0, 0.8, 1.2), 0.4),
         sphere(0.8).morph(cone(), 1.0),
-        // Three and four deep.
+        // Nested three and four deep.
         Shape::union([
             bar().twist(1.0).translate(v(0.0, 0.8, 0.0)),
             Shape::smooth_union(0.3, [aside(), cone()]).shell(0.1),
@@ -364,14 +364,14 @@ pub fn entries() -> Vec<Entry> {
     all
 }
 
-/// Those whose value the CPU has.
+/// The entries whose value the CPU can compute.
 pub fn on_cpu() -> Vec<Entry> {
     let all = entries().into_iter();
     all.filter(|entry| entry.truth.is_none()).collect()
 }
 
-/// As it is, and placed. A basic shape alone has no functions of its own in a shader: it
-/// stands in a union of one.
+/// The field unmoved, and moved. A basic shape alone has no functions of its own in a shader, so it
+/// is put in a union of one.
 pub fn surfaces(entry: &Entry) -> [Surface; 2] {
     let field = entry.field.clone();
     let plain = Surface::new(match field.is_basic() {
@@ -385,7 +385,7 @@ pub fn surfaces(entry: &Entry) -> [Surface; 2] {
     ]
 }
 
-/// A point of the surface's own axes in the world's, and back.
+/// Converts a point in world axes to the surface's own axes, and back.
 pub fn to_local(surface: &Surface, p: Vec3) -> DVec3 {
     let turn = surface.rotation.as_dquat().normalize();
     turn.inverse() * (p.as_dvec3() - surface.position.as_dvec3())
@@ -405,7 +405,7 @@ pub fn scene_of(surfaces: Vec<Surface>) -> Scene {
     )
 }
 
-/// Protects the table itself: every kind of node is in it, and all that is in it is sound.
+/// Protects the table itself: it has every kind of node, and all entries are valid.
 #[test]
 fn every_node_is_in_the_table() {
     let mut found = [false; KINDS];

@@ -1,4 +1,4 @@
-//! The sense in which fields are turned: right-handed, as all angles of a scene are.
+//! The sense in which fields are turned: right-handed, like all angles of a scene.
 
 use crate::scene::shape::Cuboid;
 use crate::scene::{Node, Shape};
@@ -10,8 +10,8 @@ fn bar() -> Shape {
     Node::Cuboid(Cuboid { size }).into()
 }
 
-/// Protects the document: by a positive rate a twist turns what is above from z towards x, and a
-/// bend what is to the right from x towards y.
+/// Protects the documented sense: with a positive rate a twist turns the upper part from z towards
+/// x, and a bend the right part from x towards y.
 #[test]
 fn twist_and_bend_are_right_handed() {
     const RATE: f64 = 0.5;

@@ -1,4 +1,4 @@
-//! Rejects what a field's text must not contain.
+//! Rejects forbidden content in a field's text.
 
 use super::Refusal;
 use super::global_selections::Renamed;
@@ -6,14 +6,14 @@ use super::tokens::{Kind, Token};
 use super::words::{is_function, is_known, is_language, is_selection, is_type, refusal};
 use std::collections::HashSet;
 
-/// Brackets within brackets, at most.
+/// Maximum nesting of brackets.
 const DEEPEST: usize = 128;
 
-/// Elements of an array at most. Each wave that is evaluated at once has its own: 2^14
-/// vectors are 256 KiB, which is what a processor's core keeps at hand for all of them.
+/// Maximum number of elements of an array. Each wave that is evaluated at once has its own array:
+/// 2^14 vectors are 256 KiB, which fit into the cache of a processor's core for all of them.
 const LONGEST_ARRAY: u64 = 1 << 14;
 
-/// Takes out `precision highp float;` and its like: a shader has its own.
+/// Removes `precision highp float;` and similar statements: a shader has its own.
 pub fn leave_out_precisions<'a>(tokens: &[Token<'a>]) -> Vec<Token<'a>> {
     let is_precision = |at: &[Token]| {
         matches!(at, [word, how, of, end] if word.is("precision")
@@ -23,7 +23,7 @@ pub fn leave_out_precisions<'a>(tokens: &[Token<'a>]) -> Vec<Token<'a>> {
     let mut after_one = false;
     for token in tokens {
         let mut token = *token;
-        // What stood on either side shall not become one.
+        // The tokens on either side must not merge.
         if std::mem::take(&mut after_one) && token.space.is_empty() {
             token.space = " ";
         }
@@ -37,16 +37,16 @@ pub fn leave_out_precisions<'a>(tokens: &[Token<'a>]) -> Vec<Token<'a>> {
     left
 }
 
-/// What a text declares.
+/// The declarations of a text.
 pub struct Declared {
     /// Whether it states its gradient.
     pub states_gradient: bool,
-    /// Places of the words outside of brackets and of initial values: the names of globals, of
-    /// functions and of structures, and the types.
+    /// Positions of the words outside of brackets and initial values: the names of globals,
+    /// functions and structures, and the types.
     pub globals: Vec<usize>,
 }
 
-/// Rejects a text that is no field, or does what a field cannot do.
+/// Rejects a text that is not a field, or does something that a field cannot do.
 pub fn check(tokens: &[Token]) -> Result<Declared, Refusal> {
     let mut open: Vec<&Token> = Vec::new();
     let mut globals = Vec::new();
@@ -85,12 +85,12 @@ pub fn check(tokens: &[Token]) -> Result<Declared, Refusal> {
         }
         if let Some(length) = array_length(&tokens[index..]).filter(|l| *l > LONGEST_ARRAY) {
             return told(format!(
-                "an array of {length} is more than a shader holds: {LONGEST_ARRAY} elements at the most"
+                "an array of {length} elements is too large for a shader: at most {LONGEST_ARRAY}"
             ));
         }
         if is_named_as_language(tokens, index) {
             return told(format!(
-                "'{}' is a word of GLSL and no name: choose another one",
+                "'{}' is a word of GLSL, not a name: choose another one",
                 token.text
             ));
         }
@@ -133,18 +133,18 @@ pub fn check(tokens: &[Token]) -> Result<Declared, Refusal> {
             globals,
         });
     }
-    let why = "there is no `float field(vec3 p)` in it, which is what a field is".to_owned();
+    let why = "there is no `float field(vec3 p)` in it, which every field needs".to_owned();
     Err((None, why))
 }
 
-/// Whether the word at a place is one of the language, and stands where a name is declared: behind
-/// a type or behind `struct`.
+/// Whether the word at a position is one of the language where a name is declared: after a type or
+/// after `struct`.
 fn is_named_as_language(tokens: &[Token], place: usize) -> bool {
     let before = place.checked_sub(1).map(|before| tokens[before].text);
     is_language(tokens[place].text) && before.is_some_and(|word| is_type(word) || word == "struct")
 }
 
-/// Whether the word at a place is a function's name in a declaration: a type stands before it.
+/// Whether the word at a position is a function's name in a declaration: a type precedes it.
 fn is_prototype(tokens: &[Token], place: usize) -> bool {
     let is_of_statement = |word: &Token| matches!(word.text, "return" | "else" | "do" | "case");
     let before = place.checked_sub(1).map(|before| &tokens[before]);
@@ -152,8 +152,8 @@ fn is_prototype(tokens: &[Token], place: usize) -> bool {
     is_after_type && tokens.get(place + 1).is_some_and(|next| next.is("("))
 }
 
-/// Names in the text that GLSL does not know, as they are written, in the order in which they
-/// come. What selects components (`.xyz`) is none: no global is called so.
+/// Names in the text that GLSL does not define, as they are written, in order of appearance.
+/// Component selections (`.xyz`) do not count: no global has such a name.
 pub fn names(tokens: &[Token], renamed: &Renamed) -> Vec<String> {
     let mut known = HashSet::new();
     let words = (0..tokens.len()).filter(|place| tokens[*place].is_word());
@@ -177,14 +177,14 @@ fn array_length(tokens: &[Token]) -> Option<u64> {
         {
             let digits = number.text.trim_end_matches(['u', 'U']);
             let is_number = digits.bytes().all(|byte| byte.is_ascii_digit());
-            // One of more digits than a number can have is too much as well.
+            // A number with too many digits is too large as well.
             is_number.then(|| digits.parse().unwrap_or(u64::MAX))
         }
         _ => None,
     }
 }
 
-/// Whether tokens begin with a function's type and name, and `(vec3`.
+/// Whether tokens begin with the given type and name of a function, and `(vec3`.
 fn is_of_a_point(tokens: &[Token], [of_type, name]: [&str; 2]) -> bool {
     let mut inside = tokens.iter().map(|token| token.text);
     let opens = [of_type, name, "("]

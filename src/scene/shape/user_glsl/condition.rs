@@ -1,11 +1,11 @@
-//! The expressions of `#if`.
+//! Evaluates the expressions of `#if`.
 
 use super::tokens::{Kind, Token};
 
-/// Brackets and signs within each other, at most.
+/// Maximum nesting of brackets and signs.
 const DEEPEST: u32 = 64;
 
-/// Operators of two sides, those that bind least first.
+/// Binary operators by level, from the weakest to the strongest.
 const LEVELS: [&[&str]; 10] = [
     &["||"],
     &["&&"],
@@ -19,7 +19,7 @@ const LEVELS: [&[&str]; 10] = [
     &["*", "/", "%"],
 ];
 
-/// The value of an expression without macros; names are 0.
+/// The value of an expression without macros; names count as 0.
 pub fn value(tokens: &[Token]) -> Result<i64, String> {
     let mut parser = Parser { tokens, depth: 0 };
     let value = parser.binary(0)?;
@@ -110,7 +110,7 @@ fn applied(left: i64, operator: &str, right: i64) -> Result<i64, String> {
     })
 }
 
-/// A whole number as GLSL writes it: decimal, octal or hexadecimal.
+/// A whole number in GLSL notation: decimal, octal or hexadecimal.
 fn whole(text: &str) -> Option<i64> {
     let digits = text.trim_end_matches(['u', 'U']);
     if let Some(hex) = digits.strip_prefix("0x").or(digits.strip_prefix("0X")) {

@@ -1,13 +1,13 @@
-//! Loops whose text shows that they never end.
+//! Finds loops whose text shows that they never end.
 //!
 //! Software renderers end a loop after 65,536 iterations, and a compiler removes a loop whose
-//! result is not used, so that a trial alone does not find them.
+//! result is not used, so a trial run alone does not find them.
 
 use super::Refusal;
 use super::tokens::Token;
 
-/// Rejects `while (true)` and its like without a `break` or a `return`. Loops whose condition
-/// is computed at run time are left to the trial.
+/// Rejects `while (true)` and similar loops without a `break` or a `return`. Loops whose condition
+/// is computed at run time are left to the trial run.
 pub fn check(tokens: &[Token]) -> Result<(), Refusal> {
     let endless = (0..tokens.len()).find(|&at| is_endless(tokens, at));
     match endless {
@@ -21,13 +21,13 @@ pub fn check(tokens: &[Token]) -> Result<(), Refusal> {
     }
 }
 
-/// Whether a loop without an end begins, or is closed by its `while`, at this token.
+/// Whether an infinite loop begins, or is closed by its `while`, at this token.
 fn is_endless(tokens: &[Token], at: usize) -> bool {
     let is_for = tokens[at].is("for");
     if !is_for && !tokens[at].is("while") {
         return false;
     }
-    // A loop without a condition is no loop: the driver says so.
+    // A loop needs a condition in brackets; the driver reports its absence.
     if !tokens.get(at + 1).is_some_and(|next| next.is("(")) {
         return false;
     }
@@ -51,7 +51,7 @@ fn condition<'a, 'b>(said: &'a [Token<'b>]) -> &'a [Token<'b>] {
     said.split(|token| token.is(";")).nth(1).unwrap_or(said)
 }
 
-/// Whether a condition is `true`; that of a `for` may be nothing.
+/// Whether a condition is `true`; that of a `for` may be empty.
 fn is_true(condition: &[Token], is_for: bool) -> bool {
     let mut words = condition.iter().filter(|t| !t.is("(") && !t.is(")"));
     match words.next() {
@@ -76,14 +76,14 @@ fn closing(tokens: &[Token], open: usize) -> Option<usize> {
     None
 }
 
-/// The block, or the tokens up to a semicolon, that begin at `at`.
+/// The block, or the tokens up to a semicolon, that begins at `at`.
 fn statement<'a, 'b>(tokens: &'a [Token<'b>], at: usize) -> &'a [Token<'b>] {
     let rest = tokens.get(at..).unwrap_or_default();
     if rest.first().is_some_and(|token| token.is("{")) {
         let end = closing(tokens, at).unwrap_or(tokens.len());
         return &tokens[at..end];
     }
-    // Nothing is known of what goes on behind another word, as in `while (true) if (…) {…}`.
+    // The extent of a nested statement with a block is unknown, as in `while (true) if (…) {…}`.
     let end = rest.iter().position(|t| t.is(";") || t.is("}"));
     match end {
         Some(end) if !rest[..end].iter().any(|t| t.is("{")) => &rest[..end],
@@ -91,7 +91,7 @@ fn statement<'a, 'b>(tokens: &'a [Token<'b>], at: usize) -> &'a [Token<'b>] {
     }
 }
 
-/// The block of `do {…} while`, whose `while` stands at `at`; nothing of an empty `while`.
+/// The block of `do {…} while`, whose `while` is at `at`; empty for a plain `while`.
 fn done_before<'a, 'b>(tokens: &'a [Token<'b>], at: usize) -> &'a [Token<'b>] {
     let mut depth = 0usize;
     for start in (0..at).rev() {
@@ -117,7 +117,7 @@ mod tests {
         format!("float field(vec3 p) {{\n float a = 0.0; int i = 0;\n{body}\n return p.x; }}")
     }
 
-    /// A loop without an end is rejected: a renderer would end it at an arbitrary iteration, without an
+    /// An infinite loop is rejected: a renderer would end it at an arbitrary iteration, without an
     /// error.
     #[test]
     fn a_loop_without_an_end_is_refused_with_its_line() {
@@ -136,7 +136,7 @@ mod tests {
         }
     }
 
-    /// Protects loops that are left by other means than their condition.
+    /// Protects loops that end by other means than their condition.
     #[test]
     fn a_loop_that_can_be_left_is_taken() {
         for body in [
@@ -150,7 +150,7 @@ mod tests {
             "do { if (i++ > 5) { break; } } while (true);",
             "{ a = 1.0; } while (a < 3.0) a += 1.0;",
             "bool t = true; while (i < 3) { i++; }",
-            // No GLSL, which the driver says.
+            // Invalid GLSL, which the driver reports.
             "while; for a; do {} while 1; while",
         ] {
             assert!(

@@ -1,21 +1,21 @@
-//! Global names that look like a selection of components: `float s(float x)`.
+//! Renames globals that look like a selection of components: `float s(float x)`.
 //!
-//! Names are renamed by macros, which would rename the `.s` of a vector too. So the text itself
-//! gets another name for such a global: two fields with an `s` do not clash then.
+//! Names are renamed by macros, which would rename the `.s` of a vector too. So such a global gets
+//! another name in the text itself: two fields with an `s` do not clash then.
 
 use super::tokens::Token;
 use super::words::is_selection;
 use std::collections::{HashMap, HashSet};
 
-/// The words of a text as they are written: most as they are.
+/// The words of a text as they are written out: most are unchanged.
 pub struct Renamed<'a> {
-    /// Of each token the new name, if it has one.
+    /// The new names of tokens that have one, by position.
     of: HashMap<usize, String>,
     tokens: &'a [Token<'a>],
 }
 
 impl<'a> Renamed<'a> {
-    /// The names of a text, whose globals stand at these places.
+    /// The names of a text whose globals are at these positions.
     pub fn new(tokens: &'a [Token<'a>], globals: &[usize]) -> Renamed<'a> {
         let selections = globals.iter().map(|place| tokens[*place].text);
         let wanted: HashSet<&str> = selections.filter(|word| is_selection(word)).collect();
@@ -34,7 +34,7 @@ impl<'a> Renamed<'a> {
         Renamed { of, tokens }
     }
 
-    /// The token of this place as it is written.
+    /// The token at this position as it is written out.
     pub fn text(&self, place: usize) -> &str {
         self.of
             .get(&place)
@@ -42,7 +42,8 @@ impl<'a> Renamed<'a> {
     }
 }
 
-/// For each name one that the text does not have, and that selects nothing: with a number.
+/// Finds a new name for each: one with a number, which the text does not contain and which does not
+/// select components.
 fn new_names<'a>(tokens: &[Token<'a>], wanted: HashSet<&'a str>) -> HashMap<&'a str, String> {
     let known: HashSet<&str> = tokens.iter().map(|token| token.text).collect();
     let new = |word: &'a str| {
@@ -53,10 +54,10 @@ fn new_names<'a>(tokens: &[Token<'a>], wanted: HashSet<&'a str>) -> HashMap<&'a 
     wanted.into_iter().filter_map(new).collect()
 }
 
-/// The declarations of members of structures.
+/// Finds the declarations of structure members.
 #[derive(Default)]
 struct Members {
-    /// A `struct` whose `{` is still to come.
+    /// Whether a `struct` was read and its `{` was not.
     begins: bool,
     is_inside: bool,
     /// Whether the next word is a member's type.
@@ -65,7 +66,7 @@ struct Members {
 }
 
 impl Members {
-    /// Whether a token, the next one, is the name of a member where it is declared.
+    /// Whether the next token declares the name of a member.
     fn is_declared_by(&mut self, token: &Token) -> bool {
         match token.text {
             "struct" => self.begins = true,

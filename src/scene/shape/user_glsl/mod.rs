@@ -1,13 +1,13 @@
-//! Reading users' GLSL before any driver sees it.
+//! Reads users' GLSL before a driver does.
 //!
-//! A driver's compiler trusts what it is given: macros that double, a hundred thousand terms
-//! or brackets within brackets end it, and the program with it. So the text is cut into
-//! tokens and preprocessed here, within limits, and what a field cannot have is rejected by
-//! name. The driver gets the outcome: no directive, no macro, no line that goes on in the
-//! next; lines, blanks and comments (but those beside directives) stay where they were. What is checked is what is compiled.
+//! A driver's compiler trusts its input: macros that double, a hundred thousand terms or deeply nested brackets crash
+//! it, and the program with it. So the text is split into tokens and preprocessed here, within limits, and forbidden
+//! content is rejected by name. The driver gets the result: without directives, macros and continued lines; lines,
+//! blanks and comments (except those next to directives) stay where they were. The text that is checked is the text
+//! that is compiled.
 //!
-//! What remains (sums that overflow a compiler's stack, infinite loops) is found only by compiling
-//! and running it: see [`crate::trace::FieldTrial`].
+//! Remaining problems (sums that overflow a compiler's stack, infinite loops) are found only by
+//! compiling and running it: see [`crate::trace::FieldTrial`].
 //!
 //! The same preprocessor, without limits, analyses whole shaders for `echomarch cost`.
 
@@ -22,33 +22,33 @@ mod words;
 use global_selections::Renamed;
 use tokens::Token;
 
-/// Bytes of a text at most. The largest fields that people share, whole scenes or small
-/// neural networks, have some 30,000.
+/// Maximum size of a text in bytes. The largest published fields, whole scenes or small neural
+/// networks, have about 30,000.
 const LARGEST_TEXT: usize = 1 << 18;
 
-/// Tokens of a text at most once its macros are expanded: four times those of the largest
-/// fields. Drivers take some 20 µs and 1 KB for each.
+/// Maximum number of tokens of a text after expanding its macros: four times those of the largest
+/// fields. Drivers take about 20 µs and 1 KB for each.
 const MOST_TOKENS: usize = 1 << 15;
 
-/// What is wrong with a text, and in which line (from 1) if it is in one.
+/// The error in a text, and its line (from 1) if it is in one.
 pub(super) type Refusal = (Option<u32>, String);
 
 /// A text that has been read.
 #[derive(Debug)]
 pub(super) struct Text {
-    /// The text as it may stand within a shader, line for line, and in ASCII.
+    /// The text for use within a shader, line by line, in ASCII.
     pub code: String,
-    /// All names in it that GLSL does not know, in the order in which they come.
+    /// All names in it that GLSL does not define, in order of appearance.
     pub names: Vec<String>,
-    /// Whether it loops.
+    /// Whether it contains loops.
     pub has_loops: bool,
-    /// Whether there is a `vec3 fieldGradient(vec3 p)` in it.
+    /// Whether it contains a `vec3 fieldGradient(vec3 p)`.
     pub states_gradient: bool,
 }
 
-/// Reads a text, and rejects what is no field or has in it what a field cannot have.
+/// Reads a text, and rejects it if it is not a field or has forbidden content.
 ///
-/// `#version` lines and `precision` statements belong to whole shaders: they are left out.
+/// `#version` lines and `precision` statements belong to whole shaders and are left out.
 pub(super) fn read(text: &str) -> Result<Text, Refusal> {
     if text.len() > LARGEST_TEXT {
         let size = text.len();
@@ -72,13 +72,12 @@ pub(super) fn read(text: &str) -> Result<Text, Refusal> {
     })
 }
 
-/// The lines of a whole shader's text that are code, as its compiler gets them: without comments,
-/// directives and what conditions leave out, and with macros expanded.
+/// The lines of code in a whole shader's text, as its compiler gets them: without comments,
+/// directives and lines excluded by conditions, and with macros expanded.
 ///
 /// # Errors
-/// What is wrong with a text that no compiler would take.
-#[cfg(feature = "experiment")]
-pub(crate) fn code_lines(text: &str) -> Result<Vec<String>, String> {
+/// An error in a text that no compiler would accept.
+pub fn code_lines(text: &str) -> Result<Vec<String>, String> {
     let is_kept = |line: &&str| !line.starts_with("#line");
     let kept: Vec<&str> = text.lines().filter(is_kept).collect();
     let clean = tokens::clean(&kept.join("\n"));
@@ -93,13 +92,13 @@ pub(crate) fn code_lines(text: &str) -> Result<Vec<String>, String> {
     Ok(lines.map(written).collect())
 }
 
-/// Writes tokens in their lines, with what stood before each, and after the last.
+/// Writes tokens in their lines, with the space before each and after the last.
 fn written(tokens: &[Token], renamed: &Renamed, end: &str) -> String {
     let mut code = String::new();
     let mut line = 1;
     for (place, token) in tokens.iter().enumerate() {
         let breaks = newlines(token.space);
-        // Lines that were left out.
+        // Lines that were removed.
         while line + breaks < token.line {
             code.push('\n');
             line += 1;
@@ -129,9 +128,8 @@ mod tests {
         read(text).expect_err(&text[..text.len().min(200)])
     }
 
-    /// Protects the counts of `cost`: comments and what is switched off are no code, names are
-    /// renamed, and a text with no such limits as users' texts have is read.
-    #[cfg(feature = "experiment")]
+    /// Protects the counts of `cost`: comments and excluded lines do not count as code, names are
+    /// renamed, and the limits of users' texts do not apply.
     #[test]
     fn a_shader_is_reduced_to_its_code() {
         let text = "// 1: a\n#line 1 1\n#define ON 1\n#define OFF 0\n#define field user0_field\n\
@@ -150,7 +148,7 @@ mod tests {
         assert!(code_lines("#if 1\nfloat a;").is_err());
     }
 
-    /// Protects the renaming: every name that a driver could take for one of ours is found.
+    /// Protects the renaming: every name that could clash with one of ours is found.
     #[test]
     fn the_names_of_a_text_are_found() {
         let text = "// float not(vec3 p)\n#define PI 3.14\nconst float A = PI, B[2];\n\
@@ -163,7 +161,7 @@ mod tests {
         );
     }
 
-    /// Protects line numbers, and shaders from what is not theirs.
+    /// Protects line numbers, and shaders from statements that they have themselves.
     #[test]
     fn a_text_is_made_fit_for_a_shader_line_by_line() {
         let text = "\u{feff}#version 450\r\n  precision highp float; // all\n// caf\u{e9}\n\
@@ -180,7 +178,7 @@ mod tests {
         assert_eq!(read(plain).unwrap().code, plain);
     }
 
-    /// Protects texts from having a function of another kind taken for their gradient.
+    /// Protects texts: a function of another kind is not taken for their gradient.
     #[test]
     fn a_stated_gradient_is_found() {
         for (text, is_stated) in [
@@ -221,7 +219,7 @@ mod tests {
         }
     }
 
-    /// Protects the sentence for a text that is no field.
+    /// Protects the message for a text that is not a field.
     #[test]
     fn what_is_no_field_is_told() {
         for good in [
@@ -248,8 +246,8 @@ mod tests {
         }
     }
 
-    /// Protects the shader around a field from what a field has no business with: by name, in
-    /// its line, out of macros and across spliced lines too.
+    /// Protects the shader around a field from forbidden content: it is reported by name and line,
+    /// also in macros and continued lines.
     #[test]
     fn what_a_field_cannot_have_is_refused_by_name() {
         let bad = [
@@ -289,7 +287,7 @@ mod tests {
         }
     }
 
-    /// Protects the compilers: what grows or nests without bound is rejected, and at once.
+    /// Protects the compilers: unbounded growth and nesting are rejected, without delay.
     #[test]
     fn what_would_overwhelm_a_compiler_is_refused() {
         let doubling = |levels: usize| {
@@ -342,7 +340,7 @@ mod tests {
         assert!(read(&spaced).is_ok());
     }
 
-    /// Protects the meaning of texts: macros and conditions are those of GLSL.
+    /// Protects the meaning of texts: macros and conditions work as in GLSL.
     #[test]
     fn macros_and_conditions_do_as_in_glsl() {
         let same = [

@@ -1,27 +1,26 @@
-//! Directives and macros, within limits.
+//! Preprocesses directives and macros, within limits.
 
 use super::tokens::{Kind, Token};
 use super::{Refusal, condition, words};
 use std::collections::{HashMap, HashSet};
 
-/// Tokens that may be looked at until all macros are expanded, for each that may come out: at
-/// every level of eight.
+/// Steps of the expansion of all macros per permitted token of the result: enough for eight levels.
 const STEPS_A_TOKEN: usize = 8;
 
 /// Maximum number of characters of an `#error` that are reported.
 const LONGEST_ERROR: usize = 200;
 
-/// Macros' calls within calls, at most.
+/// Maximum nesting of macro calls.
 const DEEPEST_CALL: u32 = 64;
 
-/// Conditions within conditions, at most.
+/// Maximum nesting of conditions.
 const DEEPEST_CONDITION: usize = 64;
 
-/// What `__VERSION__` is: the lower of the two languages that a field is compiled in, GLSL ES
+/// Value of `__VERSION__`: the lower one of the two languages that a field is compiled in, GLSL ES
 /// 3.00 and GLSL 3.30.
 const VERSION: &str = "300";
 
-/// The text without directives and macros, of so many tokens at most.
+/// The text without directives and macros, of at most `most_tokens` tokens.
 pub fn preprocess<'a>(tokens: &[Token<'a>], most_tokens: usize) -> Result<Vec<Token<'a>>, Refusal> {
     let mut state = Preprocessor {
         expander: Expander::new(most_tokens),
@@ -49,14 +48,14 @@ pub fn preprocess<'a>(tokens: &[Token<'a>], most_tokens: usize) -> Result<Vec<To
     }
 }
 
-/// An `#if` that is not over.
+/// An `#if` whose `#endif` was not reached.
 struct Condition {
     line: u32,
-    /// Whether the lines around it count.
+    /// Whether the lines around it are active.
     outer: bool,
-    /// Whether its present lines count.
+    /// Whether its current lines are active.
     is_on: bool,
-    /// Whether any of its lines have counted.
+    /// Whether any of its lines have been active.
     was_on: bool,
     has_else: bool,
 }
@@ -82,7 +81,7 @@ impl<'a> Preprocessor<'a> {
             _ if !self.is_on() => Ok(()),
             "define" => self.expander.define(rest).map_err(told),
             "undef" => self.expander.undefine(rest).map_err(told),
-            // That of the shader as a whole is another.
+            // The whole shader has a version of its own.
             "version" => Ok(()),
             "error" => {
                 let words: Vec<&str> = rest.iter().take(20).map(|token| token.text).collect();
@@ -182,13 +181,13 @@ fn number<'a>(at: Token<'a>, text: &'a str) -> Token<'a> {
 
 #[derive(Clone, PartialEq)]
 struct Macro<'a> {
-    /// None for a macro that is no function.
+    /// `None` for a macro without parameters.
     parameters: Option<Vec<&'a str>>,
     body: Vec<&'a str>,
     kinds: Vec<Kind>,
 }
 
-/// What is still to be looked at.
+/// An item still to be processed.
 enum Item<'a> {
     Token(Token<'a>),
     /// The end of a macro's own tokens, within which it is not expanded again.
@@ -197,7 +196,7 @@ enum Item<'a> {
 
 struct Expander<'a> {
     macros: HashMap<&'a str, Macro<'a>>,
-    /// Those that are being expanded.
+    /// Macros that are being expanded.
     hidden: HashSet<&'a str>,
     steps: usize,
     most_tokens: usize,
@@ -274,7 +273,7 @@ impl<'a> Expander<'a> {
         depth: u32,
     ) -> Result<(), Refusal> {
         let mut left: Vec<Item> = tokens.iter().rev().map(|t| Item::Token(*t)).collect();
-        // What follows a macro's tokens shall not become one with them.
+        // The token after a macro must not merge with the macro's last one.
         let mut after_macro = false;
         while let Some(item) = left.pop() {
             let mut token = match item {
@@ -306,7 +305,7 @@ impl<'a> Expander<'a> {
         Ok(())
     }
 
-    /// Puts a macro's tokens in its place; false for what is no macro, or not called.
+    /// Replaces a macro by its tokens; returns false if `name` is not a macro, or is not called.
     fn call(
         &mut self,
         name: Token<'a>,
@@ -332,7 +331,7 @@ impl<'a> Expander<'a> {
         let told = |why: &str| (Some(name.line), format!("the macro '{}' {why}", name.text));
         let body = body_of(of, name);
         let mut given = self.arguments(name, left)?;
-        // A call without anything in it has one argument, or none.
+        // An empty call has one argument, or none.
         if parameters.is_empty() && given.len() == 1 && given[0].is_empty() {
             given.clear();
         }
@@ -367,7 +366,7 @@ impl<'a> Expander<'a> {
         Ok(true)
     }
 
-    /// The arguments of a call, whose `(` comes next, taken off what is left.
+    /// Removes the arguments of a call, whose `(` comes next, from the remaining items.
     fn arguments(
         &mut self,
         name: Token<'a>,
@@ -451,7 +450,7 @@ fn body_of<'a>(of: &Macro<'a>, name: Token<'a>) -> Vec<Token<'a>> {
         .collect()
 }
 
-/// A token that a macro has made: it stands where the macro's name did.
+/// A token produced by a macro, at the place of the macro's name.
 fn made<'a>(token: Token<'a>, name: Token<'a>) -> Token<'a> {
     Token {
         space: " ",

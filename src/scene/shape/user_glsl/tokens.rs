@@ -1,18 +1,18 @@
-//! From characters to tokens.
+//! Splits a text into tokens.
 
 use super::Refusal;
 
-/// Characters of a name or a number at most. GLSL ES 3.00 has a limit of 1024 for names, and
-/// the prefix with which the program renames them has at most 16.
+/// Maximum length of a name or a number. GLSL ES 3.00 has a limit of 1024 for names, and the prefix
+/// with which the program renames them has at most 16 characters.
 const LONGEST_WORD: usize = 1024 - 16;
 
-/// Marks of more than one character, longer ones first.
+/// Symbols of several characters, longer ones first.
 const MARKS: [&str; 24] = [
     "<<=", ">>=", "++", "--", "<<", ">>", "<=", ">=", "==", "!=", "&&", "||", "^^", "+=", "-=",
     "*=", "/=", "%=", "&=", "|=", "^=", "##", "//", "/*",
 ];
 
-/// Marks of one character; `#` begins a directive.
+/// Symbols of one character; `#` begins a directive.
 const SINGLE: &[u8] = b"(){}[].,;:?+-*/%<>=!&|^~#";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,7 +30,7 @@ pub struct Token<'a> {
     pub text: &'a str,
     /// Blanks, line breaks and comments before it.
     pub space: &'a str,
-    /// Counted from 1; where a macro stood, its line.
+    /// Line, counted from 1; for a macro's token, the line of its call.
     pub line: u32,
     /// Whether it is the first in its line.
     pub is_first: bool,
@@ -46,9 +46,8 @@ impl Token<'_> {
     }
 }
 
-/// The text in ASCII, as GLSL is, with `\n` at the end of lines, and without lines that go on
-/// in the next: their breaks follow the line as a whole, so that later lines keep their
-/// numbers.
+/// The text in ASCII, as GLSL is, with `\n` at the end of lines, and without continued lines: their
+/// breaks are moved to the end of the joined line, so that later lines keep their numbers.
 ///
 /// Other characters, which people write in comments, become question marks.
 pub fn clean(text: &str) -> String {
@@ -81,7 +80,7 @@ fn end_line(out: &mut String, owed: &mut usize) {
     out.extend(std::iter::repeat_n('\n', 1 + std::mem::take(owed)));
 }
 
-/// The tokens of a clean text, and what stands after the last.
+/// The tokens of a clean text, and the space after the last.
 pub fn tokens(text: &str) -> Result<(Vec<Token<'_>>, &str), Refusal> {
     let mut all = Vec::new();
     let (mut at, mut line) = (0, 1);
@@ -106,7 +105,7 @@ pub fn tokens(text: &str) -> Result<(Vec<Token<'_>>, &str), Refusal> {
     }
 }
 
-/// Where blanks and comments end, and whether a line begins in them.
+/// The end of the blanks and comments, and whether a line begins in them.
 fn space_end(
     text: &str,
     mut at: usize,
@@ -133,7 +132,7 @@ fn space_end(
     }
 }
 
-/// Kind and length of the token that a text begins with.
+/// Kind and length of the first token of a text.
 fn token(text: &str) -> Result<(Kind, usize), String> {
     let bytes = text.as_bytes();
     let first = bytes[0];
@@ -164,7 +163,7 @@ fn word_length(bytes: &[u8]) -> usize {
     bytes.iter().take_while(is_of_it).count()
 }
 
-/// As the preprocessor has it: with a sign after the `e` of an exponent.
+/// Length as the preprocessor defines it: with a sign after the `e` of an exponent.
 fn number_length(bytes: &[u8]) -> usize {
     let is_hex = bytes.len() > 1 && bytes[0] == b'0' && bytes[1].eq_ignore_ascii_case(&b'x');
     let mut length = 1;

@@ -1,4 +1,4 @@
-//! Words of GLSL: those that a field may use, and those that it may not.
+//! Words of GLSL that a field may use, and that it may not.
 
 /// Types that GLSL 3.30 and GLSL ES 3.00 share and that a function of one point can use.
 const TYPES: &[&str] = &[
@@ -7,7 +7,7 @@ const TYPES: &[&str] = &[
     "mat2x3", "mat2x4", "mat3x2", "mat3x3", "mat3x4", "mat4x2", "mat4x3", "mat4x4",
 ];
 
-/// Their other words, of which the same is true.
+/// Other such words of both languages.
 const WORDS: &[&str] = &[
     // Qualifiers.
     "struct",
@@ -36,11 +36,11 @@ const WORDS: &[&str] = &[
 ];
 
 /// Functions that both languages have and that a function of one point can use: a text can call
-/// them, and cannot declare them again. In GLSL 3.30 a declaration replaces the function for the
+/// them, but cannot declare them again. In GLSL 3.30 a declaration replaces the function for the
 /// whole shader, in GLSL ES 3.00 it is an error.
 ///
-/// All other functions of either language are names that a text can give to its own: it is
-/// renamed then, like all that it declares.
+/// All other functions of either language are names that a text may use for its own: they are then
+/// renamed, like everything that it declares.
 const FUNCTIONS: &[&str] = &[
     "radians",
     "degrees",
@@ -109,7 +109,7 @@ const FUNCTIONS: &[&str] = &[
     "not",
 ];
 
-/// What would have to be given from outside.
+/// Words for inputs from outside.
 const GIVEN: &[&str] = &[
     "uniform",
     "varying",
@@ -132,7 +132,7 @@ const GIVEN: &[&str] = &[
     "writeonly",
 ];
 
-/// What reads or does something beyond the field's own point.
+/// Words that read or do something other than evaluating the field's own point.
 const BEYOND: &[&str] = &[
     "dFdx",
     "dFdy",
@@ -147,7 +147,7 @@ const BEYOND: &[&str] = &[
     "textureGrad",
 ];
 
-/// Words that either language reserves for later. Texts with them compile nowhere.
+/// Words that either language reserves for later. Texts with them do not compile anywhere.
 const RESERVED: &[&str] = &[
     "active",
     "asm",
@@ -196,13 +196,13 @@ const RESERVED: &[&str] = &[
     "using",
 ];
 
-/// Macros that are the compiler's.
+/// Macros defined by the compiler.
 const MACROS: &[&str] = &["__LINE__", "__FILE__", "__VERSION__", "defined"];
 
 /// Letters that select components.
 const SELECTIONS: [&str; 3] = ["xyzw", "rgba", "stpq"];
 
-/// Whether a word is of GLSL itself.
+/// Whether a word belongs to GLSL.
 pub fn is_known(word: &str) -> bool {
     is_language(word) || is_function(word)
 }
@@ -212,7 +212,7 @@ pub fn is_type(word: &str) -> bool {
     TYPES.contains(&word)
 }
 
-/// Whether a word is one of the language itself: no name.
+/// Whether a word belongs to the language, and so cannot be a name.
 pub fn is_language(word: &str) -> bool {
     WORDS.contains(&word) || is_type(word)
 }
@@ -222,7 +222,7 @@ pub fn is_function(word: &str) -> bool {
     FUNCTIONS.contains(&word)
 }
 
-/// Why a text cannot define or undefine a macro of this name, if it cannot.
+/// The reason why a text cannot define or undefine a macro of this name, if there is one.
 pub fn macro_refusal(word: &str) -> Option<String> {
     let is_of_compiler = word.starts_with("GL_") || MACROS.contains(&word);
     is_of_compiler.then(|| {
@@ -236,7 +236,7 @@ pub fn is_selection(word: &str) -> bool {
     word.len() <= 4 && SELECTIONS.iter().any(is_of)
 }
 
-/// Why a field cannot have a word, if it cannot.
+/// The reason why a field cannot contain a word, if there is one.
 pub fn refusal(word: &str) -> Option<String> {
     if GIVEN.contains(&word) {
         return Some(format!(
@@ -274,8 +274,8 @@ pub fn refusal(word: &str) -> Option<String> {
     (word == "defined").then(|| "'defined' belongs to the preprocessor".to_owned())
 }
 
-/// Whether a word begins with what names of texts are renamed to: `user0_`, `users0_`. A macro
-/// that renames it would rename others again.
+/// Whether a word begins with a prefix of renamed names: `user0_`, `users0_`. A macro that renames
+/// it would rename others again.
 fn is_of_renaming(word: &str) -> bool {
     let Some(after) = word.strip_prefix("user") else {
         return false;
@@ -306,8 +306,8 @@ fn is_opaque(word: &str) -> bool {
 mod tests {
     use super::*;
 
-    /// Protects the renaming's one exception: no name of the program's own shaders looks like
-    /// a selection of components.
+    /// Protects the one exception to renaming: no name in the program's own shaders looks like a
+    /// selection of components.
     #[test]
     fn selections_and_names_are_told_apart() {
         for word in ["x", "xyz", "rgba", "stp", "p", "aaaa"] {

@@ -1,0 +1,27 @@
+//! `echomarch field-trial`: the child process in which users' fields are tried.
+
+use super::options::Common;
+use echomarch::trace::{FieldTrial, TrialCommand, answer_field_trial};
+use std::ffi::OsString;
+use std::process::ExitCode;
+
+/// Makes users' fields be tried in child processes, on the requested renderer.
+pub fn choose(common: &Common) {
+    let mut arguments = vec![
+        OsString::from("field-trial"),
+        format!("--gl={}", common.gl).into(),
+    ];
+    arguments.extend(common.gpu.map(|gpu| format!("--gpu={gpu}").into()));
+    // Without the path of this program every trial fails, and all fields with it: they are never
+    // compiled untried.
+    let command = TrialCommand::this_program(arguments.clone()).unwrap_or(TrialCommand {
+        program: "echomarch".into(),
+        arguments,
+    });
+    FieldTrial::InChild(command).set();
+}
+
+/// Answers the parent process.
+pub fn answer(common: &Common) -> ExitCode {
+    answer_field_trial(&common.context_options())
+}

@@ -1,0 +1,206 @@
+//! `echomarch impulse`: impulse responses and room acoustic figures.
+
+mod files;
+mod flutter;
+mod missing;
+mod notes;
+pub(super) mod pairs;
+mod print_out;
+
+use super::exit::BadInput;
+use super::numbers::{count, real};
+use super::options::{Common, check_ending, check_range};
+use super::print;
+use super::scene::SceneAtTime;
+use clap::{Args, ValueEnum};
+use echomarch::Error;
+use echomarch::acoustics::hrir::HrirSet;
+use echomarch::acoustics::{AcousticsError, Format, MAX_SECONDS, RATES_HZ};
+use echomarch::audio::SAMPLE_RATE;
+use echomarch::internals::file_output::check_file;
+use echomarch::response::{MAX_ORDER, Response, ResponseSettings};
+use echomarch::trace::{Algorithm, Directions, Profile, Settings};
+use pairs::Pair;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+const EXAMPLES: &str = "\
+Examples:
+  echomarch impulse hall.ron                         figures of the room, and its early paths
+  echomarch impulse hall.ron -o ir.wav --waves 262144
+  echomarch impulse hall.ron -o ir.wav --format ambisonic --seconds 3
+  echomarch impulse hall.ron -o ir.wav --format binaural --sofa head.sofa
+  echomarch impulse hall.ron --source flute --listener stalls --plot decay.svg
+  echomarch impulse hall.ron --echogram echogram.csv --json > hall.json";
+
+/// The shortest response in seconds: less than a time bin contains no information.
+const SHORTEST_S: f64 = 1e-3;
+
+/// Arguments of `impulse`.
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    #[command(flatten)]
+    scene: SceneAtTime,
+    /// Write the impulse response as a WAV file of 32-bit floats; its first sample is the source's
+    /// impulse, and amplitude 1 is the direct sound at 1 m. Echoes that coincide add by amplitude
+    /// here, and by energy in the figures
+    #[arg(short, long, value_name = "FILE.wav")]
+    output: Option<PathBuf>,
+    /// Channels of the WAV file: mono, stereo, ambisonic (first order: ACN, SN3D), or binaural (two
+    /// ears, by --sofa)
+    #[arg(long, default_value = "mono", value_name = "NAME", requires = "output")]
+    format: FormatOption,
+    /// Head-related impulse responses for --format binaural: a SOFA file of the convention
+    /// SimpleFreeFieldHRIR
+    #[arg(long, value_name = "FILE.sofa", requires = "output")]
+    sofa: Option<PathBuf>,
+    /// Sample rate of the WAV file, in hertz
+    #[arg(long, allow_negative_numbers = true, default_value_t = SAMPLE_RATE, value_name = "HZ",
+        requires = "output", value_parser = count::<u32>)]
+    rate: u32,
+    /// Write the energy of all but the exact paths by time (the middle of a bin) and band as CSV:
+    /// time_s,band_hz,energy,x,y,z
+    #[arg(long, value_name = "FILE.csv")]
+    echogram: Option<PathBuf>,
+    /// Write a plot of the energy and its decay against time
+    #[arg(long, value_name = "FILE.svg")]
+    plot: Option<PathBuf>,
+    /// Only this source, by its name or number
+    #[arg(long, value_name = "NAME")]
+    source: Option<String>,
+    /// Only this listener, by its name or number
+    #[arg(long, value_name = "NAME")]
+    listener: Option<String>,
+    /// Length of the response, 0.001 to 60 [default: until all bands have fallen by 60 dB as far as
+    /// waves show it, 10 at most]
+    #[arg(long, allow_negative_numbers = true, value_name = "SECONDS", value_parser = real::<f64>)]
+    seconds: Option<f64>,
+    /// Maximum number of reflections of exact paths [default: 8 where all surfaces
+    /// are flat, else 3]
+    #[arg(long, allow_negative_numbers = true, value_name = "N", value_parser = count::<u32>)]
+    order: Option<u32>,
+    /// The algorithm: hybrid (closed form), march (accurate sphere tracing)
+    #[arg(long, default_value_t = Profile::Hybrid, value_name = "NAME")]
+    profile: Profile,
+    /// Number of sound waves, 1 to 16777216
+    #[arg(long, allow_negative_numbers = true, default_value_t = 65_536, value_name = "N", value_parser = count::<u32>)]
+    waves: u32,
+    /// Seed of the start directions, and of the noise of the late part
+    #[arg(long, allow_negative_numbers = true, default_value_t = 1, value_name = "N", value_parser = count::<u32>)]
+    seed: u32,
+    /// Start directions: random (the thesis), fibonacci (an even lattice)
+    #[arg(long, default_value_t = Directions::Random, value_name = "NAME")]
+    directions: Directions,
+}
+
+/// The channels of the WAV file.
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+enum FormatOption {
+    Mono,
+    Stereo,
+    #[value(alias = "ambix")]
+    Ambisonic,
+    Binaural,
+}
+
+/// Runs the subcommand.
+pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
+    arguments.check()?;
+    let settings = arguments.settings()?;
+    let scene = common.scene_at_time(&arguments.scene)?;
+    let pairs = pairs::chosen(
+        &scene,
+        arguments.source.as_deref(),
+        arguments.listener.as_deref(),
+    )?;
+    if arguments.files().next().is_some() && pairs.len() > 1 {
+        return Err(BadInput(pairs::too_many(&scene, pairs.len())).into());
+    }
+    arguments.files().try_for_each(|file| check_file(file))?;
+    let format = arguments.format()?;
+    let mut tracer = common.tracer()?;
+    notes::tell_first(common, &scene);
+    let bar = print::progress(common.quiet, pairs.len() as u64, "pairs");
+    let mut heard: Vec<(Pair, Response)> = Vec::new();
+    for pair in pairs {
+        let response = Response::trace(&mut tracer, &pair.scene, &settings)?;
+        files::write(arguments, &format, &pair, &response)?;
+        heard.push((pair, response));
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    common.warn_checked(&scene);
+    notes::tell(common, &scene, &heard);
+    if common.json {
+        let renderer = tracer.context().renderer();
+        return print::json(&print_out::report(&scene, renderer, &settings, &heard));
+    }
+    print_out::text(&scene, &settings, &heard)
+}
+
+impl Arguments {
+    fn settings(&self) -> anyhow::Result<ResponseSettings> {
+        let trace = Settings::new(Algorithm::of(self.profile))
+            .with_waves(self.waves)
+            .with_seed(self.seed)
+            .with_directions(self.directions);
+        let mut settings = ResponseSettings::default().with_trace(trace);
+        settings.order = self.order;
+        settings.seconds = self.seconds;
+        settings.validate()?;
+        Ok(settings)
+    }
+
+    /// The format of the WAV file, with the SOFA file's responses at its rate.
+    fn format(&self) -> anyhow::Result<Format> {
+        Ok(match self.format {
+            FormatOption::Mono => Format::Mono,
+            FormatOption::Stereo => Format::Stereo,
+            FormatOption::Ambisonic => Format::AmbiX,
+            FormatOption::Binaural => Format::Binaural(Arc::new(self.hrirs()?)),
+        })
+    }
+
+    fn hrirs(&self) -> anyhow::Result<HrirSet> {
+        let Some(file) = &self.sofa else {
+            return Err(BadInput("--format binaural needs --sofa FILE.sofa".into()).into());
+        };
+        let hrirs = HrirSet::read_sofa(file).map_err(Error::from)?;
+        let at_rate = hrirs.at_rate(self.rate).map_err(AcousticsError::from);
+        Ok(at_rate.map_err(Error::from)?)
+    }
+
+    fn check(&self) -> anyhow::Result<()> {
+        let endings = [
+            (&self.output, "wav"),
+            (&self.echogram, "csv"),
+            (&self.plot, "svg"),
+        ];
+        for (file, ending) in endings {
+            file.as_deref()
+                .map_or(Ok(()), |file| check_ending(file, ending))?;
+        }
+        if let Some(order) = self.order {
+            check_range("--order", f64::from(order), 0.0, f64::from(MAX_ORDER))?;
+        }
+        if let Some(seconds) = self.seconds {
+            check_range("--seconds", seconds, SHORTEST_S, MAX_SECONDS)?;
+        }
+        let (least, most) = (*RATES_HZ.start(), *RATES_HZ.end());
+        check_range(
+            "--rate",
+            f64::from(self.rate),
+            f64::from(least),
+            f64::from(most),
+        )?;
+        Ok(())
+    }
+
+    /// The files that are to be written.
+    fn files(&self) -> impl Iterator<Item = &PathBuf> {
+        [&self.output, &self.echogram, &self.plot]
+            .into_iter()
+            .flatten()
+    }
+}

@@ -1,0 +1,32 @@
+//! Notes on decays that are longer than a diffuse field's.
+
+use echomarch::bands::BANDS_HZ;
+use echomarch::response::{Flutter, Response, flutters};
+use echomarch::scene::{Scene, WALL_NAMES};
+
+/// Returns a sentence for each pair of walls between which sound lasts.
+pub fn notes(scene: &Scene, response: &Response) -> Vec<String> {
+    let t30_s = response.figures.bands.map(|band| band.t30_s);
+    let found = flutters(scene, t30_s);
+    found.iter().map(sentence).collect()
+}
+
+fn sentence(flutter: &Flutter) -> String {
+    let figures = flutter.bands.iter().map(|of| {
+        let hertz = BANDS_HZ[of.band];
+        format!(
+            "{:.2} s instead of {:.2} s at {hertz} Hz",
+            of.t30_s, of.eyring_s
+        )
+    });
+    let figures: Vec<String> = figures.collect();
+    let [one, other] = flutter.walls.map(|wall| WALL_NAMES[wall]);
+    let scatters = match flutter.nothing_scatters {
+        true => "nothing scatters, and built-in materials have no scattering",
+        false => "too little scatters",
+    };
+    format!(
+        "T30 is more than 1.5 times Eyring's ({}): flutter echo between 1/{one} and 1/{other}; {scatters}: give the walls a scattering (docs/scene-format.md)",
+        figures.join(", ")
+    )
+}

@@ -1,0 +1,163 @@
+//! Why figures are missing from a response, and what helps.
+
+use echomarch::acoustics::BandFigures;
+use echomarch::bands::{BAND_COUNT, BANDS_HZ};
+use echomarch::response::{Gap, Response};
+use echomarch::scene::Scene;
+
+/// Returns a sentence for each reason why figures are missing, with the bands that it applies to.
+pub fn reasons(scene: &Scene, response: &Response) -> Vec<String> {
+    if response.counts.arrivals == 0 && response.paths.is_empty() {
+        // Another note reports that nothing arrives.
+        return Vec::new();
+    }
+    let gaps = response.gaps();
+    let told = |reason: Gap| {
+        let of_reason = gaps.map(|gap| gap == Some(reason));
+        of_reason
+            .contains(&true)
+            .then(|| sentence(scene, response, reason, of_reason))
+    };
+    Gap::ALL.into_iter().filter_map(told).collect()
+}
+
+fn sentence(
+    scene: &Scene,
+    response: &Response,
+    reason: Gap,
+    of_reason: [bool; BAND_COUNT],
+) -> String {
+    let seconds = response.seconds;
+    let bands = bands(of_reason);
+    let times = missing_among(&TIMES, &response.figures.bands, of_reason);
+    match reason {
+        Gap::Silence => format!("nothing arrives {bands}"),
+        Gap::TooShort if scene.has_materials() || scene.air.is_some() => format!(
+            "sound continues after {seconds:.2} s {bands}, so figures are missing (—) or inexact there: use a larger --seconds"
+        ),
+        Gap::TooShort => format!(
+            "sound continues after {seconds:.2} s {bands}, so figures are missing (—) or inexact there: nothing absorbs in this scene; give its surfaces a material (docs/scene-format.md)"
+        ),
+        Gap::NoLateSound => format!(
+            "hardly anything arrives after the first 80 ms, so decay times are not defined (—): {times}"
+        ),
+        Gap::TooNoisy => {
+            let all = missing_among(&ALL_FIGURES, &response.figures.bands, of_reason);
+            format!("too noisy (—): {all}; use more --waves")
+        }
+    }
+}
+
+/// A figure of a band.
+type Figure = fn(&BandFigures) -> Option<f64>;
+
+const TIMES: [(&str, Figure); 3] = [
+    ("EDT", |band| band.edt_s),
+    ("T20", |band| band.t20_s),
+    ("T30", |band| band.t30_s),
+];
+
+const ALL_FIGURES: [(&str, Figure); 8] = [
+    TIMES[0],
+    TIMES[1],
+    TIMES[2],
+    ("C50", |band| band.c50_db),
+    ("C80", |band| band.c80_db),
+    ("D50", |band| band.d50),
+    ("Ts", |band| band.ts_s),
+    ("G", |band| band.g_db),
+];
+
+/// Returns the figures that some bands lack, each with its bands; figures that the same bands lack are grouped.
+fn missing_among(
+    figures_named: &[(&'static str, Figure)],
+    figures: &[BandFigures; BAND_COUNT],
+    of_reason: [bool; BAND_COUNT],
+) -> String {
+    let mut told: Vec<(Vec<&str>, [bool; BAND_COUNT])> = Vec::new();
+    for (name, figure) in figures_named {
+        let lacks: [bool; BAND_COUNT] =
+            std::array::from_fn(|band| of_reason[band] && figure(&figures[band]).is_none());
+        match told.last_mut() {
+            Some((names, bands)) if *bands == lacks => names.push(name),
+            _ => told.push((vec![name], lacks)),
+        }
+    }
+    let told = told.into_iter().filter(|(_, lacks)| lacks.contains(&true));
+    let words = told.map(|(names, lacks)| format!("{} {}", listed(&names), bands(lacks)));
+    words.collect::<Vec<_>>().join("; ")
+}
+
+/// Bands in words: `at 63 and 125 Hz`, `at 500 Hz, 1 and 2 kHz`, `in all bands`.
+fn bands(of: [bool; BAND_COUNT]) -> String {
+    const KILO: f64 = 1000.0;
+    if of == [true; BAND_COUNT] {
+        return "in all bands".to_owned();
+    }
+    let hz = || {
+        BANDS_HZ
+            .iter()
+            .zip(of)
+            .filter_map(|(hz, of)| of.then_some(*hz))
+    };
+    let low: Vec<String> = hz()
+        .filter(|hz| *hz < KILO)
+        .map(|hz| hz.to_string())
+        .collect();
+    let high = hz()
+        .filter(|hz| *hz >= KILO)
+        .map(|hz| (hz / KILO).to_string());
+    let high: Vec<String> = high.collect();
+    let parts = [(low, "Hz"), (high, "kHz")].into_iter();
+    let parts = parts.filter(|(numbers, _)| !numbers.is_empty());
+    let parts = parts.map(|(numbers, unit)| format!("{} {unit}", listed(&numbers)));
+    format!("at {}", parts.collect::<Vec<_>>().join(", "))
+}
+
+/// `a`, `a and b`, `a, b and c`.
+fn listed(words: &[impl AsRef<str>]) -> String {
+    let words: Vec<&str> = words.iter().map(AsRef::as_ref).collect();
+    match words.split_last() {
+        Some((last, [])) => (*last).to_owned(),
+        Some((last, others)) => format!("{} and {last}", others.join(", ")),
+        None => String::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(bands: &[usize]) -> [bool; BAND_COUNT] {
+        std::array::from_fn(|band| bands.contains(&band))
+    }
+
+    /// Protects the reader from a note that contradicts the table: a time is named with exactly the bands that lack it.
+    #[test]
+    fn a_time_is_named_with_the_bands_that_lack_it() {
+        let mut whole = BandFigures::default();
+        (whole.edt_s, whole.t20_s, whole.t30_s) = (Some(1.0), Some(1.0), Some(1.0));
+        whole.c80_db = Some(3.0);
+        let mut figures = [whole; BAND_COUNT];
+        for figures in &mut figures[5..7] {
+            figures.t30_s = None;
+        }
+        figures[5].t20_s = None;
+        let told = missing_among(&TIMES, &figures, [true; BAND_COUNT]);
+        assert_eq!(told, "T20 at 2 kHz; T30 at 2 and 4 kHz");
+        // Bands with another reason are left out.
+        assert_eq!(missing_among(&TIMES, &figures, of(&[6, 7])), "T30 at 4 kHz");
+        let none = [BandFigures::default(); BAND_COUNT];
+        let told = missing_among(&TIMES, &none, [true; BAND_COUNT]);
+        assert_eq!(told, "EDT, T20 and T30 in all bands");
+    }
+
+    /// Protects the names of bands.
+    #[test]
+    fn bands_are_in_hertz_and_kilohertz() {
+        assert_eq!(bands([true; BAND_COUNT]), "in all bands");
+        assert_eq!(bands(of(&[0, 1])), "at 63 and 125 Hz");
+        assert_eq!(bands(of(&[2, 3, 4, 7])), "at 250 and 500 Hz, 1 and 8 kHz");
+        assert_eq!(bands(of(&[4])), "at 1 kHz");
+    }
+}

@@ -1,0 +1,99 @@
+//! The choice of sources and listeners.
+
+use super::super::exit::BadInput;
+use echomarch::scene::Scene;
+
+/// A source and a listener of a scene.
+pub struct Pair {
+    /// Their names, or their numbers from 1.
+    pub source: String,
+    pub listener: String,
+    /// The scene with this source and this listener as the first.
+    pub scene: Scene,
+}
+
+/// Returns the pairs of the sources and listeners chosen by name or number; all pairs without a
+/// choice.
+pub fn chosen(
+    scene: &Scene,
+    source: Option<&str>,
+    listener: Option<&str>,
+) -> Result<Vec<Pair>, BadInput> {
+    let (sources, listeners) = (scene.source_labels(), scene.listener_labels());
+    let from = choose("source", &sources, source)?;
+    let to = choose("listener", &listeners, listener)?;
+    let both = from
+        .iter()
+        .flat_map(|from| to.iter().map(move |to| (*from, *to)));
+    let pair = |(from, to): (usize, usize)| {
+        let scene = scene.heard_by(from, to);
+        Ok(Pair {
+            source: sources[from].clone(),
+            listener: listeners[to].clone(),
+            scene: scene.map_err(|error| BadInput(error.to_string()))?,
+        })
+    };
+    both.map(pair).collect()
+}
+
+/// Returns the index of the listener chosen by name or number; the first without a choice.
+pub fn listener(scene: &Scene, wanted: Option<&str>) -> Result<usize, BadInput> {
+    let chosen = choose("listener", &scene.listener_labels(), wanted)?;
+    Ok(chosen[0])
+}
+
+/// The error that files contain only one pair.
+pub fn too_many(scene: &Scene, count: usize) -> String {
+    format!(
+        "files hold one source and one listener, and {} has {count} such pairs: choose by --source and --listener",
+        scene.name
+    )
+}
+
+/// Returns the chosen indices: a name takes precedence over a number.
+fn choose(what: &str, labels: &[String], wanted: Option<&str>) -> Result<Vec<usize>, BadInput> {
+    let Some(wanted) = wanted else {
+        return Ok((0..labels.len()).collect());
+    };
+    let by_number = || {
+        wanted
+            .parse::<usize>()
+            .ok()?
+            .checked_sub(1)
+            .filter(|at| *at < labels.len())
+    };
+    match labels
+        .iter()
+        .position(|label| label == wanted)
+        .or_else(by_number)
+    {
+        Some(index) => Ok(vec![index]),
+        None => Err(BadInput(format!(
+            "the scene has no {what} {wanted:?}; it has: {}",
+            labels.join(", ")
+        ))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects the choice by name and by number, and the message for an unknown one.
+    #[test]
+    fn names_count_before_numbers() {
+        let labels = ["2", "2", "flute"].map(str::to_owned);
+        assert_eq!(choose("source", &labels, None).unwrap(), [0, 1, 2]);
+        // The second source, without a name, is "2" as well: the name wins.
+        assert_eq!(choose("source", &labels, Some("2")).unwrap(), [0]);
+        assert_eq!(choose("source", &labels, Some("3")).unwrap(), [2]);
+        assert_eq!(choose("source", &labels, Some("flute")).unwrap(), [2]);
+        let refused = choose("source", &labels, Some("drum")).unwrap_err();
+        assert!(
+            refused
+                .0
+                .contains("no source \"drum\"; it has: 2, 2, flute")
+        );
+        assert!(choose("source", &labels, Some("0")).is_err());
+    }
+}

@@ -1,0 +1,310 @@
+//! The output of `echomarch impulse`.
+
+use super::super::numbers::tenths;
+use super::super::print;
+use super::notes;
+use super::pairs::Pair;
+use echomarch::acoustics::{BandFigures, Figures, strength_db};
+use echomarch::bands::{self, BAND_COUNT, BANDS_HZ, Bands};
+use echomarch::response::{HeardPath, Response, ResponseSettings};
+use echomarch::scene::{Scene, WALL_NAMES};
+use echomarch_lab::report::{Column, Row, Table};
+use serde::Serialize;
+
+/// Maximum number of paths in the text; the JSON lists all.
+const PATHS_IN_TEXT: usize = 8;
+
+/// The JSON output.
+#[derive(Serialize)]
+pub struct Report<'a> {
+    scene: &'a str,
+    renderer: &'a str,
+    profile: String,
+    waves: u32,
+    seed: u32,
+    directions: String,
+    iterations: u32,
+    seconds: f64,
+    milliseconds: f64,
+    pairs: Vec<PairReport<'a>>,
+}
+
+#[derive(Serialize)]
+struct PairReport<'a> {
+    source: &'a str,
+    listener: &'a str,
+    seconds: f64,
+    iterations: u32,
+    milliseconds: f64,
+    /// The time origin of the figures, in seconds after the source's impulse, and its standard deviation;
+    /// `null` where nothing arrives.
+    time_origin_s: Option<f64>,
+    time_origin_error_s: Option<f64>,
+    bands_hz: Bands,
+    #[serde(flatten)]
+    figures: FigureReport,
+    error: FigureReport,
+    /// The share of the energy after the response's end.
+    cut_off: [Option<f64>; BAND_COUNT],
+    /// The share of the early energy on paths that no wave found.
+    missed_early_share: Option<f64>,
+    /// The share of all energy that came by paths of few reflections that were not searched.
+    left_out_share: f64,
+    /// The share of the directions that were not searched for paths over planes.
+    search_left_out_share: f64,
+    /// The time until which the figures hold, in seconds; `null` for the whole response.
+    followed_s: Option<f64>,
+    /// Notes on what is missing or inexact, and what helps.
+    notes: Vec<String>,
+    direct: Option<DirectReport>,
+    paths: Vec<PathReport<'a>>,
+}
+
+/// Figures by band, or their errors: one standard deviation.
+#[derive(Serialize)]
+struct FigureReport {
+    edt_s: Vec<Option<f64>>,
+    t20_s: Vec<Option<f64>>,
+    t30_s: Vec<Option<f64>>,
+    c50_db: Vec<Option<f64>>,
+    c80_db: Vec<Option<f64>>,
+    d50: Vec<Option<f64>>,
+    ts_s: Vec<Option<f64>>,
+    g_db: Vec<Option<f64>>,
+}
+
+#[derive(Serialize)]
+struct DirectReport {
+    delay_s: f64,
+    g_db: Option<f64>,
+    azimuth_deg: f64,
+    elevation_deg: f64,
+}
+
+#[derive(Serialize)]
+struct PathReport<'a> {
+    order: usize,
+    surfaces: &'a [u32],
+    /// The walls of rooms: left, right, floor, ceiling, front, back.
+    walls: Vec<Option<&'static str>>,
+    delay_s: f64,
+    /// From the mean of the bands' energies.
+    g_db: Option<f64>,
+    g_db_bands: Vec<Option<f64>>,
+    azimuth_deg: f64,
+    elevation_deg: f64,
+    is_focus: bool,
+}
+
+/// The whole result.
+pub fn report<'a>(
+    scene: &'a Scene,
+    renderer: &'a str,
+    settings: &ResponseSettings,
+    heard: &'a [(Pair, Response)],
+) -> Report<'a> {
+    let responses = || heard.iter().map(|(_, response)| response);
+    Report {
+        scene: &scene.name,
+        renderer,
+        profile: settings.trace.profile().to_string(),
+        waves: settings.trace.waves,
+        seed: settings.trace.seed,
+        directions: settings.trace.directions.to_string(),
+        iterations: responses().map(|r| r.counts.iterations).max().unwrap_or(0),
+        seconds: responses().map(|r| r.seconds).fold(0.0, f64::max),
+        milliseconds: responses().map(|r| r.milliseconds).sum(),
+        pairs: heard
+            .iter()
+            .map(|(pair, response)| of_pair(scene, pair, response))
+            .collect(),
+    }
+}
+
+fn of_pair<'a>(scene: &Scene, pair: &'a Pair, response: &'a Response) -> PairReport<'a> {
+    let Figures {
+        bands,
+        errors,
+        cut_off,
+        ..
+    } = &response.figures;
+    PairReport {
+        source: &pair.source,
+        listener: &pair.listener,
+        seconds: response.seconds,
+        iterations: response.counts.iterations,
+        milliseconds: response.milliseconds,
+        time_origin_s: response.figures.begins_s,
+        time_origin_error_s: response.figures.begins_error_s,
+        bands_hz: BANDS_HZ,
+        figures: FigureReport::of(bands),
+        error: FigureReport::of(errors),
+        cut_off: *cut_off,
+        missed_early_share: response.missed.energy_share(),
+        left_out_share: response.left_out_share,
+        search_left_out_share: response.search_left_out_share,
+        followed_s: response.followed_s,
+        notes: notes::texts(scene, response),
+        direct: response.direct().map(|path| DirectReport {
+            delay_s: path.delay_s,
+            g_db: mean_strength_db(path),
+            azimuth_deg: path.azimuth.to_degrees(),
+            elevation_deg: path.elevation.to_degrees(),
+        }),
+        paths: response.paths.iter().map(of_path).collect(),
+    }
+}
+
+fn of_path(path: &HeardPath) -> PathReport<'_> {
+    PathReport {
+        order: path.path.surfaces.len(),
+        surfaces: &path.path.surfaces,
+        walls: wall_names(path).collect(),
+        delay_s: path.delay_s,
+        g_db: mean_strength_db(path),
+        g_db_bands: path
+            .energy
+            .iter()
+            .map(|energy| strength_db(*energy))
+            .collect(),
+        azimuth_deg: path.azimuth.to_degrees(),
+        elevation_deg: path.elevation.to_degrees(),
+        is_focus: path.path.is_focus,
+    }
+}
+
+impl FigureReport {
+    fn of(bands: &[BandFigures; BAND_COUNT]) -> FigureReport {
+        let by_band = |figure: fn(&BandFigures) -> Option<f64>| bands.iter().map(figure).collect();
+        FigureReport {
+            edt_s: by_band(|band| band.edt_s),
+            t20_s: by_band(|band| band.t20_s),
+            t30_s: by_band(|band| band.t30_s),
+            c50_db: by_band(|band| band.c50_db),
+            c80_db: by_band(|band| band.c80_db),
+            d50: by_band(|band| band.d50),
+            ts_s: by_band(|band| band.ts_s),
+            g_db: by_band(|band| band.g_db),
+        }
+    }
+}
+
+/// *G* of the mean of a path's bands, in decibels; `None` for silence.
+fn mean_strength_db(path: &HeardPath) -> Option<f64> {
+    strength_db(bands::mean(&path.energy))
+}
+
+/// The names of the walls that a path is mirrored at; `None` for other surfaces.
+fn wall_names(path: &HeardPath) -> impl Iterator<Item = Option<&'static str>> {
+    let walls = path.path.walls.iter();
+    walls.map(|wall| wall.map(|wall| WALL_NAMES[usize::from(wall)]))
+}
+
+/// One band of one pair, as a row of a table.
+struct BandRow {
+    band_hz: f64,
+    figures: BandFigures,
+    errors: BandFigures,
+}
+
+/// Prints the figures as text.
+pub fn text(
+    scene: &Scene,
+    settings: &ResponseSettings,
+    heard: &[(Pair, Response)],
+) -> anyhow::Result<()> {
+    for (pair, response) in heard {
+        print::line(&format!(
+            "{}: source {}, listener {}: {} waves, {} iterations, record {:.2} s, profile {}, seed {}",
+            scene.name,
+            pair.source,
+            pair.listener,
+            settings.trace.waves,
+            response.counts.iterations,
+            response.seconds,
+            settings.trace.profile(),
+            settings.trace.seed
+        ))?;
+        let rows = (0..BAND_COUNT).map(|band| BandRow {
+            band_hz: BANDS_HZ[band],
+            figures: response.figures.bands[band],
+            errors: response.figures.errors[band],
+        });
+        print::line(&Table::of(rows).terminal())?;
+        print_paths(scene, response)?;
+        print::line(&format!("  computed in {:.0} ms", response.milliseconds))?;
+    }
+    Ok(())
+}
+
+impl Row for BandRow {
+    fn columns() -> Vec<Column<BandRow>> {
+        vec![
+            Column::new("band_hz", "band", |row: &BandRow| row.band_hz)
+                .unit("Hz")
+                .fixed(0)
+                .key(),
+            Column::new("edt_s", "EDT", |row: &BandRow| row.figures.edt_s)
+                .unit("s")
+                .fixed(3),
+            Column::new("t20_s", "T20", |row: &BandRow| row.figures.t20_s)
+                .unit("s")
+                .fixed(3),
+            Column::new("t30_s", "T30", |row: &BandRow| row.figures.t30_s)
+                .unit("s")
+                .fixed(3),
+            Column::new("t30_error_s", "±", |row: &BandRow| row.errors.t30_s)
+                .unit("s")
+                .fixed(3),
+            Column::new("c80_db", "C80", |row: &BandRow| row.figures.c80_db)
+                .unit("dB")
+                .fixed(2),
+            Column::new("c80_error_db", "±", |row: &BandRow| row.errors.c80_db)
+                .unit("dB")
+                .fixed(2),
+            Column::new("g_db", "G", |row: &BandRow| row.figures.g_db)
+                .unit("dB")
+                .fixed(2),
+            Column::new("g_error_db", "±", |row: &BandRow| row.errors.g_db)
+                .unit("dB")
+                .fixed(2),
+        ]
+    }
+}
+
+fn print_paths(scene: &Scene, response: &Response) -> anyhow::Result<()> {
+    let shown = response.paths.iter().take(PATHS_IN_TEXT);
+    for path in shown {
+        let over = match path.is_direct() {
+            true => "direct".to_owned(),
+            false => format!("over {}", mirrors(scene, path).join(", ")),
+        };
+        let strength = mean_strength_db(path);
+        print::line(&format!(
+            "  {:9.3} ms  G {:>6} dB  azimuth {:+7.1}°, elevation {:+6.1}°  {over}",
+            path.delay_s * 1e3,
+            strength.map_or("−∞".to_owned(), |db| format!("{db:.2}")),
+            tenths(path.azimuth.to_degrees()),
+            tenths(path.elevation.to_degrees()),
+        ))?;
+    }
+    match response.paths.len().saturating_sub(PATHS_IN_TEXT) {
+        0 => Ok(()),
+        more => print::line(&format!("  and {more} more exact paths (--json lists all)")),
+    }
+}
+
+/// The surfaces that a path is mirrored at, by their names or numbers, and the walls of rooms.
+fn mirrors(scene: &Scene, path: &HeardPath) -> Vec<String> {
+    let surfaces = path.path.surfaces.iter().zip(wall_names(path));
+    let name = |(number, wall): (&u32, Option<&str>)| {
+        let surface = scene.surfaces.get(*number as usize - 1);
+        let name = surface.and_then(|surface| surface.name.clone());
+        let name = name.unwrap_or_else(|| number.to_string());
+        match wall {
+            Some(wall) => format!("{name}/{wall}"),
+            None => name,
+        }
+    };
+    surfaces.map(name).collect()
+}

@@ -1,0 +1,165 @@
+//! The command line, one file per subcommand: each parses arguments, calls the library and prints
+//! the result.
+//!
+//! Exit codes: 0 done, 1 failed, 2 bad input. Results go to standard output (`--json`
+//! for machines), everything else to standard error.
+
+mod accuracy;
+mod cost;
+#[cfg(feature = "demo")]
+mod demo;
+mod exit;
+mod field_trial;
+mod figures;
+mod impulse;
+mod info;
+#[cfg(unix)]
+mod interrupt;
+/// On systems without signals the system ends the program.
+#[cfg(not(unix))]
+mod interrupt {
+    pub fn install() -> std::io::Result<()> {
+        Ok(())
+    }
+
+    #[cfg(feature = "demo")]
+    pub fn ask_from_now_on() {}
+
+    #[cfg(feature = "demo")]
+    pub fn is_asked() -> bool {
+        false
+    }
+
+    pub fn asked() -> Option<u8> {
+        None
+    }
+}
+mod localise;
+mod numbers;
+mod option_hints;
+mod options;
+mod print;
+mod refused_options;
+mod render;
+mod report;
+mod scene;
+mod shader;
+mod slice;
+mod study;
+mod trace;
+mod verify;
+mod view;
+
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use std::process::ExitCode;
+
+const EXAMPLES: &str = "\
+Examples:
+  echomarch demo                             the window: walk and listen
+  echomarch figures -o out                   the thesis' four tables, CSV and plot
+  echomarch accuracy -o out                  speed and error of each profile
+  echomarch cost corner                      what each surface and option costs
+  echomarch trace corner                     one frame of a built-in scene
+  echomarch trace my.ron --waves 1048576 --json
+  echomarch impulse whispering-gallery       how a room answers: figures, early paths, -o a WAV
+  echomarch render open-field -o out.wav     what the listener hears
+  echomarch view corner -o view.png          what the listener sees
+  echomarch slice corner --paths 200 -o plan.png
+  echomarch shader corner                    the shader that is generated from a scene
+  echomarch verify                           the hard cases, pass or fail
+  echomarch study map.ron -o out             a sweep or a map of many points, here or on a cluster
+  echomarch localise form -o form            where is the source? a form for people
+  echomarch info                             the renderers there are
+
+Scenes: corner, obstacles, open-field, open-pillars, shoebox, whispering-gallery, parabolic-mirrors,
+colonnade, cave, morphing-room, menger, glasshouse, or a file (.ron).";
+
+/// Traces sound waves through signed distance functions on the GPU: Sjöberg's 2011
+/// thesis as OpenGL fragment shaders.
+#[derive(Debug, Parser)]
+#[command(name = "echomarch", version, about, after_help = EXAMPLES)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+    #[command(flatten)]
+    common: options::Common,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// The window: walk through a scene and hear it
+    #[cfg(feature = "demo")]
+    Demo(demo::Arguments),
+    /// Trace one frame: what arrives, from where, how fast
+    Trace(trace::Arguments),
+    /// Impulse responses: room acoustic figures, exact early paths, a WAV to convolve with
+    Impulse(impulse::Arguments),
+    /// Render a WAV of what the listener hears
+    Render(render::Arguments),
+    /// Picture of what the listener sees, by the distance function that the waves use
+    View(view::Arguments),
+    /// Plan of the scene from above, with wave paths on request
+    Slice(slice::Arguments),
+    /// Print a shader that is generated from a scene
+    Shader(shader::Arguments),
+    /// The performance experiment: figures 11.1 to 11.4 beside the thesis' own
+    Figures(figures::Arguments),
+    /// Speed against error: every profile and option compared with exact waves
+    Accuracy(accuracy::Arguments),
+    /// Cost of each surface and option, and what could be left out
+    Cost(cost::Arguments),
+    /// The hard cases: every profile compared with exact answers
+    Verify(verify::Arguments),
+    /// The localisation experiment, with a computed observer and with people
+    Localise(localise::Arguments),
+    /// Sweeps and maps: many points; shards can be interrupted, resumed and merged
+    Study(study::Arguments),
+    /// Try users' fields for another process of this program
+    #[command(hide = true)]
+    FieldTrial,
+    /// List all renderers found (whatever --gl and --gpu say), their limits, and versions
+    Info(info::Arguments),
+}
+
+fn main() -> ExitCode {
+    let parsed = Cli::command()
+        .try_get_matches()
+        .and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, matches)));
+    let (cli, matches) = match parsed {
+        Ok(parsed) => parsed,
+        Err(mut error) => return exit::refuse_arguments(&mut error),
+    };
+    if let Err(error) = refused_options::check(&matches) {
+        return exit::report(&error.into());
+    }
+    if matches!(cli.command, Command::FieldTrial) {
+        return field_trial::answer(&cli.common);
+    }
+    if let Err(error) = interrupt::install() {
+        print::tell(&format!("warning: cannot handle signals: {error}"));
+    }
+    field_trial::choose(&cli.common);
+    let result = match &cli.command {
+        #[cfg(feature = "demo")]
+        Command::Demo(arguments) => demo::run(arguments, &cli.common),
+        Command::Trace(arguments) => trace::run(arguments, &cli.common),
+        Command::Impulse(arguments) => impulse::run(arguments, &cli.common),
+        Command::Render(arguments) => render::run(arguments, &cli.common),
+        Command::View(arguments) => view::run(arguments, &cli.common),
+        Command::Slice(arguments) => slice::run(arguments, &cli.common),
+        Command::Shader(arguments) => shader::run(arguments, &cli.common),
+        Command::Figures(arguments) => figures::run(arguments, &cli.common),
+        Command::Accuracy(arguments) => accuracy::run(arguments, &cli.common),
+        Command::Cost(arguments) => cost::run(arguments, &cli.common),
+        Command::Verify(arguments) => verify::run(arguments, &cli.common),
+        Command::Localise(arguments) => localise::run(arguments, &cli.common),
+        Command::Study(arguments) => study::run(arguments, &cli.common),
+        Command::Info(arguments) => info::run(arguments, &cli.common),
+        Command::FieldTrial => Ok(()),
+    };
+    let code = match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => exit::report(&error),
+    };
+    interrupt::asked().map_or(code, ExitCode::from)
+}

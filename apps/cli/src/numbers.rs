@@ -1,0 +1,99 @@
+//! Numbers as people type them: `65536`, `65_536`, `1e6`.
+
+use std::fmt::Display;
+use std::str::FromStr;
+
+/// Whole numbers up to this are exact as `f64`.
+const MOST_EXACT: f64 = 9_007_199_254_740_992.0;
+
+/// Parses a count: digits, optionally grouped by underscores, or a power of ten that is whole.
+pub fn count<T: TryFrom<u64>>(said: &str) -> Result<T, String> {
+    let text = ungrouped(said)?;
+    let whole = match text.parse::<u64>() {
+        Ok(whole) => whole,
+        Err(_) => of_power(&text)?,
+    };
+    T::try_from(whole).map_err(|_| format!("{said} is too large"))
+}
+
+/// The whole number that a power of ten such as `1e6` or `2.5e3` stands for.
+fn of_power(text: &str) -> Result<u64, String> {
+    if !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit()) {
+        return Err(format!("{text} is too large"));
+    }
+    match text.parse::<f64>() {
+        Ok(number) if (0.0..=MOST_EXACT).contains(&number) && number.fract() == 0.0 => {
+            Ok(number as u64)
+        }
+        Ok(number) if number < 0.0 => Err("it must be a whole number of 0 or more".to_owned()),
+        _ => Err("it must be a whole number, such as 65536, 65_536 or 1e6".to_owned()),
+    }
+}
+
+/// Parses a number that may have decimals.
+pub fn real<T: FromStr<Err: Display>>(said: &str) -> Result<T, String> {
+    let text = ungrouped(said)?;
+    text.parse().map_err(|error: T::Err| error.to_string())
+}
+
+/// Rounds to tenths; the result 0 has no sign.
+pub fn tenths(value: f64) -> f64 {
+    (10.0 * value).round() / 10.0 + 0.0
+}
+
+/// The text without its underscores, each of which must stand between two digits.
+fn ungrouped(said: &str) -> Result<String, String> {
+    let bytes = said.as_bytes();
+    let is_digit = |at: Option<usize>| {
+        at.and_then(|at| bytes.get(at))
+            .is_some_and(u8::is_ascii_digit)
+    };
+    for (at, _) in said.match_indices('_') {
+        if !is_digit(at.checked_sub(1)) || !is_digit(Some(at + 1)) {
+            return Err("an underscore must stand between two digits".to_owned());
+        }
+    }
+    Ok(said.replace('_', ""))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects counts: every notation gives the same count, and anything else is rejected.
+    #[test]
+    fn counts_are_read_in_every_form() {
+        let forms = [
+            ("65536", 65_536),
+            ("65_536", 65_536),
+            ("1e6", 1_000_000),
+            ("1E6", 1_000_000),
+            ("2.5e3", 2500),
+            ("1_0e1", 100),
+            ("4095.0", 4095),
+        ];
+        for (said, meant) in forms {
+            assert_eq!(count::<u32>(said), Ok(meant), "{said}");
+        }
+        for said in [
+            "", "_1", "1_", "1__0", "1.5", "-1", "1e-1", "nan", "inf", "1e20", "4e10", "ten",
+        ] {
+            assert!(count::<u32>(said).is_err(), "{said:?}");
+        }
+        assert_eq!(count::<u64>("4e10"), Ok(40_000_000_000));
+        let refused = |said| count::<u64>(said).unwrap_err();
+        assert!(refused("18446744073709551616").ends_with("is too large"));
+        assert_eq!(refused("-1"), "it must be a whole number of 0 or more");
+        assert!(refused("44.1k").contains("1e6"));
+    }
+
+    /// Numbers with a decimal point; the caller checks their ranges.
+    #[test]
+    fn reals_are_read_in_every_form() {
+        assert_eq!(real("1_000.5"), Ok(1000.5f32));
+        assert_eq!(real("-1e-3"), Ok(-0.001f64));
+        for said in ["", "1_.5", "_", "0x10"] {
+            assert!(real::<f64>(said).is_err(), "{said:?}");
+        }
+    }
+}

@@ -1,0 +1,226 @@
+//! Rendering in full: loudness, delays, echoes, reverberation.
+
+use super::super::impulse::pairs;
+use super::super::numbers::{count, real, tenths};
+use super::super::options::check_range;
+use super::super::print;
+use super::{Job, ReportHead, sounds};
+use clap::Args;
+use echomarch::Error;
+use echomarch::acoustics::MAX_SECONDS;
+use echomarch::audio::{SAMPLE_RATE, WavWriter};
+use echomarch::offline::{self, FullBlock, FullSettings};
+use echomarch::response::{HeardSource, MAX_ORDER, ResponseSettings};
+use serde::Serialize;
+
+/// Largest gain accepted, up or down, in decibels: this includes every audible gain.
+const MOST_GAIN_DB: f64 = 120.0;
+
+/// The shortest response, in seconds.
+const SHORTEST_TAIL_S: f64 = 1e-3;
+
+/// Options that have an effect only when all is heard.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "With --listen full")]
+pub struct FullOptions {
+    /// Gain of all sources in decibels; at 0 a source 1 m off, in the open, is as loud as its sound
+    #[arg(long, allow_negative_numbers = true, value_name = "DB", value_parser = real::<f64>)]
+    gain: Option<f64>,
+    /// The listener who hears, by name or number [default: the first]
+    #[arg(long, value_name = "NAME")]
+    listener: Option<String>,
+    /// Maximum number of reflections of exact paths [default: 8 where all surfaces
+    /// are flat, else 3]
+    #[arg(long, allow_negative_numbers = true, value_name = "N", value_parser = count::<u32>)]
+    order: Option<u32>,
+    /// Length of the reverberation after a sound has ended, 0.001 to 60 [default: until all bands have
+    /// fallen by 60 dB, 3 at most]
+    #[arg(long, allow_negative_numbers = true, value_name = "SECONDS", value_parser = real::<f64>)]
+    tail: Option<f64>,
+}
+
+impl FullOptions {
+    /// The first of these options that was typed.
+    pub fn given(&self) -> Option<&'static str> {
+        let typed = [
+            (self.gain.is_some(), "--gain"),
+            (self.listener.is_some(), "--listener"),
+            (self.order.is_some(), "--order"),
+            (self.tail.is_some(), "--tail"),
+        ];
+        let found = typed.into_iter().find(|(is_typed, _)| *is_typed);
+        found.map(|(_, name)| name)
+    }
+}
+
+#[derive(Serialize)]
+struct Report<'a> {
+    #[serde(flatten)]
+    head: ReportHead<'a>,
+    seed: u32,
+    output: String,
+    sound: String,
+    gain_db: f64,
+    seconds: f64,
+    tail_s: f64,
+    sample_rate: u32,
+    fps: f64,
+    /// The largest sample, in decibels relative to full scale; none for silence.
+    peak_db: Option<f64>,
+    frames: Vec<FrameLine>,
+}
+
+#[derive(Serialize)]
+struct FrameLine {
+    time: f64,
+    sources: Vec<SourceLine>,
+}
+
+/// A source as the listener hears it.
+#[derive(Serialize)]
+struct SourceLine {
+    source: String,
+    /// The strength *G* of all arrivals; none without arrivals.
+    g_db: Option<f64>,
+    paths: usize,
+    direct: bool,
+}
+
+/// Renders all sources.
+pub fn run(job: Job) -> anyhow::Result<()> {
+    let (arguments, common, scene, timing) = (job.arguments, job.common, &job.scene, job.timing);
+    let (pairs, settings) = settings(&job)?;
+    let mut sounds = sounds::load(&job.sounds)?;
+    job.check()?;
+    let mut tracer = common.tracer()?;
+    job.warn();
+    let mut writer = WavWriter::create(&arguments.output).map_err(Error::from)?;
+    let bar = job.bar();
+    let gain_db = arguments.full.gain.unwrap_or(0.0);
+    let gain = 10_f64.powf(gain_db / 20.0) as f32;
+    let (mut lines, mut peak) = (Vec::new(), 0.0_f32);
+    let mut samples = Vec::new();
+    let tail_s = settings.tail_s(&mut tracer, scene)?;
+    let take = |block: FullBlock| {
+        samples.clear();
+        samples.extend(block.samples.iter().map(|sample| sample * gain));
+        peak = samples
+            .iter()
+            .fold(peak, |peak, sample| peak.max(sample.abs()));
+        writer.write(&samples)?;
+        lines.push(FrameLine {
+            time: block.time,
+            sources: source_lines(&pairs, block.sources),
+        });
+        bar.inc(1);
+        Ok::<(), Error>(())
+    };
+    let settings = settings.with_tail(tail_s);
+    offline::render_full(&mut tracer, scene, &settings, &mut sounds, timing, take)?;
+    writer.finish().map_err(Error::from)?;
+    bar.finish_and_clear();
+    let report = Report {
+        head: job.report_head("full", &settings.response.trace, &tracer),
+        seed: settings.response.trace.seed,
+        output: arguments.output.display().to_string(),
+        sound: sounds::names(&job.sounds),
+        gain_db,
+        seconds: timing.seconds,
+        tail_s,
+        sample_rate: SAMPLE_RATE,
+        fps: timing.fps,
+        peak_db: (peak > 0.0).then(|| 20.0 * f64::from(peak).log10()),
+        frames: lines,
+    };
+    note_peak(&job, &report);
+    if common.json {
+        return print::json(&report);
+    }
+    print_text(&report)
+}
+
+/// The names of the sources, and the settings of listening.
+fn settings(job: &Job) -> anyhow::Result<(Vec<String>, FullSettings)> {
+    let options = &job.arguments.full;
+    if let Some(gain) = options.gain {
+        check_range("--gain", gain, -MOST_GAIN_DB, MOST_GAIN_DB)?;
+    }
+    if let Some(order) = options.order {
+        check_range("--order", order.into(), 0.0, MAX_ORDER.into())?;
+    }
+    if let Some(tail) = options.tail {
+        check_range("--tail", tail, SHORTEST_TAIL_S, MAX_SECONDS)?;
+    }
+    let trace = job.arguments.options.settings()?;
+    let seed = trace.seed;
+    let mut response = ResponseSettings::default().with_trace_of_frames(&trace);
+    response.order = options.order;
+    response.seconds = options.tail;
+    response.validate()?;
+    let mut settings = FullSettings::new(response);
+    settings.listener = pairs::listener(&job.scene, options.listener.as_deref())?;
+    settings.seed = seed.into();
+    Ok((job.scene.source_labels(), settings))
+}
+
+fn source_lines(names: &[String], sources: &[HeardSource]) -> Vec<SourceLine> {
+    let line = |(name, heard): (&String, &HeardSource)| SourceLine {
+        source: name.clone(),
+        g_db: heard.level_db,
+        paths: heard.paths,
+        direct: heard.is_direct,
+    };
+    names.iter().zip(sources).map(line).collect()
+}
+
+/// Prints a note when the sound is louder than other programs can play it.
+fn note_peak(job: &Job, report: &Report) {
+    if let Some(peak_db) = report.peak_db.filter(|peak| *peak > 0.0) {
+        job.common.note(&format!(
+            "note: the largest sample is {peak_db:.1} dB above full scale: take --gain {:.0} or less",
+            (report.gain_db - peak_db).floor()
+        ));
+    }
+}
+
+fn print_text(report: &Report) -> anyhow::Result<()> {
+    print::line(&format!(
+        "{}: {:.2} s of {} in {}, {} frames",
+        report.output,
+        report.seconds,
+        report.sound,
+        report.head.scene,
+        report.frames.len()
+    ))?;
+    let (Some(first), Some(last)) = (report.frames.first(), report.frames.last()) else {
+        return Ok(());
+    };
+    for (start, end) in first.sources.iter().zip(&last.sources) {
+        print::line(&format!(
+            "  source {}: {} at the start, {} at the end",
+            start.source,
+            level(start),
+            level(end)
+        ))?;
+    }
+    let peak = report.peak_db.map_or("silence".to_owned(), |peak| {
+        format!("peak {:+.1} dB re full scale", tenths(peak))
+    });
+    print::line(&format!(
+        "  {peak}, with a gain of {:+.1} dB; responses of {:.2} s",
+        tenths(report.gain_db),
+        report.tail_s
+    ))
+}
+
+fn level(line: &SourceLine) -> String {
+    let direct = if line.direct {
+        "in sight"
+    } else {
+        "out of sight"
+    };
+    match line.g_db {
+        Some(g_db) => format!("G {:+.1} dB, {direct}", tenths(g_db)),
+        None => "not heard".to_owned(),
+    }
+}

@@ -1,0 +1,257 @@
+//! `echomarch render`: a WAV of what the listener hears.
+
+mod balance;
+mod full_listening;
+mod sounds;
+
+use super::exit::BadInput;
+use super::numbers::real;
+use super::options::{Common, FrameRateOption, LawOption, TraceOptions, check_ending, check_range};
+use super::print;
+use super::scene::SceneArguments;
+use clap::Args;
+use echomarch::Error;
+use echomarch::audio::SoundSpec;
+use echomarch::auralisation::Listen;
+use echomarch::internals::file_output::check_file;
+use echomarch::offline::Timing;
+use echomarch::scene::Scene;
+use echomarch::trace::{Profile, Settings, Tracer};
+use serde::Serialize;
+use sounds::SourceSound;
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  echomarch render open-field -o pass.wav
+  echomarch render hall.ron -o hall.wav --sound flute=flute.wav --sound voice=voice.wav
+  echomarch render corner -o corner.wav --sound noise --seconds 3 --gain 12
+  echomarch render my.ron -o walk.wav --sound voice.wav --law linear";
+
+/// Default length in seconds for a scene in which nothing moves.
+const STANDING_SECONDS: f64 = 5.0;
+
+/// About the maximum that a WAV of this kind holds.
+const LONGEST_SECONDS: f64 = 3.0 * 3600.0;
+
+/// Arguments of `render`.
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Arguments {
+    #[command(flatten)]
+    scene: SceneArguments,
+    /// The WAV to write: 48 kHz, 32-bit float, stereo
+    #[arg(short, long, value_name = "FILE.wav")]
+    output: PathBuf,
+    /// Listening mode: full (loudness, delays, echoes, reverberation), or balance (left against right alone, as in the
+    /// thesis) [default: full; balance with --profile thesis, and with options that full does not have: --law,
+    /// --iterations]
+    #[arg(long, value_name = "WHAT")]
+    listen: Option<Listen>,
+    /// Sounds of the sources: sine:HERTZ, noise, noise:SEED, speech, speech:SEED, or a WAV file
+    /// (looped); NAME=SOUND for one source, by its name or number; repeatable [default: speech, each source another voice]
+    #[arg(long = "sound", value_name = "SOUND")]
+    sounds: Vec<SourceSound>,
+    /// Length of the output [default: duration of the scene's longest path, or 5]
+    #[arg(long, allow_negative_numbers = true, value_name = "SECONDS", value_parser = real::<f64>)]
+    seconds: Option<f64>,
+    #[command(flatten)]
+    frame_rate: FrameRateOption,
+    #[command(flatten)]
+    full: full_listening::FullOptions,
+    #[command(flatten, next_help_heading = "With --listen balance")]
+    law: LawOption,
+    #[command(flatten)]
+    options: TraceOptions,
+}
+
+/// Runs the subcommand.
+pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
+    let listen = arguments.listen()?;
+    arguments.note_balance(common, listen);
+    check_ending(&arguments.output, "wav")?;
+    let scene = common.scene_with_values(&arguments.scene)?;
+    let job = Job {
+        arguments,
+        common,
+        timing: timing(arguments, scene.duration())?,
+        sounds: sounds::of_sources(&scene, &arguments.sounds)?,
+        scene,
+    };
+    match listen {
+        Listen::Balance => balance::run(job),
+        Listen::Full => full_listening::run(job),
+    }
+}
+
+/// A rendering job.
+struct Job<'a> {
+    arguments: &'a Arguments,
+    common: &'a Common,
+    scene: Scene,
+    timing: Timing,
+    /// One for each source.
+    sounds: Vec<SoundSpec>,
+}
+
+/// The first fields of the report of a rendered scene.
+#[derive(Serialize)]
+struct ReportHead<'a> {
+    scene: &'a str,
+    listen: &'static str,
+    profile: String,
+    renderer: &'a str,
+    waves: u32,
+}
+
+impl Arguments {
+    /// The listening mode; the thesis has only the balance.
+    fn listen(&self) -> Result<Listen, BadInput> {
+        let thesis = (self.options.profile == Profile::Thesis).then_some("--profile thesis");
+        let of_balance = thesis.or_else(|| self.balance_option());
+        match (self.listen, of_balance, self.full.given()) {
+            (Some(Listen::Full), Some(option), _) => Err(no_effect_in_full(option)),
+            (Some(Listen::Balance), _, Some(option)) | (None, Some(_), Some(option)) => {
+                Err(BadInput(format!(
+                    "{option} needs --listen full: a balance has no loudness and no echoes"
+                )))
+            }
+            (Some(listen), ..) => Ok(listen),
+            (None, Some(_), None) => Ok(Listen::Balance),
+            (None, None, _) => Ok(Listen::Full),
+        }
+    }
+
+    /// Prints a note when an option other than `--listen` has chosen the balance.
+    fn note_balance(&self, common: &Common, listen: Listen) {
+        if self.listen.is_some()
+            || listen == Listen::Full
+            || self.options.profile == Profile::Thesis
+        {
+            return;
+        }
+        if let Some(option) = self.balance_option() {
+            common.note(&format!(
+                "note: {option} belongs to --listen balance, so only left against right is rendered"
+            ));
+        }
+    }
+
+    /// The first option typed that only the balance has.
+    fn balance_option(&self) -> Option<&'static str> {
+        let options = &self.options;
+        let typed = [
+            (self.law.law.is_some(), "--law"),
+            (options.iterations.is_some(), "--iterations"),
+            (
+                options.iterations_per_pass.is_some(),
+                "--iterations-per-pass",
+            ),
+            (options.sum_on_gpu, "--sum-on-gpu"),
+        ];
+        let found = typed.into_iter().find(|(is_typed, _)| *is_typed);
+        found.map(|(_, name)| name)
+    }
+}
+
+/// Returns the error for an option of the balance that has no effect on sound in full, with the reason.
+pub(super) fn no_effect_in_full(option: &str) -> BadInput {
+    let why = match option {
+        "--law" => "where each arrival is panned with constant power",
+        "--profile thesis" => "as the thesis' waves end at the listener and carry no energy",
+        "--iterations" => "which follows waves for as long as they are heard",
+        _ => "which does not trace by frames of a balance",
+    };
+    BadInput(format!(
+        "{option} has no effect on --listen full, {why}: use --listen balance"
+    ))
+}
+
+impl Job<'_> {
+    /// Checks, before anything is traced, what could fail later.
+    fn check(&self) -> anyhow::Result<()> {
+        check_file(&self.arguments.output)?;
+        check_on_the_way(&self.scene, self.timing)?;
+        Ok(())
+    }
+
+    fn warn(&self) {
+        self.common.warn_checked(&self.scene);
+        warn_on_the_way(&self.scene, self.timing, self.common);
+    }
+
+    fn report_head<'a>(
+        &'a self,
+        listen: &'static str,
+        settings: &Settings,
+        tracer: &'a Tracer,
+    ) -> ReportHead<'a> {
+        ReportHead {
+            scene: &self.scene.name,
+            listen,
+            profile: settings.profile().to_string(),
+            renderer: tracer.context().renderer(),
+            waves: settings.waves,
+        }
+    }
+
+    fn bar(&self) -> indicatif::ProgressBar {
+        print::progress(self.common.quiet, self.timing.frames(), "frames")
+    }
+}
+
+/// Rejects, before anything is traced, a scene that becomes impossible while things move.
+fn check_on_the_way(scene: &Scene, timing: Timing) -> Result<(), Error> {
+    if scene.duration() == 0.0 {
+        return Ok(());
+    }
+    for index in 0..timing.frames() {
+        let time = index as f64 / timing.fps;
+        scene
+            .at(time)
+            .validate()
+            .map_err(|refused| refused.at(time))?;
+    }
+    Ok(())
+}
+
+/// Prints warnings about the scene while things move: each kind once, with its time.
+fn warn_on_the_way(scene: &Scene, timing: Timing, common: &Common) {
+    let mut told: Vec<_> = scene
+        .warnings()
+        .iter()
+        .map(std::mem::discriminant)
+        .collect();
+    if scene.duration() == 0.0 {
+        return;
+    }
+    for index in 0..timing.frames() {
+        let time = index as f64 / timing.fps;
+        for warning in scene.at(time).warnings() {
+            let kind = std::mem::discriminant(&warning);
+            if !told.contains(&kind) {
+                told.push(kind);
+                common.note(&format!(
+                    "warning: {}, at {time:.2} s: {warning}",
+                    scene.name
+                ));
+            }
+        }
+    }
+}
+
+fn timing(arguments: &Arguments, duration: f64) -> anyhow::Result<Timing> {
+    let standing = if duration > 0.0 {
+        duration
+    } else {
+        STANDING_SECONDS
+    };
+    if arguments.seconds.is_none() && standing > LONGEST_SECONDS {
+        let text = format!("the scene's path lasts {standing} s: give --seconds");
+        return Err(BadInput(text).into());
+    }
+    let seconds = arguments.seconds.unwrap_or(standing);
+    check_range("--seconds", seconds, 0.001, LONGEST_SECONDS)?;
+    check_range("--fps", arguments.frame_rate.fps, 1.0, 1000.0)?;
+    Ok(Timing::new(seconds, arguments.frame_rate.fps))
+}

@@ -1,0 +1,113 @@
+//! The sounds of the sources.
+
+use super::super::exit::BadInput;
+use echomarch::Error;
+use echomarch::audio::{SAMPLE_RATE, Sound, SoundSpec};
+use echomarch::scene::Scene;
+use std::str::FromStr;
+
+/// A sound for all sources, or `NAME=SOUND` for one, which is given by its number where it has no
+/// name. A file's name may contain a `=` too: the names of the scene's sources decide.
+#[derive(Clone, Debug)]
+pub struct SourceSound {
+    text: String,
+    for_all: Option<SoundSpec>,
+    for_one: Option<(String, SoundSpec)>,
+}
+
+impl FromStr for SourceSound {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let whole: Result<SoundSpec, _> = text.parse();
+        let one = text
+            .split_once('=')
+            .and_then(|(name, sound)| Some((name.trim().to_owned(), sound.parse().ok()?)));
+        match (whole, one) {
+            (Err(error), None) => Err(error.to_string()),
+            (whole, for_one) => Ok(SourceSound {
+                text: text.to_owned(),
+                for_all: whole.ok(),
+                for_one,
+            }),
+        }
+    }
+}
+
+/// Returns the sound of each source of a scene; by default each speaks with another voice.
+pub fn of_sources(scene: &Scene, typed: &[SourceSound]) -> Result<Vec<SoundSpec>, BadInput> {
+    let names = scene.source_labels();
+    let voice = |seed: usize| SoundSpec::Speech { seed: seed as u64 };
+    let mut specs: Vec<SoundSpec> = (0..names.len()).map(voice).collect();
+    let own = |sound: &SourceSound| {
+        let (name, spec) = sound.for_one.clone()?;
+        let source = names.iter().position(|known| *known == name)?;
+        Some((source, spec))
+    };
+    for sound in typed.iter().filter(|sound| own(sound).is_none()) {
+        let Some(spec) = &sound.for_all else {
+            return Err(unknown_source(scene, sound));
+        };
+        specs.fill(spec.clone());
+    }
+    for (source, spec) in typed.iter().filter_map(own) {
+        specs[source] = spec;
+    }
+    Ok(specs)
+}
+
+/// Loads the sounds of all sources.
+pub fn load(specs: &[SoundSpec]) -> Result<Vec<Sound>, Error> {
+    let load = |spec: &SoundSpec| Sound::load(spec, SAMPLE_RATE).map_err(Error::from);
+    specs.iter().map(load).collect()
+}
+
+/// The names of the sounds in the report.
+pub fn names(specs: &[SoundSpec]) -> String {
+    let mut names: Vec<String> = specs.iter().map(SoundSpec::to_string).collect();
+    names.dedup();
+    names.join(", ")
+}
+
+fn unknown_source(scene: &Scene, sound: &SourceSound) -> BadInput {
+    BadInput(format!(
+        "--sound {:?} is neither a sound nor one for a source of {:?}; it has: {}",
+        sound.text,
+        scene.name,
+        scene.source_labels().join(", ")
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use echomarch::glam::Vec3;
+    use echomarch::scene::Source;
+
+    fn sounds(typed: &[&str]) -> Result<String, String> {
+        let mut scene = Scene::builtin("open-field").expect("a built-in scene");
+        scene.further_sources = vec![Source::at(Vec3::ZERO).named("flute")];
+        let typed: Result<Vec<SourceSound>, String> =
+            typed.iter().map(|text| text.parse()).collect();
+        let specs = of_sources(&scene, &typed?).map_err(|refused| refused.0)?;
+        Ok(names(&specs))
+    }
+
+    /// Protects the choice of sounds: separate voices, one sound for all, and a source's own.
+    #[test]
+    fn each_source_has_its_sound() {
+        assert_eq!(sounds(&[]).unwrap(), "speech:0, speech:1");
+        assert_eq!(sounds(&["noise:3"]).unwrap(), "noise:3");
+        let unnamed = sounds(&["1=noise:7", "flute=noise:3"]).unwrap();
+        assert_eq!(unnamed, "noise:7, noise:3");
+        let own = sounds(&["flute=sine:440", "noise:3"]).unwrap();
+        assert_eq!(own, "noise:3, sine:440");
+        assert_eq!(sounds(&["a=b.wav"]).unwrap(), "a=b.wav");
+        assert!(
+            sounds(&["drum=noise"])
+                .unwrap_err()
+                .contains("it has: 1, flute")
+        );
+        assert!(sounds(&["hum"]).is_err());
+    }
+}

@@ -1,0 +1,79 @@
+//! Level, delay and direction of each source as heard.
+
+use super::super::impulse::pairs::chosen;
+use super::super::print;
+use echomarch::response::{Response, ResponseSettings};
+use echomarch::scene::Scene;
+use echomarch::trace::{Settings, Tracer};
+use serde::Serialize;
+
+/// A source as heard by a listener.
+#[derive(Serialize)]
+pub struct Heard {
+    source: String,
+    listener: String,
+    heard: bool,
+    /// These are `null` if nothing arrives.
+    g_db: Option<f64>,
+    delay_s: Option<f64>,
+    /// Direction of the mean flow of all energy, not of the first arrival.
+    azimuth_deg: Option<f64>,
+    elevation_deg: Option<f64>,
+    /// Length of that mean, 0 to 1.
+    one_sided: Option<f64>,
+}
+
+/// A mean direction with a smaller share of the energy is not reported: it is noise of the waves.
+const LEAST_ONE_SIDED: f64 = 0.1;
+
+/// Traces every pair of a source and a listener, as `impulse` does.
+pub fn heard(
+    tracer: &mut Tracer,
+    scene: &Scene,
+    settings: &Settings,
+) -> anyhow::Result<Vec<Heard>> {
+    let how = ResponseSettings::default().with_trace_of_frames(settings);
+    let mut all = Vec::new();
+    for pair in chosen(scene, None, None)? {
+        let response = Response::trace(tracer, &pair.scene, &how)?;
+        let level = response.level(&pair.scene.listener);
+        all.push(Heard {
+            source: pair.source,
+            listener: pair.listener,
+            heard: level.is_some(),
+            g_db: level.map(|level| level.g_db),
+            delay_s: level.map(|level| level.delay_s),
+            azimuth_deg: level.map(|level| level.azimuth.to_degrees()),
+            elevation_deg: level.map(|level| level.elevation.to_degrees()),
+            one_sided: level.map(|level| level.one_sided),
+        });
+    }
+    Ok(all)
+}
+
+/// Prints one line per pair.
+pub fn print(heard: &Heard) -> anyhow::Result<()> {
+    let of = format!("  source {}, listener {}", heard.source, heard.listener);
+    let numbers = (
+        heard.g_db,
+        heard.delay_s,
+        heard.azimuth_deg,
+        heard.elevation_deg,
+        heard.one_sided,
+    );
+    let (Some(g_db), Some(delay_s), Some(azimuth), Some(elevation), Some(one_sided)) = numbers
+    else {
+        return print::line(&format!("{of}: not heard"));
+    };
+    let from = match one_sided < LEAST_ONE_SIDED {
+        true => "on the whole from all sides".to_owned(),
+        false => format!(
+            "on the whole from azimuth {azimuth:+.0}°, elevation {elevation:+.0}° ({:.0} % one-sided)",
+            100.0 * one_sided
+        ),
+    };
+    print::line(&format!(
+        "{of}: G {g_db:.2} dB, first after {:.3} ms, {from}",
+        delay_s * 1e3
+    ))
+}

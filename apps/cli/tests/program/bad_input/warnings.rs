@@ -1,0 +1,130 @@
+//! Odd scenes, and marches that reach the step limit: a warning, and a result.
+
+use super::{SCENE, folder};
+use crate::common::cli::{argument, json, stderr, stdout, succeed};
+use std::path::PathBuf;
+use tempfile::TempDir;
+
+/// One iteration of the thesis' algorithm.
+const THESIS_ONCE: &[&str] = &["--profile", "thesis", "--iterations", "1"];
+
+/// A scene file with this text, in a folder that exists as long as it is held.
+fn scene_file(text: &str) -> (TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("scene.ron");
+    std::fs::write(&file, text).unwrap();
+    (folder, file)
+}
+
+/// The warnings when a scene file is traced.
+fn warnings(text: &str) -> Vec<String> {
+    let folder = folder();
+    let file = folder.path().join("odd.ron");
+    std::fs::write(&file, text).unwrap();
+    let output = succeed(&["trace", argument(&file), "--waves", "64"]);
+    assert!(stdout(&output).contains("listener hits"));
+    let lines = stderr(&output).lines();
+    let lines = lines.filter_map(|line| line.strip_prefix("warning: "));
+    lines.map(str::to_owned).collect()
+}
+
+/// Protects scenes that are odd on purpose: they run, and a warning names the oddity.
+#[test]
+fn odd_places_are_warned_of() {
+    assert_eq!(warnings(SCENE), Vec::<String>::new());
+    let named = "Surface(name: \"the globe\", shape";
+    let scene = SCENE.replace("Surface(shape", named);
+
+    let in_wall = warnings(&scene.replace("(0, 5, 0)", "(0, 0, -9.25)"));
+    assert_eq!(in_wall.len(), 1, "{in_wall:?}");
+    assert!(in_wall[0].contains("the source is 0.75 m inside surface 1 (the globe)"));
+
+    let in_listener = warnings(&scene.replace("(0, 5, 0)", "(4, 0.5, 0)"));
+    assert_eq!(in_listener.len(), 1, "{in_listener:?}");
+    assert!(in_listener[0].contains("the source is 0.5 m from the listener's centre"));
+
+    let listener_in_wall = warnings(&scene.replace("(4, 0, 0)", "(0, 0, -9)"));
+    assert_eq!(listener_in_wall.len(), 1, "{listener_in_wall:?}");
+    assert!(listener_in_wall[0].contains("listener's centre is 1 m inside surface 1"));
+}
+
+/// Protects the GPU from hanging: a march of more than 4096 steps ends, is counted and reported. A
+/// wave that leaves at h = 0.01 m above a plane and sinks at a slope s comes down by the factor 1 −
+/// s with every step, and so is below 1e-6 m after ln(10⁴)/s = 9.2/s of them: too many for slopes
+/// under 0.0022, which are those of 0.0022/2 of all start directions, 74 of 65,536. The thesis' own
+/// 0.1 m is hit at once.
+#[test]
+fn marches_without_end_are_given_up_and_counted() {
+    let (_folder, file) = scene_file(
+        "\
+Scene(
+    surfaces: [Surface(shape: Plane)],
+    source: Source(position: (0, 0.01, 0)),
+    listener: Listener(position: (0, 50, 0), radius: 1),
+)
+",
+    );
+    let once = [&["trace", argument(&file)], THESIS_ONCE].concat();
+    let grazing = [once.as_slice(), &["--min-distance", "1e-6"]].concat();
+    let report = json(&grazing);
+    let step_limit_reached = report["step_limit_reached"].as_u64().unwrap();
+    // Five standard errors of a count of about 74: √74 = 8.6.
+    assert!(
+        (31..=117).contains(&step_limit_reached),
+        "{step_limit_reached}"
+    );
+    // Waves that reached the step limit are dead, as are those that went up to the sky: about half.
+    let dead = report["dead"].as_u64().unwrap();
+    assert!(dead > 30_000 && dead < 36_000, "{dead}");
+    let output = succeed(&grazing);
+    let told = format!("warning: {step_limit_reached} marches reached the step limit of 4096");
+    assert!(stderr(&output).contains(&told), "{}", stderr(&output));
+
+    assert_eq!(json(&once)["step_limit_reached"], 0);
+}
+
+/// Protects the step limit for marched fields: endless tori, between which waves fly far.
+#[test]
+fn the_step_limit_of_fields_is_told() {
+    let (_folder, file) = scene_file(
+        "\
+Scene(
+    surfaces: [Surface(shape: Repeat(of: Torus(ring: 0.3, tube: 0.05), period: (4, 4, 4)))],
+    source: Source(position: (2, 2, 2)),
+    listener: Listener(position: (6, 2, 2), radius: 0.5),
+)
+",
+    );
+    let sparse = [
+        "trace",
+        argument(&file),
+        "--iterations",
+        "1",
+        "--waves",
+        "4096",
+    ];
+    let report = json(&sparse);
+    let reached = report["step_limit_reached"].as_u64().unwrap();
+    assert!(
+        reached > 0 && report["dead"].as_u64().unwrap() >= reached,
+        "{reached}"
+    );
+    let told = format!(
+        "warning: {reached} marches reached the step limit of 1024 steps; their waves are dead"
+    );
+    let output = succeed(&sparse);
+    assert!(stderr(&output).contains(&told), "{}", stderr(&output));
+}
+
+/// Protects against a hang in a scene without walls: the smallest minimum distances end too.
+#[test]
+fn the_least_minimum_distance_ends() {
+    for metres in ["1e-6", "1e-30"] {
+        let least = ["--waves", "4096", "--min-distance", metres];
+        let report = json(&[&["trace", "open-field"], THESIS_ONCE, &least].concat());
+        let count = |key: &str| report[key].as_u64().unwrap();
+        let sum = count("listener_hits") + count("dead") + count("travelling");
+        assert_eq!(sum, 4096);
+        assert!(count("dead") > 0, "{report}");
+    }
+}

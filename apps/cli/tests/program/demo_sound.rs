@@ -1,0 +1,280 @@
+//! The window's sound: compares what `echomarch demo` plays through a real sound server with the traced gains in its
+//! report.
+
+use crate::common::cli::argument;
+use crate::common::window::{Demo, Display};
+use crate::sound_server::levels::{Comparison, Heard, error_db, gains};
+use crate::sound_server::{SINK, Server, wait_for};
+use serde_json::Value;
+use std::path::Path;
+
+/// Frames of a window of sound: 50 ms, over which the noise's level is known to 0.1 dB.
+const WINDOW: usize = 2400;
+
+fn open<'a>(display: &'a Display, server: &Server, arguments: &[&str]) -> Demo<'a> {
+    let program = server.command(env!("CARGO_BIN_EXE_echomarch"));
+    let sound = ["--sound", "noise", "--volume", "1"];
+    display.start(program, &[arguments, &sound].concat())
+}
+
+/// Gains of all traced frames, in order, by the linear law.
+fn traced(report: &Value) -> Vec<[f64; 2]> {
+    let pans = report["pans"].as_array().unwrap().iter();
+    pans.map(|at| {
+        let pan = at["pan"].as_f64().unwrap();
+        [0.5 * (1.0 - pan), 0.5 * (1.0 + pan)]
+    })
+    .collect()
+}
+
+/// Protects the purpose of the window: the source passes from left to right, and both channels of the sound server's
+/// output have the level of the traced waves, in every window without a gap. Waves are traced for every twentieth
+/// picture, so that the gains stand still in between. The sound system decides when gains are applied; `live_audio.rs`
+/// asserts of the renderer alone that the next block applies them.
+#[test]
+fn a_passing_source_is_heard_from_left_to_right_as_it_is_traced() {
+    const LEAST_WINDOWS: usize = 60;
+    const ATTEMPTS: u32 = 5;
+    let display = Display::new();
+    for attempt in 1..=ATTEMPTS {
+        let (report, compared) = pass(&display);
+        let late = &report["sound"]["underruns"];
+        println!("attempt {attempt}: {compared:?}, {late} late blocks");
+        assert_eq!(compared.wrong, 0, "{compared:?}");
+        if compared.windows < LEAST_WINDOWS {
+            continue;
+        }
+        // The gains stand still most of the time.
+        assert!(2 * compared.moving < compared.windows, "{compared:?}");
+        // Both sides and the middle are among them.
+        for range in [0.0..0.35, 0.35..0.65, 0.65..1.0] {
+            let shares = traced(&report).into_iter().map(|[_, right]| right);
+            let there = shares.filter(|share| range.contains(share));
+            assert!(there.count() >= 2, "no sound at {range:?}");
+        }
+        return;
+    }
+    panic!(
+        "the machine is too busy: fewer than {LEAST_WINDOWS} windows of sound without a gap, {ATTEMPTS} times"
+    );
+}
+
+/// Lets the source pass twice; returns the report, and the comparison with what was heard.
+fn pass(display: &Display) -> (Value, Comparison) {
+    let server = Server::start();
+    let recorder = server.record(SINK, 48_000, 2);
+    let arguments = ["open-field", "--trace-every", "20", "--law", "linear"];
+    let demo = open(display, &server, &arguments);
+    demo.wait_until("sound", |frame| frame["sound"] == true);
+    let mut begin = None;
+    demo.wait_until("two passes", |frame| {
+        let now = frame["seconds"].as_f64().unwrap();
+        now > *begin.get_or_insert(now) + 10.0
+    });
+    let (report, _, _) = demo.quit();
+    let heard = recorder.stop();
+    // In the middle until the first frame of waves has arrived.
+    let shares = [0.5].into_iter();
+    let shares = shares.chain(traced(&report).into_iter().map(|[_, right]| right));
+    let shares: Vec<f64> = shares.collect();
+    let heard = Heard::new(&heard, 50);
+    // With left and right exchanged, almost no window matches.
+    let mirrored: Vec<f64> = shares.iter().map(|share| 1.0 - share).collect();
+    let mirrored = heard.follow(&mirrored);
+    let astray = mirrored.wrong + mirrored.moving;
+    assert!(2 * astray > mirrored.windows, "{mirrored:?}");
+    let compared = heard.follow(&shares);
+    if compared.wrong > 0 {
+        println!("{heard:?} beside {shares:?}");
+    }
+    (report, compared)
+}
+
+/// Protects a window that is open all day: when the sound server dies and is restarted, the picture continues, and the
+/// sound returns with the traced gains.
+#[test]
+fn a_sound_server_that_is_started_again_is_played_to_again() {
+    let display = Display::new();
+    let mut server = Server::start();
+    let recorder = server.record(SINK, 48_000, 2);
+    let demo = open(&display, &server, &["corner", "--law", "linear"]);
+    let is_loud = |samples: Vec<f32>| {
+        let last = samples.len().saturating_sub(9600);
+        gains(&samples[last..], WINDOW)
+            .iter()
+            .any(|g| g[0] + g[1] > 0.5)
+    };
+    wait_for("sound", || is_loud(recorder.samples()));
+    server.kill();
+    drop(recorder);
+    // Frames continue without a sound server.
+    demo.wait_until("silence", |frame| frame["sound"] == false);
+    let frame = demo.wait_until("a frame of waves", |_| true);
+    let wanted = frame["heard"]["pan"].as_f64().unwrap();
+    let wanted = [0.5 * (1.0 - wanted), 0.5 * (1.0 + wanted)];
+    demo.wait_traced(20);
+    server.restart();
+    let recorder = server.record(SINK, 48_000, 2);
+    wait_for("sound at the traced level", || {
+        let heard = gains(&recorder.samples(), WINDOW);
+        let right = heard.iter().filter(|g| error_db(**g, wanted) < 0.5);
+        right.count() > 10
+    });
+    demo.wait_until("sound", |frame| frame["sound"] == true);
+    let (report, _, _) = demo.quit();
+    let sound = &report["sound"];
+    assert_eq!(sound["is_heard"], true, "{sound}");
+    assert!(sound["restarts"].as_u64() >= Some(1), "{sound}");
+    // The scene is at rest.
+    assert_eq!(traced(&report).last(), Some(&wanted));
+}
+
+/// Protects `--record`: it starts before there is a device, and the file holds what is heard.
+#[test]
+fn what_is_heard_is_recorded() {
+    let display = Display::new();
+    let server = Server::start();
+    let arguments = ["corner", "--record", "heard.wav", "--law", "linear"];
+    let demo = open(&display, &server, &arguments);
+    // Three seconds of two channels of floats, however long it takes to produce them.
+    wait_for("the recording", || {
+        recorded_bytes(&demo.path("")) > 3 * 48_000 * 8
+    });
+    let (report, _, folder) = demo.quit();
+    assert_eq!(report["sound"]["is_recording"], true, "{}", report["sound"]);
+    let mut reader = hound::WavReader::open(folder.path().join("heard.wav")).unwrap();
+    assert_eq!(reader.spec().sample_rate, 48_000);
+    assert_eq!(reader.spec().channels, 2);
+    let heard: Vec<f32> = reader.samples().map(Result::unwrap).collect();
+    let heard = gains(&heard, WINDOW);
+    assert!(heard.len() >= 40, "{} windows", heard.len());
+    // Nothing moves: everything stays the same from the first frame of waves to the fade at the end.
+    let wanted = *traced(&report).last().unwrap();
+    let is_right = |window: &[f64; 2]| error_db(*window, wanted) < 0.5;
+    // Both channels play the same noise, so their balance is exact: the middle ends where it is nearer to the traced
+    // balance than to 0 dB. The window of the glide is left out.
+    let balance_db = |window: &[f64; 2]| 20.0 * (window[0] / window[1]).log10();
+    let has_arrived = |window: &[f64; 2]| balance_db(window) / balance_db(&wanted) > 0.5;
+    let first = heard.iter().position(has_arrived).unwrap() + 1;
+    let (last, compared) = (heard.len() - 2, heard.len() - 2 - first);
+    assert!(compared >= 10, "{compared} windows after the middle");
+    for window in &heard[first..last] {
+        assert!(is_right(window), "{window:?} beside {wanted:?}");
+    }
+    let names = std::fs::read_dir(folder.path()).unwrap();
+    let names: Vec<_> = names.map(|entry| entry.unwrap().file_name()).collect();
+    let parts = names
+        .iter()
+        .filter(|n| n.to_string_lossy().contains("part"));
+    assert_eq!(parts.count(), 0, "{names:?}");
+}
+
+/// The source stands in the open, goes behind a wall, and stays there; a ceiling reflects it.
+const BEHIND: &str = r#"Scene(
+    surfaces: [
+        Surface(shape: Box(size: (6, 3, 0.4)), position: (0, 0, -3)),
+        Surface(shape: Plane, position: (0, 6, 0), rotation: (180, 0, 0)),
+    ],
+    source: Source(position: (0.5, 0, -6), path: [
+        (time: 0, position: (9, 0, -6)),
+        (time: 10, position: (9, 0, -6)),
+        (time: 12, position: (0.5, 0, -6)),
+        (time: 25, position: (0.5, 0, -6)),
+    ]),
+    listener: Listener(position: (0, 0, 0), radius: 0.3),
+)"#;
+
+/// Protects everything heard in the window when a source goes behind a wall: its level falls, its echo stays, it comes
+/// from the right and then from the middle, and the sound server plays no click.
+#[test]
+fn a_source_that_goes_behind_a_wall_is_heard_by_its_echo() {
+    let display = Display::new();
+    let server = Server::start();
+    let recorder = server.record(SINK, 48_000, 2);
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("behind.ron");
+    std::fs::write(&scene, BEHIND).unwrap();
+    let program = server.command(env!("CARGO_BIN_EXE_echomarch"));
+    let sound = ["--sound", "sine:440", "--volume", "1"];
+    let demo = display.start(program, &[&[argument(&scene)], &sound[..]].concat());
+    // The path restarts more than a second after its end.
+    let stands = |frame: &Value, is_direct: bool, from: f64, to: f64| {
+        let now = frame["seconds"].as_f64().unwrap() % 26.0;
+        let source = &frame["sources"][0]["is_direct"];
+        frame["sound"] == true && *source == is_direct && from < now && now < to
+    };
+    // A busy machine may have a gap at that moment: listen again.
+    let heard = |what: &str, is_direct, from, to| {
+        let mut found = [0.0; 2];
+        wait_for(what, || {
+            demo.wait_until(what, |frame| stands(frame, is_direct, from, to));
+            found = level(&recorder.samples());
+            found[0] > 0.0 && found[1] > 0.0
+        });
+        found
+    };
+    let in_sight = heard("sound", true, 3.0, 8.0);
+    let behind = heard("sound from behind the wall", false, 15.0, 24.0);
+    let (report, _, _) = demo.quit();
+    // From 10.8 m and 14.7 m in sight, from the right, to 13.4 m by the ceiling only.
+    assert!(in_sight[1] > 1.5 * in_sight[0], "{in_sight:?}");
+    assert!((behind[0] / behind[1] - 1.0).abs() < 0.2, "{behind:?}");
+    let fall = behind[1] / in_sight[1];
+    assert!((0.2..0.9).contains(&fall), "{in_sight:?} {behind:?}");
+    let in_full = &report["in_full"];
+    assert!(in_full["looks"].as_u64() > Some(3), "{in_full}");
+    assert!(
+        in_full["sources"][0]["paths"].as_u64() >= Some(1),
+        "{in_full}"
+    );
+}
+
+/// Level of each channel over the last fifth of a second.
+fn level(samples: &[f32]) -> [f64; 2] {
+    let last = &samples[samples.len().saturating_sub(2 * 9600)..];
+    [0, 1].map(|channel| {
+        let squares = last
+            .iter()
+            .skip(channel)
+            .step_by(2)
+            .map(|s| f64::from(*s).powi(2));
+        (squares.sum::<f64>() / 9600.0).sqrt()
+    })
+}
+
+/// Bytes of sound in a folder.
+fn recorded_bytes(folder: &Path) -> u64 {
+    let files = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap());
+    let sounds = files.filter(|file| file.file_name().to_string_lossy().ends_with(".wav"));
+    sounds.map(|file| file.metadata().unwrap().len()).sum()
+}
+
+/// Protects the list from which `--device` is chosen: devices may share a name, but not an id.
+#[test]
+fn devices_are_listed_with_name_and_id() {
+    let server = Server::start();
+    let mut program = server.command(env!("CARGO_BIN_EXE_echomarch"));
+    let output = program.args(["demo", "--list-devices"]).output().unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.success(), "{text}");
+    assert_eq!(text, format!("* Null Output ({SINK})\n"));
+}
+
+/// Protects users who mistype a device: the error lists the devices before a window opens.
+#[test]
+fn an_unknown_device_is_refused() {
+    let server = Server::start();
+    let mut program = server.command(env!("CARGO_BIN_EXE_echomarch"));
+    let output = program
+        .args(["demo", "corner", "--device", "Attic"])
+        .output()
+        .unwrap();
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{told}");
+    assert!(
+        told.contains("Attic") && told.contains("Null Output"),
+        "{told}"
+    );
+}

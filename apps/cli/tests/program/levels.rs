@@ -1,0 +1,79 @@
+//! `echomarch trace --levels`, and the scenes made for listening.
+
+use crate::common::cli::{json, refuse, stdout, succeed};
+use serde_json::Value;
+
+fn scene(name: &str) -> String {
+    format!(
+        "{}/../../examples/scenes/{name}.ron",
+        env!("CARGO_MANIFEST_DIR")
+    )
+}
+
+/// The levels that `trace --levels` prints for each pair.
+fn levels(arguments: &[&str]) -> Vec<Value> {
+    let call: Vec<&str> = ["trace", "--levels", "--waves", "16384"]
+        .into_iter()
+        .chain(arguments.iter().copied())
+        .collect();
+    let report: Value = json(&call);
+    report["levels"].as_array().unwrap().clone()
+}
+
+/// Protects levels: whether a source is heard, its level, delay and direction; shut doors silence what is beyond them,
+/// and open doors let it be heard again, from the direction of the door.
+#[test]
+fn doors_open_and_close_what_is_heard() {
+    let corridor = scene("corridor");
+    let open = levels(&[&corridor]);
+    let [between, beyond] = &open[..] else {
+        panic!("{open:?}");
+    };
+    assert_eq!(
+        (&between["source"], &between["listener"]),
+        (&"talker".into(), &"between".into())
+    );
+    let g_db = |level: &Value| level["g_db"].as_f64().unwrap();
+    assert!(g_db(between) > g_db(beyond) + 3.0);
+    // The listeners look along −x, towards the talker.
+    let azimuth = between["azimuth_deg"].as_f64().unwrap().abs();
+    assert!(azimuth < 30.0, "{azimuth}");
+    let one_sided = between["one_sided"].as_f64().unwrap();
+    assert!((0.1..=1.0).contains(&one_sided), "{one_sided}");
+    // 10 m through the air at 20 °C.
+    let delay_ms = 1e3 * between["delay_s"].as_f64().unwrap();
+    assert!((29.0..31.0).contains(&delay_ms), "{delay_ms}");
+    let shut = levels(&[&corridor, "--set", "second-door=0"]);
+    assert!(shut[0]["heard"] == true && shut[1]["heard"] == false);
+    assert!(shut[1]["g_db"].is_null() && shut[1]["delay_s"].is_null());
+    let both = levels(&[&corridor, "--set", "first-door=0"]);
+    assert!(both.iter().all(|level| level["heard"] == false));
+    let ajar = levels(&[&corridor, "--set", "first-door=0.3"]);
+    assert!(g_db(&ajar[0]) < g_db(between));
+}
+
+/// Protects the text, and frames for the balance alone, which print no levels.
+#[test]
+fn levels_are_told_where_they_are_asked_for() {
+    let output = succeed(&["trace", "corner", "--levels", "--waves", "4096"]);
+    let text = stdout(&output);
+    assert!(text.contains("source 1, listener 1: G "), "{text}");
+    assert!(text.contains(" ms, on the whole from "), "{text}");
+    let without: Value = json(&["trace", "corner", "--waves", "4096"]);
+    assert!(without.get("levels").is_none());
+    refuse(
+        &["trace", "corner", "--levels", "--profile", "thesis"],
+        "thesis",
+    );
+}
+
+/// Protects the hall: every pair is heard, the louder source is louder, and the seats under the balcony hear it later
+/// than those at the front.
+#[test]
+fn a_hall_is_heard_in_every_seat() {
+    let hall = levels(&[&scene("hall")]);
+    assert_eq!(hall.len(), 6);
+    let number = |index: usize, what: &str| hall[index][what].as_f64().unwrap();
+    assert!(number(0, "g_db") > number(2, "g_db"));
+    assert!(number(2, "delay_s") > number(0, "delay_s") + 0.05);
+}

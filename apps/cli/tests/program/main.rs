@@ -1,0 +1,36 @@
+//! The program as a user uses it: commands, untrusted files, the form, the window.
+
+mod common;
+
+mod answers;
+mod bad_input;
+mod cli;
+mod cli_options;
+mod cost;
+mod demo_scenes;
+#[cfg(all(feature = "demo", feature = "audio"))]
+mod demo_sound;
+mod demo_window;
+mod gpu_report;
+mod heard_paths;
+mod impulse;
+mod impulse_binaural;
+mod interrupted;
+mod levels;
+mod localise;
+mod localise_form;
+mod localise_score;
+#[path = "../../../../tests/sound/measures.rs"]
+mod measures;
+mod own_window;
+mod page;
+mod panning;
+mod render_full;
+#[cfg(feature = "audio")]
+#[path = "../../../../tests/sound/sound_server/mod.rs"]
+mod sound_server;
+mod strange_egl;
+mod study;
+mod untrusted;
+mod user_fields;
+mod webdriver;

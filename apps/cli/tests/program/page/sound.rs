@@ -1,0 +1,193 @@
+//! The page's sound: recorded from its own audio graph, stopped, with a refused text, and in browsers that lack a
+//! required feature.
+
+use super::{FLAGS, Stage, TIMEOUT, on_page, wait, write_text};
+use crate::webdriver::Browser;
+use std::time::{Duration, Instant};
+
+/// Levels in decibels of both channels over the last 32,768 samples played by the page (0.7 s at 48 kHz), recorded by
+/// its own audio graph.
+const RECORD: &str = "
+    const { context, output } = echomarch.sound();
+    if (window.recorded !== context) {
+        const splitter = context.createChannelSplitter(2);
+        output.connect(splitter);
+        window.recorders = [0, 1].map((channel) => {
+            const analyser = new AnalyserNode(context, { fftSize: 32768 });
+            splitter.connect(analyser, channel);
+            return analyser;
+        });
+        window.recorded = context;
+        window.since = context.currentTime;
+    }
+    if (context.currentTime - window.since < arguments_seconds) return null;
+    return window.recorders.map((recorder) => {
+        const samples = new Float32Array(recorder.fftSize);
+        recorder.getFloatTimeDomainData(samples);
+        return 10 * Math.log10(samples.reduce((sum, s) => sum + s * s, 0) / samples.length + 1e-12);
+    });";
+
+/// Records for `seconds` seconds from now, and returns the levels at the end.
+fn levels(browser: &Browser, seconds: f64) -> [f64; 2] {
+    browser.run(
+        "if (window.recorders) window.since = echomarch.sound().context.currentTime; return 0",
+    );
+    let script = RECORD.replace("arguments_seconds", &seconds.to_string());
+    let began = Instant::now();
+    loop {
+        let told = browser.run(&script);
+        if let Some(levels) = told.as_array() {
+            return [0, 1].map(|channel: usize| levels[channel].as_f64().unwrap());
+        }
+        assert!(began.elapsed() < TIMEOUT, "the sound's clock stands still");
+        std::thread::sleep(Duration::from_millis(50));
+    }
+}
+
+/// A side of the listener.
+#[derive(Clone, Copy, Debug)]
+enum Side {
+    Left,
+    Right,
+}
+
+/// Loads a page with a source 6 m to the right of a listener that looks along -z, and plays it.
+fn play_at_the_right(stage: &Stage, browser: &Browser, listen: &str) {
+    let link = format!(
+        "#scene=open-field&waves=16384&listen={listen}&sound=noise&listener=0,0,0,0,0&source=6,0,-1"
+    );
+    stage.load(browser, &link);
+    browser.click("#play");
+    wait(
+        browser,
+        "return echomarch.sound() != null && echomarch.levels()[1] > -60",
+    );
+}
+
+/// The listener turns round, so that the source is at the left.
+fn turn_round(browser: &Browser) {
+    browser.run("echomarch.page.stand(0, 0, 0, Math.PI, 0); return 0");
+}
+
+/// Waits until one side is louder, and records it.
+fn check_side(browser: &Browser, side: Side, what: &str) {
+    /// Smallest difference between the channels in decibels: a source at the side is panned by at least 10 dB.
+    const LOUDER_DB: f64 = 6.0;
+    let difference = |[left, right]: [f64; 2]| match side {
+        Side::Left => left - right,
+        Side::Right => right - left,
+    };
+    wait(
+        browser,
+        match side {
+            Side::Left => "const [l, r] = echomarch.levels(); return l > r + 3",
+            Side::Right => "const [l, r] = echomarch.levels(); return r > l + 3",
+        },
+    );
+    let recorded = levels(browser, 2.0);
+    println!("{what}, {side:?}: {recorded:.1?} dB");
+    assert!(difference(recorded) > LOUDER_DB, "{what}: {recorded:?}");
+}
+
+/// Protects the direction of sound: it comes from the side of the source, in full and as the balance alone, and changes
+/// when the listener turns round.
+#[test]
+#[ignore = "scripts/browser-test.sh builds the page first"]
+fn a_page_plays_the_source_where_it_is() {
+    on_page(|stage, browser| {
+        for listen in ["full", "balance"] {
+            play_at_the_right(stage, browser, listen);
+            check_side(browser, Side::Right, listen);
+            turn_round(browser);
+            check_side(browser, Side::Left, listen);
+        }
+    });
+}
+
+/// Protects the sound while a text is edited: while it is invalid, another sound can be chosen and plays in the last
+/// good scene, and the listener's place still takes effect.
+#[test]
+#[ignore = "scripts/browser-test.sh builds the page first"]
+fn a_refused_text_does_not_hold_up_the_ears() {
+    on_page(|stage, browser| {
+        play_at_the_right(stage, browser, "full");
+        check_side(browser, Side::Right, "before");
+        write_text(browser, "Scene(surfaces: [");
+        browser.wait_for("#error", "1:");
+        browser
+            .run("document.getElementById('sound').dispatchEvent(new Event('change')); return 0");
+        turn_round(browser);
+        check_side(browser, Side::Left, "with a refused text");
+    });
+}
+
+/// Protects from unused updates: the page makes none while the sound is stopped, and afterwards the listener's current
+/// place is heard.
+#[test]
+#[ignore = "scripts/browser-test.sh builds the page first"]
+fn a_sound_that_was_stopped_goes_on_where_one_stands() {
+    const COUNT: &str = "
+        const sound = echomarch.sound();
+        window.told = 0;
+        window.pictures = 0;
+        const count = () => { window.pictures += 1; requestAnimationFrame(count); };
+        requestAnimationFrame(count);
+        const stand = sound.stand.bind(sound);
+        sound.stand = (standing) => { window.told += 1; stand(standing); };
+        return 0";
+    on_page(|stage, browser| {
+        play_at_the_right(stage, browser, "full");
+        check_side(browser, Side::Right, "before");
+        browser.click("#play");
+        let is_stopped = "return echomarch.sound().context.state === 'suspended' \
+                          && document.getElementById('play').textContent === 'Play sound'";
+        wait(browser, is_stopped);
+        browser.run(COUNT);
+        turn_round(browser);
+        wait(browser, "return window.pictures > 5");
+        assert_eq!(browser.run("return window.told"), 0);
+        browser.click("#play");
+        check_side(browser, Side::Left, "after it was stopped");
+        assert!(browser.run("return window.told").as_u64() > Some(0));
+    });
+}
+
+/// Protects users who serve the page without encryption from unexplained silence: the page states what sound needs, and
+/// continues.
+#[test]
+#[ignore = "scripts/browser-test.sh builds the page first"]
+fn a_page_that_may_not_play_says_why() {
+    let stage = Stage::new();
+    let mut flags = FLAGS.to_vec();
+    flags.push("--host-resolver-rules=MAP page.test 127.0.0.1");
+    let browser = stage.open_with(&flags);
+    browser.visit(&stage.address.replace("127.0.0.1", "page.test"));
+    wait(&browser, "return window.echomarch?.page.frame().length > 0");
+    browser.click("#play");
+    browser.wait_for("#message", "https:// or from localhost alone");
+    assert_eq!(browser.text("#play"), "Play sound");
+    assert_eq!(browser.errors(), Vec::<String>::new());
+}
+
+/// Protects sound in browsers that cannot trace in full: the page says so, plays the balance, and offers no other
+/// choice.
+#[test]
+#[ignore = "scripts/browser-test.sh builds the page first"]
+fn without_ears_the_balance_is_played() {
+    let stage = Stage::new();
+    let browser = stage.open_with(&FLAGS);
+    browser.before_load(
+        "const Usual = Worker;
+         Worker = class extends Usual {
+             constructor(file, options) { super(file === 'ears.js' ? 'none.js' : file, options); }
+         };",
+    );
+    play_at_the_right(&stage, &browser, "full");
+    browser.wait_for("#message", "Only the balance can be heard");
+    check_side(&browser, Side::Right, "balance");
+    browser.click("h1");
+    browser.press("v");
+    let listen = "const list = document.getElementById('listen'); \
+                  return list.value + ' ' + list.options[0].disabled";
+    assert_eq!(browser.run(listen), "balance true");
+}

@@ -1,0 +1,130 @@
+//! The cases that are run in each scene.
+//!
+//! For a few basic shapes the exact reference evaluates a handful of formulas per flight. For a field it marches in
+//! `f64` with some hundred evaluations, and of many surfaces it evaluates each one, so that a thousand flights take a
+//! hundred times as long. Such scenes get the short sweep, with less work for the exact reference: fewer directions for
+//! the limit, waves compared one by one, and seeds of the twin bias. The uncertainty of each figure is then stated
+//! beside it.
+
+use super::sweep::{Case, full, quick, short};
+use echomarch::internals::kernel::{Layout, Lists};
+use echomarch::scene::{Scene, Surface};
+
+/// The scenes of the thesis' tables, which the targets are based on.
+pub const ROOMS: [&str; 2] = ["corner", "obstacles"];
+
+/// The default scenes: the rooms, a scene of marched fields and one with cells.
+pub const DEFAULT_SCENES: [&str; 4] = [ROOMS[0], ROOMS[1], "cave", "glasshouse"];
+
+/// Powers of two for the slope of the panning error.
+const SLOPE_POWERS: std::ops::RangeInclusive<u32> = 10..=18;
+const SHORT_SLOPE_POWERS: std::ops::RangeInclusive<u32> = 10..=14;
+
+/// Number of waves of a row that are compared one by one.
+const COMPARED: u32 = 65_536;
+const SHORT_COMPARED: u32 = 8192;
+
+/// Number of pairs of waves for measuring chaos.
+const CHAOS_PAIRS: u64 = 16_384;
+const SHORT_CHAOS_PAIRS: u64 = 1024;
+
+/// Number of directions for the limit of many waves if the exact reference is slow.
+const SHORT_LIMIT_DIRECTIONS: u64 = 200_000;
+
+/// Number of seeds for the twin bias if the exact reference is slow.
+const SHORT_TWIN_SEEDS: u32 = 4;
+
+/// A scene with its cases.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// The scene.
+    pub scene: Scene,
+    /// The settings.
+    pub cases: Vec<Case>,
+    /// Number of directions for the limit of many waves.
+    pub limit_directions: u64,
+    /// Maximum number of waves of a row that are compared one by one.
+    pub compared_waves: u32,
+    /// Maximum number of seeds for the twin bias: the first ones.
+    pub twin_seeds: u32,
+    /// Number of pairs of waves for measuring chaos.
+    pub chaos_pairs: u64,
+    /// Numbers of waves for the slope of the panning error.
+    pub slope_waves: Vec<u32>,
+}
+
+impl Plan {
+    /// Changes one setting at a time; the short sweep if the exact reference is slow.
+    pub fn quick(scene: Scene) -> Plan {
+        if is_slow(&scene) {
+            return Plan::short(scene);
+        }
+        Plan {
+            cases: quick(),
+            limit_directions: 4_000_000,
+            ..Plan::full(scene)
+        }
+    }
+
+    fn short(scene: Scene) -> Plan {
+        Plan {
+            cases: short(Layout::of(&scene.surfaces, Lists::Lines).has_cells()),
+            limit_directions: SHORT_LIMIT_DIRECTIONS,
+            compared_waves: SHORT_COMPARED,
+            twin_seeds: SHORT_TWIN_SEEDS,
+            chaos_pairs: SHORT_CHAOS_PAIRS,
+            slope_waves: counts(SHORT_SLOPE_POWERS),
+            scene,
+        }
+    }
+
+    /// All combinations of settings.
+    pub fn full(scene: Scene) -> Plan {
+        Plan {
+            scene,
+            cases: full(),
+            limit_directions: 16_000_000,
+            compared_waves: COMPARED,
+            twin_seeds: u32::MAX,
+            chaos_pairs: CHAOS_PAIRS,
+            slope_waves: counts(SLOPE_POWERS),
+        }
+    }
+}
+
+/// Returns every second power of two.
+fn counts(powers: std::ops::RangeInclusive<u32>) -> Vec<u32> {
+    powers.step_by(2).map(|power| 1 << power).collect()
+}
+
+/// Whether the exact waves of a scene are slow.
+fn is_slow(scene: &Scene) -> bool {
+    let is_field = |surface: &Surface| surface.shape.field().is_some();
+    Layout::of(&scene.surfaces, Lists::Lines).has_cells() || scene.surfaces.iter().any(is_field)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::SurfaceCounts;
+    use super::*;
+
+    /// Protects the default run: its scenes are of the documented kinds.
+    #[test]
+    fn the_default_scenes_are_of_every_kind() {
+        let scenes = DEFAULT_SCENES.map(|name| Scene::builtin(name).unwrap());
+        let [corner, obstacles, cave, glasshouse] = &scenes;
+        for room in [corner, obstacles] {
+            let counts = SurfaceCounts::of(room);
+            assert_eq!((counts.in_cells, counts.marched), (0, 0));
+            assert!(!is_slow(room));
+        }
+        let marched = SurfaceCounts::of(cave);
+        assert!(marched.marched > 0 && marched.in_cells == 0, "{marched:?}");
+        let cells = SurfaceCounts::of(glasshouse);
+        assert!(
+            2 * cells.in_cells > cells.all && cells.marched == 0,
+            "{cells:?}"
+        );
+        assert!(is_slow(cave) && is_slow(glasshouse));
+    }
+}

@@ -1,0 +1,300 @@
+//! The results of the experiment as plain data, written as CSV, JSON, SVG and tables.
+
+use super::surface_counts::SurfaceCounts;
+use crate::stats::quantiles;
+use serde::Serialize;
+
+/// All measurements.
+#[derive(Clone, Debug, Serialize)]
+pub struct AccuracyReport {
+    /// The renderer's name.
+    pub renderer: String,
+    /// The kind of clock that timed the passes.
+    pub clock: String,
+    /// Whether all combinations of settings were run.
+    pub full: bool,
+    /// Number of seeds for each panning error.
+    pub seeds: u32,
+    /// Wall time of everything, in seconds.
+    pub seconds: f64,
+    /// The panning error that [`SceneReport::recommendation`] does not exceed.
+    pub stated_error: f64,
+    /// The scenes, in the requested order.
+    pub scenes: Vec<SceneReport>,
+    /// The project's own targets; empty when their scenes were not requested.
+    pub targets: Vec<Target>,
+    /// Impulse responses; empty when they were not requested.
+    pub responses: Vec<ResponseRow>,
+}
+
+/// An impulse response compared with image sources: the largest error of each figure over the bands, `None` if it
+/// exists in no band.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ResponseRow {
+    /// Name of the profile.
+    pub profile: String,
+    /// Number of waves.
+    pub waves: u32,
+    /// Median time of a response.
+    pub milliseconds: f64,
+    /// Error of the reverberation time, as a share.
+    pub t30_error: Option<f64>,
+    /// Error of the early decay time, as a share.
+    pub edt_error: Option<f64>,
+    /// Error of clarity, in decibels.
+    pub c80_error_db: Option<f64>,
+    /// Error of strength, in decibels.
+    pub g_error_db: Option<f64>,
+    /// Number of bands with a reverberation time.
+    pub t30_bands: usize,
+}
+
+/// The results of one scene.
+#[derive(Clone, Debug, Serialize)]
+pub struct SceneReport {
+    /// The scene's name.
+    pub scene: String,
+    /// The numbers of its surfaces by kind of intersection.
+    pub surfaces: SurfaceCounts,
+    /// The panning in the limit of many waves, by iterations.
+    pub limits: Vec<Limit>,
+    /// The growth of errors at curved surfaces.
+    pub chaos: Chaos,
+    /// One row per setting.
+    pub rows: Vec<Row>,
+    /// The fall of the panning error with the number of waves.
+    pub slopes: Vec<Slope>,
+    /// The fastest row below the stated error.
+    pub recommendation: Option<Recommendation>,
+    /// The row with the smallest panning error.
+    pub best: Option<Recommendation>,
+}
+
+/// The exact geometry's panning, from two lattices of directions.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Limit {
+    /// Iterations of every wave.
+    pub iterations: u32,
+    /// Number of directions in both lattices together.
+    pub directions: u64,
+    /// The mean of both.
+    pub pan: f64,
+    /// Half of their difference.
+    pub uncertainty: f64,
+    /// Share of all waves that are heard.
+    pub heard: f64,
+}
+
+/// Exponential growth of small errors, measured on exact waves.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Chaos {
+    /// Number of pairs of waves followed.
+    pub pairs: u64,
+    /// Iterations of each.
+    pub iterations: u32,
+    /// Number of pairs whose two waves met the same surfaces.
+    pub same_sequence: u64,
+    /// The factor by which a separation grows from one curved surface to the next: the geometric mean. `None` if no
+    /// wave meets two.
+    pub growth: Option<f64>,
+    /// Number of curved surfaces met before a rounding error has grown to a centimetre.
+    pub horizon: Option<f64>,
+    /// Separation at the n-th curved surface.
+    pub steps: Vec<ChaosStep>,
+}
+
+/// Waves at their n-th curved surface.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ChaosStep {
+    /// n, from 1.
+    pub curved_hits: u32,
+    /// Number of pairs that reached it.
+    pub pairs: u64,
+    /// Geometric mean of their separation divided by their initial angle, in metres per radian.
+    pub separation: f64,
+    /// Geometric mean of its growth since the previous curved surface.
+    pub growth: Option<f64>,
+}
+
+/// One setting in one scene.
+#[derive(Clone, Debug, Serialize)]
+pub struct Row {
+    /// The difference from the profile's defaults.
+    pub label: String,
+    /// The settings that are swept.
+    pub case: CaseReport,
+    /// Speed.
+    pub speed: Speed,
+    /// Each wave compared with its exact twin.
+    pub waves: WaveErrors,
+    /// The panning compared with its limit.
+    pub panning: PanningError,
+}
+
+/// The settings of a row that are swept.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct CaseReport {
+    /// Name of the profile.
+    pub profile: String,
+    /// Minimum distance in metres; `None` if the profile has none.
+    pub min_distance: Option<f32>,
+    /// Number of marches of each wave.
+    pub iterations: u32,
+    /// Number of waves.
+    pub waves: u32,
+    /// Name of the start directions.
+    pub directions: String,
+    /// Whether normals are exact rather than computed by differences.
+    pub exact_normals: bool,
+    /// Whether waves are projected onto surfaces.
+    pub projection: bool,
+    /// Whether all iterations run in one pass.
+    pub fused: bool,
+    /// Whether the panning is summed on the GPU.
+    pub sum_on_gpu: bool,
+}
+
+/// Median times of a row.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Speed {
+    /// Wall-clock time of a whole frame, in milliseconds.
+    pub total_ms: f64,
+    /// Time of its march passes, in milliseconds.
+    pub march_ms: f64,
+    /// Millions of waves × iterations per second of whole frames.
+    pub million_per_second: f64,
+    /// Evaluations of the distance ÷ (waves × iterations), including those for normals.
+    pub evaluations_per_segment: f64,
+    /// Number of frames in the medians.
+    pub frames: u32,
+}
+
+/// The waves compared with the exact ones of the same start directions.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct WaveErrors {
+    /// Waves compared.
+    pub compared: u64,
+    /// Share of waves that ended with another status.
+    pub status_differs: f64,
+    /// Share of waves that met other objects, or ended with another status.
+    pub sequence_differs: f64,
+    /// Waves without a finite end point (NaN or infinite).
+    pub not_finite: u64,
+    /// Distances between the ends in metres, over all waves with an exact end point.
+    pub end: Quantiles,
+    /// The same over the waves that meet no more curved surfaces than the horizon.
+    pub end_within_horizon: Quantiles,
+    /// Share of waves that meet more.
+    pub beyond_horizon: f64,
+    /// Waves heard after 0, 1, 2 … reflections, before they died: waves that `thesis` hears later (it marches dead
+    /// waves on) count in its panning, but not here.
+    pub hits: Vec<u64>,
+    /// The same for the exact waves.
+    pub exact_hits: Vec<u64>,
+}
+
+impl WaveErrors {
+    /// The largest difference of hits in any order.
+    pub fn largest_hit_difference(&self) -> u64 {
+        let pairs = self.hits.iter().zip(&self.exact_hits);
+        pairs.map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0)
+    }
+}
+
+/// The distribution of a distance, in metres.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Quantiles {
+    /// The median.
+    pub median: f64,
+    /// The 99th percentile.
+    pub p99: f64,
+    /// The largest.
+    pub max: f64,
+}
+
+impl Quantiles {
+    /// Computes the quantiles of these distances; 0 without distances.
+    pub fn of(distances: Vec<f64>) -> Quantiles {
+        let [median, p99, max] = quantiles(distances, [0.5, 0.99, 1.0]);
+        Quantiles { median, p99, max }
+    }
+}
+
+/// The panning over the seeds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct PanningError {
+    /// Mean over the seeds.
+    pub mean: f64,
+    /// The mean minus the limit of many waves.
+    pub limit_bias: f64,
+    /// Mean difference from the exact panning of the same start directions.
+    pub twin_bias: f64,
+    /// Number of seeds in the twin bias: the first ones.
+    pub twin_seeds: u32,
+    /// Standard error of the twin bias.
+    pub twin_bias_error: f64,
+    /// Standard deviation over the seeds, estimated with n − 1.
+    pub spread: f64,
+    /// Root of the mean square difference from the limit.
+    pub rms: f64,
+    /// 1 ÷ (mean square difference from the limit × seconds per frame).
+    pub efficiency: f64,
+    /// Relative difference of the loudness summed on the GPU from that summed on the CPU; `None` for rows that do not
+    /// sum on the GPU.
+    pub sum_error: Option<f64>,
+}
+
+/// The fall of the panning error for one set of directions.
+#[derive(Clone, Debug, Serialize)]
+pub struct Slope {
+    /// Name of the directions.
+    pub directions: String,
+    /// The points, by number of waves.
+    pub points: Vec<SlopePoint>,
+    /// Exponent of the number of waves, from the fitted points: −0.5 for independent directions. `None` for fewer than
+    /// two.
+    pub slope: Option<f64>,
+    /// Standard error of the exponent; `None` for fewer than three points.
+    pub standard_error: Option<f64>,
+}
+
+/// The error at one number of waves.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SlopePoint {
+    /// Number of waves.
+    pub waves: u32,
+    /// Root mean square panning error over the seeds.
+    pub rms: f64,
+    /// Expected number of waves heard, from the limit's share.
+    pub heard: f64,
+    /// Whether the exponent is fitted through this point: if at least 10 waves are heard.
+    pub fitted: bool,
+}
+
+/// A recommended row.
+#[derive(Clone, Debug, Serialize)]
+pub struct Recommendation {
+    /// Its name.
+    pub label: String,
+    /// Its settings.
+    pub case: CaseReport,
+    /// Its time for a frame, in milliseconds.
+    pub total_ms: f64,
+    /// Its panning error.
+    pub rms: f64,
+}
+
+/// One of the project's own targets.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Target {
+    /// The measured quantity, and its scene and profile.
+    pub what: String,
+    /// The measured value.
+    pub measured: f64,
+    /// The bound; `None` for a figure without a target.
+    pub bound: Option<f64>,
+    /// Whether the bound is a minimum rather than a maximum.
+    pub at_least: bool,
+    /// Whether the target is met.
+    pub met: Option<bool>,
+}

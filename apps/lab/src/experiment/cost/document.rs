@@ -1,0 +1,290 @@
+//! The report: one table of all changes, and the conclusions.
+
+use super::{Change, CostReport, Noise, OptionRow, ShaderReport, SurfaceRow, Timing, Verdict};
+use crate::report::{Cell, Column, Document, Report, Row, Table};
+
+const LEGEND: &str = "\
+    Each row changes one thing: a surface is left out, an option is set. met: waves that meet \
+    the surface. saves: the time that the change saves of a frame (negative: it costs), the median \
+    of the pairs ± half the distance between their quartiles; noise: within the noise of the \
+    clock. heard: the change of the waves heard; pan; level: at the ear with the larger change \
+    (silence: one ear hears nothing); each the root mean square of a single frame. A change is not \
+    heard if another seed changes all three as much. Two things that can each be left out may be \
+    heard together. Absorption is ignored: a frame carries no energy.";
+
+/// A row of the table.
+struct Line<'a> {
+    scene: &'a str,
+    section: &'static str,
+    name: &'a str,
+    against: &'a str,
+    march: Option<&'a Timing>,
+    total: Option<&'a Timing>,
+    met: Option<(u32, f64)>,
+    heard: Heard<'a>,
+    verdict: Option<Verdict>,
+    leaves_cells: bool,
+}
+
+/// The audible change of a row.
+enum Heard<'a> {
+    /// Of another seed.
+    Noise(&'a Noise),
+    /// The effect of a change; `None` if it cannot be estimated.
+    Change(Option<&'a Change>),
+}
+
+impl<'a> Line<'a> {
+    fn noise(report: &'a CostReport) -> Line<'a> {
+        Line {
+            scene: &report.scene,
+            section: "noise",
+            name: "everything, beside itself; another seed",
+            against: "",
+            march: Some(&report.control),
+            total: Some(&report.control_total),
+            met: None,
+            heard: Heard::Noise(&report.noise),
+            verdict: None,
+            leaves_cells: false,
+        }
+    }
+
+    fn surface(report: &'a CostReport, row: &'a SurfaceRow) -> Line<'a> {
+        Line {
+            section: "surface",
+            name: &row.name,
+            march: row.march.as_ref(),
+            total: row.total.as_ref(),
+            met: Some((row.met, row.met_percent)),
+            heard: Heard::Change(row.change.as_ref()),
+            verdict: Some(row.verdict),
+            leaves_cells: row.leaves_cells,
+            ..Line::noise(report)
+        }
+    }
+
+    fn option(report: &'a CostReport, row: &'a OptionRow) -> Line<'a> {
+        Line {
+            section: "option",
+            name: &row.name,
+            against: &row.against,
+            march: Some(&row.march),
+            total: Some(&row.total),
+            heard: Heard::Change(row.change.as_ref()),
+            verdict: Some(match (row.change, row.within_noise) {
+                (None, _) => Verdict::NothingHeard,
+                (Some(_), true) => Verdict::CanBeLeftOut,
+                (Some(_), false) => Verdict::IsHeard,
+            }),
+            ..Line::noise(report)
+        }
+    }
+
+    /// The change, and what it is compared with if not the requested settings.
+    fn change(&self) -> String {
+        if self.verdict.is_none() {
+            return "another seed".to_owned();
+        }
+        let against = match self.against {
+            "" | super::options::AS_ASKED => String::new(),
+            other => format!(", beside {other}"),
+        };
+        let star = if self.leaves_cells { " *" } else { "" };
+        format!("{}{against}{star}", self.name)
+    }
+
+    fn saves(&self) -> Option<String> {
+        let time = self.total?;
+        let percent = 100.0 * time.spread_ms / time.base_ms.max(f64::MIN_POSITIVE);
+        Some(match (self.section, time.beyond_noise) {
+            ("noise", _) => format!("± {:.0}", time.own_noise_percent()),
+            (_, true) => format!("{:+.0} ± {percent:.0}", time.saved_percent),
+            (_, false) => "noise".to_owned(),
+        })
+    }
+
+    fn level(&self) -> Cell {
+        match self.heard {
+            Heard::Noise(noise) => noise.level_db.map_or("unbounded".into(), Cell::from),
+            Heard::Change(None) => Cell::None,
+            Heard::Change(Some(change)) => {
+                let level = change.level_db;
+                level.map_or("silence".into(), |level| level.rms.into())
+            }
+        }
+    }
+
+    fn said(&self) -> Option<&'static str> {
+        Some(match (self.verdict?, self.section) {
+            (Verdict::CanBeLeftOut, "surface") => "can be left out",
+            (Verdict::CanBeLeftOut, _) => "not heard",
+            (Verdict::IsHeard, _) => "heard",
+            (Verdict::LeavesNothing, _) => "leaves no surface",
+            (Verdict::NothingHeard, _) => "nothing is heard",
+        })
+    }
+
+    /// `None` if it cannot be estimated.
+    fn within_noise(&self) -> Option<bool> {
+        match self.heard {
+            Heard::Change(Some(_)) => Some(self.verdict == Some(Verdict::CanBeLeftOut)),
+            _ => None,
+        }
+    }
+}
+
+impl Row for Line<'_> {
+    fn columns() -> Vec<Column<Self>> {
+        let mut columns = vec![
+            Column::for_programs("scene", |line: &Line| line.scene),
+            Column::for_programs("section", |line: &Line| line.section),
+            Column::for_programs("name", |line: &Line| line.name),
+            Column::for_programs("against", |line: &Line| line.against),
+            Column::for_people("changed", Line::change).label(),
+        ];
+        columns.extend(times("march", |line: &Line| line.march.copied()));
+        columns.extend(times("total", |line: &Line| line.total.copied()));
+        columns.push(Column::for_programs("met", |line: &Line| {
+            line.met.map(|met| met.0)
+        }));
+        let met = |line: &Line| line.met.map(|met| met.1);
+        columns.push(Column::for_people("met", met).unit("%").fixed(1));
+        columns.push(Column::for_people("saves", Line::saves).unit("%"));
+        columns.extend(heard());
+        columns.push(Column::for_programs("within_noise", Line::within_noise));
+        columns.push(Column::for_people("verdict", Line::said).text());
+        columns
+    }
+}
+
+fn times<R>(of: &str, timing: impl Fn(&R) -> Option<Timing> + Copy + 'static) -> Vec<Column<R>> {
+    type Part = (&'static str, fn(Timing) -> Cell);
+    const PARTS: [Part; 6] = [
+        ("base_ms", |of| of.base_ms.into()),
+        ("changed_ms", |of| of.changed_ms.into()),
+        ("saved_ms", |of| of.saved_ms.into()),
+        ("saved_percent", |of| of.saved_percent.into()),
+        ("spread_ms", |of| of.spread_ms.into()),
+        ("beyond_noise", |of| of.beyond_noise.into()),
+    ];
+    let column = |(name, part): Part| {
+        Column::for_programs(&format!("{of}_{name}"), move |row: &R| {
+            timing(row).map(part)
+        })
+    };
+    PARTS.map(column).into()
+}
+
+/// Noise has no mean.
+fn heard<'a>() -> Vec<Column<Line<'a>>> {
+    fn both(
+        line: &Line,
+        change: fn(&Change) -> Option<super::Size>,
+        noise: fn(&Noise) -> Option<f64>,
+    ) -> [Cell; 2] {
+        match line.heard {
+            Heard::Noise(of) => [Cell::None, noise(of).into()],
+            Heard::Change(of) => {
+                let size = of.and_then(change);
+                [
+                    size.map(|size| size.mean).into(),
+                    size.map(|size| size.rms).into(),
+                ]
+            }
+        }
+    }
+    fn percent(line: &Line) -> [Cell; 2] {
+        both(
+            line,
+            |of| Some(of.heard_percent),
+            |of| Some(of.heard_percent),
+        )
+    }
+    fn pan(line: &Line) -> [Cell; 2] {
+        both(line, |of| Some(of.pan), |of| Some(of.pan))
+    }
+    fn level(line: &Line) -> [Cell; 2] {
+        both(line, |of| of.level_db, |of| of.level_db)
+    }
+    let second = |[_, rms]: [Cell; 2]| rms;
+    let first = |[mean, _]: [Cell; 2]| mean;
+    vec![
+        Column::for_programs("heard_percent", move |line: &Line| first(percent(line))),
+        Column::new("heard_percent_rms", "heard", move |line: &Line| {
+            second(percent(line))
+        })
+        .unit("%")
+        .fixed(1),
+        Column::for_programs("pan", move |line: &Line| first(pan(line))),
+        Column::new("pan_rms", "pan", move |line: &Line| second(pan(line))).fixed(3),
+        Column::for_programs("level_db", move |line: &Line| first(level(line))),
+        Column::for_programs("level_db_rms", move |line: &Line| second(level(line))),
+        Column::for_people("level", Line::level).unit("dB").fixed(2),
+    ]
+}
+
+impl CostReport {
+    fn lines(&self) -> impl Iterator<Item = Line<'_>> {
+        let surfaces = self.surfaces.iter().map(|row| Line::surface(self, row));
+        let options = self.options.iter().map(|row| Line::option(self, row));
+        let noise = std::iter::once(Line::noise(self));
+        noise.chain(surfaces).chain(options)
+    }
+}
+
+impl Report for CostReport {
+    const NAME: &'static str = "cost";
+
+    fn document(&self) -> Document {
+        let mut document = Document::default();
+        document.paragraph(format!(
+            "{}: {} waves, {} iterations, profile {}, {} directions, seeds from {}. {} (times: {}, \
+             median of {} pairs). With everything a frame takes {:.2} ms, and {:.1} waves are heard.",
+            self.scene,
+            self.waves,
+            self.iterations,
+            self.profile,
+            self.directions,
+            self.seed,
+            self.renderer,
+            self.clock,
+            self.runs,
+            self.control_total.base_ms,
+            self.noise.heard
+        ));
+        document.table(self.lines());
+        let mut legend = format!("{LEGEND} met is of {} waves.", self.followed);
+        if self.surfaces.iter().any(|row| row.leaves_cells) {
+            legend += " *: without it the others no longer lie in cells, and are unrolled.";
+        }
+        document.paragraph(legend);
+        document.paragraph(shader(&self.shader));
+        document.paragraph(self.advice.join(" "));
+        document
+    }
+
+    fn table(&self) -> Table {
+        Table::of(self.lines())
+    }
+}
+
+fn shader(shader: &ShaderReport) -> String {
+    let features = shader.features.iter().map(|feature| {
+        let name = &feature.name;
+        match (feature.in_scene, feature.called_by.is_empty()) {
+            (true, _) => name.clone(),
+            (false, false) => format!("{name} (for {})", feature.called_by.join(", ")),
+            (false, true) => format!("{name} (not in the scene!)"),
+        }
+    });
+    let features: Vec<String> = features.collect();
+    format!(
+        "The shader of the march has {} lines in {} functions (of one plane: {} in {}), with {}.",
+        shader.lines,
+        shader.functions,
+        shader.least_lines,
+        shader.least_functions,
+        features.join(", ")
+    )
+}

@@ -1,0 +1,167 @@
+//! The cost of each surface and option, and the error of leaving it out.
+//!
+//! Everything is measured in pairs: a complete frame beside a frame with one change, in turns, with
+//! the same waves and one seed per run. The saving is the median of the pairs' differences. The
+//! audible change is compared with the effect of another seed: a smaller change is inaudible, as
+//! every frame has it.
+
+mod advice;
+mod change;
+mod document;
+mod options;
+mod pair;
+mod shader;
+mod surfaces;
+
+pub use change::{Change, Noise, Size};
+pub use options::OptionRow;
+pub use pair::Timing;
+pub use shader::{Feature, ShaderReport};
+pub use surfaces::{MOST_SURFACES, SurfaceRow, Verdict};
+
+use echomarch::Error;
+use echomarch::scene::Scene;
+use echomarch::trace::{Frame, Settings, Tracer};
+use pair::{Case, pair};
+use serde::Serialize;
+
+/// Number of frames, each with its own seed, for the noise.
+const NOISE_SEEDS: u32 = 8;
+
+/// The options of a run.
+#[derive(Clone, Debug)]
+pub struct CostOptions {
+    /// Number of pairs of frames per row, each with its own seed; at least 1.
+    pub runs: u32,
+}
+
+impl Default for CostOptions {
+    fn default() -> CostOptions {
+        CostOptions { runs: 9 }
+    }
+}
+
+/// The cost of everything.
+#[derive(Clone, Debug, Serialize)]
+pub struct CostReport {
+    /// The scene's name.
+    pub scene: String,
+    /// The renderer's name.
+    pub renderer: String,
+    /// The kind of clock that timed the passes.
+    pub clock: String,
+    /// Name of the profile.
+    pub profile: String,
+    /// Number of waves.
+    pub waves: u32,
+    /// Iterations of every wave.
+    pub iterations: u32,
+    /// The first seed; each run uses the next one.
+    pub seed: u32,
+    /// Name of the start directions.
+    pub directions: String,
+    /// Pairs of frames for each row.
+    pub runs: u32,
+    /// The march of the complete frame compared with itself: the noise of the clock.
+    pub control: Timing,
+    /// The same for the whole frame.
+    pub control_total: Timing,
+    /// The effect of another seed.
+    pub noise: Noise,
+    /// Number of waves followed to find the surfaces that they meet.
+    pub followed: u32,
+    /// Whether surfaces are grouped by kind, as there are too many.
+    pub by_kind: bool,
+    /// The rows of the surfaces, in the order of the scene.
+    pub surfaces: Vec<SurfaceRow>,
+    /// The rows of the settings, each changed alone.
+    pub options: Vec<OptionRow>,
+    /// The contents of the shader.
+    pub shader: ShaderReport,
+    /// The conclusions, in sentences.
+    pub advice: Vec<String>,
+}
+
+/// Measures a scene in its present state, with these settings. `progress` receives the rows done
+/// and the total.
+///
+/// # Errors
+/// Errors of [`Tracer::frame`].
+pub fn measure(
+    tracer: &mut Tracer,
+    scene: &Scene,
+    settings: &Settings,
+    options: &CostOptions,
+    progress: &mut dyn FnMut(u64, u64),
+) -> Result<CostReport, Error> {
+    // A whole frame first, so that a scene that cannot be traced fails before anything is changed.
+    tracer.frame(scene, settings)?;
+    let rows = surfaces::rows(scene);
+    let variants = options::variants(settings);
+    let total = (rows.len() + variants.len() + 1) as u64;
+    let mut done = 0;
+    let mut step = || {
+        done += 1;
+        progress(done, total);
+    };
+    let base = Case { scene, settings };
+    let runs = options.runs.max(1);
+    let control = pair(tracer, base, base, runs)?;
+    // The control pair has no difference, so it is always within noise.
+    let (march, total_time) = (control.march(f64::INFINITY), control.total(f64::INFINITY));
+    let seeded = seeded_frames(tracer, base)?;
+    let noise = Noise::of(&seeded, settings.waves);
+    let bench = Bench {
+        base,
+        runs,
+        control_percent: march.own_noise_percent(),
+        control_total_percent: total_time.own_noise_percent(),
+        noise: &noise,
+    };
+    step();
+    let met = surfaces::met(tracer, base, &rows)?;
+    let followed = met.followed;
+    let surfaces = surfaces::measure(tracer, &bench, &rows, &met, &mut step)?;
+    let option_rows = options::measure(tracer, &bench, variants, &mut step)?;
+    let mut report = CostReport {
+        scene: scene.name.clone(),
+        renderer: tracer.context().renderer().to_owned(),
+        clock: tracer.clock_name().to_owned(),
+        profile: settings.profile().to_string(),
+        waves: settings.waves,
+        iterations: settings.iterations,
+        seed: settings.seed,
+        directions: settings.directions.to_string(),
+        runs,
+        control: march,
+        control_total: total_time,
+        followed,
+        by_kind: scene.surfaces.len() > MOST_SURFACES,
+        surfaces,
+        options: option_rows,
+        shader: ShaderReport::of(scene, settings),
+        advice: Vec::new(),
+        noise,
+    };
+    report.advice = advice::sentences(&report);
+    Ok(report)
+}
+
+/// The reference that every row is compared with.
+struct Bench<'a> {
+    base: Case<'a>,
+    runs: u32,
+    /// The noise of the clock for the march and the whole frame.
+    control_percent: f64,
+    control_total_percent: f64,
+    noise: &'a Noise,
+}
+
+fn seeded_frames(tracer: &mut Tracer, base: Case) -> Result<Vec<Frame>, Error> {
+    let seed = |run| base.settings.seed.wrapping_add(run);
+    let frame = |run| {
+        let settings = base.settings.clone().with_seed(seed(run));
+        tracer.frame(base.scene, &settings)
+    };
+    (0..NOISE_SEEDS).map(frame).collect()
+}

@@ -1,0 +1,151 @@
+//! The cost or saving of each option, changed alone.
+
+use super::Bench;
+use super::change::Change;
+use super::pair::{Case, Timing, pair};
+use echomarch::Error;
+use echomarch::trace::{Algorithm, MARCHES_PER_PASS, Profile, Settings, ThesisOptions, Tracer};
+use serde::Serialize;
+
+/// One setting changed.
+#[derive(Clone, Debug, Serialize)]
+pub struct OptionRow {
+    /// The change, as it is typed if it is an option.
+    pub name: String,
+    /// The reference of the comparison: `as asked`, or another profile.
+    pub against: String,
+    /// The march time that the change saves.
+    pub march: Timing,
+    /// The whole frame's time that it saves.
+    pub total: Timing,
+    /// The audible change; `None` without hits before the change.
+    pub change: Option<Change>,
+    /// Whether another seed has at least the same effect.
+    pub within_noise: bool,
+}
+
+/// The value of [`OptionRow::against`] for the requested settings.
+pub(super) const AS_ASKED: &str = "as asked";
+
+/// Settings with one change.
+pub(super) struct Variant {
+    name: String,
+    /// The reference of the comparison, if not the requested settings.
+    against: Option<Settings>,
+    settings: Settings,
+}
+
+/// The variants of the requested settings, without invalid ones and without those whose effect is
+/// below the noise of a busy processor (docs/cost.md).
+pub(super) fn variants(asked: &Settings) -> Vec<Variant> {
+    let mut all = Vec::new();
+    let mut add = |name: &str, settings: Settings| {
+        if settings.validate().is_ok() && settings != *asked {
+            all.push(Variant {
+                name: name.to_owned(),
+                against: None,
+                settings,
+            });
+        }
+    };
+    let same = || asked.clone();
+    for profile in Profile::ALL.into_iter().filter(|&p| p != asked.profile()) {
+        add(
+            &format!("--profile {profile}"),
+            same().with_profile(profile),
+        );
+    }
+    if asked.iterations > 1 {
+        let per_pass = match asked.iterations_per_pass {
+            1 => asked.iterations.min(MARCHES_PER_PASS),
+            _ => 1,
+        };
+        let name = format!("--iterations-per-pass {per_pass}");
+        add(&name, same().with_iterations_per_pass(per_pass));
+    }
+    add("half the waves", same().with_waves(asked.waves / 2));
+    let half = asked.iterations / 2;
+    add("half the iterations", same().with_iterations(half));
+    all.extend(of_march(asked));
+    all
+}
+
+/// A march without projection onto surfaces, compared with a march.
+fn of_march(asked: &Settings) -> Option<Variant> {
+    let is_march = asked.profile() == Profile::March;
+    let march = match is_march {
+        true => asked.clone(),
+        false => asked.clone().with_profile(Profile::March),
+    };
+    let mut settings = march.clone();
+    let Algorithm::March(options) = &mut settings.algorithm else {
+        return None;
+    };
+    options.variant.projection = false;
+    options.variant.shell = ThesisOptions::default().min_distance;
+    Some(Variant {
+        name: "no projection".to_owned(),
+        against: (!is_march).then_some(march),
+        settings,
+    })
+}
+
+/// Compares every variant with its reference.
+pub(super) fn measure(
+    tracer: &mut Tracer,
+    bench: &Bench,
+    variants: Vec<Variant>,
+    step: &mut dyn FnMut(),
+) -> Result<Vec<OptionRow>, Error> {
+    let mut rows = Vec::new();
+    for variant in variants {
+        let case = |settings| Case {
+            scene: bench.base.scene,
+            settings,
+        };
+        let beside = variant.against.as_ref().unwrap_or(bench.base.settings);
+        let (base, changed) = (case(beside), case(&variant.settings));
+        let frames = pair(tracer, base, changed, bench.runs)?;
+        let change = Change::of(
+            (&frames.base, beside.waves),
+            (&frames.changed, variant.settings.waves),
+        );
+        let against = variant.against.as_ref();
+        rows.push(OptionRow {
+            against: against.map_or(AS_ASKED.to_owned(), |s| {
+                format!("--profile {}", s.profile())
+            }),
+            name: variant.name,
+            march: frames.march(bench.control_percent),
+            total: frames.total(bench.control_total_percent),
+            change,
+            within_noise: change.is_some_and(|change| change.is_within(bench.noise)),
+        });
+        step();
+    }
+    Ok(rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects the rows: each differs from the requested settings, and can be traced.
+    #[test]
+    fn every_variant_is_another_and_valid() {
+        for profile in Profile::ALL {
+            let asked = Settings::new(profile)
+                .with_waves(1000)
+                .with_sum_on_gpu(true);
+            let all = variants(&asked);
+            assert_eq!(all.len(), 6, "{profile}");
+            for variant in &all {
+                let beside = variant.against.as_ref().unwrap_or(&asked);
+                assert!(variant.settings != *beside, "{}", variant.name);
+                assert!(variant.settings.validate().is_ok(), "{}", variant.name);
+            }
+        }
+        let least = Settings::hybrid().with_waves(1).with_iterations(1);
+        assert!(variants(&least).iter().all(|v| !v.name.contains("half")));
+    }
+}

@@ -1,0 +1,325 @@
+//! The answers of a test person in the form's file: JSON, complete or interrupted.
+//!
+//! A file is read in full or rejected with an error that names the problem, and a trial without an
+//! answer counts as such.
+
+use super::observer::Side;
+use crate::text::{check_name, in_a_line};
+use echomarch::internals::file_input::{InputError, read_text};
+use echomarch::trace::Settings;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+
+/// Maximum number of trials in a form.
+pub const MOST_TRIALS: usize = 999;
+
+/// The type that a file of answers declares.
+pub const FORMAT: &str = "echomarch-localise-answers";
+
+/// The only version that is read: since 2 each person has an own order of the trials.
+pub const VERSION: u32 = 2;
+
+/// Maximum size of a file of answers in bytes: a form of 999 trials makes about one megabyte.
+const LARGEST_FILE: u64 = 16 << 20;
+
+/// The largest confidence, certain; 1 is a guess.
+pub const MOST_CONFIDENT: u32 = 5;
+
+/// The saved answers of one person in one session, or of several successive saves.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Session {
+    /// [`FORMAT`].
+    pub format: String,
+    /// [`VERSION`].
+    pub version: u32,
+    /// The form's identifier: equal for all people with the same form.
+    pub experiment: String,
+    /// The session's identifier: chosen by the form when it began.
+    pub session: String,
+    /// A code that the person chose; may be empty.
+    pub participant: String,
+    /// When the session began, in ISO 8601.
+    pub started: String,
+    /// When the file was saved, in ISO 8601.
+    pub saved: String,
+    /// The seed from which the page computed the order; none in files from before it was saved.
+    #[serde(default)]
+    pub order_seed: Option<u32>,
+    /// The numbers of the trials in the order in which they were heard.
+    pub order: Vec<u32>,
+    /// Every trial of the form, by number.
+    pub trials: Vec<TrialAnswer>,
+}
+
+/// One trial, with its answer if there is one.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TrialAnswer {
+    /// Its number in the form, from 1.
+    pub number: u32,
+    /// The sound that was played.
+    pub stimulus: StimulusInfo,
+    /// The answer.
+    pub answer: Option<Answer>,
+}
+
+/// One sound in one setting, and the position of its source.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StimulusInfo {
+    /// Name of the scene.
+    pub scene: String,
+    /// The listener's turn in the world, in degrees.
+    pub yaw_deg: f64,
+    /// Name of the sound.
+    pub sound: String,
+    /// Name of the panning law.
+    pub law: String,
+    /// Name of the profile.
+    pub profile: String,
+    /// Number of waves.
+    pub waves: u32,
+    /// Number of iterations.
+    pub iterations: u32,
+    /// Seed of the waves.
+    pub seed: u32,
+    /// Panning value of the frame.
+    pub pan: f64,
+    /// Waves that arrived.
+    pub hits: u64,
+    /// The direction of the source, right of the gaze, in degrees, −180 … 180.
+    pub source_azimuth_deg: f64,
+    /// The lateral angle of the source, which levels determine, in degrees, −90 … 90.
+    pub source_lateral_deg: f64,
+    /// The [`Observer`](super::Observer)'s answer to the same sound, in degrees.
+    pub observer_lateral_deg: f64,
+}
+
+/// A person's answer.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Answer {
+    /// The position clicked in the plan, right of the listener, in metres.
+    pub right_m: f64,
+    /// The same, ahead of the listener.
+    pub ahead_m: f64,
+    /// The direction of the click, right of the gaze, in degrees, −180 … 180.
+    pub azimuth_deg: f64,
+    /// The side that the person chose.
+    pub side: Side,
+    /// 1, a guess, to [`MOST_CONFIDENT`], certain.
+    pub confidence: u32,
+    /// Number of times the sound was played.
+    pub plays: u32,
+    /// Seconds from the first playing to the answer, while the trial was shown.
+    pub seconds: f64,
+    /// The time of the answer, in ISO 8601.
+    pub answered: String,
+}
+
+/// A file of answers that cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum AnswersError {
+    /// The file cannot be read.
+    #[error("cannot read the answers {}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The reason.
+        source: InputError,
+    },
+    /// The file is not JSON, or has missing or unknown fields.
+    #[error(
+        "{} holds no answers of the form: {}",
+        path.display(),
+        in_a_line(&source.to_string())
+    )]
+    Json {
+        /// The file.
+        path: PathBuf,
+        /// The error of the JSON reader.
+        source: serde_json::Error,
+    },
+    /// The file has another type or version.
+    #[error(
+        "{} is {format:?}, version {version}: answers are {FORMAT:?}, version {VERSION}",
+        path.display()
+    )]
+    Format {
+        /// The file.
+        path: PathBuf,
+        /// The type that it declares.
+        format: String,
+        /// Its version.
+        version: u32,
+    },
+    /// An invalid value.
+    #[error("{}: {what}", path.display())]
+    Bad {
+        /// The file.
+        path: PathBuf,
+        /// The place, the value found, and the valid values.
+        what: String,
+    },
+    /// Two files of one session that contradict each other.
+    #[error(
+        "{} and {} are of one session ({session}) and differ in trial {number}: give one of them",
+        first.display(),
+        second.display()
+    )]
+    Contradiction {
+        /// One file.
+        first: PathBuf,
+        /// The other.
+        second: PathBuf,
+        /// The session.
+        session: String,
+        /// The trial, from 1.
+        number: u32,
+    },
+}
+
+impl Session {
+    /// Reads and checks a file.
+    ///
+    /// # Errors
+    /// [`AnswersError`] with the file's name.
+    pub fn read(path: &Path) -> Result<Session, AnswersError> {
+        let text = read_text(path, LARGEST_FILE).map_err(|source| AnswersError::Read {
+            path: path.to_owned(),
+            source,
+        })?;
+        let session: Session =
+            serde_json::from_str(&text).map_err(|source| AnswersError::Json {
+                path: path.to_owned(),
+                source,
+            })?;
+        if session.format != FORMAT || session.version != VERSION {
+            return Err(AnswersError::Format {
+                path: path.to_owned(),
+                format: session.format,
+                version: session.version,
+            });
+        }
+        session.check().map_err(|what| AnswersError::Bad {
+            path: path.to_owned(),
+            what,
+        })?;
+        Ok(session)
+    }
+
+    /// Number of answered trials.
+    pub fn answered(&self) -> usize {
+        let answered = self.trials.iter().filter(|trial| trial.answer.is_some());
+        answered.count()
+    }
+
+    fn check(&self) -> Result<(), String> {
+        if self.trials.is_empty() {
+            return Err("it has no trials".to_owned());
+        }
+        if self.trials.len() > MOST_TRIALS {
+            let count = self.trials.len();
+            return Err(format!("{count} trials: a form has at most {MOST_TRIALS}"));
+        }
+        named("experiment", &self.experiment)?;
+        named("session", &self.session)?;
+        named("participant", &self.participant)?;
+        named("started", &self.started)?;
+        named("saved", &self.saved)?;
+        let mut order = self.order.clone();
+        order.sort_unstable();
+        if !order.iter().copied().eq(1..=self.trials.len() as u32) {
+            let count = self.trials.len();
+            return Err(format!("order must hold each of 1 to {count} once"));
+        }
+        if self.session.is_empty() {
+            return Err("session must not be empty".to_owned());
+        }
+        for (index, trial) in self.trials.iter().enumerate() {
+            let number = trial.number;
+            if number as usize != index + 1 {
+                let place = index + 1;
+                return Err(format!("trial {number} stands in the place of {place}"));
+            }
+            let told = |what: String| format!("trial {number}: {what}");
+            trial.stimulus.check().map_err(told)?;
+            if let Some(answer) = &trial.answer {
+                answer.check().map_err(told)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl StimulusInfo {
+    fn check(&self) -> Result<(), String> {
+        let mut settings = Settings::default().with_waves(self.waves);
+        settings = settings.with_iterations(self.iterations);
+        settings.validate().map_err(|error| error.to_string())?;
+        named("scene", &self.scene)?;
+        named("sound", &self.sound)?;
+        named("law", &self.law)?;
+        named("profile", &self.profile)?;
+        within("yaw_deg", self.yaw_deg, f64::MAX)?;
+        within("pan", self.pan, 1.0)?;
+        within("source_azimuth_deg", self.source_azimuth_deg, 180.0)?;
+        within("source_lateral_deg", self.source_lateral_deg, 90.0)?;
+        within("observer_lateral_deg", self.observer_lateral_deg, 90.0)
+    }
+}
+
+impl Answer {
+    fn check(&self) -> Result<(), String> {
+        named("answered", &self.answered)?;
+        within("right_m", self.right_m, f64::MAX)?;
+        within("ahead_m", self.ahead_m, f64::MAX)?;
+        within("azimuth_deg", self.azimuth_deg, 180.0)?;
+        within("seconds", self.seconds, f64::MAX)?;
+        if self.seconds < 0.0 {
+            return Err(format!("seconds must be 0 or more, not {}", self.seconds));
+        }
+        if self.plays == 0 {
+            return Err("plays must be 1 or more, not 0".to_owned());
+        }
+        // At the listener a direction is undefined.
+        const LEAST_M: f64 = 0.001;
+        if self.right_m.hypot(self.ahead_m) <= LEAST_M {
+            return Err("the click lies at the listener".to_owned());
+        }
+        // Numbers are saved with fewer digits than they are computed with.
+        const ROUNDING_DEG: f64 = 1.0;
+        let clicked = self.right_m.atan2(self.ahead_m).to_degrees();
+        let off = (clicked - self.azimuth_deg).rem_euclid(360.0);
+        if off.min(360.0 - off) > ROUNDING_DEG {
+            let azimuth = self.azimuth_deg;
+            return Err(format!(
+                "azimuth_deg is {azimuth}, but the click lies at {clicked:.1}"
+            ));
+        }
+        if !(1..=MOST_CONFIDENT).contains(&self.confidence) {
+            let confidence = self.confidence;
+            return Err(format!(
+                "confidence must be 1 to {MOST_CONFIDENT}, not {confidence}"
+            ));
+        }
+        Ok(())
+    }
+}
+
+fn named(what: &str, name: &str) -> Result<(), String> {
+    check_name(name).map_err(|why| format!("{what} {why}"))
+}
+
+fn within(what: &str, value: f64, most: f64) -> Result<(), String> {
+    // The last digit may have been rounded up.
+    if value.is_finite() && value.abs() - most <= 1e-6 {
+        return Ok(());
+    }
+    Err(match most {
+        f64::MAX => format!("{what} must be finite, not {value}"),
+        _ => format!("{what} must be -{most} to {most}, not {value}"),
+    })
+}

@@ -1,0 +1,378 @@
+//! The report for people.
+
+use super::columns::{Line, figure};
+use super::plot::plot_svg;
+use super::report::{
+    FacingReport, LimitReport, LocaliseReport, OpenDirection, OpenReport, Plateau, SceneReport,
+};
+use super::report_contents::{first_sound, shown_plateaus};
+use super::score::{ScoreReport, SessionLine};
+use super::statistics::{ErrorFigures, Figure, LEAST_DRAWN};
+use super::{AUDIBLE_DEG, MOST_WORK};
+use crate::experiment::{THESIS_TABLES, ThesisTable, WAVE_COUNTS};
+use crate::report::{Cell, Column, Document, PlotError, Report, Row, Table};
+use echomarch::trace::Profile;
+
+impl Report for LocaliseReport {
+    const NAME: &'static str = "localise";
+    const HAS_PLOT: bool = true;
+
+    fn document(&self) -> Document {
+        let mut document = Document::default();
+        document.heading(1, "Localisation by an observer");
+        document.paragraph(format!(
+            "{}, panning law {}, {} seeds for each setting and facing, {:.0} s. Angles in \
+             degrees, positive to the right; errors are medians of the absolute. Intervals: \
+             percentile bootstrap, {} drawings, {}. An angle of up to {}° is in the centre. \
+             Trials in which nothing is heard are in no error.",
+            self.renderer,
+            self.law,
+            self.seeds,
+            self.seconds,
+            self.resamples,
+            intervals(self),
+            self.centre_deg
+        ));
+        tell_left_out(self, &mut document);
+        tell_open(self, &mut document);
+        for scene in &self.scenes {
+            tell_scene(self, scene, &mut document);
+        }
+        tell_plateaus(self, &mut document);
+        tell_unheard(self, &mut document);
+        tell_limits_of_levels(self, &mut document);
+        document
+    }
+
+    fn table(&self) -> Table {
+        let mut lines = Vec::new();
+        for open in &self.open {
+            for (kind, directions) in [("open", &open.azimuths), ("alike", &open.alike)] {
+                lines.extend(directions.iter().map(|at| Line::open(self, open, kind, at)));
+            }
+        }
+        for scene in &self.scenes {
+            let cells = scene.cells.iter();
+            lines.extend(cells.map(|cell| Line::room(self, &scene.scene, cell)));
+        }
+        Table::of(lines)
+    }
+
+    fn plot_svg(&self) -> Result<String, PlotError> {
+        plot_svg(self)
+    }
+}
+
+/// Describes the intervals.
+fn intervals(report: &LocaliseReport) -> String {
+    match report.rough {
+        true => format!("rough: fewer than {LEAST_DRAWN} seeds"),
+        false => format!(
+            "{:.0} % (~: rough, fewer than {LEAST_DRAWN} heard answers to a truth)",
+            100.0 * report.confidence
+        ),
+    }
+}
+
+fn tell_left_out(report: &LocaliseReport, document: &mut Document) {
+    if report.left_out.is_empty() {
+        return;
+    }
+    let told = |&(waves, iterations): &(u32, u32)| format!("{waves} × {iterations}");
+    let told: Vec<String> = report.left_out.iter().map(told).collect();
+    document.paragraph(format!(
+        "Left out, more than {MOST_WORK} waves × iterations: {}.",
+        told.join(", ")
+    ));
+}
+
+fn tell_open(report: &LocaliseReport, document: &mut Document) {
+    document.heading(2, "In the open");
+    document.paragraph(
+        "The source stands around the listener of open-field; with 1 iteration only the straight path \
+         is heard, with more also the ground, from below, where there is one. The observer knows how \
+         far the source is, which no person does; the blind one does not, and assumes that it is far.",
+    );
+    document.table(&report.open);
+    document.paragraph(
+        "Ahead, behind and above: three sources 30° beside the median plane, and the mean answers \
+         to them.",
+    );
+    let alike = report.open.iter().flat_map(|open| {
+        let directions = open.alike.iter();
+        directions.map(move |at| Alike { open, at })
+    });
+    document.table(alike);
+}
+
+impl Row for &OpenReport {
+    fn columns() -> Vec<Column<Self>> {
+        type Pick = fn(&ErrorFigures) -> Option<Figure>;
+        fn error(of: Option<&ErrorFigures>, pick: Pick) -> Cell {
+            of.map_or(Cell::None, |error| figure(pick(error), error.rough))
+        }
+        let all = |heading: &str, pick: Pick| {
+            Column::for_people(heading, move |open: &&OpenReport| {
+                error(open.all.as_ref(), pick)
+            })
+        };
+        let blind = |heading: &str, pick: Pick| {
+            Column::for_people(heading, move |open: &&OpenReport| {
+                error(open.blind.as_ref(), pick)
+            })
+        };
+        vec![
+            Column::for_people("profile", |open: &&OpenReport| &open.profile).label(),
+            Column::for_people("waves", |open: &&OpenReport| open.waves).key(),
+            Column::for_people("it.", |open: &&OpenReport| open.iterations).key(),
+            Column::for_people("ground", |open: &&OpenReport| open.ground).key(),
+            Column::for_people("distance", |open: &&OpenReport| open.distance_m).unit("m"),
+            Column::for_people("m", |open: &&OpenReport| open.mean_side).fixed(4),
+            Column::for_people("azimuths", |open: &&OpenReport| open.azimuths.len()),
+            all("error", |of| Some(of.median_abs)).fixed(2),
+            all("outward bias", |of| of.outward_bias).signed(2),
+            all("spread", |of| of.spread).fixed(2),
+            Column::for_people("worst azimuth", worst_azimuth),
+            Column::for_people("blind m", |open: &&OpenReport| open.blind_mean_side).fixed(4),
+            blind("blind error", |of| Some(of.median_abs)).fixed(1),
+            blind("blind outward bias", |of| of.outward_bias).signed(1),
+        ]
+    }
+}
+
+fn worst_azimuth(open: &&OpenReport) -> Option<String> {
+    let median = |at: &OpenDirection| Some((at.error?.median_abs.deg, at.azimuth_deg));
+    let medians = open.azimuths.iter().filter_map(median);
+    let (error, at) = medians.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some(format!("{error:.2} at {at}"))
+}
+
+/// One of three sources that have the same levels.
+struct Alike<'a> {
+    open: &'a OpenReport,
+    at: &'a OpenDirection,
+}
+
+impl Row for Alike<'_> {
+    fn columns() -> Vec<Column<Self>> {
+        let spread = |alike: &Alike| {
+            let error = alike.at.error?;
+            Some(error.spread?.deg)
+        };
+        vec![
+            Column::for_people("profile", |alike: &Alike| &alike.open.profile).label(),
+            Column::for_people("it.", |alike: &Alike| alike.open.iterations).key(),
+            Column::for_people("ground", |alike: &Alike| alike.open.ground).key(),
+            Column::for_people("azimuth", |alike: &Alike| alike.at.azimuth_deg).signed(0),
+            Column::for_people("height", |alike: &Alike| alike.at.elevation_deg).signed(0),
+            Column::for_people("lateral", |alike: &Alike| alike.at.lateral_deg).signed(1),
+            Column::for_people("answer", |alike: &Alike| alike.at.answer_deg).signed(1),
+            Column::for_people("spread", spread).fixed(1),
+        ]
+    }
+}
+
+fn tell_scene(report: &LocaliseReport, scene: &SceneReport, document: &mut Document) {
+    document.heading(2, &scene.scene);
+    document.paragraph(format!(
+        "Source {:.2} m away, listener {:.2} m in radius, m = {:.4}. The converged panning of \
+         hybrid, by facing:",
+        scene.distance_m, scene.radius_m, scene.mean_side
+    ));
+    let limits = scene.facings.iter().flat_map(|facing| {
+        let limits = facing.limits.iter();
+        limits.map(move |limit| FacingLimit { facing, limit })
+    });
+    document.table(limits);
+    document.paragraph(
+        "The first sound, all facings; said L/C/R/–: left, centre, right, nothing heard:",
+    );
+    document.table(first_sound(scene).map(|cell| Line::room(report, &scene.scene, cell)));
+}
+
+/// The converged panning for one facing.
+struct FacingLimit<'a> {
+    facing: &'a FacingReport,
+    limit: &'a LimitReport,
+}
+
+impl Row for FacingLimit<'_> {
+    fn columns() -> Vec<Column<Self>> {
+        fn heard<'a>(heading: &str, of: fn(&LimitReport) -> f64) -> Column<FacingLimit<'a>> {
+            Column::for_people(heading, move |row: &FacingLimit| {
+                (row.limit.heard > 0.0).then(|| of(row.limit))
+            })
+        }
+        vec![
+            Column::for_people("source at", |row: &FacingLimit| row.facing.azimuth_deg)
+                .key()
+                .signed(1),
+            Column::for_people("lateral", |row: &FacingLimit| row.facing.lateral_deg)
+                .key()
+                .signed(1),
+            Column::for_people("it.", |row: &FacingLimit| row.limit.iterations).key(),
+            heard("pan", |limit| limit.pan).signed(4),
+            heard("±", |limit| limit.uncertainty).fixed(4),
+            Column::for_people("heard", |row: &FacingLimit| row.limit.heard).percent(4),
+            heard("answer", |limit| limit.lateral_deg).signed(1),
+        ]
+    }
+}
+
+fn tell_plateaus(report: &LocaliseReport, document: &mut Document) {
+    document.heading(2, "Where more stops helping");
+    document.paragraph(format!(
+        "From: the smallest count from which on the figure is within the upper end of the largest \
+         count's interval, or within {AUDIBLE_DEG}° of it, which is the least turn that people \
+         notice ahead (Mills 1958). \"Not by\": only the largest count itself is, so it may go on \
+         getting better. A count at which half of the trials hear nothing does not qualify. \
+         Least: the count with the smallest figure. The first sound; the rest in the JSON file."
+    ));
+    document.table(shown_plateaus(report));
+}
+
+impl Row for &Plateau {
+    fn columns() -> Vec<Column<Self>> {
+        let of = |plateau: &&Plateau| match plateau.of {
+            "spread" => "spread".to_owned(),
+            truth => format!("error from {truth}"),
+        };
+        let with = |plateau: &&Plateau| match plateau.along {
+            "waves" => format!("{} iterations", plateau.fixed),
+            _ => format!("{} waves", plateau.fixed),
+        };
+        vec![
+            Column::for_people("scene", |plateau: &&Plateau| &plateau.scene).label(),
+            Column::for_people("of", of).label(),
+            Column::for_people("along", |plateau: &&Plateau| plateau.along).label(),
+            Column::for_people("with", with).label(),
+            Column::for_people("profile", |plateau: &&Plateau| &plateau.profile).label(),
+            Column::for_people("from", |plateau: &&Plateau| plateau.told()),
+            Column::for_people("least", |plateau: &&Plateau| plateau.least),
+            Column::for_people("of counts to", |plateau: &&Plateau| plateau.largest),
+            Column::for_people("there", |plateau: &&Plateau| figure(plateau.there, false)).fixed(1),
+        ]
+    }
+}
+
+/// Trials without arrivals: the sound is then in the middle, wherever the source is.
+fn tell_unheard(report: &LocaliseReport, document: &mut Document) {
+    document.heading(2, "What is heard at all");
+    document.paragraph(
+        "Waves that arrive, mean of the trials, and the share of trials in which none does: the \
+         sound then stays in the middle, wherever the source is. Printed: figures 11.1 to 11.4 of \
+         the thesis.",
+    );
+    let mut rows = Vec::new();
+    for table in &THESIS_TABLES {
+        let of_table = |scene: &&SceneReport| scene.scene == table.scene;
+        if let Some(scene) = report.scenes.iter().find(of_table) {
+            rows.extend(arrivals(table, scene));
+        }
+    }
+    document.table(rows);
+}
+
+/// Number of arriving waves, beside a row of the thesis.
+struct Arrivals {
+    table: &'static ThesisTable,
+    waves: u32,
+    printed: u64,
+    /// Counts in the order of [`Profile::ALL`].
+    heard: [Option<String>; 3],
+}
+
+fn arrivals(table: &'static ThesisTable, scene: &SceneReport) -> impl Iterator<Item = Arrivals> {
+    let rows = WAVE_COUNTS.into_iter().zip(&table.rows);
+    let rows = rows.map(move |(waves, row)| Arrivals {
+        table,
+        waves,
+        printed: row.listener_hits,
+        heard: Profile::ALL.map(|profile| {
+            let mut cells = first_sound(scene);
+            let cell = cells.find(|cell| {
+                (cell.waves, cell.iterations) == (waves, table.iterations)
+                    && cell.profile == profile.to_string()
+            })?;
+            Some(match cell.unheard {
+                0.0 => format!("{:.1}", cell.hits),
+                share => format!("{:.1} (none in {:.0} %)", cell.hits, 100.0 * share),
+            })
+        }),
+    });
+    rows.filter(|row| row.heard.iter().any(Option::is_some))
+}
+
+impl Row for Arrivals {
+    fn columns() -> Vec<Column<Self>> {
+        let mut columns = vec![
+            Column::for_people("scene", |row: &Arrivals| row.table.scene).label(),
+            Column::for_people("it.", |row: &Arrivals| row.table.iterations).key(),
+            Column::for_people("waves", |row: &Arrivals| row.waves).key(),
+            Column::for_people("printed", |row: &Arrivals| row.printed),
+        ];
+        for (index, profile) in Profile::ALL.into_iter().enumerate().rev() {
+            let heard = move |row: &Arrivals| row.heard[index].clone();
+            columns.push(Column::for_people(&profile.to_string(), heard));
+        }
+        columns
+    }
+}
+
+fn tell_limits_of_levels(report: &LocaliseReport, document: &mut Document) {
+    document.heading(2, "What levels cannot distinguish");
+    document.list(vec![
+        "Front from back, above from the height of the ears: the answers are the same (above). \
+         Truth and answer are lateral angles, folded to the front."
+            .to_owned(),
+        format!(
+            "One sound from another: the answers differ by {:.1e}° at most, since the gains \
+             are the same at every frequency.",
+            report.largest_difference_of_sounds_deg
+        ),
+        "A source in the middle from silence: when no wave arrives the sound goes on, in the \
+         middle."
+            .to_owned(),
+        "Where a hidden source is: what arrives comes from the openings and walls. The error of \
+         the converged panning of hybrid from the source is the panning's, not that of too few \
+         waves."
+            .to_owned(),
+    ]);
+}
+
+impl Report for ScoreReport {
+    const NAME: &'static str = "score";
+
+    fn document(&self) -> Document {
+        let mut document = Document::default();
+        document.table(&self.sessions);
+        if self.groups.is_empty() {
+            document.paragraph("No trial is answered.");
+            return document;
+        }
+        document.table(&self.groups);
+        document.paragraph(format!(
+            "Errors: median absolute, in degrees, of the click's azimuth folded to the front, with \
+             its interval: 95 %, by a bootstrap over people; it and the spread need {LEAST_DRAWN} \
+             people. Observer: what it answers to the same sounds, by their levels alone. Silent: \
+             no wave was heard, and the sound was in the middle."
+        ));
+        document
+    }
+
+    fn table(&self) -> Table {
+        Table::of(&self.groups)
+    }
+}
+
+impl Row for &SessionLine {
+    fn columns() -> Vec<Column<Self>> {
+        vec![
+            Column::for_people("session", |line: &&SessionLine| &line.session).label(),
+            Column::for_people("participant", |line: &&SessionLine| &line.participant).label(),
+            Column::for_people("form", |line: &&SessionLine| &line.experiment).text(),
+            Column::for_people("answered", |line: &&SessionLine| line.answered),
+            Column::for_people("of", |line: &&SessionLine| line.trials),
+        ]
+    }
+}

@@ -1,0 +1,288 @@
+//! The experiment for people: a page that plays the sounds and takes the answers.
+//!
+//! One HTML file contains everything: the sounds (16 bits), a plan and a view for each facing, and
+//! the data to be saved with every answer. It needs no network. The plan has the gaze upwards, as
+//! the listener faces the screen, and does not show the source; the view is lit from behind the
+//! listener, so that the light does not reveal the source.
+//!
+//! Trials are numbered in an order that depends only on the form's seed and the number of trials,
+//! so that a number reveals nothing about its trial. The page computes the order of a session from
+//! the form's seed and an order seed: the form's ([`FormOptions::order_seed`]), or else one that
+//! each session draws. It saves both with the answers. Answers are locked once given. Beside the
+//! page lie the same sounds as WAV files (16 bits, which every browser plays), named by the trials'
+//! numbers, and `experiment.json`, which describes each of them.
+
+mod encode;
+mod page;
+mod plan;
+
+use super::answers::StimulusInfo;
+use super::listen::{LoadedSound, facings, listen};
+use super::observer::{Levels, Observer, azimuth_deg, lateral_deg};
+use echomarch::Error;
+use echomarch::audio::{PanningLaw, SoundSpec};
+use echomarch::internals::file_output::{OutputError, write_inside};
+use echomarch::internals::rng::Random;
+use echomarch::scene::Scene;
+use echomarch::trace::{Profile, Settings, Tracer};
+pub use plan::Plan;
+use serde::Serialize;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Maximum size of the sounds in the page, in bytes of 16-bit WAV; larger sets lie beside it.
+const MOST_EMBEDDED: usize = 48 << 20;
+
+/// The contents of the form: every combination, with each facing of each scene.
+#[derive(Clone, Debug)]
+pub struct FormOptions {
+    /// The rooms.
+    pub scenes: Vec<Scene>,
+    /// The sounds that the source plays.
+    pub sounds: Vec<SoundSpec>,
+    /// The algorithms.
+    pub profiles: Vec<Profile>,
+    /// Numbers of waves.
+    pub waves: Vec<u32>,
+    /// Numbers of iterations.
+    pub iterations: Vec<u32>,
+    /// Seed of the trials' numbers, their orders, and the start directions of the waves.
+    pub seed: u32,
+    /// Seed of the order of the trials, the same for every session; without it each session draws
+    /// its own.
+    pub order_seed: Option<u32>,
+    /// Length of each sound, in seconds.
+    pub seconds: f64,
+    /// The law from panning values to levels.
+    pub law: PanningLaw,
+}
+
+impl FormOptions {
+    /// Number of trials of the form.
+    pub fn trials(&self) -> usize {
+        const FACINGS: usize = 3;
+        let settings = self.profiles.len() * self.waves.len() * self.iterations.len();
+        FACINGS * self.scenes.len() * self.sounds.len() * settings
+    }
+}
+
+/// One trial.
+#[derive(Clone, Debug, Serialize)]
+pub struct Trial {
+    /// Its number, from 1: independent of its place in a person's order.
+    pub number: usize,
+    /// The sound and its setting.
+    pub stimulus: StimulusInfo,
+    /// Index of its plan, from 0.
+    pub plan: usize,
+    /// The file of the sound, beside the page.
+    pub file: String,
+}
+
+/// A form that is not written yet.
+#[derive(Debug)]
+pub struct Form {
+    /// The form's identifier: differs for any difference in its trials.
+    pub experiment: String,
+    /// Seed of the trials' numbers, their orders, and the start directions of the waves.
+    pub seed: u32,
+    /// Seed of the order of the trials, the same for every session; without it each session draws
+    /// its own.
+    pub order_seed: Option<u32>,
+    /// The trials, by number.
+    pub trials: Vec<Trial>,
+    /// Whether the page contains the sounds.
+    pub embedded: bool,
+    renderer: String,
+    law: PanningLaw,
+    sounds: Vec<LoadedSound>,
+    plans: Vec<Plan>,
+}
+
+/// `experiment.json`.
+#[derive(Serialize)]
+struct Key<'a> {
+    experiment: &'a str,
+    seed: u32,
+    order_seed: Option<u32>,
+    renderer: &'a str,
+    trials: &'a [Trial],
+}
+
+/// Traces every trial and draws every plan. `progress` receives the steps done and the total.
+///
+/// # Errors
+/// [`Error::Audio`] for a sound that cannot be loaded, [`Error::Picture`] and errors of
+/// [`Tracer::frame`].
+pub fn build(
+    tracer: &mut Tracer,
+    options: &FormOptions,
+    progress: &mut dyn FnMut(u64, u64),
+) -> Result<Form, Error> {
+    let sounds = options.sounds.iter();
+    let sounds: Result<Vec<_>, _> = sounds
+        .map(|spec| LoadedSound::new(spec, options.seconds))
+        .collect();
+    let sounds = sounds?;
+    let rooms: Vec<Scene> = options.scenes.iter().flat_map(facings).collect();
+    let total = (rooms.len() + options.trials() / sounds.len().max(1)) as u64;
+    let (mut done, mut plans, mut stimuli) = (0, Vec::new(), Vec::new());
+    for (index, room) in rooms.iter().enumerate() {
+        plans.push(Plan::new(tracer.context(), room)?);
+        done += 1;
+        progress(done, total);
+        for settings in settings(options) {
+            let heard = stimuli_of(tracer, room, &settings, &sounds, options.law)?;
+            stimuli.extend(heard.into_iter().map(|stimulus| (index, stimulus)));
+            done += 1;
+            progress(done, total);
+        }
+    }
+    Random::new(options.seed.into()).shuffle(&mut stimuli);
+    let trial = |(index, (plan, stimulus)): (usize, (usize, StimulusInfo))| Trial {
+        number: index + 1,
+        stimulus,
+        plan,
+        file: format!("sounds/{:03}.wav", index + 1),
+    };
+    let trials: Vec<Trial> = stimuli.into_iter().enumerate().map(trial).collect();
+    let samples: usize = sounds.iter().map(|sound| sound.mono.len()).sum();
+    let bytes = 4 * samples * trials.len() / sounds.len().max(1);
+    Ok(Form {
+        experiment: encode::fingerprint(&trials),
+        seed: options.seed,
+        order_seed: options.order_seed,
+        embedded: bytes <= MOST_EMBEDDED,
+        trials,
+        renderer: tracer.context().renderer().to_owned(),
+        law: options.law,
+        sounds,
+        plans,
+    })
+}
+
+fn settings(options: &FormOptions) -> Vec<Settings> {
+    let mut all = Vec::new();
+    for &waves in &options.waves {
+        for &iterations in &options.iterations {
+            let of = |&profile: &Profile| {
+                let settings = Settings::new(profile).with_seed(options.seed);
+                settings.with_waves(waves).with_iterations(iterations)
+            };
+            all.extend(options.profiles.iter().map(of));
+        }
+    }
+    all
+}
+
+/// The stimuli of one frame with every sound.
+fn stimuli_of(
+    tracer: &mut Tracer,
+    room: &Scene,
+    settings: &Settings,
+    sounds: &[LoadedSound],
+    law: PanningLaw,
+) -> Result<Vec<StimulusInfo>, Error> {
+    let heard = listen(tracer, room, settings)?;
+    let observer = Observer::new(room, law);
+    let stimulus = |sound: &LoadedSound| StimulusInfo {
+        scene: room.name.clone(),
+        yaw_deg: f64::from(room.listener.yaw).to_degrees(),
+        sound: sound.name.clone(),
+        law: law.to_string(),
+        profile: settings.profile().to_string(),
+        waves: settings.waves,
+        iterations: settings.iterations,
+        seed: settings.seed,
+        pan: heard.pan,
+        hits: heard.hits,
+        source_azimuth_deg: azimuth_deg(room),
+        source_lateral_deg: lateral_deg(room),
+        observer_lateral_deg: observer.answer_deg(Levels::of(&sound.mixed(heard.pan, law))),
+    };
+    Ok(sounds.iter().map(stimulus).collect())
+}
+
+/// A form that cannot be written.
+#[derive(Debug, thiserror::Error)]
+pub enum WriteError {
+    /// The folder contains files, which are not replaced.
+    #[error(
+        "the folder {} is not empty: a form never replaces files, choose another",
+        folder.display()
+    )]
+    NotEmpty {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// A file cannot be written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+}
+
+/// Creates the folder, and checks that it is empty and can be written to: to be called before the
+/// form is built.
+///
+/// # Errors
+/// [`WriteError`] with the folder.
+pub fn prepare(folder: &Path) -> Result<(), WriteError> {
+    echomarch::internals::file_output::prepare_folder(folder)?;
+    let cannot_list = |source: io::Error| OutputError::new(folder, source);
+    let mut entries = std::fs::read_dir(folder).map_err(cannot_list)?;
+    match entries.next() {
+        None => Ok(()),
+        Some(_) => Err(WriteError::NotEmpty {
+            folder: folder.to_owned(),
+        }),
+    }
+}
+
+impl Form {
+    /// The page as HTML.
+    ///
+    /// # Errors
+    /// A sound that is not a WAV.
+    pub fn html(&self) -> io::Result<String> {
+        page::html(self)
+    }
+
+    /// Writes the page, the sounds and `experiment.json` into an empty folder.
+    ///
+    /// # Errors
+    /// [`WriteError`], at once if the folder is not empty.
+    pub fn write(&self, folder: &Path) -> Result<(), WriteError> {
+        prepare(folder)?;
+        let sounds = folder.join("sounds");
+        echomarch::internals::file_output::prepare_folder_inside(&sounds)?;
+        for trial in &self.trials {
+            write_inside(&folder.join(&trial.file), |out| {
+                out.write_all(&encode::wav_16(&self.samples(trial))?)
+            })?;
+        }
+        let key = Key {
+            experiment: &self.experiment,
+            seed: self.seed,
+            order_seed: self.order_seed,
+            renderer: &self.renderer,
+            trials: &self.trials,
+        };
+        write_inside(&folder.join("experiment.json"), |out| {
+            Ok(serde_json::to_writer_pretty(out, &key)?)
+        })?;
+        // Last, so that the page exists only when all files that it needs exist.
+        write_inside(&folder.join("form.html"), |out| {
+            out.write_all(self.html()?.as_bytes())
+        })?;
+        Ok(())
+    }
+
+    /// Left and right samples interleaved.
+    fn samples(&self, trial: &Trial) -> Vec<f32> {
+        let stimulus = &trial.stimulus;
+        let sound = self
+            .sounds
+            .iter()
+            .find(|sound| sound.name == stimulus.sound);
+        sound.map_or_else(Vec::new, |sound| sound.mixed(stimulus.pan, self.law))
+    }
+}

@@ -1,0 +1,184 @@
+//! The thesis' second experiment, localisation of the source, for an observer and for people.
+//!
+//! Sjöberg (2011, section 4.1 and the head of 4.3) sketches a psychometric experiment: two scenes,
+//! two sounds between 200 and 1000 Hz, fixed positions, a listener whose gaze is the screen's,
+//! headphones, a form that asks for the position of the source, several numbers of waves and
+//! iterations. The text that this port is based on ends before its form and its results.
+//!
+//! # Method
+//! - *For machines*: an [`Observer`] answers only from the levels of the rendered channels.
+//!   [`run`] measures its error in the open, where it has to be right, and in rooms, for each
+//!   sound, profile, number of waves and of iterations, over several seeds and three facings
+//!   ([`facings`]). Every answer is compared with two truths: the *source*, the lateral angle of
+//!   the straight path to it; and the *limit*, the observer's answer to the converged panning of
+//!   `hybrid` after the same number of iterations. A trial in which no wave arrives has no answer
+//!   and is counted separately.
+//! - *For people*: [`form`] writes the sounds and a page that plays them and takes the
+//!   answers; [`score`] reads these.
+//!
+//! The theory is in the header of [`observer`], that of the intervals in [`statistics`].
+//!
+//! # Deviations from the thesis
+//! The listener also faces two other ways, so that the source is left, ahead and right; the
+//! observer is an addition. The form is not the thesis' own, whose questions are not known.
+
+mod answers;
+mod columns;
+mod document;
+pub mod form;
+mod listen;
+pub mod observer;
+mod open_field;
+mod plateaus;
+mod plot;
+mod report;
+mod report_contents;
+pub mod score;
+pub mod statistics;
+mod sweep;
+
+pub use answers::{
+    Answer, AnswersError, FORMAT, MOST_CONFIDENT, MOST_TRIALS, Session, StimulusInfo, TrialAnswer,
+    VERSION,
+};
+pub use echomarch::internals::rng::Random;
+pub use listen::{
+    Converged, Heard, LoadedSound, converge, facings, listen, observe, source_at, source_towards,
+    without_ground,
+};
+pub use observer::{CENTRE_DEG, Levels, Observer, Side};
+pub use plateaus::AUDIBLE_DEG;
+pub use report::{
+    Cell, FacingReport, LimitReport, LocaliseReport, OpenDirection, OpenReport, Plateau,
+    SceneReport,
+};
+pub use sweep::run;
+
+use echomarch::audio::{PanningLaw, SoundSpec};
+use echomarch::scene::Scene;
+use echomarch::trace::{Profile, Settings};
+
+/// Distance of the source in the open field, in metres.
+pub const OPEN_DISTANCE_M: f64 = 5.0;
+
+/// Maximum waves × iterations of a setting: 1,048,576 waves for 8 iterations, the thesis' largest.
+pub const MOST_WORK: u64 = 8 << 20;
+
+/// One setting in the open.
+#[derive(Clone, Debug)]
+pub struct OpenCase {
+    /// Profile and counts.
+    pub settings: Settings,
+    /// Whether there is a ground that reflects.
+    pub ground: bool,
+}
+
+/// The options of a run.
+#[derive(Clone, Debug)]
+pub struct LocaliseOptions {
+    /// The rooms.
+    pub scenes: Vec<Scene>,
+    /// The sounds that the source plays.
+    pub sounds: Vec<SoundSpec>,
+    /// The algorithms.
+    pub profiles: Vec<Profile>,
+    /// Numbers of waves.
+    pub waves: Vec<u32>,
+    /// Numbers of iterations. Settings of more than [`MOST_WORK`] are left out, and reported.
+    pub iterations: Vec<u32>,
+    /// Number of frames per setting and facing, each with its own seed.
+    pub seeds: u32,
+    /// The law from panning values to levels.
+    pub law: PanningLaw,
+    /// Length of the sound that the observer hears, in seconds.
+    pub sound_seconds: f64,
+    /// Numbers of waves and frames for the converged panning.
+    pub limit: (u32, u32),
+    /// The settings in the open.
+    pub open: Vec<OpenCase>,
+    /// Azimuths of the source in the open, in degrees.
+    pub azimuths_deg: Vec<f64>,
+}
+
+impl LocaliseOptions {
+    /// The thesis' scenes and sounds, its numbers of waves, and iterations around its 4 and 8: some
+    /// minutes on two cores.
+    pub fn new(scenes: Vec<Scene>, sounds: Vec<SoundSpec>) -> LocaliseOptions {
+        let case = |settings, ground| OpenCase { settings, ground };
+        let straight = |profile| case(Settings::new(profile).with_iterations(1), true);
+        let defaults = [false, true].map(|ground| case(Settings::hybrid(), ground));
+        LocaliseOptions {
+            scenes,
+            sounds,
+            profiles: Profile::ALL.to_vec(),
+            waves: super::WAVE_COUNTS.to_vec(),
+            iterations: vec![1, 2, 4, 8, 16],
+            seeds: 5,
+            law: PanningLaw::Linear,
+            sound_seconds: 0.5,
+            limit: (1 << 20, 8),
+            open: Profile::ALL
+                .into_iter()
+                .map(straight)
+                .chain(defaults)
+                .collect(),
+            azimuths_deg: (-8..=8).map(|tens| 10.0 * f64::from(tens)).collect(),
+        }
+    }
+
+    /// The same with few settings and seeds: seconds.
+    pub fn quick(self) -> LocaliseOptions {
+        LocaliseOptions {
+            waves: vec![1024, 16_384, 65_536],
+            iterations: vec![4, 8],
+            seeds: 3,
+            limit: (1 << 18, 4),
+            ..self
+        }
+    }
+
+    /// Waves and iterations, sorted by waves: another number of waves needs other textures.
+    fn counts(&self) -> impl Iterator<Item = (u32, u32)> {
+        let of = |&waves| self.iterations.iter().map(move |&count| (waves, count));
+        self.waves.iter().flat_map(of)
+    }
+
+    /// Settings that are too large to be run: of more than [`MOST_WORK`] waves × iterations.
+    pub fn left_out(&self) -> Vec<(u32, u32)> {
+        let is_large = |&(waves, iterations): &(u32, u32)| too_large(waves, iterations);
+        self.counts().filter(is_large).collect()
+    }
+
+    /// Every profile with every combination of numbers.
+    fn settings(&self) -> Vec<Settings> {
+        let mut all = Vec::new();
+        for (waves, iterations) in self.counts() {
+            if too_large(waves, iterations) {
+                continue;
+            }
+            let of = |&profile: &Profile| {
+                let settings = Settings::new(profile);
+                settings.with_waves(waves).with_iterations(iterations)
+            };
+            all.extend(self.profiles.iter().map(of));
+        }
+        all
+    }
+
+    /// Number of steps that [`run`] reports.
+    fn steps(&self) -> u64 {
+        const FACINGS: u64 = 3;
+        let cells = self.settings().len() as u64;
+        self.open.len() as u64 + self.scenes.len() as u64 * (FACINGS + cells)
+    }
+}
+
+fn too_large(waves: u32, iterations: u32) -> bool {
+    u64::from(waves) * u64::from(iterations) > MOST_WORK
+}
+
+/// The thesis' two scenes.
+pub const ROOMS: [&str; 2] = ["corner", "obstacles"];
+
+/// Two sounds mainly between 200 and 1000 Hz, one with speech and one without.
+pub const SOUNDS: [&str; 2] = ["speech", "sine:500"];

@@ -1,0 +1,355 @@
+//! Figures over answers: median, bias, spread, and their uncertainty.
+//!
+//! Intervals are percentile bootstrap intervals (Efron 1979): answers are resampled with
+//! replacement, [`RESAMPLES`] times by a generator with a fixed seed, and the interval of each
+//! figure contains the middle 95 % of the resampled figures. That makes no assumption about the
+//! errors' distribution, which is far from normal: answers end at ±90°, and each truth has its own
+//! bias. The resampled units are those chosen by chance:
+//!
+//! - for the observer, the seeds: as many answers to each truth as measured, so that the
+//!   interval covers the randomness of the waves, not the choice of truths ([`figures`]);
+//! - for people, the persons, each with all of their answers: the answers of one person are not
+//!   independent ([`figures_of_people`]). This does not cover the choice of truths either.
+//!
+//! Resampling narrows a spread by √((*n* − 1)/*n*); the resampled spread is widened by the same
+//! factor. With [`LEAST_DRAWN`] seeds the interval of a bias contains the true value in 92 of 100
+//! simulated cases, that of a spread in 83; with 2 in 75 and 70 (a test below). So an interval of
+//! fewer than five seeds is not called a 95 % interval, but marked as rough; with fewer persons
+//! than that no interval is reported.
+
+use crate::stats::{mean, median, quantiles};
+use echomarch::internals::rng::Random;
+use serde::Serialize;
+
+/// Number of resamples of a bootstrap.
+pub const RESAMPLES: usize = 1000;
+
+/// Share of the resampled figures in an interval.
+pub const CONFIDENCE: f64 = 0.95;
+
+/// Minimum number of answers to each truth, or of persons, for an interval that is not rough.
+pub const LEAST_DRAWN: usize = 5;
+
+/// A figure and its uncertainty.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Figure {
+    /// The figure, in degrees.
+    pub deg: f64,
+    /// Ends of its interval, in degrees; none if there was too little to resample.
+    pub interval_deg: Option<[f64; 2]>,
+}
+
+/// Errors of answers.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ErrorFigures {
+    /// Number of answers.
+    pub answers: usize,
+    /// Median of the absolute errors.
+    pub median_abs: Figure,
+    /// Mean error: positive for answers too far to the right.
+    pub bias: Figure,
+    /// Mean error away from the middle, over truths beside it: negative for answers pulled towards
+    /// the middle. None if all truths are in the middle.
+    pub outward_bias: Option<Figure>,
+    /// Deviation from the mean answer to the same truth. None if no truth has two answers.
+    pub spread: Option<Figure>,
+    /// Whether the intervals are drawn from fewer than [`LEAST_DRAWN`], and so too narrow.
+    pub rough: bool,
+}
+
+/// A truth and the answer to it, in degrees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pair {
+    /// The right answer.
+    pub truth_deg: f64,
+    /// The answer.
+    pub answer_deg: f64,
+}
+
+impl Pair {
+    fn error(&self) -> f64 {
+        self.answer_deg - self.truth_deg
+    }
+}
+
+/// The figures without their intervals.
+#[derive(Clone, Copy)]
+struct Point {
+    median_abs: f64,
+    bias: f64,
+    outward_bias: Option<f64>,
+    spread: Option<f64>,
+}
+
+/// The figures of an observer's answers, resampled truth by truth; none without answers.
+pub fn figures(pairs: &[Pair]) -> Option<ErrorFigures> {
+    let strata = by_truth(pairs);
+    let fewest = strata.iter().map(Vec::len).min()?;
+    let draw = |random: &mut Random| -> Vec<Vec<Pair>> {
+        strata.iter().map(|of| drawn(of, random)).collect()
+    };
+    let drawings = match fewest {
+        0 | 1 => Vec::new(),
+        _ => drawings(fewest, draw),
+    };
+    Some(ErrorFigures {
+        rough: fewest < LEAST_DRAWN,
+        ..together(pairs.len(), &point(&strata), &drawings)
+    })
+}
+
+/// The figures of people's answers, one entry of `people` per person; persons are resampled. No
+/// intervals for fewer than [`LEAST_DRAWN`] persons; none without answers.
+pub fn figures_of_people(people: &[Vec<Pair>]) -> Option<ErrorFigures> {
+    let all: Vec<Pair> = people.iter().flatten().copied().collect();
+    if all.is_empty() {
+        return None;
+    }
+    let draw = |random: &mut Random| -> Vec<Vec<Pair>> {
+        let persons = drawn(people, random);
+        by_truth(&persons.into_iter().flatten().collect::<Vec<Pair>>())
+    };
+    let drawings = match people.len() {
+        count if count < LEAST_DRAWN => Vec::new(),
+        count => drawings(count, draw),
+    };
+    Some(together(all.len(), &point(&by_truth(&all)), &drawings))
+}
+
+/// Resamples the items with replacement: the result has the same length.
+fn drawn<T: Clone>(items: &[T], random: &mut Random) -> Vec<T> {
+    let one = |_| items[random.below(items.len())].clone();
+    (0..items.len()).map(one).collect()
+}
+
+fn drawings(count: usize, draw: impl Fn(&mut Random) -> Vec<Vec<Pair>>) -> Vec<Point> {
+    const SEED: u64 = 1979;
+    let mut random = Random::new(SEED);
+    let widening = (count as f64 / (count as f64 - 1.0)).sqrt();
+    let one = |_| {
+        let mut drawn = point(&draw(&mut random));
+        drawn.spread = drawn.spread.map(|spread| widening * spread);
+        drawn
+    };
+    (0..RESAMPLES).map(one).collect()
+}
+
+fn together(answers: usize, found: &Point, drawings: &[Point]) -> ErrorFigures {
+    let figure = |deg: f64, of: fn(&Point) -> Option<f64>| {
+        let interval_deg = interval(drawings.iter().filter_map(of).collect());
+        Figure { deg, interval_deg }
+    };
+    let figure_if_any = |of: fn(&Point) -> Option<f64>| Some(figure(of(found)?, of));
+    ErrorFigures {
+        answers,
+        median_abs: figure(found.median_abs, |of| Some(of.median_abs)),
+        bias: figure(found.bias, |of| Some(of.bias)),
+        outward_bias: figure_if_any(|of| of.outward_bias),
+        spread: figure_if_any(|of| of.spread),
+        rough: false,
+    }
+}
+
+/// The middle 95 % of some values; none without values.
+fn interval(values: Vec<f64>) -> Option<[f64; 2]> {
+    let tail = 0.5 * (1.0 - CONFIDENCE);
+    (!values.is_empty()).then(|| quantiles(values, [tail, 1.0 - tail]))
+}
+
+/// The answers to each truth together.
+fn by_truth(pairs: &[Pair]) -> Vec<Vec<Pair>> {
+    let mut strata: Vec<Vec<Pair>> = Vec::new();
+    for pair in pairs {
+        let same = |stratum: &&mut Vec<Pair>| stratum[0].truth_deg == pair.truth_deg;
+        match strata.iter_mut().find(same) {
+            Some(stratum) => stratum.push(*pair),
+            None => strata.push(vec![*pair]),
+        }
+    }
+    strata
+}
+
+fn point(strata: &[Vec<Pair>]) -> Point {
+    // For a truth this close to the middle "outward" is undefined.
+    const MIDDLE_DEG: f64 = 1.0;
+    let pairs = || strata.iter().flatten();
+    let beside = pairs().filter(|pair| pair.truth_deg.abs() > MIDDLE_DEG);
+    let outward = beside.map(|pair| pair.error() * pair.truth_deg.signum());
+    Point {
+        median_abs: median(pairs().map(|pair| pair.error().abs())),
+        bias: mean(pairs().map(Pair::error)).unwrap_or(0.0),
+        outward_bias: mean(outward),
+        spread: spread(strata),
+    }
+}
+
+/// Root of the mean variance of the answers to one truth, over truths with at least two answers.
+fn spread(strata: &[Vec<Pair>]) -> Option<f64> {
+    let variances = strata.iter().filter(|of| of.len() > 1).map(|of| {
+        let middle = mean(of.iter().map(|pair| pair.answer_deg)).unwrap_or(0.0);
+        let squares = of.iter().map(|pair| (pair.answer_deg - middle).powi(2));
+        squares.sum::<f64>() / (of.len() - 1) as f64
+    });
+    mean(variances).map(f64::sqrt)
+}
+
+/// A share of trials, with its interval (Wilson 1927, 95 %), which is valid for few trials and for
+/// shares of 0 and 1 too. It assumes independent trials.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Share {
+    /// The share, 0 … 1.
+    pub share: f64,
+    /// The ends of its interval, 0 … 1.
+    pub interval: [f64; 2],
+}
+
+impl Share {
+    /// The share `count` of `all`; none if `all` is 0.
+    pub fn of(count: u32, all: u32) -> Option<Share> {
+        // The normal distribution has 95 % within this number of deviations.
+        const DEVIATIONS: f64 = 1.959_964;
+        let (n, z2) = (f64::from(all), DEVIATIONS * DEVIATIONS);
+        let share = f64::from(count) / n;
+        let middle = (share + 0.5 * z2 / n) / (1.0 + z2 / n);
+        let half = (share * (1.0 - share) / n + 0.25 * z2 / (n * n)).sqrt();
+        let half = DEVIATIONS * half / (1.0 + z2 / n);
+        let interval = [(middle - half).max(0.0), (middle + half).min(1.0)];
+        (all > 0).then_some(Share { share, interval })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pair(truth_deg: f64, answer_deg: f64) -> Pair {
+        Pair {
+            truth_deg,
+            answer_deg,
+        }
+    }
+
+    /// Protects signs: a pull to the middle has no bias when both sides are pulled equally.
+    #[test]
+    fn biases_and_spread_are_told_apart() {
+        let pulled = figures(&[
+            pair(-40.0, -29.0),
+            pair(-40.0, -31.0),
+            pair(40.0, 31.0),
+            pair(40.0, 29.0),
+            pair(0.0, 0.5),
+            pair(0.0, -0.5),
+        ]);
+        let pulled = pulled.unwrap();
+        assert!(pulled.bias.deg.abs() < 1e-12 && pulled.answers == 6);
+        assert!((pulled.outward_bias.unwrap().deg + 10.0).abs() < 1e-12);
+        let spread = ((2.0f64 + 2.0 + 0.5) / 3.0).sqrt();
+        assert!((pulled.spread.unwrap().deg - spread).abs() < 1e-12);
+        assert_eq!(pulled.median_abs.deg, 9.0);
+        let [low, high] = pulled.median_abs.interval_deg.unwrap();
+        assert!(low <= 9.0 && high > 9.0 && pulled.rough);
+        assert_eq!(figures(&[]), None);
+    }
+
+    /// Protects a reader from an interval without meaning: one answer to a truth cannot be
+    /// resampled.
+    #[test]
+    fn one_answer_a_truth_has_no_interval() {
+        let lone = figures(&[pair(0.0, 3.0), pair(40.0, 30.0)]).unwrap();
+        assert_eq!((lone.median_abs.deg, lone.spread), (6.5, None));
+        assert_eq!(lone.median_abs.interval_deg, None);
+        assert_eq!(lone.bias.interval_deg, None);
+        assert_eq!(figures(&[pair(0.0, 3.0)]).unwrap().outward_bias, None);
+    }
+
+    /// Protects the interval: it is the middle of many, wide for few, and the same every time.
+    #[test]
+    fn intervals_narrow_with_more_values() {
+        let ramp = |count: u32| -> Vec<Pair> {
+            let along = |i| f64::from(i) / f64::from(count - 1);
+            (0..count).map(|i| pair(0.0, along(i))).collect()
+        };
+        let width = |count| {
+            let found = figures(&ramp(count)).unwrap();
+            assert!(!found.rough);
+            let [low, high] = found.median_abs.interval_deg.unwrap();
+            assert!(low < 0.5 && high > 0.5);
+            high - low
+        };
+        assert!(width(11) > 2.0 * width(1001));
+        // Truths with biases of their own, and no random error: the interval has no width.
+        let sure = [vec![pair(10.0, 11.0); 5], vec![pair(20.0, 29.0); 5]].concat();
+        let sure = figures(&sure).unwrap();
+        assert_eq!(sure.median_abs.interval_deg, Some([5.0, 5.0]));
+        assert_eq!(sure.bias.interval_deg, Some([5.0, 5.0]));
+        assert_eq!(figures(&ramp(11)), figures(&ramp(11)));
+    }
+
+    /// How often the intervals of bias and spread contain the true values: three truths with biases
+    /// of their own, normal noise of 1°, `answers` answers each.
+    fn coverage(answers: usize) -> [f64; 2] {
+        const RUNS: u64 = 300;
+        let mut held = [0.0; 2];
+        for run in 0..RUNS {
+            let mut random = Random::new(run);
+            let mut uniform = || random.below(1 << 20) as f64 / f64::from(1 << 20);
+            // Irwin and Hall: the sum of twelve is nearly normal except in its far tails.
+            let mut noise = || (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
+            let mut pairs = Vec::new();
+            for (truth, bias) in [(-48.0, 20.0), (0.0, 1.0), (48.0, -9.0)] {
+                pairs.extend((0..answers).map(|_| pair(truth, truth + bias + noise())));
+            }
+            let found = figures(&pairs).unwrap();
+            for (held, (figure, truth)) in held
+                .iter_mut()
+                .zip([(found.bias, 4.0), (found.spread.unwrap(), 1.0)])
+            {
+                let [low, high] = figure.interval_deg.unwrap();
+                *held += f64::from(u8::from(low <= truth && truth <= high)) / RUNS as f64;
+            }
+        }
+        held
+    }
+
+    /// Protects the meaning of the intervals as documented: with five answers per truth they
+    /// contain a bias in about 92 % and a spread in 83 %, and with two in far fewer, which is why
+    /// these are called rough. The allowance is three standard errors of 300 runs.
+    #[test]
+    fn five_answers_make_an_interval_and_two_do_not() {
+        let [bias, spread] = coverage(LEAST_DRAWN);
+        assert!(bias > 0.87 && spread > 0.77, "{bias}, {spread}");
+        let [rough, _] = coverage(2);
+        assert!(rough < 0.83, "{rough}");
+    }
+
+    /// Protects people's intervals: a person who answers often still counts once, and a few persons
+    /// make no interval.
+    #[test]
+    fn persons_are_drawn_and_not_their_answers() {
+        let person = |bias: f64, answers: usize| vec![pair(0.0, bias); answers];
+        let people = |answers| -> Vec<Vec<Pair>> {
+            (0..6u32).map(|n| person(f64::from(n), answers)).collect()
+        };
+        let width = |answers| {
+            let found = figures_of_people(&people(answers)).unwrap();
+            let [low, high] = found.bias.interval_deg.unwrap();
+            high - low
+        };
+        assert!((width(50) - width(1)).abs() < 1e-9 && width(1) > 2.0);
+        let few = figures_of_people(&people(50)[..4]).unwrap();
+        assert_eq!((few.bias.deg, few.bias.interval_deg), (1.5, None));
+        assert_eq!(figures_of_people(&[Vec::new()]), None);
+    }
+
+    /// Protects the share's interval: a worked example, and that it stays within 0 … 1.
+    #[test]
+    fn shares_have_wilsons_interval() {
+        let half = Share::of(5, 10).unwrap();
+        assert!((half.interval[0] - 0.2366).abs() < 1e-4);
+        assert!((half.interval[1] - 0.7634).abs() < 1e-4);
+        let all = Share::of(15, 15).unwrap();
+        assert_eq!((all.share, all.interval[1]), (1.0, 1.0));
+        assert!((all.interval[0] - 0.7961).abs() < 1e-4);
+        assert_eq!(Share::of(0, 0), None);
+    }
+}

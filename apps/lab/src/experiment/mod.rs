@@ -1,0 +1,17 @@
+//! The thesis' experiments, repeated and compared with its own figures.
+//!
+//! An experiment takes a [`Tracer`](crate::Tracer), works in an order that is fair to the cases it
+//! compares, and returns plain data. The other files of an experiment convert that data to a
+//! [`Report`](crate::report::Report) and SVG.
+
+pub mod accuracy;
+pub mod cost;
+pub mod decay_plot;
+pub mod figures;
+pub mod localise;
+mod plot;
+mod thesis_tables;
+pub mod verify;
+
+pub use crate::stats::median;
+pub use thesis_tables::{THESIS_TABLES, ThesisRow, ThesisTable, WAVE_COUNTS};

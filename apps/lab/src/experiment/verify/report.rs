@@ -1,0 +1,195 @@
+//! The results of the hard cases, as plain data.
+
+use super::rounding::{END_ROUNDING, LENGTH_ROUNDING, START_ROUNDING};
+use crate::report::{Column, Document, Report, Row, Table, significant};
+use echomarch::trace::Profile;
+use serde::Serialize;
+
+/// The results of all cases run.
+#[derive(Clone, Debug, Serialize)]
+pub struct VerifyReport {
+    /// The renderer's name.
+    pub renderer: String,
+    /// The cases, in the order of [`all`](super::all).
+    pub cases: Vec<CaseReport>,
+}
+
+/// One case with every profile.
+#[derive(Clone, Debug, Serialize)]
+pub struct CaseReport {
+    /// The case's name.
+    pub name: String,
+    /// The difficulty.
+    pub hard: String,
+    /// The exact answer in words.
+    pub exact: String,
+    /// The bound in words.
+    pub bound: String,
+    /// The results, in the order of [`Profile::ALL`].
+    pub results: Vec<ProfileResult>,
+}
+
+/// The result of one profile.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct ProfileResult {
+    /// Name of the profile.
+    pub profile: String,
+    /// Whether all its requirements hold.
+    pub passed: bool,
+    /// Waves traced; 0 for input that must be rejected.
+    pub waves: usize,
+    /// Waves without a right answer: other objects, or an end outside the bound.
+    pub off: usize,
+    /// Number of those that are dead and should not be.
+    pub lost: usize,
+    /// Waves heard.
+    pub heard: usize,
+    /// Waves that are heard in the exact answer.
+    pub heard_exactly: usize,
+    /// Median distance of the wrong waves from the exact end, if both have one; metres.
+    pub median_off: f64,
+    /// Largest distance of the right waves from a right answer; metres.
+    pub error: f64,
+    /// The same as a share of the scene's extent.
+    pub relative_error: f64,
+    /// States with a number that is NaN or infinite.
+    pub not_finite: usize,
+    /// Waves that were in a solid after some iteration.
+    pub inside: usize,
+    /// The largest depth in a solid; metres.
+    pub deepest: f64,
+    /// Marches that reached the step limit.
+    pub step_limit_reached: u64,
+    /// Largest difference of a direction's length from 1.
+    pub length_error: f64,
+    /// Marches that ended at distance 0.
+    pub zero_length_passes: u64,
+    /// A note that does not affect the verdict.
+    pub note: String,
+}
+
+impl ProfileResult {
+    /// The verdict and its figures.
+    pub fn verdict(&self) -> String {
+        let verdict = if self.passed { "ok" } else { "fails" };
+        let mut all = vec![verdict.to_owned()];
+        if self.off > 0 {
+            let waves = plural(self.waves as u64, "wave");
+            all.push(format!("{} of {waves} off", self.off));
+        }
+        if self.lost > 0 {
+            all.push(format!("{} lost", self.lost));
+        }
+        if self.off > 0 && self.heard != self.heard_exactly {
+            all.push(format!("{} heard of {}", self.heard, self.heard_exactly));
+        }
+        if self.median_off > 0.0 {
+            all.push(format!("median {} m", short(self.median_off)));
+        }
+        if self.off == 0 && self.waves > 0 {
+            all.push(format!("error {}", short(self.relative_error)));
+        }
+        if self.not_finite > 0 {
+            all.push(plural(self.not_finite as u64, "NaN"));
+        }
+        if self.inside > 0 {
+            let deepest = short(self.deepest);
+            all.push(format!("{} in a solid, {deepest} m deep", self.inside));
+        }
+        if self.step_limit_reached > 0 {
+            all.push(format!(
+                "step limit reached {} times",
+                self.step_limit_reached
+            ));
+        }
+        if self.length_error > LENGTH_ROUNDING {
+            all.push(format!("length off by {}", short(self.length_error)));
+        }
+        if !self.note.is_empty() {
+            all.push(self.note.clone());
+        }
+        all.join(", ")
+    }
+}
+
+impl CaseReport {
+    /// The result of a profile.
+    pub fn of(&self, profile: Profile) -> Option<&ProfileResult> {
+        let name = profile.to_string();
+        self.results.iter().find(|result| result.profile == name)
+    }
+
+    /// Whether the profiles that should be right are right.
+    pub fn passed(&self) -> bool {
+        [Profile::Hybrid, Profile::March]
+            .iter()
+            .all(|&profile| self.of(profile).is_some_and(|result| result.passed))
+    }
+}
+
+impl VerifyReport {
+    /// Number of cases that this profile passes.
+    pub fn passes(&self, profile: Profile) -> usize {
+        let of = |case: &&CaseReport| case.of(profile).is_some_and(|result| result.passed);
+        self.cases.iter().filter(of).count()
+    }
+}
+
+fn plural(count: u64, noun: &str) -> String {
+    let ending = if count == 1 { "" } else { "s" };
+    format!("{count} {noun}{ending}")
+}
+
+fn short(value: f64) -> String {
+    significant(value, 2)
+}
+
+impl Row for &CaseReport {
+    fn columns() -> Vec<Column<Self>> {
+        let verdict = |profile: Profile| {
+            let name = profile.to_string();
+            Column::new(&name, &name, move |case: &&CaseReport| {
+                case.of(profile).map(ProfileResult::verdict)
+            })
+            .text()
+        };
+        let mut columns = vec![
+            Column::new("name", "case", |case: &&CaseReport| &case.name).label(),
+            Column::new("hard", "what is hard", |case: &&CaseReport| &case.hard).text(),
+            Column::new("exact", "exact", |case: &&CaseReport| &case.exact).text(),
+            Column::new("bound", "bound", |case: &&CaseReport| &case.bound).text(),
+        ];
+        columns.extend(Profile::ALL.map(verdict));
+        columns
+    }
+}
+
+impl Report for VerifyReport {
+    const NAME: &'static str = "verify";
+
+    fn document(&self) -> Document {
+        let mut document = Document::default();
+        document.table(&self.cases);
+        let passes = Profile::ALL.map(|profile| format!("{profile} {}", self.passes(profile)));
+        document.paragraph(format!(
+            "{}: of {} cases pass: {}.",
+            self.renderer,
+            self.cases.len(),
+            passes.join(", ")
+        ));
+        document.paragraph(format!(
+            "spread: within twice what a start {START_ROUNDING:.1e} off (of the extent, and in \
+             radians) does to the exact end, and {END_ROUNDING:.1e} of the extent, plus a unit in \
+             the last place of a world coordinate, which reading back as f32 costs. error: the \
+             largest among right waves, as a share of the extent or, if that is longer, of the \
+             way. off: waves with other objects or an end outside the bound; lost: dead, and \
+             should not be; heard of: of those that should be heard; median: of distances from \
+             the exact end."
+        ));
+        document
+    }
+
+    fn table(&self) -> Table {
+        Table::of(&self.cases)
+    }
+}

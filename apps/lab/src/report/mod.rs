@@ -1,0 +1,187 @@
+//! Reports: results, with each column described once.
+//!
+//! A [`Table`] has columns and rows. Each column is described once, beside the type of the rows:
+//! its name for programs, its heading for people, its unit, its notation, and the function that
+//! returns a row's cell. CSV, JSON, Markdown and text for a terminal are written from that. A
+//! [`Document`] holds the text around tables. CSV and JSON get every digit of a number; text and
+//! Markdown get the significant ones, with the unit in the heading.
+
+mod cell;
+mod markdown;
+mod table;
+mod terminal;
+
+pub use cell::{Cell, significant};
+pub use table::Table;
+pub use table::{Column, Row};
+
+use serde::Serialize;
+
+/// Maximum number of characters in a line for a terminal.
+const WIDTH: usize = 100;
+
+/// The results of an experiment: its data by [`Serialize`], and the texts and tables made from
+/// them.
+pub trait Report: Serialize {
+    /// The name of its files, without their endings.
+    const NAME: &'static str;
+    /// Whether it can be plotted.
+    const HAS_PLOT: bool = false;
+
+    /// The whole report for people.
+    fn document(&self) -> Document;
+
+    /// All rows, for CSV.
+    fn table(&self) -> Table;
+
+    /// The plot as SVG; empty if there is no plot.
+    ///
+    /// # Errors
+    /// When the drawing fails; the text contains the reason.
+    fn plot_svg(&self) -> Result<String, PlotError> {
+        Ok(String::new())
+    }
+}
+
+/// The reason why a plot could not be drawn.
+pub type PlotError = Box<dyn std::error::Error + Send + Sync>;
+
+/// Headings, text and tables in order. Text is plain: each format escapes it.
+#[derive(Clone, Debug, Default)]
+pub struct Document {
+    blocks: Vec<Block>,
+}
+
+#[derive(Clone, Debug)]
+enum Block {
+    /// A heading of a level, from 1.
+    Heading(usize, String),
+    Paragraph(String),
+    List(Vec<String>),
+    Table(Table),
+}
+
+impl Document {
+    /// Adds a heading of a level, from 1.
+    pub fn heading(&mut self, level: usize, text: impl Into<String>) {
+        self.blocks.push(Block::Heading(level, text.into()));
+    }
+
+    /// Adds a paragraph, which the writer breaks into lines.
+    pub fn paragraph(&mut self, text: impl Into<String>) {
+        self.blocks.push(Block::Paragraph(text.into()));
+    }
+
+    /// Adds a list, unless it is empty.
+    pub fn list(&mut self, items: Vec<String>) {
+        if !items.is_empty() {
+            self.blocks.push(Block::List(items));
+        }
+    }
+
+    /// Adds a table of the given rows.
+    pub fn table<R: Row>(&mut self, rows: impl IntoIterator<Item = R>) {
+        self.blocks.push(Block::Table(Table::of(rows)));
+    }
+}
+
+/// Breaks a text into lines of [`WIDTH`] characters at its spaces. The first line begins with
+/// `mark`, the others with the same number of spaces. A longer word has a line of its own, or
+/// several.
+fn wrapped(text: &str, mark: &str) -> String {
+    let indent = mark.chars().count();
+    let mut lines = Vec::new();
+    let mut line = mark.to_owned();
+    let mut used = indent;
+    for word in text.split_whitespace() {
+        for piece in pieces(word, WIDTH - indent) {
+            let width = piece.chars().count();
+            if used > indent && used + 1 + width > WIDTH {
+                lines.push(std::mem::replace(&mut line, " ".repeat(indent)));
+                used = indent;
+            }
+            if used > indent {
+                line.push(' ');
+                used += 1;
+            }
+            line += &piece;
+            used += width;
+        }
+    }
+    lines.push(line);
+    lines.join("\n")
+}
+
+/// Splits a word into pieces of at most `most` characters.
+fn pieces(word: &str, most: usize) -> Vec<String> {
+    let letters: Vec<char> = word.chars().collect();
+    let pieces = letters.chunks(most);
+    pieces.map(|piece| piece.iter().collect()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Pair(&'static str, Option<f64>);
+
+    impl Row for Pair {
+        fn columns() -> Vec<Column<Pair>> {
+            let interval = |row: &Pair| {
+                let value = row.1?;
+                let ends = Some([value - 1.0, value + 1.0]);
+                let rough = false;
+                Some(Cell::Interval { value, ends, rough })
+            };
+            vec![
+                Column::new("name", "what", |row: &Pair| row.0).key().text(),
+                Column::new("error_deg", "error", move |row: &Pair| {
+                    interval(row).unwrap_or(Cell::None)
+                })
+                .interval()
+                .fixed(1)
+                .unit("°"),
+                Column::for_programs("answers", |_: &Pair| 3u32),
+                Column::for_people("said", |_: &Pair| "1/2").text(),
+            ]
+        }
+    }
+
+    /// Protects every format: each shows the columns intended for it, and a value is the same in
+    /// all of them.
+    #[test]
+    fn a_table_is_written_in_every_format() {
+        let table = Table::of([Pair("a|b", Some(2.25)), Pair("=c", None)]);
+        let mut csv = Vec::new();
+        table.write_csv(&mut csv).unwrap();
+        let expected = "name,error_deg,error_deg_low,error_deg_high,answers\n\
+                        a|b,2.25,1.25,3.25,3\n'=c,,,,3\n";
+        assert_eq!(String::from_utf8(csv).unwrap(), expected);
+        let json = serde_json::to_value(&table).unwrap();
+        assert_eq!(json[0]["error_deg_high"], 3.25);
+        assert_eq!(json[1]["error_deg"], serde_json::Value::Null);
+        assert_eq!(json[1]["name"], "=c");
+        let expected = "| what | error ° | said |\n| --- | ---: | --- |\n\
+                        | a\\|b | 2.2 (1.2 … 3.2) | 1/2 |\n| =c | — | 1/2 |";
+        assert_eq!(table.markdown(), expected);
+    }
+
+    /// Protects documents: blocks are separated, and text is escaped where necessary.
+    #[test]
+    fn a_document_is_escaped_and_broken_into_lines() {
+        let mut document = Document::default();
+        document.heading(2, "a *b*");
+        document.paragraph(format!("<i> {}", "word ".repeat(40)));
+        document.list(vec!["one".to_owned(), "two".to_owned()]);
+        document.list(Vec::new());
+        document.table([Pair("x", None)]);
+        let text = document.markdown();
+        assert!(text.starts_with("## a \\*b\\*\n\n&lt;i> word"), "{text}");
+        assert!(text.contains("\n\n- one\n- two\n\n| what |"), "{text}");
+        assert!(text.lines().all(|line| line.chars().count() <= WIDTH));
+        let long = wrapped(&"x".repeat(250), "- ");
+        let widths: Vec<usize> = long.lines().map(|line| line.chars().count()).collect();
+        assert_eq!(widths, [100, 100, 56]);
+        assert!(long.lines().all(|line| line.starts_with(['-', ' '])));
+    }
+}

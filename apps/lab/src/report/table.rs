@@ -1,0 +1,248 @@
+//! Tables: columns described once, rows of typed cells.
+
+use super::cell::{Cell, Notation};
+use serde::ser::{SerializeMap, SerializeSeq};
+use serde::{Serialize, Serializer};
+use std::io::{self, Write};
+
+/// A type whose values are rows of a table.
+pub trait Row: Sized {
+    /// The columns, in order.
+    fn columns() -> Vec<Column<Self>>;
+}
+
+/// The description of a column, independent of its rows.
+#[derive(Clone, Debug)]
+pub struct Head {
+    /// In CSV and JSON; `None` for a column that only people are shown.
+    pub name: Option<String>,
+    /// The heading on a terminal and in Markdown; `None` for a column only for programs.
+    pub heading: Option<String>,
+    /// The unit of the numbers, shown behind the heading.
+    pub unit: &'static str,
+    /// Whether its cells are text: aligned to the left, with long text wrapped.
+    pub is_text: bool,
+    /// Whether it identifies a row, and is repeated where a table continues below.
+    pub is_key: bool,
+    /// Whether programs get two more cells, the ends of an interval.
+    pub is_interval: bool,
+    /// The notation of its numbers.
+    pub notation: Notation,
+}
+
+impl Head {
+    /// Heading and unit.
+    pub fn shown(&self) -> Option<String> {
+        let heading = self.heading.as_ref()?;
+        Some(match self.unit {
+            "" => heading.clone(),
+            unit => format!("{heading} {unit}"),
+        })
+    }
+}
+
+/// A column of rows of one type.
+pub struct Column<R> {
+    head: Head,
+    cell: Box<dyn Fn(&R) -> Cell>,
+}
+
+impl<R> Column<R> {
+    fn with(name: Option<&str>, heading: Option<&str>, cell: Box<dyn Fn(&R) -> Cell>) -> Column<R> {
+        Column {
+            head: Head {
+                name: name.map(str::to_owned),
+                heading: heading.map(str::to_owned),
+                unit: "",
+                is_text: false,
+                is_key: false,
+                is_interval: false,
+                notation: Notation::Plain,
+            },
+            cell,
+        }
+    }
+
+    /// Creates a column for people and programs: its name for programs, its heading for people.
+    pub fn new<C: Into<Cell>>(
+        name: &str,
+        heading: &str,
+        cell: impl Fn(&R) -> C + 'static,
+    ) -> Column<R> {
+        Column::with(
+            Some(name),
+            Some(heading),
+            Box::new(move |row| cell(row).into()),
+        )
+    }
+
+    /// Creates a column only for programs.
+    pub fn for_programs<C: Into<Cell>>(name: &str, cell: impl Fn(&R) -> C + 'static) -> Column<R> {
+        Column::with(Some(name), None, Box::new(move |row| cell(row).into()))
+    }
+
+    /// Creates a column only for people.
+    pub fn for_people<C: Into<Cell>>(heading: &str, cell: impl Fn(&R) -> C + 'static) -> Column<R> {
+        Column::with(None, Some(heading), Box::new(move |row| cell(row).into()))
+    }
+
+    /// Marks a column that identifies a row.
+    pub fn key(mut self) -> Column<R> {
+        self.head.is_key = true;
+        self
+    }
+
+    /// Marks a column of text.
+    pub fn text(mut self) -> Column<R> {
+        self.head.is_text = true;
+        self
+    }
+
+    /// Marks a column of text that identifies a row.
+    pub fn label(self) -> Column<R> {
+        self.key().text()
+    }
+
+    /// Sets the unit of the numbers.
+    pub fn unit(mut self, unit: &'static str) -> Column<R> {
+        self.head.unit = unit;
+        self
+    }
+
+    /// Marks a column whose cells are [`Cell::Interval`] or empty.
+    pub fn interval(mut self) -> Column<R> {
+        self.head.is_interval = true;
+        self
+    }
+
+    /// Sets a fixed number of decimals.
+    pub fn fixed(self, digits: usize) -> Column<R> {
+        self.notation(Notation::Fixed(digits))
+    }
+
+    /// Sets a fixed number of decimals, with a sign.
+    pub fn signed(self, digits: usize) -> Column<R> {
+        self.notation(Notation::Signed(digits))
+    }
+
+    /// Sets shares from 0 to 1 in percent, with a fixed number of decimals.
+    pub fn percent(self, digits: usize) -> Column<R> {
+        self.notation(Notation::Percent(digits)).unit("%")
+    }
+
+    /// Sets the number of significant digits.
+    pub fn significant(self, digits: usize) -> Column<R> {
+        self.notation(Notation::Significant(digits))
+    }
+
+    fn notation(mut self, notation: Notation) -> Column<R> {
+        self.head.notation = notation;
+        self
+    }
+}
+
+/// Columns and rows, to be written as CSV, as JSON (by [`Serialize`]: a list of objects, keyed by
+/// the columns' names), as Markdown or for a terminal.
+#[derive(Clone, Debug)]
+pub struct Table {
+    pub(super) heads: Vec<Head>,
+    pub(super) rows: Vec<Vec<Cell>>,
+}
+
+impl Table {
+    /// Creates a table of the given rows.
+    pub fn of<R: Row>(rows: impl IntoIterator<Item = R>) -> Table {
+        let (heads, cells): (Vec<Head>, Vec<_>) = R::columns()
+            .into_iter()
+            .map(|column| (column.head, column.cell))
+            .unzip();
+        let row = |row: R| cells.iter().map(|cell| cell(&row)).collect();
+        Table {
+            heads,
+            rows: rows.into_iter().map(row).collect(),
+        }
+    }
+
+    /// Names of the columns for programs, in order. An interval has three: its value, and its
+    /// ends as `NAME_low` and `NAME_high`.
+    pub fn names(&self) -> Vec<String> {
+        let names = |head: &Head| -> Vec<String> {
+            let Some(name) = &head.name else {
+                return Vec::new();
+            };
+            let ends: &[&str] = match head.is_interval {
+                true => &["", "_low", "_high"],
+                false => &[""],
+            };
+            ends.iter().map(|end| format!("{name}{end}")).collect()
+        };
+        self.heads.iter().flat_map(names).collect()
+    }
+
+    /// The cells of a row under [`Table::names`].
+    fn cells(&self, row: &[Cell]) -> Vec<Cell> {
+        let mut cells = Vec::new();
+        for (head, cell) in self.heads.iter().zip(row) {
+            if head.name.is_none() {
+                continue;
+            }
+            cells.push(cell.clone());
+            if head.is_interval {
+                cells.extend(cell.ends());
+            }
+        }
+        cells
+    }
+
+    /// Writes the table as CSV: the first line has the columns' names, a cell without a value is
+    /// empty, numbers have enough digits to read them back exactly, and text cannot begin a
+    /// spreadsheet formula.
+    ///
+    /// # Errors
+    /// Errors of `out`.
+    pub fn write_csv(&self, out: &mut dyn Write) -> io::Result<()> {
+        let mut writer = csv::Writer::from_writer(out);
+        writer.write_record(self.names())?;
+        for row in &self.rows {
+            let cells = self.cells(row);
+            writer.write_record(cells.iter().map(Cell::for_csv))?;
+        }
+        writer.flush()
+    }
+
+    /// The indices of the columns shown to people.
+    pub(super) fn shown(&self) -> impl Iterator<Item = usize> {
+        let heads = self.heads.iter().enumerate();
+        heads.filter_map(|(index, head)| head.heading.as_ref().map(|_| index))
+    }
+
+    /// A cell for people, not escaped for any format.
+    pub(super) fn cell_for_people(&self, row: &[Cell], column: usize) -> String {
+        let notation = self.heads[column].notation;
+        row[column].for_people(notation)
+    }
+}
+
+impl Serialize for Table {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let names = self.names();
+        let mut list = to.serialize_seq(Some(self.rows.len()))?;
+        for row in &self.rows {
+            list.serialize_element(&Object(&names, &self.cells(row)))?;
+        }
+        list.end()
+    }
+}
+
+/// A row as a JSON object.
+struct Object<'a>(&'a [String], &'a [Cell]);
+
+impl Serialize for Object<'_> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let mut map = to.serialize_map(Some(self.0.len()))?;
+        for (name, cell) in self.0.iter().zip(self.1) {
+            map.serialize_entry(name, cell)?;
+        }
+        map.end()
+    }
+}

@@ -1,0 +1,352 @@
+//! The columns of a study: those that identify a point, and those of its results.
+
+use super::file::{FigureName, ResponseFile};
+use super::{Kept, Study};
+use crate::report::Cell;
+use echomarch::acoustics::BandFigures;
+use echomarch::bands::BANDS_HZ;
+use echomarch::response::{Gap, Response};
+
+/// Maximum of all times in the results, in seconds: a record has at most 60 s, and a decay time is three times the part
+/// that it is evaluated from.
+const LONGEST_S: f64 = 3600.0;
+
+/// Maximum of all levels in the results, in decibels: the ratio of two 64-bit numbers has at most 6,320 dB.
+const LOUDEST_DB: f64 = 6400.0;
+
+/// The largest error as a multiple of its figure's range: Student's t widens an error by up to 6.4.
+const ERROR_TO_RANGE: f64 = 10.0;
+
+/// A share or a time may exceed its limits by this rounding error.
+const ROUNDING: f64 = 1e-9;
+
+/// A column of the joined tables.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Column {
+    pub name: String,
+    pub kind: Kind,
+    /// Its permitted numbers; for text, those of each number in it.
+    pub range: Range,
+}
+
+/// The permitted numbers of a column, from the minimum to the maximum; cells read from a shard are checked against it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Range {
+    pub least: f64,
+    pub most: f64,
+    /// Whether cells may be empty.
+    pub may_be_empty: bool,
+}
+
+impl Range {
+    /// Every finite number.
+    const ANY: Range = Range::new(f64::MIN, f64::MAX);
+
+    const fn new(least: f64, most: f64) -> Range {
+        Range {
+            least,
+            most,
+            may_be_empty: false,
+        }
+    }
+
+    const fn or_empty(self) -> Range {
+        Range {
+            may_be_empty: true,
+            ..self
+        }
+    }
+
+    /// The range of the errors of a figure with this range.
+    fn of_errors(self) -> Range {
+        let most = ERROR_TO_RANGE * (self.most - self.least);
+        Range::new(0.0, most).or_empty()
+    }
+}
+
+/// The type of a column's cells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// Whole numbers of 64 bits.
+    Whole,
+    /// Numbers of 64 bits.
+    Real,
+    /// Text; in results, numbers separated by spaces.
+    Text,
+}
+
+impl Column {
+    /// A column that may hold every finite number.
+    pub(super) fn new(name: impl Into<String>, kind: Kind) -> Column {
+        Column::within(name, kind, Range::ANY)
+    }
+
+    fn within(name: impl Into<String>, kind: Kind, range: Range) -> Column {
+        Column {
+            name: name.into(),
+            kind,
+            range,
+        }
+    }
+}
+
+/// The columns of a response.
+#[derive(Clone, Debug)]
+pub(super) struct ResponseColumns {
+    figures: Vec<FigureName>,
+    /// Indices into [`BANDS_HZ`].
+    bands: Vec<usize>,
+    errors: bool,
+    /// Number of bins of the traced echogram, each 1 ms long, in one bin of the table.
+    echogram_bins: Option<usize>,
+}
+
+impl ResponseColumns {
+    /// The columns that a checked study requests.
+    pub fn of(said: &ResponseFile) -> ResponseColumns {
+        let place = |hz: &u32| BANDS_HZ.iter().position(|band| *band == f64::from(*hz));
+        ResponseColumns {
+            figures: said.figures.clone(),
+            bands: said.bands_hz.iter().filter_map(place).collect(),
+            errors: said.errors,
+            echogram_bins: said.echogram_ms.map(|ms| ms as usize),
+        }
+    }
+
+    /// Figure and band of each pair of columns, in order.
+    fn pairs(&self) -> impl Iterator<Item = (FigureName, usize)> {
+        let figures = self.figures.iter();
+        figures.flat_map(|figure| self.bands.iter().map(|band| (*figure, *band)))
+    }
+
+    fn columns(&self) -> Vec<Column> {
+        let mut columns = Vec::new();
+        for (figure, band) in self.pairs() {
+            let name = format!("{}_{}", figure.column(), BANDS_HZ[band]);
+            let range = figure.range();
+            columns.push(Column::within(name.clone(), Kind::Real, range));
+            if self.errors {
+                let errors = range.of_errors();
+                columns.push(Column::within(name + "_error", Kind::Real, errors));
+            }
+        }
+        if !self.figures.is_empty() {
+            columns.extend(self.bands.iter().map(|band| {
+                let name = gap_column(BANDS_HZ[*band]);
+                Column::within(name, Kind::Whole, Range::new(0.0, Gap::ALL.len() as f64))
+            }));
+        }
+        if self.echogram_bins.is_some() {
+            let first = Range::new(0.0, LONGEST_S);
+            let energies = Range::new(0.0, f64::MAX).or_empty();
+            columns.push(Column::within("echogram_from_s", Kind::Real, first));
+            for band in &self.bands {
+                let name = format!("echogram_{}", BANDS_HZ[*band]);
+                columns.push(Column::within(name, Kind::Text, energies));
+            }
+        }
+        columns
+    }
+
+    /// The cells of these columns.
+    pub fn cells(&self, response: &Response) -> Vec<Cell> {
+        let mut cells = Vec::new();
+        for (figure, band) in self.pairs() {
+            let finite = |number: Option<f64>| number.filter(|number| number.is_finite());
+            cells.push(finite(figure.of(&response.figures.bands[band])).into());
+            if self.errors {
+                cells.push(finite(figure.of(&response.figures.errors[band])).into());
+            }
+        }
+        if !self.figures.is_empty() {
+            let gaps = response.gaps();
+            let has_gap = |band: usize| {
+                let figures = self.figures.iter();
+                figures
+                    .clone()
+                    .any(|figure| figure.of(&response.figures.bands[band]).is_none())
+            };
+            let code = |band: usize| gaps[band].filter(|_| has_gap(band)).map_or(0, Gap::code);
+            cells.extend(self.bands.iter().map(|band| Cell::from(code(*band))));
+        }
+        if let Some(bins) = self.echogram_bins {
+            cells.push(response.echogram.first_s().into());
+            let energies = energies(response, bins);
+            let text = |band: &usize| {
+                let numbers: Vec<String> =
+                    energies.iter().map(|e| format!("{:?}", e[*band])).collect();
+                Cell::text(numbers.join(" "))
+            };
+            cells.extend(self.bands.iter().map(text));
+        }
+        cells
+    }
+}
+
+/// The column with the reason why figures of a band are empty in a row: [`Gap::code`], 0 if they are not.
+fn gap_column(band_hz: f64) -> String {
+    format!("gap_{band_hz}")
+}
+
+/// The column with the reason why cells of the given column are empty, if it is one of a figure.
+pub(super) fn gap_column_of(column: &str) -> Option<String> {
+    let name = column.strip_suffix("_error").unwrap_or(column);
+    let (figure, band) = name.rsplit_once('_')?;
+    let is_figure = FigureName::ALL.iter().any(|known| known.column() == figure);
+    is_figure.then(|| gap_column(band.parse().unwrap_or_default()))
+}
+
+/// The energy densities of all arrivals in 1/m², each over `bins` bins of the echogram.
+fn energies(response: &Response, bins: usize) -> Vec<echomarch::bands::Bands> {
+    let echogram = &response.echogram;
+    let mut energies = vec![echomarch::bands::Bands::default(); echogram.bins().div_ceil(bins)];
+    for bin in 0..echogram.bins() {
+        echomarch::bands::add(&mut energies[bin / bins], &echogram.energy(bin));
+    }
+    for path in &response.paths {
+        let after = (path.delay_s - echogram.first_s()).max(0.0);
+        let bin = (after / (echogram.bin_s() * bins as f64)) as usize;
+        if bin >= energies.len() {
+            energies.resize(bin + 1, Default::default());
+        }
+        echomarch::bands::add(&mut energies[bin], &path.energy);
+    }
+    energies
+}
+
+impl FigureName {
+    const ALL: [FigureName; 8] = [
+        FigureName::Edt,
+        FigureName::T20,
+        FigureName::T30,
+        FigureName::C50,
+        FigureName::C80,
+        FigureName::D50,
+        FigureName::Ts,
+        FigureName::G,
+    ];
+
+    /// Its column, without the band.
+    fn column(self) -> &'static str {
+        match self {
+            FigureName::Edt => "edt_s",
+            FigureName::T20 => "t20_s",
+            FigureName::T30 => "t30_s",
+            FigureName::C50 => "c50_db",
+            FigureName::C80 => "c80_db",
+            FigureName::D50 => "d50",
+            FigureName::Ts => "ts_s",
+            FigureName::G => "g_db",
+        }
+    }
+
+    fn range(self) -> Range {
+        let range = match self {
+            FigureName::Edt | FigureName::T20 | FigureName::T30 | FigureName::Ts => {
+                Range::new(-ROUNDING, LONGEST_S)
+            }
+            FigureName::C50 | FigureName::C80 | FigureName::G => {
+                Range::new(-LOUDEST_DB, LOUDEST_DB)
+            }
+            FigureName::D50 => Range::new(-ROUNDING, 1.0 + ROUNDING),
+        };
+        range.or_empty()
+    }
+
+    fn of(self, figures: &BandFigures) -> Option<f64> {
+        match self {
+            FigureName::Edt => figures.edt_s,
+            FigureName::T20 => figures.t20_s,
+            FigureName::T30 => figures.t30_s,
+            FigureName::C50 => figures.c50_db,
+            FigureName::C80 => figures.c80_db,
+            FigureName::D50 => figures.d50,
+            FigureName::Ts => figures.ts_s,
+            FigureName::G => figures.g_db,
+        }
+    }
+}
+
+impl Kept {
+    /// The columns of the results: counts of up to `waves` waves, and of up to `marches` marches of all waves.
+    fn columns(&self, waves: u64, marches: u64) -> Vec<Column> {
+        let mut columns = Vec::new();
+        let waves = Range::new(0.0, waves as f64);
+        let marches = Range::new(0.0, marches as f64);
+        let pan = Range::new(-1.0, 1.0);
+        if self.pan {
+            // A wave adds 1 to both together.
+            let ranges = [("left", waves), ("right", waves), ("pan", pan)];
+            columns.extend(ranges.map(|(name, range)| Column::within(name, Kind::Real, range)));
+        }
+        if self.counts {
+            let ranges = [
+                ("listener_hits", waves),
+                ("dead", waves),
+                ("travelling", waves),
+                ("not_finite", waves),
+                ("zero_length_passes", marches),
+                ("step_limit_reached", marches),
+            ];
+            columns.extend(ranges.map(|(name, range)| Column::within(name, Kind::Whole, range)));
+        }
+        if self.exact {
+            let range = Range::new(-1.0 - ROUNDING, 1.0 + ROUNDING);
+            columns.push(Column::within("exact_pan", Kind::Real, range));
+        }
+        if let Some((_, response)) = &self.response {
+            columns.extend(response.columns());
+        }
+        columns
+    }
+}
+
+impl Study {
+    /// The names of named values, each once, in alphabetic order.
+    pub(super) fn value_names(&self) -> Vec<&str> {
+        let names = self.variants.iter().flat_map(|axis| axis.values.keys());
+        let names: std::collections::BTreeSet<&str> = names.map(String::as_str).collect();
+        names.into_iter().collect()
+    }
+
+    /// The columns that identify a point; the first is its number.
+    pub(super) fn point_columns(&self) -> Vec<Column> {
+        let mut columns = vec![
+            Column::new("point", Kind::Whole),
+            Column::new("scene", Kind::Text),
+        ];
+        let values = self.value_names().into_iter();
+        columns.extend(values.map(|name| Column::new(format!("value_{name}"), Kind::Real)));
+        if self.times.is_some() {
+            columns.push(Column::new("time_s", Kind::Real));
+        }
+        if self.settings.iter().any(|case| case.label.is_some()) {
+            columns.push(Column::new("case", Kind::Text));
+        }
+        for (name, kind) in [
+            ("profile", Kind::Text),
+            ("directions", Kind::Text),
+            ("waves", Kind::Whole),
+            ("iterations", Kind::Whole),
+            ("source_x_m", Kind::Real),
+            ("source_y_m", Kind::Real),
+            ("source_z_m", Kind::Real),
+            ("listener_x_m", Kind::Real),
+            ("listener_y_m", Kind::Real),
+            ("listener_z_m", Kind::Real),
+            ("seed", Kind::Whole),
+        ] {
+            columns.push(Column::new(name, kind));
+        }
+        columns
+    }
+
+    /// The columns of the results.
+    pub(super) fn found_columns(&self) -> Vec<Column> {
+        let settings = || self.settings.iter().map(|case| &case.settings);
+        let waves = settings().map(|settings| u64::from(settings.waves));
+        let marches = settings().map(|it| u64::from(it.waves) * u64::from(it.iterations));
+        let (waves, marches) = (waves.max().unwrap_or(0), marches.max().unwrap_or(0));
+        self.keep.columns(waves, marches)
+    }
+}

@@ -1,0 +1,119 @@
+//! Estimates the cost of a study: points, time from a short sample, bytes.
+
+use super::work::row;
+use super::{Study, StudyError, Worker, lines};
+use echomarch::internals::rng::GOLDEN_GAMMA;
+use serde::Serialize;
+use std::time::{Duration, Instant};
+
+/// Maximum number of points of a sample.
+const MOST_SAMPLED: u64 = 64;
+
+/// Minimum number of points of a sample, whatever their time: an error needs two.
+const LEAST_SAMPLED: u64 = 3;
+
+/// Maximum time of a sample, warm-up included.
+const LONGEST: Duration = Duration::from_secs(20);
+
+/// The cost of a study, estimated from a sample of its points.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct Estimate {
+    /// Points of the study.
+    pub points: u64,
+    /// Number of points computed for the estimate, spread over the study.
+    pub sampled: u64,
+    /// Wall-clock seconds per point: the mean of the sample.
+    pub seconds_a_point: f64,
+    /// Its standard error, which includes the differences between points.
+    pub seconds_a_point_error: f64,
+    /// Processor time per point in seconds, summed over the cores; none if the system does not report it.
+    pub core_seconds_a_point: Option<f64>,
+    /// Bytes per point in a shard.
+    pub shard_bytes_a_point: f64,
+    /// Bytes per point in the joined CSV.
+    pub csv_bytes_a_point: f64,
+}
+
+impl Estimate {
+    /// Seconds of the whole study in one process here.
+    pub fn seconds(&self) -> f64 {
+        self.seconds_a_point * self.points as f64
+    }
+
+    /// Points that a core computes in an hour; none if the system reports no processor time.
+    pub fn points_a_core_hour(&self) -> Option<f64> {
+        let seconds = self.core_seconds_a_point.filter(|seconds| *seconds > 0.0)?;
+        Some(3600.0 / seconds)
+    }
+}
+
+/// Computes a sample of the points twice each, and times the second computation: a scene's shaders are compiled only
+/// once, whatever the number of points. The results are discarded.
+///
+/// # Errors
+/// [`StudyError::Point`] for a point that cannot be computed.
+pub fn estimate(worker: &mut Worker) -> Result<Estimate, StudyError> {
+    let study = worker.study;
+    let began = Instant::now();
+    let (mut seconds, mut core_seconds) = (Vec::new(), Some(0.0));
+    let (mut shard_bytes, mut csv_bytes) = (0, 0);
+    for number in 0..MOST_SAMPLED.min(study.points) {
+        if number >= LEAST_SAMPLED && began.elapsed() > LONGEST {
+            break;
+        }
+        let point = study.point(sampled(study, number));
+        worker.found(&point)?;
+        let (clock, cores) = (Instant::now(), processor_seconds());
+        let found = worker.found(&point)?;
+        seconds.push(clock.elapsed().as_secs_f64());
+        let taken = processor_seconds()
+            .zip(cores)
+            .map(|(end, begin)| end - begin);
+        core_seconds = core_seconds.zip(taken).map(|(sum, more)| sum + more);
+        let row = row(point.index, &found);
+        shard_bytes += lines::line(&row).len();
+        let scene = study.posed(point.variant, point.time);
+        let before = scene.map_or(0, |scene| {
+            let cells = study.point_cells(&point, &scene).into_iter().skip(1);
+            cells.map(|cell| cell.for_csv().len() + 1).sum()
+        });
+        csv_bytes += before + row.len() + 1;
+    }
+    let sampled = seconds.len() as f64;
+    let mean = crate::stats::mean(seconds.iter().copied()).unwrap_or(0.0);
+    let squares: f64 = seconds.iter().map(|s| (s - mean).powi(2)).sum();
+    let variance = squares / (sampled - 1.0).max(1.0);
+    Ok(Estimate {
+        points: study.points,
+        sampled: seconds.len() as u64,
+        seconds_a_point: mean,
+        seconds_a_point_error: (variance / sampled.max(1.0)).sqrt(),
+        core_seconds_a_point: core_seconds.map(|sum: f64| sum / sampled.max(1.0)),
+        shard_bytes_a_point: shard_bytes as f64 / sampled.max(1.0),
+        csv_bytes_a_point: csv_bytes as f64 / sampled.max(1.0),
+    })
+}
+
+/// The index of a sample point: all points if there are few, else spread evenly. The multiples of 2⁶⁴ divided by the
+/// golden ratio, taken as shares of 2⁶⁴, are spread evenly for every number of them (D. E. Knuth, *The Art of Computer
+/// Programming* 3, section 6.4).
+fn sampled(study: &Study, number: u64) -> u64 {
+    if study.points <= MOST_SAMPLED {
+        return number;
+    }
+    let share = u128::from((number + 1).wrapping_mul(GOLDEN_GAMMA));
+    ((share * u128::from(study.points)) >> 64) as u64
+}
+
+/// Processor time used by this process, all threads together.
+#[cfg(target_os = "linux")]
+fn processor_seconds() -> Option<f64> {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+    Some(time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64)
+}
+
+#[cfg(not(target_os = "linux"))]
+fn processor_seconds() -> Option<f64> {
+    None
+}

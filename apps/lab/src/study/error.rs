@@ -1,0 +1,117 @@
+//! Errors of a study, its shards, and joining them.
+
+use super::shard::{NoShard, Shard};
+use echomarch::internals::file_input::{InputError, MalformedText};
+use echomarch::internals::file_output::OutputError;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// The reason why a study cannot be run or joined.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum StudyError {
+    /// The study file cannot be read.
+    #[error("cannot read the study file {}: {source}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// The reason.
+        source: InputError,
+    },
+    /// The text is not a study.
+    #[error(transparent)]
+    Malformed(MalformedText),
+    /// An invalid field of the study file.
+    #[error("{origin}: {place} must be {must}, not {value}")]
+    BadField {
+        /// The file path, or the name that stands for it.
+        origin: String,
+        /// The field, such as `scenes[1].values."width"`, counted from 1.
+        place: String,
+        /// The valid values, with their unit.
+        must: String,
+        /// The given value.
+        value: String,
+    },
+    /// A scene of the study that cannot be used.
+    #[error("{origin}: {place}: {source}")]
+    Scene {
+        /// The file path, or the name that stands for it.
+        origin: String,
+        /// The field of the study.
+        place: String,
+        /// The scene's error.
+        source: Box<echomarch::scene::SceneError>,
+    },
+    /// A point that cannot be computed.
+    #[error("point {index} ({what}): {source}")]
+    Point {
+        /// Its number, counted from 0.
+        index: u64,
+        /// Its scene, settings and other axes.
+        what: String,
+        /// The reason.
+        source: Box<echomarch::Error>,
+    },
+    /// Text that does not name a shard.
+    #[error(transparent)]
+    NoShard(#[from] NoShard),
+    /// The file of a shard that cannot be continued or joined.
+    #[error("{}: {why}", path.display())]
+    BadShard {
+        /// The file.
+        path: PathBuf,
+        /// The reason.
+        why: String,
+    },
+    /// Another process works on the shard.
+    #[error("shard {shard} is being worked on by another process: {} is locked", path.display())]
+    Busy {
+        /// The shard.
+        shard: Shard,
+        /// Its working file.
+        path: PathBuf,
+    },
+    /// Shards that do not make up the whole study.
+    #[error("the shards in {} are not joined: {}", folder.display(), problems.join("; "))]
+    NotWhole {
+        /// Their folder.
+        folder: PathBuf,
+        /// The reason for every shard that is missing or wrong.
+        problems: Vec<String>,
+    },
+    /// A renderer other than the required one.
+    #[error("the renderer is {renderer:?}, and {wanted:?} is demanded")]
+    OtherRenderer {
+        /// The renderer that was found.
+        renderer: String,
+        /// The text that its name must contain.
+        wanted: String,
+    },
+    /// A map that cannot be drawn.
+    #[error("no map can be drawn: {why}")]
+    NoMap {
+        /// The reason.
+        why: String,
+    },
+    /// A file that cannot be written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+}
+
+impl StudyError {
+    /// A file at `path` that could not be written.
+    pub(super) fn output(path: &Path, source: io::Error) -> StudyError {
+        OutputError::new(path, source).into()
+    }
+
+    /// Whether the input is to blame (the program then exits with 2, else with 1).
+    pub fn is_bad_input(&self) -> bool {
+        match self {
+            StudyError::Point { source, .. } => source.is_bad_input(),
+            StudyError::Output(error) => error.is_bad_input(),
+            StudyError::Busy { .. } => false,
+            _ => true,
+        }
+    }
+}

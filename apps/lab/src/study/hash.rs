@@ -1,0 +1,64 @@
+//! The hash of a study: of everything that determines its results, except program and renderer.
+
+use super::Study;
+use super::file::{StudyFile, scene_file};
+use echomarch::internals::file_input::{InputError, read};
+use echomarch::scene::{Scene, bases_of};
+use sha2::{Digest, Sha256};
+use std::path::{Path, PathBuf};
+
+/// The prefix of the hashed data: changes whenever points are numbered or computed differently.
+const KIND: &str = "echomarch study 1";
+
+/// Maximum size of a scene file in bytes: it was read before, within a lower limit.
+const LARGEST_FILE: u64 = 64 << 20;
+
+/// Returns the hash in hexadecimal digits: of the study's canonical text, which contains every
+/// default and no layout, and of each scene's file, its bases, and the contents of the files that
+/// they name, in this order. Each part is preceded by its length, so that different parts cannot
+/// give the same data.
+pub(super) fn of(
+    file: &StudyFile,
+    study: &Study,
+    folder: &Path,
+) -> Result<String, (PathBuf, InputError)> {
+    let mut hash = Sha256::new();
+    let mut add = |bytes: &[u8]| {
+        hash.update((bytes.len() as u64).to_le_bytes());
+        hash.update(bytes);
+    };
+    add(KIND.as_bytes());
+    add(&canonical(file));
+    for (said, axis) in file.scenes.iter().zip(&study.variants) {
+        match scene_file(&said.of, folder) {
+            None => add(Scene::builtin_text(&said.of).unwrap_or("").as_bytes()),
+            Some(own) => {
+                for path in std::iter::once(own.clone()).chain(bases_of(&own)) {
+                    match read(&path, LARGEST_FILE) {
+                        Ok(bytes) => add(&bytes),
+                        Err(error) => return Err((path, error)),
+                    }
+                }
+            }
+        }
+        axis.scene.file_contents().iter().for_each(|it| add(it));
+    }
+    Ok(hex(&hash.finalize()))
+}
+
+/// The study as JSON: fields in the order of their types, numbers in their shortest form. The
+/// folders of its scenes are left out; their names are included, because the rows contain them.
+fn canonical(file: &StudyFile) -> Vec<u8> {
+    let mut file = file.clone();
+    for scene in &mut file.scenes {
+        let name = Path::new(&scene.of).file_name();
+        scene.of = name.map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    }
+    // A type of plain fields, lists and maps of text can always be serialised.
+    serde_json::to_vec(&file).unwrap_or_default()
+}
+
+/// Bytes in hexadecimal digits.
+pub(super) fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}

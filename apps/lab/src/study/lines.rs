@@ -1,0 +1,129 @@
+//! The lines of a shard's file, each with a checksum, and the content of the first and the last one.
+//!
+//! A line is a text without tabs, a tab, and the first 8 hexadecimal digits of the text's SHA-256: a line that was cut
+//! off or changed is detected by itself. The last line of a whole shard is `end` and the SHA-256 of all bytes before
+//! it.
+
+use super::hash::hex;
+use super::{Shard, Study, VERSION};
+use crate::text::in_a_line;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+/// Bytes of a line's checksum: 1 in 4·10⁹ damaged lines is missed, but the last line detects it.
+const CHECKED_BYTES: usize = 4;
+
+/// The beginning of the first line of a shard.
+const FORMAT: &str = "echomarch shard 1";
+
+/// Maximum length of a renderer's name and version in characters, and of a first line that contains it in bytes: a
+/// driver's names have some dozens of characters, and appear in messages and tables.
+const LONGEST_RENDERER: usize = 500;
+const LONGEST_HEADER: usize = 4096;
+
+/// The beginning of the last line of a whole shard.
+const END: &str = "end ";
+
+/// Maximum length of a line in bytes: an echogram of 60 s in bins of 1 ms, in all bands.
+pub(super) const LONGEST_LINE: usize = 16 << 20;
+
+/// The content of a shard's first line, as JSON.
+#[derive(Clone, Debug, Deserialize, PartialEq, Eq, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Header {
+    format: String,
+    /// The study's hash.
+    pub study: String,
+    /// The program's version.
+    pub version: String,
+    pub renderer: String,
+    pub shard: u32,
+    pub of: u32,
+    /// Number of points of this shard.
+    pub points: u64,
+}
+
+impl Header {
+    /// The header of a shard of a study computed on a renderer.
+    pub fn new(study: &Study, shard: Shard, renderer: &str) -> Header {
+        let renderer = in_a_line(renderer);
+        Header {
+            format: FORMAT.to_owned(),
+            study: study.hash.clone(),
+            version: VERSION.to_owned(),
+            renderer: renderer.chars().take(LONGEST_RENDERER).collect(),
+            shard: shard.number(),
+            of: shard.of(),
+            points: shard.points(study.points),
+        }
+    }
+
+    /// Parses a line's text, if it has exactly the form that the program writes.
+    pub fn parse(text: &str) -> Option<Header> {
+        if text.len() > LONGEST_HEADER {
+            return None;
+        }
+        let header: Header = serde_json::from_str(text).ok()?;
+        let is_ours = header.format == FORMAT
+            && Shard::new(header.shard, header.of).is_ok()
+            && header.renderer.chars().count() <= LONGEST_RENDERER
+            && header.strings().all(|text| in_a_line(text) == text)
+            && header.text() == text;
+        is_ours.then_some(header)
+    }
+
+    fn strings(&self) -> impl Iterator<Item = &str> {
+        [&self.study, &self.version, &self.renderer]
+            .into_iter()
+            .map(String::as_str)
+    }
+
+    /// The text of the header's line.
+    pub fn text(&self) -> String {
+        // A type of plain text and numbers can always be serialised.
+        serde_json::to_string(self).unwrap_or_default()
+    }
+
+    /// Describes the first difference between `self` and `expected`, if any.
+    pub fn differs(&self, expected: &Header) -> Option<String> {
+        let differs = |what: &str, found: &str, wanted: &str| {
+            (found != wanted).then(|| format!("it is of {what} {found:?}, not {wanted:?}"))
+        };
+        let number = |header: &Header| format!("{}/{}", header.shard, header.of);
+        let another = differs("study", &self.study, &expected.study);
+        another
+            .map(|why| {
+                format!("{why}: the study has another text or name now, so use another folder")
+            })
+            .or_else(|| differs("version", &self.version, &expected.version))
+            .or_else(|| differs("renderer", &self.renderer, &expected.renderer))
+            .or_else(|| differs("shard", &number(self), &number(expected)))
+            .or_else(|| (self.points != expected.points).then(|| "it has other points".to_owned()))
+    }
+}
+
+/// The line of a text without tabs and line ends.
+pub(super) fn line(text: &str) -> String {
+    format!("{text}\t{}\n", checksum(text))
+}
+
+/// The text of a line without its line end, if its checksum is right.
+pub(super) fn text_of(line: &[u8]) -> Option<&str> {
+    let line = std::str::from_utf8(line).ok()?;
+    let (text, found) = line.rsplit_once('\t')?;
+    (found == checksum(text)).then_some(text)
+}
+
+fn checksum(text: &str) -> String {
+    hex(&Sha256::digest(text.as_bytes())[..CHECKED_BYTES])
+}
+
+/// The text of the last line, after bytes with this hash.
+pub(super) fn end_text(before: Sha256) -> String {
+    format!("{END}{}", hex(&before.finalize()))
+}
+
+/// Whether a text is that of a last line.
+pub(super) fn is_end(text: &str) -> bool {
+    text.starts_with(END)
+}

@@ -1,0 +1,200 @@
+//! Untrusted text as it may be shown: on a terminal, in a CSV cell, within a page.
+
+pub use echomarch::internals::text::{check_name, in_a_line};
+
+use echomarch::internals::text::{is_hidden, spelled_out};
+use std::borrow::Cow;
+
+/// Lines of a message at most.
+const MOST_LINES: usize = 10;
+
+/// Characters of a message at most.
+const MOST_CHARACTERS: usize = 1000;
+
+/// As [`in_a_line`]; ends of lines and tabs stay.
+pub fn in_lines(text: &str) -> Cow<'_, str> {
+    spelled_out(text, |c| c == '\n' || c == '\t')
+}
+
+/// As [`in_lines`], cut to what can be read: 10 lines, 1,000 characters. Later lines are
+/// indented, so that none can pass for a message of its own.
+pub fn message(text: &str) -> String {
+    let text = in_lines(text.trim_end());
+    let lines: Vec<&str> = text.lines().collect();
+    cut_characters(&cut_lines(&lines).join("\n  "))
+}
+
+/// Whether [`message`] would show the text's characters as they are, all of them.
+pub fn is_showable(text: &str) -> bool {
+    text.len() <= MOST_CHARACTERS && matches!(in_lines(text), Cow::Borrowed(_))
+}
+
+/// The first and the last lines: what is wrong stands at the start or at the end.
+fn cut_lines(lines: &[&str]) -> Vec<String> {
+    const LAST: usize = 2;
+    let whole = |lines: &[&str]| -> Vec<String> { lines.iter().map(|&l| l.to_owned()).collect() };
+    if lines.len() <= MOST_LINES {
+        return whole(lines);
+    }
+    let first = MOST_LINES - 1 - LAST;
+    let left_out = lines.len() - first - LAST;
+    let mut kept = whole(&lines[..first]);
+    kept.push(format!("… ({left_out} lines left out)"));
+    kept.extend(whole(&lines[lines.len() - LAST..]));
+    kept
+}
+
+/// The first and the last characters.
+fn cut_characters(text: &str) -> String {
+    const LAST: usize = 300;
+    /// Room for what stands in between.
+    const BETWEEN: usize = 50;
+    let count = text.chars().count();
+    if count <= MOST_CHARACTERS {
+        return text.to_owned();
+    }
+    let first = MOST_CHARACTERS - LAST - BETWEEN;
+    let left_out = count - first - LAST;
+    let begin: String = text.chars().take(first).collect();
+    let end: String = text.chars().skip(count - LAST).collect();
+    format!("{begin} … ({left_out} characters left out) … {end}")
+}
+
+/// JSON as it may be shown on a terminal: what is not seen as it stands is `\u…`, as JSON has it.
+pub fn json(text: &str) -> Cow<'_, str> {
+    if !text.chars().any(|c| c != '\n' && is_hidden(c)) {
+        return Cow::Borrowed(text);
+    }
+    let mut shown = String::with_capacity(text.len());
+    for c in text.chars() {
+        if c != '\n' && is_hidden(c) {
+            push_json(&mut shown, c);
+        } else {
+            shown.push(c);
+        }
+    }
+    Cow::Owned(shown)
+}
+
+/// A record of JSON in one line, for a program that reads standard error: as [`json`], and no
+/// longer than a message. Of a longer one only the length is reported.
+pub fn json_record(text: &str) -> Cow<'_, str> {
+    let shown = json(text);
+    match shown.chars().count() {
+        count if count > MOST_CHARACTERS => {
+            format!("{{\"left_out\":\"{count} characters\"}}").into()
+        }
+        _ => shown,
+    }
+}
+
+/// JSON as it may stand within a `script` element: no character in it that HTML gives a
+/// meaning to. Any JSON reader reads the same.
+pub fn json_in_html(text: &str) -> String {
+    let mut shown = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '<' | '>' | '&' => push_json(&mut shown, c),
+            c if is_hidden(c) => push_json(&mut shown, c),
+            c => shown.push(c),
+        }
+    }
+    shown
+}
+
+fn push_json(json: &mut String, c: char) {
+    use std::fmt::Write;
+    for unit in c.encode_utf16(&mut [0; 2]) {
+        // Writing to a string never fails.
+        let _ = write!(json, "\\u{unit:04x}");
+    }
+}
+
+/// Text for a CSV cell: in a line, and with an apostrophe before what a spreadsheet would take
+/// for a formula.
+pub fn csv_cell(text: &str) -> String {
+    let text = in_a_line(text);
+    match text.trim_start().chars().next() {
+        Some('=' | '+' | '-' | '@' | '＝' | '＋' | '－' | '＠') => format!("'{text}"),
+        _ => text.into_owned(),
+    }
+}
+
+/// Text for Markdown, a table's cell included: nothing in it makes a tag, a link or a column.
+pub fn markdown(text: &str) -> String {
+    let mut shown = String::with_capacity(text.len());
+    for c in in_a_line(text).chars() {
+        match c {
+            '<' => shown.push_str("&lt;"),
+            '&' => shown.push_str("&amp;"),
+            '|' | '[' | ']' | '`' | '*' | '\\' => shown.extend(['\\', c]),
+            c => shown.push(c),
+        }
+    }
+    shown
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects terminals: ends of lines and tabs stay, and nothing else that moves the cursor.
+    #[test]
+    fn lines_stay() {
+        assert_eq!(in_lines("a\n\tb\u{1b}"), "a\n\tb\\u{1b}");
+    }
+
+    /// Protects readers from messages that fill the screen.
+    #[test]
+    fn messages_are_cut() {
+        let long = message(&format!("begin {} end", "x".repeat(1_000_000)));
+        assert!(long.chars().count() <= MOST_CHARACTERS, "{long}");
+        assert!(long.starts_with("begin x") && long.ends_with("x end"));
+        let lines = message(&"line\n".repeat(1000));
+        assert_eq!(lines.lines().count(), MOST_LINES);
+        assert!(lines.contains("991 lines left out"), "{lines}");
+        assert_eq!(message("one\n"), "one");
+        assert_eq!(message("one\ntwo"), "one\n  two");
+    }
+
+    /// Protects pages: no text ends the script element or begins another, and a reader of
+    /// JSON finds it again.
+    #[test]
+    fn json_within_a_page_is_the_same_json() {
+        let text = "<!--<script>\u{2028}&\u{202e}𝄞 é";
+        let json = serde_json::to_string(text).unwrap();
+        let inner = json_in_html(&json);
+        assert!(!inner.contains(['<', '>', '&', '\u{2028}', '\u{202e}']));
+        assert_eq!(serde_json::from_str::<String>(&inner).unwrap(), text);
+        let shown = super::json(&json);
+        assert!(shown.contains("<!--") && !shown.contains(['\u{2028}', '\u{202e}']));
+        assert_eq!(serde_json::from_str::<String>(&shown).unwrap(), text);
+    }
+
+    /// Protects readers of the records of a window: each is JSON in one line that moves no
+    /// cursor, and none is longer than a message.
+    #[test]
+    fn records_are_short_json() {
+        let record = |name: &str| serde_json::json!({ "scene": name }).to_string();
+        let name = "a\u{1b}[31m\u{202e}b";
+        let shown = json_record(&record(name)).into_owned();
+        assert!(!shown.contains(['\u{1b}', '\u{202e}', '\n']));
+        let read: serde_json::Value = serde_json::from_str(&shown).unwrap();
+        assert_eq!(read["scene"], name);
+        for name in ["x".repeat(MOST_CHARACTERS), "\u{202e}".repeat(200)] {
+            let cut = json_record(&record(&name)).into_owned();
+            let read: serde_json::Value = serde_json::from_str(&cut).unwrap();
+            assert!(cut.len() < 100 && read["left_out"].is_string(), "{cut}");
+        }
+    }
+
+    /// Protects spreadsheets from running what a scene is called.
+    #[test]
+    fn cells_are_no_formulas() {
+        for formula in ["=1+1", "+1", "-1", "@x", " =1", "\u{3000}=x", "＝1"] {
+            assert!(csv_cell(formula).starts_with('\''), "{formula}");
+        }
+        assert_eq!(csv_cell("corner"), "corner");
+        assert_eq!(csv_cell("\t=1"), "\\t=1");
+    }
+}

@@ -1,0 +1,42 @@
+//! Untrusted studies, shards and answers: valid files, spoilt by a seeded generator as in the library's `tests/fuzz`.
+
+#[path = "../../../../tests/fuzz/driver.rs"]
+mod driver;
+#[path = "../../../../tests/fuzz/mutate.rs"]
+mod mutate;
+#[path = "../../../../tests/common/random.rs"]
+mod random;
+#[path = "../../../../tests/fuzz/scratch.rs"]
+mod scratch;
+#[path = "../shard.rs"]
+mod shard_file;
+
+mod answers;
+mod study;
+mod study_folder;
+
+use driver::{Target, fuzz};
+
+/// Protects from untrusted study files.
+#[test]
+fn studies() {
+    fuzz(&study::target());
+}
+
+/// Protects tables from untrusted shards, whose checksums may be right.
+#[test]
+fn shards() {
+    fuzz(&study_folder::shards());
+}
+
+/// Protects the files of a folder of results, and the targets of its links, when an interrupted shard is continued.
+#[test]
+fn work_files() {
+    fuzz(&study_folder::work_files());
+}
+
+/// Protects from untrusted answers.
+#[test]
+fn answers() {
+    fuzz(&answers::target());
+}

@@ -1,0 +1,137 @@
+// A worker with its own canvas: traces the sound in full and sends it to the mix.
+
+import init, { EarsOfPage } from "./pkg/echomarch_browser.js";
+
+// Minimum milliseconds between two looks at the scene.
+const LEAST = 4;
+// Milliseconds until the next look if no message arrives.
+const IDLE = 100;
+
+const ready = init();
+let ears = null;
+let mix = null;
+// The number of the scene that the mix plays.
+let scene = 0;
+// The current state of the scene, and the state that could not be traced.
+let latest = null;
+let refused = null;
+// The next scheduled look: its timer and its time.
+let timer = 0;
+let next = Infinity;
+// Time until which the picture has the graphics card for itself.
+let rested = 0;
+// The last error reported.
+let trouble = "";
+
+// Calls a function; an exception ends the ears, and its message is sent to the page.
+function guarded(act) {
+  try {
+    act();
+  } catch (error) {
+    fail(error.message);
+  }
+}
+
+function fail(why) {
+  ears = null;
+  postMessage({ failed: why });
+}
+
+function begin(data) {
+  mix = data.mix;
+  const canvas = typeof OffscreenCanvas === "undefined" ? null : new OffscreenCanvas(1, 1);
+  const gl = canvas?.getContext("webgl2", { antialias: false, depth: false, alpha: false });
+  if (!gl) throw new Error("this browser has no WebGL 2 in workers");
+  canvas.addEventListener("webglcontextlost", () => fail("the graphics driver has taken the ears' context away"));
+  ears = new EarsOfPage(gl, data.rate);
+  mix.onmessage = ({ data: played }) => guarded(() => follow(played));
+}
+
+function follow(played) {
+  if (!ears) return;
+  ears.set_scene(played.text, played.name);
+  scene = played.scene;
+  refused = null;
+  due(0);
+}
+
+// Schedules a look after a delay, unless an earlier one is scheduled; never before the rest is over.
+function due(milliseconds) {
+  const when = Math.max(performance.now() + milliseconds, rested);
+  if (when >= next) return;
+  clearTimeout(timer);
+  next = when;
+  timer = setTimeout(() => {
+    next = Infinity;
+    look();
+  }, when - performance.now());
+}
+
+function look() {
+  if (!ears || !latest || latest === refused) return;
+  if (latest.scene !== scene || latest.profile === "thesis") return;
+  const began = performance.now();
+  let count = 0;
+  try {
+    count = hear();
+    tellTrouble("");
+  } catch (error) {
+    // It would fail again until the scene changes.
+    refused = latest;
+    tellTrouble(`The sound in full stays as it was: ${error.message}`);
+  }
+  const now = performance.now();
+  // Rests as long as the look took: the picture needs the graphics card too.
+  rested = now + (count > 0 ? Math.max(LEAST, now - began) : LEAST);
+  // A late part that was not due now may be due then.
+  due(IDLE);
+}
+
+// Traces each source and sends the changes to the mix; returns the number of changed sources.
+function hear() {
+  const { names, values, seconds, listener, source, profile, waves } = latest;
+  const all = ears.hear(names, values, seconds, listener, source, profile, waves);
+  for (const heard of all) {
+    tell(heard);
+  }
+  if (all.length > 0) {
+    const [trace, late] = ears.milliseconds();
+    postMessage({ sources: Array.from(ears.sources()), trace, late });
+  }
+  return all.length;
+}
+
+// Sends the response of one source to the mix.
+function tell(heard) {
+  const echoes = heard.echoes;
+  const late = heard.late;
+  const buffers = late ? [echoes.buffer, late.buffer] : [echoes.buffer];
+  mix.postMessage({ scene, source: heard.source, echoes, late, glide: heard.glide_s }, buffers);
+  heard.free();
+}
+
+// Reports an error to the page once, and when it has gone.
+function tellTrouble(text) {
+  if (text === trouble) return;
+  trouble = text;
+  postMessage({ trouble });
+}
+
+async function take(data) {
+  try {
+    await ready;
+  } catch (error) {
+    fail(error.message);
+    return;
+  }
+  guarded(() => {
+    if (data.mix) {
+      begin(data);
+    } else if (ears) {
+      latest = data;
+      due(LEAST);
+    }
+  });
+}
+
+onmessage = ({ data }) => take(data);

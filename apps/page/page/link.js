@@ -1,0 +1,100 @@
+// The link that holds the settings: everything after the # of the address.
+
+// Defaults of the settings that a link omits.
+export const usual = {
+  scene: "open-pillars", profile: "hybrid", waves: 65536, iterations: 8, listen: "full", sound: "speech",
+  volume: 0.5, text: null, listener: null, source: null, values: {},
+};
+
+// Allowed numbers.
+export const LIMITS = {
+  waves: { least: 1, most: 1048576, isWhole: true },
+  iterations: { least: 1, most: 64, isWhole: true },
+  volume: { least: 0, most: 1, isWhole: false },
+};
+
+// Number of coordinates of a place: x, y, z, and the direction of the listener's gaze.
+const PLACES = { listener: 5, source: 3 };
+
+// Prefix of the names of values.
+const VALUE = "value.";
+
+function numberOf(text) {
+  return text.trim() === "" ? NaN : Number(text);
+}
+
+// The reason why a setting cannot have that number; "" if it can.
+export function wrongNumber(name, value) {
+  const { least, most, isWhole } = LIMITS[name];
+  const isWithin = value >= least && value <= most;
+  if (isWithin && (!isWhole || Number.isInteger(value))) return "";
+  return `${name} has to be a ${isWhole ? "whole " : ""}number from ${least} to ${most}`;
+}
+
+// Whether a number is also finite in the program, which stores it in 32 bits.
+function isNumber(value) {
+  return Number.isFinite(Math.fround(value));
+}
+
+// Reads a link. `choices` has the allowed names of each setting. `wrong` in the result has a sentence for each
+// invalid entry of the link; that setting then has its default.
+export function read(fragment, choices) {
+  const settings = { ...usual, values: {} };
+  const wrong = [];
+  for (const [name, value] of new URLSearchParams(fragment.replace(/^#/, ""))) {
+    const why = set(settings, name, value, choices);
+    if (why) wrong.push(why);
+  }
+  return { settings, wrong };
+}
+
+// Applies one entry of a link; returns the reason if it is invalid.
+function set(settings, name, value, choices) {
+  if (name === "text") {
+    settings.text = value;
+    return "";
+  }
+  if (Object.hasOwn(choices, name)) {
+    if (!choices[name].includes(value)) return `there is no ${name} "${value}": ${usual[name]} is taken`;
+    settings[name] = value;
+    return "";
+  }
+  if (Object.hasOwn(LIMITS, name)) {
+    const why = wrongNumber(name, numberOf(value));
+    if (why) return `${why}, not "${value}": ${usual[name]} is taken`;
+    settings[name] = numberOf(value);
+    return "";
+  }
+  if (Object.hasOwn(PLACES, name)) {
+    const numbers = value.split(",").map(numberOf);
+    const isPlace = numbers.length === PLACES[name] && numbers.every(isNumber);
+    if (!isPlace) return `${name} has to be ${PLACES[name]} numbers, not "${value}": it is left out`;
+    settings[name] = numbers;
+    return "";
+  }
+  if (name.startsWith(VALUE)) {
+    if (!isNumber(numberOf(value))) return `${name} has to be a number, not "${value}": it is left out`;
+    settings.values[name.slice(VALUE.length)] = numberOf(value);
+    return "";
+  }
+  return `there is no setting "${name}": it is left out`;
+}
+
+function short(numbers) {
+  return Array.from(numbers, (number) => Number(number.toFixed(3))).join(",");
+}
+
+// The link of these settings.
+export function write(settings) {
+  const said = new URLSearchParams();
+  for (const name of ["scene", "profile", "waves", "iterations", "listen", "sound", "volume"]) {
+    said.set(name, settings[name]);
+  }
+  for (const [name, value] of Object.entries(settings.values)) {
+    said.set(VALUE + name, value);
+  }
+  if (settings.listener) said.set("listener", short(settings.listener));
+  if (settings.source) said.set("source", short(settings.source));
+  if (settings.text !== null) said.set("text", settings.text);
+  return `#${said}`;
+}

@@ -1,0 +1,153 @@
+// The page's sound: starts and stops it, sends it the choices and the state of the scene, and stores the messages
+// of its workers.
+
+import { Sound } from "./sound.js";
+
+// Level in decibels when no sound is played.
+const SILENCE_DB = -120;
+
+const $ = (id) => document.getElementById(id);
+
+export class Listening {
+  // For a page (Page) and its choices; no sound is played yet.
+  constructor(page, state, messages) {
+    this.page = page;
+    this.state = state;
+    this.messages = messages;
+    this.sound = null;
+    // The scene shown: the last valid text.
+    this.shown = null;
+    // Whether sound in full can be traced.
+    this.hasEars = true;
+    this.gaps = 0;
+    // The state of the scene last sent to the ears.
+    this.stood = "";
+    this.forget();
+  }
+
+  // Resets levels, sources and times.
+  forget() {
+    this.levels = [SILENCE_DB, SILENCE_DB];
+    this.sources = [];
+    this.times = { trace: NaN, late: NaN };
+  }
+
+  // Whether the choices select sound in full.
+  isFull() {
+    return this.hasEars && this.state.listen === "full" && this.state.profile !== "thesis";
+  }
+
+  // Plays the scene of that text from now on, once the sound is on.
+  play(shown) {
+    this.shown = shown;
+    // The sources belong to the previous scene.
+    this.sources = [];
+    this.sound?.play(shown.text, shown.name, this.state.sound);
+  }
+
+  // Sends the choices to the sound.
+  hear() {
+    const pan = this.page.frame()[5] ?? 0;
+    this.sound?.listen(this.isFull() ? "full" : "balance", this.state.volume, this.state.profile, pan);
+  }
+
+  // Sends the state of the scene to the ears if it has changed.
+  stand() {
+    if (!this.sound?.isListening() || !this.isFull()) return;
+    const page = this.page;
+    const listener = page.listener();
+    const sources = page.sources();
+    const values = page.values();
+    const now = [this.sound.playing, listener, sources, values, this.state.profile, this.state.waves].join();
+    if (now === this.stood) return;
+    this.stood = now;
+    this.sound.stand({
+      names: page.value_names(),
+      values: values.filter((_, index) => index % 3 === 0),
+      seconds: page.seconds(),
+      listener,
+      source: sources.slice(0, 3),
+      profile: this.state.profile,
+      waves: this.state.waves,
+    });
+  }
+
+  // The button's action: starts the sound, stops it, or resumes it.
+  async playOrStop() {
+    $("play").disabled = true;
+    try {
+      if (!this.sound) {
+        await this.start();
+      } else if (this.sound.isRunning()) {
+        await this.sound.stop();
+      } else {
+        // The ears have missed all moves since the stop.
+        this.stood = "";
+        await this.sound.goOn();
+      }
+      this.messages.say("sound", "");
+    } catch (error) {
+      this.messages.say("sound", `There is no sound: ${error.message}.`);
+    }
+    $("play").disabled = false;
+    this.showPlay();
+  }
+
+  async start() {
+    this.sound = await Sound.start((part, data) => this.told(part, data));
+    this.sound.context.onstatechange = () => this.showPlay();
+    this.hasEars = true;
+    this.messages.say("ears", "");
+    this.showListen();
+    this.stood = "";
+    this.play(this.shown);
+    this.hear();
+  }
+
+  // Handles a message of a part of the sound.
+  told(part, data) {
+    if (data.failed) this.fail(part, data.failed);
+    if (data.trouble !== undefined) this.messages.say(part, data.trouble);
+    if (data.levels) {
+      this.levels = data.levels;
+      this.gaps = data.gaps;
+    }
+    if (data.sources) {
+      this.sources = data.sources;
+      this.times = { trace: data.trace, late: data.late };
+    }
+  }
+
+  // Handles the end of a part of the sound: without ears the balance remains, without another part no sound.
+  fail(part, why) {
+    if (part === "ears") {
+      this.hasEars = false;
+      this.sources = [];
+      this.messages.say("ears", `Only the balance can be heard, not the sound in full: ${why}.`);
+      this.showListen();
+      this.hear();
+      return;
+    }
+    if (!this.sound) return;
+    this.sound.context.onstatechange = null;
+    this.sound.close();
+    this.sound = null;
+    this.forget();
+    this.messages.say("mix", "");
+    this.messages.say("sound", `The sound has ended: ${why}.`);
+    this.showPlay();
+  }
+
+  // Disables choices that cannot be heard.
+  showListen() {
+    if (!this.hasEars) this.state.listen = "balance";
+    for (const option of $("listen").options) {
+      option.disabled = option.value === "full" && !this.hasEars;
+    }
+    $("listen").value = this.state.listen;
+  }
+
+  showPlay() {
+    $("play").textContent = this.sound?.isRunning() ? "Stop sound" : "Play sound";
+  }
+}

@@ -1,0 +1,101 @@
+// A worker: mixes the sound into blocks when the player asks for them.
+
+import init, { MixOfPage } from "./pkg/echomarch_browser.js";
+
+const ready = init();
+let rate = 0;
+let player = null;
+let ears = null;
+let mix = null;
+// The number of the scene that is played.
+let playing = 0;
+let choices = { listen: "full", volume: 0.5, profile: "hybrid", pan: 0 };
+// Responses that the mix had no room for, by source; they are passed on after the next block.
+const waiting = new Map();
+
+// Calls a function; an exception ends the sound, and its message is sent to the page.
+function guarded(act) {
+  try {
+    act();
+  } catch (error) {
+    postMessage({ failed: error.message });
+  }
+}
+
+function choose() {
+  if (!mix) return;
+  mix.set_listen(choices.listen);
+  mix.set_volume(choices.volume);
+  mix.set_pan(choices.profile, choices.pan);
+}
+
+function block(frames) {
+  const samples = mix ? mix.fill(frames) : new Float32Array(2 * frames);
+  player.postMessage(samples, [samples.buffer]);
+  for (const [source, heard] of waiting) {
+    if (!tell(heard)) break;
+    waiting.delete(source);
+  }
+}
+
+function tell(heard) {
+  return mix.hear(heard.source, heard.echoes, heard.late, heard.glide);
+}
+
+function hear(heard) {
+  // A response of the previous scene is useless.
+  if (heard.scene !== playing) return;
+  const before = waiting.get(heard.source);
+  // A late part is played until the next one.
+  if (before && !heard.late) heard.late = before.late;
+  if (before || !tell(heard)) waiting.set(heard.source, heard);
+}
+
+function begin(data) {
+  rate = data.rate;
+  player = data.player;
+  ears = data.ears;
+  player.onmessage = ({ data: frames }) => guarded(() => block(frames));
+  ears.onmessage = ({ data: heard }) => guarded(() => hear(heard));
+}
+
+// Plays a scene, or keeps the previous one if that fails; reports to the page which one plays.
+function play({ scene, text, name, sound }) {
+  let trouble = "";
+  try {
+    if (mix) {
+      mix.set_scene(text, name, sound);
+    } else {
+      mix = new MixOfPage(text, name, sound, rate);
+    }
+    playing = scene;
+    waiting.clear();
+    choose();
+    // The ears get the scene from here, so that they send no response before the mix can play it.
+    ears.postMessage({ scene, text, name });
+  } catch (error) {
+    trouble = `The sound stays as it was: ${error.message}`;
+  }
+  postMessage({ answered: scene, playing, trouble });
+}
+
+async function take(data) {
+  try {
+    await ready;
+  } catch (error) {
+    postMessage({ failed: error.message });
+    return;
+  }
+  guarded(() => {
+    if (data.player) {
+      begin(data);
+    } else if (data.text !== undefined) {
+      play(data);
+    } else {
+      choices = data;
+      choose();
+    }
+  });
+}
+
+onmessage = ({ data }) => take(data);

@@ -1,0 +1,427 @@
+// The page: a walk through a scene, its sound, and the choices.
+
+import init, { Page, scene_text, scenes } from "./pkg/echomarch_browser.js";
+import { listenTo } from "./keys.js";
+import * as link from "./link.js";
+import { Listening } from "./listening.js";
+import { Messages } from "./messages.js";
+import { showFrame, showLevels, showSources, showTimes } from "./panel.js";
+import { Plan } from "./plan.js";
+
+// Milliseconds of each picture spent on tracing waves.
+const WAVES_MS = 8;
+// Number of pictures between two plans.
+const PLAN_EVERY = 6;
+// Number of pictures between two changes of the resolution.
+const ADAPT_EVERY = 20;
+// Target range of milliseconds between pictures: above it the picture becomes coarser, below it finer.
+const SHORT_MS = 22;
+const LONG_MS = 40;
+// Maximum milliseconds that pass in the scene between two pictures, so that a delay causes no leap.
+const LONGEST_MS = 250;
+// Shares of the canvas' size at which the picture is drawn.
+const SCALES = [0.15, 0.2, 0.3, 0.4, 0.55, 0.75, 1];
+// Milliseconds after the last keystroke until the text is read, and between updates of the link.
+const WRITTEN_MS = 400;
+const LINKED_MS = 500;
+// Milliseconds until a failed picture is tried again.
+const AGAIN_MS = 500;
+// Numbers of waves to choose from.
+const WAVES = Array.from({ length: 11 }, (_, power) => 1024 << power);
+// Start of the error messages after which the program's state is unknown.
+const PANICKED = "panicked at";
+
+const $ = (id) => document.getElementById(id);
+const canvas = $("picture");
+const messages = new Messages($("message"));
+
+// The choices.
+const state = {
+  scene: link.usual.scene,
+  profile: link.usual.profile,
+  waves: link.usual.waves,
+  iterations: link.usual.iterations,
+  listen: link.usual.listen,
+  sound: link.usual.sound,
+  volume: link.usual.volume,
+  text: null,
+  values: {},
+};
+let gl = null;
+let page = null;
+let plan = null;
+let keys = null;
+let listening = null;
+
+// Number of pictures, time of the last one (null after a pause), and milliseconds between pictures.
+let pictures = 0;
+let last = null;
+let between = 30;
+let scale = 2;
+let spent = { waves: 0, picture: 0, plan: 0 };
+let linked = 0;
+
+// The reason why the page cannot work; "" if it can.
+function lacking() {
+  if (!gl) return "This page needs WebGL 2, which this browser does not have or has switched off.";
+  if (!gl.getExtension("EXT_color_buffer_float")) {
+    return "This page needs the WebGL extension EXT_color_buffer_float (drawing into textures of floats), " +
+      "which this graphics driver does not have.";
+  }
+  return "";
+}
+
+function builtIn() {
+  return scene_text(state.scene) ?? "";
+}
+
+function text() {
+  return state.text ?? builtIn();
+}
+
+// Reads the text as the scene; shows the error and leaves everything unchanged if it is not valid. `isAnew` restarts
+// the walk even if the scene's name is the same.
+function take(isAnew) {
+  const read = { text: text(), name: state.scene };
+  try {
+    if (isAnew) {
+      page.open_scene(read.text, read.name);
+    } else {
+      page.set_scene(read.text, read.name);
+    }
+  } catch (error) {
+    showError(error.message);
+    return false;
+  }
+  showError("");
+  showValues();
+  listening.play(read);
+  return true;
+}
+
+function showError(message) {
+  $("error").textContent = message;
+  $("error").hidden = !message;
+  if (message) $("editor").open = true;
+}
+
+// Sets how waves are traced; if that fails, shows the reason and leaves everything unchanged.
+function trace(wanted) {
+  let why = link.wrongNumber("waves", wanted.waves) || link.wrongNumber("iterations", wanted.iterations);
+  try {
+    if (!why) page.set_settings(wanted.profile, wanted.waves, wanted.iterations);
+  } catch (error) {
+    why = error.message;
+  }
+  if (!why) {
+    state.profile = wanted.profile;
+    state.waves = wanted.waves;
+    state.iterations = wanted.iterations;
+  }
+  messages.say("settings", why && `The waves stay as they were: ${why}.`);
+  showSettings();
+  return !why;
+}
+
+function showSettings() {
+  const waves = $("waves");
+  if (!namesOf("waves").includes(String(state.waves))) {
+    const larger = Array.from(waves.options).find((option) => Number(option.value) > state.waves);
+    waves.add(new Option(state.waves, state.waves), larger ?? null);
+  }
+  $("profile").value = state.profile;
+  waves.value = state.waves;
+  $("iterations").value = state.iterations;
+}
+
+function chooseSettings() {
+  messages.say("link", "");
+  trace({
+    profile: $("profile").value,
+    waves: Number($("waves").value),
+    iterations: Number($("iterations").value),
+  });
+  listening.hear();
+}
+
+// Shows the chosen built-in scene; if that fails, the previous one stays.
+function chooseScene(name) {
+  messages.say("link", "");
+  const before = { scene: state.scene, text: state.text, values: state.values };
+  state.scene = name;
+  state.text = null;
+  state.values = {};
+  if (take(true)) {
+    $("text").value = builtIn();
+  } else {
+    Object.assign(state, before);
+    $("scene").value = state.scene;
+  }
+}
+
+// The options of a list.
+function namesOf(list) {
+  return Array.from($(list).options, (option) => option.value);
+}
+
+// Applies a whole link from the start.
+function follow(fragment) {
+  const choices = {};
+  for (const list of ["scene", "profile", "listen", "sound"]) {
+    choices[list] = namesOf(list);
+  }
+  const { settings, wrong } = link.read(fragment, choices);
+  state.scene = settings.scene;
+  state.text = settings.text;
+  state.values = {};
+  state.listen = settings.listen;
+  state.sound = settings.sound;
+  state.volume = settings.volume;
+  $("scene").value = state.scene;
+  $("sound").value = state.sound;
+  $("volume").value = state.volume;
+  $("text").value = text();
+  listening.showListen();
+  // Settings that the previous scene does not allow may be valid in this one.
+  const isSet = trace(settings);
+  if (take(true)) {
+    if (!isSet) trace(settings);
+    stay(settings, wrong);
+  }
+  messages.say("link", wrong.length > 0 ? `In the link: ${wrong.join("; ")}.` : "");
+  listening.hear();
+}
+
+// Applies a link's values and the places of listener and source; adds the reasons of failures to `wrong`.
+function stay(settings, wrong) {
+  for (const [name, value] of Object.entries(settings.values)) {
+    const why = setValue(name, value);
+    if (why) wrong.push(why);
+  }
+  if (settings.listener) page.stand(...settings.listener);
+  if (settings.source) page.put_source(...settings.source);
+  showValues();
+}
+
+// Sets a named value; returns the reason if that fails.
+function setValue(name, value) {
+  try {
+    page.set_value(name, value);
+  } catch (error) {
+    return error.message;
+  }
+  state.values[name] = value;
+  return "";
+}
+
+// Shows a slider for each named value of the scene.
+function showValues() {
+  const names = page.value_names();
+  const numbers = page.values();
+  const rows = names.map((name, index) => {
+    const [value, least, most] = numbers.slice(3 * index, 3 * index + 3);
+    const label = document.createElement("label");
+    const slider = document.createElement("input");
+    Object.assign(slider, { type: "range", min: least, max: most, step: (most - least) / 200, value });
+    slider.oninput = () => messages.say("values", setValue(name, Number(slider.value)));
+    label.append(name, slider);
+    return label;
+  });
+  $("values").replaceChildren(...rows);
+  for (const name of Object.keys(state.values)) {
+    if (!names.includes(name)) delete state.values[name];
+  }
+  messages.say("values", "");
+}
+
+// Milliseconds since the last picture; 0 for the first one, and after the page was hidden.
+function passedUntil(now) {
+  const passed = last === null ? 0 : now - last;
+  if (last !== null) between += 0.1 * (passed - between);
+  last = now;
+  return Math.min(passed, LONGEST_MS);
+}
+
+function picture(now) {
+  page.pass(keys.moves(), keys.runs, passedUntil(now) / 1000);
+  const began = performance.now();
+  if (page.trace(WAVES_MS)) listening.hear();
+  const traced = performance.now();
+  resize();
+  const isNew = page.draw(canvas.width, canvas.height, SCALES[scale]);
+  const drawn = performance.now();
+  const isPlanDue = pictures % PLAN_EVERY === 0;
+  if (isPlanDue) drawPlan();
+  spent = { waves: traced - began, picture: drawn - traced, plan: performance.now() - drawn };
+  listening.stand();
+  if (isPlanDue) show();
+  if (isNew && pictures % ADAPT_EVERY === 0) adapt();
+  if (now - linked > LINKED_MS) writeLink(now);
+  pictures += 1;
+}
+
+// Draws a picture and requests the next one. A failure is reported and tried again: the scene may have changed by
+// then.
+function loop(now) {
+  if (gl.isContextLost()) return;
+  try {
+    picture(now);
+    messages.say("picture", "");
+  } catch (error) {
+    if (gl.isContextLost()) return;
+    if (error.message.startsWith(PANICKED)) {
+      messages.say("picture", `The page has stopped, load it again: ${error.message}`);
+      return;
+    }
+    messages.say("picture", `This picture cannot be drawn: ${error.message}`);
+    setTimeout(() => requestAnimationFrame(loop), AGAIN_MS);
+    return;
+  }
+  requestAnimationFrame(loop);
+}
+
+function resize() {
+  const width = Math.max(1, Math.round(canvas.clientWidth * devicePixelRatio));
+  const height = Math.max(1, Math.round(canvas.clientHeight * devicePixelRatio));
+  if (canvas.width === width && canvas.height === height) return;
+  canvas.width = width;
+  canvas.height = height;
+}
+
+function drawPlan() {
+  const seen = page.plan();
+  plan.draw(seen, page.ways(), page.listener(), page.radius(), page.sources());
+  seen.free();
+}
+
+// Makes the picture coarser if pictures come too slowly, finer if there is time.
+function adapt() {
+  if (between > LONG_MS) {
+    scale = Math.max(0, scale - 1);
+  } else if (between < SHORT_MS) {
+    scale = Math.min(SCALES.length - 1, scale + 1);
+  }
+}
+
+function show() {
+  const frame = page.frame();
+  showFrame(frame);
+  showLevels(listening.levels);
+  showSources(listening.isFull() ? listening.sources : []);
+  const { trace, late } = listening.times;
+  showTimes({ ...spent, between, frame: frame[6], ears: trace, late, gaps: listening.gaps });
+  const share = Math.round(100 * SCALES[scale]);
+  $("size").textContent = `${canvas.width} × ${canvas.height}, at ${share} % while anything moves`;
+}
+
+// The link of the choices and of the places of listener and source, if the user has changed them.
+function address() {
+  const placed = page.placed_source();
+  return link.write({
+    ...state,
+    listener: page.has_walked() ? page.listener() : null,
+    source: placed.length > 0 ? placed : null,
+  });
+}
+
+function writeLink(now) {
+  linked = now;
+  const to = address();
+  if (to !== location.hash) history.replaceState(null, "", to);
+}
+
+function connect() {
+  for (const name of scenes()) {
+    $("scene").add(new Option(name, name));
+  }
+  for (const waves of WAVES) {
+    $("waves").add(new Option(waves, waves));
+  }
+  $("scene").onchange = (event) => {
+    chooseScene(event.target.value);
+    canvas.focus();
+  };
+  $("profile").onchange = chooseSettings;
+  $("waves").onchange = chooseSettings;
+  $("iterations").onchange = chooseSettings;
+  $("listen").onchange = (event) => {
+    state.listen = event.target.value;
+    listening.hear();
+  };
+  $("sound").onchange = (event) => {
+    state.sound = event.target.value;
+    listening.play(listening.shown);
+  };
+  $("volume").oninput = (event) => {
+    state.volume = Number(event.target.value);
+    listening.hear();
+  };
+  $("play").onclick = () => listening.playOrStop();
+  let waiting = 0;
+  $("text").oninput = () => {
+    clearTimeout(waiting);
+    waiting = setTimeout(readWritten, WRITTEN_MS);
+  };
+  addEventListener("hashchange", () => follow(location.hash));
+  // A hidden page draws no pictures, and no time passes in its scene.
+  document.addEventListener("visibilitychange", () => {
+    last = null;
+  });
+}
+
+function readWritten() {
+  const written = $("text").value;
+  state.text = written === builtIn() ? null : written;
+  take(false);
+}
+
+// Actions of single key presses.
+const asked = {
+  KeyF: () => page.pick_up_or_put_down(),
+  KeyP: () => page.pause_or_go_on(),
+  Space: () => page.pause_or_go_on(),
+  Home: () => page.start_over(),
+  Backspace: () => page.start_over(),
+  KeyV: () => {
+    if (listening.hasEars) choose("listen", state.listen === "full" ? "balance" : "full");
+  },
+  Digit1: () => choose("profile", "thesis"),
+  Digit2: () => choose("profile", "march"),
+  Digit3: () => choose("profile", "hybrid"),
+  BracketLeft: () => choose("waves", WAVES.findLast((waves) => waves < state.waves) ?? state.waves),
+  BracketRight: () => choose("waves", WAVES.find((waves) => waves > state.waves) ?? state.waves),
+  Comma: () => choose("iterations", Math.max(link.LIMITS.iterations.least, state.iterations - 1)),
+  Period: () => choose("iterations", Math.min(link.LIMITS.iterations.most, state.iterations + 1)),
+};
+
+function choose(name, value) {
+  $(name).value = value;
+  $(name).dispatchEvent(new Event("change"));
+}
+
+async function begin() {
+  gl = canvas.getContext("webgl2", { antialias: false, depth: false, alpha: false });
+  const why = lacking();
+  if (why) {
+    messages.say("page", why);
+    return;
+  }
+  canvas.addEventListener("webglcontextlost", () => {
+    messages.say("picture", "The graphics driver has taken the context away: load the page again.");
+  });
+  await init();
+  page = new Page(gl, builtIn(), state.scene);
+  listening = new Listening(page, state, messages);
+  listening.play({ text: builtIn(), name: state.scene });
+  plan = new Plan($("plan"));
+  keys = listenTo(canvas, asked, (right, up) => page.look(right, up));
+  connect();
+  $("renderer").textContent = page.renderer();
+  follow(location.hash);
+  canvas.focus();
+  requestAnimationFrame(loop);
+  // For tests, and for inspection in the browser's console.
+  window.echomarch = { page, state, sound: () => listening.sound, levels: () => listening.levels, address };
+}
+
+begin().catch((error) => messages.say("page", `The page cannot start: ${error.message}`));

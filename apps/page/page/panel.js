@@ -1,0 +1,50 @@
+// The panel beside the plan: levels, sources and times.
+
+const $ = (id) => document.getElementById(id);
+
+// Milliseconds to one decimal, as a row of the table of times.
+function row(name, milliseconds) {
+  const value = Number.isFinite(milliseconds) ? milliseconds.toFixed(1) : "–";
+  return `<tr><th>${name}</th><td>${value} ms</td></tr>`;
+}
+
+// The last frame's counts and pan; empty before the first frame of a scene.
+export function showFrame(frame) {
+  const [hits, dead, travelling, , , pan] = frame;
+  $("hits").textContent = hits ?? "–";
+  $("dead").textContent = dead ?? "–";
+  $("travelling").textContent = travelling ?? "–";
+  $("pan").textContent = pan?.toFixed(3) ?? "–";
+}
+
+// The levels of both channels as played, in decibels.
+export function showLevels(levels) {
+  $("left").value = levels[0];
+  $("right").value = levels[1];
+}
+
+// The sources heard in full: three numbers per source, as EarsOfPage.sources returns them.
+export function showSources(sources) {
+  const told = [];
+  for (let i = 0; i < sources.length; i += 3) {
+    const [level, paths, direct] = sources.slice(i, i + 3);
+    if (Number.isNaN(level)) {
+      told.push("nothing arrives");
+    } else {
+      told.push(`G ${level.toFixed(1)} dB, ${paths} paths${direct ? "" : ", hidden"}`);
+    }
+  }
+  $("full").textContent = told.join("; ") || "–";
+}
+
+// Times in milliseconds: between pictures, of waves until they are heard, of calls, of the ears; and gaps in the sound.
+export function showTimes(times) {
+  $("times").innerHTML = row("from picture to picture", times.between) +
+    row("waves, until they are heard", times.frame) +
+    row("calls: waves", times.waves) +
+    row("calls: picture", times.picture) +
+    row("plan and paths", times.plan) +
+    row("heard in full: trace", times.ears) +
+    row("heard in full: late part", times.late) +
+    `<tr><th>gaps in the sound</th><td>${times.gaps}</td></tr>`;
+}

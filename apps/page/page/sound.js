@@ -1,0 +1,121 @@
+// The sound from responses to the speakers. Three workers, as the window has three threads:
+//
+//   ears.js, traces the sound in full ─▶ mix.js, mixes it ─▶ worklet.js, plays it
+//
+// so that neither a picture nor a trace holds up the sound. They share no memory, so any server can host the page.
+
+// Seconds over which the sound fades when it is stopped or resumed: a sudden cut would click.
+const FADE_S = 0.02;
+
+// The reason why sound cannot be played here; "" if it can.
+function lacking() {
+  if (!isSecureContext) {
+    return "browsers play it over https:// or from localhost alone, and this address is neither";
+  }
+  if (typeof AudioWorkletNode === "undefined") return "this browser has no AudioWorklet";
+  return "";
+}
+
+export class Sound {
+  // Starts the sound; only a click may call it, because browsers play no sound before one. `told` receives the name of a
+  // part ("mix", "ears", "player") and its message.
+  static async start(told) {
+    const why = lacking();
+    if (why) throw new Error(why);
+    const context = new AudioContext({ latencyHint: "interactive" });
+    try {
+      await context.audioWorklet.addModule("worklet.js");
+      await context.resume();
+      return new Sound(context, told);
+    } catch (error) {
+      // A page may have only a few contexts.
+      await context.close();
+      throw error;
+    }
+  }
+
+  constructor(context, told) {
+    this.context = context;
+    // The numbers of the scene last sent, of the last one the mix has answered, and of the one it plays.
+    this.sent = 0;
+    this.answered = 0;
+    this.playing = 0;
+    this.output = new AudioWorkletNode(context, "player", { numberOfInputs: 0, outputChannelCount: [2] });
+    this.volume = new GainNode(context);
+    this.output.connect(this.volume).connect(context.destination);
+    this.mix = this.worker("mix", told);
+    this.ears = this.worker("ears", told);
+    const toPlayer = new MessageChannel();
+    const toEars = new MessageChannel();
+    this.output.port.postMessage({ mix: toPlayer.port1 }, [toPlayer.port1]);
+    this.output.port.onmessage = ({ data }) => told("player", data);
+    this.output.onprocessorerror = () => told("player", { failed: "worklet.js has failed" });
+    const rate = context.sampleRate;
+    this.mix.postMessage({ rate, player: toPlayer.port2, ears: toEars.port1 }, [toPlayer.port2, toEars.port1]);
+    this.ears.postMessage({ rate, mix: toEars.port2 }, [toEars.port2]);
+  }
+
+  worker(part, told) {
+    const worker = new Worker(`${part}.js`, { type: "module" });
+    worker.onmessage = ({ data }) => {
+      if (data.answered !== undefined) {
+        this.answered = data.answered;
+        this.playing = data.playing;
+      }
+      told(part, data);
+    };
+    worker.onerror = (event) => told(part, { failed: event.message ?? `${part}.js cannot be loaded` });
+    return worker;
+  }
+
+  isRunning() {
+    return this.context.state === "running";
+  }
+
+  // Whether the state of the scene can be used: sound is running, and the mix has answered which scene it plays.
+  isListening() {
+    return this.isRunning() && this.playing > 0 && this.answered === this.sent;
+  }
+
+  async stop() {
+    this.glideTo(0);
+    await new Promise((done) => setTimeout(done, 2000 * FADE_S));
+    await this.context.suspend();
+  }
+
+  async goOn() {
+    await this.context.resume();
+    this.glideTo(1);
+  }
+
+  glideTo(volume) {
+    const gain = this.volume.gain;
+    const now = this.context.currentTime;
+    gain.cancelScheduledValues(now);
+    gain.setValueAtTime(gain.value, now);
+    gain.linearRampToValueAtTime(volume, now + FADE_S);
+  }
+
+  // Ends the sound for good.
+  close() {
+    this.mix.terminate();
+    this.ears.terminate();
+    this.context.close();
+  }
+
+  // Plays another scene or another sound. `stand` sends the state of the scene.
+  play(text, name, sound) {
+    this.sent += 1;
+    this.mix.postMessage({ scene: this.sent, text, name, sound });
+  }
+
+  // Sets full or balance, the volume, and the pan.
+  listen(listen, volume, profile, pan) {
+    this.mix.postMessage({ listen, volume, profile, pan });
+  }
+
+  // Sends the state of the scene.
+  stand(standing) {
+    this.ears.postMessage({ ...standing, scene: this.playing });
+  }
+}

@@ -1,0 +1,143 @@
+//! Sound in full.
+
+use crate::{scene, settings, thrown};
+use echomarch::Scene;
+use echomarch::glam::Vec3;
+use echomarch::gpu::Context;
+use echomarch::walkthrough::{Ears, HeardMessage, WalkState, Walker};
+use wasm_bindgen::prelude::*;
+use web_sys::WebGl2RenderingContext;
+
+/// Ears on an off-screen canvas.
+#[wasm_bindgen]
+pub struct EarsOfPage {
+    ears: Ears,
+    base: Option<Scene>,
+    is_new_mix: bool,
+    rate_hz: u32,
+}
+
+/// The response of one source.
+#[wasm_bindgen]
+pub struct HeardByPage {
+    message: HeardMessage,
+}
+
+#[wasm_bindgen]
+impl EarsOfPage {
+    /// Ears on a worker's own context, for a mix of `rate_hz` samples a second.
+    #[wasm_bindgen(constructor)]
+    pub fn new(gl: WebGl2RenderingContext, rate_hz: u32) -> Result<EarsOfPage, JsError> {
+        let context = Context::from_webgl2(gl).map_err(thrown)?;
+        Ok(EarsOfPage {
+            ears: Ears::new(&context).map_err(thrown)?,
+            base: None,
+            is_new_mix: true,
+            rate_hz,
+        })
+    }
+
+    /// Sets another scene, or marks that the same one has a new mix.
+    pub fn set_scene(&mut self, text: &str, name: &str) -> Result<(), JsError> {
+        self.base = Some(scene(text, name)?);
+        self.is_new_mix = true;
+        Ok(())
+    }
+
+    /// Traces each source in the given state of the scene: named values, seconds on its paths, the listener
+    /// (x, y, z, yaw, pitch) and the first source (x, y, z). Returns the responses that have changed.
+    #[allow(clippy::too_many_arguments)]
+    pub fn hear(
+        &mut self,
+        names: Vec<String>,
+        values: &[f32],
+        seconds: f64,
+        listener: &[f32],
+        source: &[f32],
+        profile: &str,
+        waves: u32,
+    ) -> Result<Vec<HeardByPage>, JsError> {
+        let Some(base) = &self.base else {
+            return Ok(Vec::new());
+        };
+        let standing = WalkState {
+            values: names.into_iter().zip(values.iter().copied()).collect(),
+            seconds,
+            walker: walker(listener),
+            source: position(source),
+        };
+        let scene = standing.scene(base).map_err(thrown)?;
+        let settings = settings(profile, waves, 1)?;
+        let heard = self
+            .ears
+            .hear(&scene, &settings, self.rate_hz, self.is_new_mix)
+            .map_err(thrown)?;
+        self.is_new_mix = false;
+        Ok(heard
+            .into_iter()
+            .map(|message| HeardByPage { message })
+            .collect())
+    }
+
+    /// For each source at the last call of `hear`: its strength G in decibels (NaN for silence), the number of exact
+    /// paths, and 1 if the direct sound is one of them.
+    pub fn sources(&self) -> Vec<f64> {
+        let numbers = |source: &echomarch::response::HeardSource| {
+            let level = source.level_db.unwrap_or(f64::NAN);
+            let direct = if source.is_direct { 1.0 } else { 0.0 };
+            [level, source.paths as f64, direct]
+        };
+        self.ears.sources().iter().flat_map(numbers).collect()
+    }
+
+    /// Milliseconds that the last call of `hear` took to trace, and to make the late part.
+    pub fn milliseconds(&self) -> Vec<f64> {
+        self.ears.milliseconds().to_vec()
+    }
+}
+
+#[wasm_bindgen]
+impl HeardByPage {
+    /// Number of the source, from 0.
+    #[wasm_bindgen(getter)]
+    pub fn source(&self) -> u32 {
+        self.message.source as u32
+    }
+
+    /// Its echoes, encoded as numbers.
+    #[wasm_bindgen(getter)]
+    pub fn echoes(&self) -> Vec<f64> {
+        self.message.echoes.clone()
+    }
+
+    /// The samples of its late part; `None` if that is unchanged.
+    #[wasm_bindgen(getter)]
+    pub fn late(&self) -> Option<Vec<f32>> {
+        self.message.late.clone()
+    }
+
+    /// Seconds over which the echoes glide to these.
+    #[wasm_bindgen(getter)]
+    pub fn glide_s(&self) -> f64 {
+        self.message.glide_s
+    }
+}
+
+fn position(numbers: &[f32]) -> Option<Vec3> {
+    let [x, y, z, ..] = *numbers else {
+        return None;
+    };
+    Some(Vec3::new(x, y, z))
+}
+
+fn walker(numbers: &[f32]) -> Option<Walker> {
+    let [_, _, _, yaw, pitch] = *numbers else {
+        return None;
+    };
+    let position = position(numbers)?;
+    Some(Walker {
+        position,
+        yaw,
+        pitch,
+    })
+}

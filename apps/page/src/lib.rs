@@ -1,0 +1,68 @@
+//! The page's interface: passes numbers and text between JavaScript and `echomarch`.
+//!
+//! | struct | runs in | does |
+//! | --- | --- | --- |
+//! | [`Page`] | the page | walks, traces frames, draws the picture and the plan |
+//! | [`EarsOfPage`] | a worker with a canvas of its own | traces sound in full |
+//! | [`MixOfPage`] | a worker | mixes it into blocks of samples |
+
+mod ears;
+mod mix;
+mod page;
+
+pub use ears::{EarsOfPage, HeardByPage};
+pub use mix::MixOfPage;
+pub use page::{Page, PlanOfPage};
+
+use echomarch::auralisation::Listen;
+use echomarch::scene::BUILTIN_NAMES;
+use echomarch::{Profile, Scene, Settings};
+use std::fmt::Display;
+use wasm_bindgen::prelude::*;
+
+/// The names of the built-in scenes.
+#[wasm_bindgen]
+pub fn scenes() -> Vec<String> {
+    BUILTIN_NAMES.map(str::to_owned).to_vec()
+}
+
+/// The text of a built-in scene.
+#[wasm_bindgen]
+pub fn scene_text(name: &str) -> Option<String> {
+    Scene::builtin_text(name).map(str::to_owned)
+}
+
+/// Makes a panic throw its message as an error, which page and workers show.
+#[wasm_bindgen(start)]
+pub fn start() {
+    std::panic::set_hook(Box::new(|panic| {
+        wasm_bindgen::throw_str(&panic.to_string())
+    }));
+}
+
+/// The error that JavaScript throws.
+fn thrown(error: impl Display) -> JsError {
+    JsError::new(&error.to_string())
+}
+
+/// The scene of that text, called `name` if the text has no name.
+fn scene(text: &str, name: &str) -> Result<Scene, JsError> {
+    let mut scene = Scene::from_ron(text, name).map_err(thrown)?;
+    if scene.name.is_empty() {
+        scene.name = name.to_owned();
+    }
+    Ok(scene)
+}
+
+fn profile(name: &str) -> Result<Profile, JsError> {
+    name.parse().map_err(thrown)
+}
+
+fn listen(name: &str) -> Result<Listen, JsError> {
+    name.parse::<Listen>().map_err(thrown)
+}
+
+fn settings(of: &str, waves: u32, iterations: u32) -> Result<Settings, JsError> {
+    let settings = Settings::new(profile(of)?);
+    Ok(settings.with_waves(waves).with_iterations(iterations))
+}

@@ -1,0 +1,74 @@
+//! The sound as samples.
+
+use crate::{listen, profile, scene, thrown};
+use echomarch::audio::SoundSpec;
+use echomarch::walkthrough::{HeardMessage, Mix};
+use wasm_bindgen::prelude::*;
+
+/// Mixes all sources into blocks of samples.
+#[wasm_bindgen]
+pub struct MixOfPage {
+    mix: Mix,
+}
+
+#[wasm_bindgen]
+impl MixOfPage {
+    /// The sounds of a scene's sources at `rate_hz` samples a second.
+    #[wasm_bindgen(constructor)]
+    pub fn new(text: &str, name: &str, sound: &str, rate_hz: u32) -> Result<MixOfPage, JsError> {
+        let mix = Mix::new(&scene(text, name)?, &sound_of(sound)?, rate_hz).map_err(thrown)?;
+        Ok(MixOfPage { mix })
+    }
+
+    /// Sets another scene or another sound; the previous one fades out first.
+    pub fn set_scene(&mut self, text: &str, name: &str, sound: &str) -> Result<(), JsError> {
+        let (scene, sound) = (scene(text, name)?, sound_of(sound)?);
+        self.mix.set_scene(&scene, &sound).map_err(thrown)
+    }
+
+    /// Sets how the scene is heard: `full` or `balance`.
+    pub fn set_listen(&mut self, name: &str) -> Result<(), JsError> {
+        self.mix.set_listen(listen(name)?);
+        Ok(())
+    }
+
+    /// Sets the volume, 0 to 1.
+    pub fn set_volume(&mut self, volume: f32) {
+        self.mix.set_volume(volume);
+    }
+
+    /// Sets the balance, −1 to 1, with the panning law of that profile.
+    pub fn set_pan(&mut self, of: &str, pan: f32) -> Result<(), JsError> {
+        self.mix.set_pan(profile(of)?, pan);
+        Ok(())
+    }
+
+    /// Glides to a new response of a source. Returns false, without a change, if too many glides are under way: call it
+    /// again later. A response of a source that the scene no longer has is dropped.
+    pub fn hear(
+        &mut self,
+        source: u32,
+        echoes: Vec<f64>,
+        late: Option<Vec<f32>>,
+        glide_s: f64,
+    ) -> bool {
+        let message = HeardMessage {
+            source: source as usize,
+            echoes,
+            late,
+            glide_s,
+        };
+        self.mix.hear(message).unwrap_or(true)
+    }
+
+    /// The next samples of both channels, interleaved.
+    pub fn fill(&mut self, frames: usize) -> Vec<f32> {
+        let mut stereo = vec![0.0; 2 * frames];
+        self.mix.fill(&mut stereo);
+        stereo
+    }
+}
+
+fn sound_of(name: &str) -> Result<SoundSpec, JsError> {
+    name.parse().map_err(thrown)
+}

@@ -1,0 +1,99 @@
+//! Full listening for a player that shares no memory with the tracing thread.
+
+use super::hearing::{EarsStatus, Hearing};
+use super::mix::HeardMessage;
+use echomarch::Error;
+use echomarch::gpu::Context;
+use echomarch::response::HeardSource;
+use echomarch::scene::Scene;
+use echomarch::trace::Settings;
+
+/// Follows a scene with its own renderer, and reports the arrivals at the listener.
+pub struct Ears {
+    hearing: Hearing,
+    status: EarsStatus,
+}
+
+impl Ears {
+    /// Creates ears that have heard nothing yet.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] when the renderer fails.
+    pub fn new(context: &Context) -> Result<Ears, Error> {
+        Ok(Ears {
+            hearing: Hearing::new(context)?,
+            status: EarsStatus::default(),
+        })
+    }
+
+    /// Returns the response of each source for a [`Mix`](super::Mix) at `rate_hz` samples a second; an empty list if it
+    /// has not changed since the last call. `is_new_mix` means that the mix has received nothing yet.
+    ///
+    /// # Errors
+    /// As [`Response::trace`](echomarch::response::Response::trace).
+    pub fn hear(
+        &mut self,
+        scene: &Scene,
+        settings: &Settings,
+        rate_hz: u32,
+        is_new_mix: bool,
+    ) -> Result<Vec<HeardMessage>, Error> {
+        if !self.hearing.is_new(scene, settings, is_new_mix) {
+            return Ok(Vec::new());
+        }
+        let mut messages = Vec::new();
+        let tell = |found: super::hearing::Found| {
+            messages.push(HeardMessage::new(scene, &found, rate_hz)?);
+            Ok(())
+        };
+        self.status = self.hearing.look(scene, settings, is_new_mix, tell)?;
+        Ok(messages)
+    }
+
+    /// The level of each source at the last trace.
+    pub fn sources(&self) -> &[HeardSource] {
+        &self.status.sources
+    }
+
+    /// Milliseconds of the last trace, and of making its late part.
+    pub fn milliseconds(&self) -> [f64; 2] {
+        [self.status.trace_ms, self.status.late_ms]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Mix;
+    use super::*;
+    use echomarch::audio::SoundSpec;
+    use echomarch::gpu::ContextOptions;
+
+    /// Protects ears from exchanged channels: a source at the left is louder at the left, after transfer as plain
+    /// numbers.
+    #[test]
+    fn a_source_at_the_left_is_heard_at_the_left() {
+        const RATE_HZ: u32 = 48_000;
+        let context = Context::headless(&ContextOptions::default()).unwrap();
+        let scene = Scene::builtin("open-field").unwrap();
+        let left = scene.at(0.0);
+        assert!(left.source.position.x < left.listener.position.x);
+        let settings = Settings::default().with_waves(4096);
+        let mut ears = Ears::new(&context).unwrap();
+        let messages = ears.hear(&left, &settings, RATE_HZ, true).unwrap();
+        assert!(messages[0].late.is_some());
+        let noise = SoundSpec::Noise { seed: 3 };
+        let mut mix = Mix::new(&left, &noise, RATE_HZ).unwrap();
+        for message in messages {
+            assert!(mix.hear(message).unwrap());
+        }
+        let mut stereo = vec![0.0; RATE_HZ as usize];
+        mix.fill(&mut stereo);
+        let level = |channel: usize| {
+            let samples = stereo.iter().skip(channel).step_by(2);
+            samples.map(|s| f64::from(*s).powi(2)).sum::<f64>()
+        };
+        assert!(level(0) > 4.0 * level(1), "{} {}", level(0), level(1));
+        let again = ears.hear(&left, &settings, RATE_HZ, false).unwrap();
+        assert!(again.is_empty());
+    }
+}

@@ -1,0 +1,266 @@
+//! Full listening during a walk: traces the scene again and again.
+//!
+//! Echoes are those of the last trace and glide to the next; the late part is computed again at most four times a
+//! second.
+
+use echomarch::Error;
+use echomarch::acoustics::ListenerAxes;
+use echomarch::bands;
+use echomarch::gpu::Context;
+use echomarch::internals::platform::Instant;
+use echomarch::response::{HeardSource, Response, ResponseSettings};
+use echomarch::scene::Scene;
+use echomarch::trace::{Profile, Settings, Tracer};
+use std::time::Duration;
+
+/// Maximum number of waves of a response: echoes are exact, and a late part that lasts a quarter of a second needs no
+/// more.
+const MOST_WAVES: u32 = 16_384;
+
+/// Minimum number of waves for late arrivals. With fewer, the energy of 10 ms is that of a few arrivals, and the late
+/// part is rough.
+const LEAST_LATE_WAVES: u32 = 1024;
+
+/// Target duration of a trace in seconds: with a longer one, echoes lag behind the listener.
+const LOOK_S: f64 = 0.25;
+
+/// Maximum number of reflections of exact paths.
+const ORDER: u32 = 3;
+
+/// Maximum length of a response in seconds: convolution with a kernel of two seconds takes 4 % of a core.
+pub(super) const LONGEST_S: f64 = 2.0;
+
+/// Seconds between two late parts.
+const LATE_EVERY_S: f64 = 0.25;
+
+/// Seconds between two estimates of the length of the responses.
+const LENGTH_EVERY_S: f64 = 4.0;
+
+/// Limits of the time in which echoes glide from one trace to the next, in seconds; it is the duration of the trace,
+/// within these.
+const SHORTEST_GLIDE_S: f64 = 0.02;
+const LONGEST_GLIDE_S: f64 = 0.5;
+
+/// The lower end of the curve of energy, in decibels.
+pub const QUIETEST_DB: f64 = -80.0;
+
+/// Number of points of the curve of energy against time.
+const CURVE_POINTS: usize = 120;
+
+/// The results of a trace.
+#[derive(Clone, Debug, Default)]
+pub struct EarsStatus {
+    /// The level of each source; none before the first trace.
+    pub sources: Vec<HeardSource>,
+    /// Energy against time of all sources, in decibels against its largest, in equal parts of
+    /// `curve_s` seconds.
+    pub curve: Vec<f32>,
+    pub curve_s: f64,
+    /// Milliseconds of the last trace, and of making its late part.
+    pub trace_ms: f64,
+    pub late_ms: f64,
+    /// Number of traces.
+    pub looks: u64,
+    /// The reason why full listening failed.
+    pub error: Option<String>,
+}
+
+/// Traces a scene for full listening, with a renderer of its own.
+pub struct Hearing {
+    tracer: Tracer,
+    /// The last scene traced.
+    scene: Option<Scene>,
+    /// Length of the responses, and when it was estimated.
+    length: Option<(f64, Instant)>,
+    /// Number of waves for late arrivals: as many as a trace has time for.
+    late_waves: u32,
+    /// Number of waves of the present late part.
+    late_waves_heard: u32,
+    last_look: Instant,
+    last_late: Option<Instant>,
+}
+
+/// The result of an update for one source, to be passed to the player.
+#[derive(Clone, Copy, Debug)]
+pub struct Found<'a> {
+    /// The source, from 0.
+    pub source: usize,
+    /// Its response.
+    pub response: &'a Response,
+    /// The listener's axes.
+    pub axes: &'a ListenerAxes,
+    /// Whether its late part is due.
+    pub is_late_due: bool,
+    /// Seconds in which its echoes glide to the new ones.
+    pub glide_s: f64,
+}
+
+impl Hearing {
+    /// Creates a hearing without a trace yet.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] when the renderer fails.
+    pub fn new(context: &Context) -> Result<Hearing, Error> {
+        Ok(Hearing {
+            tracer: Tracer::new(context)?,
+            scene: None,
+            length: None,
+            late_waves: LEAST_LATE_WAVES,
+            late_waves_heard: 0,
+            last_look: Instant::now(),
+            last_late: None,
+        })
+    }
+
+    /// Whether sound has changed since the last update, or a new player waits for it. A late part that was not due then
+    /// is computed once everything has come to rest; so is one that was traced with too few waves for lack of time.
+    pub fn is_new(&self, scene: &Scene, settings: &Settings, is_waited_for: bool) -> bool {
+        let is_another = self.scene.as_ref() != Some(scene);
+        let is_rough = self.late_waves >= 2 * self.late_waves_heard;
+        let lacks_late = self.last_late < Some(self.last_look) || is_rough;
+        let lacks_late = lacks_late && self.late_is_due();
+        settings.profile() != Profile::Thesis && (is_another || lacks_late || is_waited_for)
+    }
+
+    fn late_is_due(&self) -> bool {
+        let since = |last: Instant| last.elapsed().as_secs_f64() >= LATE_EVERY_S;
+        self.last_late.is_none_or(since)
+    }
+
+    /// Traces every source, and passes each result to the closure.
+    ///
+    /// # Errors
+    /// As [`Response::trace`], and those of the closure.
+    pub fn look(
+        &mut self,
+        scene: &Scene,
+        settings: &Settings,
+        is_waited_for: bool,
+        mut tell: impl FnMut(Found) -> Result<(), Error>,
+    ) -> Result<EarsStatus, Error> {
+        let began = Instant::now();
+        let since = self.last_look.elapsed().as_secs_f64();
+        let glide_s = since.clamp(SHORTEST_GLIDE_S, LONGEST_GLIDE_S);
+        let is_late_due = is_waited_for || self.late_is_due();
+        let seconds = self.length_s(scene, settings)?;
+        let how = response_settings(settings)
+            .with_seconds(seconds)
+            .with_late_waves(self.late_waves);
+        let tracing = Instant::now();
+        let axes = ListenerAxes::of(&scene.listener)?;
+        let mut status = EarsStatus {
+            curve_s: seconds,
+            ..EarsStatus::default()
+        };
+        let mut curve = vec![0.0; CURVE_POINTS];
+        let mut on_late = Duration::ZERO;
+        for source in 0..scene.sources().count() {
+            let pair = scene.heard_by(source, 0)?;
+            let response = Response::trace(&mut self.tracer, &pair, &how)?;
+            status.sources.push(HeardSource::of(&response));
+            add_to_curve(&mut curve, &response, seconds);
+            let making = Instant::now();
+            tell(Found {
+                source,
+                response: &response,
+                axes: &axes,
+                is_late_due,
+                glide_s,
+            })?;
+            on_late += making.elapsed();
+        }
+        status.curve = in_decibels(&curve);
+        status.late_ms = 1e3 * on_late.as_secs_f64();
+        status.trace_ms = 1e3 * began.elapsed().as_secs_f64() - status.late_ms;
+        let tracing = tracing.elapsed().saturating_sub(on_late);
+        if is_late_due {
+            self.late_waves_heard = self.late_waves;
+        }
+        self.late_waves = late_waves(self.late_waves, tracing);
+        self.last_look = Instant::now();
+        if is_late_due {
+            self.last_late = Some(self.last_look);
+        }
+        self.scene = Some(scene.clone());
+        Ok(status)
+    }
+
+    /// Length of the responses, estimated again every few seconds.
+    fn length_s(&mut self, scene: &Scene, settings: &Settings) -> Result<f64, Error> {
+        let is_another = self
+            .scene
+            .as_ref()
+            .is_none_or(|last| last.name != scene.name);
+        if let Some((seconds, found)) = self.length
+            && !is_another
+            && found.elapsed().as_secs_f64() < LENGTH_EVERY_S
+        {
+            return Ok(seconds);
+        }
+        let waves = settings.waves.min(self.late_waves);
+        let few = settings.clone().with_waves(waves);
+        let settings = response_settings(&few).with_longest(LONGEST_S);
+        let mut longest: f64 = 0.0;
+        for source in 0..scene.sources().count() {
+            let pair = scene.heard_by(source, 0)?;
+            longest = longest.max(settings.seconds_needed(&mut self.tracer, &pair)?);
+        }
+        let seconds = longest.min(LONGEST_S);
+        self.length = Some((seconds, Instant::now()));
+        Ok(seconds)
+    }
+}
+
+/// Number of waves for the next late part, after a trace with `before` waves that `took` this time.
+fn late_waves(before: u32, took: Duration) -> u32 {
+    let fit = f64::from(before) * LOOK_S / took.as_secs_f64();
+    (fit as u32).clamp(LEAST_LATE_WAVES, MOST_WAVES)
+}
+
+fn response_settings(chosen: &Settings) -> ResponseSettings {
+    let waves = chosen.waves.min(MOST_WAVES);
+    let chosen = chosen.clone().with_waves(waves);
+    let settings = ResponseSettings::default().with_trace_of_frames(&chosen);
+    settings.with_order(ORDER)
+}
+
+/// Adds the energies of a response to the intervals of the curve.
+fn add_to_curve(curve: &mut [f64], response: &Response, seconds: f64) {
+    let mut add = |at_s: f64, energy: f64| {
+        let part = (at_s / seconds * CURVE_POINTS as f64) as usize;
+        if let Some(sum) = curve.get_mut(part) {
+            *sum += energy;
+        }
+    };
+    for path in &response.paths {
+        add(path.delay_s, bands::mean(&path.energy));
+    }
+    let echogram = &response.echogram;
+    for bin in 0..echogram.bins() {
+        let at_s = echogram.first_s() + (bin as f64 + 0.5) * echogram.bin_s();
+        add(at_s, bands::mean(&echogram.energy(bin)));
+    }
+}
+
+/// Decibels relative to the largest value, limited to −80 dB and above.
+fn in_decibels(curve: &[f64]) -> Vec<f32> {
+    let largest = curve.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    let decibels = |energy: &f64| (10.0 * (energy / largest).log10()).max(QUIETEST_DB) as f32;
+    curve.iter().map(decibels).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects the user from waiting seconds for echoes, and the late part from needless roughness.
+    #[test]
+    fn late_waves_follow_the_time_of_looks() {
+        let after = |before, seconds| late_waves(before, Duration::from_secs_f64(seconds));
+        assert_eq!(after(8192, LOOK_S), 8192);
+        assert_eq!(after(8192, 2.0 * LOOK_S), 4096);
+        assert_eq!(after(2048, 0.5 * LOOK_S), 4096);
+        assert_eq!(after(2048, 0.0), MOST_WAVES);
+        assert_eq!(after(MOST_WAVES, 60.0), LEAST_LATE_WAVES);
+    }
+}

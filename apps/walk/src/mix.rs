@@ -1,0 +1,364 @@
+//! The sound of a walk as samples.
+
+use super::hearing::{Found, LONGEST_S};
+use echomarch::Error;
+use echomarch::acoustics::AcousticsError;
+use echomarch::audio::{Mixer, PanningLaw, Signal, Sound, SoundSpec, StereoSignal};
+use echomarch::auralisation::{HeardParts, Listen, Player, PlayerRemote, Spec};
+use echomarch::scene::Scene;
+use echomarch::trace::Profile;
+
+/// Seed of the noise of the late parts.
+pub const NOISE_SEED: u64 = 1;
+
+/// Gain of the whole output: a source 4 m away is as loud as its sound file. Louder parts are limited.
+const GAIN_DB: f32 = 12.0;
+
+/// Duration of a fade in seconds: the sound fades out, and the next one fades in. The volume glides from 0 to 1 in the
+/// same time. Both fades take as long as the window's cross-fade of 20 ms.
+const FADE_S: f32 = 0.01;
+
+/// A player of the sources of a scene, each with its own sound: `spec` if that is a file or a sine, else each with
+/// another voice or noise.
+pub fn player(
+    scene: &Scene,
+    spec: &SoundSpec,
+    rate_hz: u32,
+) -> Result<(Player, PlayerRemote), AcousticsError> {
+    let load = |source: usize| {
+        // A file that cannot be loaded at this rate is silent; the error is reported for the balance's sound.
+        let sound = Sound::load(&own_voice(spec, source as u64), rate_hz);
+        sound.unwrap_or_else(|_| Sound::new(Silence))
+    };
+    let sounds = (0..scene.sources().count()).map(load).collect();
+    Player::new(sounds, played(scene, rate_hz), 10_f32.powf(GAIN_DB / 20.0))
+}
+
+/// The specification of a scene's player.
+fn played(scene: &Scene, rate_hz: u32) -> Spec {
+    Spec::of(scene, rate_hz).with_longest(LONGEST_S)
+}
+
+/// A silent sound.
+struct Silence;
+
+impl Signal for Silence {
+    fn fill(&mut self, out: &mut [f32]) {
+        out.fill(0.0);
+    }
+
+    fn seek(&mut self, _: u64) {}
+}
+
+/// The sound of a source by its number, so that each source has another voice.
+fn own_voice(spec: &SoundSpec, number: u64) -> SoundSpec {
+    match spec {
+        SoundSpec::Noise { seed } => SoundSpec::Noise {
+            seed: seed.wrapping_add(number),
+        },
+        SoundSpec::Speech { seed } => SoundSpec::Speech {
+            seed: seed.wrapping_add(number),
+        },
+        other => other.clone(),
+    }
+}
+
+/// A source's response as plain numbers, for transfer from the tracing thread to the player.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeardMessage {
+    /// The source, from 0.
+    pub source: usize,
+    /// Its echoes, as [`Mix::hear`] reads them.
+    pub echoes: Vec<f64>,
+    /// The samples of its late part, one channel after the other; none if it is unchanged.
+    pub late: Option<Vec<f32>>,
+    /// Seconds in which the echoes glide to the new ones.
+    pub glide_s: f64,
+}
+
+impl HeardMessage {
+    /// Converts the result of a trace for a player at `rate_hz` samples a second.
+    ///
+    /// # Errors
+    /// [`Error::Acoustics`] for a response of length 0.
+    pub fn new(scene: &Scene, found: &Found, rate_hz: u32) -> Result<HeardMessage, Error> {
+        let spec = played(scene, rate_hz);
+        let seed = found.is_late_due.then_some(NOISE_SEED);
+        let parts = HeardParts::new(found.response, found.axes, spec, seed)?;
+        Ok(HeardMessage {
+            source: found.source,
+            echoes: parts.echoes,
+            late: parts.late,
+            glide_s: found.glide_s,
+        })
+    }
+}
+
+/// Mixes sound into slices: in full from the messages of [`Ears`](super::Ears), or the balance of one sound.
+///
+/// After a change (of the scene, the sound, the listening mode or the panning law) the old sound fades out before the
+/// new one fades in, so that nothing clicks.
+#[derive(Debug)]
+pub struct Mix {
+    rate_hz: u32,
+    voices: Voices,
+    listen: Listen,
+    mixer: Mixer,
+    pan: f32,
+    /// The state to change to once all is silent.
+    wanted: Wanted,
+    /// Samples of the fade: 0 in silence, `fade_length` at full level.
+    fade: usize,
+    fade_length: usize,
+    volume: f32,
+    /// The volume to glide to.
+    wanted_volume: f32,
+    mono: Vec<f32>,
+}
+
+/// The sounds of a scene.
+#[derive(Debug)]
+struct Voices {
+    /// The sound of the balance.
+    sound: Sound,
+    player: Player,
+    remote: PlayerRemote,
+}
+
+/// The requested state.
+#[derive(Debug)]
+struct Wanted {
+    /// The voices of another scene or another sound.
+    voices: Option<Voices>,
+    listen: Listen,
+    law: PanningLaw,
+}
+
+impl Voices {
+    fn new(scene: &Scene, spec: &SoundSpec, rate_hz: u32) -> Result<Voices, Error> {
+        let sound = Sound::load(spec, rate_hz)?;
+        let (player, remote) = player(scene, spec, rate_hz)?;
+        Ok(Voices {
+            sound,
+            player,
+            remote,
+        })
+    }
+}
+
+impl Mix {
+    /// Creates a mix for a scene's sources at `rate_hz` samples a second; it is silent until it receives a response.
+    ///
+    /// # Errors
+    /// As [`Sound::load`]; [`AcousticsError::BadRate`](echomarch::acoustics::AcousticsError::BadRate).
+    pub fn new(scene: &Scene, spec: &SoundSpec, rate_hz: u32) -> Result<Mix, Error> {
+        let law = PanningLaw::for_profile(Profile::Hybrid);
+        let listen = Listen::Full;
+        Ok(Mix {
+            rate_hz,
+            voices: Voices::new(scene, spec, rate_hz)?,
+            listen,
+            mixer: Mixer::new(law),
+            pan: 0.0,
+            wanted: Wanted {
+                voices: None,
+                listen,
+                law,
+            },
+            fade: 0,
+            fade_length: ((FADE_S * rate_hz as f32) as usize).max(1),
+            volume: 0.0,
+            wanted_volume: 0.5,
+            mono: Vec::new(),
+        })
+    }
+
+    /// Changes to another scene or sound, which is silent until its first response: messages passed to
+    /// [`hear`](Mix::hear) from now on belong to it.
+    ///
+    /// # Errors
+    /// As [`Sound::load`]; then the previous one continues.
+    pub fn set_scene(&mut self, scene: &Scene, spec: &SoundSpec) -> Result<(), Error> {
+        self.wanted.voices = Some(Voices::new(scene, spec, self.rate_hz)?);
+        Ok(())
+    }
+
+    /// Sets the listening mode.
+    pub fn set_listen(&mut self, listen: Listen) {
+        self.wanted.listen = listen;
+    }
+
+    /// Sets the loudness, 0 to 1; NaN counts as 0.
+    pub fn set_volume(&mut self, volume: f32) {
+        self.wanted_volume = if volume.is_nan() {
+            0.0
+        } else {
+            volume.clamp(0.0, 1.0)
+        };
+    }
+
+    /// Sets the balance, −1 to 1, as computed by waves of that profile.
+    pub fn set_pan(&mut self, profile: Profile, pan: f32) {
+        self.wanted.law = PanningLaw::for_profile(profile);
+        self.pan = pan;
+    }
+
+    /// Glides to a source's response. Returns false, and changes nothing, if too many glides are in progress.
+    ///
+    /// # Errors
+    /// [`Error::Acoustics`] for a source that does not exist, and a glide of length 0. Then nothing changes.
+    pub fn hear(&mut self, message: HeardMessage) -> Result<bool, Error> {
+        let parts = HeardParts {
+            echoes: message.echoes,
+            late: message.late,
+        };
+        let voices = self.wanted.voices.as_mut().unwrap_or(&mut self.voices);
+        let heard = parts.heard(voices.remote.spec());
+        Ok(voices.remote.hear(message.source, heard, message.glide_s)?)
+    }
+
+    /// Overwrites the interleaved samples of both channels with the next ones.
+    pub fn fill(&mut self, stereo: &mut [f32]) {
+        let (mut rest, odd) = stereo.split_at_mut(stereo.len() / 2 * 2);
+        odd.fill(0.0);
+        while !rest.is_empty() {
+            if self.fade == 0 {
+                self.change_over();
+            }
+            let is_ending = self.is_to_change();
+            let frames = match is_ending {
+                true => self.fade.min(rest.len() / 2),
+                false => rest.len() / 2,
+            };
+            let (block, later) = rest.split_at_mut(2 * frames);
+            self.play(block);
+            self.apply_volume(block, is_ending);
+            rest = later;
+        }
+    }
+
+    /// Whether the requested state differs from the present one. The law matters only in the balance.
+    fn is_to_change(&self) -> bool {
+        let is_heard = self.listen == Listen::Balance;
+        self.wanted.voices.is_some()
+            || self.listen != self.wanted.listen
+            || is_heard && self.mixer.law() != self.wanted.law
+    }
+
+    /// Changes to the requested state.
+    fn change_over(&mut self) {
+        if let Some(voices) = self.wanted.voices.take() {
+            self.voices = voices;
+        }
+        self.listen = self.wanted.listen;
+        self.mixer = Mixer::new(self.wanted.law);
+    }
+
+    /// Overwrites a block with the next samples at full level.
+    fn play(&mut self, stereo: &mut [f32]) {
+        match self.listen {
+            Listen::Full => {
+                stereo.fill(0.0);
+                self.voices.player.add(stereo);
+            }
+            Listen::Balance => {
+                self.mono.resize(stereo.len() / 2, 0.0);
+                self.voices.sound.fill(&mut self.mono);
+                let mixed = self.mixer.mix(&self.mono, self.pan, stereo);
+                debug_assert!(mixed.is_ok(), "there are two samples for each one");
+            }
+        }
+    }
+
+    fn apply_volume(&mut self, stereo: &mut [f32], is_ending: bool) {
+        let step = 1.0 / self.fade_length as f32;
+        let (pairs, _) = stereo.as_chunks_mut::<2>();
+        for pair in pairs {
+            self.fade = match is_ending {
+                true => self.fade - 1,
+                false => (self.fade + 1).min(self.fade_length),
+            };
+            self.volume += (self.wanted_volume - self.volume).clamp(-step, step);
+            let gain = self.volume * self.fade as f32 * step;
+            *pair = pair.map(|sample| sample * gain);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RATE_HZ: u32 = 48_000;
+
+    /// Returns the largest difference between successive samples in `blocks` blocks; `last` is the sample before them.
+    fn largest_step(mix: &mut Mix, blocks: usize, last: &mut [f32; 2]) -> f32 {
+        let mut largest: f32 = 0.0;
+        let mut stereo = [0.0; 1024];
+        for _ in 0..blocks {
+            mix.fill(&mut stereo);
+            for pair in stereo.as_chunks::<2>().0 {
+                largest = largest.max((pair[0] - last[0]).abs().max((pair[1] - last[1]).abs()));
+                *last = *pair;
+            }
+        }
+        largest
+    }
+
+    /// Protects ears from clicks: a change of scene, sound, law or listening mode makes no larger step between samples
+    /// than the tone itself and its fade.
+    #[test]
+    fn no_change_clicks() {
+        /// Factor by which a fade of 480 samples increases the step of a tone of 220 Hz, which is 1/35 of its
+        /// amplitude.
+        const FADING: f32 = 1.1;
+        /// Enough blocks of 512 frames for a change and both of its fades.
+        const BLOCKS: usize = 6;
+        let scene = Scene::builtin("corner").unwrap();
+        let tone: SoundSpec = "sine:220".parse().unwrap();
+        let mut mix = Mix::new(&scene, &tone, RATE_HZ).unwrap();
+        mix.set_listen(Listen::Balance);
+        mix.set_pan(Profile::Hybrid, 0.3);
+        let mut last = [0.0; 2];
+        let first = largest_step(&mut mix, BLOCKS, &mut last);
+        let steady = largest_step(&mut mix, BLOCKS, &mut last);
+        assert!(steady > 0.0 && first <= FADING * steady, "{first} {steady}");
+        let mut check = |mix: &mut Mix, what: &str| {
+            let step = largest_step(mix, BLOCKS, &mut last);
+            assert!(step <= FADING * steady, "{what}: {step}, {steady}");
+        };
+        mix.set_pan(Profile::Thesis, 0.3);
+        check(&mut mix, "another law");
+        mix.set_pan(Profile::Hybrid, 0.3);
+        check(&mut mix, "and back");
+        mix.set_scene(&scene, &tone).unwrap();
+        check(&mut mix, "another scene");
+        mix.set_listen(Listen::Full);
+        check(&mut mix, "full");
+        mix.set_listen(Listen::Balance);
+        check(&mut mix, "balance");
+    }
+
+    /// Protects a new scene: messages that arrive while the old one fades belong to the new one.
+    #[test]
+    fn what_is_heard_while_a_scene_fades_is_of_the_next() {
+        let scene = Scene::builtin("corner").unwrap();
+        let noise = SoundSpec::Noise { seed: 1 };
+        let mut mix = Mix::new(&scene, &noise, RATE_HZ).unwrap();
+        let mut stereo = vec![0.0; 4096];
+        mix.fill(&mut stereo);
+        mix.set_scene(&scene, &noise).unwrap();
+        let spec = played(&scene, RATE_HZ);
+        let late = vec![1.0; 2 * (spec.longest_s * f64::from(RATE_HZ)) as usize];
+        let message = HeardMessage {
+            source: 0,
+            echoes: Vec::new(),
+            late: Some(late),
+            glide_s: 0.0,
+        };
+        assert!(mix.hear(message).unwrap());
+        let mut heard = vec![0.0; RATE_HZ as usize];
+        mix.fill(&mut heard);
+        assert!(heard.iter().any(|sample| *sample != 0.0));
+    }
+}

@@ -1,0 +1,377 @@
+//! One walk through a scene.
+
+use super::paths::{PATH_ITERATIONS, Paths};
+use super::plan::{Cut, PlanImage, STUB, way};
+use super::{MoveInput, Walker, World};
+use echomarch::Error;
+use echomarch::gpu::Context;
+use echomarch::picture::Bounds;
+use echomarch::picture::View;
+use echomarch::scene::Scene;
+use echomarch::trace::{Fate, Frame, Settings, Tracer};
+use glam::Vec3;
+
+/// A walk through a scene on one context: advances time, traces waves, draws the picture and the plan. The caller calls
+/// [`pass`](Visit::pass), [`trace`](Visit::trace) and [`draw`](Visit::draw) once per picture.
+///
+/// ```
+/// use echomarch::gpu::{Context, ContextOptions};
+/// use echomarch::walkthrough::{MoveInput, Visit};
+/// use echomarch::{Scene, Settings};
+///
+/// let context = Context::headless(&ContextOptions::default())?;
+/// let mut visit = Visit::new(&context, Scene::builtin("corner")?)?;
+/// let ahead = MoveInput { forward: 1.0, ..MoveInput::default() };
+/// visit.pass(&ahead, 0.1);
+/// assert!(visit.scene().listener.position.z < 8.0);
+/// while visit.trace(8.0)?.is_none() {}
+/// assert!(visit.frame().is_some_and(|frame| frame.counts.listener_hits > 0));
+/// # Ok::<(), echomarch::Error>(())
+/// ```
+pub struct Visit {
+    world: World,
+    settings: Settings,
+    tracer: Tracer,
+    path_tracer: Tracer,
+    view: View,
+    paths: Paths,
+    cut: Cut,
+    /// Scene and settings of the frame in progress, or of the last one; none if a frame is needed in any case.
+    traced: Option<(Scene, Settings)>,
+    heard: Option<Frame>,
+}
+
+/// The scene from above.
+#[derive(Clone, Copy, Debug)]
+pub struct Plan<'a> {
+    /// Width and height in pixels.
+    pub size: [usize; 2],
+    /// Red, green and blue of each pixel, the row of the smallest world z first.
+    pub rgb: &'a [u8],
+    /// The part of the world that the plan shows.
+    pub bounds: Bounds,
+}
+
+/// The path of one wave.
+#[derive(Clone, Debug)]
+pub struct Way {
+    /// Its fate.
+    pub fate: Fate,
+    /// From the source, over its reflections, to its end; world metres.
+    pub points: Vec<Vec3>,
+}
+
+impl Visit {
+    /// Begins a walk at the scene's listener.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] when the renderer fails; as [`set_scene`](Visit::set_scene).
+    pub fn new(context: &Context, scene: Scene) -> Result<Visit, Error> {
+        let mut tracer = Tracer::new(context)?;
+        let settings = Settings::default();
+        let mut view = View::new(context)?;
+        tracer.check(&scene, &settings)?;
+        view.check(&scene)?;
+        Ok(Visit {
+            world: World::of(scene),
+            path_tracer: tracer.with_shared_programs()?,
+            tracer,
+            view,
+            paths: Paths::default(),
+            cut: Cut::default(),
+            settings,
+            traced: None,
+            heard: None,
+        })
+    }
+
+    /// Changes to another scene, or another text of the present one: if the name is the same, the walker, a source that
+    /// was moved, the time and values that were set stay.
+    ///
+    /// # Errors
+    /// As [`Tracer::check`], and those of the picture's program; then all stays as it was.
+    pub fn set_scene(&mut self, scene: Scene) -> Result<(), Error> {
+        if scene.name != self.world.name {
+            return self.open_scene(scene);
+        }
+        self.check_scene(&scene)?;
+        self.world.change(scene);
+        self.forget();
+        Ok(())
+    }
+
+    /// Restarts in a scene, whatever its name, from its initial state.
+    ///
+    /// # Errors
+    /// As [`set_scene`](Visit::set_scene); then all stays as it was.
+    pub fn open_scene(&mut self, scene: Scene) -> Result<(), Error> {
+        self.check_scene(&scene)?;
+        self.world = World::of(scene);
+        self.forget();
+        Ok(())
+    }
+
+    /// Checks that waves can be traced in a scene, and that its picture can be drawn.
+    fn check_scene(&mut self, scene: &Scene) -> Result<(), Error> {
+        self.tracer.check(scene, &self.settings)?;
+        self.view.check(scene)
+    }
+
+    /// Clears the state of the previous scene.
+    fn forget(&mut self) {
+        self.view.forget();
+        self.paths.forget();
+        self.traced = None;
+        self.heard = None;
+    }
+
+    /// Sets how waves are traced from now on.
+    ///
+    /// # Errors
+    /// As [`Tracer::check`] of the present scene; then all stays as it was.
+    pub fn set_settings(&mut self, settings: Settings) -> Result<(), Error> {
+        self.tracer.check(&self.world.now, &settings)?;
+        self.settings = settings;
+        Ok(())
+    }
+
+    /// How waves are traced.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// The scene in its current state.
+    pub fn scene(&self) -> &Scene {
+        &self.world.now
+    }
+
+    /// The last frame of waves; none before the first frame of a scene.
+    pub fn frame(&self) -> Option<&Frame> {
+        self.heard.as_ref()
+    }
+
+    /// Advances time by `seconds`: moving things move, the walker walks.
+    pub fn pass(&mut self, input: &MoveInput, seconds: f64) {
+        self.world.pass(input, seconds);
+    }
+
+    /// Turns the gaze by radians to the right and upwards.
+    pub fn look(&mut self, right: f32, up: f32) {
+        self.world.look(right, up);
+    }
+
+    /// Sets the listener's position, and its gaze in radians.
+    pub fn stand(&mut self, walker: Walker) {
+        self.world.stand(walker);
+    }
+
+    /// The position the listener walked to; none before the first step.
+    pub fn walker(&self) -> Option<Walker> {
+        self.world.walker
+    }
+
+    /// Sets the source's position, in world metres.
+    pub fn put_source(&mut self, position: Vec3) {
+        self.world.source = Some(position);
+        self.world.now.source.position = position;
+    }
+
+    /// The position the source was put or carried to, in world metres; none while it is on its own path.
+    pub fn placed_source(&self) -> Option<Vec3> {
+        self.world.source
+    }
+
+    /// Picks the source up, or puts it down.
+    pub fn pick_up_or_put_down(&mut self) {
+        self.world.pick_up_or_put_down();
+    }
+
+    /// Holds the moving things, or lets them go on.
+    pub fn pause_or_go_on(&mut self) {
+        self.world.paused = !self.world.paused;
+    }
+
+    /// Seconds on the scene's paths.
+    pub fn seconds(&self) -> f64 {
+        self.world.looped()
+    }
+
+    /// Puts source, listener and time back to the beginning.
+    pub fn start_over(&mut self) {
+        self.world.start_over();
+    }
+
+    /// The named values of the scene: name, value, minimum, maximum, unit.
+    pub fn values(&self) -> impl Iterator<Item = (&str, f32, [f32; 2], &'static str)> {
+        self.world.sliders.iter().map(|slider| {
+            let ends = [*slider.range.start(), *slider.range.end()];
+            let value = self.world.value_of(slider);
+            (slider.name.as_str(), value, ends, slider.unit)
+        })
+    }
+
+    /// Sets a named value, in the unit of its file.
+    ///
+    /// # Errors
+    /// As [`Scene::set_value`] and [`Scene::check`]; then it stays as it was.
+    pub fn set_value(&mut self, name: &str, value: f32) -> Result<(), Error> {
+        Ok(self.world.set(name, value)?)
+    }
+
+    /// Traces waves for about `milliseconds`: continues the current frame, or begins one if its scene or settings have
+    /// changed since the last. Returns the frame once it is finished; none while everything is unchanged, since the
+    /// frame would be the same.
+    ///
+    /// # Errors
+    /// As [`Tracer::frame`]; then a frame is begun again at the next call.
+    pub fn trace(&mut self, milliseconds: f64) -> Result<Option<Frame>, Error> {
+        let traced = self.trace_on(milliseconds);
+        if traced.is_err() {
+            self.traced = None;
+        }
+        traced
+    }
+
+    fn trace_on(&mut self, milliseconds: f64) -> Result<Option<Frame>, Error> {
+        // A frame begun for a previous scene is discarded.
+        let came = self.tracer.frame_poll()?.filter(|_| self.traced.is_some());
+        if let Some(frame) = &came {
+            self.heard = Some(frame.clone());
+        }
+        if self.is_frame_due() {
+            self.tracer.frame_begin(&self.world.now, &self.settings)?;
+            self.traced = Some((self.world.now.clone(), self.settings.clone()));
+        }
+        if self.tracer.is_frame_pending() {
+            self.tracer.frame_advance(milliseconds)?;
+        }
+        Ok(came)
+    }
+
+    /// Whether a frame must be begun: one in progress is finished first, unless its settings have changed.
+    fn is_frame_due(&self) -> bool {
+        let Some((scene, settings)) = &self.traced else {
+            return true;
+        };
+        let is_under_way = self.tracer.is_frame_pending();
+        *settings != self.settings || !is_under_way && *scene != self.world.now
+    }
+
+    /// Draws the listener's view over the window or canvas of the context, of the given size in pixels, at a share of
+    /// its size (0 to 1). Returns whether it was drawn again: while nothing moves the last picture is shown again, and
+    /// gradually refined.
+    ///
+    /// # Errors
+    /// [`Error::Trace`] for a scene that does not fit, [`Error::Gpu`] when the renderer fails.
+    pub fn draw(&mut self, size: [u32; 2], scale: f32) -> Result<bool, Error> {
+        let drawn = self.view.draw(&self.world.now, size, (scale, true))?;
+        Ok(drawn.anew)
+    }
+
+    /// The plan, and whether it has changed since the last call.
+    pub fn plan(&mut self) -> (Plan<'_>, bool) {
+        let is_new = self.cut.refresh(&self.world.name, &self.world.now);
+        let bounds = self.cut.bounds();
+        let PlanImage { width, height, rgb } = self.cut.image();
+        let size = [*width, *height];
+        (Plan { size, rgb, bounds }, is_new)
+    }
+
+    /// Follows waves that are heard, and some others, for the plan; continues the search for them while nothing moves.
+    ///
+    /// # Errors
+    /// As [`Tracer::frame`].
+    pub fn ways(&mut self) -> Result<Vec<Way>, Error> {
+        let iterations = self.settings.iterations.min(PATH_ITERATIONS);
+        let settings = self.settings.clone().with_iterations(iterations);
+        let scene = &self.world.now;
+        self.paths.follow(&mut self.path_tracer, scene, &settings)?;
+        let bounds = self.cut.bounds();
+        let stub = STUB * (bounds.max.x - bounds.min.x);
+        let states = self.paths.states();
+        let waves = states.first().map_or(0, Vec::len);
+        let follow = |wave| way(states, wave, scene.source.position, stub);
+        let ways = (0..waves).map(follow);
+        Ok(ways.map(|(fate, points)| Way { fate, points }).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use echomarch::gpu::ContextOptions;
+    use std::thread;
+    use std::time::Duration;
+
+    fn visit(scene: &str) -> Visit {
+        let context = Context::headless(&ContextOptions::default()).unwrap();
+        let mut visit = Visit::new(&context, Scene::builtin(scene).unwrap()).unwrap();
+        let settings = Settings::default().with_waves(1024);
+        visit.set_settings(settings).unwrap();
+        visit
+    }
+
+    /// The next frame; none if the driver finishes none in many calls.
+    fn next_frame(visit: &mut Visit) -> Option<Frame> {
+        const CALLS: usize = 1000;
+        let mut came = |_| {
+            let frame = visit.trace(f64::INFINITY).unwrap();
+            if frame.is_none() {
+                thread::sleep(Duration::from_millis(1));
+            }
+            frame
+        };
+        (0..CALLS).find_map(&mut came)
+    }
+
+    /// Protects the machine from useless work: a frame is traced if and only if it would differ from the last one.
+    #[test]
+    fn only_what_has_changed_is_traced() {
+        let mut visit = visit("corner");
+        let first = next_frame(&mut visit).unwrap();
+        visit.pass(&MoveInput::default(), 1.0);
+        assert!(next_frame(&mut visit).is_none());
+        visit.look(0.5, 0.0);
+        let turned = next_frame(&mut visit).unwrap();
+        assert_eq!(turned.counts, first.counts);
+        assert_ne!(turned.panning, first.panning);
+        let settings = visit.settings().clone().with_waves(2048);
+        visit.set_settings(settings).unwrap();
+        assert!(next_frame(&mut visit).is_some());
+    }
+
+    /// Protects a walk from settings and scenes that cannot be traced: they are rejected, and the walk continues.
+    #[test]
+    fn what_cannot_be_traced_is_refused_and_the_walk_goes_on() {
+        let mut visit = visit("corner");
+        let before = visit.settings().clone();
+        let too_many = before.clone().with_waves(u32::MAX);
+        assert!(visit.set_settings(too_many).is_err());
+        assert_eq!(*visit.settings(), before);
+        let mut empty = Scene::builtin("cave").unwrap();
+        empty.listener.radius = f32::NAN;
+        assert!(visit.set_scene(empty).is_err());
+        assert_eq!(visit.scene().name, "corner");
+        assert!(next_frame(&mut visit).is_some());
+    }
+
+    /// Protects a new scene from the counts of the previous one, and a link from actions before it was followed.
+    #[test]
+    fn a_scene_that_is_opened_begins_anew() {
+        let mut visit = visit("corner");
+        assert!(next_frame(&mut visit).is_some());
+        visit.put_source(Vec3::ONE);
+        visit.look(0.5, 0.0);
+        assert_eq!(visit.placed_source(), Some(Vec3::ONE));
+        visit.set_scene(Scene::builtin("corner").unwrap()).unwrap();
+        assert!(visit.frame().is_none());
+        assert!(visit.walker().is_some() && visit.placed_source().is_some());
+        visit.open_scene(Scene::builtin("corner").unwrap()).unwrap();
+        assert!(visit.walker().is_none() && visit.placed_source().is_none());
+        visit.pass(&MoveInput::default(), 0.0);
+        assert_eq!(
+            visit.scene().listener,
+            Scene::builtin("corner").unwrap().listener
+        );
+    }
+}

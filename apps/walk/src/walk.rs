@@ -1,0 +1,336 @@
+//! Walking through a scene: a step never ends in a wall, and a step against one slides along it.
+//!
+//! Independent of windows and keys: it takes a [`MoveInput`] and a time, and computes a new pose.
+
+use echomarch::scene::{Listener, Scene};
+use glam::Vec3;
+use std::f32::consts::{FRAC_PI_2, PI, TAU};
+
+/// Minimum distance between a walker's eye and a surface, in metres.
+pub const BODY: f32 = 0.35;
+
+/// Metres a second.
+const WALKING: f32 = 3.5;
+/// Metres a second while running.
+const RUNNING: f32 = 9.0;
+/// Radians a second with the arrow keys.
+const TURNING: f32 = 1.6;
+/// Maximum elevation of the gaze, in radians: straight up has no forward direction.
+const STEEPEST: f32 = FRAC_PI_2 - 0.05;
+/// Step of the gradient by differences, in metres.
+const DIFFERENCE: f32 = 0.005;
+/// Tolerance of a step towards [`BODY`], and margin of a correction, in metres. It covers rounding, and distances that
+/// grow slower than the movement.
+const MARGIN: f32 = 1e-3;
+/// Maximum number of corrections of one step: a corner of three walls takes three.
+const CORRECTIONS: usize = 6;
+/// Maximum walking time of one frame, in seconds, so that a delayed frame does not leap.
+const LONGEST: f32 = 0.1;
+
+/// The requested movement, each component −1 … 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MoveInput {
+    /// Along the gaze, level.
+    pub forward: f32,
+    /// To the right.
+    pub right: f32,
+    /// Up.
+    pub up: f32,
+    /// Turn to the right.
+    pub turn: f32,
+    /// Raise the gaze.
+    pub tilt: f32,
+    /// Whether to run.
+    pub run: bool,
+}
+
+impl MoveInput {
+    /// The same with 0 for components that are not finite.
+    fn finite(&self) -> MoveInput {
+        MoveInput {
+            forward: or_zero(self.forward),
+            right: or_zero(self.right),
+            up: or_zero(self.up),
+            turn: or_zero(self.turn),
+            tilt: or_zero(self.tilt),
+            run: self.run,
+        }
+    }
+
+    /// Whether no movement is requested.
+    pub fn is_rest(&self) -> bool {
+        let MoveInput {
+            forward,
+            right,
+            up,
+            turn,
+            tilt,
+            ..
+        } = *self;
+        [forward, right, up, turn, tilt]
+            .iter()
+            .all(|&input| input == 0.0)
+    }
+}
+
+/// Replaces a number that is not finite by 0: it would stay in the pose for ever.
+fn or_zero(number: f32) -> f32 {
+    if number.is_finite() { number } else { 0.0 }
+}
+
+/// Position and gaze of the walker.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Walker {
+    /// The eye, in world metres.
+    pub position: Vec3,
+    /// Turn about the vertical in radians, positive to the right.
+    pub yaw: f32,
+    /// Elevation of the gaze in radians.
+    pub pitch: f32,
+}
+
+impl Walker {
+    /// A walker in the listener's place.
+    pub fn of(listener: &Listener) -> Walker {
+        Walker {
+            position: listener.position,
+            yaw: listener.yaw,
+            pitch: listener.pitch,
+        }
+    }
+
+    /// Moves the listener to the walker's place.
+    pub fn place(&self, listener: &mut Listener) {
+        listener.position = self.position;
+        listener.yaw = self.yaw;
+        listener.pitch = self.pitch;
+    }
+
+    /// Turns by radians to the right and upwards; a number that is not finite counts as 0.
+    pub fn look(&mut self, right: f32, up: f32) {
+        let (right, up) = (or_zero(right), or_zero(up));
+        self.yaw = (self.yaw + right + PI).rem_euclid(TAU) - PI;
+        self.pitch = (self.pitch + up).clamp(-STEEPEST, STEEPEST);
+    }
+
+    /// Performs the movement for `seconds`, within the air of `scene`. Numbers that are not finite count as 0.
+    pub fn walk(&mut self, scene: &Scene, input: &MoveInput, seconds: f32) {
+        let seconds = or_zero(seconds).clamp(0.0, LONGEST);
+        let input = input.finite();
+        self.look(
+            input.turn * TURNING * seconds,
+            input.tilt * TURNING * seconds,
+        );
+        let (sin, cos) = self.yaw.sin_cos();
+        let ahead = Vec3::new(sin, 0.0, -cos);
+        let right = Vec3::new(cos, 0.0, sin);
+        let way = ahead * input.forward + right * input.right + Vec3::Y * input.up;
+        let speed = if input.run { RUNNING } else { WALKING };
+        self.step(scene, way.clamp_length_max(1.0) * speed * seconds);
+    }
+
+    /// Moves by up to `way` metres, as far as the surfaces allow.
+    fn step(&mut self, scene: &Scene, way: Vec3) {
+        // No part is longer than half the body distance, so that none passes through a wall.
+        let parts = (way.length() / (0.5 * BODY)).ceil().max(1.0);
+        for _ in 0..parts as usize {
+            let wanted = self.position + way / parts;
+            self.position = slide(scene, self.position, wanted);
+        }
+    }
+}
+
+/// Returns the point nearest to `wanted` that keeps clear of the surfaces; `from` if there is none.
+fn slide(scene: &Scene, from: Vec3, wanted: Vec3) -> Vec3 {
+    let clearance = |point| scene.surface_distance(point).distance;
+    // A walker standing too near already may move wherever the distance does not decrease: not even slightly, or many
+    // small steps would pass through the wall.
+    let least = clearance(from).min(BODY - MARGIN);
+    let mut point = wanted;
+    for _ in 0..=CORRECTIONS {
+        let clear = clearance(point);
+        if clear >= least {
+            return point;
+        }
+        point += outwards(scene, point) * (least + MARGIN - clear);
+    }
+    from
+}
+
+/// The unit vector away from the nearest surface; 0 without a surface.
+fn outwards(scene: &Scene, point: Vec3) -> Vec3 {
+    let along = |axis: Vec3| {
+        let step = axis * DIFFERENCE;
+        scene.surface_distance(point + step).distance
+            - scene.surface_distance(point - step).distance
+    };
+    Vec3::new(along(Vec3::X), along(Vec3::Y), along(Vec3::Z)).normalize_or_zero()
+}
+
+/// The position of an object that the walker carries: ahead, beyond the listener's sphere if the walls allow.
+pub fn carried(scene: &Scene) -> Vec3 {
+    let listener = &scene.listener;
+    let gaze = listener.forward();
+    let reach = listener.radius + 0.8;
+    let mut gone = 0.0;
+    for _ in 0..32 {
+        let clear = scene
+            .surface_distance(listener.position + gone * gaze)
+            .distance
+            - 0.5 * BODY;
+        if clear < 1e-3 || gone >= reach {
+            break;
+        }
+        gone += clear;
+    }
+    listener.position + gone.clamp(0.0, reach) * gaze
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn walked(input: MoveInput, yaw: f32, seconds: f32) -> Walker {
+        let scene = Scene::builtin("corner").unwrap();
+        let mut walker = Walker::of(&scene.listener);
+        walker.yaw = yaw;
+        for _ in 0..(seconds * 30.0) as usize {
+            walker.walk(&scene, &input, 1.0 / 30.0);
+        }
+        walker
+    }
+
+    /// Protects the direction of keys: forward is along the gaze, right is to its right.
+    #[test]
+    fn a_walker_goes_where_the_gaze_and_the_keys_say() {
+        let ahead = MoveInput {
+            forward: 1.0,
+            ..MoveInput::default()
+        };
+        let back = walked(ahead, std::f32::consts::PI, 1.0);
+        assert!((back.position - Vec3::new(10.0, 0.0, 11.5)).length() < 1e-3);
+        let aside = MoveInput {
+            right: -1.0,
+            ..MoveInput::default()
+        };
+        let left = walked(aside, 0.0, 1.0);
+        assert!((left.position - Vec3::new(6.5, 0.0, 8.0)).length() < 1e-3);
+    }
+
+    /// Protects walls: the block of the corner scene begins at z = 0, x = 0; however long and fast one walks against
+    /// it, the eye stays outside, and slides along the wall when it meets it at an angle.
+    #[test]
+    fn walls_stop_a_walker_who_slides_along() {
+        let at_the_wall = MoveInput {
+            forward: 1.0,
+            run: true,
+            ..MoveInput::default()
+        };
+        let stopped = walked(at_the_wall, 0.0, 10.0);
+        assert!((stopped.position.z - BODY).abs() < 0.01, "{stopped:?}");
+        assert!((stopped.position.x - 10.0).abs() < 0.05, "{stopped:?}");
+        let slid = walked(at_the_wall, -0.7, 1.5);
+        assert!((slid.position.z - BODY).abs() < 0.01, "{slid:?}");
+        assert!(slid.position.x < 5.0, "{slid:?}");
+    }
+
+    /// Protects every corner: no walk in any scene ends in a solid.
+    #[test]
+    fn no_walk_ends_in_a_solid() {
+        for name in echomarch::scene::BUILTIN_NAMES {
+            let scene = Scene::builtin(name).unwrap();
+            // Users' fields are not sampled here.
+            if scene.user_fields().next().is_some() {
+                continue;
+            }
+            for heading in 0..12 {
+                let mut walker = Walker::of(&scene.listener);
+                walker.yaw = heading as f32 * 0.53;
+                let input = MoveInput {
+                    forward: 1.0,
+                    up: if heading % 3 == 0 { -1.0 } else { 0.0 },
+                    run: true,
+                    ..MoveInput::default()
+                };
+                let start = scene.surface_distance(walker.position).distance;
+                let least = start.min(BODY - MARGIN);
+                for _ in 0..200 {
+                    walker.walk(&scene, &input, 0.05);
+                    let clear = scene.surface_distance(walker.position).distance;
+                    assert!(clear >= least, "{name}, heading {heading}: {clear}");
+                }
+            }
+        }
+    }
+
+    /// Protects walls of fields, near which the distance grows slower than the way: a listener that leans against one
+    /// for minutes does not pass through.
+    #[test]
+    fn leaning_against_a_field_brings_nobody_through() {
+        let scene = Scene::builtin("cave").unwrap();
+        for heading in 0..4 {
+            let mut walker = Walker::of(&scene.listener);
+            walker.yaw = heading as f32 * 1.6;
+            let input = MoveInput {
+                forward: 1.0,
+                run: true,
+                ..MoveInput::default()
+            };
+            let start = scene.surface_distance(walker.position).distance;
+            for _ in 0..120 * 30 {
+                walker.walk(&scene, &input, 1.0 / 30.0);
+            }
+            let clear = scene.surface_distance(walker.position).distance;
+            assert!(
+                clear >= start.min(BODY - MARGIN),
+                "heading {heading}: {clear}"
+            );
+        }
+    }
+
+    /// Protects the view: the pitch stays within ±90°.
+    #[test]
+    fn the_gaze_stops_short_of_straight_up() {
+        let mut walker = Walker::default();
+        walker.look(0.0, 9.0);
+        assert!(walker.pitch < FRAC_PI_2);
+        walker.look(-0.5 - TAU, -99.0);
+        assert!(walker.pitch > -FRAC_PI_2 && walker.yaw < 0.0);
+    }
+
+    /// Protects a carried source from being pushed into a wall.
+    #[test]
+    fn what_is_carried_stays_in_the_air() {
+        let mut scene = Scene::builtin("corner").unwrap();
+        assert!((carried(&scene) - scene.listener.position).length() > scene.listener.radius);
+        scene.listener.position.z = 0.5;
+        assert!(scene.surface_distance(carried(&scene)).distance > 0.0);
+    }
+
+    /// Protects a walk from inputs that are not finite: the walker does not move.
+    #[test]
+    fn what_is_no_number_moves_nobody() {
+        let scene = Scene::builtin("corner").unwrap();
+        let start = Walker::of(&scene.listener);
+        for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            let input = MoveInput {
+                forward: bad,
+                right: bad,
+                up: bad,
+                turn: bad,
+                tilt: bad,
+                run: true,
+            };
+            let mut walker = start;
+            walker.walk(&scene, &input, 0.1);
+            walker.look(bad, bad);
+            let forward = MoveInput {
+                forward: 1.0,
+                ..MoveInput::default()
+            };
+            walker.walk(&scene, &forward, bad);
+            assert_eq!(walker.position, start.position);
+            assert!((walker.yaw - start.yaw).abs() < 1e-5 && walker.pitch == start.pitch);
+        }
+    }
+}

@@ -1,0 +1,250 @@
+//! The current state of the scene during a walk.
+
+use super::values::{ValueSlider, value_sliders};
+use super::walk::{MoveInput, Walker, carried};
+use echomarch::scene::{Scene, SceneError};
+use glam::Vec3;
+
+/// A scene during a walk.
+#[derive(Clone, Debug)]
+pub struct World {
+    /// The name or file that it was loaded by.
+    pub name: String,
+    /// The loaded scene, with the values below.
+    pub base: Scene,
+    /// Sliders of its named values, as its file has them.
+    pub sliders: Vec<ValueSlider>,
+    /// The values that were set differently, in the unit of the file.
+    pub values: Vec<(String, f32)>,
+    /// The scene in its present state.
+    pub now: Scene,
+    /// Seconds on its paths.
+    pub seconds: f64,
+    /// Whether the paths are paused.
+    pub paused: bool,
+    /// The position the listener walked to; none before the first step.
+    pub walker: Option<Walker>,
+    /// The position the source was put to; none before it was picked up.
+    pub source: Option<Vec3>,
+    /// Whether the source is carried.
+    pub carrying: bool,
+}
+
+/// The state of a walk, apart from the scene itself.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct WalkState {
+    /// Named values set differently from its text, in the unit of that.
+    pub values: Vec<(String, f32)>,
+    /// Seconds on its paths.
+    pub seconds: f64,
+    /// The position the listener walked to; none before the first step.
+    pub walker: Option<Walker>,
+    /// The position the first source was put to, in world metres; none before it was picked up.
+    pub source: Option<Vec3>,
+}
+
+impl WalkState {
+    /// Returns the scene in this state; `base` is the scene as read from its text.
+    ///
+    /// # Errors
+    /// As [`Scene::set_value`].
+    pub fn scene(&self, base: &Scene) -> Result<Scene, SceneError> {
+        let mut base = base.clone();
+        for (name, value) in &self.values {
+            base.set_value(name, *value)?;
+        }
+        Ok(placed(&base, self.seconds, self.walker, self.source))
+    }
+}
+
+/// The scene at a time, with the listener and the first source at the positions they were moved to.
+fn placed(base: &Scene, seconds: f64, walker: Option<Walker>, source: Option<Vec3>) -> Scene {
+    let mut scene = match base.duration() > 0.0 {
+        true => base.at(seconds),
+        false => base.clone(),
+    };
+    if let Some(walker) = walker {
+        walker.place(&mut scene.listener);
+    }
+    if let Some(source) = source {
+        scene.source.position = source;
+    }
+    scene
+}
+
+impl World {
+    /// Loads a scene.
+    ///
+    /// # Errors
+    /// As [`Scene::load`].
+    pub fn load(name: &str) -> Result<World, SceneError> {
+        Ok(World::named(name, Scene::load(name)?))
+    }
+
+    /// Creates a world from a scene loaded by the given name.
+    pub fn named(name: &str, base: Scene) -> World {
+        World {
+            name: name.to_owned(),
+            ..World::of(base)
+        }
+    }
+
+    /// Creates a world from a scene without a file.
+    pub fn of(base: Scene) -> World {
+        World {
+            name: base.name.clone(),
+            sliders: value_sliders(&base),
+            values: Vec::new(),
+            now: base.clone(),
+            base,
+            seconds: 0.0,
+            paused: false,
+            walker: None,
+            source: None,
+            carrying: false,
+        }
+    }
+
+    /// Changes to another scene with the same name: time, walker, a source that was moved and
+    /// values that were set stay; a value that the new scene rejects is replaced by the file's.
+    pub fn change(&mut self, base: Scene) {
+        self.sliders = value_sliders(&base);
+        self.now = base.clone();
+        self.base = base;
+        for (name, value) in std::mem::take(&mut self.values) {
+            // If this fails, the slider shows the file's value.
+            let _ = self.set(&name, value);
+        }
+    }
+
+    /// Sets a named value, in the unit of its file.
+    ///
+    /// # Errors
+    /// As [`Scene::set_value`] and [`Scene::check`]; then it stays as it was.
+    pub fn set(&mut self, name: &str, value: f32) -> Result<(), SceneError> {
+        let mut scene = self.base.clone();
+        scene.set_value(name, value)?;
+        scene.check()?;
+        self.base = scene;
+        self.values.retain(|(known, _)| known != name);
+        let known = self.sliders.iter().find(|slider| slider.name == name);
+        if known.is_none_or(|slider| slider.start != value) {
+            self.values.push((name.to_owned(), value));
+        }
+        Ok(())
+    }
+
+    /// Sets the material of a surface (from 0), and of its walls.
+    pub fn set_material(&mut self, surface: usize, name: Option<String>) {
+        if let Some(surface) = self.base.surfaces.get_mut(surface) {
+            surface.material = name;
+            surface.walls = Default::default();
+        }
+    }
+
+    /// The present value of a slider, in the unit of its file.
+    pub fn value_of(&self, slider: &ValueSlider) -> f32 {
+        let set = self.values.iter().find(|(name, _)| *name == slider.name);
+        set.map_or(slider.start, |(_, value)| *value)
+    }
+
+    /// Returns this scene with its named values set to the values of the same names in `other`.
+    pub fn like(mut self, other: &World) -> World {
+        for slider in &other.sliders {
+            let (name, value) = (&slider.name, other.value_of(slider));
+            if self.sliders.iter().any(|known| known.name == *name) {
+                // A value that this scene rejects stays as its file has it.
+                let _ = self.set(name, value);
+            }
+        }
+        self
+    }
+
+    /// Advances time: moving things move, the walker walks, a carried source comes along.
+    pub fn pass(&mut self, input: &MoveInput, seconds: f64) {
+        // A time that is not finite counts as 0.
+        let seconds = if seconds.is_finite() {
+            seconds.max(0.0)
+        } else {
+            0.0
+        };
+        if !self.paused {
+            self.seconds += seconds;
+        }
+        self.now = placed(&self.base, self.looped(), self.walker, self.source);
+        if !input.is_rest() {
+            let mut walker = Walker::of(&self.now.listener);
+            walker.walk(&self.now, input, seconds as f32);
+            self.stand(walker);
+        }
+        if self.carrying {
+            let source = carried(&self.now);
+            self.now.source.position = source;
+            self.source = Some(source);
+        }
+    }
+
+    /// Whether anything moves by itself.
+    pub fn moves(&self) -> bool {
+        self.base.duration() > 0.0
+    }
+
+    /// Seconds on the paths, which begin again one second after their end.
+    pub fn looped(&self) -> f64 {
+        self.seconds % (self.base.duration() + 1.0)
+    }
+
+    /// Turns the gaze by radians.
+    pub fn look(&mut self, right: f32, up: f32) {
+        let mut walker = Walker::of(&self.now.listener);
+        walker.look(right, up);
+        self.stand(walker);
+    }
+
+    /// Moves the listener to the walker's place.
+    pub fn stand(&mut self, walker: Walker) {
+        walker.place(&mut self.now.listener);
+        self.walker = Some(walker);
+    }
+
+    /// Picks the source up, or puts it down.
+    pub fn pick_up_or_put_down(&mut self) {
+        self.carrying = !self.carrying;
+    }
+
+    /// Puts source, listener and time back to the beginning.
+    pub fn start_over(&mut self) {
+        self.walker = None;
+        self.source = None;
+        self.carrying = false;
+        self.seconds = 0.0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects moving scenes: paths continue until paused, and sources moved by hand stay.
+    #[test]
+    fn a_moving_source_moves_until_it_is_picked_up() {
+        let mut world = World::of(Scene::builtin("open-field").unwrap());
+        world.pass(&MoveInput::default(), 2.0);
+        assert!(world.now.source.position.x.abs() < 1e-4);
+        world.paused = true;
+        world.pass(&MoveInput::default(), 1.0);
+        assert!(world.now.source.position.x.abs() < 1e-4);
+        assert!(world.source.is_none() && world.walker.is_none());
+        world.paused = false;
+        world.pick_up_or_put_down();
+        world.pass(&MoveInput::default(), 0.1);
+        let held = world.now.source.position;
+        world.pick_up_or_put_down();
+        world.pass(&MoveInput::default(), 1.0);
+        assert_eq!(world.now.source.position, held);
+        assert!((held - world.now.listener.position).z < -2.0);
+        world.start_over();
+        world.pass(&MoveInput::default(), 0.0);
+        assert_eq!(world.now.source.position.x, -8.0);
+    }
+}

@@ -1,0 +1,209 @@
+//! Full listening: a thread with its own renderer follows the scene, and passes what arrives at the listener to the
+//! player.
+//!
+//! It runs at its own pace: neither it nor the pictures wait for the other. Echoes are those of its last trace of the
+//! scene and glide to the next; the late part is computed again at most four times a second.
+
+use echomarch::Error;
+#[cfg(feature = "audio")]
+use echomarch::audio::{SoundSpec, StereoSignal, StereoSource};
+#[cfg(feature = "audio")]
+use echomarch::auralisation::{Heard, PlayerRemote};
+use echomarch::gpu::{Context, ContextOptions};
+use echomarch::scene::Scene;
+use echomarch::trace::Settings;
+use echomarch_walk::{EarsStatus, Found, Hearing};
+#[cfg(feature = "audio")]
+use echomarch_walk::{NOISE_SEED, player};
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+/// On a software renderer the thread rests after each trace, for this multiple of the time it took: the picture needs
+/// the cores too.
+const REST: f64 = 1.0;
+
+/// Interval between checks for an update.
+const GLANCE: Duration = Duration::from_millis(4);
+
+/// The scene and settings to listen to.
+struct Wanted {
+    scene: Scene,
+    settings: Settings,
+}
+
+/// State shared by both threads.
+#[derive(Default)]
+struct Shared {
+    wanted: Mutex<Option<Wanted>>,
+    status: Mutex<EarsStatus>,
+    #[cfg(feature = "audio")]
+    remote: Mutex<Option<PlayerRemote>>,
+    /// Whether a player waits for its first response.
+    is_waited_for: AtomicBool,
+    is_over: AtomicBool,
+}
+
+/// The handle of the listening thread: dropping it ends the thread.
+pub struct Ears {
+    shared: Arc<Shared>,
+    thread: Option<JoinHandle<()>>,
+}
+
+/// Locks a value even if a thread panicked: each value is always complete.
+fn lock<T>(value: &Mutex<T>) -> MutexGuard<'_, T> {
+    value.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Ears {
+    /// Starts the thread, which opens a renderer of its own.
+    pub fn start(options: ContextOptions) -> Ears {
+        let shared = Arc::new(Shared::default());
+        let theirs = Arc::clone(&shared);
+        let run = move || {
+            if let Err(error) = Looking::new(&theirs, &options).and_then(Looking::run) {
+                lock(&theirs.status).error = Some(error.to_string());
+            }
+        };
+        let thread = thread::Builder::new().name("echomarch-ears".to_owned());
+        let thread = thread.spawn(run).map_err(|error| {
+            lock(&shared.status).error = Some(format!("cannot start a thread: {error}"));
+        });
+        Ears {
+            thread: thread.ok(),
+            shared,
+        }
+    }
+
+    /// Sets the scene and settings to listen to from now on.
+    pub fn hear(&self, scene: &Scene, settings: &Settings) {
+        *lock(&self.shared.wanted) = Some(Wanted {
+            scene: scene.clone(),
+            settings: settings.clone(),
+        });
+    }
+
+    /// The status of the thread.
+    pub fn status(&self) -> EarsStatus {
+        lock(&self.shared.status).clone()
+    }
+
+    /// Plays the sources of a scene as two channels, each with its own sound: `spec` if that is a file or a sine, else
+    /// each with another voice or noise.
+    #[cfg(feature = "audio")]
+    pub fn source(&self, scene: &Scene, spec: &SoundSpec) -> StereoSource {
+        let shared = Arc::clone(&self.shared);
+        let (scene, spec) = (scene.clone(), spec.clone());
+        StereoSource::new(move |rate_hz| -> Box<dyn StereoSignal> {
+            // A device with a sample rate that responses do not support stays silent.
+            let Ok((player, remote)) = player(&scene, &spec, rate_hz) else {
+                return Box::new(Unheard);
+            };
+            *lock(&shared.remote) = Some(remote);
+            shared.is_waited_for.store(true, Relaxed);
+            Box::new(player)
+        })
+    }
+}
+
+/// A silent source.
+#[cfg(feature = "audio")]
+struct Unheard;
+
+#[cfg(feature = "audio")]
+impl StereoSignal for Unheard {
+    fn add(&mut self, _: &mut [f32]) {}
+}
+
+impl Drop for Ears {
+    fn drop(&mut self) {
+        self.shared.is_over.store(true, Relaxed);
+        if let Some(thread) = self.thread.take() {
+            // If the thread panicked, it has already ended.
+            let _ = thread.join();
+        }
+    }
+}
+
+/// The state of the thread.
+struct Looking<'a> {
+    shared: &'a Shared,
+    hearing: Hearing,
+    is_software: bool,
+}
+
+impl<'a> Looking<'a> {
+    fn new(shared: &'a Shared, options: &ContextOptions) -> Result<Looking<'a>, Error> {
+        let context = Context::headless(options)?;
+        Ok(Looking {
+            shared,
+            is_software: context.is_software(),
+            hearing: Hearing::new(&context)?,
+        })
+    }
+
+    fn run(mut self) -> Result<(), Error> {
+        while !self.shared.is_over.load(Relaxed) {
+            let wanted = lock(&self.shared.wanted).take();
+            let Some(wanted) = wanted.filter(|wanted| self.is_new(wanted)) else {
+                thread::sleep(GLANCE);
+                continue;
+            };
+            let began = Instant::now();
+            // An error is reported; the next scene may be traceable.
+            if let Err(error) = self.look(&wanted) {
+                lock(&self.shared.status).error = Some(error.to_string());
+            }
+            if self.is_software {
+                thread::sleep(began.elapsed().mul_f64(REST));
+            }
+        }
+        Ok(())
+    }
+
+    fn is_new(&self, wanted: &Wanted) -> bool {
+        let is_waited_for = self.shared.is_waited_for.load(Relaxed);
+        let Wanted { scene, settings } = wanted;
+        self.hearing.is_new(scene, settings, is_waited_for)
+    }
+
+    /// Traces every source, and passes the responses to the player.
+    fn look(&mut self, wanted: &Wanted) -> Result<(), Error> {
+        let is_waited_for = self.shared.is_waited_for.swap(false, Relaxed);
+        let (scene, settings) = (&wanted.scene, &wanted.settings);
+        let shared = self.shared;
+        let tell = |found: Found| tell(shared, &found);
+        let mut status = self.hearing.look(scene, settings, is_waited_for, tell)?;
+        let mut told = lock(&self.shared.status);
+        status.looks = told.looks + 1;
+        *told = status;
+        Ok(())
+    }
+}
+
+/// Passes the response of a source to the player, if there is one.
+#[cfg(feature = "audio")]
+fn tell(shared: &Shared, found: &Found) -> Result<(), Error> {
+    let Some(spec) = lock(&shared.remote).as_ref().map(PlayerRemote::spec) else {
+        return Ok(());
+    };
+    let Found { response, axes, .. } = *found;
+    let heard = match found.is_late_due {
+        true => Heard::new(response, axes, spec, NOISE_SEED)?,
+        false => Heard::of_paths(&response.paths, axes, spec)?,
+    };
+    // The player may have been replaced meanwhile: it then requests its own responses.
+    if let Some(remote) = lock(&shared.remote).as_mut()
+        && remote.spec() == spec
+        && found.source < remote.source_count()
+    {
+        remote.hear(found.source, heard, found.glide_s)?;
+    }
+    Ok(())
+}
+
+#[cfg(not(feature = "audio"))]
+fn tell(_: &Shared, _: &Found) -> Result<(), Error> {
+    Ok(())
+}

@@ -1,0 +1,99 @@
+//! Scene files that can be chosen: those seen and those in the same folders.
+
+use echomarch::scene::BUILTIN_NAMES;
+use std::path::Path;
+
+/// Maximum number of files listed.
+const LISTED: usize = 100;
+/// Maximum number of entries of a folder that are searched for scene files: a scene may lie in a folder with many other
+/// files.
+const LOOKED_AT: usize = 4096;
+
+/// Scene files that can be chosen: those seen in this run, and those in the same folders.
+#[derive(Debug, Default)]
+pub struct Files {
+    seen: Vec<String>,
+    all: Vec<String>,
+}
+
+impl Files {
+    /// Adds a scene that was opened or saved; a built-in one is not a file.
+    pub fn add(&mut self, name: &str) {
+        if BUILTIN_NAMES.contains(&name) {
+            return;
+        }
+        if !self.seen.iter().any(|known| known == name) {
+            self.seen.push(name.to_owned());
+        }
+        self.all = self.seen.clone();
+        for folder in self.seen.iter().filter_map(|file| Path::new(file).parent()) {
+            for file in scene_files(folder) {
+                if self.all.len() < LISTED && !self.all.contains(&file) {
+                    self.all.push(file);
+                }
+            }
+        }
+    }
+
+    /// All files: those seen first, in the order in which they were seen.
+    pub fn all(&self) -> &[String] {
+        &self.all
+    }
+
+    /// The files seen in this run.
+    pub fn seen(&self) -> &[String] {
+        &self.seen
+    }
+}
+
+/// The scene files in a folder, by name.
+fn scene_files(folder: &Path) -> Vec<String> {
+    let shown = match folder.as_os_str().is_empty() {
+        true => Path::new("."),
+        false => folder,
+    };
+    let Ok(entries) = std::fs::read_dir(shown) else {
+        return Vec::new();
+    };
+    let names = entries.take(LOOKED_AT).flatten();
+    let mut files: Vec<String> = names
+        .map(|entry| folder.join(entry.file_name()))
+        .filter(|path| is_of(path, "ron") && path.is_file())
+        .filter_map(|path| path.to_str().map(str::to_owned))
+        .collect();
+    files.sort();
+    files
+}
+
+/// Whether a file's name has this ending, in upper or lower case.
+pub fn is_of(file: &Path, ending: &str) -> bool {
+    file.extension()
+        .is_some_and(|found| found.eq_ignore_ascii_case(ending))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects a scene given as a file from being lost once another was chosen: it stays first in the list, and the
+    /// scene files beside it follow.
+    #[test]
+    fn files_seen_stay_in_the_list() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+        for name in ["b.ron", "a.ron", "notes.txt", "c.RON"] {
+            std::fs::write(path(name), "").unwrap();
+        }
+        std::fs::create_dir(path("folder.ron")).unwrap();
+        let mut files = Files::default();
+        files.add("corner");
+        assert!(files.all().is_empty());
+        files.add(&path("b.ron"));
+        files.add("cave");
+        files.add(&path("b.ron"));
+        assert_eq!(files.all(), [path("b.ron"), path("a.ron"), path("c.RON")]);
+        assert_eq!(files.seen(), [path("b.ron")]);
+        files.add("/nowhere/x.ron");
+        assert_eq!(files.all()[..2], [path("b.ron"), "/nowhere/x.ron".into()]);
+    }
+}

@@ -1,0 +1,239 @@
+//! The table of keys, which the window follows and shows.
+
+use echomarch::trace::Profile;
+use echomarch_walk::MoveInput;
+use std::collections::HashSet;
+use winit::keyboard::KeyCode;
+
+/// A single request of a key, or of a button of the panels.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Action {
+    /// Change the algorithm.
+    Profile(Profile),
+    /// Double (1) or halve (−1) the number of waves.
+    Waves(i32),
+    /// More or fewer iterations.
+    Iterations(i32),
+    /// Pick up the source, or put it down.
+    PickUp,
+    /// Hold the moving things, or let them go on.
+    Pause,
+    /// Back to the scene's initial state.
+    StartOver,
+    /// Go this number of scenes on in the list of built-in ones and files; back if negative.
+    NextScene(i32),
+    /// Open this scene.
+    Scene(String),
+    /// Set this named value of the scene, in the unit of its file.
+    Set(String, f32),
+    /// Play this sound.
+    Sound(String),
+    /// Switch between full listening and the balance.
+    Listen,
+    /// Set the material of a surface, given by its number from 0; none reflects all.
+    Material(usize, Option<String>),
+    /// Change the panning law.
+    Law,
+    /// Sound off, or on.
+    Mute,
+    /// Louder (1) or softer (−1).
+    Volume(i32),
+    /// Begin or end a recording.
+    Record,
+    /// Save the scene.
+    Save,
+    /// Save a picture of the window.
+    Screenshot,
+    /// Open or close the help.
+    Help,
+    /// Open or close the panels.
+    Panels,
+    /// Let the number of waves follow the frame time, or stop that.
+    AdaptWaves,
+    /// Free the mouse.
+    FreeMouse,
+    /// Close the window.
+    Quit,
+}
+
+/// The keys as the help lists them: the key, and its effect.
+pub const HELP: [(&str, &[(&str, &str)]); 3] = [
+    (
+        "Walk",
+        &[
+            ("W A S D", "walk, run with Shift"),
+            ("Q  E", "down, up"),
+            ("Arrow keys", "turn and look"),
+            ("Click", "look with the mouse; Esc frees it"),
+            ("F", "pick up the source, put it down"),
+            ("P  Space", "hold what moves, go on"),
+            ("Backspace  Home", "back to the beginning"),
+        ],
+    ),
+    (
+        "Hear what changes",
+        &[
+            ("1  2  3", "thesis, march, hybrid"),
+            ("[  ]  PgDn PgUp", "half, twice the waves"),
+            (",  .", "fewer, more iterations"),
+            ("T", "number of waves follows frame time"),
+            ("N  B", "next scene, the one before"),
+            ("Drop a file", "that scene, or that sound"),
+            ("V", "full sound, or balance only"),
+            ("L", "panning law of the balance"),
+            ("M  −  +", "mute, softer, louder"),
+        ],
+    ),
+    (
+        "Keep",
+        &[
+            ("F5  Ctrl+S", "save the scene, print the call"),
+            ("F9", "record the sound, stop"),
+            ("F12", "picture of the window"),
+            ("Tab", "show or hide the panels"),
+            ("F1  H", "this help"),
+            ("Ctrl+Q", "quit"),
+        ],
+    ),
+];
+
+/// The line that is always shown in the window.
+pub const HINT: &str =
+    "WASD walk    click look    F carry source    1 2 3 profile    F5 save    F1 help";
+
+/// Returns the request of a pressed key.
+pub fn action(key: KeyCode, control: bool) -> Option<Action> {
+    if control {
+        return match key {
+            // Not W, which walks.
+            KeyCode::KeyQ => Some(Action::Quit),
+            KeyCode::KeyS => Some(Action::Save),
+            _ => None,
+        };
+    }
+    Some(match key {
+        KeyCode::Digit1 | KeyCode::Numpad1 => Action::Profile(Profile::Thesis),
+        KeyCode::Digit2 | KeyCode::Numpad2 => Action::Profile(Profile::March),
+        KeyCode::Digit3 | KeyCode::Numpad3 => Action::Profile(Profile::Hybrid),
+        KeyCode::BracketLeft | KeyCode::PageDown => Action::Waves(-1),
+        KeyCode::BracketRight | KeyCode::PageUp => Action::Waves(1),
+        KeyCode::Comma => Action::Iterations(-1),
+        KeyCode::Period => Action::Iterations(1),
+        KeyCode::KeyF => Action::PickUp,
+        KeyCode::KeyP | KeyCode::Space => Action::Pause,
+        KeyCode::Backspace | KeyCode::Home => Action::StartOver,
+        KeyCode::KeyN => Action::NextScene(1),
+        KeyCode::KeyB => Action::NextScene(-1),
+        KeyCode::KeyV => Action::Listen,
+        KeyCode::KeyL => Action::Law,
+        KeyCode::KeyM => Action::Mute,
+        KeyCode::Minus | KeyCode::NumpadSubtract => Action::Volume(-1),
+        KeyCode::Equal | KeyCode::NumpadAdd => Action::Volume(1),
+        KeyCode::KeyT => Action::AdaptWaves,
+        KeyCode::F5 => Action::Save,
+        KeyCode::F9 => Action::Record,
+        KeyCode::F12 => Action::Screenshot,
+        KeyCode::F1 | KeyCode::KeyH => Action::Help,
+        KeyCode::Tab => Action::Panels,
+        KeyCode::Escape => Action::FreeMouse,
+        _ => return None,
+    })
+}
+
+/// The keys that are held down.
+#[derive(Clone, Debug, Default)]
+pub struct PressedKeys(HashSet<KeyCode>);
+
+impl PressedKeys {
+    /// Handles a key press. With a control key it is a command and is not held, whichever of the
+    /// two is released first.
+    pub fn press(&mut self, key: KeyCode) {
+        if !self.control() {
+            self.0.insert(key);
+        }
+    }
+
+    /// Whether a key is held down.
+    pub fn is_down(&self, key: KeyCode) -> bool {
+        self.0.contains(&key)
+    }
+
+    /// Handles a key release.
+    pub fn release(&mut self, key: KeyCode) {
+        self.0.remove(&key);
+    }
+
+    /// Releases all keys: releases are not reported while another window has the keyboard.
+    pub fn clear(&mut self) {
+        self.0.clear();
+    }
+
+    /// Whether either of two keys is down.
+    fn either(&self, keys: [KeyCode; 2]) -> bool {
+        keys.iter().any(|key| self.0.contains(key))
+    }
+
+    /// Whether a control key is down.
+    pub fn control(&self) -> bool {
+        self.either([KeyCode::ControlLeft, KeyCode::ControlRight])
+    }
+
+    /// The movement requested by the held keys.
+    pub fn input(&self) -> MoveInput {
+        if self.control() {
+            return MoveInput::default();
+        }
+        let axis = |more: KeyCode, less: KeyCode| {
+            f32::from(self.0.contains(&more)) - f32::from(self.0.contains(&less))
+        };
+        MoveInput {
+            forward: axis(KeyCode::KeyW, KeyCode::KeyS),
+            right: axis(KeyCode::KeyD, KeyCode::KeyA),
+            up: axis(KeyCode::KeyE, KeyCode::KeyQ),
+            turn: axis(KeyCode::ArrowRight, KeyCode::ArrowLeft),
+            tilt: axis(KeyCode::ArrowUp, KeyCode::ArrowDown),
+            run: self.either([KeyCode::ShiftLeft, KeyCode::ShiftRight]),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects saving by Ctrl+S from walking backwards, and opposite keys from each other.
+    #[test]
+    fn held_keys_make_a_wish() {
+        let mut pressed = PressedKeys::default();
+        pressed.press(KeyCode::KeyS);
+        pressed.press(KeyCode::ArrowLeft);
+        assert_eq!(
+            (pressed.input().forward, pressed.input().turn),
+            (-1.0, -1.0)
+        );
+        pressed.press(KeyCode::KeyW);
+        assert_eq!(pressed.input().forward, 0.0);
+        pressed.press(KeyCode::ControlLeft);
+        assert!(pressed.input().is_rest());
+        assert_eq!(action(KeyCode::KeyS, pressed.control()), Some(Action::Save));
+        pressed.press(KeyCode::KeyD);
+        pressed.release(KeyCode::ControlLeft);
+        assert_eq!(pressed.input().right, 0.0);
+        pressed.clear();
+        assert!(pressed.input().is_rest() && !pressed.control());
+    }
+
+    /// Protects the keys 1, 2 and 3: the help names them in the order of the profiles.
+    #[test]
+    fn the_help_names_the_profiles_in_the_order_of_their_keys() {
+        let keys = [KeyCode::Digit1, KeyCode::Digit2, KeyCode::Digit3];
+        let names = keys.map(|key| match action(key, false) {
+            Some(Action::Profile(profile)) => profile.to_string(),
+            other => panic!("{other:?}"),
+        });
+        let listed = HELP.iter().flat_map(|(_, keys)| keys.iter());
+        let line = listed.clone().find(|(keys, _)| keys.contains('1')).unwrap();
+        assert_eq!(line.1, names.join(", "));
+        assert!(HINT.contains("F1") && HINT.contains("F5") && HINT.contains("WASD"));
+    }
+}

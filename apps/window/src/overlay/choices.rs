@@ -1,0 +1,257 @@
+//! The controls: scene, algorithm, waves, sound, and adaptation.
+
+use super::super::adapt::{MOST_WAVES, SCALES};
+use super::super::keys::Action;
+use super::super::sound::SOUNDS;
+use super::super::state::Choices;
+use super::{HudState, materials, style};
+use echomarch::audio::PanningLaw;
+use echomarch::auralisation::Listen;
+use echomarch::scene::BUILTIN_NAMES;
+use echomarch::trace::{Algorithm, Profile};
+use echomarch_walk::ValueSlider;
+use echomarch_walk::World;
+use egui::{Button, ComboBox, RichText, Slider, SliderClamping, Ui, Vec2};
+
+/// Draws all controls.
+pub fn draw(ui: &mut Ui, hud: &HudState, chosen: &mut Choices, actions: &mut Vec<Action>) {
+    scene(ui, hud, chosen, actions);
+    ui.separator();
+    waves(ui, chosen, actions);
+    ui.separator();
+    sound(ui, hud, chosen, actions);
+    if hud.ears.is_some() {
+        ui.separator();
+        materials::draw(ui, hud, actions);
+    }
+    ui.separator();
+    frame(ui, hud, chosen);
+}
+
+/// A slider that leaves a value outside its range unchanged until it is moved.
+fn slider<'a, T: egui::emath::Numeric>(
+    value: &'a mut T,
+    range: std::ops::RangeInclusive<T>,
+) -> Slider<'a> {
+    Slider::new(value, range).clamping(SliderClamping::Edits)
+}
+
+fn scene(ui: &mut Ui, hud: &HudState, chosen: &mut Choices, actions: &mut Vec<Action>) {
+    style::heading(ui, "SCENE");
+    let world = hud.world;
+    ui.horizontal(|ui| {
+        scenes(ui, hud, actions);
+        if ui.button("save").on_hover_text("F5").clicked() {
+            actions.push(Action::Save);
+        }
+    });
+    ui.horizontal(|ui| {
+        if ui.button("start over").clicked() {
+            actions.push(Action::StartOver);
+        }
+        let carry = if world.carrying {
+            "put source down"
+        } else {
+            "carry source"
+        };
+        if ui.button(carry).clicked() {
+            actions.push(Action::PickUp);
+        }
+    });
+    ui.horizontal(|ui| {
+        ui.checkbox(&mut chosen.paths, "paths in the plan");
+        if world.moves() {
+            let text = if world.paused { "go on" } else { "hold" };
+            let button = Button::new(text).min_size(Vec2::new(36.0, 0.0));
+            if ui.add(button).clicked() {
+                actions.push(Action::Pause);
+            }
+            ui.monospace(format!("{:4.1} s", world.looped()));
+        }
+    });
+    for slider in &world.sliders {
+        value(ui, world, slider, actions);
+    }
+}
+
+/// The list of scenes: built-in ones, and files.
+fn scenes(ui: &mut Ui, hud: &HudState, actions: &mut Vec<Action>) {
+    let world = hud.world;
+    let mut choose = |ui: &mut Ui, name: &str, shown: &str| {
+        let is_this = world.name == name;
+        let label = ui.selectable_label(is_this, shown);
+        if label.on_hover_text(style::plain(name)).clicked() && !is_this {
+            actions.push(Action::Scene(name.to_owned()));
+        }
+    };
+    ComboBox::from_id_salt("scene")
+        .width(118.0)
+        .truncate()
+        .selected_text(style::plain(&world.base.name))
+        .show_ui(ui, |ui| {
+            for name in BUILTIN_NAMES {
+                choose(ui, name, name);
+            }
+            ui.separator();
+            for file in hud.files {
+                let name = std::path::Path::new(file).file_name();
+                let shown = name.unwrap_or_default().to_string_lossy();
+                choose(ui, file, &style::plain(&shown));
+            }
+            style::note(ui, "files: drop them on the window", style::FAINT, 1);
+        });
+}
+
+/// The slider of a named value, in the unit of its file.
+fn value(ui: &mut Ui, world: &World, of: &ValueSlider, actions: &mut Vec<Action>) {
+    let mut value = world.value_of(of);
+    let slider = slider(&mut value, of.range.clone())
+        .logarithmic(of.is_logarithmic)
+        .max_decimals(3)
+        .suffix(match of.unit {
+            "m" => " m",
+            other => other,
+        });
+    if style::slider(ui, &style::plain(&of.name), slider).changed() {
+        actions.push(Action::Set(of.name.clone(), value));
+    }
+}
+
+fn waves(ui: &mut Ui, chosen: &mut Choices, actions: &mut Vec<Action>) {
+    style::heading(ui, "WAVES");
+    ui.horizontal(|ui| {
+        for (key, profile) in [Profile::Thesis, Profile::March, Profile::Hybrid]
+            .into_iter()
+            .enumerate()
+        {
+            let text = RichText::new(format!("{} {profile}", key + 1));
+            let is_this = chosen.settings.profile() == profile;
+            if ui.selectable_label(is_this, text).clicked() {
+                actions.push(Action::Profile(profile));
+            }
+        }
+    });
+    let settings = &mut chosen.settings;
+    let most = MOST_WAVES.max(settings.waves);
+    let number = slider(&mut settings.waves, 64..=most).logarithmic(true);
+    if style::slider(ui, "waves", number).changed() {
+        // Setting the number by hand stops it from following the frame time.
+        chosen.adapt_waves = false;
+    }
+    let text = "number follows the frame time";
+    ui.checkbox(&mut chosen.adapt_waves, text)
+        .on_hover_text("T: as many as fit, 4096 or more");
+    let most = 64.max(settings.iterations);
+    style::slider(ui, "iterations", slider(&mut settings.iterations, 1..=most));
+    match &mut settings.algorithm {
+        Algorithm::Thesis(thesis) => {
+            let slider = slider(&mut thesis.min_distance, 0.001..=1.0);
+            let slider = slider.custom_formatter(|metres, _| format!("{metres:.3} m"));
+            let why = "a march ends at this distance from a surface: the thesis' only measure of accuracy";
+            style::slider(ui, "min. dist.", slider.logarithmic(true)).on_hover_text(why);
+        }
+        Algorithm::March(_) => no_option(ui, "Newton's steps: no minimum distance"),
+        Algorithm::Hybrid(_) => no_option(ui, "closed form: no minimum distance"),
+    }
+}
+
+/// Shows a line in place of an option that this algorithm does not have.
+fn no_option(ui: &mut Ui, text: &str) {
+    ui.horizontal(|ui| {
+        ui.set_min_height(style::ROW);
+        ui.label(RichText::new(text).color(style::FAINT).small());
+    });
+}
+
+fn sound(ui: &mut Ui, hud: &HudState, chosen: &mut Choices, actions: &mut Vec<Action>) {
+    style::heading(ui, "SOUND");
+    ui.horizontal(|ui| {
+        ComboBox::from_id_salt("sound")
+            .width(104.0)
+            .selected_text(&chosen.sound)
+            .show_ui(ui, |ui| {
+                for name in SOUNDS {
+                    let is_this = chosen.sound == name;
+                    if ui.selectable_label(is_this, name).clicked() && !is_this {
+                        actions.push(Action::Sound(name.to_owned()));
+                    }
+                }
+            });
+        let record = if hud.sound.is_recording {
+            "stop"
+        } else {
+            "record"
+        };
+        if ui.button(record).on_hover_text("F9").clicked() {
+            actions.push(Action::Record);
+        }
+    });
+    ui.horizontal(|ui| {
+        ui.add(Slider::new(&mut chosen.volume, 0.0..=1.0).show_value(false));
+        ui.label("volume");
+        ui.checkbox(&mut chosen.muted, "mute");
+    });
+    listening(ui, chosen, actions);
+    let colour = if hud.sound.is_heard {
+        style::FAINT
+    } else {
+        style::BRIGHT
+    };
+    style::note(ui, &hud.sound.text, colour, 2);
+}
+
+/// Chooses full listening or the balance, and the balance's law.
+fn listening(ui: &mut Ui, chosen: &mut Choices, actions: &mut Vec<Action>) {
+    let now = chosen.listen();
+    ui.horizontal(|ui| {
+        for (listen, name) in [(Listen::Full, "full"), (Listen::Balance, "balance")] {
+            let label = ui.selectable_label(now == listen, name);
+            if label.on_hover_text("V").clicked() && now != listen {
+                actions.push(Action::Listen);
+            }
+        }
+    });
+    if now == Listen::Full {
+        return no_option(ui, "each arrival is panned with constant power");
+    }
+    ui.horizontal(|ui| {
+        for (law, name) in [
+            (PanningLaw::Linear, "linear"),
+            (PanningLaw::ConstantPower, "constant power"),
+        ] {
+            if ui.selectable_label(chosen.law() == law, name).clicked() {
+                chosen.chosen_law = Some(law);
+            }
+        }
+    });
+}
+
+fn frame(ui: &mut Ui, hud: &HudState, chosen: &mut Choices) {
+    style::heading(ui, "PICTURE");
+    let mut follows = chosen.picture_scale.is_none();
+    let drawn = hud.drawn.size[1] as f32 / hud.window[1].max(1) as f32;
+    let mut share = chosen.picture_scale.unwrap_or(drawn);
+    if ui
+        .checkbox(&mut follows, "size follows the frame time")
+        .clicked()
+    {
+        chosen.picture_scale = (!follows).then_some(share);
+    }
+    let range = SCALES[0]..=SCALES[SCALES.len() - 1];
+    let slider = slider(&mut share, range).fixed_decimals(2);
+    if style::slider(ui, "of window", slider).changed() {
+        chosen.picture_scale = Some(share);
+    }
+    ui.horizontal(|ui| {
+        ui.label("waves every");
+        let every = egui::DragValue::new(&mut chosen.trace_every);
+        ui.add(every.range(1..=60).clamp_existing_to_range(false));
+        ui.label("pictures");
+    });
+    let (text, colour) = match hud.gl_errors {
+        None => (hud.renderer.to_owned(), style::FAINT),
+        Some(0) => (format!("{}; 0 GL errors", hud.renderer), style::FAINT),
+        Some(some) => (format!("{}; {some} GL errors", hud.renderer), style::BAD),
+    };
+    style::note(ui, &text, colour, 1);
+}

@@ -1,0 +1,230 @@
+//! The panels over the picture: plan, meters, times, choices, help.
+
+mod choices;
+mod full_listening;
+mod help;
+mod materials;
+mod meters;
+mod plan;
+mod style;
+#[cfg(test)]
+mod tests;
+mod times;
+
+pub use plan::Plan;
+pub use style::set_style;
+
+use super::keys::{Action, HINT};
+use super::latency::Parts;
+use super::report::FrameTimes;
+use super::sound::SoundStatus;
+use super::state::Choices;
+use echomarch::picture::Drawn;
+use echomarch::trace::{Frame, Wave};
+use echomarch_walk::EarsStatus;
+use echomarch_walk::World;
+use egui::{Align2, RichText, Ui, Vec2};
+
+/// Space between panels and the window's edge, in points.
+const MARGIN: f32 = 8.0;
+/// Width that both side panels need, in points.
+const ROOM_FOR_BOTH: f32 = style::LEFT + style::RIGHT + 8.0 * MARGIN;
+/// Width that the lines in the middle need beside both panels, in points.
+const ROOM_FOR_LINE: f32 = ROOM_FOR_BOTH + 400.0;
+/// Width of the window that a panel on the left takes, edges included, in points. Lines in the
+/// middle keep the same distance from the right.
+const SIDE: f32 = style::LEFT + 2.0 * style::INNER + 2.0 * MARGIN;
+/// Width of the list of keys, edges included, in points.
+const ROOM_FOR_HELP: f32 = help::WIDTH + 2.0 * style::INNER + 2.0 * MARGIN;
+/// Height of a line of text on its own background, with the space above it, in points.
+const ABOVE: f32 = 25.0;
+/// Height of one more line of the same text, in points.
+const ROW: f32 = 15.0;
+/// Height that a window needs to show the times below the choices, in points.
+const ROOM_FOR_TIMES: f32 = 330.0;
+
+/// The room in a window of a given size.
+#[derive(Clone, Copy)]
+struct Room {
+    /// The window's size in points.
+    size: Vec2,
+    /// Whether the lines of text are below the panels, as there is no space between them.
+    is_narrow: bool,
+    /// Maximum width of a line's text.
+    line: f32,
+    /// Maximum number of rows of a message.
+    rows: usize,
+    /// Height reserved for the lines below the panels.
+    below: f32,
+    /// Whether the help leaves no room for the panels.
+    is_help_alone: bool,
+}
+
+impl Room {
+    fn of(ui: &Ui, hud: &HudState, chosen: &Choices) -> Room {
+        let scale = ui.ctx().pixels_per_point();
+        let [width, height] = hud.window.map(|pixels| pixels as f32 / scale);
+        let is_narrow = width < ROOM_FOR_LINE;
+        let aside = if is_narrow || !chosen.panels {
+            3.0 * MARGIN
+        } else {
+            2.0 * SIDE
+        };
+        let rows = match (chosen.help, is_narrow) {
+            (true, _) => 1,
+            (false, true) => 2,
+            (false, false) => 4,
+        };
+        Room {
+            size: Vec2::new(width, height),
+            is_narrow,
+            line: width - aside - 2.0 * style::LINE_INNER,
+            rows,
+            below: if is_narrow { 2.0 * ABOVE + ROW } else { 0.0 },
+            is_help_alone: chosen.help && width < 2.0 * SIDE + ROOM_FOR_HELP,
+        }
+    }
+
+    /// Whether there is room for the times below the choices.
+    fn has_times(&self) -> bool {
+        self.size.y >= ROOM_FOR_TIMES
+    }
+}
+
+/// State that the panels show but do not change.
+pub struct HudState<'a> {
+    /// The scene in its present state.
+    pub world: &'a World,
+    /// Scene files that can be chosen.
+    pub files: &'a [String],
+    /// The last frame of waves.
+    pub heard: Option<&'a Frame>,
+    /// The paths of some waves, by iteration.
+    pub paths: &'a [Vec<Wave>],
+    /// The last frames' times.
+    pub times: &'a [FrameTimes],
+    /// Target frame time in milliseconds.
+    pub target: f64,
+    /// The picture as drawn last.
+    pub drawn: Drawn,
+    /// The window's size in pixels.
+    pub window: [u32; 2],
+    /// Latency from a key to the ear.
+    pub latency: Parts,
+    /// The sound's status.
+    pub sound: &'a SoundStatus,
+    /// Level of the left and the right channel, 0 to 1.
+    pub levels: [f32; 2],
+    /// The status of full listening, if it is on.
+    pub ears: Option<&'a EarsStatus>,
+    /// Number of frames after which GL reported an error; none if errors are not queried.
+    pub gl_errors: Option<u64>,
+    /// The last action or error.
+    pub message: Option<&'a str>,
+    /// The reason why the present state of the scene's file is not shown.
+    pub refusal: Option<&'a str>,
+    /// Whether the mouse looks about.
+    pub mouse_looks: bool,
+    /// GL_RENDERER.
+    pub renderer: &'a str,
+}
+
+/// Lays out all panels; returns the requests.
+pub fn draw(ui: &mut Ui, hud: &HudState, chosen: &mut Choices, plan: &mut Plan) -> Vec<Action> {
+    let mut actions = Vec::new();
+    let room = Room::of(ui, hud, chosen);
+    let panels = chosen.panels && !room.is_help_alone;
+    if panels && room.size.x >= ROOM_FOR_BOTH {
+        left(ui, hud, room, chosen, plan);
+    }
+    if panels {
+        right(ui, hud, room, chosen, &mut actions);
+    }
+    if panels && room.has_times() {
+        lower(ui, hud, room, chosen);
+    }
+    lines(ui, hud, room);
+    if chosen.help {
+        help::draw(ui, room.size, &mut actions);
+    }
+    actions
+}
+
+fn left(ui: &Ui, hud: &HudState, room: Room, chosen: &Choices, plan: &mut Plan) {
+    style::panel(ui, "left", Align2::LEFT_TOP, Vec2::splat(MARGIN), |ui| {
+        ui.set_width(style::LEFT);
+        let most = room.size.y - room.below - 3.5 * MARGIN;
+        scrolled(ui, most, |ui| {
+            plan.draw(ui, hud, chosen.paths);
+            ui.add_space(3.0);
+            meters::draw(ui, hud);
+            ui.separator();
+            full_listening::draw(ui, hud);
+            meters::heard(ui, hud);
+        });
+    });
+}
+
+fn right(ui: &Ui, hud: &HudState, room: Room, chosen: &mut Choices, actions: &mut Vec<Action>) {
+    let offset = Vec2::new(-MARGIN, MARGIN);
+    style::panel(ui, "right", Align2::RIGHT_TOP, offset, |ui| {
+        ui.set_width(style::RIGHT);
+        let times = if room.has_times() { style::TIMES } else { 0.0 };
+        let most = room.size.y - room.below - times - 4.5 * MARGIN;
+        scrolled(ui, most, |ui| {
+            choices::draw(ui, hud, chosen, actions);
+        });
+    });
+}
+
+/// Adds content at most `most` points high, scrolled if it is higher.
+fn scrolled(ui: &mut Ui, most: f32, add: impl FnOnce(&mut Ui)) {
+    let most = most.max(60.0);
+    egui::ScrollArea::vertical()
+        // Otherwise it would keep the height of the first frame's content.
+        .min_scrolled_height(most)
+        .max_height(most)
+        .show(ui, add);
+}
+
+fn lower(ui: &Ui, hud: &HudState, room: Room, chosen: &Choices) {
+    let offset = Vec2::new(-MARGIN, -MARGIN - room.below);
+    style::panel(ui, "lower", Align2::RIGHT_BOTTOM, offset, |ui| {
+        times::draw(ui, hud, chosen);
+    });
+}
+
+/// Draws the hint line, the last message above it, and the reason why the scene's file is not in
+/// use, which is shown until the file is fixed.
+fn lines(ui: &Ui, hud: &HudState, room: Room) {
+    let text = if hud.mouse_looks {
+        "the mouse looks about: Esc or a click frees it    WASD walk    F1 help"
+    } else {
+        HINT
+    };
+    let text = RichText::new(text).color(style::TEXT);
+    line(ui, "hint", MARGIN, (room.line, 1), text);
+    let most = (room.line, room.rows);
+    let refusal = hud.refusal.map(|why| {
+        let text = format!("{why} (the last scene stays)");
+        RichText::new(text).color(style::BAD)
+    });
+    let is_above = !room.is_narrow && room.rows > 1;
+    if let Some(text) = refusal.clone().filter(|_| is_above) {
+        let offset = Vec2::new(0.0, MARGIN);
+        style::line(ui, "refusal", Align2::CENTER_TOP, offset, most, text);
+    }
+    let message = hud
+        .message
+        .map(|message| RichText::new(message).color(style::BRIGHT));
+    if let Some(text) = message.or(refusal.filter(|_| !is_above)) {
+        line(ui, "message", MARGIN + ABOVE, most, text);
+    }
+}
+
+/// Draws a line of text in the middle, at the given distance from the lower edge, with at most the
+/// given width and rows.
+fn line(ui: &Ui, name: &str, up: f32, most: (f32, usize), text: RichText) {
+    let offset = Vec2::new(0.0, -up);
+    style::line(ui, name, Align2::CENTER_BOTTOM, offset, most, text);
+}

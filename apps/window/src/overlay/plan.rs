@@ -1,0 +1,158 @@
+//! The scene from above: walls by the distance function, the source, the listener, and the paths of some waves.
+
+use super::{HudState, style};
+use echomarch::picture::Bounds;
+use echomarch::scene::{Listener, Scene};
+use echomarch::trace::{Fate, Wave};
+use echomarch_walk::{Cut, STUB, way};
+use egui::{
+    Color32, ColorImage, Context, Pos2, Rect, Sense, Shape, Stroke, TextureHandle, TextureOptions,
+    Ui, Vec2,
+};
+use glam::Vec3;
+
+/// Height of the plan's box, in points: the same for every scene.
+const HEIGHT: f32 = 210.0;
+
+/// The plan, cached while its scene is unchanged.
+#[derive(Default)]
+pub struct Plan {
+    texture: Option<TextureHandle>,
+    cut: Cut,
+}
+
+impl Plan {
+    /// Draws the plan as large as its box allows; the box is as wide as the available room.
+    pub fn draw(&mut self, ui: &mut Ui, hud: &HudState, paths: bool) {
+        let scene = &hud.world.now;
+        let bounds = self.refresh(ui.ctx(), &hud.world.name, scene);
+        let size = bounds.max - bounds.min;
+        let width = ui.available_width();
+        let scale = (width / size.x).min(HEIGHT / size.y);
+        let room = Vec2::new(width, HEIGHT);
+        let (whole, _) = ui.allocate_exact_size(room, Sense::hover());
+        let rect = Rect::from_center_size(whole.center(), scale * Vec2::new(size.x, size.y));
+        let painter = ui.painter_at(rect);
+        if let Some(texture) = &self.texture {
+            let all = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
+            painter.image(texture.id(), rect, all, Color32::WHITE);
+        }
+        let place = |p: Vec3| {
+            let offset = glam::Vec2::new(p.x, p.z) - bounds.min;
+            rect.min + scale * Vec2::new(offset.x, offset.y)
+        };
+        if paths {
+            let stub = STUB * size.x;
+            painter.extend(path_shapes(hud.paths, scene.source.position, stub, place));
+        }
+        marks(&painter, scene, scale, place);
+        let corner = rect.left_bottom() + Vec2::new(5.0, -2.0);
+        let text = format!("{:.0} × {:.0} m", size.x, size.y);
+        let font = egui::FontId::proportional(9.0);
+        painter.text(corner, egui::Align2::LEFT_BOTTOM, text, font, style::TEXT);
+    }
+
+    /// Cuts the scene again if it has changed; returns the part of the world that is shown.
+    fn refresh(&mut self, context: &Context, name: &str, scene: &Scene) -> Bounds {
+        if self.cut.refresh(name, scene) {
+            let image = self.cut.image();
+            let image = ColorImage::from_rgb([image.width, image.height], &image.rgb);
+            let options = TextureOptions::LINEAR;
+            match &mut self.texture {
+                Some(texture) => texture.set(image, options),
+                None => self.texture = Some(context.load_texture("plan", image, options)),
+            }
+        }
+        self.cut.bounds()
+    }
+}
+
+/// Opacity of the marks of listeners that are not the one heard.
+const FURTHER: f32 = 0.4;
+
+/// Draws the sources, the hearing listener, and the others paler; with names where there are several of a kind.
+fn marks(painter: &egui::Painter, scene: &Scene, scale: f32, place: impl Fn(Vec3) -> Pos2) {
+    for listener in &scene.further_listeners {
+        let at = place(listener.position);
+        listener_mark(painter, listener, at, scale, FURTHER);
+    }
+    listener_mark(
+        painter,
+        &scene.listener,
+        place(scene.listener.position),
+        scale,
+        1.0,
+    );
+    for source in scene.sources() {
+        let at = place(source.position);
+        painter.circle_filled(at, 6.5, style::SOURCE.gamma_multiply(0.3));
+        painter.circle(at, 3.5, style::SOURCE, Stroke::new(1.0, Color32::BLACK));
+    }
+    let name = |at: Vec3, beside: f32, name: String| {
+        let at = place(at) + Vec2::new(beside + 3.0, 0.0);
+        let font = egui::FontId::proportional(9.0);
+        painter.text(at, egui::Align2::LEFT_CENTER, name, font, style::TEXT);
+    };
+    if !scene.further_sources.is_empty() {
+        for (source, label) in scene.sources().zip(scene.source_labels()) {
+            name(source.position, 6.5, label);
+        }
+    }
+    if !scene.further_listeners.is_empty() {
+        for (listener, label) in scene.listeners().zip(scene.listener_labels()) {
+            name(listener.position, radius_of(listener, scale), label);
+        }
+    }
+}
+
+/// A listener with its gaze and sphere.
+fn listener_mark(painter: &egui::Painter, of: &Listener, at: Pos2, scale: f32, opacity: f32) {
+    let colour = style::LISTENER.gamma_multiply(opacity);
+    let radius = radius_of(of, scale);
+    let line = Stroke::new(1.0, colour);
+    painter.circle(at, radius, colour.gamma_multiply(0.25), line);
+    let (sin, cos) = of.yaw.sin_cos();
+    let gaze = Vec2::new(sin, -cos);
+    painter.arrow(at, gaze * (radius + 9.0), Stroke::new(2.0, colour));
+    painter.circle_filled(at, 3.0, colour);
+}
+
+/// Radius of a listener's mark, in points.
+fn radius_of(listener: &Listener, scale: f32) -> f32 {
+    (scale * listener.radius).max(3.0)
+}
+
+/// One line for each wave; those that reached the listener lie on top.
+fn path_shapes(
+    states: &[Vec<Wave>],
+    source: Vec3,
+    stub: f32,
+    place: impl Fn(Vec3) -> Pos2,
+) -> Vec<Shape> {
+    let waves = states.first().map_or(0, Vec::len);
+    let followed: Vec<(Fate, Vec<Vec3>)> = (0..waves)
+        .map(|wave| way(states, wave, source, stub))
+        .collect();
+    let styles = [
+        (Fate::Dead, style::DEAD.gamma_multiply(0.45), 0.8),
+        (
+            Fate::Travelling,
+            style::TRAVELLING.gamma_multiply(0.16),
+            0.7,
+        ),
+        (Fate::Listener, style::REACHED, 1.3),
+    ];
+    let mut shapes = Vec::new();
+    for (fate, colour, width) in styles {
+        let is_drawn_so = |of: &Fate| match of {
+            // Waves that are not finite have ended too.
+            Fate::NotFinite => fate == Fate::Dead,
+            of => *of == fate,
+        };
+        for (_, points) in followed.iter().filter(|(of, _)| is_drawn_so(of)) {
+            let points = points.iter().map(|&point| place(point)).collect();
+            shapes.push(Shape::line(points, Stroke::new(width, colour)));
+        }
+    }
+    shapes
+}

@@ -1,0 +1,97 @@
+//! Reloads the scene file when it changes.
+
+use super::app::{App, Stage};
+use super::error::sentence;
+use super::follower::{Before, Follower, PROGRAMS};
+use super::report::Reread;
+use echomarch::Error;
+use echomarch::scene::BUILTIN_NAMES;
+use echomarch::trace::{Opening, Reload, Tracer};
+use std::time::{Duration, Instant};
+
+/// Interval between two checks of the files.
+const BETWEEN_LOOKS: Duration = Duration::from_millis(100);
+
+impl App {
+    /// Checks the scene that the window opens with, and follows it if it is a file. This waits for
+    /// the trial of its fields, as there is no other scene to show.
+    pub fn follow_first(&mut self, tracer: &mut Tracer) -> Result<(), Error> {
+        let (name, settings) = (&self.world.name, &self.choices.settings);
+        if !BUILTIN_NAMES.contains(&name.as_str()) {
+            let mut opening = Opening::begin(name, settings, &PROGRAMS)?;
+            opening.wait()?;
+            self.world.change(opening.scene().clone());
+            self.follower = Some(Follower::of(opening.follow()));
+        }
+        tracer.check(&self.world.base, settings)
+    }
+
+    /// The name of a scene that was chosen, while its fields are tried.
+    pub fn tried_scene(&self) -> Option<&str> {
+        let coming = self.coming.as_ref().filter(|coming| coming.is_tried())?;
+        Some(&coming.world.name)
+    }
+
+    /// The message in the window during the trial.
+    pub fn trying(&self) -> Option<String> {
+        let (name, before) = (self.tried_scene()?, &self.world.name);
+        Some(format!(
+            "{name} is being tried, {before} continues until then"
+        ))
+    }
+
+    /// Takes over changes of the files; after an error the last good scene stays, and the reason is
+    /// reported.
+    pub fn reread(&mut self, stage: &mut Stage) {
+        let Some(follower) = self.follower.as_mut() else {
+            return;
+        };
+        if follower.looked.elapsed() < BETWEEN_LOOKS {
+            return;
+        }
+        follower.looked = Instant::now();
+        let settings = &self.choices.settings;
+        match follower.reloading.poll(&mut stage.tracer, settings) {
+            Reload::Unchanged => (),
+            Reload::Taken => {
+                follower.refused = None;
+                // The picture may still fail where the waves can be traced.
+                self.previous = Some(Before {
+                    world: self.world.clone(),
+                    other: None,
+                });
+                self.world.change(follower.reloading.scene().clone());
+                self.paths.forget();
+                self.begins_anew = true;
+                self.has_reread(None);
+            }
+            Reload::Kept(error) => self.refuse(sentence(&error)),
+        }
+    }
+
+    /// Records why the present files cannot be used, and reports it.
+    pub fn refuse(&mut self, why: String) {
+        if let Some(follower) = &mut self.follower {
+            follower.refused = Some(why.clone());
+            self.has_reread(Some(why));
+        }
+    }
+
+    fn has_reread(&mut self, error: Option<String>) {
+        let told = match &error {
+            Some(why) => format!("{why} (the last scene stays)"),
+            None => format!("{} is read again", self.world.name),
+        };
+        self.recorder.reread(Reread {
+            seconds: self.seconds(),
+            frames: self.recorder.frames,
+            error,
+        });
+        self.tell(told);
+    }
+
+    /// The message in the window while the files cannot be used.
+    pub fn refusal(&self) -> Option<&str> {
+        self.follower.as_ref()?.refused.as_deref()
+    }
+}

@@ -1,0 +1,163 @@
+//! The choices: everything that keys and panels change, except the scene.
+
+use super::DemoOptions;
+use echomarch::audio::PanningLaw;
+use echomarch::auralisation::Listen;
+use echomarch::trace::{MAX_ITERATIONS, MAX_WAVES, Profile, Settings};
+use std::collections::HashMap;
+
+/// Properties of the player in full listening; when they change another player is needed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InFull {
+    pub sound: String,
+    pub sources: usize,
+    pub has_bands: bool,
+}
+
+/// The present choices.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Choices {
+    /// How waves are traced.
+    pub settings: Settings,
+    /// The last settings of the other algorithms.
+    others: HashMap<Profile, Settings>,
+    /// Number of pictures per frame of waves.
+    pub trace_every: u32,
+    /// Whether the number of waves follows the frame time.
+    pub adapt_waves: bool,
+    /// Ratio of the picture's resolution to the window's along a side; none to follow the frame time.
+    pub picture_scale: Option<f32>,
+    /// The sound's name.
+    pub sound: String,
+    /// Loudness, 0 to 1.
+    pub volume: f32,
+    /// Whether the sound is muted.
+    pub muted: bool,
+    /// The listening mode, if one was chosen.
+    pub chosen_listen: Option<Listen>,
+    /// The law from pan to gains, if one was chosen.
+    pub chosen_law: Option<PanningLaw>,
+    /// Whether the help is open.
+    pub help: bool,
+    /// Whether the panels are open.
+    pub panels: bool,
+    /// Whether the paths of waves are drawn in the plan.
+    pub paths: bool,
+}
+
+impl Choices {
+    /// The initial choices.
+    pub fn of(options: &DemoOptions) -> Choices {
+        Choices {
+            settings: options.settings.clone(),
+            others: HashMap::new(),
+            trace_every: options.trace_every.max(1),
+            adapt_waves: options.adapt_waves,
+            picture_scale: options.picture_scale,
+            sound: options.sound.clone(),
+            volume: options.volume,
+            muted: false,
+            chosen_listen: options.listen,
+            chosen_law: options.law,
+            help: options.help,
+            panels: true,
+            paths: true,
+        }
+    }
+
+    /// Changes to another algorithm: with its own constants as they were when it was left, and with the present waves,
+    /// iterations and directions.
+    pub fn set_profile(&mut self, profile: Profile) {
+        if profile == self.settings.profile() {
+            return;
+        }
+        let known = self.others.remove(&profile);
+        let old = &self.settings;
+        let mut new = known.unwrap_or_else(|| Settings::new(profile));
+        new.waves = old.waves;
+        new.iterations = old.iterations;
+        new.seed = old.seed;
+        new.directions = old.directions;
+        new.sum_on_gpu = old.sum_on_gpu;
+        let old = std::mem::replace(&mut self.settings, new);
+        self.others.insert(old.profile(), old);
+    }
+
+    /// Doubles or halves the number of waves, `steps` times; it then no longer follows the frame time.
+    pub fn change_waves(&mut self, steps: i32) {
+        self.adapt_waves = false;
+        let waves = f64::from(self.settings.waves) * 2f64.powi(steps);
+        self.settings.waves = (waves.round() as u32).clamp(64, MAX_WAVES / 4);
+    }
+
+    /// Adds to the iterations.
+    pub fn change_iterations(&mut self, more: i32) {
+        let iterations = self.settings.iterations.saturating_add_signed(more);
+        self.settings.iterations = iterations.clamp(1, MAX_ITERATIONS);
+    }
+
+    /// The law from pan to gains: the chosen one, or else the algorithm's default.
+    pub fn law(&self) -> PanningLaw {
+        let usual = PanningLaw::for_profile(self.settings.profile());
+        self.chosen_law.unwrap_or(usual)
+    }
+
+    /// The listening mode: the chosen one, or else the algorithm's default; the thesis has only the balance.
+    pub fn listen(&self) -> Listen {
+        let profile = self.settings.profile();
+        let usual = Listen::for_profile(profile);
+        match profile {
+            Profile::Thesis => usual,
+            _ => self.chosen_listen.unwrap_or(usual),
+        }
+    }
+
+    /// The effective loudness.
+    pub fn loudness(&self) -> f32 {
+        if self.muted { 0.0 } else { self.volume }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use echomarch::trace::{Algorithm, ThesisOptions};
+
+    /// Protects a change of algorithm: it brings its own constants and keeps the waves.
+    #[test]
+    fn a_profile_brings_its_constants_and_keeps_the_waves() {
+        let mut choices = Choices::of(&DemoOptions::default());
+        choices.settings.waves = 1000;
+        choices.settings.seed = 5;
+        choices.set_profile(Profile::Thesis);
+        let expected = Settings::thesis().with_waves(1000).with_seed(5);
+        assert_eq!(choices.settings, expected);
+        let fine: Algorithm = ThesisOptions::default().with_min_distance(0.01).into();
+        choices.settings.algorithm = fine;
+        choices.change_waves(2);
+        choices.set_profile(Profile::March);
+        assert_eq!(choices.settings.waves, 4000);
+        choices.set_profile(Profile::Thesis);
+        assert_eq!(choices.settings.algorithm, fine);
+        choices.change_iterations(-100);
+        assert_eq!(
+            (choices.settings.waves, choices.settings.iterations),
+            (4000, 1)
+        );
+        assert!(choices.settings.validate().is_ok());
+    }
+
+    /// Protects loudness: the law follows the algorithm until one is chosen, which then stays.
+    #[test]
+    fn the_panning_law_is_the_profile_s_until_it_is_chosen() {
+        let mut choices = Choices::of(&DemoOptions::default());
+        assert_eq!(choices.law(), PanningLaw::ConstantPower);
+        choices.set_profile(Profile::Thesis);
+        assert_eq!(choices.law(), PanningLaw::Linear);
+        choices.set_profile(Profile::March);
+        assert_eq!(choices.law(), PanningLaw::ConstantPower);
+        choices.chosen_law = Some(PanningLaw::Linear);
+        choices.set_profile(Profile::Hybrid);
+        assert_eq!(choices.law(), PanningLaw::Linear);
+    }
+}

@@ -1,0 +1,166 @@
+//! The record of each frame, and the report at the end of a run.
+
+use super::app::App;
+use super::report::{EndPose, FrameLine, InFullReport, Report};
+use super::save::trace_call;
+use echomarch::scene::{Listener, Scene, Surface};
+use echomarch_walk::World;
+use std::time::SystemTime;
+
+impl App {
+    /// Reports the frame just drawn, if requested.
+    pub fn log_frame(&self, began: SystemTime) {
+        let Some(log) = self.options.log_frames else {
+            return;
+        };
+        let since_1970 = began.duration_since(SystemTime::UNIX_EPOCH);
+        let line = FrameLine {
+            frame: self.recorder.frames,
+            began: since_1970.unwrap_or_default().as_secs_f64(),
+            seconds: self.seconds(),
+            traced: self.recorder.traced,
+            heard: self.recorder.last_heard(),
+            waves: self.choices.settings.waves,
+            adapts_waves: self.choices.adapt_waves,
+            scene: &self.world.name,
+            trying: self.tried_scene(),
+            values: &self.world.values,
+            mouse_looks: self.mouse_looks,
+            paths_heard: self.paths.heard(),
+            listener: self.world.now.listener.position.to_array(),
+            sound: self.sound.is_heard,
+            sources: self.in_full.as_ref().map(|_| &self.ears_status.sources[..]),
+        };
+        if let Ok(line) = serde_json::to_string(&line) {
+            log(&line);
+        }
+    }
+
+    /// Returns the report of the run.
+    pub fn report(&mut self) -> Report {
+        let listener = &self.world.now.listener;
+        let mut report = Report {
+            scene: self.world.base.name.clone(),
+            profile: self.choices.settings.profile().to_string(),
+            waves: self.choices.settings.waves,
+            iterations: self.choices.settings.iterations,
+            renderer: self.renderer.clone(),
+            seconds: self.seconds(),
+            window: self.window,
+            picture: self.drawn.size,
+            sound: self.speaker.status(),
+            listen: self.choices.listen().to_string(),
+            in_full: self
+                .in_full
+                .as_ref()
+                .map(|_| InFullReport::of(&self.ears_status)),
+            latency_ms: self.latency.parts(),
+            counts: self.heard.as_ref().map(|f| f.counts).unwrap_or_default(),
+            listener: EndPose {
+                position: listener.position.to_array(),
+                yaw: listener.yaw.to_degrees(),
+                pitch: listener.pitch.to_degrees(),
+            },
+            source: self.world.now.source.position.to_array(),
+            gl_errors: self.gl_errors(),
+            help: self.choices.help,
+            mouse_looks: self.mouse_looks,
+            adapts_waves: self.choices.adapt_waves,
+            values: self.world.values.iter().cloned().collect(),
+            paths_heard: self.paths.heard(),
+            saved: self.saved.clone(),
+            ..Report::default()
+        };
+        (report.trace_call, report.trace_call_is_exact) = self.call();
+        std::mem::take(&mut self.recorder).fill(&mut report);
+        report
+    }
+
+    /// Returns the `trace` call nearest to the present state, and whether its scene is exact.
+    pub fn call(&self) -> (String, bool) {
+        let (world, settings) = (&self.world, &self.choices.settings);
+        let time = world.moves().then(|| world.looped());
+        let names = self.saved.last().into_iter().chain([&world.name]);
+        let mut calls = names.map(|name| {
+            let at_time = |scene: Scene| match time {
+                Some(seconds) => scene.at(seconds),
+                None => scene,
+            };
+            let loaded = World::load(name).map(|loaded| loaded.like(world));
+            let sets = loaded.as_ref().map_or(&[][..], |loaded| &loaded.values);
+            let call = trace_call(name, time, sets, settings);
+            let is_exact = loaded.is_ok_and(|loaded| stands_as(&at_time(loaded.base), &world.now));
+            (call, is_exact)
+        });
+        let first_exact = calls.find(|(_, is_exact)| *is_exact);
+        first_exact.unwrap_or_else(|| {
+            let call = trace_call(&world.name, time, &world.values, settings);
+            (call, false)
+        })
+    }
+}
+
+/// Whether two scenes agree in air, sources and listeners, up to the rounding of degrees, and have equal surfaces
+/// wherever their files lie: a saved scene may name them from another folder.
+fn stands_as(a: &Scene, b: &Scene) -> bool {
+    let places = |scene: &Scene| {
+        scene
+            .sources()
+            .map(|s| (s.position, s.level_db))
+            .collect::<Vec<_>>()
+    };
+    let turn = |a: f32, b: f32| (a - b).sin().abs();
+    let is_heard_as = |(a, b): (&Listener, &Listener)| {
+        a.position == b.position
+            && a.radius == b.radius
+            && turn(a.yaw, b.yaw) + turn(a.pitch, b.pitch) < 1e-4
+    };
+    let is_alike = |(a, b): (&Surface, &Surface)| a.is_alike(b);
+    places(a) == places(b)
+        && a.listeners().count() == b.listeners().count()
+        && a.listeners().zip(b.listeners()).all(is_heard_as)
+        && (&a.materials, a.air) == (&b.materials, b.air)
+        && a.surfaces.len() == b.surfaces.len()
+        && a.surfaces.iter().zip(&b.surfaces).all(is_alike)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    /// Protects the `trace` call of a scene that was saved into another folder: the surfaces' files then have other
+    /// names but are the same.
+    #[test]
+    fn a_scene_in_another_folder_stands_as_its_base() {
+        let folder = tempfile::tempdir().unwrap();
+        let text = "Scene(surfaces: [Surface(shape: Union(of: [Field(file: \"f.glsl\", lipschitz: 1, \
+            size: (2, 2, 2)), Sphere(radius: 1)]))], source: Source(position: (0, 0, 5)), \
+            listener: Listener(position: (5, 0, 0), radius: 1))";
+        let field = "float field(vec3 p) { return p.x; }";
+        let scene = |at: &str, field: &str| {
+            let folder = folder.path().join(at);
+            fs::create_dir_all(&folder).unwrap();
+            fs::write(folder.join("f.glsl"), field).unwrap();
+            fs::write(folder.join("a.ron"), text).unwrap();
+            Scene::from_file(&folder.join("a.ron")).unwrap()
+        };
+        let one = scene("one", field);
+        let other = scene("other", field);
+        assert_ne!(one.surfaces, other.surfaces);
+        assert!(stands_as(&one, &other));
+        assert!(!stands_as(
+            &one,
+            &scene("third", "float field(vec3 p) { return p.y; }")
+        ));
+        let mut moved = other.clone();
+        moved.surfaces[0].position.x = 1.0;
+        assert!(!stands_as(&one, &moved));
+        let mut warm = other.clone();
+        warm.air = Some(echomarch::scene::Air::default());
+        assert!(!stands_as(&one, &warm));
+        let mut two = other;
+        two.further_sources.push(two.source.clone());
+        assert!(!stands_as(&one, &two));
+    }
+}

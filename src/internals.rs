@@ -1,0 +1,25 @@
+//! What the programs in `apps/` share with the library. It is not a part of the public interface: anything in it may
+//! change in any version.
+
+macro_rules! open {
+    ($($module:ident),*) => {
+        $(#[allow(missing_docs)] pub mod $module { pub use crate::$module::*; })*
+    };
+}
+
+open!(
+    file_input,
+    file_output,
+    fnv,
+    plain_file,
+    platform,
+    rng,
+    ron_error,
+    sphere_directions,
+    stats,
+    text
+);
+
+pub mod kernel {
+    pub use crate::kernel::{Layout, Lists, is_marched};
+}

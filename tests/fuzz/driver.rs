@@ -1,0 +1,64 @@
+//! Runs a target on spoilt files. What `main.rs` says of the environment holds for every test program with it.
+
+use super::mutate::Mutator;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::time::{Duration, Instant};
+
+/// Inputs of each kind in a run without `ECHOMARCH_FUZZ_RUNS`.
+const SHORT_RUN: u64 = 400;
+
+/// Longest time for an input of a few kilobytes, whatever else the machine does.
+const LONGEST: Duration = Duration::from_secs(20);
+
+/// Time between two lines of progress in a long run.
+const BETWEEN_LINES: Duration = Duration::from_secs(10);
+
+/// One kind of file.
+pub struct Target {
+    pub name: &'static str,
+    /// Valid files to start from.
+    pub corpus: Vec<Vec<u8>>,
+    /// Words and symbols with a meaning in such a file.
+    pub tokens: &'static [&'static str],
+    pub one: fn(&[u8]),
+}
+
+fn from_environment(name: &str, otherwise: u64) -> u64 {
+    match std::env::var(name) {
+        Ok(value) => value
+            .parse()
+            .unwrap_or_else(|_| panic!("{name} must be a whole number, not {value:?}")),
+        Err(_) => otherwise,
+    }
+}
+
+/// Reads corrupted files of a kind. A finding is written to the temporary folder.
+pub fn fuzz(target: &Target) {
+    let seed = from_environment("ECHOMARCH_FUZZ_SEED", 1);
+    let first = from_environment("ECHOMARCH_FUZZ_FIRST", 0);
+    let runs = from_environment("ECHOMARCH_FUZZ_RUNS", SHORT_RUN);
+    for file in &target.corpus {
+        (target.one)(file);
+    }
+    let mut told = Instant::now();
+    for index in first..first + runs {
+        let data = Mutator::new(seed, index).spoilt(&target.corpus, target.tokens);
+        let began = Instant::now();
+        let outcome = catch_unwind(AssertUnwindSafe(|| (target.one)(&data)));
+        let (name, took) = (target.name, began.elapsed());
+        // Time is judged only in long runs, started by hand on an otherwise idle machine.
+        if outcome.is_err() || (runs > SHORT_RUN && took > LONGEST) {
+            let path = std::env::temp_dir().join(format!("echomarch-fuzz-{name}-{seed}-{index}"));
+            let kept = std::fs::write(&path, &data);
+            panic!(
+                "{name}: input {index} of seed {seed} ({} bytes, {took:?}); kept as {}: {kept:?}",
+                data.len(),
+                path.display()
+            );
+        }
+        if told.elapsed() > BETWEEN_LINES {
+            told = Instant::now();
+            println!("{name}: {} of {runs}", index + 1 - first);
+        }
+    }
+}
