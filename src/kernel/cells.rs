@@ -55,9 +55,10 @@ struct Candidates {
 }
 
 /// Which lists are requested.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Lists {
     /// What a line through the cell can meet, each kind that has a closed form by itself.
+    #[default]
     Lines,
     /// What a line through the cell can meet.
     Overlapping,
