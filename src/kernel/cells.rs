@@ -54,9 +54,10 @@ struct Candidates {
 }
 
 /// The requested kind of lists.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Lists {
     /// Surfaces that a line through the cell can meet, with separate cells for each kind that has a closed form.
+    #[default]
     Lines,
     /// Surfaces that a line through the cell can meet.
     Overlapping,

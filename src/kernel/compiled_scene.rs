@@ -29,20 +29,22 @@ use crate::scene::Scene;
 use glam::{Vec3, Vec4};
 
 /// A scene as the shaders of one algorithm receive it. See the table of this module.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct CompiledScene {
-    structure: Structure,
+    pub structure: Structure,
     turns: StructureTurns,
     surfaces: RebasedScene,
-    values: Vec<Vec4>,
+    /// The values of `uSurfaces`.
+    pub values: Vec<Vec4>,
     cells: Option<SceneCells>,
     /// The vectors that `sceneData(index)` reads.
-    data: Vec<Vec4>,
+    pub data: Vec<Vec4>,
     /// Vectors of the data that are heights of images.
     heights: usize,
-    cell_data: Option<CellData>,
+    /// The places of the cells in the data, if the scene has cells.
+    pub cell_data: Option<CellData>,
     /// Index of the table of materials in the data, if there is one.
-    material_table: Option<usize>,
+    pub material_table: Option<usize>,
 }
 
 impl AlgorithmText {
@@ -63,33 +65,10 @@ impl AlgorithmText {
 }
 
 impl CompiledScene {
-    /// A scene for the shaders of an algorithm, with the numbers of its surfaces' materials for shaders
-    /// that read them. `structure` is the [structure](AlgorithmText::structure) of this scene for this
-    /// algorithm.
-    pub fn new(
-        scene: &Scene,
-        algorithm: AlgorithmText,
-        structure: Structure,
-        materials: &Materials,
-    ) -> CompiledScene {
-        let data = data::heights(&structure.assets);
-        let mut compiled = CompiledScene {
-            turns: StructureTurns::of(&Text::new(scene, &structure)),
-            surfaces: RebasedScene::default(),
-            values: Vec::new(),
-            cells: None,
-            heights: data.len(),
-            data,
-            cell_data: None,
-            material_table: None,
-            structure,
-        };
-        compiled.place(scene, algorithm, materials);
-        compiled
-    }
-
-    /// Makes it that of another scene, or of the same one with other positions. The arguments are
-    /// those of [`CompiledScene::new`]. Turns, heights and the cells of surfaces that did not move stay.
+    /// Makes it this scene in its current state, for the shaders of an algorithm, with the numbers of its
+    /// surfaces' materials for shaders that read them. `structure` is the
+    /// [structure](AlgorithmText::structure) of this scene for this algorithm. Of the same structure turns,
+    /// heights and the cells of surfaces that did not move stay.
     pub fn update(
         &mut self,
         scene: &Scene,
@@ -97,13 +76,14 @@ impl CompiledScene {
         structure: Structure,
         materials: &Materials,
     ) {
-        let is_same =
-            structure.lists == self.structure.lists && structure.key == self.structure.key;
-        if !is_same {
-            *self = CompiledScene::new(scene, algorithm, structure, materials);
-            return;
-        }
+        let known = &self.structure;
+        let is_same = structure.lists == known.lists && structure.key == known.key;
         self.structure = structure;
+        if !is_same {
+            self.turns = StructureTurns::of(&Text::new(scene, &self.structure));
+            self.data = data::heights(&self.structure.assets);
+            self.heights = self.data.len();
+        }
         self.place(scene, algorithm, materials);
     }
 
@@ -128,11 +108,6 @@ impl CompiledScene {
         }
     }
 
-    /// The structure of the scene.
-    pub fn structure(&self) -> &Structure {
-        &self.structure
-    }
-
     /// World position of the shaders' origin in metres.
     pub fn origin(&self) -> Vec3 {
         self.surfaces.rebasing().origin
@@ -146,26 +121,6 @@ impl CompiledScene {
     /// Rounding error of the distance to a surface (numbered from 1), in metres, at most.
     pub fn error_bound(&self, object: u32) -> f32 {
         self.surfaces.error_bound(object)
-    }
-
-    /// The values of `uSurfaces`.
-    pub fn values(&self) -> &[Vec4] {
-        &self.values
-    }
-
-    /// The vectors that `sceneData(index)` reads.
-    pub fn data(&self) -> &[Vec4] {
-        &self.data
-    }
-
-    /// The places of the cells in the data, if the scene has cells.
-    pub fn cell_data(&self) -> Option<&CellData> {
-        self.cell_data.as_ref()
-    }
-
-    /// Index of the table of materials in the data, if there is one.
-    pub fn material_table(&self) -> Option<usize> {
-        self.material_table
     }
 
     /// Turns that the passes may take.
@@ -288,7 +243,9 @@ mod tests {
             let compile = |scene: &Scene| {
                 let materials = Materials::of(scene, 0..BAND_COUNT);
                 let structure = algorithm.structure(scene);
-                CompiledScene::new(scene, algorithm, structure, &materials)
+                let mut compiled = CompiledScene::default();
+                compiled.update(scene, algorithm, structure, &materials);
+                compiled
             };
             let mut updated = compile(&scenes[0]);
             for scene in &scenes {

@@ -44,6 +44,15 @@ pub(crate) enum AlgorithmText {
 }
 
 impl AlgorithmText {
+    /// The name of its profile.
+    pub fn name(self) -> &'static str {
+        match self {
+            AlgorithmText::Thesis => "thesis",
+            AlgorithmText::March { .. } => "march",
+            AlgorithmText::Hybrid => "hybrid",
+        }
+    }
+
     /// The lists of cells that it reads. Lists of nearest candidates hold what lines need too, but
     /// in cells that lie within a solid.
     pub fn lists(self) -> Lists {

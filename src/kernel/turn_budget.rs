@@ -73,7 +73,7 @@ pub(super) struct Loops {
 }
 
 /// Turns that follow from the structure of a scene alone; the lists of its cells add theirs.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct StructureTurns {
     /// Values of all unrolled surfaces, and the largest of a kind.
     unrolled_values: u64,

@@ -14,7 +14,7 @@ use crate::kernel::{AlgorithmText, CompiledScene, DATA_WIDTH, Materials, Structu
 use crate::scene::Scene;
 
 /// Uniform vectors of any of the shaders beside those of the surfaces, at most.
-const OWN_UNIFORM_VECTORS: usize = 16;
+pub(super) const OWN_UNIFORM_VECTORS: usize = 16;
 
 /// The algorithm whose scene pictures read: the distance to everything, in world coordinates.
 #[cfg(feature = "picture")]
@@ -23,7 +23,8 @@ const OF_PICTURES: AlgorithmText = AlgorithmText::Thesis;
 /// A compiled scene on the GPU.
 pub(crate) struct GpuScene {
     list: DataList,
-    compiled: Option<CompiledScene>,
+    /// The scene that was set last.
+    pub(super) compiled: CompiledScene,
 }
 
 impl GpuScene {
@@ -34,12 +35,12 @@ impl GpuScene {
     pub fn new(context: &Context) -> Result<GpuScene, Error> {
         Ok(GpuScene {
             list: DataList::new(context, DATA_WIDTH)?,
-            compiled: None,
+            compiled: CompiledScene::default(),
         })
     }
 
     /// Compiles the scene in its current state, and sends its data. The arguments are those of
-    /// [`CompiledScene::new`].
+    /// [`CompiledScene::update`].
     ///
     /// # Errors
     /// [`Error::Gpu`] when the renderer fails.
@@ -50,36 +51,17 @@ impl GpuScene {
         structure: Structure,
         materials: &Materials,
     ) -> Result<(), Error> {
-        let compiled = match self.compiled.take() {
-            Some(mut compiled) => {
-                compiled.update(scene, algorithm, structure, materials);
-                compiled
-            }
-            None => CompiledScene::new(scene, algorithm, structure, materials),
-        };
-        let compiled = self.compiled.insert(compiled);
-        self.list.set(compiled.data())?;
-        Ok(())
-    }
-
-    /// The scene that was set last.
-    ///
-    /// # Errors
-    /// [`TraceError::NothingTraced`] without one.
-    pub fn compiled(&self) -> Result<&CompiledScene, TraceError> {
-        self.compiled.as_ref().ok_or(TraceError::NothingTraced)
+        self.compiled.update(scene, algorithm, structure, materials);
+        Ok(self.list.set(&self.compiled.data)?)
     }
 
     /// Sets the scene's uniforms of a program, except the data themselves.
     pub fn set_uniforms(&self, program: &Program) {
-        let Some(compiled) = &self.compiled else {
-            return;
-        };
-        program.set_vec4_array("uSurfaces", compiled.values());
-        if let Some(first) = compiled.material_table() {
+        program.set_vec4_array("uSurfaces", &self.compiled.values);
+        if let Some(first) = self.compiled.material_table {
             program.set_i32("uMaterialTable", first as i32);
         }
-        let Some(cells) = compiled.cell_data() else {
+        let Some(cells) = &self.compiled.cell_data else {
             return;
         };
         program.set_vec3("uCellOrigin", cells.origin);
@@ -119,7 +101,7 @@ impl GpuScene {
         text: &str,
     ) -> Result<Program, Error> {
         structure.check(scene)?;
-        check_surfaces(context, scene, structure)?;
+        check_uniforms(context, scene, structure, OWN_UNIFORM_VECTORS)?;
         UserFields::default().check(context, scene, structure, || text.to_owned())?;
         compile_with_scene(context, scene, label, text)
     }
@@ -141,16 +123,8 @@ impl GpuScene {
     }
 }
 
-/// Surfaces that do not fit in the uniforms are reported before anything is compiled.
-pub(super) fn check_surfaces(
-    context: &Context,
-    scene: &Scene,
-    structure: &Structure,
-) -> Result<(), TraceError> {
-    check_uniforms(context, scene, structure, OWN_UNIFORM_VECTORS)
-}
-
-/// The same for a shader that needs `own` vectors beside those of the surfaces.
+/// Surfaces that do not fit in the uniforms are reported before anything is compiled. The shader needs `own`
+/// vectors beside those of the surfaces.
 pub(super) fn check_uniforms(
     context: &Context,
     scene: &Scene,

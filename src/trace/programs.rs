@@ -20,17 +20,52 @@ const PROGRAMS_KEPT: NonZeroUsize = NonZeroUsize::new(12).unwrap();
 /// The parameters of the text of a pass: passes with equal keys share their programs.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 enum Key {
+    Waves(WavePass),
+    Scene(Rc<StructureKey>, ScenePass),
+}
+
+/// A pass over the waves that knows no scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum WavePass {
     Initialise(Directions),
-    March(Rc<StructureKey>, MarchText),
-    /// All passes in one.
-    WholeFrame(Rc<StructureKey>, MarchText, Directions),
-    /// Waves through a chunk of iterations, past a transparent listener.
-    Arrivals(Rc<StructureKey>, ArrivalsText),
     Pan,
     /// The first pass of the sum on the GPU.
     FirstSum,
     /// Its further passes.
     FurtherSum,
+}
+
+/// A pass whose text has the surfaces of a scene.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) enum ScenePass {
+    March(MarchText),
+    /// All passes of a frame in one.
+    WholeFrame(MarchText, Directions),
+    /// Waves through a chunk of iterations, past a transparent listener.
+    Arrivals(ArrivalsText),
+}
+
+impl ScenePass {
+    fn label_and_text(&self, scene: &Scene, structure: &Structure) -> (String, String) {
+        let (name, algorithm, text) = match self {
+            ScenePass::March(of) => {
+                let text = kernel::march_text(scene, structure, *of);
+                ("march", of.algorithm, text)
+            }
+            ScenePass::WholeFrame(of, directions) => {
+                let text = kernel::whole_frame_text(scene, structure, *of, *directions);
+                ("frame", of.algorithm, text)
+            }
+            ScenePass::Arrivals(of) => {
+                let text = kernel::arrivals_text(scene, structure, of);
+                ("arrivals", of.algorithm, text)
+            }
+        };
+        (
+            format!("{name} ({}) of {}", algorithm.name(), scene.name),
+            text,
+        )
+    }
 }
 
 /// Programs by the keys of their texts.
@@ -52,103 +87,34 @@ impl Programs {
         self.cache.compiled()
     }
 
-    /// The initialise pass for a choice of directions.
-    pub fn initialise(&mut self, context: &Context, of: Directions) -> Result<Rc<Program>, Error> {
-        let text = || kernel::initialise_text(of);
-        self.get(context, Key::Initialise(of), "initialise", text)
-    }
-
-    /// The march pass of a scene of this structure.
-    pub fn march(
+    /// A pass over a scene of this structure. The scene is checked before the first program of its
+    /// structure is compiled.
+    pub fn of_scene(
         &mut self,
         context: &Context,
-        scene: &Scene,
-        structure: &Structure,
-        settings: &Settings,
-    ) -> Result<Rc<Program>, Error> {
-        let options = march_options(settings);
-        let key = Key::March(Rc::clone(&structure.key), options);
-        let label = || format!("march ({}) of {}", settings.profile(), scene.name);
-        let text = || kernel::march_text(scene, structure, options);
-        self.get_of_scene(context, key, label, (scene, structure), text)
-    }
-
-    /// A whole frame of a scene of this structure in one pass.
-    pub fn whole_frame(
-        &mut self,
-        context: &Context,
-        scene: &Scene,
-        structure: &Structure,
-        settings: &Settings,
-    ) -> Result<Rc<Program>, Error> {
-        let (options, directions) = (march_options(settings), settings.directions);
-        let key = Key::WholeFrame(Rc::clone(&structure.key), options, directions);
-        let label = || format!("frame ({}) of {}", settings.profile(), scene.name);
-        let text = || kernel::whole_frame_text(scene, structure, options, directions);
-        self.get_of_scene(context, key, label, (scene, structure), text)
-    }
-
-    /// The pass that records arrivals in a scene of this structure.
-    pub fn arrivals(
-        &mut self,
-        context: &Context,
-        scene: &Scene,
-        structure: &Structure,
-        options: &ArrivalsText,
-    ) -> Result<Rc<Program>, Error> {
-        let key = Key::Arrivals(Rc::clone(&structure.key), options.clone());
-        let label = || format!("arrivals of {}", scene.name);
-        let text = || kernel::arrivals_text(scene, structure, options);
-        self.get_of_scene(context, key, label, (scene, structure), text)
-    }
-
-    /// The panning pass.
-    pub fn pan(&mut self, context: &Context) -> Result<Rc<Program>, Error> {
-        self.get(context, Key::Pan, "pan", kernel::pan_text)
-    }
-
-    /// The first pass of the sum on the GPU.
-    pub fn first_sum(&mut self, context: &Context) -> Result<Rc<Program>, Error> {
-        self.get(context, Key::FirstSum, "first sum", kernel::first_sum_text)
-    }
-
-    /// Its further passes.
-    pub fn further_sum(&mut self, context: &Context) -> Result<Rc<Program>, Error> {
-        self.get(
-            context,
-            Key::FurtherSum,
-            "further sum",
-            kernel::further_sum_text,
-        )
-    }
-
-    /// A program whose text has the surfaces of a scene: these are checked before the first of
-    /// their structure is compiled.
-    fn get_of_scene(
-        &mut self,
-        context: &Context,
-        key: Key,
-        label: impl FnOnce() -> String,
         (scene, structure): (&Scene, &Structure),
-        text: impl FnOnce() -> String,
+        pass: ScenePass,
     ) -> Result<Rc<Program>, Error> {
+        let key = Key::Scene(Rc::clone(&structure.key), pass.clone());
         self.cache.get_or_compile(key, || {
             structure.check(scene)?;
-            let text = text();
+            let (label, text) = pass.label_and_text(scene, structure);
             field_trial::ensure(scene, &[&text])?;
-            compile_with_scene(context, scene, &label(), &text)
+            compile_with_scene(context, scene, &label, &text)
         })
     }
 
-    fn get(
-        &mut self,
-        context: &Context,
-        key: Key,
-        label: &str,
-        text: impl FnOnce() -> String,
-    ) -> Result<Rc<Program>, Error> {
-        let compile = || Ok(Program::fragment(context, label, &text())?);
-        self.cache.get_or_compile(key, compile)
+    /// A pass that knows no scene.
+    pub fn of_waves(&mut self, context: &Context, pass: WavePass) -> Result<Rc<Program>, Error> {
+        self.cache.get_or_compile(Key::Waves(pass), || {
+            let (label, text) = match pass {
+                WavePass::Initialise(of) => ("initialise", kernel::initialise_text(of)),
+                WavePass::Pan => ("pan", kernel::pan_text()),
+                WavePass::FirstSum => ("first sum", kernel::first_sum_text()),
+                WavePass::FurtherSum => ("further sum", kernel::further_sum_text()),
+            };
+            Ok(Program::fragment(context, label, &text)?)
+        })
     }
 }
 
@@ -194,7 +160,9 @@ impl Budget {
     pub(super) fn of_structure(scene: &Scene, of: Structure, settings: &Settings) -> Budget {
         let asked = loops_asked(settings);
         let none = Materials::default();
-        CompiledScene::new(scene, asked.algorithm, of, &none).budget(&asked)
+        let mut compiled = CompiledScene::default();
+        compiled.update(scene, asked.algorithm, of, &none);
+        compiled.budget(&asked)
     }
 }
 

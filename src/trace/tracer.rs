@@ -10,8 +10,10 @@ mod throughput;
 
 use super::arrivals::ArrivalTargets;
 use super::frame::timed;
-use super::gpu_scene::{GpuScene, check_surfaces};
-use super::programs::{Programs, loops_asked, march_text, structure};
+use super::gpu_scene::{GpuScene, OWN_UNIFORM_VECTORS, check_uniforms};
+use super::programs::{
+    Programs, ScenePass, WavePass, loops_asked, march_options, march_text, structure,
+};
 use super::user_fields::UserFields;
 use super::waves::{unit_directions, waves};
 use super::{Frame, Grid, Profile, Settings, TraceError, Wave};
@@ -179,7 +181,7 @@ impl Tracer {
         let _entered = self.context.enter()?;
         self.aside(|tracer| {
             tracer.begin(scene, settings, Waves::Kept)?;
-            let origin = tracer.scene.compiled()?.origin();
+            let origin = tracer.scene.compiled.origin();
             let (starts, reading) = timed(|| tracer.targets()?.read_pair())?;
             let mut frame = tracer.frame_to_its_end()?;
             frame.milliseconds.total -= reading;
@@ -256,7 +258,7 @@ impl Tracer {
             check_waves(&tracer.context, grid)?;
             let initialise = {
                 let programs = &mut tracer.shared.borrow_mut().programs;
-                programs.initialise(&tracer.context, settings.directions)?
+                programs.of_waves(&tracer.context, WavePass::Initialise(settings.directions))?
             };
             tracer.give_up_marching();
             tracer.make_room(settings, true)?;
@@ -283,17 +285,17 @@ impl Tracer {
         let (budget, setup) = timed(|| {
             let none = Materials::default();
             self.scene.set(scene, asked.algorithm, structure, &none)?;
-            Ok(self.scene.compiled()?.budget(&asked))
+            Ok(self.scene.compiled.budget(&asked))
         })?;
         let as_one = keep == Waves::Dropped && fits_one_pass(scene, settings, || budget);
-        let structure = self.scene.compiled()?.structure();
+        let structure = &self.scene.compiled.structure;
         let programs = self.programs(scene, structure, settings, as_one)?;
         self.make_room(settings, !programs.are_one())?;
         // Compiling and making textures, which a first frame alone does, is not in its time.
         let setup = Duration::from_secs_f64(setup * 1e-3);
         let now = Instant::now();
         let began = now.checked_sub(setup).unwrap_or(now);
-        let compiled = self.scene.compiled()?;
+        let compiled = &self.scene.compiled;
         Ok(PreparedFrame::new(
             scene, settings, compiled, budget, programs, began,
         ))
@@ -308,14 +310,16 @@ impl Tracer {
         as_one: bool,
     ) -> Result<FramePrograms, Error> {
         let (programs, context) = (&mut self.shared.borrow_mut().programs, &self.context);
+        let (march, of) = (march_options(settings), (scene, structure));
         if as_one {
-            let program = programs.whole_frame(context, scene, structure, settings)?;
+            let pass = ScenePass::WholeFrame(march, settings.directions);
+            let program = programs.of_scene(context, of, pass)?;
             return Ok(FramePrograms::WholeFrame(program));
         }
         Ok(FramePrograms::Passes {
-            march: programs.march(context, scene, structure, settings)?,
-            initialise: programs.initialise(context, settings.directions)?,
-            pan: programs.pan(context)?,
+            march: programs.of_scene(context, of, ScenePass::March(march))?,
+            initialise: programs.of_waves(context, WavePass::Initialise(settings.directions))?,
+            pan: programs.of_waves(context, WavePass::Pan)?,
         })
     }
 
@@ -344,7 +348,7 @@ impl Tracer {
         settings.validate()?;
         check_waves(&self.context, Grid::new(settings.waves))?;
         let structure = structure(scene, settings);
-        check_surfaces(&self.context, scene, &structure)?;
+        check_uniforms(&self.context, scene, &structure, OWN_UNIFORM_VECTORS)?;
         let fields = &mut self.shared.borrow_mut().user_fields;
         let text = || march_text(scene, &structure, settings);
         fields.check(&self.context, scene, &structure, text)?;

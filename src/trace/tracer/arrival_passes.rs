@@ -5,7 +5,7 @@ use super::super::arrivals::{
     Listed, Replay, Start, WAVES_IN_BLOCK, WavesToFollow, listed_rows, open_volume,
 };
 use super::super::gpu_scene::check_uniforms;
-use super::super::programs::loops_asked;
+use super::super::programs::{ScenePass, loops_asked};
 use super::super::{Algorithm, Grid, MAX_ITERATIONS, Profile, Settings, TraceError};
 use super::Tracer;
 use super::passes::draw;
@@ -182,10 +182,11 @@ impl Tracer {
         self.scene
             .set(scene, asked.algorithm, structure, &materials)?;
         let open_volume_m3 = open_volume(scene);
-        let compiled = self.scene.compiled()?;
+        let compiled = &self.scene.compiled;
         let program = {
             let programs = &mut self.shared.borrow_mut().programs;
-            programs.arrivals(&self.context, scene, compiled.structure(), &text)?
+            let pass = ScenePass::Arrivals(text.clone());
+            programs.of_scene(&self.context, (scene, &compiled.structure), pass)?
         };
         let programs = FramePrograms::WholeFrame(Rc::clone(&program));
         let (budget, now) = (compiled.budget(&asked), Instant::now());

@@ -6,7 +6,7 @@
 //! 64 roundings, 4e-6, a pass (1e-7 was measured: docs/accuracy.md). Counts of waves are exact;
 //! counts of passes and evaluations are exact up to 2^24 and rounded like any `f32` above.
 
-use super::super::programs::Programs;
+use super::super::programs::{Programs, WavePass};
 use super::super::{Counts, Grid, Panning, Settings, frame};
 use crate::error::Error;
 use crate::gpu::{
@@ -99,8 +99,8 @@ pub(super) struct GpuSum {
 
 impl GpuSum {
     pub fn new(context: &Context, programs: &mut Programs, grid: Grid) -> Result<GpuSum, Error> {
-        let first = programs.first_sum(context)?;
-        let further = programs.further_sum(context)?;
+        let first = programs.of_waves(context, WavePass::FirstSum)?;
+        let further = programs.of_waves(context, WavePass::FurtherSum)?;
         let (mut width, mut height) = (grid.width, grid.height);
         let mut levels = Vec::new();
         loop {
