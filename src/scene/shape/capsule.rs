@@ -1,10 +1,10 @@
 //! A cylinder with round ends.
 
-use super::part::numbers;
+use super::part::part;
 use super::{Part, Properties, Shape, SurfaceKind};
 use glam::{DVec2, DVec3};
 
-numbers! {
+part! {
     /// A cylinder about y with round ends.
     Capsule {
         /// Radius of cylinder and ends, in metres.

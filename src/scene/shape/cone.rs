@@ -1,10 +1,10 @@
 //! A finite cone.
 
-use super::part::numbers;
+use super::part::part;
 use super::{Part, Properties, Shape};
 use glam::{DVec2, DVec3};
 
-numbers! {
+part! {
     /// A finite cone about y: base at −height/2, tip at height/2.
     Cone {
         /// Radius of the base, in metres.

@@ -1,10 +1,10 @@
 //! A regular octahedron: the worked example in `docs/architecture.md`, built for tests only.
 
-use super::part::numbers;
+use super::part::part;
 use super::{Bounds3, Part, Properties, Shape};
 use glam::DVec3;
 
-numbers! {
+part! {
     /// A regular octahedron.
     Octahedron {
         /// Distance of the vertices from the centre, in metres.

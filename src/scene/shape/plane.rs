@@ -1,10 +1,10 @@
 //! A plane.
 
-use super::part::no_numbers;
+use super::part::part;
 use super::{Bounds3, Part, Properties, Shape, SurfaceKind};
 use glam::DVec3;
 
-no_numbers! {
+part! {
     /// The plane y = 0: solid below.
     Plane
 }

@@ -1,10 +1,10 @@
 //! A ball.
 
-use super::part::numbers;
+use super::part::part;
 use super::{Part, Properties, Shape, SurfaceKind};
 use glam::DVec3;
 
-numbers! {
+part! {
     /// A ball.
     Sphere {
         /// Radius in metres.

@@ -1,10 +1,10 @@
 //! A ring.
 
-use super::part::numbers;
+use super::part::part;
 use super::{Exactness, Part, Properties, Shape, SurfaceKind};
 use glam::{DVec2, DVec3};
 
-numbers! {
+part! {
     /// A ring about y.
     Torus {
         /// Radius of the ring's centre line, in metres.
