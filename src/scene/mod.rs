@@ -15,7 +15,6 @@ mod distance;
 mod driven_numbers;
 mod error;
 mod file;
-mod file_watch;
 mod material;
 mod motion;
 mod named_values;
@@ -33,9 +32,9 @@ pub use distance::Nearest;
 pub use error::SceneError;
 #[doc(hidden)]
 pub use file::BasedScene;
+pub(crate) use file::SceneWatch;
 #[doc(hidden)]
 pub use file::bases_of;
-pub(crate) use file_watch::SceneWatch;
 pub use material::{BUILTIN_MATERIALS, BuiltinMaterial, Material, WALL_COUNT, WALL_NAMES};
 pub use motion::{Driver, Motion};
 pub use named_values::NamedValue;

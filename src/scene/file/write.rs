@@ -1,8 +1,8 @@
 //! Writes scene files that have a base.
 
 use super::base_scene::{ValueFile, base_beside};
-use super::raw_fields::RawFields;
 use super::serialise::{listeners, sources};
+use super::text::RawFields;
 use super::{folder_of, options, text_of};
 use crate::scene::notation::Written;
 use crate::scene::{BUILTIN_NAMES, Scene, SceneError};
@@ -19,53 +19,28 @@ use std::path::{Component, Path, PathBuf};
 pub struct BasedScene {
     base: String,
     /// The text of each field except the values.
-    fields: BTreeMap<Field, String>,
+    fields: BTreeMap<&'static str, String>,
     values: BTreeMap<String, f32>,
 }
 
-/// A field of a scene file with a base; they are written in this order.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Field {
-    Name,
-    Materials,
-    Air,
-    Source,
-    Sources,
-    Listener,
-    Listeners,
-}
-
-impl Field {
-    const ALL: [Field; 7] = [
-        Field::Name,
-        Field::Materials,
-        Field::Air,
-        Field::Source,
-        Field::Sources,
-        Field::Listener,
-        Field::Listeners,
-    ];
-
-    fn name(self) -> &'static str {
-        match self {
-            Field::Name => "name",
-            Field::Materials => "materials",
-            Field::Air => "air",
-            Field::Source => "source",
-            Field::Sources => "sources",
-            Field::Listener => "listener",
-            Field::Listeners => "listeners",
-        }
-    }
-}
+/// The fields of a scene file with a base, in the order in which they are written.
+const FIELDS: [&str; 7] = [
+    "name",
+    "materials",
+    "air",
+    "source",
+    "sources",
+    "listener",
+    "listeners",
+];
 
 /// The fields of a source that remain when it is moved.
 #[derive(Default, Deserialize)]
 #[serde(rename = "Source")]
 struct KeptSource<'a> {
-    #[serde(borrow, default)]
+    #[serde(borrow)]
     name: Option<&'a RawValue>,
-    #[serde(borrow, default)]
+    #[serde(borrow)]
     level_db: Option<&'a RawValue>,
 }
 
@@ -73,7 +48,7 @@ struct KeptSource<'a> {
 #[derive(Default, Deserialize)]
 #[serde(rename = "Listener")]
 struct KeptListener<'a> {
-    #[serde(borrow, default)]
+    #[serde(borrow)]
     name: Option<&'a RawValue>,
 }
 
@@ -107,8 +82,8 @@ impl BasedScene {
     /// The content of a file; `None` if it has no base.
     fn read(text: &str) -> Option<BasedScene> {
         let said = RawFields::of(text)?;
-        let fields = Field::ALL.into_iter().filter_map(|field| {
-            let value = said.get(field.name())?;
+        let fields = FIELDS.into_iter().filter_map(|field| {
+            let value = said.get(field)?;
             Some((field, value.trim().to_string()))
         });
         let values: Vec<ValueFile> = match said.get("values") {
@@ -125,25 +100,25 @@ impl BasedScene {
     /// Moves the first source to its place in `scene`, without a path. The other sources of `scene`
     /// must be those of this file.
     pub fn put_source(&mut self, scene: &Scene) {
-        if let Some(list) = self.fields.get_mut(&Field::Sources) {
+        if let Some(list) = self.fields.get_mut("sources") {
             *list = in_ron(&sources(scene));
             return;
         }
-        let kept: KeptSource = self.said(Field::Source);
+        let kept: KeptSource = self.said("source");
         let kept = again([("name", kept.name), ("level_db", kept.level_db)]);
         let position = point(scene.source.position);
         let text = format!("Source({kept}position: {position})");
-        self.fields.insert(Field::Source, text);
+        self.fields.insert("source", text);
     }
 
     /// Gives the first listener the position and direction that it has in `scene`, without a path.
     /// The other listeners of `scene` must be those of this file.
     pub fn put_listener(&mut self, scene: &Scene) {
-        if let Some(list) = self.fields.get_mut(&Field::Listeners) {
+        if let Some(list) = self.fields.get_mut("listeners") {
             *list = in_ron(&listeners(scene));
             return;
         }
-        let kept: KeptListener = self.said(Field::Listener);
+        let kept: KeptListener = self.said("listener");
         let kept = again([("name", kept.name)]);
         let listener = &scene.listener;
         let text = format!(
@@ -153,12 +128,12 @@ impl BasedScene {
             listener.pitch.to_degrees(),
             listener.radius
         );
-        self.fields.insert(Field::Listener, text);
+        self.fields.insert("listener", text);
     }
 
     /// The file's value of a field; the default if the file leaves it to the base.
-    fn said<'a, T: Deserialize<'a> + Default>(&'a self, field: Field) -> T {
-        let said = self.fields.get(&field).map_or("()", String::as_str);
+    fn said<'a, T: Deserialize<'a> + Default>(&'a self, field: &str) -> T {
+        let said = self.fields.get(field).map_or("()", String::as_str);
         // Fields that were parsed before have this form.
         options().from_str(said).unwrap_or_default()
     }
@@ -176,8 +151,10 @@ impl BasedScene {
             let _ = writeln!(text, "// {line}");
         }
         let _ = writeln!(text, "Scene(\n    base: {},", quoted(&self.base));
-        for (field, value) in &self.fields {
-            let _ = writeln!(text, "    {}: {value},", field.name());
+        for field in FIELDS {
+            if let Some(value) = self.fields.get(field) {
+                let _ = writeln!(text, "    {field}: {value},");
+            }
         }
         if !self.values.is_empty() {
             text.push_str("    values: [\n");

@@ -3,7 +3,7 @@
 use super::part::{Notation, parameters};
 use super::{Part, Properties, Rotate, Shape, SurfaceKind};
 use crate::scene::SceneError;
-use crate::scene::notation::{Length, Number, Radius, Reader};
+use crate::scene::notation::{Length, Number, Radius, Reader, checked};
 use glam::{DVec2, DVec3, Vec3};
 use serde::Deserialize;
 
@@ -25,10 +25,10 @@ pub(crate) struct File {
     axis: Axis,
 }
 
-/// Unit vector along a cylinder.
-#[derive(Deserialize)]
-#[serde(try_from = "AxisSaid")]
-struct Axis(Vec3);
+checked! {
+    /// Unit vector along a cylinder.
+    Axis(Vec3) from AxisSaid: unit_vector;
+}
 
 #[derive(Deserialize)]
 #[serde(
@@ -53,22 +53,15 @@ impl Default for Axis {
     }
 }
 
-impl TryFrom<AxisSaid> for Axis {
-    type Error = String;
-    fn try_from(said: AxisSaid) -> Result<Axis, String> {
-        let vector = match said {
-            AxisSaid::Letter(Letter::X) => Vec3::X,
-            AxisSaid::Letter(Letter::Y) => Vec3::Y,
-            AxisSaid::Letter(Letter::Z) => Vec3::Z,
-            AxisSaid::Vector(x, y, z) => Vec3::new(x, y, z),
-        };
-        match vector.try_normalize() {
-            Some(axis) => Ok(Axis(axis)),
-            None => Err(format!(
-                "an axis must be finite and not of length 0, as {vector} is"
-            )),
-        }
-    }
+fn unit_vector(said: AxisSaid) -> Result<Vec3, String> {
+    let vector = match said {
+        AxisSaid::Letter(Letter::X) => Vec3::X,
+        AxisSaid::Letter(Letter::Y) => Vec3::Y,
+        AxisSaid::Letter(Letter::Z) => Vec3::Z,
+        AxisSaid::Vector(x, y, z) => Vec3::new(x, y, z),
+    };
+    let axis = vector.try_normalize();
+    axis.ok_or_else(|| format!("an axis must be finite and not of length 0, as {vector} is"))
 }
 
 impl Notation for Cylinder {
