@@ -11,7 +11,6 @@ mod surfaces;
 #[cfg(test)]
 mod tests;
 mod text;
-mod write;
 
 use super::check::NOT_A_ROOM;
 use super::{BUILTIN_NAMES, Scene, SceneError};
@@ -31,9 +30,7 @@ use surfaces::{AirFile, MaterialFile, Materials, SurfaceFile};
 use text::{Modern, Place, Refused};
 
 #[doc(hidden)]
-pub use base_scene::bases_of;
-#[doc(hidden)]
-pub use write::BasedScene;
+pub use base_scene::{BasedScene, bases_of};
 
 /// Maximum size of a scene file in bytes: 100,000 key frames are 2 MB, and the content of a text of
 /// this size (a shape in six bytes) fits into a gigabyte of memory.

@@ -9,8 +9,7 @@ pub(crate) use numbers::{
     Point, Radius, Rate, ReadNumbers, Reader, Share, Side, Size, Unit, Vector,
 };
 
-use super::builtin::FIELDS;
-use super::{HeightImage, SceneError, UserField};
+use super::{FIELDS, HeightImage, SceneError, UserField};
 use crate::file_input::read_text;
 use crate::text::in_a_line;
 use glam::Vec3;

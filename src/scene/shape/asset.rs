@@ -346,7 +346,7 @@ impl UserField {
 
     /// Whether the text is built into the program.
     pub(crate) fn is_own(&self) -> bool {
-        crate::scene::builtin::is_own_text(&self.text)
+        crate::scene::is_own_text(&self.text)
     }
 
     /// The value interpolated from the samples (trilinear), clamped to the box; 0 before there are
