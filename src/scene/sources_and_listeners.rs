@@ -165,14 +165,11 @@ impl Scene {
         let to = self.listeners().nth(listener);
         let to = to.ok_or_else(|| none("listener", listener, self.listeners().count()))?;
         Ok(Scene {
-            name: self.name.clone(),
-            surfaces: self.surfaces.clone(),
-            materials: self.materials.clone(),
-            air: self.air,
             source: from.clone(),
             listener: to.clone(),
             further_sources: Vec::new(),
             further_listeners: Vec::new(),
+            ..self.clone()
         })
     }
 

@@ -47,14 +47,11 @@ impl Scene {
             let checked = surface.shape.check();
             checked.map_err(|why| self.bad_field(&surface.label(index), why))?;
         }
-        self.at_checked_times(Scene::check_growth)
-    }
-
-    /// Checks the stated Lipschitz constants at one of `times` times; with many times, fewer points
-    /// are tried at each.
-    fn check_growth(&self, label: &str, surface: &Surface, times: usize) -> Result<(), SceneError> {
-        let checked = surface.shape.check_growth_at_one_of(times);
-        checked.map_err(|why| self.bad_field(label, why))
+        // With many times, fewer points are tried at each.
+        self.at_checked_times(|scene, label, posed, times| {
+            let checked = posed.shape.check_growth_at_one_of(times);
+            checked.map_err(|why| scene.bad_field(label, why))
+        })
     }
 
     /// Checks every number: cheap, for every frame of a scene that moves or was written in
@@ -70,7 +67,9 @@ impl Scene {
             });
         }
         for (index, surface) in self.surfaces.iter().enumerate() {
-            self.validate_surface(&surface.label(index), surface)?;
+            let label = surface.label(index);
+            self.validate_pose(&label, surface)?;
+            self.validate_drivers(&label, surface)?;
         }
         self.validate_sound()
     }
@@ -123,11 +122,6 @@ impl Scene {
         Ok(())
     }
 
-    fn validate_surface(&self, label: &str, surface: &Surface) -> Result<(), SceneError> {
-        self.validate_pose(label, surface)?;
-        self.validate_drivers(label, surface)
-    }
-
     /// Checks the current numbers.
     fn validate_pose(&self, label: &str, surface: &Surface) -> Result<(), SceneError> {
         self.finite(&format!("{label}: position"), surface.position)?;
@@ -175,7 +169,11 @@ impl Scene {
     }
 
     fn bad_field(&self, label: &str, why: String) -> SceneError {
-        let why = without_kind(label, why);
+        // The label of a user's field contains its kind already.
+        let why = match why.strip_prefix("Field: ") {
+            Some(rest) if label.ends_with("(Field)") => rest.to_owned(),
+            _ => why,
+        };
         SceneError::BadField {
             scene: self.name.clone(),
             surface: label.to_owned(),
@@ -211,18 +209,6 @@ impl Surface {
     /// Number of nodes in its tree.
     fn nodes(&self) -> usize {
         self.shape.nodes().len()
-    }
-}
-
-/// The message about a user's field without the kind of the surface, which `label` already
-/// contains: it begins with the field's file.
-fn without_kind(label: &str, why: String) -> String {
-    match why
-        .strip_prefix("Field: ")
-        .filter(|_| label.ends_with("(Field)"))
-    {
-        Some(rest) => rest.to_owned(),
-        None => why,
     }
 }
 

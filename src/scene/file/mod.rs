@@ -229,9 +229,9 @@ fn check_materials(scene: &Scene) -> Result<(), Refused> {
     Ok(())
 }
 
-/// The message for an error in this text, in terms of the notation, if the error is about a shape, an operator, or another part that
-/// has a name and fields. RON's own message reports what its parser expected; the author of `Sphere(1)` or `Air(20)` needs
-/// to know the correct notation.
+/// The message for an error in this text, in terms of the notation, if the error is about a shape, an operator, or
+/// another part that has a name and fields. RON's own message reports what its parser expected; the author of `Sphere(1)`
+/// or `Air(20)` needs to know the correct notation.
 fn about_part(text: &str, error: &SpannedError) -> Option<String> {
     match &error.code {
         Error::NoSuchEnumVariant { found, outer, .. } if outer.as_deref() == Some("Shape") => {

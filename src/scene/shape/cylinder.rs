@@ -1,6 +1,6 @@
 //! Cylinders: an infinite one, and one with plane ends. A scene file writes both as `Cylinder`.
 
-use super::part::{Notation, parameters};
+use super::part::{Notation, half, parameters};
 use super::{Part, Properties, Rotate, Shape, SurfaceKind};
 use crate::scene::SceneError;
 use crate::scene::notation::{Length, Number, Radius, Reader, checked};
@@ -120,10 +120,6 @@ impl Part for Cylinder {
     fn value(&self, _: &[Shape], p: DVec3) -> f64 {
         DVec2::new(p.x, p.z).length() - f64::from(self.radius)
     }
-
-    fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
-        vec![self.radius.into()]
-    }
 }
 
 /// A finite cylinder about y.
@@ -142,22 +138,16 @@ parameters!(CappedCylinder {
 
 impl Part for CappedCylinder {
     fn properties(&self, _: &[Shape]) -> Properties {
-        Properties::round(self.radius, self.half_height())
+        Properties::round(self.radius, half(self.height))
     }
 
     fn value(&self, _: &[Shape], p: DVec3) -> f64 {
         let ring = DVec2::new(p.x, p.z).length() - f64::from(self.radius);
-        corner_value(DVec2::new(ring, p.y.abs() - self.half_height()))
+        corner_value(DVec2::new(ring, p.y.abs() - half(self.height)))
     }
 
     fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
-        vec![self.radius.into(), self.half_height()]
-    }
-}
-
-impl CappedCylinder {
-    fn half_height(&self) -> f64 {
-        0.5 * f64::from(self.height)
+        vec![self.radius.into(), half(self.height)]
     }
 }
 

@@ -5,8 +5,8 @@
 //! tree state whether its value is the distance to the surface, a bound of it, or only Lipschitz
 //! (Hart 1996, section 3), the bounds of the solid, and whether it is convex.
 //!
-//! Each shape and operator has a file of its own here, and one under `glsl/`; `list` names them
-//! all.
+//! Each shape has a file of its own here, the operators are in `operator`, and each has a file under `glsl/`; `list`
+//! names them all.
 //!
 //! Theory: Hart 1996, "Sphere tracing"; Quilez, "distance functions", for the operators' customary
 //! names. Values here are computed in `f64`, independently of the shader's text, so that the two

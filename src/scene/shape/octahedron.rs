@@ -25,10 +25,6 @@ impl Part for Octahedron {
     fn value(&self, _: &[Shape], p: DVec3) -> f64 {
         (p.abs().element_sum() - f64::from(self.radius)) / 3f64.sqrt()
     }
-
-    fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
-        vec![self.radius.into()]
-    }
 }
 
 #[cfg(test)]

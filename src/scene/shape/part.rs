@@ -82,9 +82,11 @@ pub(crate) trait Part: Parameters {
     fn value(&self, children: &[Shape], p: DVec3) -> f64;
 
     /// The numbers that the shader's text uses, in its order, derived from the parameters (halves,
-    /// squares, sines).
+    /// squares, sines); without any derived ones, the parameters themselves.
     fn shader_numbers(&self, _children: &[Shape]) -> Vec<f64> {
-        Vec::new()
+        let mut numbers = Vec::new();
+        self.each_number(&mut |_, number| numbers.push(number.into()));
+        numbers
     }
 
     /// Number of components of each argument of its shader functions.
@@ -101,6 +103,11 @@ pub(crate) trait Part: Parameters {
     fn stated_lipschitz(&self) -> Option<f32> {
         None
     }
+}
+
+/// Half of a full length in metres.
+pub(super) fn half(length: f32) -> f64 {
+    0.5 * f64::from(length)
 }
 
 /// The greatest slowness of some trees, at least 1.

@@ -2,7 +2,7 @@
 
 use super::cone::segment_distance;
 use super::cylinder::corner_value;
-use super::part::part;
+use super::part::{half, part};
 use super::{Bounds3, Part, Properties, Shape, SurfaceKind};
 use glam::{DVec2, DVec3, Vec2};
 
@@ -36,7 +36,7 @@ impl Part for Prism {
     }
 
     fn properties(&self, _: &[Shape]) -> Properties {
-        let half = self.half_depth();
+        let half = half(self.depth);
         let ends = self.flat().map(|c| [c.extend(-half), c.extend(half)]);
         Properties {
             bounds: Bounds3::of_points(ends.into_iter().flatten()),
@@ -47,7 +47,7 @@ impl Part for Prism {
 
     fn value(&self, _: &[Shape], p: DVec3) -> f64 {
         let flat = triangle_value(p.truncate(), self.flat());
-        corner_value(DVec2::new(flat, p.z.abs() - self.half_depth()))
+        corner_value(DVec2::new(flat, p.z.abs() - half(self.depth)))
     }
 
     /// The corners in counter-clockwise order, and half the depth.
@@ -57,7 +57,7 @@ impl Part for Prism {
             true => (c, b),
             false => (b, c),
         };
-        vec![a.x, a.y, b.x, b.y, c.x, c.y, self.half_depth()]
+        vec![a.x, a.y, b.x, b.y, c.x, c.y, half(self.depth)]
     }
 
     fn arguments(&self) -> &'static [usize] {
@@ -68,10 +68,6 @@ impl Part for Prism {
 impl Prism {
     fn flat(&self) -> [DVec2; 3] {
         self.corners.map(|corner| corner.as_dvec2())
-    }
-
-    fn half_depth(&self) -> f64 {
-        0.5 * f64::from(self.depth)
     }
 }
 

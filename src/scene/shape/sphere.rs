@@ -28,8 +28,4 @@ impl Part for Sphere {
     fn value(&self, _: &[Shape], p: DVec3) -> f64 {
         p.length() - f64::from(self.radius)
     }
-
-    fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
-        vec![self.radius.into()]
-    }
 }

@@ -36,8 +36,4 @@ impl Part for Torus {
         let from_axis = DVec2::new(p.x, p.z).length();
         (from_axis - f64::from(self.ring)).hypot(p.y) - f64::from(self.tube)
     }
-
-    fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
-        vec![self.ring.into(), self.tube.into()]
-    }
 }

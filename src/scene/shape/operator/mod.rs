@@ -9,7 +9,7 @@ pub use repeat::Repeat;
 pub use single::{Complement, Elongate, Mirror, Offset, Rotate, Scale, Shell, Translate};
 pub use turning::{Bend, Twist};
 
-use super::part::{part, slowest};
+use super::part::{half, part, slowest};
 use super::properties::{hull, merged};
 use super::{Bounds3, Exactness, Node, Part, Properties, Shape, ShapeFile, SurfaceKind};
 use glam::{DVec3, Vec3};
@@ -133,10 +133,6 @@ impl Part for SmoothUnion {
             smooth_min(a, b, self.radius.into())
         })
     }
-
-    fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
-        vec![self.radius.into()]
-    }
 }
 
 /// The polynomial smooth minimum (Quilez): a quarter of `radius` lower where both are equal.
@@ -162,10 +158,6 @@ impl Part for Morph {
     fn value(&self, children: &[Shape], p: DVec3) -> f64 {
         let (from, to) = (children[0].value(p), children[1].value(p));
         from + (to - from) * f64::from(self.amount)
-    }
-
-    fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
-        vec![self.amount.into()]
     }
 }
 

@@ -1,6 +1,8 @@
 //! Operators on one field: it is moved, turned, scaled or mirrored, or its surface is moved along its normals.
 
-use super::{Bounds3, Exactness, Part, Properties, Shape, ShapeFile, SurfaceKind, part, slowest};
+use super::{
+    Bounds3, Exactness, Part, Properties, Shape, ShapeFile, SurfaceKind, half, part, slowest,
+};
 use crate::scene::notation::{Fields, Written};
 use glam::{DMat3, DVec3, EulerRot, Vec3};
 use serde::de::{Deserialize, Deserializer, Error};
@@ -33,10 +35,6 @@ impl Part for Translate {
 
     fn value(&self, children: &[Shape], p: DVec3) -> f64 {
         children[0].value(p - self.by.as_dvec3())
-    }
-
-    fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
-        self.by.as_dvec3().to_array().to_vec()
     }
 }
 
@@ -112,10 +110,6 @@ impl Part for Scale {
     fn value(&self, children: &[Shape], p: DVec3) -> f64 {
         let by = f64::from(self.by);
         children[0].value(p / by) * by
-    }
-
-    fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
-        vec![self.by.into()]
     }
 }
 
@@ -241,7 +235,7 @@ part! {
 impl Part for Shell {
     fn properties(&self, children: &[Shape]) -> Properties {
         let of = children[0].properties();
-        let reach = slowest(children) * self.half();
+        let reach = slowest(children) * half(self.thickness);
         Properties {
             in_air: Exactness::worst([of.in_air, of.in_solid].into_iter(), of.lipschitz),
             in_solid: Exactness::bound(of.lipschitz),
@@ -256,17 +250,11 @@ impl Part for Shell {
     }
 
     fn value(&self, children: &[Shape], p: DVec3) -> f64 {
-        children[0].value(p).abs() - self.half()
+        children[0].value(p).abs() - half(self.thickness)
     }
 
     fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
-        vec![self.half()]
-    }
-}
-
-impl Shell {
-    fn half(&self) -> f64 {
-        0.5 * f64::from(self.thickness)
+        vec![half(self.thickness)]
     }
 }
 
@@ -310,10 +298,6 @@ impl Part for Offset {
     fn value(&self, children: &[Shape], p: DVec3) -> f64 {
         children[0].value(p) - f64::from(self.by)
     }
-
-    fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
-        vec![self.by.into()]
-    }
 }
 
 part! {
@@ -352,9 +336,5 @@ impl Part for Elongate {
     fn value(&self, children: &[Shape], p: DVec3) -> f64 {
         let by = self.by.as_dvec3();
         children[0].value(p - p.clamp(-by, by))
-    }
-
-    fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
-        self.by.as_dvec3().to_array().to_vec()
     }
 }

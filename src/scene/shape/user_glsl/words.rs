@@ -244,7 +244,7 @@ pub fn is_selection(word: &str) -> bool {
 
 /// The reason why a field cannot contain a word, if there is one.
 pub fn refusal(word: &str) -> Option<String> {
-    if GIVEN.contains(&word) {
+    if GIVEN.contains(&word) || is_opaque(word) {
         return Some(format!(
             "'{word}' is not allowed: the only input of a field is its point"
         ));
@@ -255,11 +255,6 @@ pub fn refusal(word: &str) -> Option<String> {
     if word.starts_with("gl_") || word.starts_with("GL_") || BEYOND.contains(&word) {
         return Some(format!(
             "'{word}' belongs to a whole shader: the only input of a field is its point"
-        ));
-    }
-    if is_opaque(word) {
-        return Some(format!(
-            "'{word}' is not allowed: the only input of a field is its point"
         ));
     }
     if RESERVED.contains(&word) {
