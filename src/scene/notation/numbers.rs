@@ -43,8 +43,19 @@ fn finite(what: &str, value: f32) -> Result<f32, String> {
     Err(format!("{what} must be finite, not {value}"))
 }
 
+fn angle(degrees: f32) -> Result<f32, String> {
+    finite("an angle in degrees", degrees).map(f32::to_radians)
+}
+
+fn share(value: f32) -> Result<f32, String> {
+    if (0.0..=1.0).contains(&value) {
+        return Ok(value);
+    }
+    Err(format!("a share must be 0 to 1, not {value}"))
+}
+
 macro_rules! units {
-    ($($(#[$doc:meta])* $unit:ident = $quantity:ident, $check:ident($what:literal);)*) => {$(
+    ($($(#[$doc:meta])* $unit:ident = $quantity:ident, $check:ident($($what:literal)?);)*) => {$(
         $(#[$doc])*
         pub(crate) struct $unit;
 
@@ -52,7 +63,7 @@ macro_rules! units {
             const QUANTITY: Quantity = Quantity::$quantity;
 
             fn read(value: f32) -> Result<f32, String> {
-                $check($what, value)
+                $check($($what,)? value)
             }
         }
     )*};
@@ -71,42 +82,12 @@ units! {
     Metres = Position, finite("a position in metres");
     /// Any number.
     Plain = Plain, finite("a number");
-}
-
-/// An angle: degrees in the file, radians in the code.
-pub(crate) struct Angle;
-
-impl Unit for Angle {
-    const QUANTITY: Quantity = Quantity::Angle;
-
-    fn read(value: f32) -> Result<f32, String> {
-        finite("an angle in degrees", value).map(f32::to_radians)
-    }
-}
-
-/// A turn per length: degrees a metre in the file, radians a metre in the code.
-pub(crate) struct Rate;
-
-impl Unit for Rate {
-    const QUANTITY: Quantity = Quantity::Rate;
-
-    fn read(value: f32) -> Result<f32, String> {
-        Angle::read(value)
-    }
-}
-
-/// From 0 to 1.
-pub(crate) struct Share;
-
-impl Unit for Share {
-    const QUANTITY: Quantity = Quantity::Share;
-
-    fn read(value: f32) -> Result<f32, String> {
-        if (0.0..=1.0).contains(&value) {
-            return Ok(value);
-        }
-        Err(format!("a share must be 0 to 1, not {value}"))
-    }
+    /// An angle: degrees in the file, radians in the code.
+    Angle = Angle, angle();
+    /// A turn per length: degrees a metre in the file, radians a metre in the code.
+    Rate = Rate, angle();
+    /// From 0 to 1.
+    Share = Share, share();
 }
 
 /// A number of a surface, in the unit of the code.
@@ -381,7 +362,7 @@ checked! {
     };
     /// An angle in degrees that does not move, kept in radians.
     #[derive(Clone, Copy, Default)]
-    pub(crate) Degrees(f32) from f32: Angle::read;
+    pub(crate) Degrees(f32) from f32: angle;
     /// A radius in metres that does not move, finite and greater than 0.
     #[derive(Clone, Copy)]
     pub(crate) FixedRadius(f32) from f32: Radius::read;

@@ -101,10 +101,6 @@ parameters!(Cylinder {
 });
 
 impl Part for Cylinder {
-    fn is_basic(&self) -> bool {
-        true
-    }
-
     fn surface_kind(&self) -> SurfaceKind {
         SurfaceKind::SMOOTH
     }

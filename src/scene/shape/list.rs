@@ -43,13 +43,6 @@ macro_rules! parts {
             fn from(part: super::$part) -> Node {
                 Node::$part(part)
             }
-        }
-
-        $(#[$attr])*
-        impl From<super::$part> for Shape {
-            fn from(part: super::$part) -> Shape {
-                Shape::from(Node::$part(part))
-            }
         })*
 
         /// The form of a shape or an operator in a scene file.

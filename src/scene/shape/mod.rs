@@ -108,12 +108,9 @@ pub struct Shape {
 /// let bowl = ball.shell(0.2).minus([slab.translate(Vec3::Y * 2.0)]);
 /// assert!(bowl.value(glam::DVec3::ZERO) > 0.0);
 /// ```
-impl From<Node> for Shape {
-    fn from(node: Node) -> Shape {
-        Shape {
-            node,
-            children: Vec::new(),
-        }
+impl<N: Into<Node>> From<N> for Shape {
+    fn from(node: N) -> Shape {
+        Shape::over(node, [])
     }
 }
 
@@ -145,7 +142,11 @@ impl Shape {
     /// sphere or a cylinder. Their sizes are passed to the shader relative to the listener, with
     /// every frame; the numbers of all other trees are in its text.
     pub fn is_basic(&self) -> bool {
-        self.node.part().is_basic()
+        use Node::{Cuboid, Cylinder, Plane, Room, Sphere};
+        matches!(
+            self.node,
+            Plane(_) | Cuboid(_) | Room(_) | Sphere(_) | Cylinder(_)
+        )
     }
 
     /// Whether it is a single shape with plane faces only.

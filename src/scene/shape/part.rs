@@ -19,11 +19,6 @@ pub(crate) trait Part: Parameters {
         Fields::new()
     }
 
-    /// Whether it is one of the thesis' five shapes: [`Shape::is_basic`].
-    fn is_basic(&self) -> bool {
-        false
-    }
-
     /// The kind of its surface; for an operator, if its children's surfaces are of that kind.
     fn surface_kind(&self) -> SurfaceKind {
         SurfaceKind::GENERAL

@@ -10,10 +10,6 @@ part! {
 }
 
 impl Part for Plane {
-    fn is_basic(&self) -> bool {
-        true
-    }
-
     fn surface_kind(&self) -> SurfaceKind {
         SurfaceKind::PLANE
     }

@@ -13,10 +13,6 @@ part! {
 }
 
 impl Part for Room {
-    fn is_basic(&self) -> bool {
-        true
-    }
-
     fn surface_kind(&self) -> SurfaceKind {
         SurfaceKind::FLAT
     }

@@ -13,10 +13,6 @@ part! {
 }
 
 impl Part for Sphere {
-    fn is_basic(&self) -> bool {
-        true
-    }
-
     fn surface_kind(&self) -> SurfaceKind {
         SurfaceKind::SMOOTH
     }
