@@ -1,11 +1,13 @@
-//! Errors of scenes.
+//! Errors of scenes, and warnings about odd scenes that can still be traced.
 //!
-//! The messages are written where the check is: the syntax of a file in `crate::ron_error` and `scene/file/hints.rs`; a
-//! number's range in `scene/shape/parameter.rs` and `scene/notation/numbers.rs`; a shape in `scene/shape/check.rs` and
-//! its own file; names, materials and the scene as a whole in `scene/check/`; what is too large for a renderer in
+//! The messages are written where the check is: the syntax of a file in `crate::ron_error` and `scene/file/mod.rs`; a
+//! number's range in `scene/shape/part.rs` and `scene/notation/numbers.rs`; a shape in `scene/shape/mod.rs` and
+//! its own file; names, materials and the scene as a whole in `scene/check/`; sizes too large for a renderer in
 //! `kernel/structure.rs`.
 
+use super::WALL_NAMES;
 use crate::file_input::{InputError, MalformedText};
+use std::fmt;
 use std::path::{Path, PathBuf};
 
 /// The reason why a scene cannot be used.
@@ -121,7 +123,7 @@ pub enum SceneError {
     /// A room has no wall of this number.
     #[error(
         "a room has no wall number {wall}: they are counted from 0, {}",
-        super::WALL_NAMES.join(", ")
+        WALL_NAMES.join(", ")
     )]
     NoSuchWall {
         /// The requested number, from 0.
@@ -167,7 +169,7 @@ pub enum SceneError {
 fn may_be_meant(why: &InputError, path: &Path) -> String {
     match why {
         InputError::Io(error) if error.kind() == std::io::ErrorKind::NotFound => {
-            super::builtin::built_in_of(path)
+            super::built_in_of(path)
         }
         _ => String::new(),
     }
@@ -182,6 +184,147 @@ impl SceneError {
                 seconds,
                 refused: Box::new(refused),
             },
+        }
+    }
+}
+
+/// Maximum number of surfaces that one message lists.
+const MOST_LISTED: usize = 6;
+
+/// The first labels of a list, and the number of further ones.
+fn listed(labels: &[String]) -> String {
+    let (listed, more) = labels.split_at(labels.len().min(MOST_LISTED));
+    match more.len() {
+        0 => listed.join(", "),
+        count => format!("{} and {count} more", listed.join(", ")),
+    }
+}
+
+/// An oddity of a scene that can still be traced.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Warning {
+    /// The source is in a solid: it cannot be heard.
+    SourceInsideSurface {
+        /// The source, as messages name it: `the source`, `source 2 (flute)`.
+        source: String,
+        /// The surface, or the solid around a room.
+        surface: String,
+        /// Depth in metres.
+        depth: f32,
+    },
+    /// The source is within the listener's sphere: each wave of a frame ends where it starts.
+    SourceInsideListener {
+        /// The source, as messages name it.
+        source: String,
+        /// The listener, as messages name it.
+        listener: String,
+        /// Distance of the source from the listener's centre, in metres.
+        distance: f32,
+        /// Radius of the listener, in metres.
+        radius: f32,
+    },
+    /// The centre of the listener is in a solid.
+    ListenerInsideSurface {
+        /// The listener, as messages name it.
+        listener: String,
+        /// The surface, or the solid around a room.
+        surface: String,
+        /// Depth in metres.
+        depth: f32,
+    },
+    /// Several rooms: each is solid outside, and fills the others except for the space inside all of them.
+    RoomsFillEachOther {
+        /// Their labels: `1`, `surface 2 (Room)`.
+        rooms: Vec<String>,
+    },
+    /// Surfaces and walls without a material, in a scene where others have one: they reflect all
+    /// sound, which makes decays longer.
+    NoMaterial {
+        /// Labels of the surfaces and walls: `1/floor`, `surface 2 (Sphere)`.
+        surfaces: Vec<String>,
+    },
+    /// A user's field whose samples in its box are all solid or all air.
+    OneSided {
+        /// The surface.
+        surface: String,
+        /// The field's file.
+        file: String,
+        /// Whether it is solid at every sample; otherwise it is air at every sample.
+        solid: bool,
+    },
+}
+
+/// Metres rounded to millimetres.
+fn to_millimetres(metres: f32) -> f64 {
+    (1e3 * f64::from(metres)).round() / 1e3
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Warning::SourceInsideSurface {
+                source,
+                surface,
+                depth,
+            } => {
+                write!(
+                    f,
+                    "{source} is {} m inside {surface}: nothing of it is heard",
+                    to_millimetres(*depth)
+                )
+            }
+            Warning::SourceInsideListener {
+                source,
+                listener,
+                distance,
+                radius,
+            } => write!(
+                f,
+                "{source} is {distance} m from {listener}'s centre, inside its sphere of {radius} m: a frame's waves end where they start, so it has no balance of left and right"
+            ),
+            Warning::ListenerInsideSurface {
+                listener,
+                surface,
+                depth,
+            } => {
+                write!(
+                    f,
+                    "{listener}'s centre is {} m inside {surface}: few waves reach it, and no exact path",
+                    to_millimetres(*depth)
+                )
+            }
+            Warning::RoomsFillEachOther { rooms } => write!(
+                f,
+                "{} fill each other: all outside of a Room is solid; write rooms that are joined as one surface, Complement(of: Union(of: [Box(…), Box(…)]))",
+                listed(rooms)
+            ),
+            Warning::NoMaterial { surfaces } => {
+                let verb = match surfaces.len() {
+                    1 => "has no material and reflects",
+                    _ => "have no material and reflect",
+                };
+                write!(
+                    f,
+                    "{} {verb} all sound, so that decays are too long: give each surface a material",
+                    listed(surfaces)
+                )
+            }
+            Warning::OneSided {
+                surface,
+                file,
+                solid,
+            } => {
+                let (all, sign) = if *solid {
+                    ("solid", "negative")
+                } else {
+                    ("air", "positive")
+                };
+                write!(
+                    f,
+                    "{surface}: {file} is all {all}: its value is {sign} at every sample in its box"
+                )
+            }
         }
     }
 }

@@ -8,48 +8,38 @@
 //! World axes: x to the right, y up, z towards the viewer (right-handed).
 //! World units are metres, angles are radians in code and degrees in files.
 
-mod air;
-mod builtin;
 mod check;
-mod distance;
 mod driven_numbers;
 mod error;
 mod file;
-mod file_watch;
 mod material;
 mod motion;
-mod named_values;
 mod notation;
-mod path;
-mod quantity;
 pub mod shape;
-mod source_listener_pairs;
+mod sources_and_listeners;
 mod surface;
 
-pub use air::{Air, USUAL_SPEED_OF_SOUND};
-pub use builtin::BUILTIN_NAMES;
-pub use check::Warning;
-pub use distance::Nearest;
-pub use error::SceneError;
+pub use driven_numbers::NamedValue;
+pub use error::{SceneError, Warning};
 #[doc(hidden)]
 pub use file::BasedScene;
+pub(crate) use file::SceneWatch;
 #[doc(hidden)]
 pub use file::bases_of;
-pub(crate) use file_watch::SceneWatch;
-pub use material::{BUILTIN_MATERIALS, BuiltinMaterial, Material, WALL_COUNT, WALL_NAMES};
-pub use motion::{Driver, Motion};
-pub use named_values::NamedValue;
-pub use path::{Key, Path};
-pub use quantity::Quantity;
+pub use material::{
+    Air, BUILTIN_MATERIALS, BuiltinMaterial, Material, USUAL_SPEED_OF_SOUND, WALL_COUNT, WALL_NAMES,
+};
+pub use motion::{Driver, Key, Motion, Path, Quantity};
 pub use shape::{Bounds3, Exactness, HeightImage, Node, Properties, Shape, UserField};
 pub(crate) use shape::{Copies, UserSamples, halton};
-pub use surface::Surface;
+pub use sources_and_listeners::{Listener, Source};
+pub use surface::{Nearest, Surface};
 
 use crate::bands::Bands;
 use crate::scene::shape::{Asset, Room};
 use glam::Vec3;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{self, PathBuf};
 use std::sync::Arc;
 
 /// Eight units in the last place, as a share of the largest number in the computation of a
@@ -97,38 +87,6 @@ pub struct Scene {
     pub further_sources: Vec<Source>,
     /// Listeners after the first one.
     pub further_listeners: Vec<Listener>,
-}
-
-/// A point that sends waves in all directions.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct Source {
-    /// Name in reports, unique among the sources.
-    pub name: Option<String>,
-    /// Level relative to other sources in decibels.
-    pub level_db: f32,
-    /// World position in metres.
-    pub position: Vec3,
-    /// Positions in time; empty when it stands still.
-    pub path: Path,
-}
-
-/// A sphere that receives waves, and the direction it looks in.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct Listener {
-    /// Name in reports, unique among the listeners.
-    pub name: Option<String>,
-    /// World position of the centre in metres.
-    pub position: Vec3,
-    /// Turn about the vertical in radians, positive to the right; 0 looks along −z.
-    pub yaw: f32,
-    /// Elevation of the gaze in radians, positive upwards.
-    pub pitch: f32,
-    /// Radius of the sphere in metres.
-    pub radius: f32,
-    /// Positions and turns in time; empty when it stands still.
-    pub path: Path,
 }
 
 impl Scene {
@@ -256,77 +214,205 @@ impl Scene {
     }
 }
 
-impl Source {
-    /// A source that stands still at `position` (metres).
-    pub fn at(position: Vec3) -> Source {
-        Source {
-            name: None,
-            level_db: 0.0,
-            position,
-            path: Path::default(),
+macro_rules! built_in {
+    ($($name:literal),* $(,)?) => {
+        &[$((
+            $name,
+            include_str!(concat!("../../examples/scenes/", $name, ".ron")),
+        )),*]
+    };
+}
+
+/// Names and texts of the built-in scenes.
+const BUILTIN: &[(&str, &str)] = built_in![
+    "corner",
+    "obstacles",
+    "open-field",
+    "open-pillars",
+    "shoebox",
+    "whispering-gallery",
+    "parabolic-mirrors",
+    "colonnade",
+    "cave",
+    "morphing-room",
+    "menger",
+    "glasshouse",
+];
+
+/// The GLSL fields that the built-in scenes name.
+pub(super) const FIELDS: &[(&str, &str)] = &[(
+    "menger.glsl",
+    include_str!("../../examples/scenes/menger.glsl"),
+)];
+
+/// Whether a field's text is one of those built into the program.
+pub(super) fn is_own_text(text: &str) -> bool {
+    FIELDS.iter().any(|(_, own)| *own == text)
+}
+
+/// The names that [`Scene::builtin`] knows.
+pub const BUILTIN_NAMES: [&str; BUILTIN.len()] = {
+    let mut names = [""; BUILTIN.len()];
+    let mut index = 0;
+    while index < BUILTIN.len() {
+        names[index] = BUILTIN[index].0;
+        index += 1;
+    }
+    names
+};
+
+impl Scene {
+    /// A built-in scene by its name (see [`BUILTIN_NAMES`]).
+    ///
+    /// ```
+    /// let corner = echomarch::Scene::builtin("corner")?;
+    /// assert_eq!(corner.surfaces.len(), 2);
+    /// # Ok::<(), echomarch::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`SceneError::Unknown`] for any other name.
+    pub fn builtin(name: &str) -> Result<Scene, SceneError> {
+        match BUILTIN.iter().find(|(known, _)| *known == name) {
+            Some((_, text)) => {
+                Scene::from_embedded(text, &format!("built-in scene {name}"), FIELDS)
+            }
+            None => Err(unknown(name, None)),
         }
     }
 
-    /// The same source with a name.
-    pub fn named(mut self, name: impl Into<String>) -> Source {
-        self.name = Some(name.into());
-        self
+    /// The RON text of a built-in scene.
+    pub fn builtin_text(name: &str) -> Option<&'static str> {
+        let known = BUILTIN.iter().find(|(known, _)| *known == name);
+        known.map(|(_, text)| *text)
+    }
+
+    /// Loads a built-in scene by its name, or else a scene file.
+    ///
+    /// A name is looked up among the built-in scenes first; `./corner` is a file.
+    ///
+    /// # Errors
+    /// [`SceneError`]: unknown, unreadable, malformed, or no scene to be heard.
+    pub fn load(name_or_file: &str) -> Result<Scene, SceneError> {
+        Scene::load_in(name_or_file, path::Path::new(""))
+    }
+
+    /// Loads a scene as [`Scene::load`] does, with file names relative to `folder`.
+    pub fn load_in(name_or_file: &str, folder: &path::Path) -> Result<Scene, SceneError> {
+        match named(name_or_file, Some(folder)) {
+            Named::BuiltIn(scene) => scene,
+            Named::File(path) => Scene::from_file(&path),
+            Named::Unknown(error) => Err(error),
+        }
     }
 }
 
-impl Listener {
-    /// A listener that stands still at `position` (metres) and looks along −z.
-    pub fn at(position: Vec3, radius: f32) -> Listener {
-        Listener {
-            name: None,
-            position,
-            yaw: 0.0,
-            pitch: 0.0,
-            radius,
-            path: Path::default(),
-        }
-    }
+/// The scene, file or error that a scene's name leads to.
+pub(super) enum Named {
+    BuiltIn(Result<Scene, SceneError>),
+    File(PathBuf),
+    Unknown(SceneError),
+}
 
-    /// The same listener with a name.
-    pub fn named(mut self, name: impl Into<String>) -> Listener {
-        self.name = Some(name.into());
-        self
+/// Looks up the name of a built-in scene, or else of a file in a folder; without a folder, no file
+/// is looked up.
+pub(super) fn named(name: &str, folder: Option<&path::Path>) -> Named {
+    if BUILTIN_NAMES.contains(&name) {
+        return Named::BuiltIn(Scene::builtin(name));
     }
-
-    /// Unit vector of the viewing direction.
-    pub fn forward(&self) -> Vec3 {
-        let (sin_yaw, cos_yaw) = self.yaw.sin_cos();
-        let (sin_pitch, cos_pitch) = self.pitch.sin_cos();
-        Vec3::new(sin_yaw * cos_pitch, sin_pitch, -cos_yaw * cos_pitch)
+    let Some(folder) = folder else {
+        return Named::Unknown(unknown(name, None));
+    };
+    let (path, place) = (path::Path::new(name), folder.join(name));
+    let looks_like_a_file = path.extension().is_some() || path.components().count() > 1;
+    if looks_like_a_file || place.exists() {
+        return Named::File(place);
     }
+    Named::Unknown(unknown(name, Some(folder)))
+}
 
-    /// Unit vector out of the right ear.
-    pub fn right(&self) -> Vec3 {
-        let (sin_yaw, cos_yaw) = self.yaw.sin_cos();
-        Vec3::new(cos_yaw, 0.0, sin_yaw)
+fn unknown(name: &str, folder: Option<&path::Path>) -> SceneError {
+    let file = || folder.and_then(|folder| file_of(name, folder));
+    SceneError::Unknown {
+        name: name.to_owned(),
+        builtin: BUILTIN_NAMES.join(", "),
+        nearest: nearest(name).map(str::to_owned).or_else(file),
     }
+}
 
-    /// Unit vector out of the top of the head.
-    pub fn up(&self) -> Vec3 {
-        self.right().cross(self.forward())
+/// A scene file whose name without the ending is `name`: in the folder, or among the examples of a
+/// checkout.
+fn file_of(name: &str, folder: &path::Path) -> Option<String> {
+    let file = format!("{name}.ron");
+    let example = format!("examples/scenes/{file}");
+    let mut known = [file, example].into_iter();
+    known.find(|file| folder.join(file).is_file())
+}
+
+/// The built-in scene whose name is closest to `name`, or that has it as a word or a beginning.
+fn nearest(name: &str) -> Option<&'static str> {
+    let plain = name.to_lowercase().replace([' ', '_'], "-");
+    let has = |known: &&str| {
+        let is_part = plain.len() >= 3 && known.starts_with(&plain);
+        is_part || known.split('-').any(|word| word == plain)
+    };
+    let mistyped = crate::text::nearest(name, BUILTIN_NAMES);
+    mistyped.or_else(|| BUILTIN_NAMES.into_iter().find(has))
+}
+
+/// A clause that suggests the built-in scene with the name of a missing file, or an empty text.
+pub(super) fn built_in_of(path: &path::Path) -> String {
+    let is_alone = path.components().count() == 1;
+    let stem = path.file_stem().and_then(|stem| stem.to_str());
+    let known = stem.and_then(|stem| BUILTIN_NAMES.into_iter().find(|known| *known == stem));
+    match known.filter(|_| is_alone) {
+        Some(name) => format!("; the built-in scene is called {name}"),
+        None => String::new(),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::f32::consts::FRAC_PI_2;
 
-    /// Protects the sign of yaw and pitch: right and up are positive.
+    /// Protects files from editors that put a byte-order mark before the text.
     #[test]
-    fn a_listener_turns_right_and_looks_up_with_positive_angles() {
-        let mut listener = Listener::at(Vec3::ZERO, 1.0);
-        assert!((listener.forward() - Vec3::NEG_Z).length() < 1e-6);
-        listener.yaw = FRAC_PI_2;
-        assert!((listener.forward() - Vec3::X).length() < 1e-6);
-        assert!((listener.right() - Vec3::Z).length() < 1e-6);
-        listener.pitch = FRAC_PI_2;
-        assert!((listener.forward() - Vec3::Y).length() < 1e-6);
-        assert!((listener.up() - Vec3::NEG_X).length() < 1e-6);
+    fn a_byte_order_mark_is_no_part_of_the_scene() {
+        let marked = format!("\u{feff}{}", BUILTIN[0].1);
+        let scene = Scene::from_ron(&marked, "marked").unwrap();
+        assert_eq!(scene, Scene::builtin(BUILTIN[0].0).unwrap());
+    }
+
+    /// For a mistyped name the nearest one is suggested, if any is near.
+    #[test]
+    fn a_name_that_is_nearly_right_is_suggested() {
+        for (typed, meant) in [
+            ("cornr", Some("corner")),
+            ("Corner", Some("corner")),
+            ("conrer", Some("corner")),
+            ("obstacle", Some("obstacles")),
+            ("open_field", Some("open-field")),
+            ("openfield", Some("open-field")),
+            ("whispering", Some("whispering-gallery")),
+            ("mirrors", Some("parabolic-mirrors")),
+            ("trumpet", None),
+            ("x", None),
+        ] {
+            assert_eq!(nearest(typed), meant, "{typed}");
+            let told = Scene::load(typed).unwrap_err().to_string();
+            let is_asked = told.contains("did you mean");
+            assert_eq!(is_asked, meant.is_some(), "{told}");
+            assert!(meant.is_none_or(|meant| told.contains(meant)), "{told}");
+        }
+    }
+
+    /// Protects every file in `examples/scenes/` that ships as a built-in scene.
+    #[test]
+    fn built_in_scenes_load_without_a_warning() {
+        for name in BUILTIN_NAMES {
+            let scene = Scene::builtin(name).unwrap();
+            assert_eq!(scene.name, name);
+            assert_eq!(scene.warnings(), vec![], "{name}");
+        }
     }
 }

@@ -1,15 +1,18 @@
 //! Checks of a scene: errors where it cannot be traced, warnings where it is odd.
 
-mod sound;
-mod warnings;
+#[cfg(test)]
+mod tests;
 
-pub(super) use sound::{LEVELS, MOST_PLACED, NOT_A_ROOM, twice};
-pub use warnings::Warning;
-
-use crate::scene::shape::LARGEST;
-use crate::scene::{Motion, Scene, SceneError, Surface};
+use super::material::{HUMIDITIES, PRESSURES, TEMPERATURES};
+use super::shape::LARGEST;
+use super::{
+    Listener, Material, Motion, Node, Path, ROUNDING, Scene, SceneError, Source, Surface,
+    WALL_COUNT, WALL_NAMES, Warning,
+};
 use glam::Vec3;
+use std::collections::HashSet;
 use std::fmt;
+use std::ops::RangeInclusive;
 
 /// Maximum product of a surface's key-frame times and the nodes of its field: a few seconds of
 /// checking each node at each time.
@@ -21,6 +24,14 @@ const MOST_WORK_BETWEEN: usize = 300_000;
 
 /// Maximum number of frames between keys that are checked: a minute and a half.
 const MOST_BETWEEN: usize = 2700;
+
+/// Level of a source relative to others in decibels: a wider range than from the softest audible
+/// sound to pain.
+pub(super) const LEVELS: RangeInclusive<f32> = -120.0..=120.0;
+
+/// Maximum number of a scene's sources, and of its listeners: each pair of them is checked, and
+/// traced as a sound of its own.
+pub(super) const MOST_PLACED: usize = 256;
 
 impl Scene {
     /// Checks as [`Scene::validate_moving`] does, and every field as
@@ -36,14 +47,11 @@ impl Scene {
             let checked = surface.shape.check();
             checked.map_err(|why| self.bad_field(&surface.label(index), why))?;
         }
-        self.at_checked_times(Scene::check_growth)
-    }
-
-    /// Checks the stated Lipschitz constants at one of `times` times; with many times, fewer points
-    /// are tried at each.
-    fn check_growth(&self, label: &str, surface: &Surface, times: usize) -> Result<(), SceneError> {
-        let checked = surface.shape.check_growth_at_one_of(times);
-        checked.map_err(|why| self.bad_field(label, why))
+        // With many times, fewer points are tried at each.
+        self.at_checked_times(|scene, label, posed, times| {
+            let checked = posed.shape.check_growth_at_one_of(times);
+            checked.map_err(|why| scene.bad_field(label, why))
+        })
     }
 
     /// Checks every number: cheap, for every frame of a scene that moves or was written in
@@ -59,7 +67,9 @@ impl Scene {
             });
         }
         for (index, surface) in self.surfaces.iter().enumerate() {
-            self.validate_surface(&surface.label(index), surface)?;
+            let label = surface.label(index);
+            self.validate_pose(&label, surface)?;
+            self.validate_drivers(&label, surface)?;
         }
         self.validate_sound()
     }
@@ -112,11 +122,6 @@ impl Scene {
         Ok(())
     }
 
-    fn validate_surface(&self, label: &str, surface: &Surface) -> Result<(), SceneError> {
-        self.validate_pose(label, surface)?;
-        self.validate_drivers(label, surface)
-    }
-
     /// Checks the current numbers.
     fn validate_pose(&self, label: &str, surface: &Surface) -> Result<(), SceneError> {
         self.finite(&format!("{label}: position"), surface.position)?;
@@ -164,7 +169,11 @@ impl Scene {
     }
 
     fn bad_field(&self, label: &str, why: String) -> SceneError {
-        let why = without_kind(label, why);
+        // The label of a user's field contains its kind already.
+        let why = match why.strip_prefix("Field: ") {
+            Some(rest) if label.ends_with("(Field)") => rest.to_owned(),
+            _ => why,
+        };
         SceneError::BadField {
             scene: self.name.clone(),
             surface: label.to_owned(),
@@ -201,66 +210,282 @@ impl Surface {
     fn nodes(&self) -> usize {
         self.shape.nodes().len()
     }
+}
 
-    /// The name of the surface with this index (from 0) in messages.
-    pub fn label(&self, index: usize) -> String {
-        let number = index + 1;
-        match &self.name {
-            Some(name) => format!("surface {number} ({name})"),
-            None => format!("surface {number} ({})", self.shape.name()),
+impl Scene {
+    /// Checks everything except the surfaces' shapes and positions.
+    fn validate_sound(&self) -> Result<(), SceneError> {
+        self.few_enough("sources", 1 + self.further_sources.len())?;
+        self.few_enough("listeners", 1 + self.further_listeners.len())?;
+        for (index, source) in self.sources().enumerate() {
+            self.validate_source(&self.source_label(index), source)?;
+        }
+        for (index, listener) in self.listeners().enumerate() {
+            self.validate_listener(&self.listener_label(index), listener)?;
+        }
+        self.validate_names("sources", self.sources().map(|source| &source.name))?;
+        let listeners = self.listeners().map(|listener| &listener.name);
+        self.validate_names("listeners", listeners)?;
+        self.validate_air()?;
+        for (name, material) in &self.materials {
+            self.validate_material(name, material)?;
+        }
+        for (index, surface) in self.surfaces.iter().enumerate() {
+            self.validate_material_names(index, surface)?;
+        }
+        Ok(())
+    }
+
+    fn few_enough(&self, what: &str, count: usize) -> Result<(), SceneError> {
+        if count <= MOST_PLACED {
+            return Ok(());
+        }
+        Err(self.bad_number(&format!("the number of its {what}"), "at most 256", count))
+    }
+
+    fn validate_source(&self, label: &str, source: &Source) -> Result<(), SceneError> {
+        self.finite(&format!("{label}'s position"), source.position)?;
+        self.validate_path(&source.path)?;
+        if LEVELS.contains(&source.level_db) {
+            return Ok(());
+        }
+        let what = format!("{label}'s level in decibels");
+        Err(self.bad_number(&what, "-120 to 120", source.level_db))
+    }
+
+    fn validate_listener(&self, label: &str, listener: &Listener) -> Result<(), SceneError> {
+        self.finite(&format!("{label}'s position"), listener.position)?;
+        let gaze = Vec3::new(listener.yaw, listener.pitch, 0.0);
+        self.finite(&format!("{label}'s yaw and pitch"), gaze)?;
+        self.positive(&format!("{label}'s radius in metres"), listener.radius)?;
+        self.validate_path(&listener.path)
+    }
+
+    fn validate_path(&self, path: &Path) -> Result<(), SceneError> {
+        for key in path.keys() {
+            self.finite("a path's position", key.position)?;
+            let turn_and_time = Vec3::new(key.yaw, key.pitch, key.time as f32);
+            self.finite("a path's yaw, pitch and time", turn_and_time)?;
+        }
+        Ok(())
+    }
+
+    /// Checks that each name is used once.
+    fn validate_names<'a>(
+        &self,
+        what: &'static str,
+        names: impl Iterator<Item = &'a Option<String>>,
+    ) -> Result<(), SceneError> {
+        let names: Vec<Option<&String>> = names.map(Option::as_ref).collect();
+        let scene = self.name.clone();
+        if let Some(name) = number_of_another(&names) {
+            let name = name.clone();
+            return Err(SceneError::NameIsNumber { scene, what, name });
+        }
+        match twice(names.into_iter()) {
+            None => Ok(()),
+            Some(name) => Err(SceneError::SameName {
+                scene,
+                what,
+                name: name.clone(),
+            }),
         }
     }
-}
 
-/// The message about a user's field without the kind of the surface, which `label` already
-/// contains: it begins with the field's file.
-fn without_kind(label: &str, why: String) -> String {
-    match why
-        .strip_prefix("Field: ")
-        .filter(|_| label.ends_with("(Field)"))
-    {
-        Some(rest) => rest.to_owned(),
-        None => why,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::scene::shape::{Cuboid, Room, Sphere};
-    use crate::scene::{Listener, Node, Source};
-
-    pub(super) fn room() -> Scene {
-        Scene::new(
-            "test",
-            vec![Surface::new(Node::Room(Room {
-                size: Vec3::splat(10.0),
-            }))],
-            Source::at(Vec3::X * 3.0),
-            Listener::at(Vec3::ZERO, 1.0),
-        )
+    fn validate_air(&self) -> Result<(), SceneError> {
+        let Some(air) = self.air else {
+            return Ok(());
+        };
+        for (what, value, range, must) in [
+            (
+                "temperature in degrees Celsius",
+                air.temperature,
+                TEMPERATURES,
+                "-20 to 50",
+            ),
+            ("humidity in per cent", air.humidity, HUMIDITIES, "0 to 100"),
+            (
+                "pressure in kilopascals",
+                air.pressure,
+                PRESSURES,
+                "50 to 200",
+            ),
+        ] {
+            if !range.contains(&value) {
+                return Err(self.bad_number(&format!("the air's {what}"), must, value));
+            }
+        }
+        Ok(())
     }
 
-    /// Protects from numbers that would break a shader: they are refused.
-    #[test]
-    fn bad_numbers_are_refused() {
-        assert!(room().validate().is_ok());
-        let spoil: [fn(&mut Scene); 7] = [
-            |s| s.surfaces.clear(),
-            |s| {
-                let size = Vec3::new(1.0, 0.0, 1.0);
-                s.surfaces[0].shape = Node::Cuboid(Cuboid { size }).into();
-            },
-            |s| s.surfaces[0].shape = Node::Sphere(Sphere { radius: f32::NAN }).into(),
-            |s| s.surfaces[0].position.x = f32::INFINITY,
-            |s| s.source.position.y = f32::NAN,
-            |s| s.listener.radius = 0.0,
-            |s| s.listener.yaw = f32::INFINITY,
+    fn validate_material(&self, name: &str, material: &Material) -> Result<(), SceneError> {
+        let parts = [
+            ("absorption", &material.absorption),
+            ("scattering", &material.scattering),
         ];
-        for (index, spoil) in spoil.iter().enumerate() {
-            let mut scene = room();
-            spoil(&mut scene);
-            assert!(scene.validate().is_err(), "case {index}");
+        for (part, bands) in parts {
+            if let Some(share) = bands.iter().find(|share| !(0.0..=1.0).contains(*share)) {
+                let what = format!("the {part} of the material {name:?}");
+                return Err(self.bad_number(&what, "0 to 1", share));
+            }
         }
+        Ok(())
+    }
+
+    /// Checks that every material named by the surface exists, and that only a room has materials
+    /// of walls.
+    fn validate_material_names(&self, index: usize, surface: &Surface) -> Result<(), SceneError> {
+        for name in surface.material_names() {
+            self.find_material(name)
+                .map_err(|why| self.bad_field(&surface.label(index), why))?;
+        }
+        if surface.has_walls() || surface.walls.iter().all(Option::is_none) {
+            return Ok(());
+        }
+        Err(self.bad_field(&surface.label(index), NOT_A_ROOM.to_owned()))
+    }
+}
+
+/// Message where another shape than a room has materials of walls.
+pub(super) const NOT_A_ROOM: &str = "only the walls of a Room have materials of their own";
+
+/// The first name that occurs twice.
+pub(super) fn twice<'a>(names: impl Iterator<Item = Option<&'a String>>) -> Option<&'a String> {
+    let mut known = HashSet::new();
+    names.flatten().find(|name| !known.insert(*name))
+}
+
+/// A name that is the number of an unnamed one, which is called by its number.
+fn number_of_another<'a>(names: &[Option<&'a String>]) -> Option<&'a String> {
+    let is_of_another = |(index, name): &(usize, &'a String)| {
+        let other = name.parse::<usize>().ok().and_then(|n| n.checked_sub(1));
+        other.is_some_and(|other| other != *index && names.get(other) == Some(&None))
+    };
+    let named = names.iter().enumerate();
+    let mut named = named.filter_map(|(index, name)| Some((index, (*name)?)));
+    named.find(is_of_another).map(|(_, name)| name)
+}
+
+impl Scene {
+    /// Returns warnings about the scene in its current state; it can still be traced.
+    pub fn warnings(&self) -> Vec<Warning> {
+        let mut warnings = self.odd_sources();
+        for (index, listener) in self.listeners().enumerate() {
+            if let Some((surface, depth)) = self.solid_at(listener.position) {
+                let listener = self.listener_label(index);
+                warnings.push(Warning::ListenerInsideSurface {
+                    listener,
+                    surface,
+                    depth,
+                });
+            }
+        }
+        warnings.extend(self.rooms_that_fill_each_other());
+        warnings.extend(self.without_material());
+        warnings.extend(self.one_sided_fields());
+        warnings
+    }
+
+    /// Warns of several rooms.
+    fn rooms_that_fill_each_other(&self) -> Option<Warning> {
+        let all = self.surfaces.iter().enumerate();
+        let rooms = all.filter(|(_, surface)| surface.has_walls());
+        let rooms: Vec<String> = rooms.map(|(index, room)| room.label(index)).collect();
+        (rooms.len() > 1).then_some(Warning::RoomsFillEachOther { rooms })
+    }
+
+    /// Warns of surfaces without a material where others have one.
+    fn without_material(&self) -> Option<Warning> {
+        if !self.has_materials() {
+            return None;
+        }
+        let mut surfaces = Vec::new();
+        for (index, surface) in self.surfaces.iter().enumerate() {
+            let lacks = |wall: Option<usize>| self.material(index, wall).is_none();
+            let walls: Vec<usize> = match surface.has_walls() {
+                true => (0..WALL_COUNT).filter(|wall| lacks(Some(*wall))).collect(),
+                false => Vec::new(),
+            };
+            let is_whole = !surface.has_walls() && lacks(None) || walls.len() == WALL_COUNT;
+            match is_whole {
+                true => surfaces.push(surface.label(index)),
+                false => surfaces.extend(
+                    walls
+                        .iter()
+                        .map(|wall| format!("{}/{}", index + 1, WALL_NAMES[*wall])),
+                ),
+            }
+        }
+        (!surfaces.is_empty()).then_some(Warning::NoMaterial { surfaces })
+    }
+
+    /// Warns of sources in solids and in listeners.
+    fn odd_sources(&self) -> Vec<Warning> {
+        let mut warnings = Vec::new();
+        for (index, from) in self.sources().enumerate() {
+            let source = self.source_label(index);
+            if let Some((surface, depth)) = self.solid_at(from.position) {
+                warnings.push(Warning::SourceInsideSurface {
+                    source,
+                    surface,
+                    depth,
+                });
+                continue;
+            }
+            for (index, at) in self.listeners().enumerate() {
+                let distance = from.position.distance(at.position);
+                if distance < at.radius {
+                    warnings.push(Warning::SourceInsideListener {
+                        source: source.clone(),
+                        listener: self.listener_label(index),
+                        distance,
+                        radius: at.radius,
+                    });
+                }
+            }
+        }
+        warnings
+    }
+
+    /// Warns of users' fields that are all solid or all air.
+    fn one_sided_fields(&self) -> Vec<Warning> {
+        let mut warnings = Vec::new();
+        for (index, surface) in self.surfaces.iter().enumerate() {
+            let nodes = surface.shape.nodes();
+            for user in nodes.iter().filter_map(|node| node.node.user()) {
+                let Some(samples) = user.samples() else {
+                    continue;
+                };
+                let solid = samples.values.iter().all(|value| *value < 0.0);
+                if solid || samples.values.iter().all(|value| *value > 0.0) {
+                    warnings.push(Warning::OneSided {
+                        surface: surface.label(index),
+                        file: user.file.display().to_string(),
+                        solid,
+                    });
+                }
+            }
+        }
+        warnings
+    }
+
+    fn solid_at(&self, point: Vec3) -> Option<(String, f32)> {
+        let nearest = self.surface_distance(point);
+        if nearest.distance >= 0.0 || nearest.object == 0 {
+            return None;
+        }
+        let index = nearest.object as usize - 1;
+        let surface = &self.surfaces[index];
+        let largest = point.abs().max(surface.position.abs()).max_element();
+        if nearest.distance >= -ROUNDING * largest {
+            // Waves start there as on the surface itself.
+            return None;
+        }
+        let label = surface.label(index);
+        let solid = match surface.shape.node {
+            Node::Room(_) => format!("the solid around {label}"),
+            _ => label,
+        };
+        Some((solid, -nearest.distance))
     }
 }

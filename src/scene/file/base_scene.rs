@@ -1,4 +1,4 @@
-//! Scenes based on others: a file that names its base, and its differences from it.
+//! Scenes based on others: a file that names its base, and its differences from it; how it is read and written.
 //!
 //! ```ron
 //! Scene(
@@ -11,20 +11,61 @@
 //! The surfaces are always those of the base, so that a chain of files holds one list of them in
 //! memory.
 
-use super::air::AirFile;
-use super::chain::{Chain, MOST_BASES};
-use super::material::Materials;
+use super::serialise::{listeners, sources};
 use super::sources_and_listeners::{ListenerFile, Placed, Several, SourceFile, one_form};
-use super::text_places::{Place, Refused, place_of};
-use super::{malformed, options, text_of};
-use crate::scene::builtin::{self, Named};
+use super::surfaces::{AirFile, Materials};
+use super::text::{Place, RawFields, Refused, place_of};
+use super::{folder_of, malformed, options, text_of};
 use crate::scene::check::twice;
-use crate::scene::notation::{Attached, FixedRadius, Name};
-use crate::scene::{Scene, SceneError};
+use crate::scene::notation::{Attached, FixedRadius, Name, Written};
+use crate::scene::{BUILTIN_NAMES, Named, Scene, SceneError, named};
+use glam::Vec3;
+use ron::ser::PrettyConfig;
 use ron::value::RawValue;
 use serde::Deserialize;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::fmt::Write;
+use std::path::{Component, Path, PathBuf};
+
+/// Maximum number of scenes in a chain of bases: a chain is written by hand, and each of its files
+/// may have the full size.
+const MOST_BASES: usize = 8;
+
+/// The files from the requested scene down to the one being read, by their real paths.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Chain {
+    files: Vec<PathBuf>,
+    bases: usize,
+}
+
+impl Chain {
+    /// A chain that begins at a file.
+    pub fn at(path: &Path) -> Chain {
+        Chain {
+            files: std::fs::canonicalize(path).into_iter().collect(),
+            bases: 0,
+        }
+    }
+
+    /// The chain extended by this base, or why it cannot be.
+    pub fn down_to(&self, base: &Path) -> Result<Chain, String> {
+        let real = std::fs::canonicalize(base).ok();
+        if real.as_ref().is_some_and(|real| self.files.contains(real)) {
+            let base = base.display();
+            return Err(format!("the base {base} is itself based on this scene"));
+        }
+        if self.bases == MOST_BASES {
+            return Err(format!(
+                "more than {MOST_BASES} scenes are based on each other"
+            ));
+        }
+        let files = self.files.iter().cloned().chain(real);
+        Ok(Chain {
+            files: files.collect(),
+            bases: self.bases + 1,
+        })
+    }
+}
 
 /// The content of a scene file with a base.
 #[derive(Deserialize)]
@@ -36,15 +77,10 @@ pub(super) struct BasedFile<'a> {
     name: Name,
     #[serde(default)]
     materials: Materials,
-    #[serde(default)]
     air: Option<AirFile>,
-    #[serde(default)]
     source: Option<SourceFile>,
-    #[serde(default)]
     sources: Option<Several<SourceFile>>,
-    #[serde(default)]
     listener: Option<ListenerFile<Option<FixedRadius>>>,
-    #[serde(default)]
     listeners: Option<Several<ListenerFile<FixedRadius>>>,
     /// Each one is a [`ValueFile`].
     #[serde(borrow, default)]
@@ -54,10 +90,10 @@ pub(super) struct BasedFile<'a> {
 /// A named value of the base, set to a number in the unit of the base's file.
 #[derive(Deserialize)]
 #[serde(rename = "Value")]
-pub(super) struct ValueFile(Name, f32);
+struct ValueFile(Name, f32);
 
 impl ValueFile {
-    pub fn pair(self) -> (String, f32) {
+    fn pair(self) -> (String, f32) {
         (self.0.0, self.1)
     }
 }
@@ -66,7 +102,7 @@ impl ValueFile {
 #[derive(Deserialize)]
 #[serde(rename = "Scene")]
 struct Head<'a> {
-    #[serde(borrow, default)]
+    #[serde(borrow)]
     base: Option<&'a RawValue>,
 }
 
@@ -137,7 +173,7 @@ impl BasedFile<'_> {
         let name: String = options()
             .from_str(self.base.get_ron())
             .map_err(|error| refused(error.code.to_string()))?;
-        let path = match builtin::named(&name, files.folder()) {
+        let path = match named(&name, files.folder()) {
             Named::BuiltIn(scene) => return scene,
             Named::Unknown(error) => return Err(refused(error.to_string())),
             Named::File(path) => path,
@@ -221,249 +257,233 @@ pub fn bases_of(path: &Path) -> Vec<PathBuf> {
 }
 
 /// The file that a scene file names as its base; `None` for a built-in scene.
-pub(super) fn base_beside(path: &Path, name: &str) -> Option<PathBuf> {
-    match builtin::named(name, Some(super::folder_of(path))) {
+fn base_beside(path: &Path, name: &str) -> Option<PathBuf> {
+    match named(name, Some(folder_of(path))) {
         Named::File(path) => Some(path),
         Named::BuiltIn(_) | Named::Unknown(_) => None,
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::scene::{Path as KeyPath, SceneWatch, Source};
-    use glam::Vec3;
+/// A scene file with a base, to be written; values that are not set are the base's.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BasedScene {
+    base: String,
+    /// The text of each field except the values.
+    fields: BTreeMap<&'static str, String>,
+    values: BTreeMap<String, f32>,
+}
 
-    const HALL: &str = r#"Scene(
-        surfaces: [
-            Surface(shape: Room(size: (20, 6, 20))),
-            Surface(name: "door", shape: Box(size: (Value("width", 2), 3, 1)), rotation: (0, Value("door", 30), 0)),
-        ],
-        source: Source(path: [Key(time: 0, position: (0, 0, -6)), Key(time: 2, position: (1, 0, -6))]),
-        listener: Listener(position: (0, 0, 6), radius: 1, yaw: 10, pitch: 5, path: [Key(time: 1, position: (0, 0, 5))]),
-    )"#;
+/// The fields of a scene file with a base, in the order in which they are written.
+const FIELDS: [&str; 7] = [
+    "name",
+    "materials",
+    "air",
+    "source",
+    "sources",
+    "listener",
+    "listeners",
+];
 
-    /// A folder with `hall.ron`; other files are written next to it.
-    struct Folder(tempfile::TempDir);
+/// The fields of a source that remain when it is moved.
+#[derive(Default, Deserialize)]
+#[serde(rename = "Source")]
+struct KeptSource<'a> {
+    #[serde(borrow)]
+    name: Option<&'a RawValue>,
+    #[serde(borrow)]
+    level_db: Option<&'a RawValue>,
+}
 
-    impl Folder {
-        fn new() -> Folder {
-            let folder = Folder(tempfile::tempdir().unwrap());
-            folder.write("hall.ron", HALL);
-            folder
-        }
+/// The fields of a listener that remain when it is moved.
+#[derive(Default, Deserialize)]
+#[serde(rename = "Listener")]
+struct KeptListener<'a> {
+    #[serde(borrow)]
+    name: Option<&'a RawValue>,
+}
 
-        fn path(&self, name: &str) -> PathBuf {
-            self.0.path().join(name)
-        }
-
-        fn write(&self, name: &str, text: &str) {
-            let path = self.path(name);
-            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-            std::fs::write(path, text).unwrap();
-        }
-
-        /// Reads a scene file `small.ron` with this text.
-        fn read(&self, text: &str) -> Result<Scene, SceneError> {
-            self.write("small.ron", text);
-            Scene::from_file(&self.path("small.ron"))
-        }
-
-        /// The error, without the folder.
-        fn refused(&self, text: &str) -> String {
-            let said = self.read(text).unwrap_err().to_string();
-            said.replace(&format!("{}/", self.0.path().display()), "")
-        }
-    }
-
-    /// Protects the rule of a base: what is named is changed, everything else is the base's.
-    #[test]
-    fn only_what_is_named_differs_from_the_base() {
-        let folder = Folder::new();
-        let hall = Scene::from_file(&folder.path("hall.ron")).unwrap();
-        assert_eq!(folder.read(r#"Scene(base: "hall.ron")"#).unwrap(), hall);
-        assert_eq!(hall.name, "hall");
-
-        let mut expected = hall.clone();
-        expected.name = "small".into();
-        expected.source = Source::at(Vec3::Y);
-        expected.set_value("door", 60.0).unwrap();
-        let text = r#"// The base may stand anywhere.
-            (values: [Value("door", 60)], source: (position: (0, 1, 0)), name: "small", base: "hall.ron")"#;
-        assert_eq!(folder.read(text).unwrap(), expected);
-
-        // A listener with a given position has no path; a radius alone does not move it.
-        let listener = |said: &str| {
-            let text = format!(r#"Scene(base: "hall.ron", listener: Listener({said}))"#);
-            folder.read(&text).unwrap().listener
+impl BasedScene {
+    /// Starts a file in `folder` with the scene of `origin`, a built-in scene's name or a file. If
+    /// that file has a base itself, its base is used together with all its changes, so that files
+    /// made from each other do not form a chain.
+    ///
+    /// # Errors
+    /// [`SceneError::Unreadable`]; [`SceneError::NoBase`] for a path that no scene file can name.
+    pub fn of(origin: &str, folder: &Path) -> Result<BasedScene, SceneError> {
+        let on = |base: String| BasedScene {
+            base,
+            ..BasedScene::default()
         };
-        let mut turned = hall.listener.clone();
-        turned.yaw = 0.5f32.to_degrees().to_radians();
-        turned.path = KeyPath::default();
-        let read = listener(&format!("yaw: {}", 0.5f32.to_degrees()));
-        assert_eq!(read, turned);
-        let mut wide = hall.listener.clone();
-        wide.radius = 2.5;
-        assert_eq!(listener("radius: 2.5"), wide);
-        let walks = listener("path: [Key(time: 0, position: (3, 0, 0), yaw: 90)]");
-        assert_eq!(walks.position, Vec3::new(3.0, 0.0, 0.0));
-        assert_eq!((walks.yaw, walks.pitch), (90f32.to_radians(), 0.0));
-    }
-
-    /// Protects names: a built-in scene first, then a file in the folder of the one that names it; an
-    /// embedded text has no files.
-    #[test]
-    fn a_base_is_a_built_in_scene_or_a_file_beside() {
-        let folder = Folder::new();
-        let corner = Scene::builtin("corner").unwrap();
-        folder.write("corner", HALL);
-        folder.write("in/deep.ron", r#"Scene(base: "../hall.ron")"#);
-        assert_eq!(folder.read(r#"Scene(base: "corner")"#).unwrap(), corner);
-        let hall = folder.read(r#"Scene(base: "in/deep.ron")"#).unwrap();
-        assert_eq!(hall.surfaces.len(), 2);
-        let file = folder.read(r#"Scene(base: "./corner")"#).unwrap();
-        assert_eq!(file.surfaces, hall.surfaces);
-        let text = r#"Scene(base: "menger", listener: Listener(radius: 0.5))"#;
-        let menger = Scene::from_ron(text, "text").unwrap();
-        assert_eq!(menger.user_fields().count(), 1);
-        assert_eq!(menger.listener.radius, 0.5);
-    }
-
-    /// Each error names the file that it is in, and the line there.
-    #[test]
-    fn errors_point_at_their_own_file_and_line() {
-        let folder = Folder::new();
-        folder.write("broken.ron", "Scene(\n  surfaces: [],\n  sorce: 1)");
-        folder.write(
-            "empty.ron",
-            &HALL.replace("surfaces: [", "surfaces: [], old: ["),
-        );
-        folder.write(
-            "none.ron",
-            "Scene(surfaces: [], source: Source(), listener: Listener(radius: 1))",
-        );
-        for (text, told) in [
-            (
-                "Scene(\n  base: \"hall.ron\",\n  listner: Listener(yaw: 3))",
-                "small.ron:3:3: there is no field `listner`",
-            ),
-            (
-                "Scene(base: \"hall.ron\",\n listener: Listener(radius: -1))",
-                "small.ron:2:29: a radius in metres",
-            ),
-            (
-                "Scene(base: \"hall.ron\", surfaces: [])",
-                "small.ron:1:25: there is no field `surfaces`",
-            ),
-            (
-                "Scene(surfaces: [], base: \"hall.ron\")",
-                "small.ron:1:7: there is no field `surfaces`",
-            ),
-            (
-                "Scene(name: \"a\", source: Source(position: (0, 1, 0)))",
-                "small.ron:1:53: `surfaces` is missing",
-            ),
-            (
-                "Scene(\n\n  base:  \"gone.ron\")",
-                "small.ron:3:10: cannot read the base gone.ron: No such file",
-            ),
-            (
-                "Scene(base: \"cornr\")",
-                "small.ron:1:13: there is no scene \"cornr\"",
-            ),
-            ("Scene(base: 3)", "small.ron:1:13: "),
-            (
-                "Scene(base: \"broken.ron\")",
-                "broken.ron:3:3: there is no field `sorce`",
-            ),
-            (
-                "Scene(base: \"empty.ron\")",
-                "empty.ron:2:23: there is no field `old`",
-            ),
-            (
-                "Scene(base: \"none.ron\")",
-                "scene \"none\" has no surfaces",
-            ),
-            (
-                "Scene(base: \"hall.ron\", values: [\n Value(\"door\", 1),\n Value(\"dor\", 1)])",
-                "small.ron:3:2: scene \"hall\" has no value named \"dor\"",
-            ),
-            (
-                "Scene(base: \"hall.ron\", values: [Value(\"door\", 1), Value(\"door\", 2)])",
-                "small.ron:1:52: the value \"door\" is set twice",
-            ),
-            (
-                "Scene(base: \"hall.ron\", values: [Value(\"door\", 1e99)])",
-                "small.ron:1:34: a value must be finite",
-            ),
-            (
-                "Scene(base: \"hall.ron\",\n values: [Value(\"width\", -2)])",
-                "small.ron:2:11: scene \"hall\"",
-            ),
-        ] {
-            let said = folder.refused(text);
-            assert!(said.starts_with(told), "{text}: {said}");
+        if BUILTIN_NAMES.contains(&origin) {
+            return Ok(on(origin.to_owned()));
         }
+        let path = Path::new(origin);
+        let text = text_of(path)?;
+        let Some(said) = BasedScene::read(&text) else {
+            return Ok(on(relative(folder, path)?));
+        };
+        let base = match base_beside(path, &said.base) {
+            Some(file) => relative(folder, &file)?,
+            None => said.base,
+        };
+        Ok(BasedScene { base, ..said })
     }
 
-    /// Protects against endless and deep chains: a cycle is reported, also through links, and so are nine bases.
-    #[test]
-    fn chains_of_bases_have_an_end() {
-        let folder = Folder::new();
-        let based_on = |base: &str| format!("Scene(base: \"{base}\")");
-        assert_eq!(
-            folder.refused(&based_on("small.ron")),
-            "small.ron:1:13: the base small.ron is itself based on this scene"
-        );
-        folder.write("other.ron", &based_on("small.ron"));
-        assert_eq!(
-            folder.refused(&based_on("other.ron")),
-            "other.ron:1:13: the base small.ron is itself based on this scene"
-        );
-        #[cfg(unix)]
-        {
-            std::os::unix::fs::symlink("small.ron", folder.path("link.ron")).unwrap();
-            let said = folder.refused(&based_on("link.ron"));
-            assert!(said.ends_with("the base link.ron is itself based on this scene"));
-            std::fs::hard_link(folder.path("small.ron"), folder.path("hard.ron")).unwrap();
-            let said = folder.refused(&based_on("hard.ron"));
-            assert!(said.contains("based on"), "{said}");
-            std::os::unix::fs::symlink("/dev/zero", folder.path("zero.ron")).unwrap();
-            let said = folder.refused(&based_on("zero.ron"));
-            assert!(
-                said.ends_with("it is a device, not a regular file"),
-                "{said}"
-            );
-        }
-        folder.write("1.ron", &based_on("hall.ron"));
-        for number in 2..=8 {
-            let text = based_on(&format!("{}.ron", number - 1));
-            folder.write(&format!("{number}.ron"), &text);
-        }
-        assert!(folder.read(&based_on("7.ron")).is_ok());
-        assert_eq!(
-            folder.refused(&based_on("8.ron")),
-            "1.ron:1:13: more than 8 scenes are based on each other"
-        );
+    /// The content of a file; `None` if it has no base.
+    fn read(text: &str) -> Option<BasedScene> {
+        let said = RawFields::of(text)?;
+        let fields = FIELDS.into_iter().filter_map(|field| {
+            let value = said.get(field)?;
+            Some((field, value.trim().to_string()))
+        });
+        let values: Vec<ValueFile> = match said.get("values") {
+            Some(_) => said.read("values")?,
+            None => Vec::new(),
+        };
+        Some(BasedScene {
+            base: said.read("base")?,
+            fields: fields.collect(),
+            values: values.into_iter().map(ValueFile::pair).collect(),
+        })
     }
 
-    /// Protects a running program: a base is an input like the file that names it, and its changes are
-    /// noticed.
-    #[test]
-    fn a_base_is_watched_and_never_replaced() {
-        let folder = Folder::new();
-        let text = r#"Scene(base: "hall.ron", name: "small")"#;
-        folder.write("small.ron", text);
-        let path = folder.path("small.ron");
-        let (mut watch, first) = SceneWatch::open(path.to_str().unwrap()).unwrap();
-        assert_eq!(watch.files().count(), 2);
-        assert!(crate::file_input::is_input(&folder.path("hall.ron")));
-        let mut settled = || (0..3).find_map(|_| watch.poll());
-        folder.write("hall.ron", &HALL.replace("radius: 1,", "radius: 1.5,"));
-        assert_eq!(settled().unwrap().unwrap().listener.radius, 1.5);
-        folder.write("hall.ron", "Scene(");
-        assert!(settled().unwrap().is_err());
-        folder.write("hall.ron", HALL);
-        assert_eq!(settled().unwrap().unwrap(), first);
+    /// Moves the first source to its place in `scene`, without a path. The other sources of `scene`
+    /// must be those of this file.
+    pub fn put_source(&mut self, scene: &Scene) {
+        if let Some(list) = self.fields.get_mut("sources") {
+            *list = in_ron(&sources(scene));
+            return;
+        }
+        let kept: KeptSource = self.said("source");
+        let kept = again([("name", kept.name), ("level_db", kept.level_db)]);
+        let position = point(scene.source.position);
+        let text = format!("Source({kept}position: {position})");
+        self.fields.insert("source", text);
     }
+
+    /// Gives the first listener the position and direction that it has in `scene`, without a path.
+    /// The other listeners of `scene` must be those of this file.
+    pub fn put_listener(&mut self, scene: &Scene) {
+        if let Some(list) = self.fields.get_mut("listeners") {
+            *list = in_ron(&listeners(scene));
+            return;
+        }
+        let kept: KeptListener = self.said("listener");
+        let kept = again([("name", kept.name)]);
+        let listener = &scene.listener;
+        let text = format!(
+            "Listener({kept}position: {}, yaw: {}, pitch: {}, radius: {})",
+            point(listener.position),
+            listener.yaw.to_degrees(),
+            listener.pitch.to_degrees(),
+            listener.radius
+        );
+        self.fields.insert("listener", text);
+    }
+
+    /// The file's value of a field; the default if the file leaves it to the base.
+    fn said<'a, T: Deserialize<'a> + Default>(&'a self, field: &str) -> T {
+        let said = self.fields.get(field).map_or("()", String::as_str);
+        // Fields that were parsed before have this form.
+        options().from_str(said).unwrap_or_default()
+    }
+
+    /// Sets a named value in the unit of the base's file.
+    pub fn set_value(&mut self, name: &str, value: f32) {
+        self.values.insert(name.to_owned(), value);
+    }
+
+    /// The file's text after these comment lines.
+    pub fn text(&self, comment: &str) -> String {
+        let mut text = String::new();
+        // Writing to a string never fails.
+        for line in comment.lines() {
+            let _ = writeln!(text, "// {line}");
+        }
+        let _ = writeln!(text, "Scene(\n    base: {},", quoted(&self.base));
+        for field in FIELDS {
+            if let Some(value) = self.fields.get(field) {
+                let _ = writeln!(text, "    {field}: {value},");
+            }
+        }
+        if !self.values.is_empty() {
+            text.push_str("    values: [\n");
+            for (name, value) in &self.values {
+                let _ = writeln!(text, "        Value({}, {value}),", quoted(name));
+            }
+            text.push_str("    ],\n");
+        }
+        text.push_str(")\n");
+        text
+    }
+}
+
+fn point(p: Vec3) -> String {
+    format!("({}, {}, {})", p.x, p.y, p.z)
+}
+
+/// Fields with their original text, each followed by a comma.
+fn again<const N: usize>(fields: [(&str, Option<&RawValue>); N]) -> String {
+    let said = fields.into_iter().filter_map(|(field, value)| {
+        let value = value?.trim();
+        Some(format!("{field}: {value}, "))
+    });
+    said.collect()
+}
+
+/// A list as a scene file writes it, in one line.
+fn in_ron(list: &Written) -> String {
+    let notation = PrettyConfig::new()
+        .struct_names(true)
+        .compact_structs(true)
+        .compact_arrays(true)
+        .separate_tuple_members(false);
+    // Writing to a string never fails.
+    options()
+        .to_string_pretty(list, notation)
+        .unwrap_or_default()
+}
+
+/// A string in RON, with escapes as in Rust.
+fn quoted(text: &str) -> String {
+    format!("{text:?}")
+}
+
+/// The relative path from a folder to a file, as a scene file there names it.
+fn relative(folder: &Path, file: &Path) -> Result<String, SceneError> {
+    let refused = || SceneError::NoBase {
+        folder: folder.to_owned(),
+        base: file.to_owned(),
+    };
+    let name = file.file_name().ok_or_else(refused)?;
+    // The file itself may be a link: names in it are relative to the folder of the link.
+    let (from, to) = (real(folder), real(folder_of(file)));
+    let (Some(from), Some(to)) = (from, to) else {
+        return Err(refused());
+    };
+    let mut way = PathBuf::new();
+    if from.components().next() == to.components().next() {
+        let pairs = from.components().zip(to.components());
+        let shared = pairs.take_while(|(a, b)| a == b).count();
+        way.extend(from.components().skip(shared).map(|_| Component::ParentDir));
+        way.extend(to.components().skip(shared));
+    } else {
+        // The file is on another drive.
+        way.clone_from(&to);
+    }
+    way.push(name);
+    let way = way.to_str().ok_or_else(refused)?;
+    match BUILTIN_NAMES.contains(&way) {
+        true => Ok(format!("./{way}")),
+        false => Ok(way.to_owned()),
+    }
+}
+
+/// A folder's real path; the current one where the path is empty.
+fn real(folder: &Path) -> Option<PathBuf> {
+    let folder = match folder.as_os_str().is_empty() {
+        true => Path::new("."),
+        false => folder,
+    };
+    std::fs::canonicalize(folder).ok()
 }

@@ -1,44 +1,36 @@
-//! Scene files in RON.
+//! Scene files in RON: they are read, and read again when they change.
 //!
 //! The types here are the content of the text (degrees, full sizes); they are converted to the
 //! plain [`Scene`] at once. Every number is checked while it is read, so that an error points at
 //! its line and column. See `docs/scene-format.md`.
 
-mod air;
 mod base_scene;
-mod chain;
-mod hints;
-mod material;
-mod older_forms;
-mod raw_fields;
 mod serialise;
 mod sources_and_listeners;
-mod surface;
-mod text_places;
-mod write;
+mod surfaces;
+#[cfg(test)]
+mod tests;
+mod text;
 
 use super::check::NOT_A_ROOM;
-use super::{Scene, SceneError};
+use super::{BUILTIN_NAMES, Scene, SceneError};
 use crate::file_input::{MalformedText, read_text};
 use crate::ron_error;
-use crate::scene::notation::{Attached, FixedRadius, Name};
-use crate::text::in_a_line;
-use air::AirFile;
-use base_scene::BasedFile;
-use chain::Chain;
-use material::Materials;
-use older_forms::Modern;
+use crate::scene::notation::{Attached, FixedRadius, Form, Name};
+use crate::scene::shape::{form_of, shape_names};
+use crate::text::{in_a_line, nearest_or_all};
+use base_scene::{BasedFile, Chain};
+use ron::error::{Error, SpannedError};
 use serde::Deserialize;
 use sources_and_listeners::{ListenerFile, Several, SourceFile};
 use std::iter::once;
-use std::path;
-use surface::SurfaceFile;
-use text_places::{Place, Refused};
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+use surfaces::{AirFile, MaterialFile, Materials, SurfaceFile};
+use text::{Modern, Place, Refused};
 
 #[doc(hidden)]
-pub use base_scene::bases_of;
-#[doc(hidden)]
-pub use write::BasedScene;
+pub use base_scene::{BasedScene, bases_of};
 
 /// Maximum size of a scene file in bytes: 100,000 key frames are 2 MB, and the content of a text of
 /// this size (a shape in six bytes) fits into a gigabyte of memory.
@@ -55,7 +47,7 @@ impl Scene {
     /// [`SceneError::Unreadable`], [`SceneError::Malformed`] with line and column,
     /// [`SceneError::Attached`] for the files that it names, or what
     /// [`Scene::check`] rejects.
-    pub fn from_file(path: &path::Path) -> Result<Scene, SceneError> {
+    pub fn from_file(path: &Path) -> Result<Scene, SceneError> {
         let scene = scene_of_file(path, &text_of(path)?, &Chain::at(path))?;
         scene.check()?;
         Ok(scene)
@@ -78,14 +70,14 @@ impl Scene {
     /// # Errors
     /// As for [`Scene::from_file`].
     pub fn from_ron(text: &str, origin: &str) -> Result<Scene, SceneError> {
-        Scene::from_ron_in(text, origin, path::Path::new(""))
+        Scene::from_ron_in(text, origin, Path::new(""))
     }
 
     /// Reads a scene as [`Scene::from_ron`] does; the files that it names are in `folder`.
     ///
     /// # Errors
     /// As for [`Scene::from_file`].
-    pub fn from_ron_in(text: &str, origin: &str, folder: &path::Path) -> Result<Scene, SceneError> {
+    pub fn from_ron_in(text: &str, origin: &str, folder: &Path) -> Result<Scene, SceneError> {
         let files = Attached::in_folder(origin, folder);
         let scene = parse(text, &files, &Chain::default())?;
         scene.check()?;
@@ -107,7 +99,7 @@ impl Scene {
 
 /// The text of a scene file, unchanged except for a byte-order mark, which some editors put before
 /// it.
-fn text_of(path: &path::Path) -> Result<String, SceneError> {
+fn text_of(path: &Path) -> Result<String, SceneError> {
     read_text(path, LARGEST_FILE).map_err(|source| SceneError::Unreadable {
         path: path.to_owned(),
         source,
@@ -115,12 +107,12 @@ fn text_of(path: &path::Path) -> Result<String, SceneError> {
 }
 
 /// The folder of a file; the current one for a bare name.
-fn folder_of(path: &path::Path) -> &path::Path {
-    path.parent().unwrap_or(path::Path::new(""))
+fn folder_of(path: &Path) -> &Path {
+    path.parent().unwrap_or(Path::new(""))
 }
 
 /// The scene of a file with this text, not yet checked as a whole.
-fn scene_of_file(path: &path::Path, text: &str, chain: &Chain) -> Result<Scene, SceneError> {
+fn scene_of_file(path: &Path, text: &str, chain: &Chain) -> Result<Scene, SceneError> {
     let files = Attached::in_folder(&path.display().to_string(), folder_of(path));
     let mut scene = parse(text, &files, chain)?;
     if scene.name.is_empty()
@@ -163,11 +155,11 @@ fn parse_modern(text: &str, files: &Attached, chain: &Chain) -> Result<Scene, Sc
     file.scene(text, files, chain)
 }
 
-fn from_ron(files: &Attached, text: &str, error: &ron::error::SpannedError) -> SceneError {
+fn from_ron(files: &Attached, text: &str, error: &SpannedError) -> SceneError {
     let start = error.span.start;
-    let message = match (&error.code, hints::about_part(text, error)) {
+    let message = match (&error.code, about_part(text, error)) {
         (_, Some(hint)) => hint,
-        (ron::Error::ExceededRecursionLimit, _) => "shapes are nested too deeply here".to_owned(),
+        (Error::ExceededRecursionLimit, _) => "shapes are nested too deeply here".to_owned(),
         (_, None) => ron_error::sentence(text, error, ron_error::SCENE),
     };
     malformed(files, start.line, start.col, &message)
@@ -191,15 +183,10 @@ struct SceneFile {
     surfaces: Vec<SurfaceFile>,
     #[serde(default)]
     materials: Materials,
-    #[serde(default)]
     air: Option<AirFile>,
-    #[serde(default)]
     source: Option<SourceFile>,
-    #[serde(default)]
     sources: Option<Several<SourceFile>>,
-    #[serde(default)]
     listener: Option<ListenerFile<FixedRadius>>,
-    #[serde(default)]
     listeners: Option<Several<ListenerFile<FixedRadius>>>,
 }
 
@@ -240,4 +227,181 @@ fn check_materials(scene: &Scene) -> Result<(), Refused> {
         }
     }
     Ok(())
+}
+
+/// The message for an error in this text, in terms of the notation, if the error is about a shape, an operator, or
+/// another part that has a name and fields. RON's own message reports what its parser expected; the author of `Sphere(1)`
+/// or `Air(20)` needs to know the correct notation.
+fn about_part(text: &str, error: &SpannedError) -> Option<String> {
+    match &error.code {
+        Error::NoSuchEnumVariant { found, outer, .. } if outer.as_deref() == Some("Shape") => {
+            Some(no_such_shape(found))
+        }
+        Error::ExpectedArray
+        | Error::ExpectedComma
+        | Error::ExpectedStructLike
+        | Error::ExpectedNamedStructLike(_)
+        | Error::InvalidIdentifier(_)
+        | Error::SuggestRawIdentifier(_) => {
+            let (before, behind) = text.split_at(ron_error::offset(text, error.span.start)?);
+            how_written(before, behind)
+        }
+        _ => None,
+    }
+}
+
+fn no_such_shape(found: &str) -> String {
+    let told = format!("there is no shape or operator `{found}`");
+    nearest_or_all(&told, found, shape_names())
+}
+
+/// The correct form of the part whose name is before the error.
+fn how_written(before: &str, behind: &str) -> Option<String> {
+    let before = before.trim_end();
+    let named = before.strip_suffix(['(', '[', '{']).unwrap_or(before);
+    let named = named.trim_end();
+    let begin = named.rfind(|c: char| !c.is_alphanumeric());
+    let name = &named[begin.map_or(0, |at| at + 1)..];
+    let form = form_of(name).or_else(|| form_of_sound(name))?;
+    let has_bracket = behind.trim_start().starts_with(['(', '[', '{']);
+    if form == Form::NameAlone && !has_bracket {
+        // The error is that something is missing after it.
+        return None;
+    }
+    Some(format!("{name} is written {}", form.written(name)))
+}
+
+/// The notation of sources, listeners, materials and air.
+fn form_of_sound(name: &str) -> Option<Form> {
+    match name {
+        "Material" => Form::of::<MaterialFile>(),
+        "Air" => Form::of::<AirFile>(),
+        "Source" => Form::of::<SourceFile>(),
+        "Listener" => Form::of::<ListenerFile<FixedRadius>>(),
+        _ => None,
+    }
+}
+
+/// Time of a file's last write and its length in bytes; `None` while the file does not exist.
+type Stamp = Option<(SystemTime, u64)>;
+
+/// A scene file, its bases, and the files that they name, watched for changes.
+///
+/// Does not use OpenGL: see [`trace::Reloading`](crate::trace::Reloading) for scenes that are also
+/// checked by the renderer. Polling takes a few microseconds a file.
+pub struct SceneWatch {
+    load: Box<dyn Fn() -> Result<Scene, SceneError>>,
+    /// The scene file; `None` for a built-in scene.
+    own: Option<PathBuf>,
+    /// State of the files when last read.
+    read: Vec<(PathBuf, Stamp)>,
+    /// State found by the last poll, if it differs from `read`.
+    found: Option<Vec<Stamp>>,
+    /// Message of the last error, until a scene is read.
+    refused: Option<String>,
+}
+
+impl SceneWatch {
+    /// Reads a scene as [`Scene::load`] does, and watches it from now on.
+    ///
+    /// # Errors
+    /// As [`Scene::load`].
+    pub fn open(name_or_file: &str) -> Result<(SceneWatch, Scene), SceneError> {
+        let name = name_or_file.to_owned();
+        SceneWatch::open_with(name_or_file, move || Scene::load(&name))
+    }
+
+    /// Watches a scene file that is read by `load`, for scenes that are changed after reading.
+    ///
+    /// # Errors
+    /// The errors of `load`.
+    pub fn open_with(
+        name_or_file: &str,
+        load: impl Fn() -> Result<Scene, SceneError> + 'static,
+    ) -> Result<(SceneWatch, Scene), SceneError> {
+        let built_in = BUILTIN_NAMES.contains(&name_or_file);
+        let own = (!built_in).then(|| PathBuf::from(name_or_file));
+        let mut watch = SceneWatch {
+            load: Box::new(load),
+            read: own.iter().map(|path| (path.clone(), stamp(path))).collect(),
+            own,
+            found: None,
+            refused: None,
+        };
+        let scene = (watch.load)()?;
+        watch.keep(scene.files());
+        Ok((watch, scene))
+    }
+
+    /// The watched files, the scene's own first; empty for a built-in scene.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        self.read.iter().map(|(path, _)| path.as_path())
+    }
+
+    /// Returns the scene, or the error of reading it, once after each change; otherwise `None`.
+    ///
+    /// A change counts when two polls in a row find the same state: an editor may still be writing.
+    /// After an error the scene file's folder is watched too, in case a missing file appears.
+    pub fn poll(&mut self) -> Option<Result<Scene, SceneError>> {
+        let now: Vec<Stamp> = self.read.iter().map(|(path, _)| stamp(path)).collect();
+        if self.read.iter().map(|(_, stamp)| stamp).eq(&now) {
+            self.found = None;
+            return None;
+        }
+        if self.found.as_ref() != Some(&now) {
+            self.found = Some(now);
+            return None;
+        }
+        self.found = None;
+        for ((_, read), now) in self.read.iter_mut().zip(now) {
+            *read = now;
+        }
+        match (self.load)() {
+            Ok(scene) => {
+                self.refused = None;
+                self.keep(scene.files());
+                Some(Ok(scene))
+            }
+            Err(error) => {
+                let sentence = error.to_string();
+                let folders: Vec<PathBuf> = self.own.iter().map(|own| folder(own)).collect();
+                let known = self.files().map(Path::to_owned).collect::<Vec<_>>();
+                self.keep([known, folders].concat());
+                // Another file may have appeared or vanished in the folder.
+                let is_news = self.refused.as_ref() != Some(&sentence);
+                self.refused = Some(sentence);
+                is_news.then_some(Err(error))
+            }
+        }
+    }
+
+    /// Watches the scene's own file, its bases and `files`; keeps the recorded state of files
+    /// already watched.
+    fn keep(&mut self, files: Vec<PathBuf>) {
+        let Some(own) = self.own.clone() else {
+            return;
+        };
+        let before = std::mem::take(&mut self.read);
+        let bases = bases_of(&own);
+        for path in std::iter::once(own).chain(bases).chain(files) {
+            if self.read.iter().any(|(known, _)| *known == path) {
+                continue;
+            }
+            let known = before.iter().find(|(known, _)| *known == path);
+            let read = known.map_or_else(|| stamp(&path), |(_, stamp)| *stamp);
+            self.read.push((path, read));
+        }
+    }
+}
+
+fn stamp(path: &Path) -> Stamp {
+    let about = std::fs::metadata(path).ok()?;
+    Some((about.modified().ok()?, about.len()))
+}
+
+fn folder(file: &Path) -> PathBuf {
+    match file.parent() {
+        Some(folder) if folder != Path::new("") => folder.to_owned(),
+        _ => PathBuf::from("."),
+    }
 }

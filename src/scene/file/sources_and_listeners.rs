@@ -1,8 +1,8 @@
 //! Sources and listeners of a scene file.
 
-use super::text_places::{Place, Refused};
+use super::text::{Place, Refused};
 use crate::scene::check::{LEVELS, MOST_PLACED};
-use crate::scene::notation::{Degrees, Finite, FixedRadius, Name, Point};
+use crate::scene::notation::{Degrees, Finite, FixedRadius, Name, Point, checked};
 use crate::scene::{Key, Listener, Path, Source};
 use glam::Vec3;
 use serde::Deserialize;
@@ -14,13 +14,9 @@ use std::marker::PhantomData;
 #[derive(Deserialize)]
 #[serde(rename = "Source", deny_unknown_fields)]
 pub(super) struct SourceFile {
-    #[serde(default)]
     name: Option<Name>,
-    #[serde(default)]
     level_db: Option<Level>,
-    #[serde(default)]
     position: Option<Point>,
-    #[serde(default)]
     path: Option<PathFile>,
 }
 
@@ -32,35 +28,12 @@ pub(super) struct SourceFile {
     bound = "R: Deserialize<'de>"
 )]
 pub(super) struct ListenerFile<R> {
-    #[serde(default)]
     name: Option<Name>,
-    #[serde(default)]
     position: Option<Point>,
-    #[serde(default)]
     yaw: Option<Degrees>,
-    #[serde(default)]
     pitch: Option<Degrees>,
     radius: R,
-    #[serde(default)]
     path: Option<PathFile>,
-}
-
-/// Level of a source in decibels.
-#[derive(Clone, Copy, Deserialize)]
-#[serde(try_from = "f32")]
-struct Level(f32);
-
-impl TryFrom<f32> for Level {
-    type Error = String;
-    fn try_from(decibels: f32) -> Result<Level, String> {
-        if LEVELS.contains(&decibels) {
-            return Ok(Level(decibels));
-        }
-        let (least, most) = (LEVELS.start(), LEVELS.end());
-        Err(format!(
-            "a level in decibels must be {least} to {most}, not {decibels}"
-        ))
-    }
 }
 
 #[derive(Deserialize)]
@@ -74,37 +47,38 @@ struct KeyFile {
     pitch: Degrees,
 }
 
-/// Keys whose times strictly increase.
-#[derive(Default, Deserialize)]
-#[serde(try_from = "Vec<KeyFile>")]
-struct PathFile(Path);
-
-impl PathFile {
-    fn path(&self) -> Path {
-        self.0.clone()
-    }
+checked! {
+    /// Level of a source in decibels.
+    #[derive(Clone, Copy)]
+    Level(f32) from f32: level;
+    /// Keys whose times strictly increase.
+    PathFile(Path) from Vec<KeyFile>: path;
 }
 
-impl TryFrom<Vec<KeyFile>> for PathFile {
-    type Error = String;
-    fn try_from(keys: Vec<KeyFile>) -> Result<PathFile, String> {
-        let keys = keys.iter().map(Key::from).collect();
-        match Path::new(keys) {
-            Some(path) => Ok(PathFile(path)),
-            None => Err("the times of a path's keys must increase".to_owned()),
-        }
+fn level(decibels: f32) -> Result<f32, String> {
+    if LEVELS.contains(&decibels) {
+        return Ok(decibels);
     }
+    let (least, most) = (LEVELS.start(), LEVELS.end());
+    Err(format!(
+        "a level in decibels must be {least} to {most}, not {decibels}"
+    ))
 }
 
-impl From<&KeyFile> for Key {
-    fn from(key: &KeyFile) -> Key {
-        Key {
-            time: key.time.0,
-            position: key.position.0,
-            yaw: key.yaw.0,
-            pitch: key.pitch.0,
-        }
-    }
+fn path(keys: Vec<KeyFile>) -> Result<Path, String> {
+    let keys = keys.into_iter().map(|key| Key {
+        time: key.time.0,
+        position: key.position.0,
+        yaw: key.yaw.0,
+        pitch: key.pitch.0,
+    });
+    let path = Path::new(keys.collect());
+    path.ok_or_else(|| "the times of a path's keys must increase".to_owned())
+}
+
+/// The path of a file; without one, it stands still.
+fn path_of(file: &Option<PathFile>) -> Path {
+    file.as_ref().map(|file| file.0.clone()).unwrap_or_default()
 }
 
 impl SourceFile {
@@ -127,7 +101,7 @@ impl SourceFile {
         if self.position.is_none() && self.path.is_none() {
             return;
         }
-        source.path = self.path.as_ref().map(PathFile::path).unwrap_or_default();
+        source.path = path_of(&self.path);
         let start = source.path.at(0.0).map(|key| key.position);
         let position = self.position.map(|point| point.0).or(start);
         source.position = position.unwrap_or(source.position);
@@ -157,7 +131,7 @@ impl<R: Copy + Into<Option<FixedRadius>>> ListenerFile<R> {
         if self.position.is_none() && self.path.is_none() && yaw.is_none() && pitch.is_none() {
             return;
         }
-        listener.path = self.path.as_ref().map(PathFile::path).unwrap_or_default();
+        listener.path = path_of(&self.path);
         match (self.position, listener.path.at(0.0)) {
             (None, Some(key)) => {
                 listener.position = key.position;

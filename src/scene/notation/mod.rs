@@ -1,21 +1,382 @@
-//! The notation of scene files below surfaces and shapes: numbers with their units, words, motion
-//! of numbers, and the files that a scene names.
+//! The notation of scene files below surfaces and shapes: numbers with their units, the form of shapes when they are
+//! read and written, and the files that a scene names.
 
-mod attached_files;
-mod form;
-mod moving_numbers;
 mod numbers;
-mod variant;
-mod words;
-mod written;
 
-pub(crate) use attached_files::Attached;
-pub(crate) use form::Form;
-pub(crate) use moving_numbers::{ReadNumbers, Reader};
+pub(super) use numbers::checked;
 pub(crate) use numbers::{
     Angle, Degrees, Factor, Finite, FixedRadius, Length, Lipschitz, Metres, Name, Number, Plain,
-    Point, Radius, Share, Side, Size, Unit, Vector,
+    Point, Radius, Rate, ReadNumbers, Reader, Share, Side, Size, Unit, Vector,
 };
-pub(crate) use variant::Variant;
-pub(crate) use words::{Axis, Corners, MirrorAxes, Sheets};
-pub(crate) use written::{Fields, ShapeName, Written};
+
+use super::{FIELDS, HeightImage, SceneError, UserField};
+use crate::file_input::read_text;
+use crate::text::in_a_line;
+use glam::Vec3;
+use serde::de::{self, Deserialize, DeserializeSeed, Deserializer, Error, VariantAccess, Visitor};
+use serde::forward_to_deserialize_any;
+use serde::ser::{
+    Serialize, SerializeStruct, SerializeStructVariant, SerializeTuple, SerializeTupleVariant,
+    Serializer,
+};
+use std::cell::RefCell;
+use std::fmt;
+use std::marker::PhantomData;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// The notation after the name of a shape or an operator.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Form {
+    /// Numbers and children by their names: `Torus(ring: …, tube: …)`.
+    Fields(&'static [&'static str]),
+    /// One value: `Quadric((…))`.
+    Value,
+    /// Nothing: `Plane`.
+    NameAlone,
+}
+
+impl Form {
+    /// The form that `F` requests when it is read; `None` if it accepts any.
+    pub fn of<'de, F: Deserialize<'de>>() -> Option<Form> {
+        F::deserialize(Asked).err().and_then(|answer| answer.0)
+    }
+
+    /// A part of this name as it is written in this form.
+    pub fn written(self, name: &str) -> String {
+        match self {
+            Form::Fields(fields) => format!("{name}({}: …)", fields.join(": …, ")),
+            Form::Value => format!("{name}(…)"),
+            Form::NameAlone => format!("{name}, with nothing behind it"),
+        }
+    }
+}
+
+/// A deserializer that reads nothing and records the requested form.
+struct Asked;
+
+/// The requested form, as the error that ends the reading.
+#[derive(Debug)]
+struct Answer(Option<Form>);
+
+impl fmt::Display for Answer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("nothing is read")
+    }
+}
+
+impl std::error::Error for Answer {}
+
+impl de::Error for Answer {
+    fn custom<T: fmt::Display>(_: T) -> Answer {
+        Answer(None)
+    }
+}
+
+impl<'de> Deserializer<'de> for Asked {
+    type Error = Answer;
+
+    fn deserialize_any<V: Visitor<'de>>(self, _: V) -> Result<V::Value, Answer> {
+        Err(Answer(None))
+    }
+
+    fn deserialize_struct<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        fields: &'static [&'static str],
+        _: V,
+    ) -> Result<V::Value, Answer> {
+        Err(Answer(Some(Form::Fields(fields))))
+    }
+
+    fn deserialize_newtype_struct<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        _: V,
+    ) -> Result<V::Value, Answer> {
+        Err(Answer(Some(Form::Value)))
+    }
+
+    fn deserialize_unit_struct<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        _: V,
+    ) -> Result<V::Value, Answer> {
+        Err(Answer(Some(Form::NameAlone)))
+    }
+
+    forward_to_deserialize_any! {
+        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf
+        option unit seq tuple tuple_struct map enum identifier ignored_any
+    }
+}
+
+/// The rest of a variant after its name.
+pub(crate) struct Variant<A>(pub A);
+
+impl<'de, A: VariantAccess<'de>> Deserializer<'de> for Variant<A> {
+    type Error = A::Error;
+
+    fn deserialize_any<V: Visitor<'de>>(self, _: V) -> Result<V::Value, A::Error> {
+        Err(A::Error::custom(
+            "a variant holds a struct, a value or nothing",
+        ))
+    }
+
+    fn deserialize_struct<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        fields: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, A::Error> {
+        self.0.struct_variant(fields, visitor)
+    }
+
+    fn deserialize_newtype_struct<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        visitor: V,
+    ) -> Result<V::Value, A::Error> {
+        self.0.newtype_variant_seed(Newtype(visitor, PhantomData))
+    }
+
+    fn deserialize_unit_struct<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        visitor: V,
+    ) -> Result<V::Value, A::Error> {
+        self.0.unit_variant()?;
+        visitor.visit_unit()
+    }
+
+    forward_to_deserialize_any! {
+        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf
+        option unit seq tuple tuple_struct map enum identifier ignored_any
+    }
+}
+
+/// The content of a newtype, for a visitor of the newtype.
+struct Newtype<'de, V>(V, PhantomData<&'de ()>);
+
+impl<'de, V: Visitor<'de>> DeserializeSeed<'de> for Newtype<'de, V> {
+    type Value = V::Value;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<V::Value, D::Error> {
+        self.0.visit_newtype_struct(deserializer)
+    }
+}
+
+/// A value of a scene file.
+#[derive(Clone, Debug)]
+pub(crate) enum Written {
+    Number(f32),
+    /// A 64-bit number.
+    Real(f64),
+    Count(u32),
+    Flag(bool),
+    Text(String),
+    /// In parentheses.
+    Tuple(Vec<Written>),
+    /// In brackets.
+    List(Vec<Written>),
+    /// A key-framed number: seconds and value.
+    Keys(Vec<(f64, f32)>),
+    /// A number that follows a named value, and its current value.
+    Named(String, f32),
+    /// Names and their values: `{"name": …}`.
+    Map(Vec<(String, Written)>),
+    /// A name of the notation, and its fields.
+    Struct(&'static str, Fields),
+    /// The name of a shape or an operator.
+    Plain(ShapeName),
+    /// The same with one value: `Quadric((…))`.
+    Holding(ShapeName, Box<Written>),
+    /// The same with fields: `Torus(ring: …, tube: …)`.
+    With(ShapeName, Fields),
+}
+
+/// The name of a shape or an operator, and its number, which formats without names write.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ShapeName {
+    pub name: &'static str,
+    pub index: u32,
+}
+
+/// Names and values, in order.
+pub(crate) type Fields = Vec<(&'static str, Written)>;
+
+impl Serialize for Written {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Written::Number(value) => to.serialize_f32(*value),
+            Written::Real(value) => to.serialize_f64(*value),
+            Written::Count(value) => to.serialize_u32(*value),
+            Written::Flag(value) => to.serialize_bool(*value),
+            Written::Text(value) => to.serialize_str(value),
+            Written::Tuple(items) => {
+                let mut tuple = to.serialize_tuple(items.len())?;
+                for item in items {
+                    tuple.serialize_element(item)?;
+                }
+                tuple.end()
+            }
+            Written::List(items) => items.serialize(to),
+            Written::Keys(keys) => to.serialize_newtype_variant("Number", 0, "Keys", keys),
+            Written::Named(name, value) => {
+                let mut variant = to.serialize_tuple_variant("Number", 1, "Value", 2)?;
+                variant.serialize_field(name)?;
+                variant.serialize_field(value)?;
+                variant.end()
+            }
+            Written::Map(entries) => {
+                let entries = entries.iter();
+                to.collect_map(entries.map(|(key, value)| (key, value)))
+            }
+            Written::Struct(name, fields) => {
+                let mut all = to.serialize_struct(name, fields.len())?;
+                for (field, value) in fields {
+                    all.serialize_field(field, value)?;
+                }
+                all.end()
+            }
+            Written::Plain(ShapeName { name, index }) => {
+                to.serialize_unit_variant("Shape", *index, name)
+            }
+            Written::Holding(ShapeName { name, index }, value) => {
+                to.serialize_newtype_variant("Shape", *index, name, value)
+            }
+            Written::With(ShapeName { name, index }, fields) => {
+                let mut variant =
+                    to.serialize_struct_variant("Shape", *index, name, fields.len())?;
+                for (field, value) in fields {
+                    variant.serialize_field(field, value)?;
+                }
+                variant.end()
+            }
+        }
+    }
+}
+
+/// Maximum size of a GLSL field in bytes: a larger file cannot be meant as one.
+const LARGEST_FIELD: u64 = 1 << 20;
+
+/// The places of a scene's files; each file is read once.
+pub(crate) struct Attached {
+    /// The name of the scene's text in errors.
+    origin: String,
+    place: Place,
+    images: RefCell<Vec<(String, Arc<HeightImage>)>>,
+    fields: RefCell<Vec<Arc<UserField>>>,
+}
+
+enum Place {
+    /// In the scene file's folder.
+    Folder(PathBuf),
+    /// Within the program: names and texts.
+    Embedded(&'static [(&'static str, &'static str)]),
+}
+
+impl Attached {
+    /// Files in the scene file's folder, or in the current folder.
+    pub fn in_folder(origin: &str, folder: &Path) -> Attached {
+        Attached::new(origin, Place::Folder(folder.to_owned()))
+    }
+
+    /// Texts within the program.
+    pub fn embedded(origin: &str, texts: &'static [(&'static str, &'static str)]) -> Attached {
+        Attached::new(origin, Place::Embedded(texts))
+    }
+
+    fn new(origin: &str, place: Place) -> Attached {
+        Attached {
+            origin: origin.to_owned(),
+            place,
+            images: RefCell::default(),
+            fields: RefCell::default(),
+        }
+    }
+
+    /// The name of the scene's text in errors.
+    pub fn origin(&self) -> &str {
+        &self.origin
+    }
+
+    /// The folder of the files; `None` for texts within the program.
+    pub fn folder(&self) -> Option<&Path> {
+        match &self.place {
+            Place::Folder(folder) => Some(folder),
+            Place::Embedded(_) => None,
+        }
+    }
+
+    /// Reads a height image by the name that the scene gives.
+    pub fn heights(&self, name: &str) -> Result<Arc<HeightImage>, SceneError> {
+        let known = self.images.borrow();
+        if let Some((_, image)) = known.iter().find(|(known, _)| known == name) {
+            return Ok(image.clone());
+        }
+        drop(known);
+        let image = HeightImage::from_file(&self.path(name)).map_err(|why| self.refused(why))?;
+        let image = Arc::new(image);
+        let read = (name.to_owned(), image.clone());
+        self.images.borrow_mut().push(read);
+        Ok(image)
+    }
+
+    /// Reads a GLSL field by the file name that the scene gives.
+    pub fn field(
+        &self,
+        name: &str,
+        size: Vec3,
+        lipschitz: f32,
+    ) -> Result<Arc<UserField>, SceneError> {
+        let path = self.path(name);
+        let same = |field: &&Arc<UserField>| {
+            field.file == path && field.size == size && field.lipschitz == lipschitz
+        };
+        if let Some(field) = self.fields.borrow().iter().find(same) {
+            return Ok(field.clone());
+        }
+        let text = self.text(name).map_err(|why| {
+            self.refused(format!("cannot read the field {}: {why}", path.display()))
+        })?;
+        let field = Arc::new(UserField::new(path, text, size, lipschitz));
+        self.fields.borrow_mut().push(field.clone());
+        Ok(field)
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        match &self.place {
+            Place::Folder(folder) => folder.join(name),
+            Place::Embedded(_) => PathBuf::from(name),
+        }
+    }
+
+    fn text(&self, name: &str) -> Result<String, String> {
+        match &self.place {
+            Place::Folder(folder) => {
+                let path = folder.join(name);
+                // A copy of a built-in scene in another folder still finds its field.
+                match (path.exists(), embedded(FIELDS, name)) {
+                    (false, Some(text)) => Ok(text),
+                    _ => read_text(&path, LARGEST_FIELD).map_err(|error| error.to_string()),
+                }
+            }
+            Place::Embedded(texts) => {
+                embedded(texts, name).ok_or_else(|| "it is not within the program".to_owned())
+            }
+        }
+    }
+
+    fn refused(&self, why: String) -> SceneError {
+        SceneError::Attached {
+            origin: self.origin.clone(),
+            why: in_a_line(&why).into_owned(),
+        }
+    }
+}
+
+fn embedded(texts: &[(&str, &str)], name: &str) -> Option<String> {
+    let known = texts.iter().find(|(known, _)| *known == name);
+    known.map(|(_, text)| (*text).to_owned())
+}

@@ -1,4 +1,4 @@
-//! Numbers of a scene file, in the units of the file, checked while they are read.
+//! Numbers of a scene file, in the units of the file, checked while they are read; the drivers of those that move.
 //!
 //! A surface's numbers may move. Each is a plain number, key frames, or a named value:
 //!
@@ -8,9 +8,10 @@
 //! radius: Value("door", 1.5)
 //! ```
 
-use crate::scene::{Motion, Quantity};
+use super::Attached;
+use crate::scene::{Driver, Motion, Quantity, SceneError};
 use crate::text;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use serde::Deserialize;
 use std::marker::PhantomData;
 
@@ -42,8 +43,19 @@ fn finite(what: &str, value: f32) -> Result<f32, String> {
     Err(format!("{what} must be finite, not {value}"))
 }
 
+fn angle(degrees: f32) -> Result<f32, String> {
+    finite("an angle in degrees", degrees).map(f32::to_radians)
+}
+
+fn share(value: f32) -> Result<f32, String> {
+    if (0.0..=1.0).contains(&value) {
+        return Ok(value);
+    }
+    Err(format!("a share must be 0 to 1, not {value}"))
+}
+
 macro_rules! units {
-    ($($(#[$doc:meta])* $unit:ident = $quantity:ident, $check:ident($what:literal);)*) => {$(
+    ($($(#[$doc:meta])* $unit:ident = $quantity:ident, $check:ident($($what:literal)?);)*) => {$(
         $(#[$doc])*
         pub(crate) struct $unit;
 
@@ -51,7 +63,7 @@ macro_rules! units {
             const QUANTITY: Quantity = Quantity::$quantity;
 
             fn read(value: f32) -> Result<f32, String> {
-                $check($what, value)
+                $check($($what,)? value)
             }
         }
     )*};
@@ -70,31 +82,12 @@ units! {
     Metres = Position, finite("a position in metres");
     /// Any number.
     Plain = Plain, finite("a number");
-}
-
-/// An angle: degrees in the file, radians in the code.
-pub(crate) struct Angle;
-
-impl Unit for Angle {
-    const QUANTITY: Quantity = Quantity::Angle;
-
-    fn read(value: f32) -> Result<f32, String> {
-        finite("an angle in degrees", value).map(f32::to_radians)
-    }
-}
-
-/// From 0 to 1.
-pub(crate) struct Share;
-
-impl Unit for Share {
-    const QUANTITY: Quantity = Quantity::Share;
-
-    fn read(value: f32) -> Result<f32, String> {
-        if (0.0..=1.0).contains(&value) {
-            return Ok(value);
-        }
-        Err(format!("a share must be 0 to 1, not {value}"))
-    }
+    /// An angle: degrees in the file, radians in the code.
+    Angle = Angle, angle();
+    /// A turn per length: degrees a metre in the file, radians a metre in the code.
+    Rate = Rate, angle();
+    /// From 0 to 1.
+    Share = Share, share();
 }
 
 /// A number of a surface, in the unit of the code.
@@ -137,21 +130,6 @@ enum Said {
 enum Driven {
     Keys(Vec<(f64, f32)>),
     Value(Name, f32),
-}
-
-/// A name: up to 200 characters, all of them visible.
-#[derive(Default, Deserialize)]
-#[serde(try_from = "String")]
-pub(crate) struct Name(pub String);
-
-impl TryFrom<String> for Name {
-    type Error = String;
-    fn try_from(name: String) -> Result<Name, String> {
-        match text::check_name(&name) {
-            Ok(()) => Ok(Name(name)),
-            Err(why) => Err(format!("a name {why}")),
-        }
-    }
 }
 
 impl<U> Number<U> {
@@ -229,87 +207,197 @@ impl<U> Default for Number<U> {
     }
 }
 
-/// Any finite number that does not move.
-#[derive(Clone, Copy, Default, Deserialize)]
-#[serde(try_from = "f64")]
-pub(crate) struct Finite(pub f64);
+/// The corners of a triangle.
+#[derive(Deserialize)]
+#[serde(try_from = "Vec<Pair<U>>", bound(deserialize = "U: Unit"))]
+pub(crate) struct Corners<U>([Pair<U>; 3]);
 
-/// An angle in degrees that does not move, kept in radians.
-#[derive(Clone, Copy, Default, Deserialize)]
-#[serde(try_from = "f32")]
-pub(crate) struct Degrees(pub f32);
-
-/// A radius in metres that does not move, finite and greater than 0.
-#[derive(Clone, Copy, Deserialize)]
-#[serde(try_from = "f32")]
-pub(crate) struct FixedRadius(pub f32);
-
-/// A position in metres that does not move.
-#[derive(Clone, Copy, Default, Deserialize)]
-#[serde(try_from = "(f32, f32, f32)")]
-pub(crate) struct Point(pub Vec3);
-
-/// Full width, height and depth in metres that do not move, each finite and greater than 0.
-#[derive(Clone, Copy, Deserialize)]
-#[serde(try_from = "(f32, f32, f32)")]
-pub(crate) struct Size(pub Vec3);
-
-/// Maximum growth of a value, in metres a metre: the stated Lipschitz constant.
-#[derive(Clone, Copy, Deserialize)]
-#[serde(try_from = "f32")]
-pub(crate) struct Lipschitz(pub f32);
-
-impl TryFrom<f64> for Finite {
+impl<U> TryFrom<Vec<Pair<U>>> for Corners<U> {
     type Error = String;
-    fn try_from(value: f64) -> Result<Finite, String> {
-        if value.is_finite() {
-            return Ok(Finite(value));
+    fn try_from(corners: Vec<Pair<U>>) -> Result<Corners<U>, String> {
+        let count = corners.len();
+        let three = corners.try_into().map(Corners);
+        three.map_err(|_| format!("a prism has 3 corners (x, y), not {count}"))
+    }
+}
+
+/// Reads one surface and collects the drivers of its numbers.
+pub(crate) struct Reader<'a> {
+    files: &'a Attached,
+    drivers: Vec<Driver>,
+    /// Prefix of the names of the numbers that are read: the path down the tree, as `1.0.`.
+    at: String,
+}
+
+/// Numbers that belong together, a single one or those of a vector, as a file writes them.
+pub(crate) trait ReadNumbers: Sized {
+    /// The file's values.
+    type Said<U: Unit>;
+
+    /// Returns their values at the start and keeps the drivers.
+    fn read<U: Unit>(said: Self::Said<U>, name: &str, reader: &mut Reader) -> Self;
+}
+
+impl ReadNumbers for f32 {
+    type Said<U: Unit> = Number<U>;
+
+    fn read<U: Unit>(said: Number<U>, name: &str, reader: &mut Reader) -> f32 {
+        reader.number(name, said)
+    }
+}
+
+impl ReadNumbers for Vec2 {
+    type Said<U: Unit> = Pair<U>;
+
+    fn read<U: Unit>(said: Pair<U>, name: &str, reader: &mut Reader) -> Vec2 {
+        let [x, y] = said.0;
+        Vec2::new(
+            reader.number(&format!("{name}.x"), x),
+            reader.number(&format!("{name}.y"), y),
+        )
+    }
+}
+
+impl ReadNumbers for Vec3 {
+    type Said<U: Unit> = Vector<U>;
+
+    fn read<U: Unit>(said: Vector<U>, name: &str, reader: &mut Reader) -> Vec3 {
+        let [x, y, z] = said.0;
+        Vec3::new(
+            reader.number(&format!("{name}.x"), x),
+            reader.number(&format!("{name}.y"), y),
+            reader.number(&format!("{name}.z"), z),
+        )
+    }
+}
+
+impl ReadNumbers for [Vec2; 3] {
+    type Said<U: Unit> = Corners<U>;
+
+    fn read<U: Unit>(said: Corners<U>, name: &str, reader: &mut Reader) -> [Vec2; 3] {
+        let mut corners = [Vec2::ZERO; 3];
+        for (index, said) in said.0.into_iter().enumerate() {
+            corners[index] = Vec2::read(said, &format!("{name}.{index}"), reader);
         }
-        Err(format!("a number must be finite, not {value}"))
+        corners
     }
 }
 
-impl TryFrom<f32> for Degrees {
-    type Error = String;
-    fn try_from(degrees: f32) -> Result<Degrees, String> {
-        Angle::read(degrees).map(Degrees)
-    }
-}
-
-impl TryFrom<f32> for FixedRadius {
-    type Error = String;
-    fn try_from(metres: f32) -> Result<FixedRadius, String> {
-        Radius::read(metres).map(FixedRadius)
-    }
-}
-
-impl TryFrom<f32> for Lipschitz {
-    type Error = String;
-    fn try_from(constant: f32) -> Result<Lipschitz, String> {
-        positive("a Lipschitz constant", constant).map(Lipschitz)
-    }
-}
-
-impl TryFrom<(f32, f32, f32)> for Point {
-    type Error = String;
-    fn try_from(metres: (f32, f32, f32)) -> Result<Point, String> {
-        let point = Vec3::from(metres);
-        if point.is_finite() {
-            return Ok(Point(point));
+impl<'a> Reader<'a> {
+    /// A reader of a surface whose files are `files`.
+    pub fn new(files: &'a Attached) -> Reader<'a> {
+        Reader {
+            files,
+            drivers: Vec::new(),
+            at: String::new(),
         }
-        Err(format!("a position in metres must be finite, not {point}"))
+    }
+
+    /// The files that the scene names.
+    pub fn files(&self) -> &'a Attached {
+        self.files
+    }
+
+    /// The drivers of the numbers that were read.
+    pub fn into_drivers(self) -> Vec<Driver> {
+        self.drivers
+    }
+
+    /// Whether a driver moves a number whose name begins with `name`.
+    pub fn moves(&self, name: &str) -> bool {
+        let mut drivers = self.drivers.iter();
+        drivers.any(|driver| driver.parameter.starts_with(name))
+    }
+
+    /// Returns a number's value at the start and keeps its driver.
+    pub fn number<U>(&mut self, name: &str, said: Number<U>) -> f32 {
+        if let Some(motion) = said.motion {
+            let parameter = format!("{}{name}", self.at);
+            self.drivers.push(Driver { parameter, motion });
+        }
+        said.start
+    }
+
+    /// Reads the parts of the child with this index.
+    pub fn within<T>(
+        &mut self,
+        index: usize,
+        read: impl FnOnce(&mut Reader) -> Result<T, SceneError>,
+    ) -> Result<T, SceneError> {
+        let before = self.at.len();
+        self.at.push_str(&format!("{index}."));
+        let result = read(self);
+        self.at.truncate(before);
+        result
     }
 }
 
-impl TryFrom<(f32, f32, f32)> for Size {
-    type Error = String;
-    fn try_from(metres: (f32, f32, f32)) -> Result<Size, String> {
-        let size = Vec3::from(metres);
-        if size.is_finite() && size.min_element() > 0.0 {
-            return Ok(Size(size));
+/// Defines types whose values are checked while they are read, each a wrapper of its value: the type in the file, and
+/// the check.
+macro_rules! checked {
+    ($($(#[$meta:meta])* $visible:vis $name:ident($value:ty) from $said:ty: $check:expr;)*) => {$(
+        $(#[$meta])*
+        $visible struct $name(pub $value);
+
+        impl<'de> serde::Deserialize<'de> for $name {
+            fn deserialize<D: serde::Deserializer<'de>>(from: D) -> Result<$name, D::Error> {
+                let check: fn($said) -> Result<$value, String> = $check;
+                let value = check(<$said as serde::Deserialize>::deserialize(from)?);
+                value.map($name).map_err(<D::Error as serde::de::Error>::custom)
+            }
         }
-        Err(format!(
-            "a size in metres must be finite and greater than 0 in all three axes, not {size}"
-        ))
+    )*};
+}
+pub(in crate::scene) use checked;
+
+checked! {
+    /// A name: up to 200 characters, all of them visible.
+    #[derive(Default)]
+    pub(crate) Name(String) from String: name;
+    /// Any finite number that does not move.
+    #[derive(Clone, Copy, Default)]
+    pub(crate) Finite(f64) from f64: |value| match value.is_finite() {
+        true => Ok(value),
+        false => Err(format!("a number must be finite, not {value}")),
+    };
+    /// An angle in degrees that does not move, kept in radians.
+    #[derive(Clone, Copy, Default)]
+    pub(crate) Degrees(f32) from f32: angle;
+    /// A radius in metres that does not move, finite and greater than 0.
+    #[derive(Clone, Copy)]
+    pub(crate) FixedRadius(f32) from f32: Radius::read;
+    /// A position in metres that does not move.
+    #[derive(Clone, Copy, Default)]
+    pub(crate) Point(Vec3) from (f32, f32, f32): point;
+    /// Full width, height and depth in metres that do not move, each finite and greater than 0.
+    #[derive(Clone, Copy)]
+    pub(crate) Size(Vec3) from (f32, f32, f32): size;
+    /// Maximum growth of a value, in metres a metre: the stated Lipschitz constant.
+    #[derive(Clone, Copy)]
+    pub(crate) Lipschitz(f32) from f32: |constant| positive("a Lipschitz constant", constant);
+}
+
+fn name(name: String) -> Result<String, String> {
+    match text::check_name(&name) {
+        Ok(()) => Ok(name),
+        Err(why) => Err(format!("a name {why}")),
     }
+}
+
+fn point(metres: (f32, f32, f32)) -> Result<Vec3, String> {
+    let point = Vec3::from(metres);
+    if point.is_finite() {
+        return Ok(point);
+    }
+    Err(format!("a position in metres must be finite, not {point}"))
+}
+
+fn size(metres: (f32, f32, f32)) -> Result<Vec3, String> {
+    let size = Vec3::from(metres);
+    if size.is_finite() && size.min_element() > 0.0 {
+        return Ok(size);
+    }
+    Err(format!(
+        "a size in metres must be finite and greater than 0 in all three axes, not {size}"
+    ))
 }

@@ -1,10 +1,10 @@
 //! A cylinder with round ends.
 
-use super::part::numbers;
+use super::part::{half, part};
 use super::{Part, Properties, Shape, SurfaceKind};
 use glam::{DVec2, DVec3};
 
-numbers! {
+part! {
     /// A cylinder about y with round ends.
     Capsule {
         /// Radius of cylinder and ends, in metres.
@@ -20,21 +20,15 @@ impl Part for Capsule {
     }
 
     fn properties(&self, _: &[Shape]) -> Properties {
-        Properties::round(self.radius, f64::from(self.radius) + self.half_height())
+        Properties::round(self.radius, f64::from(self.radius) + half(self.height))
     }
 
     fn value(&self, _: &[Shape], p: DVec3) -> f64 {
-        let up = p.y - p.y.clamp(-self.half_height(), self.half_height());
+        let up = p.y - p.y.clamp(-half(self.height), half(self.height));
         DVec2::new(p.x, p.z).length().hypot(up) - f64::from(self.radius)
     }
 
     fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
-        vec![self.radius.into(), self.half_height()]
-    }
-}
-
-impl Capsule {
-    fn half_height(&self) -> f64 {
-        0.5 * f64::from(self.height)
+        vec![self.radius.into(), half(self.height)]
     }
 }

@@ -1,10 +1,10 @@
 //! A finite cone.
 
-use super::part::numbers;
+use super::part::{half, part};
 use super::{Part, Properties, Shape};
 use glam::{DVec2, DVec3};
 
-numbers! {
+part! {
     /// A finite cone about y: base at −height/2, tip at height/2.
     Cone {
         /// Radius of the base, in metres.
@@ -18,12 +18,12 @@ impl Part for Cone {
     fn properties(&self, _: &[Shape]) -> Properties {
         Properties {
             symmetric: [true, false, true],
-            ..Properties::round(self.radius, self.half_height())
+            ..Properties::round(self.radius, half(self.height))
         }
     }
 
     fn value(&self, _: &[Shape], p: DVec3) -> f64 {
-        let (radius, half_height) = (f64::from(self.radius), self.half_height());
+        let (radius, half_height) = (f64::from(self.radius), half(self.height));
         // Distance from the axis, and height.
         let p = DVec2::new(DVec2::new(p.x, p.z).length(), p.y);
         let tip = DVec2::new(0.0, half_height);
@@ -38,13 +38,7 @@ impl Part for Cone {
     }
 
     fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
-        vec![self.radius.into(), self.half_height()]
-    }
-}
-
-impl Cone {
-    fn half_height(&self) -> f64 {
-        0.5 * f64::from(self.height)
+        vec![self.radius.into(), half(self.height)]
     }
 }
 

@@ -1,10 +1,10 @@
 //! A box; in Rust it is called a cuboid because `Box` is taken.
 
-use super::part::numbers;
+use super::part::part;
 use super::{Part, Properties, Shape, SurfaceKind};
 use glam::{DVec3, Vec3};
 
-numbers! {
+part! {
     /// A solid box: `Box` in scene files.
     Cuboid {
         /// Full width, height and depth in metres.
@@ -13,10 +13,6 @@ numbers! {
 }
 
 impl Part for Cuboid {
-    fn is_basic(&self) -> bool {
-        true
-    }
-
     fn surface_kind(&self) -> SurfaceKind {
         SurfaceKind::FLAT
     }

@@ -1,10 +1,9 @@
-//! An infinite cylinder, and the form of all cylinders in a scene file.
+//! Cylinders: an infinite one, and one with plane ends. A scene file writes both as `Cylinder`.
 
-use super::part::parameters;
-use super::{CappedCylinder, Part, Properties, Rotate, Shape, SurfaceKind};
-use crate::scene::notation::{Axis, Length, Number, Radius, Reader};
-use crate::scene::shape::FromFile;
-use crate::scene::{Quantity, SceneError};
+use super::part::{Notation, half, parameters};
+use super::{Part, Properties, Rotate, Shape, SurfaceKind};
+use crate::scene::SceneError;
+use crate::scene::notation::{Length, Number, Radius, Reader, checked};
 use glam::{DVec2, DVec3, Vec3};
 use serde::Deserialize;
 
@@ -26,13 +25,54 @@ pub(crate) struct File {
     axis: Axis,
 }
 
-impl FromFile for File {
-    fn read(self, reader: &mut Reader) -> Result<Shape, SceneError> {
-        let Axis(axis) = self.axis;
+checked! {
+    /// Unit vector along a cylinder.
+    Axis(Vec3) from AxisSaid: unit_vector;
+}
+
+#[derive(Deserialize)]
+#[serde(
+    untagged,
+    expecting = "an axis must be X, Y, Z or a vector (x, y, z) of plain numbers"
+)]
+enum AxisSaid {
+    Letter(Letter),
+    Vector(f32, f32, f32),
+}
+
+#[derive(Deserialize)]
+enum Letter {
+    X,
+    Y,
+    Z,
+}
+
+impl Default for Axis {
+    fn default() -> Axis {
+        Axis(Vec3::Y)
+    }
+}
+
+fn unit_vector(said: AxisSaid) -> Result<Vec3, String> {
+    let vector = match said {
+        AxisSaid::Letter(Letter::X) => Vec3::X,
+        AxisSaid::Letter(Letter::Y) => Vec3::Y,
+        AxisSaid::Letter(Letter::Z) => Vec3::Z,
+        AxisSaid::Vector(x, y, z) => Vec3::new(x, y, z),
+    };
+    let axis = vector.try_normalize();
+    axis.ok_or_else(|| format!("an axis must be finite and not of length 0, as {vector} is"))
+}
+
+impl Notation for Cylinder {
+    type File = File;
+
+    fn read(file: File, reader: &mut Reader) -> Result<Shape, SceneError> {
+        let Axis(axis) = file.axis;
         if axis == Vec3::Y {
-            return Ok(upright(self.radius, self.height, reader));
+            return Ok(upright(file.radius, file.height, reader));
         }
-        let shape = reader.within(0, |reader| Ok(upright(self.radius, self.height, reader)))?;
+        let shape = reader.within(0, |reader| Ok(upright(file.radius, file.height, reader)))?;
         let by = turn_from_y(axis);
         Ok(Shape::over(Rotate { by }, [shape]))
     }
@@ -61,10 +101,6 @@ parameters!(Cylinder {
 });
 
 impl Part for Cylinder {
-    fn is_basic(&self) -> bool {
-        true
-    }
-
     fn surface_kind(&self) -> SurfaceKind {
         SurfaceKind::SMOOTH
     }
@@ -80,8 +116,38 @@ impl Part for Cylinder {
     fn value(&self, _: &[Shape], p: DVec3) -> f64 {
         DVec2::new(p.x, p.z).length() - f64::from(self.radius)
     }
+}
+
+/// A finite cylinder about y.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CappedCylinder {
+    /// Radius in metres.
+    pub radius: f32,
+    /// Full height in metres.
+    pub height: f32,
+}
+
+parameters!(CappedCylinder {
+    radius: Quantity::Length,
+    height: Quantity::Length
+});
+
+impl Part for CappedCylinder {
+    fn properties(&self, _: &[Shape]) -> Properties {
+        Properties::round(self.radius, half(self.height))
+    }
+
+    fn value(&self, _: &[Shape], p: DVec3) -> f64 {
+        let ring = DVec2::new(p.x, p.z).length() - f64::from(self.radius);
+        corner_value(DVec2::new(ring, p.y.abs() - half(self.height)))
+    }
 
     fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
-        vec![self.radius.into()]
+        vec![self.radius.into(), half(self.height)]
     }
+}
+
+/// The signed distance to a quarter plane, from the signed distances to the lines of its two edges.
+pub(super) fn corner_value(beyond: DVec2) -> f64 {
+    beyond.max(DVec2::ZERO).length() + beyond.max_element().min(0.0)
 }

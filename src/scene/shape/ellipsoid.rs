@@ -1,11 +1,11 @@
 //! An ellipsoid.
 
-use super::part::numbers;
+use super::part::part;
 use super::quadric::straight_quadric;
 use super::{Bounds3, Part, Properties, Quadric, Shape, SurfaceKind};
 use glam::{DVec3, Vec3};
 
-numbers! {
+part! {
     /// An ellipsoid.
     Ellipsoid {
         /// Half axes along x, y and z, in metres.

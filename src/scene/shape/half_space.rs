@@ -1,10 +1,10 @@
 //! A half space in any direction.
 
-use super::part::numbers;
+use super::part::part;
 use super::{Bounds3, Part, Properties, Shape, SurfaceKind};
 use glam::{DVec3, Vec3};
 
-numbers! {
+part! {
     /// Solid where `normal · p < offset`; the normal need not be a unit vector.
     HalfSpace {
         /// Points out of the solid.

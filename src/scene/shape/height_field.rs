@@ -1,12 +1,11 @@
 //! Ground with heights from an image.
 
+use super::asset::Asset;
 use super::cuboid::box_value;
-use super::part::Asset;
-use super::part::parameters;
+use super::part::{Notation, parameters};
 use super::{Bounds3, HeightImage, Part, Properties, Shape};
+use crate::scene::SceneError;
 use crate::scene::notation::{Fields, ReadNumbers, Reader, Side, Vector, Written};
-use crate::scene::shape::FromFile;
-use crate::scene::{Quantity, SceneError};
 use glam::{DVec2, DVec3, Vec3};
 use serde::Deserialize;
 use std::sync::Arc;
@@ -29,10 +28,12 @@ pub(crate) struct File {
     size: Vector<Side>,
 }
 
-impl FromFile for File {
-    fn read(self, reader: &mut Reader) -> Result<Shape, SceneError> {
-        let image = reader.files().heights(&self.image)?;
-        let size = Vec3::read(self.size, "size", reader);
+impl Notation for HeightField {
+    type File = File;
+
+    fn read(file: File, reader: &mut Reader) -> Result<Shape, SceneError> {
+        let image = reader.files().heights(&file.image)?;
+        let size = Vec3::read(file.size, "size", reader);
         Ok(Shape::from(HeightField { image, size }))
     }
 }

@@ -1,50 +1,37 @@
 //! A hyperboloid of one or of two sheets.
 
-use super::part::parameters;
+use super::part::part;
 use super::quadric::straight_quadric;
 use super::{Bounds3, Part, Properties, Quadric, Shape, SurfaceKind};
-use crate::scene::notation::{Fields, Length, Number, Reader, Sheets, Written};
-use crate::scene::shape::FromFile;
-use crate::scene::{Quantity, SceneError};
+use crate::scene::notation::{Fields, Written};
 use glam::DVec3;
-use serde::Deserialize;
+use serde::de::{Deserialize, Deserializer, Error};
 
-/// A hyperboloid about y. One sheet: x² + z² < waist² (1 + y²/rise²), a solid with a waist.
-/// Two sheets: y² > rise² (1 + (x² + z²)/waist²), two solid bowls.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Hyperboloid {
-    /// Radius at the waist, in metres; for two sheets, that of the hyperbola's box.
-    pub waist: f32,
-    /// Height in metres over which the asymptotic cone is as wide as the waist.
-    pub rise: f32,
-    /// Whether there are two sheets.
-    pub two_sheets: bool,
-}
-
-/// Its form in a scene file.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct File {
-    waist: Number<Length>,
-    rise: Number<Length>,
-    #[serde(default)]
-    sheets: Sheets,
-}
-
-impl FromFile for File {
-    fn read(self, reader: &mut Reader) -> Result<Shape, SceneError> {
-        Ok(Shape::from(Hyperboloid {
-            waist: reader.number("waist", self.waist),
-            rise: reader.number("rise", self.rise),
-            two_sheets: self.sheets.0,
-        }))
+part! {
+    /// A hyperboloid about y. One sheet: x² + z² < waist² (1 + y²/rise²), a solid with a waist.
+    /// Two sheets: y² > rise² (1 + (x² + z²)/waist²), two solid bowls.
+    Hyperboloid {
+        /// Radius at the waist, in metres; for two sheets, that of the hyperbola's box.
+        waist: f32 as Length,
+        /// Height in metres over which the asymptotic cone is as wide as the waist.
+        rise: f32 as Length,
+    } and {
+        /// Whether there are two sheets.
+        #[serde(rename = "sheets", default, deserialize_with = "two_sheets")]
+        two_sheets: bool,
     }
 }
 
-parameters!(Hyperboloid {
-    waist: Quantity::Length,
-    rise: Quantity::Length
-});
+/// Reads the number of sheets.
+fn two_sheets<'de, D: Deserializer<'de>>(from: D) -> Result<bool, D::Error> {
+    match i64::deserialize(from)? {
+        1 => Ok(false),
+        2 => Ok(true),
+        sheets => Err(D::Error::custom(format!(
+            "a hyperboloid has 1 or 2 sheets, not {sheets}"
+        ))),
+    }
+}
 
 impl Part for Hyperboloid {
     fn surface_kind(&self) -> SurfaceKind {

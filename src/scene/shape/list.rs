@@ -1,94 +1,53 @@
 //! The list of all shapes and operators: to add one, write its two files, a line here, and its
 //! `mod` and `pub use` lines in `mod.rs`.
 
-#[cfg(test)]
-use super::octahedron;
-use super::operator::{
-    bend, complement, difference, elongate, intersection, mirror, morph, offset, repeat, rotate,
-    scale, shell, smooth_union, translate, twist, union,
-};
-use super::part::Part;
-use super::{
-    capped_cylinder, capsule, cone, cuboid, cylinder, ellipsoid, half_space, height_field,
-    hyperboloid, paraboloid, plane, prism, quadric, room, rounded_box, sphere, torus, user,
-};
-use crate::scene::notation::{Form, Reader, ShapeName, Variant};
-use crate::scene::shape::{FromFile, Operands};
+use super::part::{Notation, Part};
+use crate::scene::notation::{Form, Reader, ShapeName, Variant, Written};
 use crate::scene::{SceneError, Shape};
 use serde::de::{Deserialize, Deserializer, EnumAccess, Visitor};
 use std::fmt;
 
 macro_rules! parts {
     (
-        said: { $($(#[$attr:meta])* $name:literal $module:ident::$part:ident,)* }
-        made: { $($made_name:literal $made_module:ident::$made:ident,)* }
+        all: { $($(#[$attr:meta])* $name:literal $_module:ident::$part:ident,)* }
+        said: { $($(#[$said_attr:meta])* $said_name:literal $_said_module:ident::$said:ident,)* }
     ) => {
         /// A node of a tree: a shape or an operator, without its children.
         #[derive(Clone, Debug, PartialEq)]
         pub enum Node {
-            $($(#[$attr])* #[doc = concat!("`", $name, "` in scene files.")] $part($module::$part),)*
-            $(#[doc = "Written differently in scene files."] $made($made_module::$made),)*
+            $($(#[$attr])* #[doc = concat!("`", $name, "` in scene files.")] $part(super::$part),)*
         }
 
         impl Node {
-            /// The name in shaders and reports; in scene files a `CappedCylinder` is a `Cylinder`.
-            pub fn name(&self) -> &'static str {
-                match self {
-                    $($(#[$attr])* Node::$part(_) => $name,)*
-                    $(Node::$made(_) => stringify!($made),)*
-                }
-            }
-
             /// The name in scene files.
             pub(crate) fn name_in_files(&self) -> &'static str {
                 match self {
-                    $(Node::$made(_) => $made_name,)*
-                    _ => self.name(),
+                    $($(#[$attr])* Node::$part(_) => $name,)*
                 }
             }
 
             pub(crate) fn part(&self) -> &dyn Part {
                 match self {
                     $($(#[$attr])* Node::$part(part) => part,)*
-                    $(Node::$made(part) => part,)*
                 }
             }
 
             pub(crate) fn part_mut(&mut self) -> &mut dyn Part {
                 match self {
                     $($(#[$attr])* Node::$part(part) => part,)*
-                    $(Node::$made(part) => part,)*
                 }
             }
         }
 
-        $($(#[$attr])* impl From<$module::$part> for Node {
-            fn from(part: $module::$part) -> Node {
+        $($(#[$attr])* impl From<super::$part> for Node {
+            fn from(part: super::$part) -> Node {
                 Node::$part(part)
-            }
-        }
-
-        $(#[$attr])*
-        impl From<$module::$part> for Shape {
-            fn from(part: $module::$part) -> Shape {
-                Shape::from(Node::$part(part))
-            }
-        })*
-        $(impl From<$made_module::$made> for Node {
-            fn from(part: $made_module::$made) -> Node {
-                Node::$made(part)
-            }
-        }
-
-        impl From<$made_module::$made> for Shape {
-            fn from(part: $made_module::$made) -> Shape {
-                Shape::from(Node::$made(part))
             }
         })*
 
         /// The form of a shape or an operator in a scene file.
         pub(crate) enum ShapeFile {
-            $($(#[$attr])* $part($module::File),)*
+            $($(#[$said_attr])* $said(<super::$said as Notation>::File),)*
         }
 
         impl ShapeFile {
@@ -98,7 +57,7 @@ macro_rules! parts {
             /// Errors of the files that it names.
             pub fn read(self, reader: &mut Reader) -> Result<Shape, SceneError> {
                 match self {
-                    $($(#[$attr])* ShapeFile::$part(file) => file.read(reader),)*
+                    $($(#[$said_attr])* ShapeFile::$said(file) => super::$said::read(file, reader),)*
                 }
             }
         }
@@ -106,17 +65,17 @@ macro_rules! parts {
         /// The notation of the shape or operator of this name in a scene file.
         pub(crate) fn form_of(name: &str) -> Option<Form> {
             match name {
-                $($(#[$attr])* $name => Form::of::<$module::File>(),)*
+                $($(#[$said_attr])* $said_name => Form::of::<<super::$said as Notation>::File>(),)*
                 _ => None,
             }
         }
 
-        const NAMES: &[&str] = &[$($(#[$attr])* $name),*];
+        const NAMES: &[&str] = &[$($(#[$said_attr])* $said_name),*];
 
         #[derive(serde::Deserialize)]
         #[serde(variant_identifier)]
         enum Name {
-            $($(#[$attr])* #[serde(rename = $name)] $part,)*
+            $($(#[$said_attr])* #[serde(rename = $said_name)] $said,)*
         }
 
         impl<'de> Visitor<'de> for Tree {
@@ -129,8 +88,8 @@ macro_rules! parts {
             fn visit_enum<A: EnumAccess<'de>>(self, data: A) -> Result<ShapeFile, A::Error> {
                 let (name, variant) = data.variant()?;
                 Ok(match name {
-                    $($(#[$attr])* Name::$part => {
-                        ShapeFile::$part(Deserialize::deserialize(Variant(variant))?)
+                    $($(#[$said_attr])* Name::$said => {
+                        ShapeFile::$said(Deserialize::deserialize(Variant(variant))?)
                     })*
                 })
             }
@@ -146,14 +105,14 @@ macro_rules! all_parts {
         made: { $($made:tt)* }
     ) => {
         parts! {
+            all: { $($shapes)* $($operators)* $($written_out)* $($made)* }
             said: { $($shapes)* $($operators)* $($written_out)* }
-            made: { $($made)* }
         }
     };
 }
 
-/// Passes the list to a macro: the name in scene files, the module here (for most also the name of
-/// the file under `glsl/`), the type.
+/// Passes the list to a macro: the name in scene files, the name of the file under `glsl/` (except for parts that are
+/// written out there), the type.
 macro_rules! every_part {
     ($callback:ident) => {
         $callback! {
@@ -213,6 +172,16 @@ pub(crate) use every_part;
 
 every_part!(all_parts);
 
+impl Node {
+    /// The name in shaders and reports; in scene files a `CappedCylinder` is a `Cylinder`.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Node::CappedCylinder(_) => "CappedCylinder",
+            _ => self.name_in_files(),
+        }
+    }
+}
+
 /// The names of all shapes and operators in scene files.
 pub(crate) fn shape_names() -> &'static [&'static str] {
     NAMES
@@ -234,24 +203,48 @@ impl<'de> Deserialize<'de> for ShapeFile {
     }
 }
 
+/// The children of an operator in one field of a file.
+pub(crate) trait Operands {
+    /// Least and greatest number of children.
+    const COUNT: (usize, usize);
+
+    /// Adds them in order.
+    fn add_to(self, all: &mut Vec<ShapeFile>);
+
+    /// The value of the field, from the children that are left to write.
+    fn written(left: &mut impl Iterator<Item = Written>) -> Option<Written>;
+}
+
 impl Operands for Box<ShapeFile> {
     const COUNT: (usize, usize) = (1, 1);
 
-    fn read(self, reader: &mut Reader) -> Result<Vec<Shape>, SceneError> {
-        Ok(vec![
-            reader.within(0, |reader| ShapeFile::read(*self, reader))?,
-        ])
+    fn add_to(self, all: &mut Vec<ShapeFile>) {
+        all.push(*self);
+    }
+
+    fn written(left: &mut impl Iterator<Item = Written>) -> Option<Written> {
+        left.next()
     }
 }
 
 impl Operands for Vec<ShapeFile> {
     const COUNT: (usize, usize) = (1, usize::MAX);
 
-    fn read(self, reader: &mut Reader) -> Result<Vec<Shape>, SceneError> {
-        let numbered = self.into_iter().enumerate();
-        let read = |(index, file): (usize, ShapeFile)| {
-            reader.within(index, |reader| ShapeFile::read(file, reader))
-        };
-        numbered.map(read).collect()
+    fn add_to(self, all: &mut Vec<ShapeFile>) {
+        all.extend(self);
     }
+
+    fn written(left: &mut impl Iterator<Item = Written>) -> Option<Written> {
+        Some(Written::List(left.collect()))
+    }
+}
+
+/// Reads children, which are numbered in order.
+pub(super) fn read_children(
+    files: Vec<ShapeFile>,
+    reader: &mut Reader,
+) -> Result<Vec<Shape>, SceneError> {
+    let numbered = files.into_iter().enumerate();
+    let read = |(index, file): (usize, ShapeFile)| reader.within(index, |reader| file.read(reader));
+    numbered.map(read).collect()
 }

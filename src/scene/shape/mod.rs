@@ -5,38 +5,32 @@
 //! tree state whether its value is the distance to the surface, a bound of it, or only Lipschitz
 //! (Hart 1996, section 3), the bounds of the solid, and whether it is convex.
 //!
-//! Each shape and operator has a file of its own here, and one under `glsl/`; `list` names them
-//! all.
+//! Each shape has a file of its own here, the operators are in `operator`, and each has a file under `glsl/`; `list`
+//! names them all.
 //!
 //! Theory: Hart 1996, "Sphere tracing"; Quilez, "distance functions", for the operators' customary
 //! names. Values here are computed in `f64`, independently of the shader's text, so that the two
 //! can disagree; tests compare both for a table of shapes.
 
-mod bounds;
-mod build;
-mod capped_cylinder;
+mod asset;
 mod capsule;
-mod check;
 mod cone;
 mod cuboid;
 mod cylinder;
 mod ellipsoid;
 mod half_space;
 mod height_field;
-mod height_image;
 mod hyperboloid;
 mod list;
 #[cfg(test)]
 mod octahedron;
 mod operator;
 mod paraboloid;
-mod parameter;
 mod part;
 mod plane;
 mod prism;
 mod properties;
 mod quadric;
-mod read;
 mod room;
 mod rounded_box;
 mod sphere;
@@ -44,51 +38,46 @@ mod sphere;
 pub(crate) mod tests;
 mod torus;
 mod user;
-mod user_field;
 mod user_glsl;
 
-pub(crate) use check::{MOST_NODES, halton};
+pub(crate) use asset::{Asset, UserSamples};
 pub(crate) use list::{ShapeFile, every_part, form_of, numbered, shape_names};
-pub(crate) use parameter::{LARGEST, Numbers};
-pub(crate) use part::{Asset, Part};
+pub(crate) use part::{LARGEST, Numbers, Parameter, Part};
 use quadric::Quadric;
-pub(crate) use read::{FromFile, Operands};
 #[doc(hidden)]
 pub use user_glsl::code_lines;
 
-pub use bounds::Bounds3;
-pub use capped_cylinder::CappedCylinder;
+pub use asset::{HeightImage, UserField};
 pub use capsule::Capsule;
 pub use cone::Cone;
 pub use cuboid::Cuboid;
-pub use cylinder::Cylinder;
+pub use cylinder::{CappedCylinder, Cylinder};
 pub use ellipsoid::Ellipsoid;
 pub use half_space::HalfSpace;
 pub use height_field::HeightField;
-pub use height_image::HeightImage;
 pub use hyperboloid::Hyperboloid;
 pub use list::Node;
+#[cfg(test)]
+pub use octahedron::Octahedron;
 pub(crate) use operator::Copies;
 pub use operator::{
     Bend, Complement, Difference, Elongate, Intersection, Mirror, Morph, Offset, Repeat, Rotate,
     Scale, Shell, SmoothUnion, Translate, Twist, Union,
 };
 pub use paraboloid::Paraboloid;
-pub(crate) use parameter::Parameter;
 pub use plane::Plane;
 pub use prism::Prism;
 pub(crate) use properties::SurfaceKind;
-pub use properties::{Exactness, Properties};
+pub use properties::{Bounds3, Exactness, Properties};
 pub use quadric::GeneralQuadric;
 pub use room::Room;
 pub use rounded_box::RoundedBox;
 pub use sphere::Sphere;
 pub use torus::Torus;
 pub use user::User;
-pub use user_field::UserField;
-pub(crate) use user_field::UserSamples;
 
 use glam::DVec3;
+use part::in_range;
 use std::sync::Arc;
 
 /// A shape, or an operator with its children.
@@ -110,6 +99,21 @@ pub struct Shape {
     pub children: Vec<Shape>,
 }
 
+/// ```
+/// use echomarch::scene::Shape;
+/// use echomarch::scene::shape::{Cuboid, Sphere};
+/// use glam::Vec3;
+/// let ball = Shape::from(Sphere { radius: 2.0 });
+/// let slab = Shape::from(Cuboid { size: Vec3::new(9.0, 1.0, 9.0) });
+/// let bowl = ball.shell(0.2).minus([slab.translate(Vec3::Y * 2.0)]);
+/// assert!(bowl.value(glam::DVec3::ZERO) > 0.0);
+/// ```
+impl<N: Into<Node>> From<N> for Shape {
+    fn from(node: N) -> Shape {
+        Shape::over(node, [])
+    }
+}
+
 impl Node {
     /// The user's field, if the shape is one.
     pub fn user(&self) -> Option<&Arc<UserField>> {
@@ -126,11 +130,23 @@ impl Node {
 }
 
 impl Shape {
+    /// An operator over several fields.
+    pub fn over(node: impl Into<Node>, children: impl IntoIterator<Item = Shape>) -> Shape {
+        Shape {
+            node: node.into(),
+            children: children.into_iter().collect(),
+        }
+    }
+
     /// Whether the tree is a single one of the thesis' five shapes: a plane, a box, a room, a
     /// sphere or a cylinder. Their sizes are passed to the shader relative to the listener, with
     /// every frame; the numbers of all other trees are in its text.
     pub fn is_basic(&self) -> bool {
-        self.node.part().is_basic()
+        use Node::{Cuboid, Cylinder, Plane, Room, Sphere};
+        matches!(
+            self.node,
+            Plane(_) | Cuboid(_) | Room(_) | Sphere(_) | Cylinder(_)
+        )
     }
 
     /// Whether it is a single shape with plane faces only.
@@ -260,5 +276,176 @@ impl Shape {
             all.extend(child.nodes());
         }
         all
+    }
+}
+
+/// Maximum number of nodes in a tree: larger trees take a shader too much memory and time to
+/// compile. A field of 4,000 nodes took llvmpipe more than 7 GB.
+pub(crate) const MOST_NODES: usize = 512;
+
+/// Number of points at which a stated Lipschitz constant is checked.
+const TRIES: usize = 4096;
+
+/// Maximum number of times at which it is checked at all these points; more times share the points.
+const TIMES_IN_FULL: usize = 64;
+
+/// Minimum number of points at which it is checked at each time.
+const LEAST_TRIES: usize = 32;
+
+/// Relative excess of a difference quotient over a stated constant above which it is rejected: the
+/// effect of rounding on a quotient over a thousandth of the size.
+const ROUNDING: f64 = 1e-3;
+
+impl Shape {
+    /// Checks the tree's numbers, its operators' operands and that every repetition is safe: cheap
+    /// enough for every frame. Checks that need evaluations are in [`Shape::check`].
+    ///
+    /// # Errors
+    /// A message that names the node and states the requirement.
+    pub fn validate(&self) -> Result<(), String> {
+        let nodes = self.nodes();
+        if nodes.len() > MOST_NODES {
+            let count = nodes.len();
+            return Err(format!(
+                "a field of {count} nodes is too large: at most {MOST_NODES}"
+            ));
+        }
+        for tree in &nodes {
+            let named = |why| format!("{}: {why}", tree.node.name());
+            tree.check_operands()
+                .and_then(|()| tree.node.check())
+                .map_err(named)?;
+        }
+        // Properties are defined for valid numbers only.
+        for tree in nodes {
+            let checked = tree.node.part().check_over(&tree.children);
+            checked.map_err(|why| format!("{}: {why}", tree.node.name()))?;
+        }
+        Ok(())
+    }
+
+    /// Checks the tree as [`Shape::validate`] does, and checks every stated Lipschitz constant by a
+    /// few thousand evaluations; the text of users' fields is read, but not yet compiled.
+    ///
+    /// # Errors
+    /// A message that names the node and states the requirement.
+    pub fn check(&self) -> Result<(), String> {
+        self.validate()?;
+        for field in self.nodes() {
+            field
+                .check_growth(TRIES)
+                .and_then(|()| field.check_text())
+                .map_err(|why| format!("{}: {why}", field.node.name()))?;
+        }
+        Ok(())
+    }
+
+    /// Checks every stated Lipschitz constant in the field's current state, at one of `times`
+    /// times, which together take a few seconds at most.
+    pub(in crate::scene) fn check_growth_at_one_of(&self, times: usize) -> Result<(), String> {
+        let tries = TRIES * TIMES_IN_FULL / times.max(1);
+        let tries = tries.clamp(LEAST_TRIES, TRIES);
+        for field in self.nodes() {
+            let checked = field.check_growth(tries);
+            checked.map_err(|why| format!("{}: {why}", field.node.name()))?;
+        }
+        Ok(())
+    }
+
+    fn check_operands(&self) -> Result<(), String> {
+        let (least, most) = self.node.part().operands();
+        let count = self.children.len();
+        if (least..=most).contains(&count) {
+            return Ok(());
+        }
+        Err(match (least, most) {
+            (0, _) => "is a shape and takes no fields".to_owned(),
+            (least, most) if least == most => format!("takes {least} fields, not {count}"),
+            (least, _) => format!("takes at least {least} fields, not {count}"),
+        })
+    }
+
+    /// Checks the stated constant of a twist or a bend.
+    fn check_growth(&self, tries: usize) -> Result<(), String> {
+        let Some(stated) = self.node.part().stated_lipschitz() else {
+            return Ok(());
+        };
+        let (steepest, place) = self.steepest_of(tries);
+        if steepest <= f64::from(stated) * (1.0 + ROUNDING) {
+            return Ok(());
+        }
+        Err(format!(
+            "its value grows by {steepest:.3} a metre at ({:.3}, {:.3}, {:.3}), more than the stated lipschitz of {stated}: state at least {:.3}, or leave it out to have it computed",
+            place.x,
+            place.y,
+            place.z,
+            1.01 * steepest
+        ))
+    }
+
+    /// Checks that a user's text defines the function and needs no other inputs.
+    fn check_text(&self) -> Result<(), String> {
+        match &self.node {
+            Node::User(User { field }) => field.check_text().map_err(|(line, why)| {
+                let file = field.file.display();
+                match line {
+                    Some(line) => format!("{file}:{line}: {why}"),
+                    None => format!("{file}: {why}"),
+                }
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    /// The greatest difference quotient found at points of the field's bounds, and the point where
+    /// it was found.
+    pub fn steepest(&self) -> (f64, DVec3) {
+        self.steepest_of(TRIES)
+    }
+
+    fn steepest_of(&self, tries: usize) -> (f64, DVec3) {
+        let bounds = self.properties().bounds;
+        let reach = DVec3::splat(10.0);
+        let box_ = Bounds3::new(bounds.min.max(-reach), bounds.max.min(reach));
+        let step = 1e-4 * (box_.max - box_.min).max_element().max(1e-6);
+        let mut found = (0.0, DVec3::ZERO);
+        for index in 1..=tries {
+            let p = box_.min + halton(index) * (box_.max - box_.min);
+            let along = |axis: DVec3| {
+                (self.value(p + axis * step) - self.value(p - axis * step)) / (2.0 * step)
+            };
+            let gradient = DVec3::new(along(DVec3::X), along(DVec3::Y), along(DVec3::Z));
+            if gradient.length() > found.0 {
+                found = (gradient.length(), p);
+            }
+        }
+        found
+    }
+}
+
+/// The n-th point of Halton's sequence in bases 2, 3, 5: evenly distributed in the unit cube.
+pub(crate) fn halton(index: usize) -> DVec3 {
+    let radical_inverse = |base: usize| {
+        let (mut rest, mut share, mut sum) = (index, 1.0, 0.0);
+        while rest > 0 {
+            share /= base as f64;
+            sum += share * (rest % base) as f64;
+            rest /= base;
+        }
+        sum
+    };
+    DVec3::new(radical_inverse(2), radical_inverse(3), radical_inverse(5))
+}
+
+impl Node {
+    /// Checks the node's own numbers against their ranges.
+    fn check(&self) -> Result<(), String> {
+        if !in_range(self.part()) {
+            // Only an error message needs a copy and the names.
+            let mut copy = self.clone();
+            let parameters = copy.part_mut().parameters_mut();
+            parameters.iter().try_for_each(|number| number.check())?;
+        }
+        self.part().check()
     }
 }

@@ -1,10 +1,10 @@
 //! A regular octahedron: the worked example in `docs/architecture.md`, built for tests only.
 
-use super::part::numbers;
+use super::part::part;
 use super::{Bounds3, Part, Properties, Shape};
 use glam::DVec3;
 
-numbers! {
+part! {
     /// A regular octahedron.
     Octahedron {
         /// Distance of the vertices from the centre, in metres.
@@ -24,10 +24,6 @@ impl Part for Octahedron {
 
     fn value(&self, _: &[Shape], p: DVec3) -> f64 {
         (p.abs().element_sum() - f64::from(self.radius)) / 3f64.sqrt()
-    }
-
-    fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
-        vec![self.radius.into()]
     }
 }
 

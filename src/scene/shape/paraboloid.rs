@@ -1,11 +1,11 @@
 //! A paraboloid.
 
-use super::part::numbers;
+use super::part::part;
 use super::quadric::straight_quadric;
 use super::{Bounds3, Part, Properties, Quadric, Shape, SurfaceKind};
 use glam::DVec3;
 
-numbers! {
+part! {
     /// A solid paraboloid that opens towards +y: y > (x² + z²) / (4 focal length).
     Paraboloid {
         /// Distance of the focus from the vertex (the origin), in metres.

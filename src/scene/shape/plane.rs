@@ -1,19 +1,15 @@
 //! A plane.
 
-use super::part::no_numbers;
+use super::part::part;
 use super::{Bounds3, Part, Properties, Shape, SurfaceKind};
 use glam::DVec3;
 
-no_numbers! {
+part! {
     /// The plane y = 0: solid below.
     Plane
 }
 
 impl Part for Plane {
-    fn is_basic(&self) -> bool {
-        true
-    }
-
     fn surface_kind(&self) -> SurfaceKind {
         SurfaceKind::PLANE
     }

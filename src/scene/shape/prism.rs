@@ -1,47 +1,20 @@
 //! A triangle, extruded.
 
-use super::capped_cylinder::corner_value;
 use super::cone::segment_distance;
-use super::part::parameters;
+use super::cylinder::corner_value;
+use super::part::{half, part};
 use super::{Bounds3, Part, Properties, Shape, SurfaceKind};
-use crate::scene::notation::{Corners, Length, Number, ReadNumbers, Reader};
-use crate::scene::shape::FromFile;
-use crate::scene::{Quantity, SceneError};
 use glam::{DVec2, DVec3, Vec2};
-use serde::Deserialize;
 
-/// A triangle in the xy plane, extruded along z.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Prism {
-    /// The triangle's corners (x, y) in metres, in either sense of rotation.
-    pub corners: [Vec2; 3],
-    /// Full length along z in metres.
-    pub depth: f32,
-}
-
-/// Its form in a scene file.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct File {
-    corners: Corners,
-    depth: Number<Length>,
-}
-
-impl FromFile for File {
-    fn read(self, reader: &mut Reader) -> Result<Shape, SceneError> {
-        let mut corners = [Vec2::ZERO; 3];
-        for (index, said) in self.corners.0.into_iter().enumerate() {
-            corners[index] = Vec2::read(said, &format!("corners.{index}"), reader);
-        }
-        let depth = reader.number("depth", self.depth);
-        Ok(Shape::from(Prism { corners, depth }))
+part! {
+    /// A triangle in the xy plane, extruded along z.
+    Prism {
+        /// The triangle's corners (x, y) in metres, in either sense of rotation.
+        corners: [Vec2; 3] as Metres,
+        /// Full length along z in metres.
+        depth: f32 as Length,
     }
 }
-
-parameters!(Prism {
-    corners: Quantity::Position,
-    depth: Quantity::Length
-});
 
 /// Area of a triangle, as a share of its longest side squared, below which its corners count as
 /// collinear: `f32` cannot resolve them better.
@@ -63,7 +36,7 @@ impl Part for Prism {
     }
 
     fn properties(&self, _: &[Shape]) -> Properties {
-        let half = self.half_depth();
+        let half = half(self.depth);
         let ends = self.flat().map(|c| [c.extend(-half), c.extend(half)]);
         Properties {
             bounds: Bounds3::of_points(ends.into_iter().flatten()),
@@ -74,7 +47,7 @@ impl Part for Prism {
 
     fn value(&self, _: &[Shape], p: DVec3) -> f64 {
         let flat = triangle_value(p.truncate(), self.flat());
-        corner_value(DVec2::new(flat, p.z.abs() - self.half_depth()))
+        corner_value(DVec2::new(flat, p.z.abs() - half(self.depth)))
     }
 
     /// The corners in counter-clockwise order, and half the depth.
@@ -84,7 +57,7 @@ impl Part for Prism {
             true => (c, b),
             false => (b, c),
         };
-        vec![a.x, a.y, b.x, b.y, c.x, c.y, self.half_depth()]
+        vec![a.x, a.y, b.x, b.y, c.x, c.y, half(self.depth)]
     }
 
     fn arguments(&self) -> &'static [usize] {
@@ -95,10 +68,6 @@ impl Part for Prism {
 impl Prism {
     fn flat(&self) -> [DVec2; 3] {
         self.corners.map(|corner| corner.as_dvec2())
-    }
-
-    fn half_depth(&self) -> f64 {
-        0.5 * f64::from(self.depth)
     }
 }
 

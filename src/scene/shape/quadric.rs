@@ -5,11 +5,10 @@
 //! λ |F|)) never exceeds the distance, agrees with it to first order at the surface, and is
 //! Lipschitz with constant 1, because |∇g| ≤ 2 λ.
 
-use super::part::parameters;
+use super::part::{Notation, parameters};
 use super::{Bounds3, Part, Properties, Shape};
+use crate::scene::SceneError;
 use crate::scene::notation::{Number, Plain, Reader};
-use crate::scene::shape::FromFile;
-use crate::scene::{Quantity, SceneError};
 use glam::DVec3;
 use serde::Deserialize;
 
@@ -25,10 +24,12 @@ pub struct GeneralQuadric {
 #[derive(Deserialize)]
 pub(crate) struct File([Number<Plain>; 10]);
 
-impl FromFile for File {
-    fn read(self, reader: &mut Reader) -> Result<Shape, SceneError> {
+impl Notation for GeneralQuadric {
+    type File = File;
+
+    fn read(file: File, reader: &mut Reader) -> Result<Shape, SceneError> {
         let mut coefficients = [0.0; 10];
-        for (index, number) in self.0.into_iter().enumerate() {
+        for (index, number) in file.0.into_iter().enumerate() {
             coefficients[index] = reader.number(&format!("coefficients.{index}"), number);
         }
         Ok(Shape::from(GeneralQuadric { coefficients }))

@@ -1,10 +1,10 @@
 //! The inside of a box.
 
-use super::part::numbers;
+use super::part::part;
 use super::{Bounds3, Exactness, Part, Properties, Shape, SurfaceKind};
 use glam::{DVec3, Vec3};
 
-numbers! {
+part! {
     /// The inside of a box: air inside, solid outside.
     Room {
         /// Full width, height and depth of the air in metres.
@@ -13,10 +13,6 @@ numbers! {
 }
 
 impl Part for Room {
-    fn is_basic(&self) -> bool {
-        true
-    }
-
     fn surface_kind(&self) -> SurfaceKind {
         SurfaceKind::FLAT
     }

@@ -1,11 +1,11 @@
 //! A box with round edges.
 
 use super::cuboid::box_value;
-use super::part::numbers;
+use super::part::part;
 use super::{Part, Properties, Shape};
 use glam::{DVec3, Vec3};
 
-numbers! {
+part! {
     /// A box whose edges and vertices are rounded.
     RoundedBox {
         /// Full width, height and depth in metres, the rounding included.

@@ -1,10 +1,10 @@
 //! A ball.
 
-use super::part::numbers;
+use super::part::part;
 use super::{Part, Properties, Shape, SurfaceKind};
 use glam::DVec3;
 
-numbers! {
+part! {
     /// A ball.
     Sphere {
         /// Radius in metres.
@@ -13,10 +13,6 @@ numbers! {
 }
 
 impl Part for Sphere {
-    fn is_basic(&self) -> bool {
-        true
-    }
-
     fn surface_kind(&self) -> SurfaceKind {
         SurfaceKind::SMOOTH
     }
@@ -27,9 +23,5 @@ impl Part for Sphere {
 
     fn value(&self, _: &[Shape], p: DVec3) -> f64 {
         p.length() - f64::from(self.radius)
-    }
-
-    fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
-        vec![self.radius.into()]
     }
 }

@@ -1,10 +1,10 @@
 //! A ring.
 
-use super::part::numbers;
+use super::part::part;
 use super::{Exactness, Part, Properties, Shape, SurfaceKind};
 use glam::{DVec2, DVec3};
 
-numbers! {
+part! {
     /// A ring about y.
     Torus {
         /// Radius of the ring's centre line, in metres.
@@ -35,9 +35,5 @@ impl Part for Torus {
     fn value(&self, _: &[Shape], p: DVec3) -> f64 {
         let from_axis = DVec2::new(p.x, p.z).length();
         (from_axis - f64::from(self.ring)).hypot(p.y) - f64::from(self.tube)
-    }
-
-    fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
-        vec![self.ring.into(), self.tube.into()]
     }
 }

@@ -1,12 +1,11 @@
 //! A user's own field, as a shape.
 
+use super::asset::{Asset, UserField};
 use super::cuboid::box_value;
-use super::part::Asset;
-use super::part::parameters;
-use super::{Bounds3, Part, Properties, Shape, UserField};
-use crate::scene::SceneError;
+use super::part::{Notation, Numbers, Parameter, parameters};
+use super::{Bounds3, Part, Properties, Shape};
 use crate::scene::notation::{Fields, Lipschitz, Reader, Size, Written};
-use crate::scene::shape::FromFile;
+use crate::scene::{Quantity, SceneError};
 use glam::DVec3;
 use serde::Deserialize;
 use std::sync::Arc;
@@ -28,11 +27,12 @@ pub(crate) struct File {
     size: Size,
 }
 
-impl FromFile for File {
-    fn read(self, reader: &mut Reader) -> Result<Shape, SceneError> {
-        let field = reader
-            .files()
-            .field(&self.file, self.size.0, self.lipschitz.0)?;
+impl Notation for User {
+    type File = File;
+
+    fn read(file: File, reader: &mut Reader) -> Result<Shape, SceneError> {
+        let (size, lipschitz) = (file.size.0, file.lipschitz.0);
+        let field = reader.files().field(&file.file, size, lipschitz)?;
         Ok(Shape::from(User { field }))
     }
 }
@@ -60,7 +60,17 @@ impl Part for User {
     }
 
     fn check(&self) -> Result<(), String> {
-        self.field.check_numbers()
+        let mut size = self.field.size;
+        let mut sides = Vec::new();
+        size.add_to("size", Quantity::Length, &mut sides);
+        sides.iter().try_for_each(Parameter::check)?;
+        let lipschitz = self.field.lipschitz;
+        if (1e-3..=1e6).contains(&lipschitz) {
+            return Ok(());
+        }
+        Err(format!(
+            "its lipschitz must be 0.001 to 1e6, not {lipschitz}"
+        ))
     }
 
     fn properties(&self, _: &[Shape]) -> Properties {

@@ -1,42 +1,304 @@
-//! Operators on shapes.
+//! Operators on shapes. Those that join several fields are here, and the functions of [`Shape`] that apply operators.
 
-pub(super) mod bend;
-pub(super) mod complement;
-pub(super) mod difference;
-pub(super) mod elongate;
-pub(super) mod intersection;
-pub(super) mod mirror;
-pub(super) mod morph;
-pub(super) mod offset;
-pub(super) mod repeat;
-pub(super) mod rotate;
-pub(super) mod scale;
-pub(super) mod shell;
-pub(super) mod smooth_union;
-pub(super) mod translate;
+mod repeat;
+mod single;
 mod turning;
-pub(super) mod twist;
-pub(super) mod union;
 
-pub use bend::Bend;
-pub use complement::Complement;
-pub use difference::Difference;
-pub use elongate::Elongate;
-pub use intersection::Intersection;
-pub use mirror::Mirror;
-pub use morph::Morph;
-pub use offset::Offset;
 pub(crate) use repeat::Copies;
 pub use repeat::Repeat;
-pub use rotate::Rotate;
-pub use scale::Scale;
-pub use shell::Shell;
-pub use smooth_union::SmoothUnion;
-pub use translate::Translate;
-pub use twist::Twist;
-pub use union::Union;
+pub use single::{Complement, Elongate, Mirror, Offset, Rotate, Scale, Shell, Translate};
+pub use turning::{Bend, Twist};
 
-// Items shared by the operators.
-use super::part;
+use super::part::{half, part, slowest};
 use super::properties::{hull, merged};
 use super::{Bounds3, Exactness, Node, Part, Properties, Shape, ShapeFile, SurfaceKind};
+use glam::{DVec3, Vec3};
+
+part! {
+    /// Solid where any of its children is.
+    Union over (of: Vec<ShapeFile>)
+}
+
+impl Part for Union {
+    fn surface_kind(&self) -> SurfaceKind {
+        SurfaceKind::FLAT
+    }
+
+    fn keeps_apart(&self, children: &[Shape]) -> bool {
+        let bounds: Vec<Bounds3> = children.iter().map(|c| c.properties().bounds).collect();
+        let mut others = bounds.iter().enumerate();
+        others.all(|(index, one)| {
+            bounds[..index]
+                .iter()
+                .all(|other| one.is_apart_from(*other))
+        })
+    }
+
+    /// Exact in the air if all children are (Hart 1996, section 3.3).
+    fn properties(&self, children: &[Shape]) -> Properties {
+        let of: Vec<Properties> = children.iter().map(Shape::properties).collect();
+        let merged = merged(&of, hull(&of));
+        Properties {
+            in_air: Exactness::worst(of.iter().map(|p| p.in_air), merged.lipschitz),
+            convex: of.len() == 1 && of[0].convex,
+            ..merged
+        }
+    }
+
+    fn value(&self, children: &[Shape], p: DVec3) -> f64 {
+        let values = children.iter().map(|child| child.value(p));
+        values.fold(f64::INFINITY, f64::min)
+    }
+}
+
+part! {
+    /// Solid where all of its children are.
+    Intersection over (of: Vec<ShapeFile>)
+}
+
+impl Part for Intersection {
+    fn surface_kind(&self) -> SurfaceKind {
+        SurfaceKind::FLAT
+    }
+
+    /// Exact in the solid if all children are.
+    fn properties(&self, children: &[Shape]) -> Properties {
+        let of: Vec<Properties> = children.iter().map(Shape::properties).collect();
+        let common = of.iter().map(|p| p.bounds).reduce(Bounds3::common);
+        let merged = merged(&of, common.unwrap_or(Bounds3::EVERYWHERE));
+        Properties {
+            in_solid: Exactness::worst(of.iter().map(|p| p.in_solid), merged.lipschitz),
+            convex: of.iter().all(|p| p.convex),
+            ..merged
+        }
+    }
+
+    fn value(&self, children: &[Shape], p: DVec3) -> f64 {
+        let values = children.iter().map(|child| child.value(p));
+        values.fold(f64::NEG_INFINITY, f64::max)
+    }
+}
+
+part! {
+    /// The first of its children minus all the others.
+    Difference over (from: Box<ShapeFile>, cut: Vec<ShapeFile>)
+}
+
+impl Part for Difference {
+    fn surface_kind(&self) -> SurfaceKind {
+        SurfaceKind::FLAT
+    }
+
+    fn properties(&self, children: &[Shape]) -> Properties {
+        let of: Vec<Properties> = children.iter().map(Shape::properties).collect();
+        merged(&of, of[0].bounds)
+    }
+
+    fn value(&self, children: &[Shape], p: DVec3) -> f64 {
+        let cut = children[1..].iter().map(|child| -child.value(p));
+        cut.fold(children[0].value(p), f64::max)
+    }
+}
+
+part! {
+    /// The union, with its seams blended.
+    SmoothUnion over (of: Vec<ShapeFile>) {
+        /// Difference of distances in metres below which two fields are blended.
+        radius: f32 as Radius,
+    }
+}
+
+impl Part for SmoothUnion {
+    fn surface_kind(&self) -> SurfaceKind {
+        SurfaceKind::SMOOTH
+    }
+
+    /// Blending mixes the gradients of two fields, so the greater Lipschitz constant still holds.
+    /// The solid reaches beyond the plain union by a quarter of the radius for each field that is
+    /// blended in.
+    fn properties(&self, children: &[Shape]) -> Properties {
+        let of: Vec<Properties> = children.iter().map(Shape::properties).collect();
+        let blended = children.len().saturating_sub(1) as f64;
+        let reach = slowest(children) * 0.25 * f64::from(self.radius) * blended;
+        merged(&of, hull(&of).grown(DVec3::splat(reach)))
+    }
+
+    fn own_length(&self) -> f64 {
+        self.radius.into()
+    }
+
+    fn value(&self, children: &[Shape], p: DVec3) -> f64 {
+        let values = children[1..].iter().map(|child| child.value(p));
+        values.fold(children[0].value(p), |a, b| {
+            smooth_min(a, b, self.radius.into())
+        })
+    }
+}
+
+/// The polynomial smooth minimum (Quilez): a quarter of `radius` lower where both are equal.
+fn smooth_min(a: f64, b: f64, radius: f64) -> f64 {
+    let blend = (radius - (a - b).abs()).max(0.0);
+    a.min(b) - 0.25 * blend * blend / radius
+}
+
+part! {
+    /// A blend between two fields: the first at 0, the second at 1.
+    Morph over (from: Box<ShapeFile>, to: Box<ShapeFile>) {
+        /// 0 to 1.
+        amount: f32 as Share,
+    }
+}
+
+impl Part for Morph {
+    fn properties(&self, children: &[Shape]) -> Properties {
+        let of: Vec<Properties> = children.iter().map(Shape::properties).collect();
+        merged(&of, hull(&of))
+    }
+
+    fn value(&self, children: &[Shape], p: DVec3) -> f64 {
+        let (from, to) = (children[0].value(p), children[1].value(p));
+        from + (to - from) * f64::from(self.amount)
+    }
+}
+
+impl Shape {
+    fn under(self, node: impl Into<Node>) -> Shape {
+        Shape::over(node, [self])
+    }
+
+    /// The union: solid where any of the children is.
+    pub fn union(children: impl IntoIterator<Item = Shape>) -> Shape {
+        Shape::over(Union, children)
+    }
+
+    /// The intersection: solid where all of the children are.
+    pub fn intersection(children: impl IntoIterator<Item = Shape>) -> Shape {
+        Shape::over(Intersection, children)
+    }
+
+    /// The union, blended where distances differ by less than `radius` metres.
+    pub fn smooth_union(radius: f32, children: impl IntoIterator<Item = Shape>) -> Shape {
+        Shape::over(SmoothUnion { radius }, children)
+    }
+
+    /// This field minus all the others.
+    pub fn minus(self, cut: impl IntoIterator<Item = Shape>) -> Shape {
+        let mut children = vec![self];
+        children.extend(cut);
+        Shape::over(Difference, children)
+    }
+
+    /// A blend between this field (0) and another (1).
+    pub fn morph(self, to: Shape, amount: f32) -> Shape {
+        Shape::over(Morph { amount }, [self, to])
+    }
+
+    /// The complement: air and solid exchanged.
+    pub fn complement(self) -> Shape {
+        self.under(Complement)
+    }
+
+    /// A wall of `thickness` metres along its surface.
+    pub fn shell(self, thickness: f32) -> Shape {
+        self.under(Shell { thickness })
+    }
+
+    /// Grown by a length in metres, or shrunk by a negative one.
+    pub fn offset(self, by: f32) -> Shape {
+        self.under(Offset { by })
+    }
+
+    /// Moved by a vector in metres.
+    pub fn translate(self, by: Vec3) -> Shape {
+        self.under(Translate { by })
+    }
+
+    /// Turned about x, then y, then z of the outer axes, in radians.
+    pub fn rotate(self, by: Vec3) -> Shape {
+        self.under(Rotate { by })
+    }
+
+    /// Scaled by a factor.
+    pub fn scale(self, by: f32) -> Shape {
+        self.under(Scale { by })
+    }
+
+    /// The part on the positive side of the chosen axes, mirrored to the other side.
+    pub fn mirror(self, axes: [bool; 3]) -> Shape {
+        self.under(Mirror { axes })
+    }
+
+    /// Repeated every `period` metres (0: not along that axis), `count` times (0: without end).
+    pub fn repeat(self, period: Vec3, count: [u32; 3]) -> Shape {
+        self.under(Repeat { period, count })
+    }
+
+    /// Cut at the origin, with each half moved outwards by `by` metres.
+    pub fn elongate(self, by: Vec3) -> Shape {
+        self.under(Elongate { by })
+    }
+
+    /// Turned about y by `rate` radians per metre of y.
+    pub fn twist(self, rate: f32) -> Shape {
+        let lipschitz = 0.0;
+        self.under(Twist { rate, lipschitz })
+    }
+
+    /// Turned about z by `rate` radians per metre of x.
+    pub fn bend(self, rate: f32) -> Shape {
+        let lipschitz = 0.0;
+        self.under(Bend { rate, lipschitz })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Cuboid, Cylinder, Plane, Room, Sphere};
+    use super::*;
+
+    fn cube() -> Shape {
+        Shape::from(Cuboid { size: Vec3::ONE })
+    }
+
+    /// Protects waves that start in an edge of a field: where sheets may meet with less than half of space in the air,
+    /// the shader evaluates each.
+    #[test]
+    fn edges_of_hollows_and_between_solids_that_touch_are_hollow() {
+        let room = Shape::from(Room { size: Vec3::ONE });
+        let turned = cube().rotate(Vec3::new(0.0, 0.785, 0.0));
+        let diagonal = 2f32.sqrt();
+        let hollow = [
+            room,
+            cube().complement(),
+            cube().complement().translate(Vec3::X),
+            Shape::union([cube(), cube().translate(Vec3::new(1.0, 0.5, 0.0))]),
+            Shape::union([Shape::from(Plane), Shape::from(Sphere { radius: 1.0 })]),
+            turned.clone().repeat(Vec3::X * diagonal, [3, 1, 1]),
+            turned.translate(Vec3::X * 0.5).mirror([true, false, false]),
+            cube().complement().repeat(Vec3::X * 4.0, [0, 1, 1]),
+            cube().shell(0.1),
+        ];
+        for shape in hollow {
+            assert!(shape.may_have_hollow_edges(), "{shape:?}");
+        }
+    }
+
+    /// Protects the speed of fields whose solids stand apart: none of their edges is hollow.
+    #[test]
+    fn edges_of_convex_solids_apart_are_not_hollow() {
+        let pillar = Shape::from(Cylinder { radius: 0.5 });
+        let two = Shape::union([cube(), cube().translate(Vec3::X * 1.001)]);
+        let none = [
+            cube(),
+            two.clone(),
+            two.scale(2.0).rotate(Vec3::Y),
+            pillar.repeat(Vec3::new(4.0, 0.0, 4.0), [100, 1, 100]),
+            cube().repeat(Vec3::splat(1.001), [0; 3]),
+            cube().translate(Vec3::X).mirror([true, true, false]),
+            Shape::from(Sphere { radius: 1.0 }).complement(),
+        ];
+        for shape in none {
+            assert!(!shape.may_have_hollow_edges(), "{shape:?}");
+        }
+    }
+}

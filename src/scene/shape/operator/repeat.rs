@@ -10,44 +10,26 @@
 //! and would then jump where that copy stops being evaluated. So the value is capped there at the
 //! minimum value of such a copy, see [`Cap`].
 
-use super::part::parameters;
-use super::{Bounds3, Exactness, Node, Part, Properties, Shape, ShapeFile, SurfaceKind};
-use crate::scene::notation::{Fields, Metres, ReadNumbers, Reader, Vector, Written};
-use crate::scene::shape::{FromFile, Operands};
-use crate::scene::{Quantity, SceneError};
+use super::{Bounds3, Exactness, Node, Part, Properties, Shape, ShapeFile, SurfaceKind, part};
+use crate::scene::notation::{Fields, Written};
 use glam::{DVec3, Vec3};
-use serde::Deserialize;
+use serde::de::{Deserialize, Deserializer};
 
-/// Its child repeated along the axes.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Repeat {
-    /// Distance between copies in metres along x, y, z; 0 where it is not repeated.
-    pub period: Vec3,
-    /// Number of copies along each axis, centred about the origin; 0 for an infinite number.
-    pub count: [u32; 3],
-}
-
-/// Its form in a scene file.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct File {
-    of: Box<ShapeFile>,
-    period: Vector<Metres>,
-    #[serde(default)]
-    count: (u32, u32, u32),
-}
-
-impl FromFile for File {
-    fn read(self, reader: &mut Reader) -> Result<Shape, SceneError> {
-        let period = Vec3::read(self.period, "period", reader);
-        let count = <[u32; 3]>::from(self.count);
-        Ok(Shape::over(Repeat { period, count }, self.of.read(reader)?))
+part! {
+    /// Its child repeated along the axes.
+    Repeat over (of: Box<ShapeFile>) {
+        /// Distance between copies in metres along x, y, z; 0 where it is not repeated.
+        period: Vec3 as Metres,
+    } and {
+        /// Number of copies along each axis, centred about the origin; 0 for an infinite number.
+        #[serde(default, deserialize_with = "counts")]
+        count: [u32; 3],
     }
 }
 
-parameters!(Repeat over (1, 1) {
-    period: Quantity::Position
-});
+fn counts<'de, D: Deserializer<'de>>(from: D) -> Result<[u32; 3], D::Error> {
+    <(u32, u32, u32)>::deserialize(from).map(<[u32; 3]>::from)
+}
 
 /// Gap or overlap that rounding may cause between touching copies, as a share of the period.
 const TOUCHING: f64 = 1e-6;
@@ -111,19 +93,9 @@ impl Part for Repeat {
 
     fn value(&self, children: &[Shape], p: DVec3) -> f64 {
         let child = &children[0];
-        let copies = self.copies(child).unwrap_or([Copies::Own; 3]);
-        let period = self.period.as_dvec3();
-        let along = |axis: usize| offsets(p[axis], period[axis], self.count[axis], copies[axis]);
-        let (xs, ys, zs) = (along(0), along(1), along(2));
-        let mut least = self.cap(child).map_or(f64::INFINITY, |cap| cap.at(p));
-        for x in &xs {
-            for y in &ys {
-                for z in &zs {
-                    least = least.min(child.value(DVec3::new(*x, *y, *z)));
-                }
-            }
-        }
-        least
+        let cap = self.cap(child).map_or(f64::INFINITY, |cap| cap.at(p));
+        let values = self.places(child, p).into_iter().map(|at| child.value(at));
+        values.fold(cap, f64::min)
     }
 
     fn shader_numbers(&self, children: &[Shape]) -> Vec<f64> {
@@ -164,25 +136,6 @@ impl Copies {
             Copies::Around(reach) => 2 * reach + 1,
         }
     }
-}
-
-/// The copies that `Repeat` must evaluate along each axis, or why it cannot.
-pub(super) fn copies(child: &Properties, period: Vec3) -> Result<[Copies; 3], String> {
-    let mut all = [Copies::None; 3];
-    for axis in 0..3 {
-        let step = f64::from(period[axis]);
-        if step == 0.0 {
-            continue;
-        }
-        all[axis] = along(child.bounds, child.symmetric[axis], axis, step)?;
-    }
-    let count: u64 = all.iter().map(|c| u64::from(c.count())).product();
-    if count > u64::from(MOST_COPIES) {
-        return Err(format!(
-            "its copies overlap, and {count} of them can be nearest, more than {MOST_COPIES}: make the period longer"
-        ));
-    }
-    Ok(all)
 }
 
 fn along(bounds: Bounds3, symmetric: bool, axis: usize, step: f64) -> Result<Copies, String> {
@@ -271,7 +224,19 @@ impl Repeat {
     /// # Errors
     /// A message on why the repetition is not safe.
     pub(crate) fn copies(&self, child: &Shape) -> Result<[Copies; 3], String> {
-        copies(&child.properties(), self.period)
+        let of = child.properties();
+        let mut all = [Copies::None; 3];
+        for axis in (0..3).filter(|&axis| self.period[axis] != 0.0) {
+            let step = f64::from(self.period[axis]);
+            all[axis] = along(of.bounds, of.symmetric[axis], axis, step)?;
+        }
+        let count: u64 = all.iter().map(|c| u64::from(c.count())).product();
+        if count > u64::from(MOST_COPIES) {
+            return Err(format!(
+                "its copies overlap, and {count} of them can be nearest, more than {MOST_COPIES}: make the period longer"
+            ));
+        }
+        Ok(all)
     }
 }
 

@@ -1,15 +1,17 @@
-//! Common code of a twist and a bend: a turn proportional to a coordinate.
+//! Twist and bend: a turn proportional to a coordinate.
 //!
 //! A twist turns by rate · y, so its Jacobian is I + s t yᵀ with s = rate · radius and unit vectors
 //! t ⟂ y: its norm is (s + √(s² + 4)) / 2. A bend's t need not be perpendicular: its norm is at
 //! most 1 + s. Beyond the radius of the child's own bounds the value is that at the bounds plus the
 //! distance to them.
 
-use super::{Bounds3, Properties, Shape};
+use super::{Bounds3, Part, Properties, Shape, ShapeFile, part};
+use crate::scene::notation::{Fields, Lipschitz, Written};
 use glam::DVec3;
+use serde::de::{Deserialize, Deserializer};
 
 /// A turn about an axis (1: y, a twist; 2: z, a bend) proportional to y or x.
-pub(super) struct Turning {
+struct Turning {
     pub axis: usize,
     /// Radians per metre.
     pub rate: f64,
@@ -25,7 +27,7 @@ const LARGEST_LIPSCHITZ: f32 = 1e6;
 ///
 /// # Errors
 /// A message that states the valid range.
-pub(super) fn check_stated(lipschitz: f32) -> Result<(), String> {
+fn check_stated(lipschitz: f32) -> Result<(), String> {
     if lipschitz == 0.0 || (1.0..=LARGEST_LIPSCHITZ).contains(&lipschitz) {
         return Ok(());
     }
@@ -115,48 +117,26 @@ fn norm_of_turning(axis: usize, s: f64) -> f64 {
     }
 }
 
-/// A twist or a bend: the struct, its form in a scene file, and its properties, all from
-/// [`Turning`] about one axis.
+/// Reads a stated constant; 0 stands for none.
+fn stated<'de, D: Deserializer<'de>>(from: D) -> Result<f32, D::Error> {
+    let stated = Option::<Lipschitz>::deserialize(from)?;
+    Ok(stated.map_or(0.0, |stated| stated.0))
+}
+
+/// A twist or a bend, whose properties all come from [`Turning`] about one axis.
 macro_rules! turning {
-    ($(#[$doc:meta])* $part:ident about $axis:literal, a metre of $along:literal) => {
-        use super::part::parameters;
-        use super::turning::{Turning, check_stated};
-        use super::{Part, Properties, Shape, ShapeFile};
-        use crate::scene::notation::{Angle, Fields, Lipschitz, Number, Reader, Written};
-        use crate::scene::shape::{FromFile, Operands};
-        use crate::scene::{Quantity, SceneError};
-        use glam::DVec3;
-        use serde::Deserialize;
-
-        $(#[$doc])*
-        #[derive(Clone, Debug, PartialEq)]
-        pub struct $part {
-            #[doc = concat!("Radians per metre of ", $along, ".")]
-            pub rate: f32,
-            /// The stated Lipschitz constant; 0 to compute it from the bounds.
-            pub lipschitz: f32,
-        }
-
-        /// Its form in a scene file.
-        #[derive(Deserialize)]
-        #[serde(deny_unknown_fields)]
-        pub(crate) struct File {
-            of: Box<ShapeFile>,
-            rate: Number<Angle>,
-            #[serde(default)]
-            lipschitz: Option<Lipschitz>,
-        }
-
-        impl FromFile for File {
-            fn read(self, reader: &mut Reader) -> Result<Shape, SceneError> {
-                let rate = reader.number("rate", self.rate);
-                let lipschitz = self.lipschitz.map_or(0.0, |stated| stated.0);
-                let part = $part { rate, lipschitz };
-                Ok(Shape::over(part, self.of.read(reader)?))
+    ($(#[$doc:meta])* $part:ident about $axis:literal, $rate:literal) => {
+        part! {
+            $(#[$doc])*
+            $part over (of: Box<ShapeFile>) {
+                #[doc = $rate]
+                rate: f32 as Rate,
+            } and {
+                /// The stated Lipschitz constant; 0 to compute it from the bounds.
+                #[serde(default, deserialize_with = "stated")]
+                lipschitz: f32,
             }
         }
-
-        parameters!($part over (1, 1) { rate: Quantity::Rate });
 
         impl Part for $part {
             fn words(&self) -> Fields {
@@ -200,4 +180,42 @@ macro_rules! turning {
         }
     };
 }
-pub(super) use turning;
+
+turning! {
+    /// Its child turned about y by an angle proportional to y.
+    Twist about 1, "Radians per metre of y."
+}
+
+turning! {
+    /// Its child turned about z (right-handed) by an angle proportional to x: a bar along x becomes
+    /// an arc.
+    Bend about 2, "Radians per metre of x."
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::Cuboid;
+    use super::*;
+    use glam::Vec3;
+
+    /// A bar along x, thin along the other two axes.
+    fn bar() -> Shape {
+        let size = Vec3::new(4.0, 0.1, 0.1);
+        Cuboid { size }.into()
+    }
+
+    /// Protects the documented sense: with a positive rate a twist turns the upper part from z towards
+    /// x, and a bend the right part from x towards y.
+    #[test]
+    fn twist_and_bend_are_right_handed() {
+        const RATE: f64 = 0.5;
+        let (sin, cos) = RATE.sin_cos();
+        let twisted = bar().translate(Vec3::Y).twist(RATE as f32);
+        assert!(twisted.value(DVec3::new(cos, 1.0, -sin)) < 0.0);
+        assert!(twisted.value(DVec3::new(cos, 1.0, sin)) > 0.0);
+        let bent = bar().bend(RATE as f32);
+        // At x = 1 the bar is turned by half a radian.
+        assert!(bent.value(DVec3::new(1.0, RATE.tan(), 0.0)) < 0.0);
+        assert!(bent.value(DVec3::new(1.0, -RATE.tan(), 0.0)) > 0.0);
+    }
+}

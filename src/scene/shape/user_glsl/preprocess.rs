@@ -1,7 +1,7 @@
 //! Preprocesses directives and macros, within limits.
 
-use super::tokens::{Kind, Token};
-use super::{Refusal, condition, words};
+use super::tokens::{Kind, Token, condition};
+use super::{Refusal, words};
 use std::collections::{HashMap, HashSet};
 
 /// Steps of the expansion of all macros per permitted token of the result: enough for eight levels.
@@ -165,7 +165,7 @@ impl<'a> Preprocessor<'a> {
         }
         let mut expanded = Vec::new();
         self.expander.expand(&known, &mut expanded, 0)?;
-        condition::value(&expanded)
+        condition(&expanded)
             .map(|value| value != 0)
             .map_err(|why| (Some(line), format!("#if: {why}")))
     }

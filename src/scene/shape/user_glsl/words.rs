@@ -1,4 +1,10 @@
-//! Words of GLSL that a field may use, and that it may not.
+//! Words of GLSL that a field may use, and that it may not; new names for globals.
+//!
+//! Names are renamed by macros, which would rename the `.s` of a vector too. So a global that looks like a selection of
+//! components, as `float s(float x)`, gets another name in the text itself: two fields with an `s` do not clash then.
+
+use super::tokens::Token;
+use std::collections::{HashMap, HashSet};
 
 /// Types that GLSL 3.30 and GLSL ES 3.00 share and that a function of one point can use.
 const TYPES: &[&str] = &[
@@ -238,7 +244,7 @@ pub fn is_selection(word: &str) -> bool {
 
 /// The reason why a field cannot contain a word, if there is one.
 pub fn refusal(word: &str) -> Option<String> {
-    if GIVEN.contains(&word) {
+    if GIVEN.contains(&word) || is_opaque(word) {
         return Some(format!(
             "'{word}' is not allowed: the only input of a field is its point"
         ));
@@ -249,11 +255,6 @@ pub fn refusal(word: &str) -> Option<String> {
     if word.starts_with("gl_") || word.starts_with("GL_") || BEYOND.contains(&word) {
         return Some(format!(
             "'{word}' belongs to a whole shader: the only input of a field is its point"
-        ));
-    }
-    if is_opaque(word) {
-        return Some(format!(
-            "'{word}' is not allowed: the only input of a field is its point"
         ));
     }
     if RESERVED.contains(&word) {
@@ -302,35 +303,80 @@ fn is_opaque(word: &str) -> bool {
     rests.any(is_dimension)
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+/// The words of a text as they are written out: most are unchanged.
+pub struct Renamed<'a> {
+    /// The new names of tokens that have one, by position.
+    of: HashMap<usize, String>,
+    tokens: &'a [Token<'a>],
+}
 
-    /// Protects the one exception to renaming: no name in the program's own shaders looks like a
-    /// selection of components.
-    #[test]
-    fn selections_and_names_are_told_apart() {
-        for word in ["x", "xyz", "rgba", "stp", "p", "aaaa"] {
-            assert!(is_selection(word), "{word}");
+impl<'a> Renamed<'a> {
+    /// The names of a text whose globals are at these positions.
+    pub fn new(tokens: &'a [Token<'a>], globals: &[usize]) -> Renamed<'a> {
+        let selections = globals.iter().map(|place| tokens[*place].text);
+        let wanted: HashSet<&str> = selections.filter(|word| is_selection(word)).collect();
+        let mut of = HashMap::new();
+        if !wanted.is_empty() {
+            let names = new_names(tokens, wanted);
+            let mut members = Members::default();
+            for (place, token) in tokens.iter().enumerate() {
+                let is_member = members.is_declared_by(token);
+                let is_selected = place > 0 && tokens[place - 1].is(".");
+                if let Some(name) = names.get(token.text).filter(|_| !is_member && !is_selected) {
+                    of.insert(place, name.clone());
+                }
+            }
         }
-        for word in ["xr", "xyzwx", "origin", "outOrigin", "d"] {
-            assert!(!is_selection(word), "{word}");
+        Renamed { of, tokens }
+    }
+
+    /// The token at this position as it is written out.
+    pub fn text(&self, place: usize) -> &str {
+        self.of
+            .get(&place)
+            .map_or(self.tokens[place].text, String::as_str)
+    }
+}
+
+/// Finds a new name for each: one with a number, which the text does not contain and which does not
+/// select components.
+fn new_names<'a>(tokens: &[Token<'a>], wanted: HashSet<&'a str>) -> HashMap<&'a str, String> {
+    let known: HashSet<&str> = tokens.iter().map(|token| token.text).collect();
+    let new = |word: &'a str| {
+        let mut numbered = (0..=tokens.len()).map(|number| format!("{word}{number}"));
+        let free = numbered.find(|name| !known.contains(name.as_str()));
+        free.map(|name| (word, name))
+    };
+    wanted.into_iter().filter_map(new).collect()
+}
+
+/// Finds the declarations of structure members.
+#[derive(Default)]
+struct Members {
+    /// Whether a `struct` was read and its `{` was not.
+    begins: bool,
+    is_inside: bool,
+    /// Whether the next word is a member's type.
+    is_type: bool,
+    brackets: usize,
+}
+
+impl Members {
+    /// Whether the next token declares the name of a member.
+    fn is_declared_by(&mut self, token: &Token) -> bool {
+        match token.text {
+            "struct" => self.begins = true,
+            "{" if self.begins => (self.begins, self.is_inside, self.is_type) = (false, true, true),
+            "}" => self.is_inside = false,
+            "[" => self.brackets += 1,
+            "]" => self.brackets = self.brackets.saturating_sub(1),
+            ";" => (self.begins, self.is_type) = (false, true),
+            "const" | "highp" | "mediump" | "lowp" => (),
+            _ if self.is_inside && self.brackets == 0 && token.is_word() => {
+                return !std::mem::take(&mut self.is_type);
+            }
+            _ => (),
         }
-        for word in [
-            "isampler2D",
-            "samplerCube",
-            "samplerBuffer",
-            "uimage3D",
-            "image2D",
-            "gl_x",
-            "defined",
-            "half",
-            "a__b",
-            "user0_a",
-            "users12_a",
-        ] {
-            assert!(refusal(word).is_some(), "{word}");
-        }
-        assert!(refusal("sampler").is_none() && refusal("imaged").is_none());
+        false
     }
 }

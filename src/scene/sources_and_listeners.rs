@@ -1,9 +1,98 @@
-//! All sources and listeners of a scene, and what affects the sound between them: materials and air.
+//! Sources and listeners; all of them in a scene, and what affects the sound between them.
 
-use super::air::USUAL_SPEED_OF_SOUND;
-use super::{Listener, Material, Scene, SceneError, Source};
+use super::{BUILTIN_MATERIALS, Material, Path, Scene, SceneError, USUAL_SPEED_OF_SOUND};
 use crate::bands::{BAND_COUNT, Bands};
+use crate::text::nearest_or_all;
+use glam::Vec3;
 use std::iter::once;
+
+/// A point that sends waves in all directions.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Source {
+    /// Name in reports, unique among the sources.
+    pub name: Option<String>,
+    /// Level relative to other sources in decibels.
+    pub level_db: f32,
+    /// World position in metres.
+    pub position: Vec3,
+    /// Positions in time; empty when it stands still.
+    pub path: Path,
+}
+
+/// A sphere that receives waves, and the direction it looks in.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Listener {
+    /// Name in reports, unique among the listeners.
+    pub name: Option<String>,
+    /// World position of the centre in metres.
+    pub position: Vec3,
+    /// Turn about the vertical in radians, positive to the right; 0 looks along −z.
+    pub yaw: f32,
+    /// Elevation of the gaze in radians, positive upwards.
+    pub pitch: f32,
+    /// Radius of the sphere in metres.
+    pub radius: f32,
+    /// Positions and turns in time; empty when it stands still.
+    pub path: Path,
+}
+
+impl Source {
+    /// A source that stands still at `position` (metres).
+    pub fn at(position: Vec3) -> Source {
+        Source {
+            name: None,
+            level_db: 0.0,
+            position,
+            path: Path::default(),
+        }
+    }
+
+    /// The same source with a name.
+    pub fn named(mut self, name: impl Into<String>) -> Source {
+        self.name = Some(name.into());
+        self
+    }
+}
+
+impl Listener {
+    /// A listener that stands still at `position` (metres) and looks along −z.
+    pub fn at(position: Vec3, radius: f32) -> Listener {
+        Listener {
+            name: None,
+            position,
+            yaw: 0.0,
+            pitch: 0.0,
+            radius,
+            path: Path::default(),
+        }
+    }
+
+    /// The same listener with a name.
+    pub fn named(mut self, name: impl Into<String>) -> Listener {
+        self.name = Some(name.into());
+        self
+    }
+
+    /// Unit vector of the viewing direction.
+    pub fn forward(&self) -> Vec3 {
+        let (sin_yaw, cos_yaw) = self.yaw.sin_cos();
+        let (sin_pitch, cos_pitch) = self.pitch.sin_cos();
+        Vec3::new(sin_yaw * cos_pitch, sin_pitch, -cos_yaw * cos_pitch)
+    }
+
+    /// Unit vector out of the right ear.
+    pub fn right(&self) -> Vec3 {
+        let (sin_yaw, cos_yaw) = self.yaw.sin_cos();
+        Vec3::new(cos_yaw, 0.0, sin_yaw)
+    }
+
+    /// Unit vector out of the top of the head.
+    pub fn up(&self) -> Vec3 {
+        self.right().cross(self.forward())
+    }
+}
 
 impl Scene {
     /// All sources in order, [`Scene::source`] first.
@@ -24,6 +113,20 @@ impl Scene {
     /// The names of the listeners in reports, in order: each by its name, or by its number from 1.
     pub fn listener_labels(&self) -> Vec<String> {
         labels(self.listeners().map(|listener| listener.name.as_deref()))
+    }
+
+    /// The name of the source with this index (from 0) in messages.
+    pub(super) fn source_label(&self, index: usize) -> String {
+        let count = 1 + self.further_sources.len();
+        let name = self.sources().nth(index).and_then(|s| s.name.as_deref());
+        label("source", index, count, name)
+    }
+
+    /// The name of the listener with this index (from 0) in messages.
+    pub(super) fn listener_label(&self, index: usize) -> String {
+        let count = 1 + self.further_listeners.len();
+        let name = self.listeners().nth(index).and_then(|l| l.name.as_deref());
+        label("listener", index, count, name)
     }
 
     pub(super) fn sources_mut(&mut self) -> impl Iterator<Item = &mut Source> {
@@ -62,14 +165,11 @@ impl Scene {
         let to = self.listeners().nth(listener);
         let to = to.ok_or_else(|| none("listener", listener, self.listeners().count()))?;
         Ok(Scene {
-            name: self.name.clone(),
-            surfaces: self.surfaces.clone(),
-            materials: self.materials.clone(),
-            air: self.air,
             source: from.clone(),
             listener: to.clone(),
             further_sources: Vec::new(),
             further_listeners: Vec::new(),
+            ..self.clone()
         })
     }
 
@@ -85,6 +185,16 @@ impl Scene {
     pub fn material_named(&self, name: &str) -> Option<&Material> {
         let own = self.materials.get(name);
         own.or_else(|| Material::builtin(name))
+    }
+
+    /// The material of this name, or the message that there is none.
+    pub(super) fn find_material(&self, name: &str) -> Result<&Material, String> {
+        self.material_named(name).ok_or_else(|| {
+            let mut all: Vec<&str> = self.materials.keys().map(String::as_str).collect();
+            let built_in = BUILTIN_MATERIALS.iter().map(|known| known.name);
+            all.extend(built_in.filter(|name| !self.materials.contains_key(*name)));
+            nearest_or_all(&format!("there is no material {name:?}"), name, &all)
+        })
     }
 
     /// Whether some surface absorbs or scatters; otherwise a reflection keeps all of the energy,
@@ -123,6 +233,15 @@ impl Scene {
     }
 }
 
+fn label(what: &str, index: usize, count: usize, name: Option<&str>) -> String {
+    match (name, count) {
+        (None, 1) => format!("the {what}"),
+        (None, _) => format!("{what} {}", index + 1),
+        (Some(name), 1) => format!("the {what} ({name})"),
+        (Some(name), _) => format!("{what} {} ({name})", index + 1),
+    }
+}
+
 fn labels<'a>(names: impl Iterator<Item = Option<&'a str>>) -> Vec<String> {
     let label = |(index, name): (usize, Option<&str>)| match name {
         Some(name) => name.to_owned(),
@@ -133,9 +252,23 @@ fn labels<'a>(names: impl Iterator<Item = Option<&'a str>>) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
+    use super::*;
     use crate::scene::shape::{Room, Sphere};
-    use crate::scene::{Air, Key, Listener, Material, Path, Scene, SceneError, Source, Surface};
-    use glam::Vec3;
+    use crate::scene::{Air, Key, Surface};
+    use std::f32::consts::FRAC_PI_2;
+
+    /// Protects the sign of yaw and pitch: right and up are positive.
+    #[test]
+    fn a_listener_turns_right_and_looks_up_with_positive_angles() {
+        let mut listener = Listener::at(Vec3::ZERO, 1.0);
+        assert!((listener.forward() - Vec3::NEG_Z).length() < 1e-6);
+        listener.yaw = FRAC_PI_2;
+        assert!((listener.forward() - Vec3::X).length() < 1e-6);
+        assert!((listener.right() - Vec3::Z).length() < 1e-6);
+        listener.pitch = FRAC_PI_2;
+        assert!((listener.forward() - Vec3::Y).length() < 1e-6);
+        assert!((listener.up() - Vec3::NEG_X).length() < 1e-6);
+    }
 
     fn hall() -> Scene {
         let room = Surface::new(Room {

@@ -1,13 +1,58 @@
-//! The materials of a scene file, and the surfaces made of them.
+//! The surfaces, materials and air of a scene file.
 
 use crate::bands::{BAND_COUNT, Bands};
-use crate::scene::notation::Name;
-use crate::scene::{BUILTIN_MATERIALS, Material, WALL_COUNT};
+use crate::scene::material::{HUMIDITIES, PRESSURES, TEMPERATURES};
+use crate::scene::notation::{Angle, Attached, Metres, Name, ReadNumbers, Reader, Vector, checked};
+use crate::scene::shape::ShapeFile;
+use crate::scene::{Air, BUILTIN_MATERIALS, Material, SceneError, Surface, WALL_COUNT};
 use crate::text::nearest_or_all;
+use glam::{EulerRot, Quat, Vec3};
 use serde::Deserialize;
 use serde::de::{Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use std::collections::BTreeMap;
 use std::fmt;
+use std::ops::RangeInclusive;
+
+#[derive(Deserialize)]
+#[serde(rename = "Surface", deny_unknown_fields)]
+pub(super) struct SurfaceFile {
+    name: Option<Name>,
+    shape: ShapeFile,
+    #[serde(default)]
+    position: Vector<Metres>,
+    /// Right-handed turns about x, then y, then z, of the world's axes.
+    #[serde(default)]
+    rotation: Vector<Angle>,
+    #[serde(default)]
+    turns: bool,
+    material: Option<Name>,
+    walls: Option<Walls<Name>>,
+}
+
+impl SurfaceFile {
+    /// Converts the file's surface.
+    ///
+    /// # Errors
+    /// Errors of the files that it names.
+    pub fn read(self, files: &Attached) -> Result<Surface, SceneError> {
+        let mut reader = Reader::new(files);
+        let position = Vec3::read(self.position, "position", &mut reader);
+        let angles = Vec3::read(self.rotation, "rotation", &mut reader);
+        let turning = reader.moves("rotation.");
+        let shape = self.shape.read(&mut reader)?;
+        Ok(Surface {
+            name: self.name.map(|name| name.0),
+            shape,
+            position,
+            rotation: Quat::from_euler(EulerRot::XYZEx, angles.x, angles.y, angles.z),
+            dynamic_rotation: self.turns || turning,
+            angles: if turning { angles } else { Vec3::ZERO },
+            drivers: reader.into_drivers(),
+            material: self.material.map(|name| name.0),
+            walls: self.walls.map(Walls::names).unwrap_or_default(),
+        })
+    }
+}
 
 /// Materials by their names, each defined once.
 #[derive(Default)]
@@ -54,17 +99,11 @@ impl MaterialFile {
 #[derive(Deserialize)]
 #[serde(rename = "Walls", deny_unknown_fields, bound = "T: Deserialize<'de>")]
 pub(super) struct Walls<T> {
-    #[serde(default)]
     left: Option<T>,
-    #[serde(default)]
     right: Option<T>,
-    #[serde(default)]
     floor: Option<T>,
-    #[serde(default)]
     ceiling: Option<T>,
-    #[serde(default)]
     front: Option<T>,
-    #[serde(default)]
     back: Option<T>,
 }
 
@@ -208,6 +247,49 @@ impl<'de> Visitor<'de> for ByName {
         }
         Ok(Materials(materials))
     }
+}
+
+/// The air of a file; values may be left out.
+#[derive(Deserialize)]
+#[serde(rename = "Air", deny_unknown_fields)]
+pub(super) struct AirFile {
+    temperature: Option<Temperature>,
+    humidity: Option<Humidity>,
+    pressure: Option<Pressure>,
+}
+
+impl AirFile {
+    /// The previous air, or else the default, with the given values changed.
+    pub fn change(&self, before: Option<Air>) -> Air {
+        let before = before.unwrap_or_default();
+        Air {
+            temperature: self.temperature.map_or(before.temperature, |said| said.0),
+            humidity: self.humidity.map_or(before.humidity, |said| said.0),
+            pressure: self.pressure.map_or(before.pressure, |said| said.0),
+        }
+    }
+}
+
+fn within(what: &str, range: &RangeInclusive<f64>, unit: &str, value: f64) -> Result<f64, String> {
+    if range.contains(&value) {
+        return Ok(value);
+    }
+    let (least, most) = (range.start(), range.end());
+    Err(format!(
+        "{what} must be {least} to {most} {unit}, not {value}"
+    ))
+}
+
+checked! {
+    /// Degrees Celsius.
+    #[derive(Clone, Copy)]
+    Temperature(f64) from f64: |value| within("the air's temperature", &TEMPERATURES, "°C", value);
+    /// Relative, in per cent.
+    #[derive(Clone, Copy)]
+    Humidity(f64) from f64: |value| within("the air's humidity", &HUMIDITIES, "%", value);
+    /// Kilopascals.
+    #[derive(Clone, Copy)]
+    Pressure(f64) from f64: |value| within("the air's pressure", &PRESSURES, "kPa", value);
 }
 
 #[cfg(test)]

@@ -1,0 +1,241 @@
+//! Scenes that are refused, and scenes that are warned of.
+
+use super::*;
+use crate::scene::shape::{Cuboid, Room, Sphere};
+use crate::scene::{Air, Node, Warning};
+
+fn room() -> Scene {
+    Scene::new(
+        "test",
+        vec![Surface::new(Node::Room(Room {
+            size: Vec3::splat(10.0),
+        }))],
+        Source::at(Vec3::X * 3.0),
+        Listener::at(Vec3::ZERO, 1.0),
+    )
+}
+
+/// Protects from numbers that would break a shader: they are refused.
+#[test]
+fn bad_numbers_are_refused() {
+    assert!(room().validate().is_ok());
+    let spoil: [fn(&mut Scene); 7] = [
+        |s| s.surfaces.clear(),
+        |s| {
+            let size = Vec3::new(1.0, 0.0, 1.0);
+            s.surfaces[0].shape = Node::Cuboid(Cuboid { size }).into();
+        },
+        |s| s.surfaces[0].shape = Node::Sphere(Sphere { radius: f32::NAN }).into(),
+        |s| s.surfaces[0].position.x = f32::INFINITY,
+        |s| s.source.position.y = f32::NAN,
+        |s| s.listener.radius = 0.0,
+        |s| s.listener.yaw = f32::INFINITY,
+    ];
+    for (index, spoil) in spoil.iter().enumerate() {
+        let mut scene = room();
+        spoil(&mut scene);
+        assert!(scene.validate().is_err(), "case {index}");
+    }
+}
+
+fn hall() -> Scene {
+    let room = Surface::new(Room {
+        size: Vec3::splat(9.0),
+    });
+    let (source, listener) = (Source::at(Vec3::X), Listener::at(Vec3::Y, 0.3));
+    let mut scene = Scene::new("hall", vec![room.with_material("own")], source, listener);
+    let own = Material::absorbing(0.5);
+    scene.materials.insert("own".into(), own);
+    scene.further_sources.push(Source::at(Vec3::Z));
+    scene.further_listeners.push(Listener::at(-Vec3::Z, 0.3));
+    scene.air = Some(Air::default());
+    scene
+}
+
+/// Names in messages: a single one has no number, one of several has.
+#[test]
+fn one_of_several_is_called_by_its_number() {
+    let mut scene = hall();
+    scene.further_listeners[0].name = Some("seat".to_owned());
+    let labels = |scene: &Scene| [scene.source_label(0), scene.listener_label(0)];
+    assert_eq!(labels(&scene), ["source 1", "listener 1"]);
+    assert_eq!(scene.listener_label(1), "listener 2 (seat)");
+    scene.further_sources.clear();
+    scene.further_listeners.clear();
+    assert_eq!(labels(&scene), ["the source", "the listener"]);
+}
+
+/// Numbers are unambiguous: no name is the number of an unnamed one.
+#[test]
+fn no_name_is_the_number_of_another() {
+    let named = |first: Option<&str>, second: Option<&str>| {
+        let mut scene = hall();
+        scene.source.name = first.map(str::to_owned);
+        scene.further_sources[0].name = second.map(str::to_owned);
+        scene.validate().map_err(|refused| refused.to_string())
+    };
+    for (first, second) in [(Some("2"), None), (None, Some("1"))] {
+        let told = named(first, second).unwrap_err();
+        assert!(told.contains("one of the sources is called"), "{told}");
+    }
+    for (first, second) in [
+        (Some("1"), None),
+        (Some("2"), Some("1")),
+        (Some("3"), None),
+        (None, Some("flute")),
+    ] {
+        assert_eq!(named(first, second), Ok(()), "{first:?}, {second:?}");
+    }
+}
+
+/// Invalid shares, air and sources are reported by name.
+#[test]
+fn bad_sound_is_refused_by_its_name() {
+    hall().validate().unwrap();
+    type Spoil = fn(&mut Scene);
+    let cases: [(Spoil, &str); 13] = [
+        (
+            |s| s.further_sources = vec![Source::at(Vec3::Z); 256],
+            "the number of its sources must be at most 256, not 257",
+        ),
+        (
+            |s| s.further_sources[0].position.x = f32::NAN,
+            "source 2's position must be finite",
+        ),
+        (
+            |s| s.source.level_db = 121.0,
+            "source 1's level in decibels must be -120 to 120, not 121",
+        ),
+        (
+            |s| s.further_listeners[0].radius = 0.0,
+            "listener 2's radius in metres must be greater than 0",
+        ),
+        (
+            |s| {
+                s.air = Some(Air {
+                    temperature: 60.0,
+                    ..Air::default()
+                })
+            },
+            "the air's temperature in degrees Celsius must be -20 to 50, not 60",
+        ),
+        (
+            |s| {
+                s.air = Some(Air {
+                    humidity: f64::NAN,
+                    ..Air::default()
+                })
+            },
+            "the air's humidity in per cent must be 0 to 100, not NaN",
+        ),
+        (
+            |s| {
+                s.air = Some(Air {
+                    pressure: 0.0,
+                    ..Air::default()
+                })
+            },
+            "the air's pressure in kilopascals must be 50 to 200, not 0",
+        ),
+        (
+            |s| {
+                s.materials.insert("own".into(), Material::absorbing(1.5));
+            },
+            "the absorption of the material \"own\" must be 0 to 1, not 1.5",
+        ),
+        (
+            |s| {
+                let scatters = Material::MIRROR.scattering_by(f64::NAN);
+                s.materials.insert("own".into(), scatters);
+            },
+            "the scattering of the material \"own\" must be 0 to 1, not NaN",
+        ),
+        (
+            |s| s.surfaces[0].material = Some("carpt".into()),
+            "surface 1 (Room): there is no material \"carpt\"; did you mean carpet?",
+        ),
+        (
+            |s| s.surfaces[0].walls[5] = Some("owm".into()),
+            "there is no material \"owm\"; did you mean own?",
+        ),
+        (
+            |s| {
+                s.surfaces[0].shape = Sphere { radius: 20.0 }.into();
+                s.surfaces[0].walls[2] = Some("own".into());
+            },
+            "surface 1 (Sphere): only the walls of a Room have materials of their own",
+        ),
+        (
+            |s| {
+                s.source.name = Some("flute".into());
+                s.further_sources[0].name = Some("flute".into());
+            },
+            "scene \"hall\": two of the sources are called \"flute\"",
+        ),
+    ];
+    for (spoil, says) in cases {
+        let mut scene = hall();
+        spoil(&mut scene);
+        let told = scene.validate().unwrap_err().to_string();
+        assert!(told.contains(says), "{told}");
+    }
+}
+
+/// Protects against rooms without air: the warning names both rooms and what to write instead.
+#[test]
+fn rooms_that_fill_each_other_are_told() {
+    let mut scene = room();
+    scene
+        .surfaces
+        .push(scene.surfaces[0].clone().named("annexe"));
+    let warnings = scene.warnings();
+    let [warning] = &warnings[..] else {
+        panic!("{warnings:?}");
+    };
+    let said = warning.to_string();
+    assert!(said.starts_with("surface 1 (Room), surface 2 (annexe) fill each other"));
+    assert!(said.contains("Complement(of: Union(of: [Box(…), Box(…)]))"));
+}
+
+/// Protects decays from surfaces that reflect everything unnoticed: each is named, walls too; a
+/// scene without any material gets no such warning.
+#[test]
+fn what_has_no_material_is_told() {
+    let mut scene = room();
+    assert_eq!(scene.warnings(), vec![]);
+    let floored = scene.surfaces[0].clone().with_wall_material(2, "carpet");
+    scene.surfaces[0] = floored.expect("a floor");
+    let said = scene.warnings()[0].to_string();
+    let expected = "1/left, 1/right, 1/ceiling, 1/front, 1/back have no material";
+    assert!(said.starts_with(expected), "{said}");
+    scene.surfaces[0] = scene.surfaces[0].clone().with_material("plaster");
+    assert_eq!(scene.warnings(), vec![]);
+    scene
+        .surfaces
+        .push(Surface::new(Sphere { radius: 0.1 }).at(Vec3::splat(4.0)));
+    let said = scene.warnings()[0].to_string();
+    assert!(
+        said.starts_with("surface 2 (Sphere) has no material"),
+        "{said}"
+    );
+}
+
+/// Protects the warnings: they name the surface and do not reject the scene.
+#[test]
+fn odd_places_are_warned_of() {
+    let mut scene = room();
+    assert_eq!(scene.warnings(), vec![]);
+    scene.source.position.x = 6.0;
+    assert!(matches!(&scene.warnings()[..],
+        [Warning::SourceInsideSurface { surface, depth, .. }] if surface == "the solid around surface 1 (Room)" && *depth == 1.0));
+    // Inside both solids no wave arrives: only the solid is reported.
+    scene.listener.position.x = 5.5;
+    assert_eq!(scene.warnings().len(), 2);
+    scene.listener.position.x = 0.0;
+    scene.source.position.x = 0.5;
+    assert!(matches!(
+        scene.warnings()[..],
+        [Warning::SourceInsideListener { .. }]
+    ));
+    assert!(scene.validate().is_ok());
+}

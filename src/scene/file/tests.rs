@@ -1,0 +1,354 @@
+//! Files that are based on others, messages about wrong notation, and files that change.
+
+use crate::scene::{Path as KeyPath, Scene, SceneError, SceneWatch, Source};
+use glam::Vec3;
+use std::path::PathBuf;
+
+const HALL: &str = r#"Scene(
+    surfaces: [
+        Surface(shape: Room(size: (20, 6, 20))),
+        Surface(name: "door", shape: Box(size: (Value("width", 2), 3, 1)), rotation: (0, Value("door", 30), 0)),
+    ],
+    source: Source(path: [Key(time: 0, position: (0, 0, -6)), Key(time: 2, position: (1, 0, -6))]),
+    listener: Listener(position: (0, 0, 6), radius: 1, yaw: 10, pitch: 5, path: [Key(time: 1, position: (0, 0, 5))]),
+)"#;
+
+/// A folder with `hall.ron`; other files are written next to it.
+struct Folder(tempfile::TempDir);
+
+impl Folder {
+    fn new() -> Folder {
+        let folder = Folder(tempfile::tempdir().unwrap());
+        folder.write("hall.ron", HALL);
+        folder
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn write(&self, name: &str, text: &str) {
+        let path = self.path(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, text).unwrap();
+    }
+
+    /// Reads a scene file `small.ron` with this text.
+    fn read(&self, text: &str) -> Result<Scene, SceneError> {
+        self.write("small.ron", text);
+        Scene::from_file(&self.path("small.ron"))
+    }
+
+    /// The error, without the folder.
+    fn refused(&self, text: &str) -> String {
+        let said = self.read(text).unwrap_err().to_string();
+        said.replace(&format!("{}/", self.0.path().display()), "")
+    }
+}
+
+/// Protects the rule of a base: what is named is changed, everything else is the base's.
+#[test]
+fn only_what_is_named_differs_from_the_base() {
+    let folder = Folder::new();
+    let hall = Scene::from_file(&folder.path("hall.ron")).unwrap();
+    assert_eq!(folder.read(r#"Scene(base: "hall.ron")"#).unwrap(), hall);
+    assert_eq!(hall.name, "hall");
+
+    let mut expected = hall.clone();
+    expected.name = "small".into();
+    expected.source = Source::at(Vec3::Y);
+    expected.set_value("door", 60.0).unwrap();
+    let text = r#"// The base may stand anywhere.
+        (values: [Value("door", 60)], source: (position: (0, 1, 0)), name: "small", base: "hall.ron")"#;
+    assert_eq!(folder.read(text).unwrap(), expected);
+
+    // A listener with a given position has no path; a radius alone does not move it.
+    let listener = |said: &str| {
+        let text = format!(r#"Scene(base: "hall.ron", listener: Listener({said}))"#);
+        folder.read(&text).unwrap().listener
+    };
+    let mut turned = hall.listener.clone();
+    turned.yaw = 0.5f32.to_degrees().to_radians();
+    turned.path = KeyPath::default();
+    let read = listener(&format!("yaw: {}", 0.5f32.to_degrees()));
+    assert_eq!(read, turned);
+    let mut wide = hall.listener.clone();
+    wide.radius = 2.5;
+    assert_eq!(listener("radius: 2.5"), wide);
+    let walks = listener("path: [Key(time: 0, position: (3, 0, 0), yaw: 90)]");
+    assert_eq!(walks.position, Vec3::new(3.0, 0.0, 0.0));
+    assert_eq!((walks.yaw, walks.pitch), (90f32.to_radians(), 0.0));
+}
+
+/// Protects names: a built-in scene first, then a file in the folder of the one that names it; an
+/// embedded text has no files.
+#[test]
+fn a_base_is_a_built_in_scene_or_a_file_beside() {
+    let folder = Folder::new();
+    let corner = Scene::builtin("corner").unwrap();
+    folder.write("corner", HALL);
+    folder.write("in/deep.ron", r#"Scene(base: "../hall.ron")"#);
+    assert_eq!(folder.read(r#"Scene(base: "corner")"#).unwrap(), corner);
+    let hall = folder.read(r#"Scene(base: "in/deep.ron")"#).unwrap();
+    assert_eq!(hall.surfaces.len(), 2);
+    let file = folder.read(r#"Scene(base: "./corner")"#).unwrap();
+    assert_eq!(file.surfaces, hall.surfaces);
+    let text = r#"Scene(base: "menger", listener: Listener(radius: 0.5))"#;
+    let menger = Scene::from_ron(text, "text").unwrap();
+    assert_eq!(menger.user_fields().count(), 1);
+    assert_eq!(menger.listener.radius, 0.5);
+}
+
+/// Each error names the file that it is in, and the line there.
+#[test]
+fn errors_point_at_their_own_file_and_line() {
+    let folder = Folder::new();
+    folder.write("broken.ron", "Scene(\n  surfaces: [],\n  sorce: 1)");
+    folder.write(
+        "empty.ron",
+        &HALL.replace("surfaces: [", "surfaces: [], old: ["),
+    );
+    folder.write(
+        "none.ron",
+        "Scene(surfaces: [], source: Source(), listener: Listener(radius: 1))",
+    );
+    for (text, told) in [
+        (
+            "Scene(\n  base: \"hall.ron\",\n  listner: Listener(yaw: 3))",
+            "small.ron:3:3: there is no field `listner`",
+        ),
+        (
+            "Scene(base: \"hall.ron\",\n listener: Listener(radius: -1))",
+            "small.ron:2:29: a radius in metres",
+        ),
+        (
+            "Scene(base: \"hall.ron\", surfaces: [])",
+            "small.ron:1:25: there is no field `surfaces`",
+        ),
+        (
+            "Scene(surfaces: [], base: \"hall.ron\")",
+            "small.ron:1:7: there is no field `surfaces`",
+        ),
+        (
+            "Scene(name: \"a\", source: Source(position: (0, 1, 0)))",
+            "small.ron:1:53: `surfaces` is missing",
+        ),
+        (
+            "Scene(\n\n  base:  \"gone.ron\")",
+            "small.ron:3:10: cannot read the base gone.ron: No such file",
+        ),
+        (
+            "Scene(base: \"cornr\")",
+            "small.ron:1:13: there is no scene \"cornr\"",
+        ),
+        ("Scene(base: 3)", "small.ron:1:13: "),
+        (
+            "Scene(base: \"broken.ron\")",
+            "broken.ron:3:3: there is no field `sorce`",
+        ),
+        (
+            "Scene(base: \"empty.ron\")",
+            "empty.ron:2:23: there is no field `old`",
+        ),
+        (
+            "Scene(base: \"none.ron\")",
+            "scene \"none\" has no surfaces",
+        ),
+        (
+            "Scene(base: \"hall.ron\", values: [\n Value(\"door\", 1),\n Value(\"dor\", 1)])",
+            "small.ron:3:2: scene \"hall\" has no value named \"dor\"",
+        ),
+        (
+            "Scene(base: \"hall.ron\", values: [Value(\"door\", 1), Value(\"door\", 2)])",
+            "small.ron:1:52: the value \"door\" is set twice",
+        ),
+        (
+            "Scene(base: \"hall.ron\", values: [Value(\"door\", 1e99)])",
+            "small.ron:1:34: a value must be finite",
+        ),
+        (
+            "Scene(base: \"hall.ron\",\n values: [Value(\"width\", -2)])",
+            "small.ron:2:11: scene \"hall\"",
+        ),
+    ] {
+        let said = folder.refused(text);
+        assert!(said.starts_with(told), "{text}: {said}");
+    }
+}
+
+/// Protects against endless and deep chains: a cycle is reported, also through links, and so are nine bases.
+#[test]
+fn chains_of_bases_have_an_end() {
+    let folder = Folder::new();
+    let based_on = |base: &str| format!("Scene(base: \"{base}\")");
+    assert_eq!(
+        folder.refused(&based_on("small.ron")),
+        "small.ron:1:13: the base small.ron is itself based on this scene"
+    );
+    folder.write("other.ron", &based_on("small.ron"));
+    assert_eq!(
+        folder.refused(&based_on("other.ron")),
+        "other.ron:1:13: the base small.ron is itself based on this scene"
+    );
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("small.ron", folder.path("link.ron")).unwrap();
+        let said = folder.refused(&based_on("link.ron"));
+        assert!(said.ends_with("the base link.ron is itself based on this scene"));
+        std::fs::hard_link(folder.path("small.ron"), folder.path("hard.ron")).unwrap();
+        let said = folder.refused(&based_on("hard.ron"));
+        assert!(said.contains("based on"), "{said}");
+        std::os::unix::fs::symlink("/dev/zero", folder.path("zero.ron")).unwrap();
+        let said = folder.refused(&based_on("zero.ron"));
+        assert!(
+            said.ends_with("it is a device, not a regular file"),
+            "{said}"
+        );
+    }
+    folder.write("1.ron", &based_on("hall.ron"));
+    for number in 2..=8 {
+        let text = based_on(&format!("{}.ron", number - 1));
+        folder.write(&format!("{number}.ron"), &text);
+    }
+    assert!(folder.read(&based_on("7.ron")).is_ok());
+    assert_eq!(
+        folder.refused(&based_on("8.ron")),
+        "1.ron:1:13: more than 8 scenes are based on each other"
+    );
+}
+
+/// Protects a running program: a base is an input like the file that names it, and its changes are
+/// noticed.
+#[test]
+fn a_base_is_watched_and_never_replaced() {
+    let folder = Folder::new();
+    let text = r#"Scene(base: "hall.ron", name: "small")"#;
+    folder.write("small.ron", text);
+    let path = folder.path("small.ron");
+    let (mut watch, first) = SceneWatch::open(path.to_str().unwrap()).unwrap();
+    assert_eq!(watch.files().count(), 2);
+    assert!(crate::file_input::is_input(&folder.path("hall.ron")));
+    let mut settled = || (0..3).find_map(|_| watch.poll());
+    folder.write("hall.ron", &HALL.replace("radius: 1,", "radius: 1.5,"));
+    assert_eq!(settled().unwrap().unwrap().listener.radius, 1.5);
+    folder.write("hall.ron", "Scene(");
+    assert!(settled().unwrap().is_err());
+    folder.write("hall.ron", HALL);
+    assert_eq!(settled().unwrap().unwrap(), first);
+}
+
+fn told(shape: &str) -> String {
+    let text = format!(
+        "Scene(surfaces: [\n Surface(shape: {shape})], source: Source(position: (0, 0, 0)), \
+         listener: Listener(position: (5, 0, 0), radius: 1))"
+    );
+    Scene::from_ron(&text, "scene").unwrap_err().to_string()
+}
+
+/// A shape in a wrong form is reported with its correct form.
+#[test]
+fn a_shape_is_told_by_its_name_and_how_it_is_written() {
+    for (shape, sentence) in [
+        ("Sphere(1)", "Sphere is written Sphere(radius: …)"),
+        ("Sphere", "Sphere is written Sphere(radius: …)"),
+        ("Box(1, 2, 3)", "Box is written Box(size: …)"),
+        ("Torus[1]", "Torus is written Torus(ring: …, tube: …)"),
+        (
+            "Translate(of: Sphere(1), by: (0, 0, 0))",
+            "Sphere is written Sphere(radius: …)",
+        ),
+        ("Union[Plane]", "Union is written Union(of: …)"),
+        ("Union", "Union is written Union(of: …)"),
+        ("Plane(1)", "Plane is written Plane, with nothing behind it"),
+    ] {
+        let said = told(shape);
+        assert!(said.contains(sentence), "{shape}: {said}");
+        assert!(said.starts_with("scene:2:"), "{shape}: {said}");
+    }
+}
+
+/// A material, air or source in a wrong form is reported with its correct form.
+#[test]
+fn sound_is_told_how_it_is_written() {
+    for (said, sentence) in [
+        (
+            "materials: {\"a\": Material(0.5)}",
+            "Material is written Material(absorption: …, scattering: …, base: …)",
+        ),
+        (
+            "air: Air(20)",
+            "Air is written Air(temperature: …, humidity: …, pressure: …)",
+        ),
+        (
+            "sources: [Source(1)]",
+            "Source is written Source(name: …, level_db: …, position: …, path: …)",
+        ),
+    ] {
+        let text = format!("Scene(surfaces: [],\n {said})");
+        let said = Scene::from_ron(&text, "scene").unwrap_err().to_string();
+        assert!(said.starts_with("scene:2:"), "{said}");
+        assert!(said.ends_with(sentence), "{said}");
+    }
+}
+
+/// For a mistyped shape the nearest one is suggested; without a near one, all are listed.
+#[test]
+fn the_nearest_shape_is_suggested() {
+    for (shape, nearest) in [
+        ("Tours(ring: 1, tube: 2)", "Torus"),
+        ("sphere(radius: 1)", "Sphere"),
+        ("Elipsoid(radii: (1, 1, 1))", "Ellipsoid"),
+        ("SmoothUnoin(of: [], radius: 1)", "SmoothUnion"),
+    ] {
+        let said = told(shape);
+        assert!(said.contains(&format!("did you mean {nearest}?")), "{said}");
+        assert!(
+            !said.contains("enum") && !said.contains("variant"),
+            "{said}"
+        );
+    }
+    let said = told("Teapot");
+    assert!(
+        said.contains("there are Plane, ") && said.contains("Scale"),
+        "{said}"
+    );
+}
+
+/// Protects other errors from misleading hints.
+#[test]
+fn what_is_no_error_of_a_shape_is_told_as_it_was() {
+    for shape in ["Plane position: (0, 0, 0)", "Sphere(radius: one)"] {
+        assert!(!told(shape).contains("is written"), "{}", told(shape));
+    }
+}
+
+const SCENE: &str = "Scene(surfaces: [Surface(shape: Plane)],
+    source: Source(position: (0, 1, 0)), listener: Listener(position: (0, 2, 5), radius: 1))";
+
+/// The result of the next polls.
+fn settled(watch: &mut SceneWatch) -> Option<Result<Scene, SceneError>> {
+    (0..3).find_map(|_| watch.poll())
+}
+
+/// Protects a running program from half-written and broken files: each change is reported
+/// once, errors too.
+#[test]
+fn each_change_is_told_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("s.ron");
+    std::fs::write(&file, SCENE).unwrap();
+    let (mut watch, first) = SceneWatch::open(file.to_str().unwrap()).unwrap();
+    assert!(settled(&mut watch).is_none());
+    std::fs::write(&file, SCENE.replace("radius: 1", "radius: 1.5")).unwrap();
+    assert!(watch.poll().is_none(), "it may still be written");
+    let second = settled(&mut watch).unwrap().unwrap();
+    assert!(second != first && settled(&mut watch).is_none());
+    std::fs::write(&file, "Scene(").unwrap();
+    assert!(settled(&mut watch).unwrap().is_err());
+    std::fs::write(folder.path().join("other"), "").unwrap();
+    assert!(settled(&mut watch).is_none());
+    std::fs::remove_file(&file).unwrap();
+    assert!(settled(&mut watch).unwrap().is_err());
+    std::fs::write(&file, SCENE).unwrap();
+    assert_eq!(settled(&mut watch).unwrap().unwrap(), first);
+}
