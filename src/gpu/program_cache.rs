@@ -1,24 +1,25 @@
 //! A cache of compiled programs.
 
 use super::Program;
-use lru::LruCache;
-use std::hash::Hash;
 use std::num::NonZeroUsize;
 use std::rc::Rc;
 
 /// Programs by the key that determines their text. When the cache is full, the least recently used one is dropped,
 /// which bounds the number kept during a walk through many scenes.
 #[derive(Debug)]
-pub struct ProgramCache<K: Eq + Hash> {
-    kept: LruCache<K, Rc<Program>>,
+pub struct ProgramCache<K: Eq> {
+    /// The most recently used one last: with so few of them, a search costs less than a map.
+    kept: Vec<(K, Rc<Program>)>,
+    most: usize,
     compiled: usize,
 }
 
-impl<K: Eq + Hash> ProgramCache<K> {
+impl<K: Eq> ProgramCache<K> {
     /// Creates an empty cache for at most `most` programs.
     pub fn new(most: NonZeroUsize) -> ProgramCache<K> {
         ProgramCache {
-            kept: LruCache::new(most),
+            kept: Vec::new(),
+            most: most.get(),
             compiled: 0,
         }
     }
@@ -32,13 +33,17 @@ impl<K: Eq + Hash> ProgramCache<K> {
         key: K,
         compile: impl FnOnce() -> Result<Program, E>,
     ) -> Result<Rc<Program>, E> {
-        if let Some(known) = self.kept.get(&key) {
-            return Ok(known.clone());
+        if let Some(at) = self.kept.iter().position(|(known, _)| *known == key) {
+            self.kept[at..].rotate_left(1);
+        } else {
+            let program = Rc::new(compile()?);
+            self.compiled += 1;
+            if self.kept.len() == self.most {
+                self.kept.remove(0);
+            }
+            self.kept.push((key, program));
         }
-        let program = Rc::new(compile()?);
-        self.compiled += 1;
-        self.kept.put(key, program.clone());
-        Ok(program)
+        Ok(self.kept[self.kept.len() - 1].1.clone())
     }
 
     /// Total number of programs compiled, including those dropped since.
