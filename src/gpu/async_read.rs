@@ -4,7 +4,8 @@ use std::ops::ControlFlow;
 
 use glow::{HasContext, PixelPackData};
 
-use super::{Context, GpuError, RenderTarget, bytes};
+use super::texture::{as_floats, of_floats_mut};
+use super::{Context, GpuError, RenderTarget};
 use crate::platform;
 
 /// Longest wait in one call, in nanoseconds; the wait is repeated after checking whether the driver has lost the
@@ -198,7 +199,7 @@ impl AsyncRead {
         // SAFETY: the context is current and the buffer its own, which holds all the bytes requested.
         unsafe {
             gl.bind_buffer(glow::PIXEL_PACK_BUFFER, Some(self.buffer));
-            let bytes = bytes::of_floats_mut(&mut copied);
+            let bytes = of_floats_mut(&mut copied);
             gl.get_buffer_sub_data(glow::PIXEL_PACK_BUFFER, 0, bytes);
             gl.bind_buffer(glow::PIXEL_PACK_BUFFER, None);
         }
@@ -222,7 +223,7 @@ impl AsyncRead {
             );
             let result = (!mapped.is_null()).then(|| {
                 let mapped = std::slice::from_raw_parts(mapped, length);
-                let result = read(&bytes::as_floats(mapped));
+                let result = read(&as_floats(mapped));
                 gl.unmap_buffer(glow::PIXEL_PACK_BUFFER);
                 result
             });

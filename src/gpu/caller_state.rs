@@ -11,7 +11,7 @@ use glow::HasContext;
 
 use super::backend::Backend;
 use super::error::ERRORS_AT_MOST;
-use super::texture_units::UNITS;
+use super::texture::UNITS;
 
 // Constants that glow does not define.
 const ALPHA_TEST: u32 = 0x0BC0;

@@ -11,11 +11,10 @@ use glutin::error::ErrorKind;
 use glutin::prelude::*;
 use raw_window_handle::{AppKitDisplayHandle, RawDisplayHandle};
 
-use super::backend::Backend;
-use super::glutin_context::{GlutinContext, attributes, new_context, template};
 #[cfg(feature = "window")]
-pub(super) use super::only_place::prepare;
-pub(super) use super::only_place::{Place, places};
+pub(super) use super::backend::prepare;
+use super::backend::{Backend, GlutinContext, attributes, new_context, template};
+pub(super) use super::backend::{Place, places};
 use super::{Api, GpuError};
 
 /// Makes a context; it is not current yet.

@@ -1,8 +1,11 @@
-//! A long list of vectors that shaders read by index.
+//! Lists of vectors that shaders read by index: in a buffer in OpenGL, in the rows of a texture in ES 3.0, which has no
+//! texture buffers.
 
-use super::texel_buffer::{TexelBuffer, floats};
-use super::{Api, Context, DataTexture, GpuError, Program};
 use glam::Vec4;
+use glow::HasContext;
+
+use super::texture::{self, SCRATCH_UNIT};
+use super::{Api, Context, GpuError, Program, Texture};
 
 /// A list of vectors: a buffer in OpenGL (`samplerBuffer`); in ES, which has no such buffers, rows of a texture
 /// (`sampler2D`). Buffers are faster to read since they have neither rows nor levels. The list grows as needed and is
@@ -64,4 +67,152 @@ impl DataList {
             Store::Buffer { .. } => (),
         }
     }
+}
+
+/// A list of vectors in rows of equal width, as a float texture. It grows as needed and is sent again only when it has
+/// changed.
+#[derive(Debug)]
+pub struct DataTexture {
+    context: Context,
+    width: usize,
+    texture: Texture,
+    values: Vec<Vec4>,
+}
+
+impl DataTexture {
+    /// An empty list in rows of `width` vectors.
+    ///
+    /// # Errors
+    /// [`GpuError`] when the texture cannot be made.
+    pub fn new(context: &Context, width: usize) -> Result<DataTexture, GpuError> {
+        Ok(DataTexture {
+            context: context.clone(),
+            width,
+            texture: Texture::new(context, width as u32, 1)?,
+            values: Vec::new(),
+        })
+    }
+
+    /// Sets the values of the texture.
+    ///
+    /// # Errors
+    /// [`GpuError`] if they do not fit.
+    pub fn set(&mut self, values: &[Vec4]) -> Result<(), GpuError> {
+        if self.values == values {
+            return Ok(());
+        }
+        let rows = values.len().div_ceil(self.width).max(1);
+        if rows > self.texture.height() as usize {
+            self.texture = Texture::new(&self.context, self.width as u32, rows as u32)?;
+        }
+        let texels = 4 * self.width * self.texture.height() as usize;
+        let mut floats: Vec<f32> = values.iter().flat_map(|v| v.to_array()).collect();
+        floats.resize(texels, 0.0);
+        self.texture.upload(&floats)?;
+        self.values.clear();
+        self.values.extend_from_slice(values);
+        Ok(())
+    }
+
+    /// The texture to bind.
+    pub fn texture(&self) -> &Texture {
+        &self.texture
+    }
+}
+
+/// A buffer of vectors, and the texture through which a `samplerBuffer` reads them.
+///
+/// Dropping it frees both.
+#[derive(Debug)]
+struct TexelBuffer {
+    context: Context,
+    buffer: glow::Buffer,
+    texture: glow::Texture,
+    /// Maximum vectors that the driver allows.
+    limit: usize,
+    /// Vectors allocated.
+    capacity: usize,
+}
+
+impl TexelBuffer {
+    /// An empty buffer.
+    ///
+    /// # Errors
+    /// What GL reports.
+    pub fn new(context: &Context) -> Result<TexelBuffer, GpuError> {
+        let gl = context.gl();
+        let failed = |code| GpuError::Gl {
+            what: "a buffer of texels".into(),
+            code,
+        };
+        // SAFETY: the context is current.
+        let buffer = unsafe { gl.create_buffer() }.map_err(failed)?;
+        // SAFETY: the context is current; without a texture the buffer is not used again.
+        let texture = unsafe {
+            gl.create_texture()
+                .inspect_err(|_| gl.delete_buffer(buffer))
+        };
+        let mut made = TexelBuffer {
+            context: context.clone(),
+            buffer,
+            texture: texture.map_err(failed)?,
+            // SAFETY: the context is current.
+            limit: unsafe { gl.get_parameter_i32(glow::MAX_TEXTURE_BUFFER_SIZE) } as usize,
+            capacity: 0,
+        };
+        made.set(&[0.0; 4])?;
+        made.bind(SCRATCH_UNIT);
+        // SAFETY: the context is current, and texture and buffer are its own.
+        unsafe { gl.tex_buffer(glow::TEXTURE_BUFFER, glow::RGBA32F, Some(buffer)) };
+        context.check("a buffer of texels")?;
+        Ok(made)
+    }
+
+    /// Writes these floats to the beginning of the buffer, four per vector.
+    ///
+    /// # Errors
+    /// [`GpuError::TextureTooLarge`] above the driver's limit, and what GL reports.
+    pub fn set(&mut self, floats: &[f32]) -> Result<(), GpuError> {
+        let vectors = floats.len() / 4;
+        if vectors > self.limit {
+            return Err(GpuError::TextureTooLarge {
+                width: vectors as u32,
+                height: 1,
+                limit: self.limit as u32,
+            });
+        }
+        let gl = self.context.gl();
+        let bytes = texture::of_floats(floats);
+        // SAFETY: the context is current, and the buffer its own.
+        unsafe {
+            gl.bind_buffer(glow::TEXTURE_BUFFER, Some(self.buffer));
+            match vectors > self.capacity {
+                true => gl.buffer_data_u8_slice(glow::TEXTURE_BUFFER, bytes, glow::DYNAMIC_DRAW),
+                false => gl.buffer_sub_data_u8_slice(glow::TEXTURE_BUFFER, 0, bytes),
+            }
+            gl.bind_buffer(glow::TEXTURE_BUFFER, None);
+        }
+        self.capacity = self.capacity.max(vectors);
+        self.context.check("the upload of a buffer of texels")
+    }
+
+    /// Binds the texture to a unit.
+    pub fn bind(&self, unit: u32) {
+        texture::bind(self.context.gl(), unit, glow::TEXTURE_BUFFER, self.texture);
+    }
+}
+
+impl Drop for TexelBuffer {
+    fn drop(&mut self) {
+        // SAFETY: the context is current; texture and buffer are its own and not used again.
+        self.context.free(|gl| unsafe {
+            gl.delete_texture(self.texture);
+            gl.delete_buffer(self.buffer);
+        });
+    }
+}
+
+/// The floats of the vectors, in order.
+pub(super) fn floats(values: &[Vec4]) -> Vec<f32> {
+    values.iter().flat_map(|v| v.to_array()).collect()
 }

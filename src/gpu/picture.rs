@@ -2,8 +2,7 @@
 
 use glow::{HasContext, PixelPackData};
 
-use super::pass::Target;
-use super::render_target::check_complete;
+use super::render_target::{Target, check_complete};
 use super::texture::check_size;
 use super::{Context, GpuError};
 

@@ -25,11 +25,10 @@ use windows_sys::Win32::UI::WindowsAndMessaging::{
 };
 use windows_sys::w;
 
-use super::backend::Backend;
-use super::glutin_context::{GlutinContext, attributes, new_context, template};
 #[cfg(feature = "window")]
-pub(super) use super::only_place::prepare;
-pub(super) use super::only_place::{Place, places};
+pub(super) use super::backend::prepare;
+use super::backend::{Backend, GlutinContext, attributes, new_context, template};
+pub(super) use super::backend::{Place, places};
 use super::{Api, GpuError};
 
 /// Side of the hidden, unused window in pixels.

@@ -16,9 +16,8 @@ use glutin::prelude::*;
 use glutin::surface::{Surface, SurfaceAttributesBuilder, SwapInterval, WindowSurface};
 use raw_window_handle::{HasDisplayHandle, HasWindowHandle, RawDisplayHandle, RawWindowHandle};
 
-use super::backend::Backend;
+use super::backend::{Backend, attributes, new_context, template};
 use super::driver::load;
-use super::glutin_context::{attributes, new_context, template};
 use super::{Api, Context, GpuError, native};
 
 /// OpenGL of a display, and the matching kind of window. Field order matters: the connection to the display is dropped

@@ -8,7 +8,7 @@ use std::ptr;
 use glutin_egl_sys::egl;
 use glutin_egl_sys::egl::types::{EGLConfig, EGLContext, EGLDisplay, EGLSurface, EGLint};
 
-use super::library::{Functions, functions};
+use super::{Functions, functions};
 use crate::gpu::backend::Backend;
 use crate::gpu::{Api, GpuError};
 
