@@ -8,14 +8,11 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use super::LiveError;
-use super::command::Command;
-use super::device::{self, Found};
-use super::link::{Link, Slot};
-use super::program::Program;
+use super::device::{self, ANSWER_LIMIT, Found, drop_elsewhere, within};
+use super::link::{Command, Link, Shared, Slot};
 use super::recording::Recording;
 use super::renderer::{Message, Remote, Renderer, Tap};
-use super::shared::Shared;
-use super::timeout::{ANSWER_LIMIT, drop_elsewhere, within};
+use super::stages::Program;
 use crate::audio::{SAMPLE_RATE, Sound, SoundSource, StereoSource};
 
 /// Interval at which the thread checks the stream.

@@ -1,0 +1,282 @@
+//! Built-in signals: a sine whose phase does not drift, reproducible white noise, and a recorded sound in memory.
+
+use std::f64::consts::TAU;
+
+use super::{AudioError, Signal};
+use crate::rng::hash;
+
+/// The peak of a sine, relative to full scale 1: −6.02 dBFS.
+pub const SINE_AMPLITUDE: f32 = 0.5;
+
+/// An endless sine that starts at phase 0.
+///
+/// The phase is kept in turns, between 0 and 1, in `f64`: each step rounds by at most 2⁻⁵³ turns,
+/// so even errors that all have the same sign reach only 2·10⁻⁸ turns in an hour.
+#[derive(Debug, Clone)]
+pub(super) struct Sine {
+    phase_turns: f64,
+    step_turns: f64,
+}
+
+impl Sine {
+    pub(super) fn new(frequency_hz: f64, sample_rate: u32) -> Result<Self, AudioError> {
+        let limit_hz = f64::from(sample_rate) / 2.0;
+        if !(frequency_hz > 0.0 && frequency_hz < limit_hz) {
+            return Err(AudioError::BadSineFrequency {
+                frequency_hz,
+                limit_hz,
+            });
+        }
+        Ok(Self {
+            phase_turns: 0.0,
+            step_turns: frequency_hz / f64::from(sample_rate),
+        })
+    }
+
+    fn advance(&mut self) {
+        self.phase_turns += self.step_turns;
+        if self.phase_turns >= 1.0 {
+            self.phase_turns -= 1.0;
+        }
+    }
+}
+
+impl Signal for Sine {
+    fn fill(&mut self, out: &mut [f32]) {
+        for sample in out {
+            *sample = SINE_AMPLITUDE * (TAU * self.phase_turns).sin() as f32;
+            self.advance();
+        }
+    }
+
+    /// Makes the sample with this number the next one.
+    fn seek(&mut self, index: u64) {
+        self.phase_turns = (self.step_turns * index as f64).fract();
+    }
+}
+
+/// The peak of the noise, relative to full scale 1: −6.02 dBFS, at a level of −10.8 dBFS (RMS).
+pub const NOISE_AMPLITUDE: f32 = 0.5;
+
+/// White noise, uniformly distributed; a sample depends only on its index and the seed.
+#[derive(Debug, Clone)]
+pub(super) struct Noise {
+    seed: u64,
+    index: u64,
+}
+
+impl Noise {
+    pub(super) fn new(seed: u64) -> Self {
+        Self { seed, index: 0 }
+    }
+}
+
+impl Signal for Noise {
+    fn fill(&mut self, out: &mut [f32]) {
+        for sample in out {
+            *sample = noise_at(self.seed, self.index);
+            self.index = self.index.wrapping_add(1);
+        }
+    }
+
+    /// Makes the sample with this number the next one.
+    fn seek(&mut self, index: u64) {
+        self.index = index;
+    }
+}
+
+/// The noise at one index. The seed is hashed first, so that similar seeds give different noises.
+fn noise_at(seed: u64, index: u64) -> f32 {
+    let bits = hash(hash(seed).wrapping_add(index));
+    let signed = (bits >> 40) as i32 - (1 << 23); // 24 bits: exact in f32
+    NOISE_AMPLITUDE * signed as f32 / (1 << 23) as f32
+}
+
+/// Length of the cross-fade from a loop's end into its start, in seconds: much longer than a click,
+/// and too short to be heard as a separate change.
+const SEAM_S: f64 = 0.005;
+
+/// A clip shorter than this number of seams starts over at more than 50 Hz: its seam is part of its
+/// tone and is not cross-faded.
+const SEAMS_AT_LEAST: usize = 4;
+
+/// Mono samples with a read position.
+///
+/// A looping clip whose end does not fit its start is cross-faded there: as it starts over, the
+/// sound comes from the end, played backwards so that it continues without a step, and fades to the
+/// start. The first start is played unchanged, and the loop is as long as the clip.
+#[derive(Debug, Clone)]
+pub(super) struct Clip {
+    /// Never empty.
+    samples: Vec<f32>,
+    next: usize,
+    looping: bool,
+    /// Whether the clip has started over.
+    is_again: bool,
+    /// Samples of the cross-fade; 0 if the end fits the start.
+    seam: usize,
+}
+
+impl Clip {
+    /// A looping clip at its start; `samples` must not be empty.
+    pub(super) fn new(samples: Vec<f32>, rate_hz: u32) -> Self {
+        debug_assert!(!samples.is_empty());
+        Self {
+            seam: seam(&samples, rate_hz),
+            samples,
+            next: 0,
+            looping: true,
+            is_again: false,
+        }
+    }
+
+    /// Cross-fades the part of `out` that lies in the seam; `out` holds the samples from the next one on.
+    fn cross_fade(&self, out: &mut [f32]) {
+        let last = self.samples.len() - 1;
+        for (i, sample) in (self.next..self.seam).zip(out) {
+            let share = i as f64 / self.seam as f64;
+            // In `f64`, where the difference of two samples cannot overflow.
+            let end = f64::from(self.samples[last - i]);
+            *sample = (end + (f64::from(*sample) - end) * share) as f32;
+        }
+    }
+}
+
+impl Signal for Clip {
+    fn fill(&mut self, mut out: &mut [f32]) {
+        while !out.is_empty() {
+            if self.next == self.samples.len() {
+                if !self.looping {
+                    out.fill(0.0);
+                    return;
+                }
+                self.next = 0;
+                self.is_again = true;
+            }
+            let left = &self.samples[self.next..];
+            let count = left.len().min(out.len());
+            let (now, later) = out.split_at_mut(count);
+            now.copy_from_slice(&left[..count]);
+            if self.is_again {
+                self.cross_fade(now);
+            }
+            self.next += count;
+            out = later;
+        }
+    }
+
+    /// Makes the sample with this number the next one; the numbers of a looping clip continue past its end.
+    fn seek(&mut self, index: u64) {
+        let length = self.samples.len() as u64;
+        self.is_again = self.looping && index >= length;
+        self.next = if self.looping {
+            index % length
+        } else {
+            index.min(length)
+        } as usize;
+    }
+
+    fn length(&self) -> Option<usize> {
+        Some(self.samples.len())
+    }
+
+    fn set_looping(&mut self, looping: bool) {
+        self.looping = looping;
+    }
+
+    fn is_finished(&self) -> bool {
+        !self.looping && self.next == self.samples.len()
+    }
+}
+
+/// Number of samples to cross-fade where a clip starts over: zero if the step there does not exceed
+/// the nearby steps of the sound itself, as in a clip made to loop.
+fn seam(samples: &[f32], rate_hz: u32) -> usize {
+    let length = (f64::from(rate_hz) * SEAM_S) as usize;
+    if length == 0 || samples.len() < SEAMS_AT_LEAST * length {
+        return 0;
+    }
+    let (start, end) = (&samples[..length], &samples[samples.len() - length..]);
+    let own = largest_step(start).max(largest_step(end));
+    let step = (start[0] - end[length - 1]).abs();
+    if step > own { length } else { 0 }
+}
+
+fn largest_step(samples: &[f32]) -> f32 {
+    let steps = samples.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    steps.fold(0.0, f32::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects the phase, which is known exactly after whole seconds: the frequency times the time.
+    #[test]
+    fn phase_is_kept_for_an_hour() {
+        for frequency_hz in [440.0, 997.0, 1234.5, 23_999.0] {
+            let mut sine = Sine::new(frequency_hz, 48_000).unwrap();
+            for _ in 0..3600 * 48_000 {
+                sine.advance();
+            }
+            let wanted = (frequency_hz * 3600.0).fract();
+            let off = (sine.phase_turns - wanted).abs();
+            let off = off.min(1.0 - off);
+            assert!(off < 2e-8, "{frequency_hz} Hz is {off} turns off");
+        }
+    }
+
+    const RATE_HZ: u32 = 48_000;
+
+    /// Samples of each clip below: 0.1 s.
+    const LENGTH: usize = 4800;
+
+    /// Plays a looping clip for three and a half rounds, in blocks of an odd size.
+    fn rounds(samples: &[f32]) -> Vec<f32> {
+        let mut clip = Clip::new(samples.to_vec(), RATE_HZ);
+        let mut played = vec![0.0; samples.len() * 7 / 2];
+        played.chunks_mut(331).for_each(|block| clip.fill(block));
+        played
+    }
+
+    /// Protects loops from clicks: if the end of a clip does not fit its start, no step is larger than that of a fade
+    /// over the seam.
+    #[test]
+    fn a_clip_that_does_not_fit_itself_starts_over_without_a_click() {
+        let ramp: Vec<f32> = (0..LENGTH).map(|n| n as f32 / LENGTH as f32).collect();
+        let played = rounds(&ramp);
+        let seam = (f64::from(RATE_HZ) * SEAM_S) as usize;
+        // The step of the fade from end to start in the seam, plus the clip's own rise.
+        let most = 1.0 / seam as f32 + 2.0 / LENGTH as f32;
+        assert!(largest_step(&played) <= most, "{}", largest_step(&played));
+        // Beyond the seam the clip is unchanged, and so is its first start.
+        assert_eq!(played[..LENGTH], ramp[..]);
+        assert_eq!(played[LENGTH + seam..2 * LENGTH], ramp[seam..]);
+        assert_eq!(played[LENGTH..2 * LENGTH], played[2 * LENGTH..3 * LENGTH]);
+    }
+
+    /// Protects clips that were made to loop: no sample changes.
+    #[test]
+    fn a_clip_that_fits_itself_is_played_as_it_is() {
+        // Each of the ten turns has the same samples.
+        let turn = |n: usize| ((n % 480) as f64 * std::f64::consts::TAU / 480.0).sin() as f32;
+        let sine: Vec<f32> = (0..LENGTH).map(turn).collect();
+        for (n, sample) in rounds(&sine).into_iter().enumerate() {
+            assert_eq!(sample, sine[n % LENGTH]);
+        }
+    }
+
+    /// Protects seeking in a clip: it plays what it would have played there.
+    #[test]
+    fn seeking_finds_what_playing_comes_to() {
+        let ramp: Vec<f32> = (0..LENGTH).map(|n| n as f32 / LENGTH as f32).collect();
+        let played = rounds(&ramp);
+        for from in [0, 17, LENGTH - 1, LENGTH, LENGTH + 9, 2 * LENGTH + 4000] {
+            let mut clip = Clip::new(ramp.clone(), RATE_HZ);
+            clip.seek(from as u64);
+            let mut sought = vec![0.0; 1000];
+            clip.fill(&mut sought);
+            assert_eq!(sought[..], played[from..from + 1000], "from {from}");
+        }
+    }
+}

@@ -1,0 +1,371 @@
+//! The sounds that are played: their description, how they are made, and their samples, mono or stereo.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use std::sync::Arc;
+
+use super::signals::{Clip, Noise, Sine};
+use super::speech::Speech;
+use super::{AudioError, check_rate, resample, wav_read};
+
+/// Consecutive mono samples; 1 is full scale.
+///
+/// A caller's own sound implements this and becomes a [`Sound`](super::Sound) by
+/// [`Sound::new`](super::Sound::new). An audio thread calls these methods: they must not allocate,
+/// lock or wait.
+///
+/// ```
+/// use echomarch::audio::{Signal, Sound};
+///
+/// /// A click of one sample every half second at 48 kHz.
+/// struct Metronome(u64);
+///
+/// impl Signal for Metronome {
+///     fn fill(&mut self, out: &mut [f32]) {
+///         for sample in out {
+///             *sample = if self.0.is_multiple_of(24_000) { 0.5 } else { 0.0 };
+///             self.0 += 1;
+///         }
+///     }
+///
+///     fn seek(&mut self, sample: u64) {
+///         self.0 = sample;
+///     }
+/// }
+///
+/// let mut sound = Sound::new(Metronome(0));
+/// let mut out = [0.0; 4];
+/// sound.fill(&mut out);
+/// assert_eq!(out, [0.5, 0.0, 0.0, 0.0]);
+/// ```
+pub trait Signal: Send {
+    /// Overwrites `out` with the next `out.len()` samples.
+    fn fill(&mut self, out: &mut [f32]);
+
+    /// Makes the sample with this number, counted from 0, the next one.
+    fn seek(&mut self, sample: u64);
+
+    /// Chooses whether a sound with an end starts over there or falls silent. A sound without an
+    /// end ignores this.
+    fn set_looping(&mut self, looping: bool) {
+        let _ = looping;
+    }
+
+    /// The number of samples from the start to the end; `None` for endless sounds.
+    fn length(&self) -> Option<usize> {
+        None
+    }
+
+    /// Whether only silence is left.
+    fn is_finished(&self) -> bool {
+        false
+    }
+}
+
+/// A mono sound that is read forwards, sample by sample; 1 is full scale. A caller's own sound is
+/// made from a [`Signal`].
+///
+/// A sine, noise and speech never end. A WAV clip starts over at its end unless
+/// [`set_looping`](Self::set_looping) turned that off: then it ends in silence. If its end does not
+/// fit its start, the first 5 ms are cross-faded with the end each time it starts over.
+///
+/// ```
+/// use echomarch::audio::{SAMPLE_RATE, Sound};
+///
+/// let mut sound = Sound::parse("sine:440", SAMPLE_RATE)?;
+/// let mut block = [0.0; 480];
+/// sound.fill(&mut block);
+/// assert!(block.iter().any(|sample| *sample > 0.0));
+/// # Ok::<(), echomarch::audio::AudioError>(())
+/// ```
+pub struct Sound {
+    signal: Box<dyn Signal>,
+}
+
+impl Sound {
+    /// Creates a sound from a caller's own signal.
+    pub fn new(signal: impl Signal + 'static) -> Self {
+        Self {
+            signal: Box::new(signal),
+        }
+    }
+
+    /// Parses a description such as `sine:440` (see [`SoundSpec`]) and loads it at `sample_rate`
+    /// samples per second, commonly [`SAMPLE_RATE`](super::SAMPLE_RATE).
+    ///
+    /// # Errors
+    /// [`AudioError::UnknownSound`], or as [`load`](Self::load).
+    pub fn parse(text: &str, sample_rate: u32) -> Result<Self, AudioError> {
+        Self::load(&text.parse()?, sample_rate)
+    }
+
+    /// Creates the sound at `sample_rate` samples per second.
+    ///
+    /// A WAV file of several channels is mixed to their mean. At another rate it is resampled with
+    /// a linear-phase filter whose delay is removed: a sound that starts at `t` seconds in the file
+    /// starts at `t` seconds here, and `n` samples become `n · sample_rate / rate`, rounded.
+    /// Resampling keeps frequencies below half of both rates, except a narrow band below half the
+    /// lower one, and may overshoot full scale a little.
+    ///
+    /// # Errors
+    /// [`AudioError::BadSampleRate`] for a rate outside [`SAMPLE_RATES`](super::SAMPLE_RATES);
+    /// [`AudioError::BadSineFrequency`]; and for a WAV file [`AudioError::OpenWav`],
+    /// [`NotWav`](AudioError::NotWav), [`UnsupportedWav`](AudioError::UnsupportedWav),
+    /// [`DamagedWav`](AudioError::DamagedWav), [`EmptyWav`](AudioError::EmptyWav),
+    /// [`NonFiniteSample`](AudioError::NonFiniteSample),
+    /// [`LoudSample`](AudioError::LoudSample), [`LongWav`](AudioError::LongWav) or [`Resample`](AudioError::Resample).
+    pub fn load(spec: &SoundSpec, sample_rate: u32) -> Result<Self, AudioError> {
+        check_rate(sample_rate)?;
+        Ok(match spec {
+            SoundSpec::Sine { frequency_hz } => Self::new(Sine::new(*frequency_hz, sample_rate)?),
+            SoundSpec::Noise { seed } => Self::new(Noise::new(*seed)),
+            SoundSpec::Speech { seed } => Self::new(Speech::new(*seed, sample_rate)),
+            SoundSpec::Wav { path } => Self::new(load_clip(path, sample_rate)?),
+        })
+    }
+
+    /// Overwrites `out` with the next `out.len()` samples. Does not allocate.
+    pub fn fill(&mut self, out: &mut [f32]) {
+        self.signal.fill(out);
+    }
+
+    /// Goes back to the first sample.
+    pub fn rewind(&mut self) {
+        self.seek(0);
+    }
+
+    /// Makes the sample with this number, counted from 0, the next one. Does not allocate.
+    ///
+    /// The numbers of a looping clip continue past its end; without looping, only silence follows
+    /// there.
+    pub fn seek(&mut self, sample: u64) {
+        self.signal.seek(sample);
+    }
+
+    /// Chooses whether a clip starts over at its end (as it does when loaded) or falls silent.
+    /// Sounds without an end ignore this.
+    pub fn set_looping(&mut self, looping: bool) {
+        self.signal.set_looping(looping);
+    }
+
+    /// The number of samples from the start to the end; `None` for sounds without an end.
+    pub fn length(&self) -> Option<usize> {
+        self.signal.length()
+    }
+
+    /// Whether only silence is left: of the built-in sounds, only ever true for a clip that does
+    /// not loop.
+    pub fn is_finished(&self) -> bool {
+        self.signal.is_finished()
+    }
+}
+
+impl fmt::Debug for Sound {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Sound").finish_non_exhaustive()
+    }
+}
+
+fn load_clip(path: &Path, sample_rate: u32) -> Result<Clip, AudioError> {
+    let wav = wav_read::read_mono(path, sample_rate)?;
+    let samples = resample::to_rate(wav.samples, wav.rate_hz, sample_rate).map_err(|reason| {
+        AudioError::Resample {
+            path: path.to_owned(),
+            from_hz: wav.rate_hz,
+            to_hz: sample_rate,
+            reason,
+        }
+    })?;
+    if samples.is_empty() {
+        return Err(AudioError::EmptyWav {
+            path: path.to_owned(),
+        });
+    }
+    Ok(Clip::new(samples, sample_rate))
+}
+
+/// A description of a sound; [`Sound::load`](super::Sound::load) makes the sound.
+///
+/// | text | sound |
+/// | --- | --- |
+/// | `sine:440` | a sine, its frequency in hertz |
+/// | `noise` | white noise with seed 0 |
+/// | `noise:7` | white noise with another seed |
+/// | `speech` | a synthetic voice with seed 0 |
+/// | `speech:7` | the voice with another seed: other syllables |
+/// | `drum.wav` | a WAV file, known by its ending `.wav` in either case |
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum SoundSpec {
+    /// A sine.
+    Sine {
+        /// In hertz; checked against the sample rate when the sound is loaded.
+        frequency_hz: f64,
+    },
+    /// White noise.
+    Noise {
+        /// The same seed gives the same noise.
+        seed: u64,
+    },
+    /// A synthetic voice without words.
+    Speech {
+        /// The same seed gives the same syllables.
+        seed: u64,
+    },
+    /// A WAV file.
+    Wav {
+        /// Path of the file, which is read when the sound is loaded.
+        path: PathBuf,
+    },
+}
+
+impl FromStr for SoundSpec {
+    type Err = AudioError;
+
+    /// Parses the text of the table above; opens no file. Anything else is
+    /// [`AudioError::UnknownSound`].
+    fn from_str(text: &str) -> Result<Self, AudioError> {
+        known(text).ok_or_else(|| AudioError::UnknownSound {
+            spec: text.to_owned(),
+        })
+    }
+}
+
+fn known(text: &str) -> Option<SoundSpec> {
+    let is_wav = Path::new(text)
+        .extension()
+        .is_some_and(|ending| ending.eq_ignore_ascii_case("wav"));
+    if is_wav {
+        return Some(SoundSpec::Wav { path: text.into() });
+    }
+    if text == "noise" {
+        return Some(SoundSpec::Noise { seed: 0 });
+    }
+    if text == "speech" {
+        return Some(SoundSpec::Speech { seed: 0 });
+    }
+    match text.split_once(':')? {
+        ("sine", hertz) => Some(SoundSpec::Sine {
+            frequency_hz: hertz.parse().ok()?,
+        }),
+        ("noise", seed) => Some(SoundSpec::Noise {
+            seed: seed.parse().ok()?,
+        }),
+        ("speech", seed) => Some(SoundSpec::Speech {
+            seed: seed.parse().ok()?,
+        }),
+        _ => None,
+    }
+}
+
+impl fmt::Display for SoundSpec {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Sine { frequency_hz } => write!(f, "sine:{frequency_hz}"),
+            Self::Noise { seed } => write!(f, "noise:{seed}"),
+            Self::Speech { seed } => write!(f, "speech:{seed}"),
+            Self::Wav { path } => path.display().fmt(f),
+        }
+    }
+}
+
+/// A function from a sample rate in hertz to a sound at its start.
+type Maker<T> = Arc<dyn Fn(u32) -> T + Send + Sync>;
+
+/// Makes one sound at any sample rate: live output calls it again when the device's rate changes.
+///
+/// It is made from a [`SoundSpec`], from its text, or from a caller's own function:
+///
+/// ```
+/// use echomarch::audio::{Sound, SoundSource, SoundSpec};
+///
+/// let by_text: SoundSource = "sine:440".parse()?;
+/// let by_spec = SoundSource::from(SoundSpec::Noise { seed: 7 });
+/// let own = SoundSource::new("two octaves up", |rate_hz| Sound::parse("sine:1760", rate_hz));
+/// assert!(own.sound(48_000).is_ok());
+/// # Ok::<(), echomarch::audio::AudioError>(())
+/// ```
+#[derive(Clone)]
+pub struct SoundSource {
+    name: String,
+    make: Maker<Result<Sound, AudioError>>,
+}
+
+impl SoundSource {
+    /// Creates a source of a caller's own sound: `make` gets the rate in samples per second and is
+    /// called on the thread that supervises live output.
+    pub fn new(
+        name: impl Into<String>,
+        make: impl Fn(u32) -> Result<Sound, AudioError> + Send + Sync + 'static,
+    ) -> Self {
+        Self {
+            name: name.into(),
+            make: Arc::new(make),
+        }
+    }
+
+    /// Returns the sound at `rate_hz` samples per second, at its start.
+    ///
+    /// # Errors
+    /// As [`Sound::load`], or what the caller's own function answers.
+    pub fn sound(&self, rate_hz: u32) -> Result<Sound, AudioError> {
+        (self.make)(rate_hz)
+    }
+}
+
+impl From<SoundSpec> for SoundSource {
+    fn from(spec: SoundSpec) -> Self {
+        Self::new(spec.to_string(), move |rate_hz| Sound::load(&spec, rate_hz))
+    }
+}
+
+impl FromStr for SoundSource {
+    type Err = AudioError;
+
+    /// Parses the text of a [`SoundSpec`]; opens no file.
+    fn from_str(text: &str) -> Result<Self, AudioError> {
+        text.parse::<SoundSpec>().map(Self::from)
+    }
+}
+
+impl fmt::Debug for SoundSource {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("SoundSource").field(&self.name).finish()
+    }
+}
+
+/// A caller's own stereo sound, such as the sources heard in a scene: live output plays it instead
+/// of a mono sound and its pan.
+pub trait StereoSignal: Send {
+    /// Adds the next samples of both channels to `stereo` (left, right, …). Called on the thread that must not be late,
+    /// so it must not allocate, lock or wait.
+    fn add(&mut self, stereo: &mut [f32]);
+}
+
+/// Makes such a sound at any sample rate: live output calls it again when the device's rate changes.
+#[derive(Clone)]
+pub struct StereoSource {
+    make: Maker<Box<dyn StereoSignal>>,
+}
+
+impl StereoSource {
+    /// Creates a source: `make` gets the rate in samples per second and is called on the thread that supervises live
+    /// output.
+    pub fn new(make: impl Fn(u32) -> Box<dyn StereoSignal> + Send + Sync + 'static) -> Self {
+        Self {
+            make: Arc::new(make),
+        }
+    }
+
+    /// Returns the sound at `rate_hz` samples per second, at its start.
+    pub fn signal(&self, rate_hz: u32) -> Box<dyn StereoSignal> {
+        (self.make)(rate_hz)
+    }
+}
+
+impl fmt::Debug for StereoSource {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("StereoSource").finish_non_exhaustive()
+    }
+}
