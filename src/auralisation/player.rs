@@ -1,0 +1,301 @@
+//! Plays several sources as heard by the listener, on the thread that must not wait, and keeps the loud ones within full scale.
+
+use super::{Auralisation, Heard, Spec};
+use crate::acoustics::AcousticsError;
+use crate::audio::{Sound, StereoSignal};
+use rtrb::{Consumer, Producer, RingBuffer};
+use std::fmt;
+
+/// Frames played at once.
+const BLOCK: usize = 256;
+
+/// Maximum queued updates.
+const UPDATES: usize = 32;
+
+/// Seconds in which one late part fades to the next.
+const LATE_FADE_S: f64 = 0.2;
+
+/// The new state of a source.
+struct Update {
+    source: usize,
+    heard: Box<Heard>,
+    /// Samples in which the echoes glide to it.
+    glide: u32,
+}
+
+/// Plays sources and adds them up; limits a sum that is too loud. Create it with [`Player::new`] and pass it to live
+/// output as its two channels.
+pub struct Player {
+    spec: Spec,
+    sources: Vec<Playing>,
+    gain: f32,
+    limiter: Limiter,
+    inbox: Consumer<Update>,
+    outbox: Producer<Box<Heard>>,
+    mono: [f32; BLOCK],
+}
+
+/// The other end of a [`Player`], which controls it from any thread.
+pub struct PlayerRemote {
+    spec: Spec,
+    sources: usize,
+    inbox: Producer<Update>,
+    outbox: Consumer<Box<Heard>>,
+}
+
+struct Playing {
+    sound: Sound,
+    ears: Auralisation,
+    /// A late part that waits until the previous fade has ended.
+    late: Option<Box<Heard>>,
+}
+
+impl Player {
+    /// Creates a player of these sounds, one for each source, made for the rate of `spec`; `gain` is an amplitude.
+    ///
+    /// # Errors
+    /// As [`Auralisation::new`]; [`AcousticsError::BadNumber`] for a gain that is not finite.
+    pub fn new(
+        sounds: Vec<Sound>,
+        spec: Spec,
+        gain: f32,
+    ) -> Result<(Player, PlayerRemote), AcousticsError> {
+        spec.validate()?;
+        if !gain.is_finite() {
+            return Err(AcousticsError::BadNumber {
+                what: "the gain of a player",
+                must: "finite",
+                value: gain.into(),
+            });
+        }
+        let (to_inbox, inbox) = RingBuffer::new(UPDATES);
+        // Room for everything that can be inside: queued updates, and a late part for each source.
+        let (outbox, from_outbox) = RingBuffer::new(UPDATES + sounds.len());
+        let remote = PlayerRemote {
+            spec,
+            sources: sounds.len(),
+            inbox: to_inbox,
+            outbox: from_outbox,
+        };
+        let playing = |sound| {
+            Ok::<_, AcousticsError>(Playing {
+                sound,
+                ears: Auralisation::new(spec)?,
+                late: None,
+            })
+        };
+        let player = Player {
+            spec,
+            sources: sounds.into_iter().map(playing).collect::<Result<_, _>>()?,
+            gain,
+            limiter: Limiter::new(spec.rate_hz),
+            inbox,
+            outbox,
+            mono: [0.0; BLOCK],
+        };
+        Ok((player, remote))
+    }
+
+    fn take_updates(&mut self) {
+        while let Ok(update) = self.inbox.pop() {
+            let Some(source) = self.sources.get_mut(update.source) else {
+                hand_out(&mut self.outbox, update.heard);
+                continue;
+            };
+            // `PlayerRemote::hear` has already rejected other rates or lengths.
+            let _ = source.ears.glide_echoes(&update.heard, update.glide);
+            if update.heard.late.is_none() {
+                hand_out(&mut self.outbox, update.heard);
+            } else if let Some(before) = source.late.replace(update.heard) {
+                hand_out(&mut self.outbox, before);
+            }
+        }
+        let fade = (LATE_FADE_S * f64::from(self.spec.rate_hz)) as u32;
+        for source in &mut self.sources {
+            if let Some(mut heard) = source.late.take() {
+                match source.ears.glide_late(&mut heard, fade) {
+                    Ok(false) => source.late = Some(heard),
+                    _ => hand_out(&mut self.outbox, heard),
+                }
+            }
+        }
+    }
+
+    fn play(&mut self, stereo: &mut [f32]) {
+        // A last sample without its pair stays unchanged.
+        let whole = stereo.len() / 2 * 2;
+        let stereo = &mut stereo[..whole];
+        let mono = &mut self.mono[..whole / 2];
+        for source in &mut self.sources {
+            source.sound.fill(mono);
+            for sample in &mut *mono {
+                *sample *= self.gain;
+            }
+            let added = source.ears.add(mono, stereo);
+            debug_assert!(added.is_ok(), "there are two samples for each one");
+        }
+    }
+}
+
+/// Hands a late part to the remote, which frees it.
+fn hand_out(outbox: &mut Producer<Box<Heard>>, heard: Box<Heard>) {
+    // There is always room: see `Player::new`.
+    let _ = outbox.push(heard);
+}
+
+impl StereoSignal for Player {
+    fn add(&mut self, stereo: &mut [f32]) {
+        self.take_updates();
+        for block in stereo.chunks_mut(2 * BLOCK) {
+            self.play(block);
+            self.limiter.apply(block);
+        }
+    }
+}
+
+impl PlayerRemote {
+    /// The format that each [`Heard`] must be made for.
+    pub fn spec(&self) -> Spec {
+        self.spec
+    }
+
+    /// Number of sources.
+    pub fn source_count(&self) -> usize {
+        self.sources
+    }
+
+    /// Glides to a new state of a source (counted from 0) within the given seconds, and frees the
+    /// previous one. Returns false, and nothing changes, if too much is queued because the player
+    /// stands still.
+    ///
+    /// # Errors
+    /// [`AcousticsError::NoSuchSource`], [`AcousticsError::OtherSpec`] if `heard` was made for another player, and
+    /// [`AcousticsError::BadNumber`] for seconds that are negative or NaN. Then nothing changes.
+    pub fn hear(
+        &mut self,
+        source: usize,
+        heard: Heard,
+        seconds: f64,
+    ) -> Result<bool, AcousticsError> {
+        self.check(source, &heard, seconds)?;
+        self.collect();
+        let update = Update {
+            source,
+            heard: Box::new(heard),
+            glide: (seconds * f64::from(self.spec.rate_hz)) as u32,
+        };
+        Ok(self.inbox.push(update).is_ok())
+    }
+
+    fn check(&self, source: usize, heard: &Heard, seconds: f64) -> Result<(), AcousticsError> {
+        if source >= self.sources {
+            return Err(AcousticsError::NoSuchSource {
+                source_number: source,
+                sources: self.sources,
+            });
+        }
+        if seconds.is_nan() || seconds < 0.0 {
+            return Err(AcousticsError::BadNumber {
+                what: "the time of a glide in seconds",
+                must: "0 or more",
+                value: seconds,
+            });
+        }
+        self.spec.check(heard)
+    }
+
+    fn collect(&mut self) {
+        while self.outbox.pop().is_ok() {}
+    }
+}
+
+impl fmt::Debug for Player {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Player")
+            .field("sources", &self.sources.len())
+            .finish_non_exhaustive()
+    }
+}
+
+impl fmt::Debug for PlayerRemote {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("PlayerRemote")
+            .field("sources", &self.sources)
+            .finish_non_exhaustive()
+    }
+}
+
+/// The largest sample that is not reduced, relative to full scale 1.
+const CEILING: f32 = 0.98;
+
+/// Samples over which the gain falls: 0.7 ms at 48 kHz. Samples still too loud meanwhile are
+/// clipped at full scale.
+const ATTACK: usize = 32;
+
+/// Seconds in which the gain rises again by a factor of e.
+const RELEASE_S: f32 = 0.4;
+
+/// A gain that falls immediately when a block is too loud, and rises slowly.
+#[derive(Debug)]
+pub(super) struct Limiter {
+    gain: f32,
+    /// Samples per second.
+    rate_hz: f32,
+}
+
+impl Limiter {
+    pub(super) fn new(rate_hz: u32) -> Limiter {
+        Limiter {
+            gain: 1.0,
+            rate_hz: rate_hz as f32,
+        }
+    }
+
+    /// Limits a block of interleaved samples.
+    pub(super) fn apply(&mut self, stereo: &mut [f32]) {
+        let frames = stereo.len() / 2;
+        let peak = stereo.iter().fold(0.0_f32, |peak, s| peak.max(s.abs()));
+        let released = (frames as f32 / (RELEASE_S * self.rate_hz)).min(1.0);
+        let risen = self.gain + (1.0 - self.gain) * released;
+        let target = risen.min(CEILING / peak.max(CEILING));
+        if self.gain == 1.0 && target == 1.0 {
+            return;
+        }
+        let ramp = match target < self.gain {
+            true => ATTACK.min(frames),
+            false => frames,
+        };
+        for (index, pair) in stereo.chunks_exact_mut(2).enumerate() {
+            let share = (index + 1).min(ramp) as f32 / ramp as f32;
+            let gain = self.gain + (target - self.gain) * share;
+            pair[0] = (pair[0] * gain).clamp(-1.0, 1.0);
+            pair[1] = (pair[1] * gain).clamp(-1.0, 1.0);
+        }
+        self.gain = target;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects full scale, and soft sounds, which must not change.
+    #[test]
+    fn loud_is_limited_and_soft_is_not_touched() {
+        let mut limiter = Limiter::new(48_000);
+        let soft: Vec<f32> = (0..512).map(|i| (i as f32 * 0.1).sin() * 0.9).collect();
+        let mut block = soft.clone();
+        limiter.apply(&mut block);
+        assert_eq!(block, soft);
+        let mut loud: Vec<f32> = soft.iter().map(|sample| sample * 20.0).collect();
+        limiter.apply(&mut loud);
+        assert!(loud.iter().all(|sample| sample.abs() <= 1.0));
+        let cut = loud.iter().filter(|sample| sample.abs() == 1.0).count();
+        assert!(cut < 2 * ATTACK, "{cut} samples were cut");
+        for _ in 0..400 {
+            block.clone_from(&soft);
+            limiter.apply(&mut block);
+        }
+        assert!(block.iter().zip(&soft).all(|(a, b)| (a - b).abs() < 0.01));
+    }
+}
