@@ -27,7 +27,6 @@ pub struct MalformedText {
     pub message: String,
 }
 
-/// The reason why a file is not read.
 impl MalformedText {
     /// The fault at a line and column of a text.
     #[doc(hidden)]
@@ -250,16 +249,31 @@ pub fn is_input(path: &Path) -> bool {
         return false;
     }
     let real = std::fs::canonicalize(path).ok();
-    let handle = same_file::Handle::from_path(path).ok();
+    let file = identity(path);
     let inputs = INPUTS.lock().unwrap_or_else(PoisonError::into_inner);
     inputs.iter().any(|input| {
-        let same = || {
-            // By now an input's name may lead to anything.
-            let is_regular = std::fs::metadata(input).is_ok_and(|about| about.is_file());
-            is_regular && same_file::Handle::from_path(input).ok() == handle
-        };
-        real.as_ref() == Some(input) || (handle.is_some() && same())
+        real.as_ref() == Some(input) || (file.is_some() && identity(input) == file)
     })
+}
+
+/// What all paths to a file have in common: its device and its number there.
+#[cfg(unix)]
+fn identity(path: &Path) -> Option<(u64, u64)> {
+    use std::os::unix::fs::MetadataExt;
+    let about = std::fs::metadata(path).ok()?;
+    Some((about.dev(), about.ino()))
+}
+
+#[cfg(windows)]
+fn identity(path: &Path) -> Option<same_file::Handle> {
+    // By now an input's name may lead to anything, and opening a pipe waits.
+    let is_regular = std::fs::metadata(path).is_ok_and(|about| about.is_file());
+    is_regular.then(|| same_file::Handle::from_path(path).ok())?
+}
+
+#[cfg(not(any(unix, windows)))]
+fn identity(_: &Path) -> Option<()> {
+    None
 }
 
 #[cfg(test)]
