@@ -251,9 +251,9 @@ pub fn is_input(path: &Path) -> bool {
     let real = std::fs::canonicalize(path).ok();
     let file = identity(path);
     let inputs = INPUTS.lock().unwrap_or_else(PoisonError::into_inner);
-    inputs.iter().any(|input| {
-        real.as_ref() == Some(input) || (file.is_some() && identity(input) == file)
-    })
+    inputs
+        .iter()
+        .any(|input| real.as_ref() == Some(input) || (file.is_some() && identity(input) == file))
 }
 
 /// What all paths to a file have in common: its device and its number there.

@@ -239,22 +239,17 @@ fn known(text: &str) -> Option<SoundSpec> {
     if is_wav {
         return Some(SoundSpec::Wav { path: text.into() });
     }
-    if text == "noise" {
-        return Some(SoundSpec::Noise { seed: 0 });
-    }
-    if text == "speech" {
-        return Some(SoundSpec::Speech { seed: 0 });
-    }
-    match text.split_once(':')? {
-        ("sine", hertz) => Some(SoundSpec::Sine {
-            frequency_hz: hertz.parse().ok()?,
-        }),
-        ("noise", seed) => Some(SoundSpec::Noise {
-            seed: seed.parse().ok()?,
-        }),
-        ("speech", seed) => Some(SoundSpec::Speech {
-            seed: seed.parse().ok()?,
-        }),
+    let (kind, number) = match text {
+        "noise" | "speech" => (text, "0"),
+        _ => text.split_once(':')?,
+    };
+    match kind {
+        "sine" => number
+            .parse()
+            .ok()
+            .map(|frequency_hz| SoundSpec::Sine { frequency_hz }),
+        "noise" => number.parse().ok().map(|seed| SoundSpec::Noise { seed }),
+        "speech" => number.parse().ok().map(|seed| SoundSpec::Speech { seed }),
         _ => None,
     }
 }

@@ -92,17 +92,21 @@ impl WavWriter {
             return Err(AudioError::BadChannels { channels, limit });
         }
         let target = followed(&target);
-        match start(&target, rate_hz, channels, beside) {
-            Ok((temporary, wav)) => Ok(Self {
-                target,
-                rate_hz,
-                channels,
-                wav,
-                temporary,
-                frames: 0,
-            }),
-            Err(source) => Err(write_error(&target, source)),
-        }
+        let start = || {
+            let temporary = beside(&target)?;
+            let mut wav = BufWriter::new(temporary.writer()?);
+            wav.write_all(&header(channels, rate_hz, 0))?;
+            Ok((temporary, wav))
+        };
+        let (temporary, wav) = start().map_err(|source| write_error(&target, source))?;
+        Ok(Self {
+            target,
+            rate_hz,
+            channels,
+            wav,
+            temporary,
+            frames: 0,
+        })
     }
 
     /// Appends interleaved samples (left, right, left …); 1 is full scale, and larger values are kept.
@@ -171,18 +175,6 @@ impl WavWriter {
             .persist(&target)
             .map_err(|error| write_error(&target, error))
     }
-}
-
-fn start(
-    target: &Path,
-    rate_hz: u32,
-    channels: u16,
-    beside: Beside,
-) -> io::Result<(PartFile, BufWriter<File>)> {
-    let temporary = beside(target)?;
-    let mut wav = BufWriter::new(temporary.writer()?);
-    wav.write_all(&header(channels, rate_hz, 0))?;
-    Ok((temporary, wav))
 }
 
 /// Converts an error of `hound` to an I/O error.

@@ -38,10 +38,8 @@ impl AsyncRead {
     /// What GL reports.
     pub fn new(context: &Context) -> Result<AsyncRead, GpuError> {
         // SAFETY: the context is current.
-        let buffer = unsafe { context.gl().create_buffer() }.map_err(|code| GpuError::Gl {
-            what: "a pixel buffer".into(),
-            code,
-        })?;
+        let buffer = unsafe { context.gl().create_buffer() }
+            .map_err(GpuError::not_created("a pixel buffer"))?;
         Ok(AsyncRead {
             context: context.clone(),
             buffer,
@@ -71,10 +69,7 @@ impl AsyncRead {
                 .gl()
                 .fence_sync(glow::SYNC_GPU_COMMANDS_COMPLETE, 0)
         };
-        let fence = fence.map_err(|code| GpuError::Gl {
-            what: "a fence".into(),
-            code,
-        })?;
+        let fence = fence.map_err(GpuError::not_created("a fence"))?;
         // SAFETY: the context is current. Without the flush the driver may never submit the fence.
         unsafe { self.context.gl().flush() };
         self.pending = Some(Pending { fence, floats });
@@ -177,9 +172,7 @@ impl AsyncRead {
             _ => {
                 self.cancel();
                 self.context.check("the wait for a read-back")?;
-                Err(GpuError::ContextLost {
-                    reason: "a fence could not be waited for".into(),
-                })
+                Err(GpuError::lost("a fence could not be waited for"))
             }
         }
     }
@@ -232,9 +225,7 @@ impl AsyncRead {
         };
         let Some(result) = result else {
             self.context.check("the mapping of a pixel buffer")?;
-            return Err(GpuError::ContextLost {
-                reason: "a pixel buffer could not be mapped".into(),
-            });
+            return Err(GpuError::lost("a pixel buffer could not be mapped"));
         };
         self.context.debug_check("the end of a read-back")?;
         Ok(result)
@@ -344,11 +335,7 @@ mod tests {
             })
         });
         assert!(matches!(slow, Ok(4)));
-        let lost = until_there(|| {
-            Err(GpuError::ContextLost {
-                reason: "reset".into(),
-            })
-        });
+        let lost = until_there(|| Err(GpuError::lost("reset")));
         assert!(matches!(lost, Err(GpuError::ContextLost { .. })));
     }
 }

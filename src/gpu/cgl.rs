@@ -22,13 +22,12 @@ use super::{Api, GpuError};
 /// # Errors
 /// [`GpuError::NoContext`] with the answer of macOS, which has no OpenGL ES.
 pub(super) fn open(_: &Place, api: Api) -> Result<Rc<dyn Backend>, GpuError> {
-    let refused = |reason: String| GpuError::NoContext { api, reason };
     if api == Api::Gles {
-        return Err(refused("macOS has no OpenGL ES".into()));
+        return Err(GpuError::no_context(api, "macOS has no OpenGL ES"));
     }
     match create() {
         Ok(context) => Ok(Rc::new(context)),
-        Err(error) => Err(refused(error.to_string())),
+        Err(error) => Err(GpuError::no_context(api, error)),
     }
 }
 

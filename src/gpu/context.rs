@@ -117,10 +117,7 @@ impl Context {
                 Err(error) => reasons.push(format!("GPU {index}: {error}")),
             }
         }
-        Err(GpuError::NoContext {
-            api: options.api,
-            reason: reasons.join("; "),
-        })
+        Err(GpuError::no_context(options.api, reasons.join("; ")))
     }
 
     /// Devices tried before this one, for a context requested without an index, with the reason why each was not used.
@@ -144,12 +141,12 @@ impl Context {
         current::release();
         backend
             .make_current()
-            .map_err(|reason| GpuError::NoContext { api, reason })?;
+            .map_err(|reason| GpuError::no_context(api, reason))?;
         let gl = load(&*backend).inspect_err(|_| backend.release())?;
         let gl = Arc::new(gl);
         let context = Context::described(backend.clone(), gl, api, None)
             .inspect_err(|_| backend.release())?;
-        current::make(&backend).map_err(|reason| GpuError::NoContext { api, reason })?;
+        current::make(&backend).map_err(|reason| GpuError::no_context(api, reason))?;
         Ok(context)
     }
 
@@ -163,7 +160,7 @@ impl Context {
         let driver = Driver::ask(&*backend, &gl, api)?;
         // SAFETY: the context is current.
         let vertex_array = unsafe { gl.create_vertex_array() }
-            .map_err(|reason| GpuError::NoContext { api, reason })?;
+            .map_err(|reason| GpuError::no_context(api, reason))?;
         Ok(Context {
             inner: Rc::new(Inner {
                 backend,
@@ -279,7 +276,7 @@ impl Context {
     /// The first error, with the operation that caused it: [`GpuError::OutOfMemory`], [`GpuError::ContextLost`] or
     /// [`GpuError::Gl`].
     pub fn check(&self, what: &str) -> Result<(), GpuError> {
-        current::make(&self.inner.backend).map_err(|reason| GpuError::ContextLost { reason })?;
+        current::make(&self.inner.backend).map_err(GpuError::lost)?;
         // SAFETY: the context is current.
         let next = || unsafe { self.inner.gl.get_error() };
         let first = next();
@@ -294,9 +291,7 @@ impl Context {
             // After a reset GL calls do nothing, and most of them report no error.
             glow::NO_ERROR => self.check_not_lost(),
             glow::OUT_OF_MEMORY => Err(GpuError::OutOfMemory { what: what.into() }),
-            glow::CONTEXT_LOST => Err(GpuError::ContextLost {
-                reason: format!("GL_CONTEXT_LOST in {what}"),
-            }),
+            glow::CONTEXT_LOST => Err(GpuError::lost(format!("GL_CONTEXT_LOST in {what}"))),
             code => {
                 // A browser has its own code for a loss.
                 self.check_not_lost()?;
@@ -313,7 +308,7 @@ impl Context {
     /// # Errors
     /// [`GpuError::ContextLost`] if it cannot be made current.
     pub(super) fn make_current(&self) -> Result<current::Entered, GpuError> {
-        current::enter(&self.inner.backend).map_err(|reason| GpuError::ContextLost { reason })
+        current::enter(&self.inner.backend).map_err(GpuError::lost)
     }
 
     /// Checks whether the driver has lost the context, if it can report that: for contexts made with reset notification
@@ -322,19 +317,17 @@ impl Context {
     /// # Errors
     /// [`GpuError::ContextLost`] if it has.
     pub(super) fn check_not_lost(&self) -> Result<(), GpuError> {
-        current::make(&self.inner.backend).map_err(|reason| GpuError::ContextLost { reason })?;
+        current::make(&self.inner.backend).map_err(GpuError::lost)?;
         if self.inner.backend.is_lost() {
-            return Err(GpuError::ContextLost {
-                reason: "the browser has taken it away".into(),
-            });
+            return Err(GpuError::lost("the browser has taken it away"));
         }
         // SAFETY: the context is current and has the extension of this function.
         let status = self.inner.driver.reset_status.map(|ask| unsafe { ask() });
         match status {
             None | Some(glow::NO_ERROR) => Ok(()),
-            Some(status) => Err(GpuError::ContextLost {
-                reason: format!("the driver reports a reset, {status:#x}"),
-            }),
+            Some(status) => Err(GpuError::lost(format!(
+                "the driver reports a reset, {status:#x}"
+            ))),
         }
     }
 

@@ -13,14 +13,12 @@ use super::{Api, Context, GpuError, Program, Texture};
 #[derive(Debug)]
 pub struct DataList {
     store: Store,
+    values: Vec<Vec4>,
 }
 
 #[derive(Debug)]
 enum Store {
-    Buffer {
-        buffer: TexelBuffer,
-        values: Vec<Vec4>,
-    },
+    Buffer(TexelBuffer),
     Rows(DataTexture),
 }
 
@@ -32,12 +30,10 @@ impl DataList {
     pub fn new(context: &Context, width: usize) -> Result<DataList, GpuError> {
         let store = match context.api() {
             Api::Gles => Store::Rows(DataTexture::new(context, width)?),
-            Api::Gl | Api::OsMesa => Store::Buffer {
-                buffer: TexelBuffer::new(context)?,
-                values: Vec::new(),
-            },
+            Api::Gl | Api::OsMesa => Store::Buffer(TexelBuffer::new(context)?),
         };
-        Ok(DataList { store })
+        let values = Vec::new();
+        Ok(DataList { store, values })
     }
 
     /// Sets the values of the list.
@@ -45,38 +41,36 @@ impl DataList {
     /// # Errors
     /// [`GpuError`] if they do not fit.
     pub fn set(&mut self, new: &[Vec4]) -> Result<(), GpuError> {
-        match &mut self.store {
-            Store::Rows(texture) => texture.set(new),
-            Store::Buffer { values, .. } if values == new => Ok(()),
-            Store::Buffer { buffer, values } => {
-                buffer.set(&floats(new))?;
-                new.clone_into(values);
-                Ok(())
-            }
+        if self.values == new {
+            return Ok(());
         }
+        match &mut self.store {
+            Store::Rows(texture) => texture.set(new)?,
+            Store::Buffer(buffer) => buffer.set(&floats(new))?,
+        }
+        new.clone_into(&mut self.values);
+        Ok(())
     }
 
     /// Binds the list to a unit and to the program's uniform of that name, if it has one.
     pub fn bind(&self, program: &Program, name: &str, unit: u32) {
         match &self.store {
             Store::Rows(texture) => program.set_texture(name, unit, texture.texture()),
-            Store::Buffer { buffer, .. } if program.has_uniform(name) => {
+            Store::Buffer(buffer) if program.has_uniform(name) => {
                 buffer.bind(unit);
                 program.set_i32(name, unit as i32);
             }
-            Store::Buffer { .. } => (),
+            Store::Buffer(_) => (),
         }
     }
 }
 
-/// A list of vectors in rows of equal width, as a float texture. It grows as needed and is sent again only when it has
-/// changed.
+/// A list of vectors in rows of equal width, as a float texture. It grows as needed.
 #[derive(Debug)]
 pub struct DataTexture {
     context: Context,
     width: usize,
     texture: Texture,
-    values: Vec<Vec4>,
 }
 
 impl DataTexture {
@@ -89,7 +83,6 @@ impl DataTexture {
             context: context.clone(),
             width,
             texture: Texture::new(context, width as u32, 1)?,
-            values: Vec::new(),
         })
     }
 
@@ -98,20 +91,14 @@ impl DataTexture {
     /// # Errors
     /// [`GpuError`] if they do not fit.
     pub fn set(&mut self, values: &[Vec4]) -> Result<(), GpuError> {
-        if self.values == values {
-            return Ok(());
-        }
         let rows = values.len().div_ceil(self.width).max(1);
         if rows > self.texture.height() as usize {
             self.texture = Texture::new(&self.context, self.width as u32, rows as u32)?;
         }
         let texels = 4 * self.width * self.texture.height() as usize;
-        let mut floats: Vec<f32> = values.iter().flat_map(|v| v.to_array()).collect();
+        let mut floats = floats(values);
         floats.resize(texels, 0.0);
-        self.texture.upload(&floats)?;
-        self.values.clear();
-        self.values.extend_from_slice(values);
-        Ok(())
+        self.texture.upload(&floats)
     }
 
     /// The texture to bind.
@@ -141,12 +128,9 @@ impl TexelBuffer {
     /// What GL reports.
     pub fn new(context: &Context) -> Result<TexelBuffer, GpuError> {
         let gl = context.gl();
-        let failed = |code| GpuError::Gl {
-            what: "a buffer of texels".into(),
-            code,
-        };
+        let failed = GpuError::not_created("a buffer of texels");
         // SAFETY: the context is current.
-        let buffer = unsafe { gl.create_buffer() }.map_err(failed)?;
+        let buffer = unsafe { gl.create_buffer() }.map_err(&failed)?;
         // SAFETY: the context is current; without a texture the buffer is not used again.
         let texture = unsafe {
             gl.create_texture()
@@ -155,7 +139,7 @@ impl TexelBuffer {
         let mut made = TexelBuffer {
             context: context.clone(),
             buffer,
-            texture: texture.map_err(failed)?,
+            texture: texture.map_err(&failed)?,
             // SAFETY: the context is current.
             limit: unsafe { gl.get_parameter_i32(glow::MAX_TEXTURE_BUFFER_SIZE) } as usize,
             capacity: 0,
@@ -213,6 +197,6 @@ impl Drop for TexelBuffer {
 }
 
 /// The floats of the vectors, in order.
-pub(super) fn floats(values: &[Vec4]) -> Vec<f32> {
+fn floats(values: &[Vec4]) -> Vec<f32> {
     values.iter().flat_map(|v| v.to_array()).collect()
 }

@@ -162,6 +162,27 @@ pub enum GpuError {
 }
 
 impl GpuError {
+    /// The error of a context of this API that cannot be made.
+    pub(super) fn no_context(api: Api, reason: impl ToString) -> GpuError {
+        let reason = reason.to_string();
+        GpuError::NoContext { api, reason }
+    }
+
+    /// The error of a context that is lost.
+    pub(super) fn lost(reason: impl Into<String>) -> GpuError {
+        let reason = reason.into();
+        GpuError::ContextLost { reason }
+    }
+
+    /// The error of something that GL cannot create, from GL's reason.
+    pub(super) fn not_created(what: impl Into<String>) -> impl Fn(String) -> GpuError {
+        let what = what.into();
+        move |code| GpuError::Gl {
+            what: what.clone(),
+            code,
+        }
+    }
+
     /// Whether the cause is the user's request rather than the machine or the program: a GPU that does not exist, or a
     /// texture of an impossible size.
     pub fn is_bad_input(&self) -> bool {

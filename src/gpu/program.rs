@@ -47,10 +47,7 @@ impl Program {
     /// [`GpuError::Compile`] and [`GpuError::Link`] with the driver's log.
     pub fn fragment(context: &Context, label: &str, body: &str) -> Result<Program, GpuError> {
         let gl = context.gl();
-        let failed = |code: String| GpuError::Gl {
-            what: format!("the program \"{label}\""),
-            code,
-        };
+        let failed = GpuError::not_created(format!("the program \"{label}\""));
         // SAFETY: the context is current.
         let program = unsafe { gl.create_program() }.map_err(failed)?;
         let mut program = Program {
@@ -102,49 +99,43 @@ impl Program {
     pub fn set_i32(&self, name: &str, value: i32) {
         // SAFETY: `set` has made the context and the program current, and the location is the program's own; the same
         // holds for all setters below.
-        self.set(name, |gl, location| unsafe {
-            gl.uniform_1_i32(Some(location), value)
-        });
+        self.set(name, |gl, at| unsafe { gl.uniform_1_i32(at, value) });
     }
 
     /// Sets a `uint`.
     pub fn set_u32(&self, name: &str, value: u32) {
         // SAFETY: as in set_i32.
-        self.set(name, |gl, location| unsafe {
-            gl.uniform_1_u32(Some(location), value)
-        });
+        self.set(name, |gl, at| unsafe { gl.uniform_1_u32(at, value) });
     }
 
     /// Sets a `float`.
     pub fn set_f32(&self, name: &str, value: f32) {
         // SAFETY: as in set_i32.
-        self.set(name, |gl, location| unsafe {
-            gl.uniform_1_f32(Some(location), value)
-        });
+        self.set(name, |gl, at| unsafe { gl.uniform_1_f32(at, value) });
     }
 
     /// Sets a `vec2`.
     #[cfg(any(test, feature = "picture"))]
     pub fn set_vec2(&self, name: &str, value: glam::Vec2) {
         // SAFETY: as in set_i32.
-        self.set(name, |gl, location| unsafe {
-            gl.uniform_2_f32(Some(location), value.x, value.y)
+        self.set(name, |gl, at| unsafe {
+            gl.uniform_2_f32(at, value.x, value.y)
         });
     }
 
     /// Sets a `vec3`.
     pub fn set_vec3(&self, name: &str, value: Vec3) {
         // SAFETY: as in set_i32.
-        self.set(name, |gl, location| unsafe {
-            gl.uniform_3_f32(Some(location), value.x, value.y, value.z)
+        self.set(name, |gl, at| unsafe {
+            gl.uniform_3_f32(at, value.x, value.y, value.z)
         });
     }
 
     /// Sets a `vec4`.
     pub fn set_vec4(&self, name: &str, value: Vec4) {
         // SAFETY: as in set_i32.
-        self.set(name, |gl, location| unsafe {
-            gl.uniform_4_f32(Some(location), value.x, value.y, value.z, value.w)
+        self.set(name, |gl, at| unsafe {
+            gl.uniform_4_f32(at, value.x, value.y, value.z, value.w)
         });
     }
 
@@ -156,8 +147,8 @@ impl Program {
         }
         let floats: Vec<f32> = values.iter().flat_map(|value| value.to_array()).collect();
         // SAFETY: as in set_i32; GL ignores elements beyond the end.
-        self.set(name, |gl, location| unsafe {
-            gl.uniform_4_f32_slice(Some(location), &floats)
+        self.set(name, |gl, at| unsafe {
+            gl.uniform_4_f32_slice(at, &floats)
         });
     }
 
@@ -184,8 +175,9 @@ impl Program {
         &self.context
     }
 
-    fn set(&self, name: &str, assign: impl FnOnce(&glow::Context, &glow::UniformLocation)) {
-        if let Some(location) = self.uniforms.get(name) {
+    fn set(&self, name: &str, assign: impl FnOnce(&glow::Context, Option<&glow::UniformLocation>)) {
+        let location = self.uniforms.get(name);
+        if location.is_some() {
             let gl = self.context.gl();
             // SAFETY: the context is current, and the program its own.
             unsafe { gl.use_program(Some(self.program)) };
@@ -237,10 +229,7 @@ impl<'a> Shader<'a> {
         body: &str,
     ) -> Result<Shader<'a>, GpuError> {
         let gl = context.gl();
-        let failed = |code: String| GpuError::Gl {
-            what: format!("the shader \"{label}\""),
-            code,
-        };
+        let failed = GpuError::not_created(format!("the shader \"{label}\""));
         // SAFETY: the context is current.
         let shader = unsafe { gl.create_shader(kind) }.map_err(failed)?;
         let shader = Shader { context, shader };

@@ -134,10 +134,8 @@ impl RenderTarget {
         }
         let gl = context.gl();
         // SAFETY: the context is current.
-        let framebuffer = unsafe { gl.create_framebuffer() }.map_err(|code| GpuError::Gl {
-            what: "a framebuffer".into(),
-            code,
-        })?;
+        let framebuffer =
+            unsafe { gl.create_framebuffer() }.map_err(GpuError::not_created("a framebuffer"))?;
         let target = RenderTarget {
             context: context.clone(),
             framebuffer,
@@ -257,6 +255,38 @@ impl Drop for RenderTarget {
         self.context
             .free(|gl| unsafe { gl.delete_framebuffer(self.framebuffer) });
     }
+}
+
+/// Reads the pixels of a framebuffer, or of a window: four bytes each, the top row (the highest `gl_FragCoord.y`)
+/// first, as in image files. Waits for the drawing before it.
+#[cfg(any(test, feature = "picture", feature = "window"))]
+pub(super) fn read_rgba8(
+    context: &Context,
+    framebuffer: Option<glow::Framebuffer>,
+    width: u32,
+    height: u32,
+    what: &str,
+) -> Result<Vec<u8>, GpuError> {
+    let row = 4 * width as usize;
+    let mut pixels = vec![0; row * height as usize];
+    if pixels.is_empty() {
+        return Ok(pixels);
+    }
+    let gl = context.gl();
+    let source = match framebuffer {
+        Some(_) => glow::COLOR_ATTACHMENT0,
+        None => glow::BACK,
+    };
+    // SAFETY: the context is current, and the slice has room for all pixels; rows of 4 bytes per pixel need no padding.
+    unsafe {
+        gl.bind_framebuffer(glow::READ_FRAMEBUFFER, framebuffer);
+        gl.read_buffer(source);
+        let slice = PixelPackData::Slice(Some(&mut pixels));
+        let (width, height) = (width as i32, height as i32);
+        gl.read_pixels(0, 0, width, height, glow::RGBA, glow::UNSIGNED_BYTE, slice);
+    }
+    context.check(&format!("the read-back of {what}"))?;
+    Ok(pixels.rchunks_exact(row).flatten().copied().collect())
 }
 
 /// Checks that the bound framebuffer can be drawn into.

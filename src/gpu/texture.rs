@@ -26,10 +26,7 @@ impl Texture {
         check_size(context, width, height)?;
         let gl = context.gl();
         // SAFETY: the context is current.
-        let texture = unsafe { gl.create_texture() }.map_err(|code| GpuError::Gl {
-            what: "a texture".into(),
-            code,
-        })?;
+        let texture = unsafe { gl.create_texture() }.map_err(GpuError::not_created("a texture"))?;
         let texture = Texture {
             context: context.clone(),
             texture,

@@ -41,10 +41,7 @@ const SIDE: i32 = 1;
 pub(super) fn open(_: &Place, api: Api) -> Result<Rc<dyn Backend>, GpuError> {
     match create(api) {
         Ok(context) => Ok(Rc::new(context)),
-        Err(error) => Err(GpuError::NoContext {
-            api,
-            reason: error.to_string(),
-        }),
+        Err(error) => Err(GpuError::no_context(api, error)),
     }
 }
 

@@ -34,7 +34,7 @@ const FADE_OUT_LIMIT: Duration = Duration::from_millis(100);
 const FADE_OUT_GLANCE: Duration = Duration::from_millis(2);
 
 /// The supervisor's status; never locked by the callback.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct State {
     pub(super) device: Option<String>,
     pub(super) rate_hz: u32,
@@ -53,15 +53,8 @@ pub(super) struct State {
 impl State {
     pub(super) fn new() -> Self {
         Self {
-            device: None,
             rate_hz: SAMPLE_RATE,
-            restarts: 0,
-            losses: 0,
-            has_sound: false,
-            last_error: None,
-            notice: None,
-            recording: None,
-            dropped: 0,
+            ..Self::default()
         }
     }
 }

@@ -80,10 +80,7 @@ pub(super) fn open(place: &Place, api: Api) -> Result<Rc<dyn Backend>, GpuError>
     match place {
         Place::Device(device) => match create(device, api) {
             Ok(egl) => Ok(Rc::new(egl)),
-            Err(error) => Err(GpuError::NoContext {
-                api,
-                reason: error.to_string(),
-            }),
+            Err(error) => Err(GpuError::no_context(api, error)),
         },
         Place::Platform(platform) => Ok(Rc::new(Plain::on(*platform, api)?)),
     }

@@ -116,7 +116,7 @@ impl Plain {
     pub fn on(platform: Platform, api: Api) -> Result<Plain, GpuError> {
         let functions = functions()?;
         let made = platform.open(functions).and_then(|open| open.context(api));
-        made.map_err(|Refusal(reason)| GpuError::NoContext { api, reason })
+        made.map_err(|Refusal(reason)| GpuError::no_context(api, reason))
     }
 }
 
