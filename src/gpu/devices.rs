@@ -3,9 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::GpuError;
 #[cfg(not(target_arch = "wasm32"))]
-use super::{Context, ContextOptions, Limits, native};
+use super::{Context, ContextOptions, GpuError, Limits, native};
 
 /// A way to reach OpenGL: which library makes the context, and which language the shaders are in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
