@@ -53,8 +53,8 @@ mod wav_write;
 
 pub use error::AudioError;
 pub use mixer::{FrameBlocks, Gains, Mixer, PanningLaw};
-pub use signals::{NOISE_AMPLITUDE, SINE_AMPLITUDE};
-pub use sound::{Signal, Sound, SoundSource, SoundSpec, StereoSignal, StereoSource};
+pub use signals::{NOISE_AMPLITUDE, SINE_AMPLITUDE, Signal};
+pub use sound::{Sound, SoundSource, SoundSpec, StereoSignal, StereoSource};
 pub use speech::SPEECH_PEAK;
 pub use wav_write::WavWriter;
 #[doc(hidden)]

@@ -1,7 +1,7 @@
 //! A source as heard at one moment, prepared for playback.
 
 use super::convolution::Kernel;
-use super::echoes::REACH;
+use super::delay_line::REACH;
 use super::{CHANNELS, MOST_ECHOES, Spec};
 use crate::acoustics::{
     AcousticsError, Encoding, Format, ImpulseResponse, ImpulseSettings, ListenerAxes, Tap,

@@ -43,6 +43,7 @@
 //! ```
 
 mod convolution;
+mod delay_line;
 mod echoes;
 mod heard;
 mod player;
@@ -60,7 +61,8 @@ use crate::scene::Scene;
 use crate::text::there_is_no;
 use crate::trace::Profile;
 use convolution::{BLOCK, FILTER_DELAY, FILTER_PARTITIONS, Kernel, Signal, octave_filters};
-use echoes::{Echoes, REACH};
+use delay_line::REACH;
+use echoes::Echoes;
 use std::fmt;
 use std::str::FromStr;
 

@@ -2,10 +2,9 @@
 
 use super::backend::Backend;
 use super::caller_state::{CallerPart, CallerState, set_scissor_test};
-use super::devices::is_software;
 #[cfg(not(target_arch = "wasm32"))]
 use super::driver::load;
-use super::driver::{Driver, Limits};
+use super::driver::{Driver, Limits, is_software};
 use super::error::{ERRORS_AT_MOST, code_name};
 #[cfg(not(target_arch = "wasm32"))]
 use super::native;

@@ -4,7 +4,8 @@
 use glam::Vec4;
 use glow::HasContext;
 
-use super::texture::{self, SCRATCH_UNIT};
+use super::caller_state::SCRATCH_UNIT;
+use super::texture;
 use super::{Api, Context, GpuError, Program, Texture};
 
 /// A list of vectors: a buffer in OpenGL (`samplerBuffer`); in ES, which has no such buffers, rows of a texture

@@ -42,6 +42,7 @@ mod context;
 #[cfg(not(target_arch = "wasm32"))]
 mod current;
 mod data_list;
+#[cfg(not(target_arch = "wasm32"))]
 mod devices;
 mod driver;
 #[cfg(all(unix, not(target_os = "macos")))]
@@ -78,13 +79,12 @@ pub(crate) use async_read::AsyncRead;
 pub use caller_context::{MakeCurrent, SwitchContext};
 pub use context::{Context, ContextOptions};
 pub(crate) use data_list::{DataList, DataTexture};
-pub use devices::Api;
 #[cfg(not(target_arch = "wasm32"))]
 pub use devices::{GpuInfo, Renderer, list_gpus};
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) use driver::Limits;
 pub(crate) use driver::log_errors;
-pub use error::GpuError;
+pub use error::{Api, GpuError};
 /// The functions of OpenGL, in the version that [`Context::from_glow`] takes.
 pub use glow;
 #[cfg(any(test, feature = "picture"))]

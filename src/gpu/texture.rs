@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use glow::{HasContext, PixelUnpackData};
 
+use super::caller_state::{SCRATCH_UNIT, UNITS};
 use super::{Context, GpuError};
 
 /// A texture of four 32-bit floats per texel (RGBA32F), read without filtering and clamped to its edge.
@@ -135,13 +136,6 @@ pub(super) fn check_size(context: &Context, width: u32, height: u32) -> Result<(
         Ok(())
     }
 }
-
-/// The unit that textures are created and filled with, so that those bound for a pass stay bound. Every driver of
-/// OpenGL 3.3 or ES 3.0 has at least 32 units.
-pub(super) const SCRATCH_UNIT: u32 = 31;
-
-/// The texture units that programs read from, and the one that textures are filled with.
-pub(super) const UNITS: [u32; 5] = [0, 1, 2, 3, SCRATCH_UNIT];
 
 /// Binds a texture of the context to a unit.
 pub(super) fn bind(gl: &glow::Context, unit: u32, target: u32, texture: glow::Texture) {

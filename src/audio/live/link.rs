@@ -1,8 +1,7 @@
-//! What threads share: the callbacks that drive the renderer, the values that they read and report, and the commands to
-//! the supervising thread.
+//! The stream callbacks of the sound system, which drive the renderer, and the commands to the supervising thread.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, AtomicU64, Ordering::Relaxed};
+use std::sync::atomic::Ordering::Relaxed;
 use std::sync::mpsc::Sender;
 use std::time::{Duration, Instant};
 
@@ -10,7 +9,8 @@ use cpal::{ErrorKind, FromSample, OutputCallbackInfo, Sample};
 use crossbeam_utils::atomic::AtomicCell;
 
 use super::renderer::Renderer;
-use crate::audio::{Gains, PanningLaw, SoundSource, StereoSource};
+use super::shared::Shared;
+use crate::audio::{SoundSource, StereoSource};
 
 /// A command to the supervising thread.
 #[derive(Debug)]
@@ -29,184 +29,6 @@ pub(super) enum Command {
     Lost { generation: u64, reason: String },
     /// End the thread.
     Stop,
-}
-
-/// Latency that was not reported, or not measured yet.
-const NO_LATENCY: u64 = u64::MAX;
-
-/// The weight of the newest waiting time in the reported value.
-const FRESH: f64 = 0.15;
-
-/// Atomic values of one live output. They are independent, so the order in which they are seen does not matter.
-#[derive(Debug)]
-pub(super) struct Shared {
-    /// −1 to 1, as the bits of an `f32`.
-    pan: AtomicU32,
-    /// Origin of the times of pans.
-    epoch: Instant,
-    /// Time when the oldest pan was set that no callback has taken yet, in microseconds; 0 without one.
-    pan_set_us: AtomicU64,
-    /// Microseconds that pans waited for a callback to take them, smoothed.
-    pan_waited_us: AtomicU64,
-    /// 0 to 1, as the bits of an `f32`.
-    volume: AtomicU32,
-    law: AtomicU8,
-    /// Whether a device is open: otherwise the levels are outdated.
-    pub(super) is_open: AtomicBool,
-    /// Whether the output fades to silence, before a stream is closed.
-    pub(super) is_muted: AtomicBool,
-    /// Whether that fade is complete: a block with its end was computed.
-    pub(super) has_faded: AtomicBool,
-    /// The stream whose callback may play; the callbacks of other streams output silence.
-    pub(super) generation: AtomicU64,
-    /// Total callbacks of all streams.
-    pub(super) callbacks: AtomicU64,
-    /// Frames requested from the last callback.
-    pub(super) callback_frames: AtomicU32,
-    /// Microseconds from a callback until its first sample is heard.
-    latency_us: AtomicU64,
-    /// Under-runs that the sound system reported.
-    pub(super) under_runs: AtomicU64,
-    /// Callbacks later than two buffers after the previous one.
-    pub(super) late_callbacks: AtomicU64,
-    /// Level of both channels, as the bits of an `f32`.
-    levels: [AtomicU32; 2],
-}
-
-impl Shared {
-    pub(super) fn new(law: PanningLaw) -> Self {
-        let shared = Self {
-            pan: AtomicU32::new(0f32.to_bits()),
-            epoch: Instant::now(),
-            pan_set_us: AtomicU64::new(0),
-            pan_waited_us: AtomicU64::new(NO_LATENCY),
-            volume: AtomicU32::new(1f32.to_bits()),
-            law: AtomicU8::new(0),
-            is_open: AtomicBool::new(false),
-            is_muted: AtomicBool::new(false),
-            has_faded: AtomicBool::new(false),
-            generation: AtomicU64::new(0),
-            callbacks: AtomicU64::new(0),
-            callback_frames: AtomicU32::new(0),
-            latency_us: AtomicU64::new(NO_LATENCY),
-            under_runs: AtomicU64::new(0),
-            late_callbacks: AtomicU64::new(0),
-            levels: [AtomicU32::new(0), AtomicU32::new(0)],
-        };
-        shared.set_law(law);
-        shared
-    }
-
-    pub(super) fn set_pan(&self, pan: f32) {
-        self.pan.store(pan.to_bits(), Relaxed);
-        // A pan set before the last one was taken is taken sooner: the oldest counts.
-        let now = self.now_us();
-        let _ = self.pan_set_us.compare_exchange(0, now, Relaxed, Relaxed);
-    }
-
-    /// Microseconds since the origin, never 0.
-    fn now_us(&self) -> u64 {
-        self.epoch.elapsed().as_micros() as u64 + 1
-    }
-
-    /// Measures the waiting time when the pan is taken.
-    fn measure_wait(&self) {
-        let set = self.pan_set_us.swap(0, Relaxed);
-        if set != 0 {
-            let waited = self.now_us().saturating_sub(set);
-            let smooth = match self.pan_waited_us.load(Relaxed) {
-                NO_LATENCY => waited,
-                before => glide(before, waited),
-            };
-            self.pan_waited_us.store(smooth, Relaxed);
-        }
-    }
-
-    /// Forgets a pan that no callback took, so that it does not count for the next stream.
-    pub(super) fn forget_pan(&self) {
-        self.pan_set_us.store(0, Relaxed);
-    }
-
-    /// Milliseconds that pans waited for a callback to take them, smoothed; `None` before the first.
-    pub(super) fn pan_waited_ms(&self) -> Option<f64> {
-        told(self.pan_waited_us.load(Relaxed))
-    }
-
-    pub(super) fn set_volume(&self, volume: f32) {
-        let volume = if volume.is_nan() { 0.0 } else { volume };
-        self.volume.store(volume.clamp(0.0, 1.0).to_bits(), Relaxed);
-    }
-
-    pub(super) fn set_law(&self, law: PanningLaw) {
-        let code = match law {
-            PanningLaw::Linear => 0,
-            PanningLaw::ConstantPower => 1,
-        };
-        self.law.store(code, Relaxed);
-    }
-
-    fn law(&self) -> PanningLaw {
-        match self.law.load(Relaxed) {
-            0 => PanningLaw::Linear,
-            _ => PanningLaw::ConstantPower,
-        }
-    }
-
-    /// The requested gains.
-    pub(super) fn target(&self) -> Gains {
-        self.measure_wait();
-        if self.is_muted.load(Relaxed) {
-            return Gains::SILENT;
-        }
-        let gains = self.law().gains(f32::from_bits(self.pan.load(Relaxed)));
-        let volume = f32::from_bits(self.volume.load(Relaxed));
-        Gains {
-            left: volume * gains.left,
-            right: volume * gains.right,
-        }
-    }
-
-    /// The requested factor on both channels of a stereo sound.
-    pub(super) fn volume_target(&self) -> Gains {
-        if self.is_muted.load(Relaxed) {
-            return Gains::SILENT;
-        }
-        let volume = f32::from_bits(self.volume.load(Relaxed));
-        Gains {
-            left: volume,
-            right: volume,
-        }
-    }
-
-    pub(super) fn set_levels(&self, levels: [f32; 2]) {
-        for (cell, level) in self.levels.iter().zip(levels) {
-            cell.store(level.to_bits(), Relaxed);
-        }
-    }
-
-    pub(super) fn levels(&self) -> [f32; 2] {
-        [0, 1].map(|i| f32::from_bits(self.levels[i].load(Relaxed)))
-    }
-
-    pub(super) fn set_latency_us(&self, latency_us: Option<u64>) {
-        self.latency_us
-            .store(latency_us.unwrap_or(NO_LATENCY), Relaxed);
-    }
-
-    /// Latency in milliseconds.
-    pub(super) fn latency_ms(&self) -> Option<f64> {
-        told(self.latency_us.load(Relaxed))
-    }
-}
-
-/// Smooths a value: moves it part of the way to another.
-fn glide(from: u64, to: u64) -> u64 {
-    (from as f64 + FRESH * (to as f64 - from as f64)).round() as u64
-}
-
-/// A time in milliseconds, if it was reported.
-fn told(microseconds: u64) -> Option<f64> {
-    (microseconds != NO_LATENCY).then_some(microseconds as f64 / 1000.0)
 }
 
 /// Holds the renderer while nothing plays: it outlives streams. Taking it and putting it back swap
@@ -330,7 +152,7 @@ impl Link {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::audio::SAMPLE_RATE;
+    use crate::audio::{PanningLaw, SAMPLE_RATE};
 
     fn numbered(number: u64) -> Box<Renderer> {
         let (mut renderer, _) = Renderer::new(None, SAMPLE_RATE, PanningLaw::Linear);

@@ -25,6 +25,7 @@ mod link;
 pub mod probe;
 mod recording;
 mod renderer;
+mod shared;
 mod stages;
 mod supervisor;
 
@@ -37,8 +38,9 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::sync::{Arc, Mutex, mpsc};
 use std::thread::{self, JoinHandle};
 
-use self::link::{Command, Shared};
+use self::link::Command;
 use self::recording::Recording;
+use self::shared::Shared;
 use self::supervisor::{Common, State, Supervisor, lock};
 use super::{PanningLaw, SoundSource, StereoSource};
 use crate::trace::Panning;

@@ -9,9 +9,10 @@ use std::time::{Duration, Instant};
 
 use super::LiveError;
 use super::device::{self, ANSWER_LIMIT, Found, drop_elsewhere, within};
-use super::link::{Command, Link, Shared, Slot};
+use super::link::{Command, Link, Slot};
 use super::recording::Recording;
 use super::renderer::{Message, Remote, Renderer, Tap};
+use super::shared::Shared;
 use super::stages::Program;
 use crate::audio::{SAMPLE_RATE, Sound, SoundSource, StereoSource};
 
