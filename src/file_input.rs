@@ -2,13 +2,13 @@
 //! so that no output replaces it.
 //!
 //! A scene may be untrusted, and it names other files. Reading a pipe would block, a device is
-//! endless, and a file may exceed the memory: all are rejected before a byte is read.
+//! endless, and a file may exceed the memory: all are rejected before a byte is read. In a folder that others can write
+//! to, only a plain file of exactly the given name is opened.
 
 use crate::platform;
 use std::collections::BTreeSet;
-use std::fs::{File, FileType, OpenOptions};
-use std::io::Seek;
-use std::io::{self, Read};
+use std::fs::{File, FileType, Metadata, OpenOptions};
+use std::io::{self, ErrorKind, Read, Seek};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
@@ -27,7 +27,6 @@ pub struct MalformedText {
     pub message: String,
 }
 
-/// The reason why a file is not read.
 impl MalformedText {
     /// The fault at a line and column of a text.
     #[doc(hidden)]
@@ -84,12 +83,11 @@ impl InputFile {
         if !platform::HAS_FILES {
             return Err(InputError::NoFiles);
         }
-        // Checked before opening, which alone makes some devices act.
-        check_regular(std::fs::metadata(path)?.file_type())?;
-        let file = options().open(path)?;
-        // The opened file is checked too, since it may be another one by now.
-        let about = file.metadata()?;
-        check_regular(about.file_type())?;
+        let check = |about: &Metadata| check_regular(about.file_type());
+        let found = std::fs::metadata(path)?;
+        let mut options = OpenOptions::new();
+        set_flags(options.read(true), true);
+        let (file, about) = open_checked(path, &options, Some(&found), check)?;
         if about.len() > limit_bytes {
             return Err(InputError::TooLarge { limit_bytes });
         }
@@ -125,7 +123,7 @@ impl InputFile {
         String::from_utf8(self.bytes()?).map_err(|error| {
             let at = error.utf8_error().valid_up_to();
             let text = format!("it is not UTF-8 text from byte {at} on");
-            io::Error::new(io::ErrorKind::InvalidData, text).into()
+            io::Error::new(ErrorKind::InvalidData, text).into()
         })
     }
 }
@@ -177,17 +175,41 @@ pub fn read_text(path: &Path, limit_bytes: u64) -> Result<String, InputError> {
     InputFile::open(path, limit_bytes)?.text()
 }
 
-fn options() -> OpenOptions {
-    let mut options = OpenOptions::new();
-    options.read(true);
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::OpenOptionsExt;
-        // Does not wait for a pipe that has replaced the file since it was checked.
-        options.custom_flags(libc::O_NONBLOCK | libc::O_NOCTTY);
-    }
-    options
+/// Opens a file whose metadata pass a check: before opening, if there is a file, since opening alone makes some devices
+/// act; and afterwards, since the path may lead to another file by then.
+fn open_checked<E: From<io::Error>>(
+    path: &Path,
+    options: &OpenOptions,
+    found: Option<&Metadata>,
+    check: impl Fn(&Metadata) -> Result<(), E>,
+) -> Result<(File, Metadata), E> {
+    found.map_or(Ok(()), &check)?;
+    let file = options.open(path)?;
+    let about = file.metadata()?;
+    check(&about)?;
+    Ok((file, about))
 }
+
+/// Makes opening not wait for a pipe, and not follow a link unless `follows`.
+#[cfg(unix)]
+fn set_flags(options: &mut OpenOptions, follows: bool) {
+    use std::os::unix::fs::OpenOptionsExt;
+    let links = if follows { 0 } else { libc::O_NOFOLLOW };
+    options.custom_flags(links | libc::O_NONBLOCK | libc::O_NOCTTY);
+}
+
+#[cfg(windows)]
+fn set_flags(options: &mut OpenOptions, follows: bool) {
+    use std::os::windows::fs::OpenOptionsExt;
+    /// Opens a link itself: `FILE_FLAG_OPEN_REPARSE_POINT` of `CreateFileW`.
+    const OPEN_REPARSE_POINT: u32 = 0x0020_0000;
+    if !follows {
+        options.custom_flags(OPEN_REPARSE_POINT);
+    }
+}
+
+#[cfg(not(any(unix, windows)))]
+fn set_flags(_: &mut OpenOptions, _: bool) {}
 
 fn check_regular(kind: FileType) -> Result<(), InputError> {
     if kind.is_file() {
@@ -216,6 +238,80 @@ fn special(kind: FileType) -> &'static str {
 #[cfg(not(unix))]
 fn special(_: FileType) -> &'static str {
     "a device"
+}
+
+/// The reason for rejecting a pipe or a device.
+const NO_PLAIN_FILE: &str = "it exists already and is not a plain file";
+
+/// Opens the file of exactly this name, if it is a plain file, in a folder that others can write to: never the target of
+/// a link, a pipe or a device.
+///
+/// # Errors
+/// [`ErrorKind::InvalidInput`] for a link, a pipe, a device; [`ErrorKind::IsADirectory`]; other errors of the system,
+/// such as [`ErrorKind::NotFound`].
+pub fn open_plain(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
+    let found = match std::fs::symlink_metadata(path) {
+        // Opening may create it.
+        Err(error) if error.kind() == ErrorKind::NotFound => None,
+        found => Some(found?),
+    };
+    set_flags(options, false);
+    match open_checked(path, options, found.as_ref(), |about| {
+        check_plain(path, about)
+    }) {
+        Err(error) if is_link(&error) => Err(link_refused(path)),
+        opened => opened.map(|(file, _)| file),
+    }
+}
+
+/// Rejects anything except a plain file at `path`, by its metadata.
+///
+/// # Errors
+/// As [`open_plain`].
+pub fn check_plain(path: &Path, about: &Metadata) -> io::Result<()> {
+    if about.is_symlink() {
+        return Err(link_refused(path));
+    }
+    if about.is_dir() {
+        return Err(ErrorKind::IsADirectory.into());
+    }
+    match about.is_file() {
+        true => Ok(()),
+        false => Err(io::Error::new(ErrorKind::InvalidInput, NO_PLAIN_FILE)),
+    }
+}
+
+/// The error for a symbolic link at `path`.
+pub fn link_refused(path: &Path) -> io::Error {
+    let leads = match path.exists() {
+        true => "is not followed here",
+        false => "leads nowhere",
+    };
+    let text = format!("it is a symbolic link, which {leads}: remove it, or write elsewhere");
+    io::Error::new(ErrorKind::InvalidInput, text)
+}
+
+/// Whether the system rejected a link that has appeared since the check.
+#[cfg(unix)]
+fn is_link(error: &io::Error) -> bool {
+    error.raw_os_error() == Some(libc::ELOOP)
+}
+
+#[cfg(not(unix))]
+fn is_link(_: &io::Error) -> bool {
+    false
+}
+
+/// The number of names of a file: two or more with hard links; one if the system cannot count them.
+#[cfg(unix)]
+pub fn count_names(about: &Metadata) -> u64 {
+    use std::os::unix::fs::MetadataExt;
+    about.nlink()
+}
+
+#[cfg(not(unix))]
+pub fn count_names(_: &Metadata) -> u64 {
+    1
 }
 
 /// Real paths of all files read as inputs.
@@ -250,16 +346,31 @@ pub fn is_input(path: &Path) -> bool {
         return false;
     }
     let real = std::fs::canonicalize(path).ok();
-    let handle = same_file::Handle::from_path(path).ok();
+    let file = identity(path);
     let inputs = INPUTS.lock().unwrap_or_else(PoisonError::into_inner);
-    inputs.iter().any(|input| {
-        let same = || {
-            // By now an input's name may lead to anything.
-            let is_regular = std::fs::metadata(input).is_ok_and(|about| about.is_file());
-            is_regular && same_file::Handle::from_path(input).ok() == handle
-        };
-        real.as_ref() == Some(input) || (handle.is_some() && same())
-    })
+    inputs
+        .iter()
+        .any(|input| real.as_ref() == Some(input) || (file.is_some() && identity(input) == file))
+}
+
+/// What all paths to a file have in common: its device and its number there.
+#[cfg(unix)]
+fn identity(path: &Path) -> Option<(u64, u64)> {
+    use std::os::unix::fs::MetadataExt;
+    let about = std::fs::metadata(path).ok()?;
+    Some((about.dev(), about.ino()))
+}
+
+#[cfg(windows)]
+fn identity(path: &Path) -> Option<same_file::Handle> {
+    // By now an input's name may lead to anything, and opening a pipe waits.
+    let is_regular = std::fs::metadata(path).is_ok_and(|about| about.is_file());
+    is_regular.then(|| same_file::Handle::from_path(path).ok())?
+}
+
+#[cfg(not(any(unix, windows)))]
+fn identity(_: &Path) -> Option<()> {
+    None
 }
 
 #[cfg(test)]
@@ -333,5 +444,36 @@ mod tests {
             crate::file_output::write_whole(&file, |out| out.write_all(text)).unwrap();
             assert_eq!(read(&file, 9).unwrap(), text);
         }
+    }
+
+    /// Protects the targets of links, and the program from pipes and devices: none of them is opened.
+    #[cfg(unix)]
+    #[test]
+    fn only_a_plain_file_of_that_name_is_opened() {
+        use std::os::unix::fs::symlink;
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        std::fs::write(path("file"), b"x").unwrap();
+        symlink(path("file"), path("link")).unwrap();
+        symlink(path("absent"), path("dangling")).unwrap();
+        symlink("/dev/zero", path("device")).unwrap();
+        let made = std::process::Command::new("mkfifo")
+            .arg(path("pipe"))
+            .status();
+        assert!(made.unwrap().success());
+        let opened = |path: &Path| open_plain(path, File::options().read(true).write(true));
+        assert!(opened(&path("file")).is_ok());
+        for name in ["link", "dangling", "device", "pipe", "."] {
+            assert!(opened(&path(name)).is_err(), "{name}");
+        }
+        assert!(opened(Path::new("/dev/null")).is_err());
+        // No file is created for a link that leads nowhere.
+        let mut making = File::options();
+        making.write(true).create(true);
+        assert!(open_plain(&path("dangling"), &mut making).is_err());
+        assert!(!path("absent").exists());
+        assert_eq!(count_names(&std::fs::metadata(path("file")).unwrap()), 1);
+        std::fs::hard_link(path("file"), path("other")).unwrap();
+        assert_eq!(count_names(&std::fs::metadata(path("file")).unwrap()), 2);
     }
 }

@@ -10,8 +10,7 @@
 //! symbolic link of such a name is rejected ([`write_inside`], [`check_inside`], [`prepare_folder_inside`]). Existing
 //! files are never written in place, so the other names of a file (hard links) keep the older bytes.
 
-use crate::file_input::is_input;
-use crate::plain_file;
+use crate::file_input::{check_plain, is_input, link_refused};
 use std::ffi::OsStr;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -250,7 +249,7 @@ fn check_place(target: &Path) -> io::Result<()> {
     // Checked first, through any link: this is what the user has to know.
     refuse_inputs(target)?;
     match std::fs::symlink_metadata(target) {
-        Ok(found) => plain_file::check(target, &found)?,
+        Ok(found) => check_plain(target, &found)?,
         // A name whose metadata cannot be read (too long, for example) cannot be written either.
         Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
         Err(_) => {}
@@ -291,7 +290,7 @@ pub fn prepare_folder_inside(folder: &Path) -> Result<(), OutputError> {
     if folder.is_symlink() {
         return Err(OutputError {
             path: folder.to_owned(),
-            source: plain_file::link_refused(folder),
+            source: link_refused(folder),
         });
     }
     prepare_folder(folder)

@@ -11,7 +11,6 @@ open!(
     file_input,
     file_output,
     fnv,
-    plain_file,
     platform,
     rng,
     ron_error,
@@ -19,6 +18,10 @@ open!(
     stats,
     text
 );
+
+pub mod plain_file {
+    pub use crate::file_input::{count_names as names, open_plain as open};
+}
 
 pub mod kernel {
     pub use crate::kernel::{Layout, Lists, is_marched};

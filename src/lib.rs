@@ -93,7 +93,6 @@ mod kernel;
 pub mod offline;
 #[cfg(feature = "picture")]
 pub mod picture;
-mod plain_file;
 mod platform;
 pub mod reference;
 pub mod response;

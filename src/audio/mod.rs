@@ -40,39 +40,22 @@
 //! # Ok::<(), echomarch::audio::AudioError>(())
 //! ```
 
-mod clip;
 mod error;
-mod frames;
 #[cfg(feature = "audio")]
 pub mod live;
 mod mixer;
-mod noise;
-mod panning_law;
-mod rate;
 pub(crate) mod resample;
-mod signal;
-mod sine;
+mod signals;
 mod sound;
-mod source;
-mod spec;
 mod speech;
-mod stereo;
-mod wav_header;
 mod wav_read;
 mod wav_write;
 
 pub use error::AudioError;
-pub use frames::FrameBlocks;
-pub use mixer::Mixer;
-pub use noise::NOISE_AMPLITUDE;
-pub use panning_law::{Gains, PanningLaw};
-pub use signal::Signal;
-pub use sine::SINE_AMPLITUDE;
-pub use sound::Sound;
-pub use source::SoundSource;
-pub use spec::SoundSpec;
+pub use mixer::{FrameBlocks, Gains, Mixer, PanningLaw};
+pub use signals::{NOISE_AMPLITUDE, SINE_AMPLITUDE, Signal};
+pub use sound::{Sound, SoundSource, SoundSpec, StereoSignal, StereoSource};
 pub use speech::SPEECH_PEAK;
-pub use stereo::{StereoSignal, StereoSource};
 pub use wav_write::WavWriter;
 #[doc(hidden)]
 pub use wav_write::wav_to_io;
@@ -82,3 +65,12 @@ pub const SAMPLE_RATE: u32 = 48_000;
 
 /// The lowest and the highest accepted sample rate, in hertz.
 pub const SAMPLE_RATES: std::ops::RangeInclusive<u32> = 1_000..=768_000;
+
+/// Rejects an unsupported sample rate.
+fn check_rate(sample_rate_hz: u32) -> Result<(), AudioError> {
+    if SAMPLE_RATES.contains(&sample_rate_hz) {
+        Ok(())
+    } else {
+        Err(AudioError::BadSampleRate { sample_rate_hz })
+    }
+}

@@ -1,7 +1,6 @@
 //! Resampling of a whole clip.
 
-use rubato::audioadapter_buffers::direct::InterleavedSlice;
-use rubato::{Fft, FixedSync, Resampler};
+use rubato::{FftFixedInOut, Resampler};
 
 /// Minimum length of the resampler's filter, in input samples. The longer the filter, the narrower
 /// the band that is lost below half the lower rate.
@@ -12,23 +11,23 @@ pub(crate) fn to_rate(samples: Vec<f32>, from_hz: u32, to_hz: u32) -> Result<Vec
     if from_hz == to_hz {
         return Ok(samples);
     }
-    let count = samples.len();
-    let mut resampler = Fft::<f32>::new_custom(
-        from_hz as usize,
-        to_hz as usize,
-        block_for(from_hz, to_hz) as usize,
-        1,
-        1,
-        rubato::WindowFunction::BlackmanHarris2,
-        FixedSync::Both,
-    )
-    .map_err(|error| error.to_string())?;
-    let input = InterleavedSlice::new(&samples, 1, count).map_err(|error| error.to_string())?;
-    let mut resampled = resampler
-        .process_all(&input, count, None)
-        .map_err(|error| error.to_string())?
-        .take_data();
-    resampled.resize(length_after(count, from_hz, to_hz), 0.0);
+    let block = block_for(from_hz, to_hz) as usize;
+    let mut resampler = FftFixedInOut::<f32>::new(from_hz as usize, to_hz as usize, block, 1)
+        .map_err(|error| error.to_string())?;
+    let (length, delay) = (
+        length_after(samples.len(), from_hz, to_hz),
+        resampler.output_delay(),
+    );
+    let mut resampled = Vec::with_capacity(length + delay + resampler.output_frames_max());
+    let mut blocks = samples.chunks(block).map(|block| [block]);
+    while resampled.len() < length + delay {
+        // The last block, and those that push the delay out, are filled up with silence.
+        let next = blocks.next();
+        let block = resampler.process_partial(next.as_ref().map(|block| &block[..]), None);
+        resampled.extend(block.map_err(|error| error.to_string())?.concat());
+    }
+    resampled.drain(..delay);
+    resampled.truncate(length);
     Ok(resampled)
 }
 

@@ -1,13 +1,13 @@
-//! The mono sound that is played.
+//! The sounds that are played: their description, how they are made, and their samples, mono or stereo.
 
-use super::clip::Clip;
-use super::noise::Noise;
-use super::rate::check_rate;
-use super::sine::Sine;
-use super::speech::Speech;
-use super::{AudioError, Signal, SoundSpec, resample, wav_read};
 use std::fmt;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use std::sync::Arc;
+
+use super::signals::{Clip, Noise, Signal, Sine};
+use super::speech::Speech;
+use super::{AudioError, check_rate, resample, wav_read};
 
 /// A mono sound that is read forwards, sample by sample; 1 is full scale. A caller's own sound is
 /// made from a [`Signal`].
@@ -129,4 +129,184 @@ fn load_clip(path: &Path, sample_rate: u32) -> Result<Clip, AudioError> {
         });
     }
     Ok(Clip::new(samples, sample_rate))
+}
+
+/// A description of a sound; [`Sound::load`](super::Sound::load) makes the sound.
+///
+/// | text | sound |
+/// | --- | --- |
+/// | `sine:440` | a sine, its frequency in hertz |
+/// | `noise` | white noise with seed 0 |
+/// | `noise:7` | white noise with another seed |
+/// | `speech` | a synthetic voice with seed 0 |
+/// | `speech:7` | the voice with another seed: other syllables |
+/// | `drum.wav` | a WAV file, known by its ending `.wav` in either case |
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum SoundSpec {
+    /// A sine.
+    Sine {
+        /// In hertz; checked against the sample rate when the sound is loaded.
+        frequency_hz: f64,
+    },
+    /// White noise.
+    Noise {
+        /// The same seed gives the same noise.
+        seed: u64,
+    },
+    /// A synthetic voice without words.
+    Speech {
+        /// The same seed gives the same syllables.
+        seed: u64,
+    },
+    /// A WAV file.
+    Wav {
+        /// Path of the file, which is read when the sound is loaded.
+        path: PathBuf,
+    },
+}
+
+impl FromStr for SoundSpec {
+    type Err = AudioError;
+
+    /// Parses the text of the table above; opens no file. Anything else is
+    /// [`AudioError::UnknownSound`].
+    fn from_str(text: &str) -> Result<Self, AudioError> {
+        known(text).ok_or_else(|| AudioError::UnknownSound {
+            spec: text.to_owned(),
+        })
+    }
+}
+
+fn known(text: &str) -> Option<SoundSpec> {
+    let is_wav = Path::new(text)
+        .extension()
+        .is_some_and(|ending| ending.eq_ignore_ascii_case("wav"));
+    if is_wav {
+        return Some(SoundSpec::Wav { path: text.into() });
+    }
+    let (kind, number) = match text {
+        "noise" | "speech" => (text, "0"),
+        _ => text.split_once(':')?,
+    };
+    match kind {
+        "sine" => number
+            .parse()
+            .ok()
+            .map(|frequency_hz| SoundSpec::Sine { frequency_hz }),
+        "noise" => number.parse().ok().map(|seed| SoundSpec::Noise { seed }),
+        "speech" => number.parse().ok().map(|seed| SoundSpec::Speech { seed }),
+        _ => None,
+    }
+}
+
+impl fmt::Display for SoundSpec {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Sine { frequency_hz } => write!(f, "sine:{frequency_hz}"),
+            Self::Noise { seed } => write!(f, "noise:{seed}"),
+            Self::Speech { seed } => write!(f, "speech:{seed}"),
+            Self::Wav { path } => path.display().fmt(f),
+        }
+    }
+}
+
+/// A function from a sample rate in hertz to a sound at its start.
+type Maker<T> = Arc<dyn Fn(u32) -> T + Send + Sync>;
+
+/// Makes one sound at any sample rate: live output calls it again when the device's rate changes.
+///
+/// It is made from a [`SoundSpec`], from its text, or from a caller's own function:
+///
+/// ```
+/// use echomarch::audio::{Sound, SoundSource, SoundSpec};
+///
+/// let by_text: SoundSource = "sine:440".parse()?;
+/// let by_spec = SoundSource::from(SoundSpec::Noise { seed: 7 });
+/// let own = SoundSource::new("two octaves up", |rate_hz| Sound::parse("sine:1760", rate_hz));
+/// assert!(own.sound(48_000).is_ok());
+/// # Ok::<(), echomarch::audio::AudioError>(())
+/// ```
+#[derive(Clone)]
+pub struct SoundSource {
+    name: String,
+    make: Maker<Result<Sound, AudioError>>,
+}
+
+impl SoundSource {
+    /// Creates a source of a caller's own sound: `make` gets the rate in samples per second and is
+    /// called on the thread that supervises live output.
+    pub fn new(
+        name: impl Into<String>,
+        make: impl Fn(u32) -> Result<Sound, AudioError> + Send + Sync + 'static,
+    ) -> Self {
+        Self {
+            name: name.into(),
+            make: Arc::new(make),
+        }
+    }
+
+    /// Returns the sound at `rate_hz` samples per second, at its start.
+    ///
+    /// # Errors
+    /// As [`Sound::load`], or what the caller's own function answers.
+    pub fn sound(&self, rate_hz: u32) -> Result<Sound, AudioError> {
+        (self.make)(rate_hz)
+    }
+}
+
+impl From<SoundSpec> for SoundSource {
+    fn from(spec: SoundSpec) -> Self {
+        Self::new(spec.to_string(), move |rate_hz| Sound::load(&spec, rate_hz))
+    }
+}
+
+impl FromStr for SoundSource {
+    type Err = AudioError;
+
+    /// Parses the text of a [`SoundSpec`]; opens no file.
+    fn from_str(text: &str) -> Result<Self, AudioError> {
+        text.parse::<SoundSpec>().map(Self::from)
+    }
+}
+
+impl fmt::Debug for SoundSource {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("SoundSource").field(&self.name).finish()
+    }
+}
+
+/// A caller's own stereo sound, such as the sources heard in a scene: live output plays it instead
+/// of a mono sound and its pan.
+pub trait StereoSignal: Send {
+    /// Adds the next samples of both channels to `stereo` (left, right, …). Called on the thread that must not be late,
+    /// so it must not allocate, lock or wait.
+    fn add(&mut self, stereo: &mut [f32]);
+}
+
+/// Makes such a sound at any sample rate: live output calls it again when the device's rate changes.
+#[derive(Clone)]
+pub struct StereoSource {
+    make: Maker<Box<dyn StereoSignal>>,
+}
+
+impl StereoSource {
+    /// Creates a source: `make` gets the rate in samples per second and is called on the thread that supervises live
+    /// output.
+    pub fn new(make: impl Fn(u32) -> Box<dyn StereoSignal> + Send + Sync + 'static) -> Self {
+        Self {
+            make: Arc::new(make),
+        }
+    }
+
+    /// Returns the sound at `rate_hz` samples per second, at its start.
+    pub fn signal(&self, rate_hz: u32) -> Box<dyn StereoSignal> {
+        (self.make)(rate_hz)
+    }
+}
+
+impl fmt::Debug for StereoSource {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("StereoSource").finish_non_exhaustive()
+    }
 }

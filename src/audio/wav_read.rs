@@ -5,9 +5,8 @@ use std::path::Path;
 
 use hound::{SampleFormat, WavReader};
 
-use super::AudioError;
-use super::rate::check_rate;
 use super::resample::length_after;
+use super::{AudioError, check_rate};
 use crate::file_input::{InputError, InputFile};
 
 /// Maximum size of a WAV file in bytes: [`MOST_SAMPLES`] in stereo, 32 bits each.

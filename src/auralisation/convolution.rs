@@ -4,11 +4,18 @@
 //!
 //! The spectra of the newest blocks of a signal are kept; convolving a block with a kernel takes
 //! one multiplication for each partition of the kernel, and one inverse transform.
+//!
+//! The octave-band filters are such kernels: they split a signal by zero-phase filters, so that scaling each band
+//! separately has the same effect as [`ImpulseResponse`](crate::acoustics::ImpulseResponse) has on a tap.
 
 use realfft::num_complex::Complex;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use std::f64::consts::PI;
 use std::fmt;
 use std::sync::Arc;
+
+use crate::acoustics::tap_filter_gain;
+use crate::bands::BAND_COUNT;
 
 /// Samples per block: 10.7 ms at 48 kHz. A kernel of one second then has 94 partitions; half the
 /// block would halve the delay and double the work.
@@ -183,6 +190,50 @@ impl fmt::Debug for Signal {
             .field("partitions", &self.spectra.len())
             .finish_non_exhaustive()
     }
+}
+
+/// Delay of the split signal in samples: the filters reach this far to both sides (21 ms at 48 kHz). If 63 Hz and 125
+/// Hz differ by 20 dB they would have to reach further: the weaker of the two is then up to 0.7 dB off. From 250 Hz on
+/// the error is 0.05 dB.
+pub(super) const FILTER_DELAY: usize = 2 * BLOCK;
+
+/// The share of this reach in which the filters are not tapered.
+const FLAT: f64 = 0.75;
+
+/// Samples of a filter.
+const FILTER_LENGTH: usize = 2 * FILTER_DELAY;
+
+/// Partitions of the filters.
+pub(super) const FILTER_PARTITIONS: usize = FILTER_LENGTH / BLOCK;
+
+/// The filters of all bands, one channel each.
+pub(super) fn octave_filters(rate_hz: u32) -> Kernel {
+    let filters: Vec<Vec<f32>> = (0..BAND_COUNT)
+        .map(|band| filter(band, rate_hz.into()))
+        .collect();
+    Kernel::new(&filters)
+}
+
+/// The filter of a band: its zero-phase response, delayed, cut and windowed.
+fn filter(band: usize, rate_hz: f64) -> Vec<f32> {
+    // Long enough to keep the cut-off part from folding in.
+    let length = 8 * FILTER_LENGTH;
+    let inverse = RealFftPlanner::<f64>::new().plan_fft_inverse(length);
+    let mut spectrum = inverse.make_input_vec();
+    for (bin, value) in spectrum.iter_mut().enumerate() {
+        *value = tap_filter_gain(band, bin as f64 * rate_hz / length as f64).into();
+    }
+    let mut samples = inverse.make_output_vec();
+    let done = inverse.process(&mut spectrum, &mut samples);
+    debug_assert!(done.is_ok(), "the spectrum is that of a real signal");
+    let sample = |index: usize| {
+        let offset = index as f64 - FILTER_DELAY as f64;
+        let from_zero = (index + length - FILTER_DELAY) % length;
+        let beyond = (offset.abs() / FILTER_DELAY as f64 - FLAT).max(0.0) / (1.0 - FLAT);
+        let fade = 0.5 + 0.5 * (PI * beyond).cos();
+        (samples[from_zero] / length as f64 * fade) as f32
+    };
+    (0..FILTER_LENGTH).map(sample).collect()
 }
 
 #[cfg(test)]

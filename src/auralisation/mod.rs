@@ -46,9 +46,6 @@ mod convolution;
 mod delay_line;
 mod echoes;
 mod heard;
-mod limiter;
-mod listen;
-mod octaves;
 mod player;
 #[cfg(test)]
 mod tests;
@@ -56,15 +53,18 @@ mod tests;
 pub use heard::Heard;
 #[doc(hidden)]
 pub use heard::HeardParts;
-pub use listen::Listen;
 pub use player::{Player, PlayerRemote};
 
 use crate::acoustics::{AcousticsError, MAX_SECONDS, RATES_HZ};
 use crate::bands::BAND_COUNT;
 use crate::scene::Scene;
-use convolution::{BLOCK, Kernel, Signal};
+use crate::text::there_is_no;
+use crate::trace::Profile;
+use convolution::{BLOCK, FILTER_DELAY, FILTER_PARTITIONS, Kernel, Signal, octave_filters};
 use delay_line::REACH;
 use echoes::Echoes;
+use std::fmt;
+use std::str::FromStr;
 
 /// Left and right.
 const CHANNELS: usize = 2;
@@ -75,6 +75,47 @@ pub const MOST_ECHOES: usize = 64;
 
 /// Default length of a response in seconds: the reverberation time of a large hall.
 const USUAL_LONGEST_S: f64 = 3.0;
+
+/// A way to listen. Names, for `FromStr` and `Display`: `full`, `balance`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Listen {
+    /// Loudness, delays, echoes, reverberation.
+    Full,
+    /// Only the balance of left and right, as in the thesis: one pan, at one loudness.
+    Balance,
+}
+
+impl Listen {
+    /// The default way to listen for an algorithm: waves of the thesis end at the listener and only
+    /// give a balance.
+    pub fn for_profile(profile: Profile) -> Listen {
+        match profile {
+            Profile::Thesis => Listen::Balance,
+            _ => Listen::Full,
+        }
+    }
+}
+
+impl FromStr for Listen {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Listen, String> {
+        match name {
+            "full" => Ok(Listen::Full),
+            "balance" => Ok(Listen::Balance),
+            _ => Err(there_is_no("way to listen", name, &["full", "balance"])),
+        }
+    }
+}
+
+impl fmt::Display for Listen {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Listen::Full => "full",
+            Listen::Balance => "balance",
+        })
+    }
+}
 
 /// The format that an [`Auralisation`] and its [`Heard`] are made for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -134,7 +175,7 @@ impl Spec {
 
     /// Samples by which the band filters delay the output.
     fn filter_delay(self) -> usize {
-        if self.has_bands { octaves::DELAY } else { 0 }
+        if self.has_bands { FILTER_DELAY } else { 0 }
     }
 
     /// Samples of the longest response.
@@ -201,14 +242,14 @@ impl Auralisation {
         let echoes = match spec.has_bands {
             false => Bank::Grey(Echoes::new(longest)),
             true => Bank::Bands {
-                filters: octaves::filters(spec.rate_hz),
+                filters: octave_filters(spec.rate_hz),
                 bands: Box::new([[0.0; BLOCK]; BAND_COUNT]),
                 echoes: Echoes::new(longest),
             },
         };
         Ok(Auralisation {
             spec,
-            signal: Signal::new(partitions.max(octaves::PARTITIONS)),
+            signal: Signal::new(partitions.max(FILTER_PARTITIONS)),
             echoes,
             late: Kernel::default(),
             next: None,

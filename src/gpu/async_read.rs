@@ -4,7 +4,8 @@ use std::ops::ControlFlow;
 
 use glow::{HasContext, PixelPackData};
 
-use super::{Context, GpuError, RenderTarget, bytes};
+use super::texture::{as_floats, of_floats_mut};
+use super::{Context, GpuError, RenderTarget};
 use crate::platform;
 
 /// Longest wait in one call, in nanoseconds; the wait is repeated after checking whether the driver has lost the
@@ -37,10 +38,8 @@ impl AsyncRead {
     /// What GL reports.
     pub fn new(context: &Context) -> Result<AsyncRead, GpuError> {
         // SAFETY: the context is current.
-        let buffer = unsafe { context.gl().create_buffer() }.map_err(|code| GpuError::Gl {
-            what: "a pixel buffer".into(),
-            code,
-        })?;
+        let buffer = unsafe { context.gl().create_buffer() }
+            .map_err(GpuError::not_created("a pixel buffer"))?;
         Ok(AsyncRead {
             context: context.clone(),
             buffer,
@@ -70,10 +69,7 @@ impl AsyncRead {
                 .gl()
                 .fence_sync(glow::SYNC_GPU_COMMANDS_COMPLETE, 0)
         };
-        let fence = fence.map_err(|code| GpuError::Gl {
-            what: "a fence".into(),
-            code,
-        })?;
+        let fence = fence.map_err(GpuError::not_created("a fence"))?;
         // SAFETY: the context is current. Without the flush the driver may never submit the fence.
         unsafe { self.context.gl().flush() };
         self.pending = Some(Pending { fence, floats });
@@ -176,9 +172,7 @@ impl AsyncRead {
             _ => {
                 self.cancel();
                 self.context.check("the wait for a read-back")?;
-                Err(GpuError::ContextLost {
-                    reason: "a fence could not be waited for".into(),
-                })
+                Err(GpuError::lost("a fence could not be waited for"))
             }
         }
     }
@@ -198,7 +192,7 @@ impl AsyncRead {
         // SAFETY: the context is current and the buffer its own, which holds all the bytes requested.
         unsafe {
             gl.bind_buffer(glow::PIXEL_PACK_BUFFER, Some(self.buffer));
-            let bytes = bytes::of_floats_mut(&mut copied);
+            let bytes = of_floats_mut(&mut copied);
             gl.get_buffer_sub_data(glow::PIXEL_PACK_BUFFER, 0, bytes);
             gl.bind_buffer(glow::PIXEL_PACK_BUFFER, None);
         }
@@ -222,7 +216,7 @@ impl AsyncRead {
             );
             let result = (!mapped.is_null()).then(|| {
                 let mapped = std::slice::from_raw_parts(mapped, length);
-                let result = read(&bytes::as_floats(mapped));
+                let result = read(&as_floats(mapped));
                 gl.unmap_buffer(glow::PIXEL_PACK_BUFFER);
                 result
             });
@@ -231,9 +225,7 @@ impl AsyncRead {
         };
         let Some(result) = result else {
             self.context.check("the mapping of a pixel buffer")?;
-            return Err(GpuError::ContextLost {
-                reason: "a pixel buffer could not be mapped".into(),
-            });
+            return Err(GpuError::lost("a pixel buffer could not be mapped"));
         };
         self.context.debug_check("the end of a read-back")?;
         Ok(result)
@@ -343,11 +335,7 @@ mod tests {
             })
         });
         assert!(matches!(slow, Ok(4)));
-        let lost = until_there(|| {
-            Err(GpuError::ContextLost {
-                reason: "reset".into(),
-            })
-        });
+        let lost = until_there(|| Err(GpuError::lost("reset")));
         assert!(matches!(lost, Err(GpuError::ContextLost { .. })));
     }
 }

@@ -156,7 +156,7 @@ fn of_caller(
     functions: impl FnOnce() -> Result<Arc<glow::Context>, GpuError>,
 ) -> Result<Context, GpuError> {
     let backend: Rc<dyn Backend> = backend;
-    let _entered = current::enter(&backend).map_err(|reason| GpuError::ContextLost { reason })?;
+    let _entered = current::enter(&backend).map_err(GpuError::lost)?;
     let gl = functions()?;
     let version = gl.version();
     let api = if version.is_embedded {

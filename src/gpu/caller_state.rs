@@ -11,13 +11,19 @@ use glow::HasContext;
 
 use super::backend::Backend;
 use super::error::ERRORS_AT_MOST;
-use super::texture_units::UNITS;
 
 // Constants that glow does not define.
 const ALPHA_TEST: u32 = 0x0BC0;
 const POLYGON_STIPPLE: u32 = 0x0B42;
 const CLAMP_VERTEX_COLOR: u32 = 0x891A;
 const CLAMP_FRAGMENT_COLOR: u32 = 0x891B;
+
+/// The unit that textures are created and filled with, so that those bound for a pass stay bound. Every driver of
+/// OpenGL 3.3 or ES 3.0 has at least 32 units.
+pub(super) const SCRATCH_UNIT: u32 = 31;
+
+/// The texture units that programs read from, and the one that textures are filled with, whose bindings are restored.
+pub(super) const UNITS: [u32; 5] = [0, 1, 2, 3, SCRATCH_UNIT];
 
 /// Pixel storage parameters of every version, with the values that read-backs and uploads need, which are the initial
 /// ones.

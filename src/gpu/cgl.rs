@@ -11,11 +11,10 @@ use glutin::error::ErrorKind;
 use glutin::prelude::*;
 use raw_window_handle::{AppKitDisplayHandle, RawDisplayHandle};
 
-use super::backend::Backend;
-use super::glutin_context::{GlutinContext, attributes, new_context, template};
 #[cfg(feature = "window")]
-pub(super) use super::only_place::prepare;
-pub(super) use super::only_place::{Place, places};
+pub(super) use super::backend::prepare;
+use super::backend::{Backend, GlutinContext, attributes, new_context, template};
+pub(super) use super::backend::{Place, places};
 use super::{Api, GpuError};
 
 /// Makes a context; it is not current yet.
@@ -23,13 +22,12 @@ use super::{Api, GpuError};
 /// # Errors
 /// [`GpuError::NoContext`] with the answer of macOS, which has no OpenGL ES.
 pub(super) fn open(_: &Place, api: Api) -> Result<Rc<dyn Backend>, GpuError> {
-    let refused = |reason: String| GpuError::NoContext { api, reason };
     if api == Api::Gles {
-        return Err(refused("macOS has no OpenGL ES".into()));
+        return Err(GpuError::no_context(api, "macOS has no OpenGL ES"));
     }
     match create() {
         Ok(context) => Ok(Rc::new(context)),
-        Err(error) => Err(refused(error.to_string())),
+        Err(error) => Err(GpuError::no_context(api, error)),
     }
 }
 

@@ -1,23 +1,20 @@
-//! A GL context without a window.
-
-use std::fmt;
-use std::rc::Rc;
-use std::sync::{Arc, OnceLock};
-
-use glow::HasContext;
+//! A GL context without a window, and the guard that keeps it current during a call into this crate.
 
 use super::backend::Backend;
-use super::caller_state::{CallerPart, set_scissor_test};
+use super::caller_state::{CallerPart, CallerState, set_scissor_test};
 #[cfg(not(target_arch = "wasm32"))]
 use super::driver::load;
-use super::driver::{Driver, Limits};
+use super::driver::{Driver, Limits, is_software};
 use super::error::{ERRORS_AT_MOST, code_name};
 #[cfg(not(target_arch = "wasm32"))]
 use super::native;
 #[cfg(not(target_arch = "wasm32"))]
 use super::osmesa::OsMesa;
-use super::software::is_software;
 use super::{Api, GpuError, current};
+use glow::HasContext;
+use std::fmt;
+use std::rc::Rc;
+use std::sync::{Arc, OnceLock};
 
 /// Selects the context to make.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -119,10 +116,7 @@ impl Context {
                 Err(error) => reasons.push(format!("GPU {index}: {error}")),
             }
         }
-        Err(GpuError::NoContext {
-            api: options.api,
-            reason: reasons.join("; "),
-        })
+        Err(GpuError::no_context(options.api, reasons.join("; ")))
     }
 
     /// Devices tried before this one, for a context requested without an index, with the reason why each was not used.
@@ -146,12 +140,12 @@ impl Context {
         current::release();
         backend
             .make_current()
-            .map_err(|reason| GpuError::NoContext { api, reason })?;
+            .map_err(|reason| GpuError::no_context(api, reason))?;
         let gl = load(&*backend).inspect_err(|_| backend.release())?;
         let gl = Arc::new(gl);
         let context = Context::described(backend.clone(), gl, api, None)
             .inspect_err(|_| backend.release())?;
-        current::make(&backend).map_err(|reason| GpuError::NoContext { api, reason })?;
+        current::make(&backend).map_err(|reason| GpuError::no_context(api, reason))?;
         Ok(context)
     }
 
@@ -165,7 +159,7 @@ impl Context {
         let driver = Driver::ask(&*backend, &gl, api)?;
         // SAFETY: the context is current.
         let vertex_array = unsafe { gl.create_vertex_array() }
-            .map_err(|reason| GpuError::NoContext { api, reason })?;
+            .map_err(|reason| GpuError::no_context(api, reason))?;
         Ok(Context {
             inner: Rc::new(Inner {
                 backend,
@@ -281,7 +275,7 @@ impl Context {
     /// The first error, with the operation that caused it: [`GpuError::OutOfMemory`], [`GpuError::ContextLost`] or
     /// [`GpuError::Gl`].
     pub fn check(&self, what: &str) -> Result<(), GpuError> {
-        current::make(&self.inner.backend).map_err(|reason| GpuError::ContextLost { reason })?;
+        current::make(&self.inner.backend).map_err(GpuError::lost)?;
         // SAFETY: the context is current.
         let next = || unsafe { self.inner.gl.get_error() };
         let first = next();
@@ -296,9 +290,7 @@ impl Context {
             // After a reset GL calls do nothing, and most of them report no error.
             glow::NO_ERROR => self.check_not_lost(),
             glow::OUT_OF_MEMORY => Err(GpuError::OutOfMemory { what: what.into() }),
-            glow::CONTEXT_LOST => Err(GpuError::ContextLost {
-                reason: format!("GL_CONTEXT_LOST in {what}"),
-            }),
+            glow::CONTEXT_LOST => Err(GpuError::lost(format!("GL_CONTEXT_LOST in {what}"))),
             code => {
                 // A browser has its own code for a loss.
                 self.check_not_lost()?;
@@ -315,7 +307,7 @@ impl Context {
     /// # Errors
     /// [`GpuError::ContextLost`] if it cannot be made current.
     pub(super) fn make_current(&self) -> Result<current::Entered, GpuError> {
-        current::enter(&self.inner.backend).map_err(|reason| GpuError::ContextLost { reason })
+        current::enter(&self.inner.backend).map_err(GpuError::lost)
     }
 
     /// Checks whether the driver has lost the context, if it can report that: for contexts made with reset notification
@@ -324,19 +316,17 @@ impl Context {
     /// # Errors
     /// [`GpuError::ContextLost`] if it has.
     pub(super) fn check_not_lost(&self) -> Result<(), GpuError> {
-        current::make(&self.inner.backend).map_err(|reason| GpuError::ContextLost { reason })?;
+        current::make(&self.inner.backend).map_err(GpuError::lost)?;
         if self.inner.backend.is_lost() {
-            return Err(GpuError::ContextLost {
-                reason: "the browser has taken it away".into(),
-            });
+            return Err(GpuError::lost("the browser has taken it away"));
         }
         // SAFETY: the context is current and has the extension of this function.
         let status = self.inner.driver.reset_status.map(|ask| unsafe { ask() });
         match status {
             None | Some(glow::NO_ERROR) => Ok(()),
-            Some(status) => Err(GpuError::ContextLost {
-                reason: format!("the driver reports a reset, {status:#x}"),
-            }),
+            Some(status) => Err(GpuError::lost(format!(
+                "the driver reports a reset, {status:#x}"
+            ))),
         }
     }
 
@@ -372,5 +362,74 @@ impl fmt::Debug for Context {
             .field("api", &self.api())
             .field("renderer", &self.renderer())
             .finish_non_exhaustive()
+    }
+}
+
+/// Keeps a [`Context`] current, in the state that passes need. When dropped, restores what was current before, and the
+/// state of a caller's context.
+#[must_use]
+pub(crate) struct Entered {
+    _callers: Option<CallersEntered>,
+    // Dropped after the state, whose restoration needs the context to be current.
+    _current: current::Entered,
+}
+
+/// A caller's context, and the state to restore in it.
+struct CallersEntered {
+    context: Context,
+    /// `None` within another call, and if no state is changed.
+    state: Option<CallerState>,
+}
+
+impl Entered {
+    /// Counts the call if the context is the caller's; saves its state if `keeps_state` is set and this call is not
+    /// within another.
+    fn new(context: &Context, current: current::Entered, keeps_state: bool) -> Entered {
+        let callers = context.caller_part().map(|part| {
+            let before = part.entered.replace(part.entered.get() + 1);
+            let state =
+                (keeps_state && before == 0).then(|| CallerState::keep(context.gl(), &part.traits));
+            CallersEntered {
+                context: context.clone(),
+                state,
+            }
+        });
+        Entered {
+            _callers: callers,
+            _current: current,
+        }
+    }
+}
+
+impl Drop for CallersEntered {
+    fn drop(&mut self) {
+        let Some(part) = self.context.caller_part() else {
+            return;
+        };
+        if let Some(state) = self.state.take() {
+            state.put_back(self.context.gl(), &part.traits);
+        }
+        part.entered.set(part.entered.get() - 1);
+    }
+}
+
+impl Context {
+    /// Makes the context current until the result is dropped, which restores the EGL context that was current on this
+    /// thread before. If none was current the context stays current, unless it is the caller's. The state of a caller's
+    /// context is saved and restored.
+    ///
+    /// # Errors
+    /// [`GpuError::ContextLost`] if it cannot be made current.
+    pub(crate) fn enter(&self) -> Result<Entered, GpuError> {
+        Ok(Entered::new(self, self.make_current()?, true))
+    }
+
+    /// Frees objects with the context current; they are not bound outside calls, so no state changes. A context that
+    /// cannot be made current is gone, and its objects with it.
+    pub(super) fn free(&self, delete: impl FnOnce(&glow::Context)) {
+        if let Ok(current) = self.make_current() {
+            let _entered = Entered::new(self, current, false);
+            delete(self.gl());
+        }
     }
 }

@@ -1,14 +1,13 @@
-//! The driver's description of a context, and its GL functions.
+//! The driver's description of a context, whether it draws with the processor, its GL functions, and its logs of
+//! shaders that do not compile.
 
+use super::backend::Backend;
+use super::{Api, GpuError};
+use glow::HasContext;
 #[cfg(not(target_arch = "wasm32"))]
 use std::ffi::{CStr, CString, c_char, c_void};
 #[cfg(not(target_arch = "wasm32"))]
 use std::ptr;
-
-use glow::HasContext;
-
-use super::backend::Backend;
-use super::{Api, GpuError};
 
 /// The extension that lets OpenGL ES draw into float textures.
 const FLOAT_TARGETS: &str = "GL_EXT_color_buffer_float";
@@ -171,9 +170,90 @@ fn has_numbers(version: &str) -> bool {
     is_number(parts.next()) && is_number(parts.next()) && version.is_ascii()
 }
 
-#[cfg(all(test, not(target_arch = "wasm32")))]
+/// One error in a driver's log.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LogError {
+    /// The text's number, as `#line` gave it; 0 before the first `#line`.
+    pub file: u32,
+    /// The line, as `#line` counts it.
+    pub line: u32,
+    /// The driver's message.
+    pub message: String,
+}
+
+/// The errors in a log, in order; lines of an unknown form are skipped.
+///
+/// Known forms are Mesa's `2:12(5): error: ...`, NVIDIA's `2(12) : error C1008: ...` and ANGLE's `ERROR: 2:12: ...`.
+/// Warnings are skipped.
+pub fn log_errors(log: &str) -> Vec<LogError> {
+    log.lines().filter_map(log_error).collect()
+}
+
+fn log_error(line: &str) -> Option<LogError> {
+    let line = line.trim();
+    let (file, rest) = number(line.strip_prefix("ERROR:").unwrap_or(line).trim_start())?;
+    let (line, rest) = if let Some(rest) = rest.strip_prefix('(') {
+        let (line, rest) = number(rest)?;
+        (line, rest.strip_prefix(')')?)
+    } else {
+        let (line, rest) = number(rest.strip_prefix(':')?)?;
+        let column = rest.strip_prefix('(').and_then(|r| r.split_once(')'));
+        (line, column.map_or(rest, |(_, rest)| rest))
+    };
+    let mut message = rest.trim_start().strip_prefix(':')?.trim();
+    if message.starts_with("warning") {
+        return None;
+    }
+    if let Some(rest) = message.strip_prefix("error") {
+        // NVIDIA puts a code there.
+        message = rest.split_once(':').map_or(rest, |(_, rest)| rest).trim();
+    }
+    let message = message.replace('`', "'");
+    Some(LogError {
+        file,
+        line,
+        message,
+    })
+}
+
+/// The number that a text begins with, and the rest.
+fn number(text: &str) -> Option<(u32, &str)> {
+    let digits = text.len() - text.trim_start_matches(|c: char| c.is_ascii_digit()).len();
+    let (number, rest) = text.split_at(digits);
+    Some((number.parse().ok()?, rest))
+}
+
+/// Parts of the names of renderers that draw with the processor, in lower case.
+const SOFTWARE_RENDERERS: [&str; 12] = [
+    // Mesa's; also as "zink (llvmpipe ...)" and "virgl (LLVMPIPE ...)".
+    "llvmpipe",
+    "lavapipe",
+    "softpipe",
+    "swrast",
+    "software rasterizer",
+    "openswr",
+    "swr (",
+    // ANGLE and Vulkan in browsers.
+    "swiftshader",
+    "apple software renderer",
+    // WARP, through ANGLE or as Mesa's "D3D12 (Microsoft Basic Render Driver)".
+    "microsoft basic render driver",
+    "warp",
+    // Windows without a driver: OpenGL 1.1.
+    "gdi generic",
+];
+
+/// Whether a renderer of that name draws with the processor.
+pub(super) fn is_software(renderer: &str) -> bool {
+    let renderer = renderer.to_lowercase();
+    SOFTWARE_RENDERERS
+        .iter()
+        .any(|name| renderer.contains(name))
+}
+
+#[cfg(test)]
 mod tests {
-    use super::has_numbers;
+    use super::*;
 
     /// Protects programs that pass functions of something else: they get an error, not a panic.
     #[test]
@@ -195,6 +275,59 @@ mod tests {
             "4.6 \u{e9}",
         ] {
             assert!(!has_numbers(version), "{version}");
+        }
+    }
+
+    /// Protects finding the place of an error in the logs of all drivers.
+    #[test]
+    fn errors_are_found_in_every_known_form() {
+        let log = "2:3(1): warning: 'x' is never used\n2:12(5): error: `foo' undeclared\n\
+            2(13) : error C1008: undefined variable \"bar\"\n2(14) : warning C7011: implicit\n\
+            ERROR: 4:15: 'baz' : undeclared identifier\nsome more";
+        let expected = [
+            (2, 12, "'foo' undeclared"),
+            (2, 13, "undefined variable \"bar\""),
+            (4, 15, "'baz' : undeclared identifier"),
+        ];
+        let errors = log_errors(log);
+        let found: Vec<_> = errors
+            .iter()
+            .map(|e| (e.file, e.line, e.message.as_str()))
+            .collect();
+        assert_eq!(found, expected);
+    }
+
+    /// Protects recognising a software renderer by its name, which decides on wall clock or timer query, goldens or
+    /// tolerances.
+    #[test]
+    fn software_renderers_are_known_by_name() {
+        for software in [
+            "llvmpipe (LLVM 15.0.6, 256 bits)",
+            "zink (llvmpipe (LLVM 15.0.6, 256 bits))",
+            "zink Vulkan 1.3(llvmpipe (LLVM 19.1.7, 256 bits) (MESA_LLVMPIPE))",
+            "virgl (LLVMPIPE (LLVM 15.0.6, 256 bits))",
+            "softpipe",
+            "SWR (LLVM 10.0, AVX2)",
+            "Software Rasterizer",
+            "Google SwiftShader",
+            "ANGLE (Google, Vulkan 1.3.0 (SwiftShader Device (Subzero)), SwiftShader driver)",
+            "ANGLE (Microsoft, Microsoft Basic Render Driver Direct3D11 vs_5_0 ps_5_0)",
+            "D3D12 (Microsoft Basic Render Driver)",
+            "Apple Software Renderer",
+            "GDI Generic",
+        ] {
+            assert!(is_software(software), "{software}");
+        }
+        for hardware in [
+            "NVIDIA H200/PCIe/SSE2",
+            "Mesa Intel(R) UHD Graphics 620 (KBL GT2)",
+            "AMD Radeon RX 6800 (radeonsi, navi21, LLVM 15.0.6, DRM 3.49)",
+            "zink Vulkan 1.3(NVIDIA GeForce RTX 4090 (NVIDIA_PROPRIETARY))",
+            "virgl (AMD Radeon RX 6800 (radeonsi, navi21))",
+            "Apple M2 Pro",
+            "ANGLE (Intel, Intel(R) UHD Graphics 620 Direct3D11 vs_5_0 ps_5_0, D3D11)",
+        ] {
+            assert!(!is_software(hardware), "{hardware}");
         }
     }
 }

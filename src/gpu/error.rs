@@ -1,6 +1,45 @@
-//! Errors between the program and the graphics driver.
+//! The ways to reach OpenGL, and the errors on the way.
 
-use super::Api;
+use std::fmt;
+use std::str::FromStr;
+
+/// A way to reach OpenGL: which library makes the context, and which language the shaders are in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Api {
+    /// OpenGL 3.3 core through EGL.
+    #[default]
+    Gl,
+    /// OpenGL ES 3.0 with `EXT_color_buffer_float` through EGL.
+    Gles,
+    /// OpenGL 3.3 core through Mesa's off-screen library, on the processor; needs no EGL, device or display.
+    OsMesa,
+}
+
+impl Api {
+    /// All APIs, in order of preference.
+    pub const ALL: [Api; 3] = [Api::Gl, Api::Gles, Api::OsMesa];
+}
+
+impl fmt::Display for Api {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Api::Gl => "gl",
+            Api::Gles => "gles",
+            Api::OsMesa => "osmesa",
+        })
+    }
+}
+
+impl FromStr for Api {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, Self::Err> {
+        Api::ALL
+            .into_iter()
+            .find(|api| api.to_string() == name)
+            .ok_or_else(|| format!("there is no GL API \"{name}\": use gl, gles or osmesa"))
+    }
+}
 
 /// Error between the program and the graphics driver. Sizes are in texels unless stated otherwise.
 #[derive(Debug, thiserror::Error)]
@@ -162,6 +201,27 @@ pub enum GpuError {
 }
 
 impl GpuError {
+    /// The error of a context of this API that cannot be made.
+    pub(super) fn no_context(api: Api, reason: impl ToString) -> GpuError {
+        let reason = reason.to_string();
+        GpuError::NoContext { api, reason }
+    }
+
+    /// The error of a context that is lost.
+    pub(super) fn lost(reason: impl Into<String>) -> GpuError {
+        let reason = reason.into();
+        GpuError::ContextLost { reason }
+    }
+
+    /// The error of something that GL cannot create, from GL's reason.
+    pub(super) fn not_created(what: impl Into<String>) -> impl Fn(String) -> GpuError {
+        let what = what.into();
+        move |code| GpuError::Gl {
+            what: what.clone(),
+            code,
+        }
+    }
+
     /// Whether the cause is the user's request rather than the machine or the program: a GPU that does not exist, or a
     /// texture of an impossible size.
     pub fn is_bad_input(&self) -> bool {
@@ -187,5 +247,19 @@ pub(super) fn code_name(code: u32) -> String {
         glow::STACK_UNDERFLOW => "GL_STACK_UNDERFLOW".into(),
         glow::CONTEXT_LOST => "GL_CONTEXT_LOST".into(),
         other => format!("GL error 0x{other:04X}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects the API names: the command line accepts the names that are printed.
+    #[test]
+    fn names_read_back() {
+        for api in Api::ALL {
+            assert_eq!(api.to_string().parse(), Ok(api));
+        }
+        assert!("vulkan".parse::<Api>().unwrap_err().contains("osmesa"));
     }
 }

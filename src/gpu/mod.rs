@@ -34,40 +34,27 @@
 // call it again after anything that used (or dropped) another context.
 #![deny(clippy::undocumented_unsafe_blocks)]
 
-mod api;
 mod async_read;
 mod backend;
-mod bytes;
 mod caller_context;
 mod caller_state;
 mod context;
-#[cfg_attr(target_arch = "wasm32", path = "web_current.rs")]
+#[cfg(not(target_arch = "wasm32"))]
 mod current;
 mod data_list;
-mod data_texture;
 #[cfg(not(target_arch = "wasm32"))]
 mod devices;
 mod driver;
 #[cfg(all(unix, not(target_os = "macos")))]
 mod egl;
-mod entered;
 mod error;
 #[cfg(not(target_arch = "wasm32"))]
-mod glutin_context;
-mod log;
-#[cfg(not(target_arch = "wasm32"))]
 mod osmesa;
-mod pass;
 #[cfg(any(test, feature = "picture"))]
 mod picture;
-mod ping_pong;
 mod program;
-mod program_cache;
 mod render_target;
-mod software;
-mod texel_buffer;
 mod texture;
-mod texture_units;
 mod timer;
 #[cfg(target_arch = "wasm32")]
 mod web;
@@ -77,44 +64,37 @@ mod window;
 // The system's library for contexts without a window.
 #[cfg(target_os = "macos")]
 mod cgl;
-#[cfg(any(windows, target_os = "macos"))]
-mod only_place;
 #[cfg(windows)]
 mod wgl;
 #[cfg(target_os = "macos")]
 use cgl as native;
 #[cfg(all(unix, not(target_os = "macos")))]
 use egl as native;
+#[cfg(target_arch = "wasm32")]
+use web as current;
 #[cfg(windows)]
 use wgl as native;
 
-pub use api::Api;
 pub(crate) use async_read::AsyncRead;
 pub use caller_context::{MakeCurrent, SwitchContext};
 pub use context::{Context, ContextOptions};
-pub(crate) use data_list::DataList;
-pub(crate) use data_texture::DataTexture;
+pub(crate) use data_list::{DataList, DataTexture};
 #[cfg(not(target_arch = "wasm32"))]
 pub use devices::{GpuInfo, Renderer, list_gpus};
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) use driver::Limits;
-pub use error::GpuError;
+pub(crate) use driver::log_errors;
+pub use error::{Api, GpuError};
 /// The functions of OpenGL, in the version that [`Context::from_glow`] takes.
 pub use glow;
-pub(crate) use log::log_errors;
-#[doc(hidden)]
-pub use pass::{Target, full_screen_pass, full_screen_pass_rows};
 #[cfg(any(test, feature = "picture"))]
 #[doc(hidden)]
 pub use picture::Picture;
-pub(crate) use ping_pong::{PingPong, TexturePair};
 #[doc(hidden)]
-pub use program::Program;
+pub use program::{Program, ProgramCache, header};
+pub(crate) use render_target::{PingPong, RenderTarget, TexturePair};
 #[doc(hidden)]
-pub use program::header;
-#[doc(hidden)]
-pub use program_cache::ProgramCache;
-pub(crate) use render_target::RenderTarget;
+pub use render_target::{Target, full_screen_pass, full_screen_pass_rows};
 pub(crate) use texture::Texture;
 #[doc(hidden)]
 pub use timer::GpuTimer;

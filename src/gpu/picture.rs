@@ -1,9 +1,8 @@
 //! A render target with eight bits per channel, for pictures.
 
-use glow::{HasContext, PixelPackData};
+use glow::HasContext;
 
-use super::pass::Target;
-use super::render_target::check_complete;
+use super::render_target::{Target, check_complete, read_rgba8};
 use super::texture::check_size;
 use super::{Context, GpuError};
 
@@ -26,18 +25,15 @@ impl Picture {
     /// The errors of [`Texture::new`](super::Texture::new); 4 bytes per pixel.
     pub fn new(context: &Context, width: u32, height: u32) -> Result<Picture, GpuError> {
         check_size(context, width, height)?;
-        let failed = |code: String| GpuError::Gl {
-            what: "a picture".into(),
-            code,
-        };
+        let failed = GpuError::not_created("a picture");
         let gl = context.gl();
         // SAFETY: the context is current.
-        let framebuffer = unsafe { gl.create_framebuffer() }.map_err(failed)?;
+        let framebuffer = unsafe { gl.create_framebuffer() }.map_err(&failed)?;
         // SAFETY: the context is current; the framebuffer is deleted if its renderbuffer cannot be created.
         let pixels = unsafe {
             gl.create_renderbuffer()
                 .inspect_err(|_| gl.delete_framebuffer(framebuffer))
-                .map_err(failed)?
+                .map_err(&failed)?
         };
         let picture = Picture {
             context: context.clone(),
@@ -105,27 +101,14 @@ impl Picture {
     /// # Errors
     /// What GL reports.
     pub fn read_rgba8(&self) -> Result<Vec<u8>, GpuError> {
-        let row = 4 * self.width as usize;
-        let mut pixels = vec![0; row * self.height as usize];
-        let gl = self.context.gl();
-        // SAFETY: the context is current, and the slice has room for all pixels; rows of 4 bytes per pixel need no
-        // padding.
-        unsafe {
-            gl.bind_framebuffer(glow::READ_FRAMEBUFFER, Some(self.framebuffer));
-            gl.read_buffer(glow::COLOR_ATTACHMENT0);
-            let slice = PixelPackData::Slice(Some(&mut pixels));
-            gl.read_pixels(
-                0,
-                0,
-                self.width as i32,
-                self.height as i32,
-                glow::RGBA,
-                glow::UNSIGNED_BYTE,
-                slice,
-            );
-        }
-        self.context.check("the read-back of a picture")?;
-        Ok(pixels.rchunks_exact(row).flatten().copied().collect())
+        let framebuffer = Some(self.framebuffer);
+        read_rgba8(
+            &self.context,
+            framebuffer,
+            self.width,
+            self.height,
+            "a picture",
+        )
     }
 }
 

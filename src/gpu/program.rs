@@ -1,6 +1,8 @@
-//! Shader programs and their uniforms.
+//! Shader programs with their uniforms, and a cache of compiled ones.
 
 use std::collections::HashMap;
+use std::num::NonZeroUsize;
+use std::rc::Rc;
 
 use glam::{Vec3, Vec4};
 use glow::HasContext;
@@ -45,10 +47,7 @@ impl Program {
     /// [`GpuError::Compile`] and [`GpuError::Link`] with the driver's log.
     pub fn fragment(context: &Context, label: &str, body: &str) -> Result<Program, GpuError> {
         let gl = context.gl();
-        let failed = |code: String| GpuError::Gl {
-            what: format!("the program \"{label}\""),
-            code,
-        };
+        let failed = GpuError::not_created(format!("the program \"{label}\""));
         // SAFETY: the context is current.
         let program = unsafe { gl.create_program() }.map_err(failed)?;
         let mut program = Program {
@@ -100,49 +99,43 @@ impl Program {
     pub fn set_i32(&self, name: &str, value: i32) {
         // SAFETY: `set` has made the context and the program current, and the location is the program's own; the same
         // holds for all setters below.
-        self.set(name, |gl, location| unsafe {
-            gl.uniform_1_i32(Some(location), value)
-        });
+        self.set(name, |gl, at| unsafe { gl.uniform_1_i32(at, value) });
     }
 
     /// Sets a `uint`.
     pub fn set_u32(&self, name: &str, value: u32) {
         // SAFETY: as in set_i32.
-        self.set(name, |gl, location| unsafe {
-            gl.uniform_1_u32(Some(location), value)
-        });
+        self.set(name, |gl, at| unsafe { gl.uniform_1_u32(at, value) });
     }
 
     /// Sets a `float`.
     pub fn set_f32(&self, name: &str, value: f32) {
         // SAFETY: as in set_i32.
-        self.set(name, |gl, location| unsafe {
-            gl.uniform_1_f32(Some(location), value)
-        });
+        self.set(name, |gl, at| unsafe { gl.uniform_1_f32(at, value) });
     }
 
     /// Sets a `vec2`.
     #[cfg(any(test, feature = "picture"))]
     pub fn set_vec2(&self, name: &str, value: glam::Vec2) {
         // SAFETY: as in set_i32.
-        self.set(name, |gl, location| unsafe {
-            gl.uniform_2_f32(Some(location), value.x, value.y)
+        self.set(name, |gl, at| unsafe {
+            gl.uniform_2_f32(at, value.x, value.y)
         });
     }
 
     /// Sets a `vec3`.
     pub fn set_vec3(&self, name: &str, value: Vec3) {
         // SAFETY: as in set_i32.
-        self.set(name, |gl, location| unsafe {
-            gl.uniform_3_f32(Some(location), value.x, value.y, value.z)
+        self.set(name, |gl, at| unsafe {
+            gl.uniform_3_f32(at, value.x, value.y, value.z)
         });
     }
 
     /// Sets a `vec4`.
     pub fn set_vec4(&self, name: &str, value: Vec4) {
         // SAFETY: as in set_i32.
-        self.set(name, |gl, location| unsafe {
-            gl.uniform_4_f32(Some(location), value.x, value.y, value.z, value.w)
+        self.set(name, |gl, at| unsafe {
+            gl.uniform_4_f32(at, value.x, value.y, value.z, value.w)
         });
     }
 
@@ -154,8 +147,8 @@ impl Program {
         }
         let floats: Vec<f32> = values.iter().flat_map(|value| value.to_array()).collect();
         // SAFETY: as in set_i32; GL ignores elements beyond the end.
-        self.set(name, |gl, location| unsafe {
-            gl.uniform_4_f32_slice(Some(location), &floats)
+        self.set(name, |gl, at| unsafe {
+            gl.uniform_4_f32_slice(at, &floats)
         });
     }
 
@@ -182,8 +175,9 @@ impl Program {
         &self.context
     }
 
-    fn set(&self, name: &str, assign: impl FnOnce(&glow::Context, &glow::UniformLocation)) {
-        if let Some(location) = self.uniforms.get(name) {
+    fn set(&self, name: &str, assign: impl FnOnce(&glow::Context, Option<&glow::UniformLocation>)) {
+        let location = self.uniforms.get(name);
+        if location.is_some() {
             let gl = self.context.gl();
             // SAFETY: the context is current, and the program its own.
             unsafe { gl.use_program(Some(self.program)) };
@@ -235,10 +229,7 @@ impl<'a> Shader<'a> {
         body: &str,
     ) -> Result<Shader<'a>, GpuError> {
         let gl = context.gl();
-        let failed = |code: String| GpuError::Gl {
-            what: format!("the shader \"{label}\""),
-            code,
-        };
+        let failed = GpuError::not_created(format!("the shader \"{label}\""));
         // SAFETY: the context is current.
         let shader = unsafe { gl.create_shader(kind) }.map_err(failed)?;
         let shader = Shader { context, shader };
@@ -268,5 +259,107 @@ impl Drop for Shader<'_> {
         // SAFETY: the context is current, and the shader its own and not used again.
         self.context
             .free(|gl| unsafe { gl.delete_shader(self.shader) });
+    }
+}
+
+/// Programs by the key that determines their text. When the cache is full, the least recently used one is dropped,
+/// which bounds the number kept during a walk through many scenes.
+#[derive(Debug)]
+pub struct ProgramCache<K: Eq> {
+    /// The most recently used one last: with so few of them, a search costs less than a map.
+    kept: Vec<(K, Rc<Program>)>,
+    most: usize,
+    compiled: usize,
+}
+
+impl<K: Eq> ProgramCache<K> {
+    /// Creates an empty cache for at most `most` programs.
+    pub fn new(most: NonZeroUsize) -> ProgramCache<K> {
+        ProgramCache {
+            kept: Vec::new(),
+            most: most.get(),
+            compiled: 0,
+        }
+    }
+
+    /// Returns the program cached for `key`, or compiles and caches it.
+    ///
+    /// # Errors
+    /// The errors of `compile`; then the cache is unchanged.
+    pub fn get_or_compile<E>(
+        &mut self,
+        key: K,
+        compile: impl FnOnce() -> Result<Program, E>,
+    ) -> Result<Rc<Program>, E> {
+        if let Some(at) = self.kept.iter().position(|(known, _)| *known == key) {
+            self.kept[at..].rotate_left(1);
+        } else {
+            let program = Rc::new(compile()?);
+            self.compiled += 1;
+            if self.kept.len() == self.most {
+                self.kept.remove(0);
+            }
+            self.kept.push((key, program));
+        }
+        Ok(self.kept[self.kept.len() - 1].1.clone())
+    }
+
+    /// Total number of programs compiled, including those dropped since.
+    pub fn compiled(&self) -> usize {
+        self.compiled
+    }
+
+    /// Number of programs in the cache.
+    #[cfg(test)]
+    pub fn kept(&self) -> usize {
+        self.kept.len()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::ContextOptions;
+
+    const TWO: NonZeroUsize = NonZeroUsize::new(2).unwrap();
+
+    /// Protects long walks through many scenes: unused programs are dropped, used ones stay.
+    #[test]
+    fn the_program_unused_longest_goes() {
+        let context = Context::headless(&ContextOptions::default()).unwrap();
+        let mut cache = ProgramCache::new(TWO);
+        let mut ask = |name: &'static str| {
+            let text = "out vec4 colour; void main() { colour = vec4(1.0); }";
+            let compile = || Program::fragment(&context, name, text);
+            let program = cache.get_or_compile(name, compile).unwrap();
+            (program, cache.compiled(), cache.kept())
+        };
+        let (first, ..) = ask("first");
+        let (second, ..) = ask("second");
+        assert!(Rc::ptr_eq(&ask("first").0, &first));
+        let (_, compiled, kept) = ask("third");
+        assert_eq!((compiled, kept), (3, 2));
+        assert!(Rc::ptr_eq(&ask("first").0, &first));
+        // Other holders of the program can still draw with it.
+        assert_eq!(second.label(), "second");
+        assert!(!Rc::ptr_eq(&ask("second").0, &second));
+        assert_eq!(ask("second").1, 4);
+    }
+
+    /// Protects cached programs from a scene that does not compile.
+    #[test]
+    fn what_does_not_compile_drives_nothing_out() {
+        let context = Context::headless(&ContextOptions::default()).unwrap();
+        let mut cache = ProgramCache::new(TWO);
+        let good = "out vec4 colour; void main() { colour = vec4(1.0); }";
+        for (name, text) in [("a", good), ("b", good), ("c", "void main() { no }")] {
+            let compile = || Program::fragment(&context, name, text);
+            let made = cache.get_or_compile(name, compile);
+            assert_eq!(made.is_ok(), text == good);
+        }
+        assert_eq!((cache.compiled(), cache.kept()), (2, 2));
+        let never = || -> Result<Program, GpuError> { panic!("it is kept") };
+        cache.get_or_compile("a", never).unwrap();
+        cache.get_or_compile("b", never).unwrap();
     }
 }

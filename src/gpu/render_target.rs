@@ -1,9 +1,97 @@
-//! Textures that a pass writes to, and reading them back.
+//! Textures that passes write to, alone, in pairs and in turn; reading them back; and full-screen passes.
+
+use std::ops::Range;
 
 use glow::{HasContext, PixelPackData};
 
-use super::pass::Target;
-use super::{Context, GpuError, Texture, bytes};
+use super::texture::of_floats_mut;
+use super::{Context, GpuError, Program, Texture};
+
+/// A framebuffer that a pass can draw into.
+pub trait Target {
+    /// GL's name for the framebuffer in the context that draws the pass; `None` is a window's framebuffer.
+    fn framebuffer(&self) -> Option<glow::Framebuffer>;
+}
+
+/// Runs the program once for each texel of the lower left `width` × `height` texels of the target, where
+/// `gl_FragCoord.xy` is the texel's index plus a half. Uses the uniforms and textures set last. Returns before the
+/// drawing is done.
+///
+/// A texture that the program reads must not be one that the target writes to.
+///
+/// # Errors
+/// What GL reports, in debug builds: see [`Context::debug_check`].
+pub fn full_screen_pass(
+    context: &Context,
+    program: &Program,
+    target: &impl Target,
+    width: u32,
+    height: u32,
+) -> Result<(), GpuError> {
+    prepare(context, program, target, width, height);
+    draw(context, program)
+}
+
+/// [`full_screen_pass`] for a band of rows, so that a large pass can be drawn in parts: the system may stop a single
+/// draw call that takes a graphics card several seconds. Rows from `height` on are left out.
+///
+/// # Errors
+/// What GL reports, in debug builds: see [`Context::debug_check`].
+pub fn full_screen_pass_rows(
+    context: &Context,
+    program: &Program,
+    target: &impl Target,
+    width: u32,
+    height: u32,
+    rows: Range<u32>,
+) -> Result<(), GpuError> {
+    let end = rows.end.min(height);
+    if rows.start >= end {
+        return Ok(());
+    }
+    prepare(context, program, target, width, height);
+    context.set_scissor(0, rows.start, width, end - rows.start);
+    context.set_scissor_test(true);
+    let drawn = draw(context, program);
+    context.set_scissor_test(false);
+    // SAFETY: the context is current. The flush keeps a driver from submitting several bands as one piece of work.
+    unsafe { context.gl().flush() };
+    drawn
+}
+
+/// Sets all the state that a pass depends on, regardless of earlier drawing.
+fn prepare(context: &Context, program: &Program, target: &impl Target, width: u32, height: u32) {
+    debug_assert!(
+        context.is_same(program.context()),
+        "program \"{}\" is of another context",
+        program.label()
+    );
+    context.set_viewport(width, height);
+    context.set_scissor_test(false);
+    let gl = context.gl();
+    // SAFETY: the context is current, and program, framebuffer and vertex array its own.
+    unsafe {
+        gl.bind_framebuffer(glow::FRAMEBUFFER, target.framebuffer());
+        for test in [
+            glow::DEPTH_TEST,
+            glow::STENCIL_TEST,
+            glow::BLEND,
+            glow::DITHER,
+            glow::CULL_FACE,
+        ] {
+            gl.disable(test);
+        }
+        gl.color_mask(true, true, true, true);
+        gl.bind_vertex_array(Some(context.vertex_array()));
+        gl.use_program(Some(program.raw()));
+    }
+}
+
+fn draw(context: &Context, program: &Program) -> Result<(), GpuError> {
+    // SAFETY: the context is current; the vertex shader reads no attribute.
+    unsafe { context.gl().draw_arrays(glow::TRIANGLES, 0, 3) };
+    context.debug_check(program.label())
+}
 
 /// A framebuffer over one or more textures of one size (every driver allows four): output 0 of the fragment shader goes
 /// to the first texture, and so on.
@@ -46,10 +134,8 @@ impl RenderTarget {
         }
         let gl = context.gl();
         // SAFETY: the context is current.
-        let framebuffer = unsafe { gl.create_framebuffer() }.map_err(|code| GpuError::Gl {
-            what: "a framebuffer".into(),
-            code,
-        })?;
+        let framebuffer =
+            unsafe { gl.create_framebuffer() }.map_err(GpuError::not_created("a framebuffer"))?;
         let target = RenderTarget {
             context: context.clone(),
             framebuffer,
@@ -116,7 +202,7 @@ impl RenderTarget {
         // SAFETY: the context is current, and the slice has room for exactly the requested texels; rows of 16 bytes per
         // texel need no padding.
         unsafe {
-            let slice = PixelPackData::Slice(Some(bytes::of_floats_mut(texels)));
+            let slice = PixelPackData::Slice(Some(of_floats_mut(texels)));
             gl.read_pixels(
                 0,
                 0,
@@ -171,6 +257,38 @@ impl Drop for RenderTarget {
     }
 }
 
+/// Reads the pixels of a framebuffer, or of a window: four bytes each, the top row (the highest `gl_FragCoord.y`)
+/// first, as in image files. Waits for the drawing before it.
+#[cfg(any(test, feature = "picture", feature = "window"))]
+pub(super) fn read_rgba8(
+    context: &Context,
+    framebuffer: Option<glow::Framebuffer>,
+    width: u32,
+    height: u32,
+    what: &str,
+) -> Result<Vec<u8>, GpuError> {
+    let row = 4 * width as usize;
+    let mut pixels = vec![0; row * height as usize];
+    if pixels.is_empty() {
+        return Ok(pixels);
+    }
+    let gl = context.gl();
+    let source = match framebuffer {
+        Some(_) => glow::COLOR_ATTACHMENT0,
+        None => glow::BACK,
+    };
+    // SAFETY: the context is current, and the slice has room for all pixels; rows of 4 bytes per pixel need no padding.
+    unsafe {
+        gl.bind_framebuffer(glow::READ_FRAMEBUFFER, framebuffer);
+        gl.read_buffer(source);
+        let slice = PixelPackData::Slice(Some(&mut pixels));
+        let (width, height) = (width as i32, height as i32);
+        gl.read_pixels(0, 0, width, height, glow::RGBA, glow::UNSIGNED_BYTE, slice);
+    }
+    context.check(&format!("the read-back of {what}"))?;
+    Ok(pixels.rchunks_exact(row).flatten().copied().collect())
+}
+
 /// Checks that the bound framebuffer can be drawn into.
 pub(super) fn check_complete(context: &Context) -> Result<(), GpuError> {
     // SAFETY: the context is current.
@@ -190,4 +308,74 @@ pub(super) fn check_complete(context: &Context) -> Result<(), GpuError> {
         other => format!("status 0x{other:04X}"),
     };
     Err(GpuError::IncompleteFramebuffer { reason })
+}
+
+/// Two textures of one size, and the target that writes both: eight floats per element.
+#[derive(Debug)]
+pub struct TexturePair {
+    /// Output 0 of the fragment shader.
+    pub first: Texture,
+    /// Output 1 of the fragment shader.
+    pub second: Texture,
+    /// Writes to both, and reads both back: attachments 0 and 1.
+    pub target: RenderTarget,
+}
+
+impl TexturePair {
+    /// Creates a pair of `width` × `height` texels each, with undefined values.
+    ///
+    /// # Errors
+    /// The errors of [`Texture::new`] and [`RenderTarget::new`].
+    pub fn new(context: &Context, width: u32, height: u32) -> Result<TexturePair, GpuError> {
+        let first = Texture::new(context, width, height)?;
+        let second = Texture::new(context, width, height)?;
+        let target = RenderTarget::new(context, &[&first, &second])?;
+        Ok(TexturePair {
+            first,
+            second,
+            target,
+        })
+    }
+}
+
+impl Target for TexturePair {
+    fn framebuffer(&self) -> Option<glow::Framebuffer> {
+        self.target.framebuffer()
+    }
+}
+
+/// Two texture pairs: a pass reads the current one and writes to the next, then they [`flip`](PingPong::flip).
+#[derive(Debug)]
+pub struct PingPong {
+    pairs: [TexturePair; 2],
+    current: usize,
+}
+
+impl PingPong {
+    /// Creates two pairs of `width` × `height` texels: 64 bytes per texel in total.
+    ///
+    /// # Errors
+    /// The errors of [`TexturePair::new`].
+    pub fn new(context: &Context, width: u32, height: u32) -> Result<PingPong, GpuError> {
+        let pairs = [
+            TexturePair::new(context, width, height)?,
+            TexturePair::new(context, width, height)?,
+        ];
+        Ok(PingPong { pairs, current: 0 })
+    }
+
+    /// The pair to read from.
+    pub fn current(&self) -> &TexturePair {
+        &self.pairs[self.current]
+    }
+
+    /// The pair to write to.
+    pub fn next(&self) -> &TexturePair {
+        &self.pairs[1 - self.current]
+    }
+
+    /// Makes the pair just written the current one.
+    pub fn flip(&mut self) {
+        self.current = 1 - self.current;
+    }
 }

@@ -1,9 +1,11 @@
-//! Textures of four 32-bit floats per texel.
+//! Textures of four 32-bit floats per texel, the units that they are bound to, and the bytes that GL takes and returns.
+
+use std::borrow::Cow;
 
 use glow::{HasContext, PixelUnpackData};
 
-use super::texture_units::{self, SCRATCH_UNIT};
-use super::{Context, GpuError, bytes};
+use super::caller_state::{SCRATCH_UNIT, UNITS};
+use super::{Context, GpuError};
 
 /// A texture of four 32-bit floats per texel (RGBA32F), read without filtering and clamped to its edge.
 ///
@@ -25,10 +27,7 @@ impl Texture {
         check_size(context, width, height)?;
         let gl = context.gl();
         // SAFETY: the context is current.
-        let texture = unsafe { gl.create_texture() }.map_err(|code| GpuError::Gl {
-            what: "a texture".into(),
-            code,
-        })?;
+        let texture = unsafe { gl.create_texture() }.map_err(GpuError::not_created("a texture"))?;
         let texture = Texture {
             context: context.clone(),
             texture,
@@ -87,7 +86,7 @@ impl Texture {
                 self.height as i32,
                 glow::RGBA,
                 glow::FLOAT,
-                PixelUnpackData::Slice(Some(bytes::of_floats(texels))),
+                PixelUnpackData::Slice(Some(of_floats(texels))),
             );
         }
         self.context.check("the upload of a texture")
@@ -110,7 +109,7 @@ impl Texture {
 
     /// Binds the texture to a unit.
     pub(super) fn bind(&self, unit: u32) {
-        texture_units::bind(self.context.gl(), unit, glow::TEXTURE_2D, self.texture);
+        bind(self.context.gl(), unit, glow::TEXTURE_2D, self.texture);
     }
 }
 
@@ -135,5 +134,64 @@ pub(super) fn check_size(context: &Context, width: u32, height: u32) -> Result<(
         })
     } else {
         Ok(())
+    }
+}
+
+/// Binds a texture of the context to a unit.
+pub(super) fn bind(gl: &glow::Context, unit: u32, target: u32, texture: glow::Texture) {
+    debug_assert!(
+        UNITS.contains(&unit),
+        "unit {unit} of a caller is not put back"
+    );
+    // SAFETY: the context is current, and the texture its own and of that target.
+    unsafe {
+        gl.active_texture(glow::TEXTURE0 + unit);
+        gl.bind_texture(target, Some(texture));
+    }
+}
+
+/// The floats as bytes in memory order.
+pub(super) fn of_floats(floats: &[f32]) -> &[u8] {
+    // SAFETY: f32 has no padding, u8 needs no alignment, and the length in bytes is that of the same slice.
+    unsafe { std::slice::from_raw_parts(floats.as_ptr().cast(), size_of_val(floats)) }
+}
+
+/// The floats as mutable bytes.
+pub(super) fn of_floats_mut(floats: &mut [f32]) -> &mut [u8] {
+    // SAFETY: as above; in addition, every bit pattern is a valid f32, so any bytes may be written.
+    unsafe { std::slice::from_raw_parts_mut(floats.as_mut_ptr().cast(), size_of_val(floats)) }
+}
+
+/// Bytes in memory order as floats, without the incomplete float at the end; copied if the bytes are not aligned for
+/// floats.
+pub(super) fn as_floats(bytes: &[u8]) -> Cow<'_, [f32]> {
+    // SAFETY: every bit pattern is a valid f32.
+    match unsafe { bytes.align_to::<f32>() } {
+        ([], floats, _) => Cow::Borrowed(floats),
+        _ => bytes
+            .as_chunks()
+            .0
+            .iter()
+            .map(|four| f32::from_ne_bytes(*four))
+            .collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects read-backs with drivers that map a buffer at any address.
+    #[test]
+    fn bytes_at_any_address_are_the_same_floats() {
+        let floats = [1.5_f32, -2.0, 1e30];
+        let aligned = as_floats(of_floats(&floats));
+        assert!(matches!(aligned, Cow::Borrowed(_)));
+        let mut shifted = [0; 16];
+        let start = usize::from(shifted.as_ptr().addr() % 4 == 0);
+        shifted[start..start + 12].copy_from_slice(of_floats(&floats));
+        let unaligned = as_floats(&shifted[start..start + 12]);
+        assert!(matches!(unaligned, Cow::Owned(_)));
+        assert_eq!((&aligned[..], &unaligned[..]), (&floats[..], &floats[..]));
     }
 }

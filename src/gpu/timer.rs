@@ -76,10 +76,8 @@ impl GpuTimer {
         if self.used == self.queries.len() {
             // SAFETY: the context is current.
             let query = unsafe { self.context.gl().create_query() };
-            self.queries.push(query.map_err(|code| GpuError::Gl {
-                what: "a timestamp query".into(),
-                code,
-            })?);
+            self.queries
+                .push(query.map_err(GpuError::not_created("a timestamp query"))?);
         }
         let query = self.queries[self.used];
         // SAFETY: the context is current, and the query its own.

@@ -2,15 +2,15 @@
 //!
 //! WebGL 2 is OpenGL ES 3.0 without some calls: buffers cannot be mapped, fences cannot be waited for, and reading
 //! texels is the only way to wait for the drawing ([`platform`](crate::platform)).
-
-use std::ffi::{CStr, c_void};
-use std::ptr;
-use std::rc::Rc;
-
-use web_sys::WebGl2RenderingContext;
+//!
+//! Each context of a browser is always current, so the functions of `current` do nothing here.
 
 use super::backend::Backend;
 use super::{Api, Context, GpuError};
+use std::ffi::{CStr, c_void};
+use std::ptr;
+use std::rc::Rc;
+use web_sys::WebGl2RenderingContext;
 
 /// The extension that reports the device's name.
 const RENDERER_INFO: &str = "WEBGL_debug_renderer_info";
@@ -62,4 +62,27 @@ impl Backend for Page {
     fn proc_address(&self, _name: &CStr) -> *const c_void {
         ptr::null()
     }
+}
+
+/// Makes the context current.
+///
+/// # Errors
+/// The backend's answer.
+pub(super) fn make(context: &Rc<dyn Backend>) -> Result<(), String> {
+    context.make_current()
+}
+
+/// Does nothing: there is nothing to release.
+pub(super) fn release() {}
+
+/// Guard without effect: there is nothing to restore.
+#[must_use]
+pub(crate) struct Entered;
+
+/// Makes the context current.
+///
+/// # Errors
+/// The errors of [`make`].
+pub(super) fn enter(context: &Rc<dyn Backend>) -> Result<Entered, String> {
+    make(context).map(|()| Entered)
 }

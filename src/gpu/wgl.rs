@@ -25,11 +25,10 @@ use windows_sys::Win32::UI::WindowsAndMessaging::{
 };
 use windows_sys::w;
 
-use super::backend::Backend;
-use super::glutin_context::{GlutinContext, attributes, new_context, template};
 #[cfg(feature = "window")]
-pub(super) use super::only_place::prepare;
-pub(super) use super::only_place::{Place, places};
+pub(super) use super::backend::prepare;
+use super::backend::{Backend, GlutinContext, attributes, new_context, template};
+pub(super) use super::backend::{Place, places};
 use super::{Api, GpuError};
 
 /// Side of the hidden, unused window in pixels.
@@ -42,10 +41,7 @@ const SIDE: i32 = 1;
 pub(super) fn open(_: &Place, api: Api) -> Result<Rc<dyn Backend>, GpuError> {
     match create(api) {
         Ok(context) => Ok(Rc::new(context)),
-        Err(error) => Err(GpuError::NoContext {
-            api,
-            reason: error.to_string(),
-        }),
+        Err(error) => Err(GpuError::no_context(api, error)),
     }
 }
 

@@ -8,7 +8,7 @@ use std::num::NonZeroU32;
 use std::rc::Rc;
 use std::sync::Arc;
 
-use glow::{HasContext, PixelPackData};
+use glow::HasContext;
 use glutin::config::{Config, ConfigSurfaceTypes};
 use glutin::context::PossiblyCurrentContext;
 use glutin::display::{Display, DisplayApiPreference};
@@ -16,9 +16,9 @@ use glutin::prelude::*;
 use glutin::surface::{Surface, SurfaceAttributesBuilder, SwapInterval, WindowSurface};
 use raw_window_handle::{HasDisplayHandle, HasWindowHandle, RawDisplayHandle, RawWindowHandle};
 
-use super::backend::Backend;
+use super::backend::{Backend, attributes, new_context, template};
 use super::driver::load;
-use super::glutin_context::{attributes, new_context, template};
+use super::render_target::read_rgba8;
 use super::{Api, Context, GpuError, native};
 
 /// OpenGL of a display, and the matching kind of window. Field order matters: the connection to the display is dropped
@@ -198,22 +198,7 @@ impl WindowContext {
     /// # Errors
     /// What GL reports.
     pub fn read_rgba8(&self, width: u32, height: u32) -> Result<Vec<u8>, GpuError> {
-        let row = 4 * width as usize;
-        let mut pixels = vec![0; row * height as usize];
-        if pixels.is_empty() {
-            return Ok(pixels);
-        }
-        let gl = self.context.gl();
-        // SAFETY: the context is current, and the slice has room for all pixels.
-        unsafe {
-            gl.bind_framebuffer(glow::READ_FRAMEBUFFER, None);
-            gl.read_buffer(glow::BACK);
-            let slice = PixelPackData::Slice(Some(&mut pixels));
-            let (width, height) = (width as i32, height as i32);
-            gl.read_pixels(0, 0, width, height, glow::RGBA, glow::UNSIGNED_BYTE, slice);
-        }
-        self.context.check("the read-back of a window")?;
-        Ok(pixels.rchunks_exact(row).flatten().copied().collect())
+        read_rgba8(&self.context, None, width, height, "a window")
     }
 
     /// Shows what was drawn on the screen.
@@ -225,9 +210,7 @@ impl WindowContext {
         self.drawing
             .surface
             .swap_buffers(&self.drawing.context)
-            .map_err(|error| GpuError::ContextLost {
-                reason: error.to_string(),
-            })
+            .map_err(|error| GpuError::lost(error.to_string()))
     }
 }
 
@@ -258,8 +241,5 @@ fn at_least_one(side: u32) -> NonZeroU32 {
 }
 
 fn refused(reason: impl ToString) -> GpuError {
-    GpuError::NoContext {
-        api: Api::Gl,
-        reason: reason.to_string(),
-    }
+    GpuError::no_context(Api::Gl, reason)
 }

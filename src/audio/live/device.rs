@@ -1,7 +1,15 @@
-//! Output devices: listing, choosing and opening them.
+//! Output devices: listing, choosing and opening them, and waiting for a sound system that may never answer.
 
+#[cfg(target_os = "linux")]
+use std::ffi::c_char;
 use std::ops::RangeInclusive;
+#[cfg(target_os = "linux")]
+use std::sync::Once;
+use std::sync::atomic::{AtomicBool, Ordering::Acquire, Ordering::Release};
+use std::sync::mpsc::{self, RecvTimeoutError};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread;
+use std::time::{Duration, Instant};
 
 use cpal::traits::{DeviceTrait, HostTrait, StreamTrait};
 use cpal::{
@@ -11,7 +19,6 @@ use cpal::{
 
 use super::LiveError;
 use super::link::Link;
-use super::timeout::{ANSWER_LIMIT, within};
 use crate::audio::{SAMPLE_RATE, SAMPLE_RATES};
 
 /// An output device.
@@ -74,7 +81,7 @@ pub(super) fn forget_broken(error: &LiveError) {
 fn hush() {
     // If this fails the lines are shown, which is harmless.
     let _ = alsa::Output::local_error_handler();
-    super::jack::hush();
+    hush_jack();
 }
 
 #[cfg(not(target_os = "linux"))]
@@ -257,5 +264,146 @@ impl Found {
             device: self.name.clone(),
             reason: error.to_string(),
         }
+    }
+}
+
+/// A function that receives a message of JACK's client library.
+#[cfg(target_os = "linux")]
+type Told = extern "C" fn(*const c_char);
+
+#[cfg(target_os = "linux")]
+extern "C" fn forget(_: *const c_char) {}
+
+/// Discards the messages of JACK's client library, if that library is installed. ALSA still returns
+/// errors.
+///
+/// ALSA has a plugin that plays to JACK. When ALSA's devices are listed, the plugin looks for a server, and without one
+/// the library writes an error of about six lines to the standard error stream each time. The library offers two
+/// functions to redirect its messages.
+#[cfg(target_os = "linux")]
+fn hush_jack() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        // SAFETY: this is the library that ALSA's plugin would load, by the same name; its
+        // initialisers would run there as well.
+        let Ok(library) = (unsafe { libloading::Library::new("libjack.so.0") }) else {
+            return;
+        };
+        for name in [
+            b"jack_set_error_function\0" as &[u8],
+            b"jack_set_info_function\0",
+        ] {
+            // SAFETY: both are `void (void (*)(const char *))` since JACK 0.118, and the function
+            // passed to them may be called on any thread at any time: it does nothing.
+            unsafe {
+                if let Ok(set) = library.get::<unsafe extern "C" fn(Told)>(name) {
+                    set(forget);
+                }
+            }
+        }
+        // The library keeps a pointer to `forget`, and other libraries use the library.
+        std::mem::forget(library);
+    });
+}
+
+/// Maximum time to wait for a sound system.
+pub(super) const ANSWER_LIMIT: Duration = Duration::from_secs(5);
+
+/// Interval at which a waiting thread checks whether to give up.
+const GLANCE: Duration = Duration::from_millis(20);
+
+/// Whether a request is in progress. Only one request runs at a time, so that a sound system that
+/// hangs holds one thread and one connection, however many requests follow.
+static IS_PENDING: AtomicBool = AtomicBool::new(false);
+
+/// Ends the request when its thread ends, even by a panic.
+struct PendingRequest;
+
+impl PendingRequest {
+    /// `None` while another request is in progress.
+    fn begin() -> Option<Self> {
+        (!IS_PENDING.swap(true, Acquire)).then(|| Self)
+    }
+}
+
+impl Drop for PendingRequest {
+    fn drop(&mut self) {
+        IS_PENDING.store(false, Release);
+    }
+}
+
+/// Runs `work`, which calls the sound system, on a separate thread and waits for it up to a limit,
+/// or until `is_off`.
+///
+/// A later answer is dropped on that thread; until then no other request starts.
+pub(super) fn within<T: Send + 'static>(
+    limit: Duration,
+    is_off: impl Fn() -> bool,
+    work: impl FnOnce() -> T + Send + 'static,
+) -> Result<T, LiveError> {
+    let start = Instant::now();
+    let is_enough = || is_off() || start.elapsed() > limit;
+    let no_answer = LiveError::NoAnswer {
+        seconds: limit.as_secs(),
+    };
+    let request = loop {
+        match PendingRequest::begin() {
+            Some(request) => break request,
+            None if is_enough() => return Err(no_answer),
+            None => thread::sleep(GLANCE),
+        }
+    };
+    let (sender, receiver) = mpsc::channel();
+    spawn("echomarch-open", move || {
+        let answer = work();
+        drop(request);
+        // The receiver may be gone: the answer is then dropped.
+        let _ = sender.send(answer);
+    })?;
+    loop {
+        match receiver.recv_timeout(GLANCE) {
+            Ok(answer) => return Ok(answer),
+            Err(RecvTimeoutError::Disconnected) => return Err(LiveError::BrokenDown),
+            Err(RecvTimeoutError::Timeout) if is_enough() => return Err(no_answer),
+            Err(RecvTimeoutError::Timeout) => {}
+        }
+    }
+}
+
+/// Drops a value on a separate thread, since that may take long.
+pub(super) fn drop_elsewhere<T: Send + 'static>(value: T) {
+    // If the thread cannot start, the value is dropped with the closure, here.
+    let _ = spawn("echomarch-close", move || drop(value));
+}
+
+fn spawn(name: &str, work: impl FnOnce() + Send + 'static) -> Result<(), LiveError> {
+    let spawned = thread::Builder::new().name(name.to_owned()).spawn(work);
+    spawned.map_err(|source| LiveError::Thread { source })?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects a hanging sound system from repeated requests, each from another thread; and a
+    /// panic from being reported as a time-out. It is one test because all requests share one lock.
+    #[test]
+    fn one_request_at_a_time_and_a_panic_is_told() {
+        let (answer, hangs) = mpsc::channel::<()>();
+        let brief = Duration::from_millis(50);
+        let first = within(brief, || false, move || hangs.recv().is_ok());
+        assert!(matches!(first, Err(LiveError::NoAnswer { .. })));
+        let second = within(
+            brief,
+            || false,
+            || unreachable!("the first is still under way"),
+        );
+        assert!(matches!(second, Err(LiveError::NoAnswer { .. })));
+        answer.send(()).unwrap();
+        assert_eq!(within(ANSWER_LIMIT, || false, || 3).unwrap(), 3);
+        let panicked: Result<(), _> = within(ANSWER_LIMIT, || false, || panic!("on purpose"));
+        assert!(matches!(panicked, Err(LiveError::BrokenDown)));
+        assert_eq!(within(ANSWER_LIMIT, || false, || 4).unwrap(), 4);
     }
 }

@@ -1,4 +1,4 @@
-//! The stream callbacks of the sound system, which drive the renderer.
+//! The stream callbacks of the sound system, which drive the renderer, and the commands to the supervising thread.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
@@ -8,9 +8,28 @@ use std::time::{Duration, Instant};
 use cpal::{ErrorKind, FromSample, OutputCallbackInfo, Sample};
 use crossbeam_utils::atomic::AtomicCell;
 
-use super::command::Command;
 use super::renderer::Renderer;
 use super::shared::Shared;
+use crate::audio::{SoundSource, StereoSource};
+
+/// A command to the supervising thread.
+#[derive(Debug)]
+pub(super) enum Command {
+    /// Fade to another sound.
+    Sound(SoundSource),
+    /// Fade to a caller's own channels; `None` for the mono sound and its pan.
+    Stereo(Option<StereoSource>),
+    /// Play on another device.
+    Device(Option<String>),
+    /// Take the recording that waits in the state.
+    Record,
+    /// An event on another thread to report.
+    Notice(String),
+    /// A stream broke off.
+    Lost { generation: u64, reason: String },
+    /// End the thread.
+    Stop,
+}
 
 /// Holds the renderer while nothing plays: it outlives streams. Taking it and putting it back swap
 /// one pointer.

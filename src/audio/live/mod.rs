@@ -18,22 +18,16 @@
 //! # Ok::<(), echomarch::audio::AudioError>(())
 //! ```
 
-mod command;
 mod device;
 mod error;
-mod glide;
-#[cfg(target_os = "linux")]
-mod jack;
 mod link;
-mod meter;
 #[doc(hidden)]
 pub mod probe;
-mod program;
 mod recording;
 mod renderer;
 mod shared;
+mod stages;
 mod supervisor;
-mod timeout;
 
 pub use device::{DeviceInfo, list_devices};
 pub use error::LiveError;
@@ -44,7 +38,7 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::sync::{Arc, Mutex, mpsc};
 use std::thread::{self, JoinHandle};
 
-use self::command::Command;
+use self::link::Command;
 use self::recording::Recording;
 use self::shared::Shared;
 use self::supervisor::{Common, State, Supervisor, lock};

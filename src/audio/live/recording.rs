@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use rtrb::{Consumer, RingBuffer};
 
 use super::LiveError;
-use super::command::Command;
+use super::link::Command;
 use super::renderer::Tap;
 use crate::audio::{AudioError, WavWriter};
 

@@ -11,10 +11,8 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 use cpal::{FromSample, Sample};
 use rtrb::{Consumer, Producer, RingBuffer};
 
-use super::glide::Glide;
-use super::meter::Meter;
-use super::program::{Program, Programs};
-use super::shared::Shared;
+use super::shared::{Meter, Shared};
+use super::stages::{Glide, Program, Programs};
 use crate::audio::{Gains, Mixer, PanningLaw, Sound, StereoSignal};
 use crate::trace::Panning;
 

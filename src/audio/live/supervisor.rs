@@ -8,14 +8,12 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use super::LiveError;
-use super::command::Command;
-use super::device::{self, Found};
-use super::link::{Link, Slot};
-use super::program::Program;
+use super::device::{self, ANSWER_LIMIT, Found, drop_elsewhere, within};
+use super::link::{Command, Link, Slot};
 use super::recording::Recording;
 use super::renderer::{Message, Remote, Renderer, Tap};
 use super::shared::Shared;
-use super::timeout::{ANSWER_LIMIT, drop_elsewhere, within};
+use super::stages::Program;
 use crate::audio::{SAMPLE_RATE, Sound, SoundSource, StereoSource};
 
 /// Interval at which the thread checks the stream.
@@ -37,7 +35,7 @@ const FADE_OUT_LIMIT: Duration = Duration::from_millis(100);
 const FADE_OUT_GLANCE: Duration = Duration::from_millis(2);
 
 /// The supervisor's status; never locked by the callback.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct State {
     pub(super) device: Option<String>,
     pub(super) rate_hz: u32,
@@ -56,15 +54,8 @@ pub(super) struct State {
 impl State {
     pub(super) fn new() -> Self {
         Self {
-            device: None,
             rate_hz: SAMPLE_RATE,
-            restarts: 0,
-            losses: 0,
-            has_sound: false,
-            last_error: None,
-            notice: None,
-            recording: None,
-            dropped: 0,
+            ..Self::default()
         }
     }
 }

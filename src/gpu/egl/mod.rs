@@ -1,11 +1,10 @@
-//! Contexts without a window through EGL: on a device chosen by index, or on a display without a device if EGL lists
-//! none.
+//! EGL: its library, contexts without a window (on a device chosen by index, or on a display without a device if EGL
+//! lists none), and contexts that others made.
 
-mod foreign;
-mod library;
-mod plain;
-
+use std::ffi::{CStr, CString, c_void};
+use std::ptr;
 use std::rc::Rc;
+use std::sync::OnceLock;
 
 use glutin::api::egl::context::PossiblyCurrentContext;
 use glutin::api::egl::device::Device;
@@ -13,12 +12,14 @@ use glutin::api::egl::display::Display;
 use glutin::config::ConfigSurfaceTypes;
 use glutin::error::ErrorKind;
 use glutin::prelude::*;
+use glutin_egl_sys::egl::Egl;
+use libloading::Library;
 
-use super::backend::Backend;
-use super::glutin_context::{GlutinContext, attributes, new_context, template};
+use super::backend::{Backend, GlutinContext, attributes, new_context, template};
 use super::{Api, GpuError};
-pub(super) use foreign::Foreign;
 use plain::{Plain, Platform};
+
+mod plain;
 
 /// A place where a context can be made.
 #[derive(Debug)]
@@ -68,7 +69,7 @@ pub(super) fn places() -> Result<Vec<Place>, GpuError> {
 /// # Errors
 /// [`GpuError::NoEglLibrary`], [`GpuError::StrangeEglLibrary`].
 pub(super) fn prepare() -> Result<(), GpuError> {
-    library::functions().map(|_| ())
+    functions().map(|_| ())
 }
 
 /// Makes a context; it is not current yet.
@@ -79,10 +80,7 @@ pub(super) fn open(place: &Place, api: Api) -> Result<Rc<dyn Backend>, GpuError>
     match place {
         Place::Device(device) => match create(device, api) {
             Ok(egl) => Ok(Rc::new(egl)),
-            Err(error) => Err(GpuError::NoContext {
-                api,
-                reason: error.to_string(),
-            }),
+            Err(error) => Err(GpuError::no_context(api, error)),
         },
         Place::Platform(platform) => Ok(Rc::new(Plain::on(*platform, api)?)),
     }
@@ -102,4 +100,173 @@ fn create(device: &Device, api: Api) -> Result<impl Backend + use<>, glutin::err
         make_current: PossiblyCurrentContext::make_current_surfaceless,
         display,
     })
+}
+
+/// Names under which the library is looked for. Glutin, which opens displays, also takes the first one found.
+const NAMES: [&str; 2] = ["libEGL.so.1", "libEGL.so"];
+
+/// Functions that a libEGL must have, including those that glutin calls: calling a missing function ends the program.
+const NEEDED: [&CStr; 23] = [
+    c"eglBindAPI",
+    c"eglChooseConfig",
+    c"eglCreateContext",
+    c"eglCreatePbufferSurface",
+    c"eglCreateWindowSurface",
+    c"eglDestroyContext",
+    c"eglDestroySurface",
+    c"eglGetConfigAttrib",
+    c"eglGetConfigs",
+    c"eglGetCurrentContext",
+    c"eglGetCurrentDisplay",
+    c"eglGetCurrentSurface",
+    c"eglGetDisplay",
+    c"eglGetError",
+    c"eglGetProcAddress",
+    c"eglInitialize",
+    c"eglMakeCurrent",
+    c"eglQueryAPI",
+    c"eglQueryString",
+    c"eglQuerySurface",
+    c"eglSwapBuffers",
+    c"eglSwapInterval",
+    c"eglTerminate",
+];
+
+/// The functions, which stay loaded: drivers do not survive being unloaded.
+struct Functions {
+    egl: Egl,
+    _library: Library,
+}
+
+// SAFETY: addresses of functions, which do not change and may be called from any thread.
+unsafe impl Send for Functions {}
+// SAFETY: as above.
+unsafe impl Sync for Functions {}
+
+/// Reason why loading the functions failed.
+#[derive(Clone, Debug)]
+enum Failure {
+    NotThere,
+    Strange(String),
+}
+
+static FUNCTIONS: OnceLock<Result<Functions, Failure>> = OnceLock::new();
+
+/// The functions, loaded when first requested.
+///
+/// # Errors
+/// [`GpuError::NoEglLibrary`], [`GpuError::StrangeEglLibrary`].
+fn functions() -> Result<&'static Functions, GpuError> {
+    match FUNCTIONS.get_or_init(load) {
+        Ok(functions) => Ok(functions),
+        Err(Failure::NotThere) => Err(GpuError::NoEglLibrary),
+        Err(Failure::Strange(reason)) => Err(GpuError::StrangeEglLibrary {
+            reason: reason.clone(),
+        }),
+    }
+}
+
+/// The functions, if they have been loaded.
+fn loaded() -> Option<&'static Functions> {
+    FUNCTIONS.get()?.as_ref().ok()
+}
+
+fn load() -> Result<Functions, Failure> {
+    let found = NAMES.into_iter().find_map(|name| {
+        // SAFETY: the initialisers of an EGL library may run at any time, on any thread.
+        let library = unsafe { Library::new(name) };
+        library.ok().map(|library| (name, library))
+    });
+    let (name, library) = found.ok_or(Failure::NotThere)?;
+    for function in NEEDED {
+        if symbol(&library, function).is_null() {
+            let function = function.to_string_lossy();
+            let reason = format!("the first {name} that is found has no {function}");
+            return Err(Failure::Strange(reason));
+        }
+    }
+    // SAFETY: the function has this type in every library that has it.
+    let address: unsafe extern "system" fn(*const i8) -> *const c_void =
+        unsafe { std::mem::transmute(symbol(&library, c"eglGetProcAddress")) };
+    let egl = Egl::load_with(|name| {
+        let Ok(name) = CString::new(name) else {
+            return ptr::null();
+        };
+        match symbol(&library, &name) {
+            // SAFETY: the name ends in zero.
+            none if none.is_null() => unsafe { address(name.as_ptr().cast()) },
+            found => found,
+        }
+    });
+    Ok(Functions {
+        egl,
+        _library: library,
+    })
+}
+
+/// The address of a symbol of the library, or null if it has none.
+fn symbol(library: &Library, name: &CStr) -> *const c_void {
+    // SAFETY: only the address is taken.
+    match unsafe { library.get::<*const c_void>(name.to_bytes_with_nul()) } {
+        Ok(symbol) => *symbol,
+        Err(_) => ptr::null(),
+    }
+}
+
+// Values from EGL/egl.h.
+const EGL_DRAW: i32 = 0x3059;
+const EGL_READ: i32 = 0x305A;
+
+/// A current EGL context that echomarch did not make.
+pub(super) struct Foreign {
+    functions: &'static Functions,
+    api: u32,
+    display: *const c_void,
+    draw: *const c_void,
+    read: *const c_void,
+    context: *const c_void,
+}
+
+impl Foreign {
+    /// The EGL context that is current on this thread, if any; `None` if no EGL context has been made yet.
+    pub fn of_system() -> Option<Foreign> {
+        let functions = loaded()?;
+        let egl = &functions.egl;
+        // SAFETY: only a query.
+        unsafe {
+            let context = egl.GetCurrentContext();
+            if context.is_null() {
+                return None;
+            }
+            Some(Foreign {
+                functions,
+                api: egl.QueryAPI(),
+                display: egl.GetCurrentDisplay(),
+                draw: egl.GetCurrentSurface(EGL_DRAW),
+                read: egl.GetCurrentSurface(EGL_READ),
+                context,
+            })
+        }
+    }
+
+    /// Makes no context current on this thread.
+    pub fn release(&self) {
+        let none = std::ptr::null();
+        // SAFETY: the display is the current one; null surfaces and no context mean that none is current.
+        unsafe {
+            self.functions
+                .egl
+                .MakeCurrent(self.display, none, none, none)
+        };
+    }
+
+    /// Makes it current again. If its owner has destroyed it in the meantime, EGL refuses and no context is current.
+    pub fn make_current(&self) {
+        let egl = &self.functions.egl;
+        // SAFETY: EGL checks the handles against its own.
+        unsafe {
+            egl.BindAPI(self.api);
+            egl.MakeCurrent(self.display, self.draw, self.read, self.context);
+        }
+    }
 }

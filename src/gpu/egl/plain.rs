@@ -8,7 +8,7 @@ use std::ptr;
 use glutin_egl_sys::egl;
 use glutin_egl_sys::egl::types::{EGLConfig, EGLContext, EGLDisplay, EGLSurface, EGLint};
 
-use super::library::{Functions, functions};
+use super::{Functions, functions};
 use crate::gpu::backend::Backend;
 use crate::gpu::{Api, GpuError};
 
@@ -116,7 +116,7 @@ impl Plain {
     pub fn on(platform: Platform, api: Api) -> Result<Plain, GpuError> {
         let functions = functions()?;
         let made = platform.open(functions).and_then(|open| open.context(api));
-        made.map_err(|Refusal(reason)| GpuError::NoContext { api, reason })
+        made.map_err(|Refusal(reason)| GpuError::no_context(api, reason))
     }
 }
 

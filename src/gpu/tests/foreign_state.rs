@@ -1,7 +1,6 @@
 //! A context state that would spoil any pass, and queries of it.
 
-use super::foreign_program::ForeignProgram;
-use super::raw_egl::Kind;
+use super::foreign_program::{ForeignProgram, Kind};
 use glow::HasContext;
 use std::fmt::Debug;
 

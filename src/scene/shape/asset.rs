@@ -7,7 +7,6 @@
 use super::user_glsl;
 use crate::file_input::read;
 use glam::{DVec2, DVec3, UVec2, Vec3};
-use image::{DynamicImage, ImageBuffer, Luma};
 use png::{BitDepth, ColorType, DecodingError};
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -30,6 +29,10 @@ const LARGEST_FILE: u64 = 32 << 20;
 
 /// Maximum memory of the decoder in bytes, besides the picture: rows, and colour data in the file.
 const DECODER_BYTES: usize = 64 << 20;
+
+/// Shares of red, green and blue in the height of a coloured pixel: the luminances of the primaries of sRGB with its
+/// white D65 (IEC 61966-2-1), rounded as in earlier versions, so that a file keeps its heights.
+const LUMA: [f32; 3] = [0.212_647_84, 0.715_179_2, 0.072_173_04];
 
 /// A grid of heights from 0 (black) to 1 (white), the image's upper row first: the image is a view
 /// from above, with its upper edge at −z.
@@ -91,12 +94,11 @@ impl HeightImage {
         let shown = path.display().to_string();
         let refused = |why: String| format!("cannot read the height image {shown}: {why}");
         let bytes = read(path, LARGEST_FILE).map_err(|error| refused(error.to_string()))?;
-        let image = luma(&bytes).map_err(|error| match error {
+        let (size, lumas) = luma(&bytes).map_err(|error| match error {
             PngError::Side(size) => wrong_size(&shown, size),
             PngError::Refused(why) => refused(why),
         })?;
-        let size = UVec2::new(image.width(), image.height());
-        let heights = image.pixels().map(|p| f32::from(p.0[0]) / 65535.0);
+        let heights = lumas.into_iter().map(|luma| f32::from(luma) / 65535.0);
         HeightImage::new(&shown, size, heights.collect())
     }
 
@@ -199,8 +201,8 @@ impl From<DecodingError> for PngError {
     }
 }
 
-/// The picture's luma. Its size is checked before anything is decoded.
-fn luma(bytes: &[u8]) -> Result<ImageBuffer<Luma<u16>, Vec<u16>>, PngError> {
+/// The picture's size, and the luma of its pixels from 0 to 65535. The size is checked before anything is decoded.
+fn luma(bytes: &[u8]) -> Result<(UVec2, Vec<u16>), PngError> {
     let limits = png::Limits {
         bytes: DECODER_BYTES,
     };
@@ -223,10 +225,10 @@ fn luma(bytes: &[u8]) -> Result<ImageBuffer<Luma<u16>, Vec<u16>>, PngError> {
         let why = "its first picture does not fill it".to_owned();
         return Err(PngError::Refused(why));
     }
-    let told = (found.color_type, found.bit_depth);
-    let picture = picture(size, told, pixels);
-    let picture = picture.ok_or_else(|| PngError::Refused(format!("it has {told:?} pixels")))?;
-    Ok(picture.into_luma16())
+    let (colour, depth) = (found.color_type, found.bit_depth);
+    let lumas = lumas(colour, depth, &pixels)
+        .ok_or_else(|| PngError::Refused(format!("it has {:?} pixels", (colour, depth))))?;
+    Ok((size, lumas))
 }
 
 /// The decoder assumes a palette of complete colours, and panics at others.
@@ -243,33 +245,38 @@ fn check_palette(info: &png::Info) -> Result<(), PngError> {
     )))
 }
 
-/// Pixels as the decoder returns them, big-endian and of at least 8 bits; `None` for other types.
-fn picture(
-    size: UVec2,
-    (colour, depth): (ColorType, BitDepth),
-    bytes: Vec<u8>,
-) -> Option<DynamicImage> {
-    let (w, h) = (size.x, size.y);
-    let wide = || -> Vec<u16> {
-        let (pairs, _) = bytes.as_chunks::<2>();
-        pairs.iter().map(|pair| u16::from_be_bytes(*pair)).collect()
-    };
-    use BitDepth::{Eight, Sixteen};
-    use DynamicImage as Image;
-    Some(match (colour, depth) {
-        (ColorType::Grayscale, Eight) => Image::ImageLuma8(ImageBuffer::from_raw(w, h, bytes)?),
-        (ColorType::GrayscaleAlpha, Eight) => {
-            Image::ImageLumaA8(ImageBuffer::from_raw(w, h, bytes)?)
+/// The luma of pixels as the decoder returns them, big-endian and of at least 8 bits; `None` for other types.
+fn lumas(colour: ColorType, depth: BitDepth, bytes: &[u8]) -> Option<Vec<u16>> {
+    let (levels, most): (Vec<u16>, u16) = match depth {
+        BitDepth::Eight => (bytes.iter().copied().map(u16::from).collect(), 255),
+        BitDepth::Sixteen => {
+            let (pairs, _) = bytes.as_chunks();
+            (
+                pairs.iter().copied().map(u16::from_be_bytes).collect(),
+                65535,
+            )
         }
-        (ColorType::Rgb, Eight) => Image::ImageRgb8(ImageBuffer::from_raw(w, h, bytes)?),
-        (ColorType::Rgba, Eight) => Image::ImageRgba8(ImageBuffer::from_raw(w, h, bytes)?),
-        (ColorType::Grayscale, Sixteen) => Image::ImageLuma16(ImageBuffer::from_raw(w, h, wide())?),
-        (ColorType::GrayscaleAlpha, Sixteen) => {
-            Image::ImageLumaA16(ImageBuffer::from_raw(w, h, wide())?)
-        }
-        (ColorType::Rgb, Sixteen) => Image::ImageRgb16(ImageBuffer::from_raw(w, h, wide())?),
-        (ColorType::Rgba, Sixteen) => Image::ImageRgba16(ImageBuffer::from_raw(w, h, wide())?),
         _ => return None,
+    };
+    let channels = colour.samples();
+    let pixels = levels.chunks_exact(channels);
+    Some(match colour {
+        ColorType::Grayscale | ColorType::GrayscaleAlpha => {
+            pixels.map(|pixel| pixel[0] * (65535 / most)).collect()
+        }
+        ColorType::Rgb | ColorType::Rgba => {
+            let unit = 1.0 / f32::from(most);
+            let luma = |pixel: &[u16]| -> f32 {
+                let parts = pixel.iter().zip(LUMA);
+                parts
+                    .map(|(level, share)| f32::from(*level) * unit * share)
+                    .sum()
+            };
+            pixels
+                .map(|pixel| (luma(pixel) * 65535.0).round() as u16)
+                .collect()
+        }
+        ColorType::Indexed => return None,
     })
 }
 
@@ -465,5 +472,41 @@ mod tests {
         }));
         assert_eq!(finer.value(DVec3::ZERO), 1.0);
         assert_eq!(finer.value(DVec3::new(0.5, 0.3, -2.0)), 2.5);
+    }
+
+    /// Protects the heights of existing files of every colour type: those that earlier versions read, by the weights of
+    /// red, green and blue and regardless of the opacity.
+    #[test]
+    fn heights_are_the_luma_of_every_colour_type() {
+        use BitDepth::{Eight, Four, Sixteen};
+        let cases: [(ColorType, BitDepth, &[u8], &[u16]); 6] = [
+            (
+                ColorType::Grayscale,
+                Eight,
+                &[0, 77, 255],
+                &[0, 77 * 257, 65535],
+            ),
+            (ColorType::GrayscaleAlpha, Sixteen, &[1, 2, 9, 9], &[0x0102]),
+            (
+                ColorType::Rgb,
+                Eight,
+                &[10, 200, 77, 0, 0, 255, 255, 255, 255],
+                &[38735, 4730, 65535],
+            ),
+            (ColorType::Rgba, Eight, &[10, 200, 77, 9], &[38735]),
+            (
+                ColorType::Rgb,
+                Sixteen,
+                &[3, 232, 78, 32, 183, 152],
+                &[17908],
+            ),
+            (ColorType::Rgb, Sixteen, &[255; 6], &[65535]),
+        ];
+        for (colour, depth, bytes, expected) in cases {
+            let read = lumas(colour, depth, bytes);
+            assert_eq!(read.as_deref(), Some(expected), "{colour:?} {depth:?}");
+        }
+        assert!(lumas(ColorType::Indexed, Eight, &[0]).is_none());
+        assert!(lumas(ColorType::Grayscale, Four, &[0]).is_none());
     }
 }

@@ -1,7 +1,6 @@
 //! Frames on contexts that a program made for itself.
 
-use crate::gpu::tests::foreign_program::ForeignProgram;
-use crate::gpu::tests::raw_egl::{Kind, RawEgl, Switch};
+use crate::gpu::tests::foreign_program::{ForeignProgram, Kind, RawEgl, Switch};
 use crate::gpu::{Api, Context, GpuError, MakeCurrent, SwitchContext};
 use crate::test_common::context;
 use crate::trace::{ArrivalSettings, Counts, Panning};

@@ -1,6 +1,6 @@
 //! Tracers, together with contexts that a program made current itself.
 
-use crate::gpu::tests::raw_egl::RawEgl;
+use crate::gpu::tests::foreign_program::RawEgl;
 use crate::gpu::{Api, AsyncRead, GpuTimer, Picture, Program, RenderTarget, Texture};
 use crate::test_common::context;
 use crate::{Scene, Settings, Tracer};

@@ -1,6 +1,150 @@
-//! A recorded sound, held in memory.
+//! The trait of all mono signals, and the built-in ones: a sine whose phase does not drift, reproducible white noise, and a recorded sound in memory.
 
-use super::Signal;
+use std::f64::consts::TAU;
+
+use super::AudioError;
+use crate::rng::hash;
+
+/// Consecutive mono samples; 1 is full scale.
+///
+/// A caller's own sound implements this and becomes a [`Sound`](super::Sound) by
+/// [`Sound::new`](super::Sound::new). An audio thread calls these methods: they must not allocate,
+/// lock or wait.
+///
+/// ```
+/// use echomarch::audio::{Signal, Sound};
+///
+/// /// A click of one sample every half second at 48 kHz.
+/// struct Metronome(u64);
+///
+/// impl Signal for Metronome {
+///     fn fill(&mut self, out: &mut [f32]) {
+///         for sample in out {
+///             *sample = if self.0.is_multiple_of(24_000) { 0.5 } else { 0.0 };
+///             self.0 += 1;
+///         }
+///     }
+///
+///     fn seek(&mut self, sample: u64) {
+///         self.0 = sample;
+///     }
+/// }
+///
+/// let mut sound = Sound::new(Metronome(0));
+/// let mut out = [0.0; 4];
+/// sound.fill(&mut out);
+/// assert_eq!(out, [0.5, 0.0, 0.0, 0.0]);
+/// ```
+pub trait Signal: Send {
+    /// Overwrites `out` with the next `out.len()` samples.
+    fn fill(&mut self, out: &mut [f32]);
+
+    /// Makes the sample with this number, counted from 0, the next one.
+    fn seek(&mut self, sample: u64);
+
+    /// Chooses whether a sound with an end starts over there or falls silent. A sound without an
+    /// end ignores this.
+    fn set_looping(&mut self, looping: bool) {
+        let _ = looping;
+    }
+
+    /// The number of samples from the start to the end; `None` for endless sounds.
+    fn length(&self) -> Option<usize> {
+        None
+    }
+
+    /// Whether only silence is left.
+    fn is_finished(&self) -> bool {
+        false
+    }
+}
+
+/// The peak of a sine, relative to full scale 1: −6.02 dBFS.
+pub const SINE_AMPLITUDE: f32 = 0.5;
+
+/// An endless sine that starts at phase 0.
+///
+/// The phase is kept in turns, between 0 and 1, in `f64`: each step rounds by at most 2⁻⁵³ turns,
+/// so even errors that all have the same sign reach only 2·10⁻⁸ turns in an hour.
+#[derive(Debug, Clone)]
+pub(super) struct Sine {
+    phase_turns: f64,
+    step_turns: f64,
+}
+
+impl Sine {
+    pub(super) fn new(frequency_hz: f64, sample_rate: u32) -> Result<Self, AudioError> {
+        let limit_hz = f64::from(sample_rate) / 2.0;
+        if !(frequency_hz > 0.0 && frequency_hz < limit_hz) {
+            return Err(AudioError::BadSineFrequency {
+                frequency_hz,
+                limit_hz,
+            });
+        }
+        Ok(Self {
+            phase_turns: 0.0,
+            step_turns: frequency_hz / f64::from(sample_rate),
+        })
+    }
+
+    fn advance(&mut self) {
+        self.phase_turns += self.step_turns;
+        if self.phase_turns >= 1.0 {
+            self.phase_turns -= 1.0;
+        }
+    }
+}
+
+impl Signal for Sine {
+    fn fill(&mut self, out: &mut [f32]) {
+        for sample in out {
+            *sample = SINE_AMPLITUDE * (TAU * self.phase_turns).sin() as f32;
+            self.advance();
+        }
+    }
+
+    /// Makes the sample with this number the next one.
+    fn seek(&mut self, index: u64) {
+        self.phase_turns = (self.step_turns * index as f64).fract();
+    }
+}
+
+/// The peak of the noise, relative to full scale 1: −6.02 dBFS, at a level of −10.8 dBFS (RMS).
+pub const NOISE_AMPLITUDE: f32 = 0.5;
+
+/// White noise, uniformly distributed; a sample depends only on its index and the seed.
+#[derive(Debug, Clone)]
+pub(super) struct Noise {
+    seed: u64,
+    index: u64,
+}
+
+impl Noise {
+    pub(super) fn new(seed: u64) -> Self {
+        Self { seed, index: 0 }
+    }
+}
+
+impl Signal for Noise {
+    fn fill(&mut self, out: &mut [f32]) {
+        for sample in out {
+            *sample = noise_at(self.seed, self.index);
+            self.index = self.index.wrapping_add(1);
+        }
+    }
+
+    /// Makes the sample with this number the next one.
+    fn seek(&mut self, index: u64) {
+        self.index = index;
+    }
+}
+
+/// The noise at one index. The seed is hashed first, so that similar seeds give different noises.
+fn noise_at(seed: u64, index: u64) -> f32 {
+    let bits = hash(hash(seed).wrapping_add(index));
+    let signed = (bits >> 40) as i32 - (1 << 23); // 24 bits: exact in f32
+    NOISE_AMPLITUDE * signed as f32 / (1 << 23) as f32
+}
 
 /// Length of the cross-fade from a loop's end into its start, in seconds: much longer than a click,
 /// and too short to be heard as a separate change.
@@ -120,6 +264,21 @@ fn largest_step(samples: &[f32]) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Protects the phase, which is known exactly after whole seconds: the frequency times the time.
+    #[test]
+    fn phase_is_kept_for_an_hour() {
+        for frequency_hz in [440.0, 997.0, 1234.5, 23_999.0] {
+            let mut sine = Sine::new(frequency_hz, 48_000).unwrap();
+            for _ in 0..3600 * 48_000 {
+                sine.advance();
+            }
+            let wanted = (frequency_hz * 3600.0).fract();
+            let off = (sine.phase_turns - wanted).abs();
+            let off = off.min(1.0 - off);
+            assert!(off < 2e-8, "{frequency_hz} Hz is {off} turns off");
+        }
+    }
 
     const RATE_HZ: u32 = 48_000;
 
