@@ -9,6 +9,9 @@ pub const BANDS_HZ: [f64; BAND_COUNT] = [63.0, 125.0, 250.0, 500.0, 1e3, 2e3, 4e
 /// One number per octave band.
 pub type Bands = [f64; BAND_COUNT];
 
+/// The weight 1 in each band.
+pub(crate) const ALL: Bands = [1.0; BAND_COUNT];
+
 /// Adds numbers, band by band.
 pub fn add(sum: &mut Bands, more: &Bands) {
     for (sum, more) in sum.iter_mut().zip(more) {

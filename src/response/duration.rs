@@ -1,7 +1,7 @@
 //! The default length of a response.
 
-use super::late_sphere::{LEAST_ORDER, LateSphere};
-use super::medium::Medium;
+use super::heard::Medium;
+use super::late::{LEAST_ORDER, LateSphere};
 use crate::acoustics::MAX_SECONDS;
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;

@@ -2,6 +2,7 @@
 //! of that which is scattered.
 
 use crate::bands::{BAND_COUNT, Bands};
+use std::ops::Range;
 
 /// The walls of a [`Room`](super::shape::Room) as a scene file names them, in the order of
 /// [`Surface::walls`](super::Surface::walls): those at −x, +x, −y, +y, −z and +z of its own axes. A
@@ -60,6 +61,11 @@ impl Material {
     /// Whether it mirrors all energy in every band.
     pub fn is_mirror(&self) -> bool {
         *self == Material::MIRROR
+    }
+
+    /// Whether it scatters in some of these bands.
+    pub(crate) fn scatters(&self, bands: Range<usize>) -> bool {
+        self.scattering[bands].iter().any(|share| *share > 0.0)
     }
 
     /// Whether all octave bands are treated alike, so that a reflection keeps the timbre.

@@ -1,10 +1,12 @@
 //! The early part: the arrivals that exact paths replace, and the sound along each path.
 
-use super::heard_path::{HeardPath, comes_from};
-use super::late_sphere::casts_shadows;
-use super::medium::Medium;
-use super::reflectance::{mirrored_share, passing, reflectance_of};
-use super::sphere_mean::{Replaced, unhidden_taps};
+mod caught;
+mod sphere_mean;
+
+pub(super) use caught::Caught;
+
+use super::heard::{HeardPath, Medium, comes_from, mirrored_share, passing, reflectance_of};
+use super::late::casts_shadows;
 use crate::acoustics::early::{Candidates, EarlyPaths, Ends, Missed, NoPath, SpecularPath, Vertex};
 use crate::acoustics::{Arrival, Tap};
 use crate::bands::{self, BAND_COUNT, Bands};
@@ -12,6 +14,7 @@ use crate::error::Error;
 use crate::scene::{Scene, Shape};
 use crate::sphere_directions::lattice;
 use glam::{DVec3, Vec3};
+use sphere_mean::{Replaced, unhidden_taps};
 use std::f64::consts::PI;
 
 /// The replacement of an early arrival.

@@ -6,12 +6,10 @@
 //! unobstructed line from such a place towards the image of the source leads back to the source, whatever the order of
 //! the planes; over curved surfaces the path to the place is solved for.
 
-use super::heard_path::HeardPath;
-use super::medium::Medium;
-use super::reflectance::{reflectance, reflectance_of};
 use crate::acoustics::Tap;
 use crate::acoustics::early::{Candidates, EarlyPaths, Ends, Found, SpecularPath, Vertex};
 use crate::bands::{self, Bands};
+use crate::response::heard::{HeardPath, Medium, reflectance, reflectance_of};
 use crate::scene::Scene;
 use crate::sphere_directions::lattice;
 use glam::{DVec3, Vec3};

@@ -6,13 +6,11 @@
 //! energy of the waves of all paths differs from this mean by more than three standard deviations, the excess is part
 //! of the error as well.
 
-use super::early::EarlyPart;
-use super::heard_path::HeardPath;
-use super::medium::Medium;
-use super::reflectance::passing;
+use super::EarlyPart;
 use crate::acoustics::early::SpecularPath;
 use crate::acoustics::{Arrival, Echogram, Figures, Tap};
 use crate::bands::{self, BAND_COUNT, Bands};
+use crate::response::heard::{HeardPath, Medium, passing};
 use crate::scene::Scene;
 
 /// Standard deviations of the waves' energy beyond which a difference counts.
@@ -22,7 +20,7 @@ const BEYOND_NOISE: f64 = 3.0;
 const CHORD_SPREAD: f64 = 9.0 / 8.0;
 
 /// The early part of a response: its exact paths, and the waves that they replace.
-pub(super) struct Caught<'a> {
+pub(in crate::response) struct Caught<'a> {
     pub scene: &'a Scene,
     pub medium: &'a Medium,
     pub part: &'a EarlyPart,
@@ -43,12 +41,11 @@ impl Caught<'_> {
             .mean_taps(self.scene, self.medium, self.paths, &is_left_out);
         let left_out = self.taps(&is_left_out);
         let by_means = [&means[..], &left_out].concat();
-        let all = [1.0; BAND_COUNT];
-        let mut figures = figures.with_differences((&by_means, echogram, ends_s), &all);
+        let mut figures = figures.with_differences((&by_means, echogram, ends_s), &bands::ALL);
         if gather.contains(&true) {
             let exact = self.taps(&|path| path.is_focus || !is_gathered(path));
             let of_waves = self.with_waves(echogram, &|path| path.is_some_and(is_gathered));
-            figures = figures.with_differences((&exact, &of_waves, ends_s), &all);
+            figures = figures.with_differences((&exact, &of_waves, ends_s), &bands::ALL);
         }
         let excess = self.excess(&means, &is_left_out, ends_s);
         if excess == [0.0; BAND_COUNT] {

@@ -1,25 +1,32 @@
-//! Late arrivals: waves followed to a sphere larger than the listener (`late_sphere.rs`), started where they matter
-//! (`importance/`).
+//! Late arrivals: waves followed to a sphere larger than the listener (`sphere.rs`), started where they matter
+//! (`importance.rs`).
 //!
 //! Sound scattered within the maximum number of reflections of exact paths is counted in both spheres
-//! (`near_scattering.rs`).
+//! ([`NearScattering`]).
 //!
 //! Late arrivals may come from fewer waves than those that find exact paths: their noise only adds noise, while a path
 //! that no wave finds is missing.
 
+mod importance;
+mod pilot;
+mod sphere;
+
+pub(super) use sphere::{LEAST_ORDER, LateSphere, casts_shadows};
+
 use super::ResponseSettings;
-use super::importance::{self, Importance, Pilot};
-use super::late_sphere::LateSphere;
-use super::medium::Medium;
-use super::near_scattering::NearScattering;
-use crate::acoustics::{Arrival, Echogram};
-use crate::bands;
+use super::heard::Medium;
+use crate::acoustics::{Arrival, Echogram, uncertain_energy};
+use crate::bands::{BAND_COUNT, Bands};
 use crate::error::Error;
-use crate::kernel;
 use crate::scene::Scene;
 use crate::trace::{ArrivalCounts, ArrivalSettings, Followed, Settings, Tracer, WavesToFollow};
+use crate::{bands, kernel};
 use glam::Vec3;
+use importance::Importance;
+use pilot::Pilot;
+use sphere::NearScattering;
 use std::cmp::Ordering;
+use std::f64::consts::PI;
 use std::ops::Range;
 
 /// The share of the energy of all waves down to which they are followed, −120 dB: a decay is audible over 60 dB, and if
@@ -44,6 +51,8 @@ pub(super) struct Arrivals {
     pub counts: ArrivalCounts,
     /// Early arrivals, counted in the listener's own sphere.
     pub early: Vec<Arrival>,
+    /// Whether waves travel on after the maximum number of reflections of exact paths; `None` if that is unknown.
+    pub travel_on: Option<bool>,
 }
 
 /// Traces the waves; `echogram` defines the bins.
@@ -57,15 +66,17 @@ pub(super) fn arrivals(
     let mut bias = echogram.without_arrivals();
     let mut counts = ArrivalCounts::of_none();
     let mut early = Vec::new();
+    let mut travel_on = None;
     for bands in kernel::band_groups(heard_in.0) {
         let how = how
             .clone()
             .with_bands(bands)
             .with_least_energy(LEAST_ENERGY);
         let sums = (&mut echogram, &mut bias);
-        let (of_bands, arrivals) = arrivals_of_bands(tracer, heard_in, settings, &how, sums)?;
-        counts = counts.and(of_bands);
-        early.extend(arrivals);
+        let of_bands = arrivals_of_bands(tracer, heard_in, settings, &how, sums)?;
+        counts = counts.and(of_bands.counts);
+        early.extend(of_bands.early);
+        travel_on = of_bands.travel_on;
         // They arrive in chunks of iterations, after those of other bands.
         early.sort_by(in_order);
         early.dedup_by(|second, first| is_added(first, second));
@@ -75,6 +86,7 @@ pub(super) fn arrivals(
         bias,
         counts,
         early,
+        travel_on,
     })
 }
 
@@ -94,6 +106,14 @@ fn is_added(first: &mut Arrival, second: &Arrival) -> bool {
     is_same
 }
 
+/// The counts and the early arrivals of waves that carry the same bands.
+struct OfBands {
+    counts: ArrivalCounts,
+    early: Vec<Arrival>,
+    /// As [`Arrivals::travel_on`].
+    travel_on: Option<bool>,
+}
+
 /// The arrivals of waves that carry `how.bands` together: statistics are added to the first echogram and their bias to
 /// the second, the other arrivals are returned.
 fn arrivals_of_bands(
@@ -102,7 +122,7 @@ fn arrivals_of_bands(
     settings: &ResponseSettings,
     how: &ArrivalSettings,
     (echogram, bias): (&mut Echogram, &mut Echogram),
-) -> Result<(ArrivalCounts, Vec<Arrival>), Error> {
+) -> Result<OfBands, Error> {
     let mut early = Vec::new();
     let all = WavesToFollow::Numbers(0..settings.trace.waves);
     let share = (scene.listener.radius / late.radius_m).powi(2);
@@ -113,9 +133,14 @@ fn arrivals_of_bands(
             false => medium.add(echogram, &arrival),
         };
         let followed = tracer.arrivals_of(scene, &settings.trace, how, &all, &mut sort)?;
-        return Ok((followed.counts(), early));
+        return Ok(OfBands {
+            counts: followed.counts(),
+            early,
+            travel_on: None,
+        });
     }
     let few = how.clone().with_iterations(how.early_order + 1);
+    let few = few.with_least_energy(0.0);
     let mut near = NearScattering::new(scene, &late, echogram);
     let mut sort = |arrival: Arrival| match arrival.is_early {
         true => early.push(arrival),
@@ -143,7 +168,12 @@ fn arrivals_of_bands(
     };
     let followed = late.follow_all(&trace, pilot_waves, settings.batches)?;
     near.add_to(echogram, bias);
-    Ok((followed.counts(), early))
+    Ok(OfBands {
+        counts: followed.counts(),
+        early,
+        // With scattering, sound is late after fewer reflections.
+        travel_on: (!scene.scatters()).then_some(counts.cut_off > 0),
+    })
 }
 
 /// Waves whose late arrivals are added to an echogram.
@@ -248,6 +278,65 @@ fn crossings_an_iteration(counts: &ArrivalCounts) -> f64 {
 fn iterations_in_chunk(crossings: f64, most: u32) -> u32 {
     let fit = CROSSINGS_IN_CHUNK / crossings;
     (fit as u32).max(LEAST_ITERATIONS).min(most)
+}
+
+/// Fewer waves give no estimate of what they have missed, however often each of them arrived.
+const FEW_WAVES: u32 = 64;
+
+/// The energy that the waves may have missed, by band, in 1/m², estimated from the number of arrivals. In a band
+/// without arrivals, and with few waves, it is that of a wave without losses if any wave could still arrive, otherwise
+/// 0. `travel_on` is [`Arrivals::travel_on`]; waves are traced again only if it is unknown.
+pub(super) fn further_arrival(
+    tracer: &mut Tracer,
+    (scene, medium): (&Scene, &Medium),
+    settings: &ResponseSettings,
+    how: &ArrivalSettings,
+    echogram: &Echogram,
+    travel_on: Option<bool>,
+) -> Result<Bands, Error> {
+    let (total, mut further) = (echogram.total(), [0.0; BAND_COUNT]);
+    for band in 0..BAND_COUNT {
+        let arrivals = echogram.effective_arrivals(band, 0.0);
+        further[band] = uncertain_energy(total[band], arrivals);
+    }
+    let waves = settings.late_trace().waves;
+    let are_few = waves < FEW_WAVES;
+    if !(are_few || further.contains(&0.0)) {
+        return Ok(further);
+    }
+    let may_arrive = match travel_on {
+        Some(travel_on) => travel_on,
+        None => may_arrive(tracer, scene, settings, how)?,
+    };
+    if !may_arrive {
+        return Ok(further);
+    }
+    let cross_section_m2 = PI * f64::from(scene.listener.radius).powi(2);
+    let whole = medium.level / (cross_section_m2 * f64::from(waves));
+    Ok(further.map(|energy| match energy > 0.0 && !are_few {
+        true => energy,
+        false => energy.max(whole),
+    }))
+}
+
+/// Whether waves travel on after the maximum number of reflections of exact paths, or after scattering before that.
+fn may_arrive(
+    tracer: &mut Tracer,
+    scene: &Scene,
+    settings: &ResponseSettings,
+    how: &ArrivalSettings,
+) -> Result<bool, Error> {
+    let reflections = match scene.scatters() {
+        true => 1,
+        false => how.early_order + 1,
+    };
+    let few = how.clone().with_iterations(reflections);
+    let all = WavesToFollow::Numbers(0..settings.trace.waves);
+    let counts = tracer
+        .arrivals_of(scene, &settings.trace, &few, &all, &mut |_| ())?
+        .counts;
+    // The other waves have left the scene, or have flown until the end of the record.
+    Ok(counts.cut_off > 0)
 }
 
 #[cfg(test)]
