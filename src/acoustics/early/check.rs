@@ -8,7 +8,7 @@
 //! - A segment is free if it is shorter than 20 *touches*, or if it meets no surface until *touch* before its end; the
 //!   surface at its end may be met earlier by *touch* ÷ cosine, as its distance is measured along the segment.
 //! - Two points closer than *touch* lie in an edge, or are an end on a surface: between them the wave has the
-//!   direction that mirroring gives (`flight.rs`). At an end that direction must come from the solid, or lead into
+//!   direction that mirroring gives ([`flight_directions`]). At an end that direction must come from the solid, or lead into
 //!   it: otherwise, as before an edge of a box, the wave flies on in the air. In an edge that points into the air a
 //!   wave that reaches several faces is mirrored by one of them, and the choice is ambiguous: there is no exact
 //!   path, and its waves remain statistical.
@@ -24,7 +24,7 @@ const GRAZING: f64 = 1e-9;
 
 /// Distance from an end at which the solid is probed, in *touches*: more than an end may be off its surface, for
 /// directions that do not graze it.
-pub(super) const PROBE_IN_TOUCHES: f64 = 1e3;
+const PROBE_IN_TOUCHES: f64 = 1e3;
 
 /// Shorter segments, in *touches*, lie next to an edge and count as free: twice the distance at which fields are
 /// probed ahead of a point (`reference::marched`).
@@ -197,4 +197,88 @@ fn short<'a>(segments: impl Iterator<Item = &'a [DVec3]>, touch: f64) -> usize {
     segments
         .take_while(|pair| pair[0].distance(pair[1]) <= touch)
         .count()
+}
+
+/// The unit vectors of flight along `points`, one for each segment, mirrored between them at surfaces with these
+/// normals. Two points closer than `touch` metres lie in an edge, or an end lies on a surface: between them the
+/// direction follows from mirroring; 0 if all are one point.
+pub(super) fn flight_directions(points: &[DVec3], normals: &[DVec3], touch: f64) -> Vec<DVec3> {
+    let unit = |pair: &[DVec3]| {
+        let offset = pair[1] - pair[0];
+        (offset.length() > touch).then(|| offset.normalize())
+    };
+    let long: Vec<Option<DVec3>> = points.windows(2).map(unit).collect();
+    let mut all = vec![DVec3::ZERO; long.len()];
+    let Some(first) = long.iter().position(Option::is_some) else {
+        return all;
+    };
+    for segment in first..all.len() {
+        all[segment] = match long[segment] {
+            Some(direction) => direction,
+            None => all[segment - 1].reflect(normals[segment - 1]),
+        };
+    }
+    for segment in (0..first).rev() {
+        all[segment] = all[segment + 1].reflect(normals[segment]);
+    }
+    all
+}
+
+/// The edges of fields in which a source lies.
+pub(super) struct EdgeStart<'a> {
+    surfaces: &'a Surfaces,
+    /// The sheets that meet there, as reflections at the source.
+    sheets: Vec<Vertex>,
+}
+
+impl EdgeStart<'_> {
+    pub fn at(source: DVec3, surfaces: &Surfaces) -> EdgeStart<'_> {
+        let of = |field| surfaces.sheets_at(field, source);
+        let edges = surfaces.fields().map(of).filter(|sheets| sheets.len() > 1);
+        EdgeStart {
+            sheets: edges.flatten().collect(),
+            surfaces,
+        }
+    }
+
+    /// The reflection at the source of a wave that starts along the unit vector `direction`; `None` if it leaves
+    /// freely. If it flies against several sheets, it meets the one over which it flies first.
+    pub fn reflection(&self, direction: DVec3) -> Option<&Vertex> {
+        let ahead = direction * (PROBE_IN_TOUCHES * self.surfaces.touch);
+        let meets = |sheet: &&Vertex| {
+            let value = self.surfaces.value(sheet.surface, sheet.point + ahead);
+            direction.dot(sheet.normal) < 0.0 && value.is_some_and(|value| value < 0.0)
+        };
+        let is_over = |sheet: &&Vertex| {
+            let over = sheet.point + ahead.reject_from_normalized(sheet.normal);
+            self.surfaces.has(sheet.surface, over)
+        };
+        let mut met = self.sheets.iter().filter(meets);
+        met.clone().find(is_over).or_else(|| met.next())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects the direction of sound from a source or to a listener on a wall, and in an edge: it leaves a surface
+    /// there as it would next to it.
+    #[test]
+    fn short_segments_are_flown_as_mirrors_say() {
+        let (wall, floor) = (DVec3::X, DVec3::Y);
+        let (corner, away) = (DVec3::ZERO, DVec3::new(3.0, 4.0, 0.0));
+        let out = DVec3::new(0.6, 0.8, 0.0);
+        let expected = [-out, DVec3::new(0.6, -0.8, 0.0), out];
+        for points in [
+            [corner, corner, corner, away],
+            [away, corner, corner, corner],
+        ] {
+            let found = flight_directions(&points, &[wall, floor], 1e-9);
+            assert_eq!(found.len(), expected.len());
+            let off = found.iter().zip(expected).map(|(a, b)| a.distance(b));
+            assert!(off.fold(0.0, f64::max) < 1e-15, "{found:?}");
+        }
+        assert_eq!(flight_directions(&[away, away], &[], 1e-9), [DVec3::ZERO]);
+    }
 }

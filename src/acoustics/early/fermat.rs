@@ -1,3 +1,6 @@
+//! Stationary paths over given surfaces: by mirror images of the source over planes (Allen and Berkley, *Image method
+//! for efficiently simulating small-room acoustics*, JASA 65, 1979), otherwise by Newton's method.
+//!
 //! Fermat's principle: a path is specular if its length is stationary among all paths that touch
 //! the same surfaces in the same order.
 //!
@@ -14,7 +17,6 @@
 //! tangential difference of two unit vectors. If the step does not reduce it, or the matrix is
 //! singular (a focus), a Levenberg–Marquardt step is used instead.
 
-use super::linear::Matrix;
 use super::sheet::{Osculation, Sheet, outer};
 use glam::{DMat3, DVec3};
 
@@ -266,4 +268,140 @@ impl State {
 /// (I − u uᵀ) ÷ length of a segment.
 fn across((unit, length): &(DVec3, f64)) -> DMat3 {
     (DMat3::IDENTITY - outer(*unit, *unit)) * length.recip()
+}
+
+/// How far a point may lie beyond the ends of its segment, as a share of it: in an edge two points
+/// of a path coincide, and rounding decides which comes first.
+const BEYOND: f64 = 1e-12;
+
+/// The image of a point in the plane of unit normal n where n · p is `offset`.
+pub(super) fn image(place: DVec3, normal: DVec3, offset: f64) -> DVec3 {
+    place - normal * (2.0 * (place.dot(normal) - offset))
+}
+
+/// The points at which the line from source to listener is mirrored at all sheets, in order; a line that is closer to a
+/// plane than `touch` metres at both ends counts as within it. `None` if one of them is not a plane, or the line to an
+/// image does not cross its plane.
+pub(super) fn points_by_images<'a>(
+    source: DVec3,
+    listener: DVec3,
+    touch: f64,
+    sheets: impl Iterator<Item = &'a Sheet<'a>>,
+) -> Option<Vec<DVec3>> {
+    let planes: Vec<(DVec3, f64)> = sheets.map(Sheet::plane).collect::<Option<_>>()?;
+    let mut images = vec![source];
+    for (normal, offset) in &planes {
+        let last = *images.last()?;
+        images.push(image(last, *normal, *offset));
+    }
+    let mut points = vec![DVec3::ZERO; planes.len()];
+    let mut seen_from = listener;
+    for (i, (normal, offset)) in planes.iter().enumerate().rev() {
+        let image = images[i + 1];
+        let here = seen_from.dot(*normal) - offset;
+        let there = image.dot(*normal) - offset;
+        // The rest of the path is a single point, the source in an edge; or the path lies in the plane, and is
+        // mirrored where it comes from.
+        let is_point = seen_from.distance(image) <= touch;
+        if is_point || here.abs().max(there.abs()) <= touch {
+            seen_from = image;
+            points[i] = image;
+            continue;
+        }
+        let share = here / (here - there);
+        if !(-BEYOND..=1.0 + BEYOND).contains(&share) {
+            return None;
+        }
+        seen_from += (image - seen_from) * share.clamp(0.0, 1.0);
+        points[i] = seen_from;
+    }
+    Some(points)
+}
+
+/// A square matrix by rows, with 2 rows for each reflection.
+#[derive(Clone, Debug)]
+struct Matrix {
+    size: usize,
+    numbers: Vec<f64>,
+}
+
+/// Least pivot, as a share of the matrix' largest element: a smaller one is rounding.
+const LEAST_PIVOT: f64 = 1e-14;
+
+impl Matrix {
+    pub fn zero(size: usize) -> Matrix {
+        Matrix {
+            size,
+            numbers: vec![0.0; size * size],
+        }
+    }
+
+    pub fn at_mut(&mut self, row: usize, column: usize) -> &mut f64 {
+        &mut self.numbers[row * self.size + column]
+    }
+
+    pub fn at(&self, row: usize, column: usize) -> f64 {
+        self.numbers[row * self.size + column]
+    }
+
+    /// The largest magnitude of its elements.
+    pub fn largest(&self) -> f64 {
+        self.numbers.iter().fold(0.0, |most, x| x.abs().max(most))
+    }
+
+    /// M v.
+    pub fn times(&self, v: &[f64]) -> Vec<f64> {
+        let rows = self.numbers.chunks_exact(self.size);
+        let dot = |row: &[f64]| row.iter().zip(v).map(|(a, b)| a * b).sum();
+        rows.map(dot).collect()
+    }
+
+    /// M M + `more` I for a symmetric matrix M.
+    pub fn squared_plus(&self, more: f64) -> Matrix {
+        let mut square = Matrix::zero(self.size);
+        for row in 0..self.size {
+            for column in 0..self.size {
+                let products = (0..self.size).map(|k| self.at(row, k) * self.at(k, column));
+                let diagonal = if row == column { more } else { 0.0 };
+                *square.at_mut(row, column) = products.sum::<f64>() + diagonal;
+            }
+        }
+        square
+    }
+
+    /// x with M x = `right`, by Gaussian elimination with row pivots; `None` for a singular matrix.
+    pub fn solve(mut self, mut right: Vec<f64>) -> Option<Vec<f64>> {
+        let least = LEAST_PIVOT * self.largest();
+        for column in 0..self.size {
+            let below = column..self.size;
+            let pivot = below.max_by(|&a, &b| {
+                let size = |row: usize| self.at(row, column).abs();
+                size(a).total_cmp(&size(b))
+            })?;
+            if self.at(pivot, column).abs() <= least {
+                return None;
+            }
+            self.swap_rows(pivot, column);
+            right.swap(pivot, column);
+            for row in column + 1..self.size {
+                let factor = self.at(row, column) / self.at(column, column);
+                for k in column..self.size {
+                    *self.at_mut(row, k) -= factor * self.at(column, k);
+                }
+                right[row] -= factor * right[column];
+            }
+        }
+        for row in (0..self.size).rev() {
+            let known = (row + 1..self.size).map(|k| self.at(row, k) * right[k]);
+            right[row] = (right[row] - known.sum::<f64>()) / self.at(row, row);
+        }
+        Some(right)
+    }
+
+    fn swap_rows(&mut self, a: usize, b: usize) {
+        for column in 0..self.size {
+            self.numbers
+                .swap(a * self.size + column, b * self.size + column);
+        }
+    }
 }

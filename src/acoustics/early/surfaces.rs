@@ -1,8 +1,6 @@
 //! The surfaces of a scene, and the sheets of them at a point.
 
-use super::differences::Differenced;
-use super::search::{Search, Way};
-use super::sheet::{Frame, Sheet};
+use super::sheet::{Differenced, Frame, Search, Sheet, Way};
 use crate::scene::{ROUNDING, Scene, Shape, Surface};
 use glam::{DMat3, DQuat, DVec3};
 use std::collections::HashSet;
