@@ -1,6 +1,6 @@
 //! Energy against time, by band, in bins.
 
-use super::arriving::check;
+use super::error::check;
 use super::{AcousticsError, Arrival};
 use crate::bands::{self, BAND_COUNT, BANDS_HZ, Bands};
 use glam::DVec3;

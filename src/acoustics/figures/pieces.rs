@@ -1,7 +1,12 @@
-//! Energy against time as pieces: exact taps and bins, in order.
+//! Energy against time as pieces: exact taps and bins, in order; and the time origin of figures.
+//!
+//! ISO 3382-1 counts from the direct sound, and takes the response to start where it is less than 20 dB below its
+//! maximum. Without a direct sound, waves that cross an edge of the listener's sphere may arrive long before the sound
+//! at its centre, and the time of the first one depends on the number of waves. So exact paths determine the origin,
+//! and without them a share of the energy does.
 
 use crate::acoustics::{Echogram, Tap};
-use crate::bands::{BAND_COUNT, Bands};
+use crate::bands::{self, BAND_COUNT, Bands};
 
 /// Energy that arrives evenly from one time to another, or at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -104,4 +109,141 @@ fn parted(piece: Piece, at_s: f64) -> (Piece, Piece) {
         ..piece
     };
     (before, after)
+}
+
+/// 20 dB: a path starts the sound if it has this share of the largest energy of a path or bin; without such a path it
+/// starts when this share of all energy has arrived.
+const START_SHARE: f64 = 0.01;
+
+/// Maximum share of all energy, 10 dB below the total, that may arrive before the exact path that is the origin: if
+/// waves bring more before it, the sound starts with them.
+const SHARE_BEFORE_PATH: f64 = 0.1;
+
+/// The time origin of a response.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Origin {
+    /// Seconds after the source's impulse.
+    pub seconds: f64,
+    /// Length in seconds of the bin within which it is interpolated; 0 for an exact path.
+    pub within_s: f64,
+}
+
+/// The time origin: the direct sound; else the first exact path that is less than 20 dB below the strongest path or
+/// bin, unless 10 % of all energy arrived before it; else the time when 1 % of all energy has arrived. `None` if
+/// nothing arrives.
+///
+/// `energy` returns the energy of a bin; the energies are means over the bands.
+pub(super) fn origin(
+    taps: &[Tap],
+    echogram: &Echogram,
+    energy: impl Fn(usize) -> Bands,
+    (direct_s, ends_s): (Option<f64>, f64),
+) -> Option<Origin> {
+    if let Some(seconds) = direct_s {
+        let within_s = 0.0;
+        return Some(Origin { seconds, within_s });
+    }
+    let begins_s = 0.0;
+    let pieces = pieces(taps, echogram, energy, Span { begins_s, ends_s });
+    let total: f64 = pieces.iter().map(|piece| bands::mean(&piece.energy)).sum();
+    let strongest = pieces.iter().map(|piece| bands::mean(&piece.energy));
+    let least = START_SHARE * strongest.fold(0.0, f64::max);
+    let starts = |piece: &&Piece| {
+        let energy = bands::mean(&piece.energy);
+        is_instant(piece) && energy > 0.0 && energy >= least
+    };
+    let first_path = pieces.iter().find(starts).map(|piece| Origin {
+        seconds: piece.begins_s,
+        within_s: 0.0,
+    });
+    let is_first = |path: &Origin| {
+        let before = pieces
+            .iter()
+            .take_while(|piece| piece.ends_s < path.seconds);
+        let before: f64 = before.map(|piece| bands::mean(&piece.energy)).sum();
+        before <= SHARE_BEFORE_PATH * total
+    };
+    let any = || passes(&pieces, START_SHARE * total, echogram.bin_s());
+    first_path.filter(is_first).or_else(any)
+}
+
+fn is_instant(piece: &Piece) -> bool {
+    piece.begins_s == piece.ends_s
+}
+
+/// The time when the energy of these pieces, in order of time, exceeds `least`, within a bin of `bin_s` seconds. `None`
+/// if it does not, or is 0.
+fn passes(pieces: &[Piece], least: f64, bin_s: f64) -> Option<Origin> {
+    let mut arrived = 0.0;
+    for piece in pieces {
+        let energy = bands::mean(&piece.energy);
+        if energy > 0.0 && arrived + energy >= least {
+            let share = ((least - arrived) / energy).clamp(0.0, 1.0);
+            return Some(Origin {
+                seconds: piece.begins_s + share * (piece.ends_s - piece.begins_s),
+                within_s: if is_instant(piece) { 0.0 } else { bin_s },
+            });
+        }
+        arrived += energy;
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    const BIN_S: f64 = 1e-3;
+
+    fn tap(seconds: f64, energy: f64) -> Tap {
+        Tap {
+            seconds,
+            energy: [energy; BAND_COUNT],
+            direction: DVec3::X,
+        }
+    }
+
+    fn origin_of(taps: &[Tap], arrivals: &[(f64, f64)], direct_s: Option<f64>) -> Option<Origin> {
+        let mut echogram = Echogram::new(BIN_S, 1).expect("a good bin");
+        for (seconds, energy) in arrivals {
+            echogram
+                .add(0, *seconds, &[*energy; BAND_COUNT], DVec3::X)
+                .unwrap();
+        }
+        origin(taps, &echogram, |bin| echogram.energy(bin), (direct_s, 1.0))
+    }
+
+    /// Protects the origin from stray waves: neither the first arrival nor a faint path determines it, and the time of
+    /// a path is not rounded to a bin.
+    #[test]
+    fn a_share_of_the_energy_decides() {
+        let exact = |seconds| {
+            Some(Origin {
+                seconds,
+                within_s: 0.0,
+            })
+        };
+        let paths = [tap(0.02, 1e-3), tap(0.0354, 1.0), tap(0.04, 9.0)];
+        let stray = [(0.0274, 0.2)];
+        assert_eq!(origin_of(&paths, &stray, None), exact(0.0354));
+        assert_eq!(origin_of(&paths, &stray, Some(0.01)), exact(0.01));
+        assert_eq!(origin_of(&paths, &[], None), exact(0.0354));
+        assert_eq!(origin_of(&[], &[], None), None);
+    }
+
+    /// Protects scattered sound that arrives before any path: it begins when 1 % of all energy has arrived, between the
+    /// edges of a bin.
+    #[test]
+    fn sound_without_paths_begins_with_a_share_of_it() {
+        let bins: Vec<(f64, f64)> = (0..50)
+            .map(|bin| (0.0305 + f64::from(bin) * BIN_S, 1.0))
+            .collect();
+        let found = origin_of(&[], &bins, None).expect("an origin");
+        assert!((found.seconds - 0.0305).abs() < 1e-9, "{found:?}");
+        assert_eq!(found.within_s, BIN_S);
+        let late = [tap(0.09, 10.0)];
+        let found = origin_of(&late, &bins, None).expect("an origin");
+        assert!((found.seconds - 0.0306).abs() < 1e-9, "{found:?}");
+    }
 }

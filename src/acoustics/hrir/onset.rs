@@ -5,6 +5,8 @@
 //! Synthesis*, AES 125, 2008): the maximum of their cross-correlation, interpolated between
 //! samples. Unlike a threshold it does not jump from one peak to another in the head's shadow.
 
+use super::{Hrir, HrirPair, MARGIN, MeasuredHrir};
+use rayon::prelude::*;
 use realfft::num_complex::Complex;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use std::f64::consts::TAU;
@@ -26,7 +28,7 @@ type Forward = Arc<dyn RealToComplex<f64>>;
 type Inverse = Arc<dyn ComplexToReal<f64>>;
 
 /// Finds onsets of responses of a given length.
-pub(super) struct OnsetFinder {
+struct OnsetFinder {
     length: usize,
     forward: Forward,
     inverse: Inverse,
@@ -35,7 +37,7 @@ pub(super) struct OnsetFinder {
 
 impl OnsetFinder {
     /// A finder for responses of `samples` samples.
-    pub(super) fn new(samples: usize) -> OnsetFinder {
+    fn new(samples: usize) -> OnsetFinder {
         let length = (PADDING * samples).next_power_of_two();
         let mut planner = RealFftPlanner::new();
         OnsetFinder {
@@ -47,7 +49,7 @@ impl OnsetFinder {
     }
 
     /// The onset in samples, which may be slightly before the first; `None` for silence.
-    pub(super) fn find(&self, samples: &[f32]) -> Option<f64> {
+    fn find(&self, samples: &[f32]) -> Option<f64> {
         let spectrum = self.spectrum(samples.iter().map(|sample| f64::from(*sample)));
         let largest = spectrum
             .iter()
@@ -106,7 +108,7 @@ impl OnsetFinder {
 
 /// Moves responses by any number of samples, whole or not: exactly, for frequencies below half the
 /// sampling rate.
-pub(super) struct Mover {
+struct Mover {
     samples: usize,
     length: usize,
     forward: Forward,
@@ -115,7 +117,7 @@ pub(super) struct Mover {
 
 impl Mover {
     /// A mover to responses of `samples` samples.
-    pub(super) fn new(samples: usize) -> Mover {
+    fn new(samples: usize) -> Mover {
         // Double length: the ends of a move by a fraction of a sample fade as 1/t, and wrap around.
         let length = (2 * samples).next_power_of_two();
         let mut planner = RealFftPlanner::new();
@@ -128,7 +130,7 @@ impl Mover {
     }
 
     /// The response, moved later by `by` samples.
-    pub(super) fn later(&self, response: &[f32], by: f64) -> Vec<f32> {
+    fn later(&self, response: &[f32], by: f64) -> Vec<f32> {
         let mut padded = self.forward.make_input_vec();
         for (padded, sample) in padded.iter_mut().zip(response) {
             *padded = f64::from(*sample);
@@ -180,6 +182,45 @@ fn peak(values: &[f64]) -> f64 {
     } else {
         place
     }
+}
+
+/// Responses with a common onset.
+pub(super) struct Aligned {
+    pub(super) pairs: Vec<HrirPair>,
+    /// The common onset, in seconds after their first sample.
+    pub(super) onset_s: f64,
+}
+
+/// Removes the onsets: all responses begin at the same sample afterwards, and no sample of a
+/// measurement is lost. `None` if all are silent.
+pub(super) fn aligned(measured: &[&MeasuredHrir], samples: usize, rate_hz: u32) -> Option<Aligned> {
+    let finder = OnsetFinder::new(samples);
+    // An onset is within the response: a result beyond its ends is due to rounding.
+    let onset = |ear: &Vec<f32>| Some(finder.find(ear)?.clamp(0.0, samples as f64));
+    let found: Vec<[Option<f64>; 2]> = measured
+        .par_iter()
+        .map(|measured| measured.ears.each_ref().map(onset))
+        .collect();
+    let known = || found.iter().flatten().flatten().copied();
+    let (earliest, latest) = (known().reduce(f64::min)?, known().reduce(f64::max)?);
+    // Silence has no onset; the mean of the others does not disturb the delays next to it.
+    let middle = known().sum::<f64>() / known().count() as f64;
+    let mover = Mover::new(samples + (latest - earliest).ceil() as usize + 2 * MARGIN);
+    let (rate, place) = (f64::from(rate_hz), MARGIN as f64 + latest);
+    let pair = |(measured, found): (&&MeasuredHrir, &[Option<f64>; 2])| {
+        let [left, right] = std::array::from_fn(|ear| {
+            let later = place - found[ear].unwrap_or(middle);
+            Hrir {
+                samples: mover.later(&measured.ears[ear], later),
+                delay_s: measured.delays_s[ear] - later / rate,
+            }
+        });
+        HrirPair { left, right }
+    };
+    Some(Aligned {
+        pairs: measured.par_iter().zip(&found).map(pair).collect(),
+        onset_s: place / rate,
+    })
 }
 
 #[cfg(test)]
