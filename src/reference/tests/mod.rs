@@ -1,6 +1,9 @@
 //! Compares the exact references with each other, with the distance functions, and with planted
 //! answers.
 
+mod exact;
+pub(crate) mod march32;
+
 use super::{ExactScene, Hit, ShoeboxImages};
 use crate::scene::shape::{Cuboid, Cylinder, Ellipsoid, Plane, Room, Sphere};
 use crate::test_common::Random;

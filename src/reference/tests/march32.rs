@@ -8,13 +8,15 @@
 //! distance here and just above it there. Each wave therefore has a
 //! [`margin`](MarchedWave::margin), the closest that any of its decisions came to the other
 //! outcome.
+//!
+//! Trees have the scene's own value, rounded.
 
-use super::distance32;
-use crate::scene::{Nearest, Scene};
+use crate::scene::shape::{Cuboid, Cylinder, Room, Sphere};
+use crate::scene::{Nearest, Node, Scene, Shape, Surface};
 use crate::trace::{
     Algorithm, STATUS_DEAD, STATUS_LISTENER, STATUS_STARTED, Settings, ThesisOptions,
 };
-use glam::{DVec3, UVec3, Vec3};
+use glam::{DVec3, UVec3, Vec2, Vec3};
 use std::f64::consts::TAU;
 
 /// The state of a wave after all iterations.
@@ -116,7 +118,7 @@ impl March<'_> {
                 break;
             }
             let point = start + t * direction;
-            let Nearest { distance, object } = distance32::distance(self.scene, point);
+            let Nearest { distance, object } = distance(self.scene, point);
             margin = margin.min((distance - self.options.min_distance).abs());
             if distance < self.options.min_distance {
                 return Flight {
@@ -148,7 +150,7 @@ struct Flight {
 fn tie_margin(scene: &Scene, point: Vec3) -> f32 {
     let mut distances: Vec<f32> = {
         let surfaces = scene.surfaces.iter();
-        surfaces.map(|s| distance32::of_surface(s, point)).collect()
+        surfaces.map(|s| of_surface(s, point)).collect()
     };
     distances.push(scene.listener.distance(point));
     distances.sort_by(f32::total_cmp);
@@ -165,8 +167,8 @@ fn die(wave: &mut MarchedWave) {
 /// The normal by differences; `None` if all of them are 0.
 fn difference_normal(scene: &Scene, point: Vec3, step: f32) -> Option<Vec3> {
     let slope = |axis: Vec3| {
-        let ahead = distance32::distance(scene, point + axis * step).distance;
-        let behind = distance32::distance(scene, point - axis * step).distance;
+        let ahead = distance(scene, point + axis * step).distance;
+        let behind = distance(scene, point - axis * step).distance;
         ahead - behind
     };
     Vec3::new(slope(Vec3::X), slope(Vec3::Y), slope(Vec3::Z)).try_normalize()
@@ -187,4 +189,43 @@ fn mix_bits(v: UVec3) -> UVec3 {
     y = y.wrapping_add(z.wrapping_mul(x));
     z = z.wrapping_add(x.wrapping_mul(y));
     UVec3::new(x, y, z)
+}
+
+/// Signed distance to the nearest surface or to the listener's sphere (figure 9).
+pub(super) fn distance(scene: &Scene, point: Vec3) -> Nearest {
+    let mut nearest = Nearest {
+        distance: scene.listener.distance(point),
+        object: 0,
+    };
+    for (surface, object) in scene.surfaces.iter().zip(1..) {
+        let distance = of_surface(surface, point);
+        if distance < nearest.distance {
+            nearest = Nearest { distance, object };
+        }
+    }
+    nearest
+}
+
+/// Signed distance to one surface, in metres.
+pub(super) fn of_surface(surface: &Surface, point: Vec3) -> f32 {
+    let offset = point - surface.position;
+    let local = match surface.has_rotation() {
+        true => surface.rotation.conjugate() * offset,
+        false => offset,
+    };
+    of_shape(&surface.shape, local)
+}
+
+fn of_shape(shape: &Shape, p: Vec3) -> f32 {
+    match shape.node {
+        Node::Plane(_) => p.y,
+        Node::Cuboid(Cuboid { size }) => {
+            let beyond = p.abs() - size * 0.5;
+            beyond.max(Vec3::ZERO).length() + beyond.max_element().min(0.0)
+        }
+        Node::Room(Room { size }) => (size * 0.5 - p.abs()).min_element(),
+        Node::Sphere(Sphere { radius }) => p.length() - radius,
+        Node::Cylinder(Cylinder { radius }) => Vec2::new(p.x, p.z).length() - radius,
+        _ => shape.distance(p),
+    }
 }
