@@ -240,6 +240,11 @@ impl Echogram {
         self.first_s
     }
 
+    /// Beginning of a bin in seconds.
+    pub(super) fn edge_s(&self, bin: usize) -> f64 {
+        self.first_s + bin as f64 * self.bin_s
+    }
+
     /// Number of bins, up to the last with an arrival.
     pub fn bins(&self) -> usize {
         self.flows.len()

@@ -20,7 +20,7 @@ pub use heard::{HeardPath, HeardSource, Level};
 pub use settings::{MAX_ORDER, ResponseSettings};
 
 use crate::acoustics::early::Missed;
-use crate::acoustics::{Arrival, Echogram, Figures, Tap};
+use crate::acoustics::{Arrival, Echogram, Figures, Record, Tap};
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
 use crate::platform::Instant;
@@ -127,7 +127,7 @@ impl Response {
         if bias.bins() > 0 {
             let mut biased = echogram.clone();
             biased.add_scaled(&bias, &bands::ALL);
-            figures = figures.with_differences((&taps, &biased, ends_s), &bands::ALL);
+            figures = figures.with_differences(Record::new(&taps, &biased, ends_s), &bands::ALL);
         }
         let caught = Caught {
             scene,
@@ -139,7 +139,7 @@ impl Response {
         let heard_in = (scene, &medium);
         let further =
             late::further_arrival(tracer, heard_in, settings, &how, &echogram, travel_on)?;
-        let figures = figures.with_further_arrival((&taps, &echogram, ends_s), &further);
+        let figures = figures.with_further_arrival(Record::new(&taps, &echogram, ends_s), &further);
         Ok(Response {
             missed: part.missed(),
             left_out: part.left_out().count() as u64,

@@ -7,7 +7,7 @@ use crate::bands::BAND_COUNT;
 use crate::reference::{ImageSource, ShoeboxEnergies};
 use decay::Decay;
 use glam::DVec3;
-use pieces::{Span, origin, pieces};
+use pieces::Piece;
 use std::f64::consts::PI;
 use uncertainty::Halves;
 
@@ -17,6 +17,7 @@ mod pieces;
 mod tests;
 mod uncertainty;
 
+pub(crate) use pieces::Record;
 pub(crate) use uncertainty::{CommonErrors, uncertain_energy};
 
 /// Distance in metres at which the direct sound in the open has a strength *G* of 0 dB.
@@ -166,7 +167,8 @@ impl Figures {
     pub fn new(taps: &[Tap], echogram: &Echogram, direct_s: Option<f64>, ends_s: f64) -> Figures {
         let energy = |bin| echogram.energy(bin);
         let are_good = check_taps(taps).is_ok();
-        let start = origin(taps, echogram, energy, (direct_s, ends_s)).filter(|_| are_good);
+        let record = Record::new(taps, echogram, ends_s);
+        let start = record.origin(direct_s, energy).filter(|_| are_good);
         let mut figures = Figures {
             bands: Default::default(),
             errors: Default::default(),
@@ -179,9 +181,9 @@ impl Figures {
             return figures;
         };
         let begins_s = start.seconds;
-        let all = pieces(taps, echogram, energy, Span { begins_s, ends_s });
+        let all = record.pieces(begins_s, energy);
         let (lists, decays_end_s, cut_off) = lists(&all, echogram.bin_s());
-        let halves = Halves::new(taps, echogram, (direct_s, ends_s));
+        let halves = Halves::new(&record, direct_s);
         for (band, mut list) in lists.into_iter().enumerate() {
             for (time_s, ends_s) in list.iter_mut().zip(decays_end_s[band]) {
                 let arrivals = echogram.effective_arrivals(band, begins_s + ends_s);
@@ -195,7 +197,7 @@ impl Figures {
         figures.cut_off = cut_off;
         figures.begins_error_s = Some(halves.error_of_start(start));
         match start.within_s > 0.0 {
-            true => figures.with_start_within((taps, echogram, ends_s), start.within_s),
+            true => figures.with_start_within(&record, start.within_s),
             false => figures,
         }
     }
@@ -206,7 +208,7 @@ type DecayEnds = [f64; DECAY_TIMES];
 
 /// The figures of each band, the ends of their decays, and the share of the energy beyond the record.
 fn lists(
-    pieces: &[pieces::Piece],
+    pieces: &[Piece],
     bin_s: f64,
 ) -> (
     [List; BAND_COUNT],

@@ -19,83 +19,115 @@ pub(super) struct Piece {
     pub(super) energy: Bands,
 }
 
-/// Times of a record, in seconds after the source's impulse.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Span {
-    pub(super) begins_s: f64,
+/// The recorded sound: exact taps and an echogram, until an end in seconds after the source's impulse.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Record<'a> {
+    pub(super) taps: &'a [Tap],
+    pub(super) echogram: &'a Echogram,
     pub(super) ends_s: f64,
 }
 
-/// All energy that arrives within `span`, without gaps, in order of time. Earlier energy counts at
-/// its beginning. A tap within a bin splits the bin.
-///
-/// `energy` returns the energy of a bin.
-pub(super) fn pieces(
-    taps: &[Tap],
-    echogram: &Echogram,
-    energy: impl Fn(usize) -> Bands,
-    span: Span,
-) -> Vec<Piece> {
-    let length_s = span.ends_s - span.begins_s;
-    let mut instants: Vec<Piece> = taps.iter().map(|tap| instant(tap, span)).collect();
-    instants.retain(|piece| piece.begins_s <= length_s);
-    instants.sort_by(|a, b| a.begins_s.total_cmp(&b.begins_s));
-    let mut instants = instants.into_iter().peekable();
-    let mut found = Vec::with_capacity(echogram.bins() + 2 * instants.len());
-    for bin in bins(echogram, energy, span) {
-        let mut rest = bin;
-        while let Some(tap) = instants.next_if(|tap| tap.begins_s < rest.ends_s) {
-            let (before, after) = parted(rest, tap.begins_s);
-            found.extend([before, tap]);
-            rest = after;
+impl<'a> Record<'a> {
+    pub(crate) fn new(taps: &'a [Tap], echogram: &'a Echogram, ends_s: f64) -> Record<'a> {
+        Record {
+            taps,
+            echogram,
+            ends_s,
         }
-        found.push(rest);
     }
-    found.extend(instants);
-    found
-}
 
-fn instant(tap: &Tap, span: Span) -> Piece {
-    let seconds = (tap.seconds - span.begins_s).max(0.0);
-    Piece {
-        begins_s: seconds,
-        ends_s: seconds,
-        energy: tap.energy,
+    /// All energy that arrives from `begins_s` on, without gaps, in order of time. Earlier energy counts at the
+    /// beginning. A tap within a bin splits the bin.
+    ///
+    /// `energy` returns the energy of a bin.
+    pub(super) fn pieces(&self, begins_s: f64, energy: impl Fn(usize) -> Bands) -> Vec<Piece> {
+        let length_s = self.ends_s - begins_s;
+        let instant = |tap: &Tap| Piece {
+            begins_s: (tap.seconds - begins_s).max(0.0),
+            ends_s: (tap.seconds - begins_s).max(0.0),
+            energy: tap.energy,
+        };
+        let mut instants: Vec<Piece> = self.taps.iter().map(instant).collect();
+        instants.retain(|piece| piece.begins_s <= length_s);
+        instants.sort_by(|a, b| a.begins_s.total_cmp(&b.begins_s));
+        let mut instants = instants.into_iter().peekable();
+        let mut found = Vec::with_capacity(self.echogram.bins() + 2 * instants.len());
+        for mut rest in self.bins(begins_s, energy) {
+            while let Some(tap) = instants.next_if(|tap| tap.begins_s < rest.ends_s) {
+                let (before, after) = parted(rest, tap.begins_s);
+                found.extend([before, tap]);
+                rest = after;
+            }
+            found.push(rest);
+        }
+        found.extend(instants);
+        found
     }
-}
 
-/// The bins as pieces from the beginning of the span to its end, and an empty piece after the last.
-fn bins(echogram: &Echogram, energy: impl Fn(usize) -> Bands, span: Span) -> Vec<Piece> {
-    let length_s = span.ends_s - span.begins_s;
-    let edge = |bin: usize| {
-        let edge_s = echogram.first_s() + bin as f64 * echogram.bin_s() - span.begins_s;
-        edge_s.clamp(0.0, length_s)
-    };
-    let begun = |bin: &usize| echogram.first_s() + *bin as f64 * echogram.bin_s() < span.ends_s;
-    let mut found: Vec<Piece> = (0..echogram.bins())
-        .take_while(begun)
-        .map(|bin| Piece {
+    /// The bins as pieces from `begins_s` to the end, and an empty piece after the last.
+    fn bins(&self, begins_s: f64, energy: impl Fn(usize) -> Bands) -> Vec<Piece> {
+        let (echogram, length_s) = (self.echogram, self.ends_s - begins_s);
+        let edge = |bin: usize| (echogram.edge_s(bin) - begins_s).clamp(0.0, length_s);
+        let piece = |bin: usize| Piece {
             begins_s: edge(bin),
             ends_s: edge(bin + 1),
             energy: energy(bin),
-        })
-        .collect();
-    let last_s = found.last().map_or(0.0, |piece| piece.ends_s);
-    found.push(Piece {
-        begins_s: last_s,
-        ends_s: length_s,
-        energy: [0.0; BAND_COUNT],
-    });
-    found
+        };
+        let begun = (0..echogram.bins()).take_while(|bin| echogram.edge_s(*bin) < self.ends_s);
+        let mut found: Vec<Piece> = begun.map(piece).collect();
+        found.push(Piece {
+            begins_s: found.last().map_or(0.0, |piece| piece.ends_s),
+            ends_s: length_s,
+            energy: [0.0; BAND_COUNT],
+        });
+        found
+    }
+
+    /// The time origin: the direct sound; else the first exact path that is less than 20 dB below the strongest path
+    /// or bin, unless 10 % of all energy arrived before it; else the time when 1 % of all energy has arrived. `None`
+    /// if nothing arrives.
+    ///
+    /// `energy` returns the energy of a bin; the energies are means over the bands.
+    pub(super) fn origin(
+        &self,
+        direct_s: Option<f64>,
+        energy: impl Fn(usize) -> Bands,
+    ) -> Option<Origin> {
+        let exact = |seconds| Origin {
+            seconds,
+            within_s: 0.0,
+        };
+        if let Some(seconds) = direct_s {
+            return Some(exact(seconds));
+        }
+        let pieces = self.pieces(0.0, energy);
+        let energies = || pieces.iter().map(|piece| bands::mean(&piece.energy));
+        let total: f64 = energies().sum();
+        let least = START_SHARE * energies().fold(0.0, f64::max);
+        let starts = |piece: &&Piece| {
+            let energy = bands::mean(&piece.energy);
+            is_instant(piece) && energy > 0.0 && energy >= least
+        };
+        let first_path = pieces.iter().find(starts);
+        let is_first = |path: &&Piece| {
+            let before = pieces
+                .iter()
+                .take_while(|piece| piece.ends_s < path.begins_s);
+            let before: f64 = before.map(|piece| bands::mean(&piece.energy)).sum();
+            before <= SHARE_BEFORE_PATH * total
+        };
+        let any = || passes(&pieces, START_SHARE * total, self.echogram.bin_s());
+        let path = first_path.filter(is_first);
+        path.map(|path| exact(path.begins_s)).or_else(any)
+    }
 }
 
 /// The parts of a piece before and after a time in it.
 fn parted(piece: Piece, at_s: f64) -> (Piece, Piece) {
     let length_s = piece.ends_s - piece.begins_s;
-    let share = if length_s > 0.0 {
-        ((at_s - piece.begins_s) / length_s).clamp(0.0, 1.0)
-    } else {
-        1.0
+    let share = match length_s > 0.0 {
+        true => ((at_s - piece.begins_s) / length_s).clamp(0.0, 1.0),
+        false => 1.0,
     };
     let at_s = at_s.clamp(piece.begins_s, piece.ends_s);
     let before = Piece {
@@ -126,45 +158,6 @@ pub(super) struct Origin {
     pub seconds: f64,
     /// Length in seconds of the bin within which it is interpolated; 0 for an exact path.
     pub within_s: f64,
-}
-
-/// The time origin: the direct sound; else the first exact path that is less than 20 dB below the strongest path or
-/// bin, unless 10 % of all energy arrived before it; else the time when 1 % of all energy has arrived. `None` if
-/// nothing arrives.
-///
-/// `energy` returns the energy of a bin; the energies are means over the bands.
-pub(super) fn origin(
-    taps: &[Tap],
-    echogram: &Echogram,
-    energy: impl Fn(usize) -> Bands,
-    (direct_s, ends_s): (Option<f64>, f64),
-) -> Option<Origin> {
-    if let Some(seconds) = direct_s {
-        let within_s = 0.0;
-        return Some(Origin { seconds, within_s });
-    }
-    let begins_s = 0.0;
-    let pieces = pieces(taps, echogram, energy, Span { begins_s, ends_s });
-    let total: f64 = pieces.iter().map(|piece| bands::mean(&piece.energy)).sum();
-    let strongest = pieces.iter().map(|piece| bands::mean(&piece.energy));
-    let least = START_SHARE * strongest.fold(0.0, f64::max);
-    let starts = |piece: &&Piece| {
-        let energy = bands::mean(&piece.energy);
-        is_instant(piece) && energy > 0.0 && energy >= least
-    };
-    let first_path = pieces.iter().find(starts).map(|piece| Origin {
-        seconds: piece.begins_s,
-        within_s: 0.0,
-    });
-    let is_first = |path: &Origin| {
-        let before = pieces
-            .iter()
-            .take_while(|piece| piece.ends_s < path.seconds);
-        let before: f64 = before.map(|piece| bands::mean(&piece.energy)).sum();
-        before <= SHARE_BEFORE_PATH * total
-    };
-    let any = || passes(&pieces, START_SHARE * total, echogram.bin_s());
-    first_path.filter(is_first).or_else(any)
 }
 
 fn is_instant(piece: &Piece) -> bool {
@@ -211,7 +204,7 @@ mod tests {
                 .add(0, *seconds, &[*energy; BAND_COUNT], DVec3::X)
                 .unwrap();
         }
-        origin(taps, &echogram, |bin| echogram.energy(bin), (direct_s, 1.0))
+        Record::new(taps, &echogram, 1.0).origin(direct_s, |bin| echogram.energy(bin))
     }
 
     /// Protects the origin from stray waves: neither the first arrival nor a faint path determines it, and the time of

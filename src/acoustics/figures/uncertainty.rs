@@ -6,7 +6,7 @@
 //! energy that the waves may have missed is estimated from the number of arrivals: √n of n arrivals, and one if there
 //! are none.
 
-use super::pieces::{Origin, Span, origin, pieces};
+use super::pieces::{Origin, Record};
 use super::{BandFigures, DECAY_TIMES, FIGURE_COUNT, Figures, List, lists};
 use crate::acoustics::{Echogram, Tap};
 use crate::bands::{self, BAND_COUNT, Bands};
@@ -44,40 +44,31 @@ impl CommonErrors {
 }
 
 impl Figures {
-    /// Adds the differences from the figures of other taps and another echogram as errors, each times the weight of its
-    /// band, for a record that ends after `ends_s` seconds.
-    pub(crate) fn with_differences(
-        self,
-        (taps, echogram, ends_s): (&[Tap], &Echogram, f64),
-        weights: &Bands,
-    ) -> Figures {
-        let others = self
-            .begins_s
-            .and_then(|begins_s| others(taps, echogram, begins_s, ends_s));
-        match others {
-            Some(others) => self.differing(&others, weights),
-            None => self,
-        }
+    /// Adds the differences from the figures of another record as errors, each times the weight of its band.
+    pub(crate) fn with_differences(self, record: Record, weights: &Bands) -> Figures {
+        self.differing(self.begins_s, &record, weights)
     }
 
     /// Adds the error due to a time origin that is known only within a bin of `within_s` seconds.
-    pub(super) fn with_start_within(
-        self,
-        (taps, echogram, ends_s): (&[Tap], &Echogram, f64),
-        within_s: f64,
-    ) -> Figures {
+    pub(super) fn with_start_within(self, record: &Record, within_s: f64) -> Figures {
         /// The standard deviation of a uniform distribution, relative to half of its interval's
         /// length.
         const EVEN: f64 = 0.577_350_269_189_625_8;
         let later = self.begins_s.map(|begins_s| begins_s + 0.5 * within_s);
-        match later.and_then(|later| others(taps, echogram, later, ends_s)) {
-            Some(others) => self.differing(&others, &[EVEN; BAND_COUNT]),
+        self.differing(later, record, &[EVEN; BAND_COUNT])
+    }
+
+    /// Adds the weighted differences from the figures of a record as errors, if it has figures with times from
+    /// `begins_s` on.
+    fn differing(self, begins_s: Option<f64>, record: &Record, weights: &Bands) -> Figures {
+        match begins_s.and_then(|begins_s| others(record, begins_s)) {
+            Some(others) => self.differing_from(&others, weights),
             None => self,
         }
     }
 
     /// Adds the weighted differences from other figures as errors.
-    pub(super) fn differing(mut self, others: &[List; BAND_COUNT], weights: &Bands) -> Figures {
+    fn differing_from(mut self, others: &[List; BAND_COUNT], weights: &Bands) -> Figures {
         for band in 0..BAND_COUNT {
             let pairs = self.bands[band].list().into_iter().zip(others[band]);
             let differences =
@@ -116,19 +107,13 @@ impl Figures {
     }
 }
 
-/// The figures of all bands of other taps and another echogram, with times from `begins_s` on.
-pub(super) fn others(
-    taps: &[Tap],
-    echogram: &Echogram,
-    begins_s: f64,
-    ends_s: f64,
-) -> Option<[List; BAND_COUNT]> {
-    if begins_s >= ends_s {
+/// The figures of all bands of a record, with times from `begins_s` on.
+fn others(record: &Record, begins_s: f64) -> Option<[List; BAND_COUNT]> {
+    if begins_s >= record.ends_s {
         return None;
     }
-    let span = Span { begins_s, ends_s };
-    let pieces = pieces(taps, echogram, |bin| echogram.energy(bin), span);
-    Some(lists(&pieces, echogram.bin_s()).0)
+    let pieces = record.pieces(begins_s, |bin| record.echogram.energy(bin));
+    Some(lists(&pieces, record.echogram.bin_s()).0)
 }
 
 /// The figures of halves of the batches.
@@ -146,25 +131,23 @@ impl Halves {
     ///
     /// Each half has its own time origin, so that the errors include the uncertainty of the common
     /// one.
-    pub fn new(taps: &[Tap], echogram: &Echogram, times: (Option<f64>, f64)) -> Halves {
+    pub fn new(record: &Record, direct_s: Option<f64>) -> Halves {
+        let echogram = record.echogram;
         let batches = echogram.batches();
         let is_in = |half: usize, batch: usize| (half & batch).count_ones() % 2 == 1;
         let of = |(half, complement): (usize, bool)| {
             let energy = |bin: usize| {
                 let mut sum = [0.0; BAND_COUNT];
                 for batch in (0..batches).filter(|&batch| is_in(half, batch) != complement) {
-                    let energy = echogram.batch_energy(bin, batch);
-                    for (sum, energy) in sum.iter_mut().zip(energy) {
-                        *sum += 2.0 * energy;
-                    }
+                    bands::add(&mut sum, &echogram.batch_energy(bin, batch));
                 }
-                sum
+                sum.map(|energy| 2.0 * energy)
             };
-            let ends_s = times.1;
-            let start = origin(taps, echogram, energy, times)?;
-            let begins_s = Some(start.seconds).filter(|begins_s| *begins_s < ends_s)?;
-            let span = Span { begins_s, ends_s };
-            let pieces = pieces(taps, echogram, energy, span);
+            let begins_s = record.origin(direct_s, energy)?.seconds;
+            if begins_s >= record.ends_s {
+                return None;
+            }
+            let pieces = record.pieces(begins_s, energy);
             Some((begins_s, lists(&pieces, echogram.bin_s()).0))
         };
         let halves: Vec<(usize, bool)> = (1..batches)
@@ -291,11 +274,12 @@ pub(crate) fn uncertain_energy(sum: f64, arrivals: f64) -> f64 {
 impl Figures {
     /// Adds the effect of one more arrival of these energies as an error. In bands with few arrivals only figures that
     /// change little are kept.
-    pub(crate) fn with_further_arrival(
-        self,
-        (taps, echogram, ends_s): (&[Tap], &Echogram, f64),
-        energy: &Bands,
-    ) -> Figures {
+    pub(crate) fn with_further_arrival(self, record: Record, energy: &Bands) -> Figures {
+        let Record {
+            taps,
+            echogram,
+            ends_s,
+        } = record;
         let Some(begins_s) = self.begins_s.filter(|_| echogram.batches() > 1) else {
             return self;
         };
@@ -308,10 +292,10 @@ impl Figures {
             // The energies of waves that were already added are in range.
             let _ = further.add(0, seconds, &of_bin, DVec3::ZERO);
         }
-        let Some(others) = others(taps, &further, begins_s, ends_s) else {
+        let Some(others) = others(&Record::new(taps, &further, ends_s), begins_s) else {
             return self;
         };
-        let mut figures = self.differing(&others, &bands::ALL);
+        let mut figures = self.differing_from(&others, &bands::ALL);
         for (band, others) in others.iter().enumerate() {
             if echogram.effective_arrivals(band, begins_s) < FEW {
                 figures.leave_certain(band, others);
@@ -362,7 +346,10 @@ mod tests {
             0 => energy,
             _ => uncertain_energy(arrivals as f64 * energy, arrivals as f64),
         };
-        figures.with_further_arrival((&taps, &echogram, ends_s), &[uncertain; BAND_COUNT])
+        figures.with_further_arrival(
+            Record::new(&taps, &echogram, ends_s),
+            &[uncertain; BAND_COUNT],
+        )
     }
 
     /// Protects against errors estimated from a few dozen waves, and errors of 0: if one arrival changes G by more

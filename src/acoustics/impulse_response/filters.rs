@@ -273,10 +273,7 @@ pub(super) fn samples_of(
     bin: usize,
     rate_hz: f64,
 ) -> impl Iterator<Item = (usize, f64)> {
-    let edge = |bin: usize| {
-        let edge_s = echogram.first_s() + bin as f64 * echogram.bin_s();
-        (edge_s * rate_hz + 0.5).max(0.0)
-    };
+    let edge = |bin: usize| (echogram.edge_s(bin) * rate_hz + 0.5).max(0.0);
     let (begins, ends) = (edge(bin), edge(bin + 1));
     (begins as usize..ends.ceil() as usize).map(move |sample| {
         let inside = ends.min(sample as f64 + 1.0) - begins.max(sample as f64);

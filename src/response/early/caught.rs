@@ -8,7 +8,7 @@
 
 use super::EarlyPart;
 use crate::acoustics::early::SpecularPath;
-use crate::acoustics::{Arrival, Echogram, Figures, Tap};
+use crate::acoustics::{Arrival, Echogram, Figures, Record, Tap};
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::response::heard::{HeardPath, Medium, passing};
 use crate::scene::Scene;
@@ -41,11 +41,12 @@ impl Caught<'_> {
             .mean_taps(self.scene, self.medium, self.paths, &is_left_out);
         let left_out = self.taps(&is_left_out);
         let by_means = [&means[..], &left_out].concat();
-        let mut figures = figures.with_differences((&by_means, echogram, ends_s), &bands::ALL);
+        let mut figures =
+            figures.with_differences(Record::new(&by_means, echogram, ends_s), &bands::ALL);
         if gather.contains(&true) {
             let exact = self.taps(&|path| path.is_focus || !is_gathered(path));
             let of_waves = self.with_waves(echogram, &|path| path.is_some_and(is_gathered));
-            figures = figures.with_differences((&exact, &of_waves, ends_s), &bands::ALL);
+            figures = figures.with_differences(Record::new(&exact, &of_waves, ends_s), &bands::ALL);
         }
         let excess = self.excess(&means, &is_left_out, ends_s);
         if excess == [0.0; BAND_COUNT] {
@@ -53,7 +54,7 @@ impl Caught<'_> {
         }
         let of_waves =
             self.with_waves(echogram, &|path| path.is_none_or(|path| !is_gathered(path)));
-        figures.with_differences((&left_out, &of_waves, ends_s), &excess)
+        figures.with_differences(Record::new(&left_out, &of_waves, ends_s), &excess)
     }
 
     /// The exact paths for which `is_taken` holds, as taps.
