@@ -19,6 +19,13 @@ pub fn add(sum: &mut Bands, more: &Bands) {
     }
 }
 
+/// The sum of numbers, band by band.
+pub(crate) fn sum<'a>(all: impl IntoIterator<Item = &'a Bands>) -> Bands {
+    let mut sum = [0.0; BAND_COUNT];
+    all.into_iter().for_each(|bands| add(&mut sum, bands));
+    sum
+}
+
 /// The mean over the bands, each with the same weight.
 pub fn mean(bands: &Bands) -> f64 {
     bands.iter().sum::<f64>() / BAND_COUNT as f64

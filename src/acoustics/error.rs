@@ -140,21 +140,12 @@ const LONGEST_UNIT: f64 = 1.0 + 1e-5;
 pub(super) fn check(energy: &Bands, direction: DVec3) -> Result<(), AcousticsError> {
     let in_range = |energy: &f64| (0.0..=LARGEST_ENERGY).contains(energy);
     if let Some(&value) = energy.iter().find(|energy| !in_range(energy)) {
-        return Err(AcousticsError::BadNumber {
-            what: "an energy in 1/m²",
-            must: "0 to 1e60",
-            value,
-        });
+        return Err(bad("an energy in 1/m²", "0 to 1e60", value));
     }
-    let value = direction.length();
-    if value <= LONGEST_UNIT {
-        return Ok(());
+    match direction.length() {
+        length if length <= LONGEST_UNIT => Ok(()),
+        length => Err(bad("the length of a direction", "at most 1", length)),
     }
-    Err(AcousticsError::BadNumber {
-        what: "the length of a direction",
-        must: "at most 1",
-        value,
-    })
 }
 
 /// Checks every number of these taps.
@@ -180,11 +171,28 @@ pub(crate) fn check_taps<'a>(
 
 fn check_tap(tap: &Tap) -> Result<(), AcousticsError> {
     if !(tap.seconds.is_finite() && tap.seconds >= 0.0) {
-        return Err(AcousticsError::BadNumber {
-            what: "its time in seconds",
-            must: "finite and not negative",
-            value: tap.seconds,
-        });
+        let must = "finite and not negative";
+        return Err(bad("its time in seconds", must, tap.seconds));
     }
     check(&tap.energy, tap.direction)
+}
+
+/// Checks a speed of sound in metres a second.
+///
+/// # Errors
+/// [`AcousticsError::BadNumber`] unless it is finite and above 0.
+pub(super) fn check_speed(m_per_s: f64) -> Result<(), AcousticsError> {
+    match m_per_s > 0.0 && m_per_s.is_finite() {
+        true => Ok(()),
+        false => Err(bad(
+            "the speed of sound in m/s",
+            "finite and above 0",
+            m_per_s,
+        )),
+    }
+}
+
+/// The error of a number that must be in a range.
+pub(super) fn bad(what: &'static str, must: &'static str, value: f64) -> AcousticsError {
+    AcousticsError::BadNumber { what, must, value }
 }

@@ -80,7 +80,13 @@ pub(super) fn mirrored_share(scene: &Scene, at: impl Iterator<Item = (u32, Optio
 /// Mean number of waves, out of `waves`, that cross a listener of this radius along a path.
 pub(super) fn passing(scene: &Scene, path: &SpecularPath, radius_m: f64, waves: u32) -> f64 {
     let mirrored = path.spreading * mirrored_share(scene, reflections(path));
-    f64::from(waves) * PI * radius_m * radius_m * mirrored
+    crossing(mirrored, radius_m, waves)
+}
+
+/// Mean number of waves, out of `waves`, that cross a listener of this radius, if a wave brings the energy density
+/// `spreading`.
+pub(super) fn crossing(spreading: f64, radius_m: f64, waves: u32) -> f64 {
+    f64::from(waves) * PI * radius_m * radius_m * spreading
 }
 
 /// The product of a property of the materials of these surfaces and walls, by band.

@@ -20,10 +20,6 @@
 use super::sheet::{Osculation, Sheet, outer};
 use glam::{DMat3, DVec3};
 
-/// No stationary path was found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct NotConverged;
-
 /// Maximum tangential difference of the unit vectors before and after a specular reflection, in
 /// radians; one more step then squares it. A thousand times the rounding of directions between
 /// points that are a thousandth of the scene apart.
@@ -72,12 +68,9 @@ struct State {
 }
 
 impl Chain<'_> {
-    /// The points of a specular path, solved for from `points`.
-    ///
-    /// # Errors
-    /// [`NotConverged`] if no path is found.
-    pub fn solve(&self, points: &[DVec3]) -> Result<Vec<DVec3>, NotConverged> {
-        let mut state = self.state(points.to_vec()).ok_or(NotConverged)?;
+    /// The points of a specular path, solved for from `points`; `None` if no path is found.
+    pub fn solve(&self, points: Vec<DVec3>) -> Option<Vec<DVec3>> {
+        let mut state = self.state(points)?;
         let by_differences = self.sheets.iter().any(Sheet::is_differenced);
         let enough = match by_differences {
             true => SPECULAR_BY_DIFFERENCES,
@@ -85,11 +78,11 @@ impl Chain<'_> {
         };
         for _ in 0..STEPS {
             if state.error() <= enough {
-                return Ok(self.polished(state).points);
+                return Some(self.polished(state).points);
             }
-            state = self.better(&state).ok_or(NotConverged)?;
+            state = self.better(&state)?;
         }
-        Err(NotConverged)
+        None
     }
 
     /// Takes one more step, if it helps.
@@ -259,7 +252,7 @@ impl State {
     fn fill(&self, matrix: &mut Matrix, (i, j): (usize, usize), block: DMat3) {
         for (row, left) in self.tangents[i].iter().enumerate() {
             for (column, right) in self.tangents[j].iter().enumerate() {
-                *matrix.at_mut(2 * i + row, 2 * j + column) = left.dot(block * *right);
+                matrix.0[2 * i + row][2 * j + column] = left.dot(block * *right);
             }
         }
     }
@@ -320,88 +313,65 @@ pub(super) fn points_by_images<'a>(
 
 /// A square matrix by rows, with 2 rows for each reflection.
 #[derive(Clone, Debug)]
-struct Matrix {
-    size: usize,
-    numbers: Vec<f64>,
-}
+struct Matrix(Vec<Vec<f64>>);
 
 /// Least pivot, as a share of the matrix' largest element: a smaller one is rounding.
 const LEAST_PIVOT: f64 = 1e-14;
 
 impl Matrix {
-    pub fn zero(size: usize) -> Matrix {
-        Matrix {
-            size,
-            numbers: vec![0.0; size * size],
-        }
-    }
-
-    pub fn at_mut(&mut self, row: usize, column: usize) -> &mut f64 {
-        &mut self.numbers[row * self.size + column]
-    }
-
-    pub fn at(&self, row: usize, column: usize) -> f64 {
-        self.numbers[row * self.size + column]
+    fn zero(size: usize) -> Matrix {
+        Matrix(vec![vec![0.0; size]; size])
     }
 
     /// The largest magnitude of its elements.
-    pub fn largest(&self) -> f64 {
-        self.numbers.iter().fold(0.0, |most, x| x.abs().max(most))
+    fn largest(&self) -> f64 {
+        let elements = self.0.iter().flatten();
+        elements.fold(0.0, |most, x| x.abs().max(most))
     }
 
     /// M v.
-    pub fn times(&self, v: &[f64]) -> Vec<f64> {
-        let rows = self.numbers.chunks_exact(self.size);
-        let dot = |row: &[f64]| row.iter().zip(v).map(|(a, b)| a * b).sum();
-        rows.map(dot).collect()
+    fn times(&self, v: &[f64]) -> Vec<f64> {
+        let dot = |row: &Vec<f64>| row.iter().zip(v).map(|(a, b)| a * b).sum();
+        self.0.iter().map(dot).collect()
     }
 
     /// M M + `more` I for a symmetric matrix M.
-    pub fn squared_plus(&self, more: f64) -> Matrix {
-        let mut square = Matrix::zero(self.size);
-        for row in 0..self.size {
-            for column in 0..self.size {
-                let products = (0..self.size).map(|k| self.at(row, k) * self.at(k, column));
-                let diagonal = if row == column { more } else { 0.0 };
-                *square.at_mut(row, column) = products.sum::<f64>() + diagonal;
+    fn squared_plus(&self, more: f64) -> Matrix {
+        let mut square = Matrix::zero(self.0.len());
+        for (row, numbers) in square.0.iter_mut().enumerate() {
+            for (column, number) in numbers.iter_mut().enumerate() {
+                let products = self.0[row].iter().zip(&self.0);
+                let sum: f64 = products.map(|(number, other)| number * other[column]).sum();
+                *number = sum + if row == column { more } else { 0.0 };
             }
         }
         square
     }
 
     /// x with M x = `right`, by Gaussian elimination with row pivots; `None` for a singular matrix.
-    pub fn solve(mut self, mut right: Vec<f64>) -> Option<Vec<f64>> {
-        let least = LEAST_PIVOT * self.largest();
-        for column in 0..self.size {
-            let below = column..self.size;
-            let pivot = below.max_by(|&a, &b| {
-                let size = |row: usize| self.at(row, column).abs();
-                size(a).total_cmp(&size(b))
-            })?;
-            if self.at(pivot, column).abs() <= least {
+    fn solve(mut self, mut right: Vec<f64>) -> Option<Vec<f64>> {
+        let (least, size) = (LEAST_PIVOT * self.largest(), right.len());
+        let rows = &mut self.0;
+        for column in 0..size {
+            let magnitude = |row: usize| rows[row][column].abs();
+            let pivot = (column..size).max_by(|&a, &b| magnitude(a).total_cmp(&magnitude(b)))?;
+            if magnitude(pivot) <= least {
                 return None;
             }
-            self.swap_rows(pivot, column);
+            rows.swap(pivot, column);
             right.swap(pivot, column);
-            for row in column + 1..self.size {
-                let factor = self.at(row, column) / self.at(column, column);
-                for k in column..self.size {
-                    *self.at_mut(row, k) -= factor * self.at(column, k);
+            for row in column + 1..size {
+                let factor = rows[row][column] / rows[column][column];
+                for k in column..size {
+                    rows[row][k] -= factor * rows[column][k];
                 }
                 right[row] -= factor * right[column];
             }
         }
-        for row in (0..self.size).rev() {
-            let known = (row + 1..self.size).map(|k| self.at(row, k) * right[k]);
-            right[row] = (right[row] - known.sum::<f64>()) / self.at(row, row);
+        for row in (0..size).rev() {
+            let known = (row + 1..size).map(|k| rows[row][k] * right[k]);
+            right[row] = (right[row] - known.sum::<f64>()) / rows[row][row];
         }
         Some(right)
-    }
-
-    fn swap_rows(&mut self, a: usize, b: usize) {
-        for column in 0..self.size {
-            self.numbers
-                .swap(a * self.size + column, b * self.size + column);
-        }
     }
 }

@@ -66,13 +66,13 @@ pub(super) fn find(
     let solved: Vec<Result<Draft, NoPath>> = jobs.par_iter().map(solve).collect();
     let (drafts, draft_of) = distinct(solved);
     let check = |draft: &Draft| {
-        let checked = Checked {
-            points: &draft.points,
-            surfaces: &draft.surfaces,
-            normals: &draft.normals,
-            directions: &draft.directions,
-        };
-        checked.is_taken(exact, surfaces)
+        let path = draft;
+        Checked {
+            exact,
+            surfaces,
+            path,
+        }
+        .is_taken()
     };
     let checks: Vec<Result<(), NoPath>> = drafts.par_iter().map(check).collect();
     let mut taken = Vec::new();
@@ -166,7 +166,7 @@ impl Solver<'_> {
     }
 
     fn sheets(&self, vertices: &[Vertex]) -> Result<Vec<Sheet<'_>>, NoPath> {
-        let sheet = |vertex: &Vertex| self.surfaces.sheet(vertex).map_err(|_| NoPath::NotExact);
+        let sheet = |vertex: &Vertex| self.surfaces.sheet(vertex).ok_or(NoPath::NotExact);
         vertices.iter().map(sheet).collect()
     }
 
@@ -181,8 +181,8 @@ impl Solver<'_> {
             listener,
             sheets,
         };
-        let start: Vec<DVec3> = vertices.iter().map(|vertex| vertex.point).collect();
-        chain.solve(&start).map_err(|_| NoPath::NotStationary)
+        let start = vertices.iter().map(|vertex| vertex.point).collect();
+        chain.solve(start).ok_or(NoPath::NotStationary)
     }
 
     fn draft(
@@ -255,9 +255,9 @@ impl<'a> Jobs<'a> {
     /// a curved surface.
     pub fn new(surfaces: &Surfaces, candidates: &'a Candidates) -> Jobs<'a> {
         let mirror = |vertex: &Vertex| match surfaces.sheet(vertex) {
-            Err(_) => Mirror::NotExact,
-            Ok(sheet) if sheet.is_flat() => Mirror::Flat(vertex.surface, sheet.id),
-            Ok(_) => Mirror::Curved(vertex.surface),
+            None => Mirror::NotExact,
+            Some(sheet) if sheet.is_flat() => Mirror::Flat(vertex.surface, sheet.id),
+            Some(_) => Mirror::Curved(vertex.surface),
         };
         let all = candidates.vertices();
         let mirrors: Vec<Mirror> = all.par_iter().map(mirror).collect();

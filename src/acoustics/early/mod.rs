@@ -225,7 +225,7 @@ impl EarlyPaths {
         &'a self,
         vertices: &'a [Vertex],
     ) -> impl Iterator<Item = Option<u8>> + 'a {
-        let wall = |vertex| self.surfaces.sheet(vertex).ok()?.wall;
+        let wall = |vertex| self.surfaces.sheet(vertex)?.wall;
         vertices.iter().map(wall)
     }
 

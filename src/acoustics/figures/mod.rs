@@ -2,6 +2,7 @@
 //! of waves.
 
 use super::echogram::MAX_BINS;
+use super::error::{bad, check_speed};
 use super::{AcousticsError, Echogram, MAX_SECONDS, Tap, check_taps};
 use crate::bands::BAND_COUNT;
 use crate::reference::{ImageSource, ShoeboxEnergies};
@@ -271,13 +272,7 @@ impl Figures {
         speed_m_per_s: f64,
         seconds: f64,
     ) -> Result<Figures, AcousticsError> {
-        if !(speed_m_per_s > 0.0 && speed_m_per_s.is_finite()) {
-            return Err(AcousticsError::BadNumber {
-                what: "the speed of sound in m/s",
-                must: "finite and above 0",
-                value: speed_m_per_s,
-            });
-        }
+        check_speed(speed_m_per_s)?;
         let fits = |cell_s: &&f64| seconds > 0.0 && seconds <= **cell_s * MAX_BINS as f64;
         let cell_s = CELLS_S.iter().find(fits).filter(|_| seconds <= MAX_SECONDS);
         let cell_s = *cell_s.ok_or(AcousticsError::BadLength { seconds })?;
@@ -288,10 +283,13 @@ impl Figures {
             direction: image.direction,
         };
         // In a small room a long record has more image sources than can be summed.
-        let too_many = |_| AcousticsError::BadNumber {
-            what: "the length of a record of this room in seconds",
-            must: "so short that there are at most 1e12 image sources",
-            value: seconds,
+        let too_many = |_| {
+            let must = "so short that there are at most 1e12 image sources";
+            bad(
+                "the length of a record of this room in seconds",
+                must,
+                seconds,
+            )
         };
         let images = room.images(TAPS_ORDER).map_err(too_many)?;
         let taps: Vec<Tap> = images.iter().map(tap).collect();

@@ -8,7 +8,6 @@
 
 use super::pieces::{Origin, Record};
 use super::{BandFigures, DECAY_TIMES, FIGURE_COUNT, Figures, List, lists};
-use crate::acoustics::{Echogram, Tap};
 use crate::bands::{self, BAND_COUNT, Bands};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -324,6 +323,7 @@ impl Figures {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::acoustics::{Echogram, Tap};
 
     /// The figures of a direct sound of energy 1 and some arrivals of 0.001 each, with the effect of one more of these
     /// as their error.

@@ -50,7 +50,10 @@ impl OnsetFinder {
 
     /// The onset in samples, which may be slightly before the first; `None` for silence.
     fn find(&self, samples: &[f32]) -> Option<f64> {
-        let spectrum = self.spectrum(samples.iter().map(|sample| f64::from(*sample)));
+        let spectrum = transform(
+            &self.forward,
+            samples.iter().map(|sample| f64::from(*sample)),
+        );
         let largest = spectrum
             .iter()
             .map(|value| value.norm())
@@ -70,17 +73,6 @@ impl OnsetFinder {
         Some(peak(&correlation) / OVERSAMPLING as f64)
     }
 
-    fn spectrum(&self, samples: impl Iterator<Item = f64>) -> Vec<Complex<f64>> {
-        let mut padded = self.forward.make_input_vec();
-        for (padded, sample) in padded.iter_mut().zip(samples) {
-            *padded = sample;
-        }
-        let mut spectrum = self.forward.make_output_vec();
-        let done = self.forward.process(&mut padded, &mut spectrum);
-        debug_assert!(done.is_ok(), "the buffers are as long as the plan's");
-        spectrum
-    }
-
     /// The minimum-phase spectrum with these magnitudes: its cepstrum is 0 before time 0 (A. V.
     /// Oppenheim and R. W. Schafer, *Discrete-Time Signal Processing*, chapter 13).
     fn minimum_phase(&self, spectrum: &[Complex<f64>], floor: f64) -> Vec<Complex<f64>> {
@@ -98,7 +90,7 @@ impl OnsetFinder {
             };
             share * scale * value
         });
-        let mut spectrum = self.spectrum(folded);
+        let mut spectrum = transform(&self.forward, folded);
         for value in &mut spectrum {
             *value = value.exp();
         }
@@ -131,13 +123,8 @@ impl Mover {
 
     /// The response, moved later by `by` samples.
     fn later(&self, response: &[f32], by: f64) -> Vec<f32> {
-        let mut padded = self.forward.make_input_vec();
-        for (padded, sample) in padded.iter_mut().zip(response) {
-            *padded = f64::from(*sample);
-        }
-        let mut spectrum = self.forward.make_output_vec();
-        let done = self.forward.process(&mut padded, &mut spectrum);
-        debug_assert!(done.is_ok(), "the buffers are as long as the plan's");
+        let response = response.iter().map(|sample| f64::from(*sample));
+        let mut spectrum = transform(&self.forward, response);
         let scale = 1.0 / self.length as f64;
         for (index, value) in spectrum.iter_mut().enumerate() {
             let turn = -TAU * by * index as f64 / self.length as f64;
@@ -148,6 +135,18 @@ impl Mover {
         let kept = moved.iter().take(self.samples);
         kept.map(|sample| *sample as f32).collect()
     }
+}
+
+/// The spectrum of samples, with silence after them.
+fn transform(plan: &Forward, samples: impl Iterator<Item = f64>) -> Vec<Complex<f64>> {
+    let mut padded = plan.make_input_vec();
+    for (padded, sample) in padded.iter_mut().zip(samples) {
+        *padded = sample;
+    }
+    let mut spectrum = plan.make_output_vec();
+    let done = plan.process(&mut padded, &mut spectrum);
+    debug_assert!(done.is_ok(), "the buffers are as long as the plan's");
+    spectrum
 }
 
 /// The inverse transform; a real signal's spectrum is real at both ends.

@@ -1,9 +1,9 @@
 //! Binaural responses: taps and noise through head-related impulse responses.
 
-use super::filters::{Crossing, Gauss, Spectra, impulse, samples_of};
+use super::filters::{Crossing, Gauss, Spectra, add_from, impulse, samples_of};
 use super::{Sound, amplitude};
+use crate::acoustics::Tap;
 use crate::acoustics::hrir::{Facets, Hrir, HrirPair, HrirSet};
-use crate::acoustics::{Echogram, Tap};
 use crate::bands::BAND_COUNT;
 use crate::sphere_directions::lattice;
 use glam::DVec3;
@@ -17,28 +17,22 @@ const EARS: usize = 2;
 const FIELD_DIRECTIONS: usize = 32;
 
 /// The channels of both ears; `hrirs` are at the response's rate.
-pub(super) fn channels(
-    taps: &[Tap],
-    echogram: &Echogram,
-    hrirs: &HrirSet,
-    sound: &Sound,
-    samples: usize,
-) -> Vec<Vec<f32>> {
+pub(super) fn channels(sound: &Sound, hrirs: &HrirSet) -> Vec<Vec<f32>> {
     // The HRIRs extend beyond the response.
-    let length = samples + hrirs.samples();
+    let length = sound.samples + hrirs.samples();
     let mut spectra = Spectra::new(EARS, length, sound.rate_hz);
-    if !taps.is_empty() {
-        add_taps(&mut spectra, taps, hrirs, sound);
+    if !sound.taps.is_empty() {
+        add_taps(&mut spectra, sound, hrirs);
     }
-    if echogram.bins() > 0 {
-        let field = Field::new(echogram, sound);
+    if sound.echogram.bins() > 0 {
+        let field = Field::new(sound);
         let mut one = Spectra::new(1, length, sound.rate_hz);
         for (number, from) in field.facets.directions().iter().enumerate() {
-            field.add_noise(&mut one, samples, number);
+            field.add_noise(&mut one, number);
             spectra.add_filtered(&mut one, filters(&spectra, &hrirs.pair(*from), sound));
         }
     }
-    spectra.into_channels(samples)
+    spectra.into_channels(sound.samples)
 }
 
 /// A response placed between samples, and the index of its first sample.
@@ -67,27 +61,22 @@ impl Placed {
 
     /// Adds it; samples before the first or after the last are lost.
     fn add(&self, samples: &mut [f64], amplitude: f64) {
-        for (index, value) in (self.first..).zip(&self.samples) {
-            let sample = usize::try_from(index)
-                .ok()
-                .and_then(|index| samples.get_mut(index));
-            if let Some(sample) = sample {
-                *sample += amplitude * f64::from(*value);
-            }
-        }
+        let values = self.samples.iter();
+        let values = values.map(|value| amplitude * f64::from(*value));
+        add_from(samples, self.first, values);
     }
 }
 
-fn add_taps(spectra: &mut Spectra, taps: &[Tap], hrirs: &HrirSet, sound: &Sound) {
+fn add_taps(spectra: &mut Spectra, sound: &Sound, hrirs: &HrirSet) {
     let mut pair = HrirPair::default();
     let mut place = |tap: &Tap| {
         hrirs.pair_into(sound.axes.to_listener(-tap.direction), &mut pair);
         Placed::pair(&pair, tap.seconds * sound.rate_hz, sound.rate_hz)
     };
-    let placed: Vec<[Placed; EARS]> = taps.iter().map(&mut place).collect();
+    let placed: Vec<[Placed; EARS]> = sound.taps.iter().map(&mut place).collect();
     let mut unfiltered = vec![spectra.silence(); EARS];
     for band in 0..BAND_COUNT {
-        for (tap, ears) in taps.iter().zip(&placed) {
+        for (tap, ears) in sound.taps.iter().zip(&placed) {
             let amplitude = amplitude(tap.energy[band]);
             for (samples, ear) in unfiltered.iter_mut().zip(ears) {
                 ear.add(samples, amplitude);
@@ -125,14 +114,13 @@ struct Share {
 /// A sound field of independent noises from a few directions.
 struct Field<'a> {
     facets: Facets,
-    echogram: &'a Echogram,
+    sound: &'a Sound<'a>,
     shares: Vec<[Share; BAND_COUNT]>,
-    rate_hz: f64,
-    seed: u64,
 }
 
 impl Field<'_> {
-    fn new<'a>(echogram: &'a Echogram, sound: &Sound) -> Field<'a> {
+    fn new<'a>(sound: &'a Sound) -> Field<'a> {
+        let echogram = sound.echogram;
         let facets = Facets::new(lattice(FIELD_DIRECTIONS as u64).collect());
         let share = |energy: f64, flow: DVec3| {
             if energy <= 0.0 {
@@ -155,27 +143,23 @@ impl Field<'_> {
         Field {
             shares: (0..echogram.bins()).map(bin).collect(),
             facets,
-            echogram,
-            rate_hz: sound.rate_hz,
-            seed: sound.seed,
+            sound,
         }
     }
 
     /// Adds the noise from one direction, all bands.
-    fn add_noise(&self, spectra: &mut Spectra, samples: usize, direction: usize) {
+    fn add_noise(&self, spectra: &mut Spectra, direction: usize) {
         let mut unfiltered = vec![spectra.silence()];
         for band in 0..BAND_COUNT {
             let stream = (band * FIELD_DIRECTIONS + direction) as u64;
-            let mut noise = Gauss::new(self.seed, stream);
+            let mut noise = Gauss::new(self.sound.seed, stream);
             for (bin, shares) in self.shares.iter().enumerate() {
                 let energy = shares[band].of(direction);
                 if energy <= 0.0 {
                     continue;
                 }
-                for (sample, share) in samples_of(self.echogram, bin, self.rate_hz) {
-                    if sample < samples {
-                        unfiltered[0][sample] += amplitude(energy * share) * noise.next();
-                    }
+                for (sample, share) in samples_of(self.sound, bin) {
+                    unfiltered[0][sample] += amplitude(energy * share) * noise.next();
                 }
             }
             spectra.add(&mut unfiltered, Crossing::Power, band);
@@ -196,6 +180,7 @@ mod tests {
     use super::super::tests::{ONE, RATE_HZ, empty, filtered, response, tap};
     use super::super::{Format, ImpulseResponse};
     use super::*;
+    use crate::acoustics::Echogram;
     use crate::acoustics::hrir::tests::{SAMPLES, grid, set, transfer};
     use crate::sphere_directions::lattice;
     use realfft::num_complex::Complex;

@@ -2,7 +2,6 @@
 //! by an echogram.
 
 use super::{Encoding, MOST_CHANNELS, Noise, Sound, amplitude};
-use crate::acoustics::Echogram;
 use crate::bands::BAND_COUNT;
 use crate::rng::{hash, unit_interval};
 use realfft::num_complex::Complex;
@@ -121,7 +120,7 @@ impl Spectra {
         }
     }
 
-    /// The first `samples` of each channel.
+    /// The samples of each channel.
     pub(super) fn into_channels(mut self, samples: usize) -> Vec<Vec<f32>> {
         let scale = 1.0 / self.length as f64;
         let mut out = self.inverse.make_output_vec();
@@ -160,12 +159,15 @@ pub(super) fn impulse(place: f64) -> (i64, impl Iterator<Item = f64>) {
 /// Samples before the first or after the last are lost.
 pub(super) fn add_tap(samples: &mut [f64], place: f64, amplitude: f64) {
     let (first, impulse) = impulse(place);
-    for (index, value) in (first..).zip(impulse) {
-        let sample = usize::try_from(index)
-            .ok()
-            .and_then(|index| samples.get_mut(index));
-        if let Some(sample) = sample {
-            *sample += amplitude * value;
+    add_from(samples, first, impulse.map(|value| amplitude * value));
+}
+
+/// Adds values from an index on; those before the first sample or after the last are lost.
+pub(super) fn add_from(samples: &mut [f64], first: i64, values: impl Iterator<Item = f64>) {
+    for (index, value) in (first..).zip(values) {
+        let index = usize::try_from(index).ok();
+        if let Some(sample) = index.and_then(|index| samples.get_mut(index)) {
+            *sample += value;
         }
     }
 }
@@ -240,16 +242,10 @@ impl Noises {
     }
 }
 
-/// Adds the unfiltered noise of a band to the first `samples` of each channel: in each bin with the
+/// Adds the unfiltered noise of a band to the samples of each channel: in each bin with the
 /// energy of the echogram, at a bandwidth of half the sampling rate.
-pub(super) fn add_noise(
-    channels: &mut [Vec<f64>],
-    samples: usize,
-    echogram: &Echogram,
-    band: usize,
-    encoding: Encoding,
-    sound: &Sound,
-) {
+pub(super) fn add_noise(channels: &mut [Vec<f64>], sound: &Sound, band: usize, encoding: Encoding) {
+    let echogram = sound.echogram;
     let mut noises = Noises::new(sound.seed, band);
     for bin in 0..echogram.bins() {
         let energy = echogram.energy(bin)[band];
@@ -257,25 +253,20 @@ pub(super) fn add_noise(
             continue;
         }
         let mean = -echogram.flow(bin)[band] / energy;
-        let noise = encoding.noise(&sound.axes, mean);
-        for (sample, share) in samples_of(echogram, bin, sound.rate_hz) {
-            if sample < samples {
-                noises.add(channels, sample, amplitude(energy * share), &noise);
-            }
+        let noise = encoding.noise(sound.axes, mean);
+        for (sample, share) in samples_of(sound, bin) {
+            noises.add(channels, sample, amplitude(energy * share), &noise);
         }
     }
 }
 
-/// The samples that a bin covers, and the share of the bin in each. A sample covers half its
-/// distance to the next on both sides; the first also covers everything before it.
-pub(super) fn samples_of(
-    echogram: &Echogram,
-    bin: usize,
-    rate_hz: f64,
-) -> impl Iterator<Item = (usize, f64)> {
-    let edge = |bin: usize| (echogram.edge_s(bin) * rate_hz + 0.5).max(0.0);
+/// The samples of a response that a bin covers, and the share of the bin in each. A sample covers half its distance to
+/// the next on both sides; the first also covers everything before it.
+pub(super) fn samples_of(sound: &Sound, bin: usize) -> impl Iterator<Item = (usize, f64)> {
+    let edge = |bin: usize| (sound.echogram.edge_s(bin) * sound.rate_hz + 0.5).max(0.0);
     let (begins, ends) = (edge(bin), edge(bin + 1));
-    (begins as usize..ends.ceil() as usize).map(move |sample| {
+    let end = (ends.ceil() as usize).min(sound.samples);
+    (begins as usize..end).map(move |sample| {
         let inside = ends.min(sample as f64 + 1.0) - begins.max(sample as f64);
         (sample, inside / (ends - begins))
     })

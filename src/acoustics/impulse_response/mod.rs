@@ -119,21 +119,21 @@ impl ImpulseResponse {
         check_taps(taps)?;
         let samples = (seconds * f64::from(rate_hz)).ceil() as usize;
         let sound = Sound {
-            axes: *axes,
+            taps,
+            echogram,
+            axes,
             rate_hz: rate_hz.into(),
+            samples,
             seed: settings.seed,
         };
-        let encoded = |encoding| channels(taps, echogram, encoding, &sound, samples);
         let channels = match &settings.format {
-            Format::Mono => encoded(Encoding::Mono),
-            Format::Stereo => encoded(Encoding::Stereo),
-            Format::AmbiX => encoded(Encoding::AmbiX),
+            Format::Mono => sound.channels(Encoding::Mono),
+            Format::Stereo => sound.channels(Encoding::Stereo),
+            Format::AmbiX => sound.channels(Encoding::AmbiX),
             Format::Binaural(hrirs) if hrirs.rate_hz() == rate_hz => {
-                binaural::channels(taps, echogram, hrirs, &sound, samples)
+                binaural::channels(&sound, hrirs)
             }
-            Format::Binaural(hrirs) => {
-                binaural::channels(taps, echogram, &hrirs.at_rate(rate_hz)?, &sound, samples)
-            }
+            Format::Binaural(hrirs) => binaural::channels(&sound, &hrirs.at_rate(rate_hz)?),
         };
         Ok(ImpulseResponse {
             rate_hz,
@@ -175,48 +175,43 @@ pub(crate) fn amplitude(energy: f64) -> f64 {
     (4.0 * PI * energy.max(0.0)).sqrt()
 }
 
-/// Parameters of a response.
-struct Sound {
-    axes: ListenerAxes,
+/// The arriving sound, and the parameters of its response.
+struct Sound<'a> {
+    taps: &'a [Tap],
+    echogram: &'a Echogram,
+    axes: &'a ListenerAxes,
     rate_hz: f64,
+    /// Samples of each channel.
+    samples: usize,
     seed: u64,
 }
 
-fn channels(
-    taps: &[Tap],
-    echogram: &Echogram,
-    encoding: Encoding,
-    sound: &Sound,
-    samples: usize,
-) -> Vec<Vec<f32>> {
-    let count = encoding.channels();
-    let mut spectra = Spectra::new(count, samples, sound.rate_hz);
-    let mut unfiltered = vec![spectra.silence(); count];
-    for band in 0..BAND_COUNT {
-        if !taps.is_empty() {
-            add_taps(&mut unfiltered, taps, band, encoding, sound);
-            spectra.add(&mut unfiltered, Crossing::Amplitude, band);
+impl Sound<'_> {
+    /// The channels of an encoding.
+    fn channels(&self, encoding: Encoding) -> Vec<Vec<f32>> {
+        let count = encoding.channels();
+        let mut spectra = Spectra::new(count, self.samples, self.rate_hz);
+        let mut unfiltered = vec![spectra.silence(); count];
+        for band in 0..BAND_COUNT {
+            if !self.taps.is_empty() {
+                self.add_taps(&mut unfiltered, band, encoding);
+                spectra.add(&mut unfiltered, Crossing::Amplitude, band);
+            }
+            if self.echogram.bins() > 0 {
+                filters::add_noise(&mut unfiltered, self, band, encoding);
+                spectra.add(&mut unfiltered, Crossing::Power, band);
+            }
         }
-        if echogram.bins() > 0 {
-            filters::add_noise(&mut unfiltered, samples, echogram, band, encoding, sound);
-            spectra.add(&mut unfiltered, Crossing::Power, band);
-        }
+        spectra.into_channels(self.samples)
     }
-    spectra.into_channels(samples)
-}
 
-fn add_taps(
-    unfiltered: &mut [Vec<f64>],
-    taps: &[Tap],
-    band: usize,
-    encoding: Encoding,
-    sound: &Sound,
-) {
-    for tap in taps {
-        let gains = encoding.gains(&sound.axes, -tap.direction);
-        for (samples, gain) in unfiltered.iter_mut().zip(gains) {
-            let place = tap.seconds * sound.rate_hz;
-            filters::add_tap(samples, place, gain * amplitude(tap.energy[band]));
+    fn add_taps(&self, unfiltered: &mut [Vec<f64>], band: usize, encoding: Encoding) {
+        for tap in self.taps {
+            let gains = encoding.gains(self.axes, -tap.direction);
+            for (samples, gain) in unfiltered.iter_mut().zip(gains) {
+                let place = tap.seconds * self.rate_hz;
+                filters::add_tap(samples, place, gain * amplitude(tap.energy[band]));
+            }
         }
     }
 }

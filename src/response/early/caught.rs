@@ -93,10 +93,8 @@ impl Caught<'_> {
         is_left_out: &dyn Fn(&SpecularPath) -> bool,
         ends_s: f64,
     ) -> Bands {
-        let mut surplus = [0.0; BAND_COUNT];
-        for mean in means.iter().filter(|mean| mean.seconds <= ends_s) {
-            bands::add(&mut surplus, &mean.energy);
-        }
+        let heard = means.iter().filter(|mean| mean.seconds <= ends_s);
+        let mut surplus = bands::sum(heard.map(|mean| &mean.energy));
         let is_compared = |arrival: &Arrival, path: Option<&SpecularPath>| {
             arrival.length_m / self.medium.speed <= ends_s && !path.is_some_and(is_left_out)
         };

@@ -5,15 +5,19 @@ mod sphere_mean;
 
 pub(super) use caught::Caught;
 
-use super::heard::{HeardPath, Medium, comes_from, mirrored_share, passing, reflectance_of};
+use super::heard::{
+    HeardPath, Medium, comes_from, crossing, mirrored_share, passing, reflectance_of,
+};
 use super::late::casts_shadows;
-use crate::acoustics::early::{Candidates, EarlyPaths, Ends, Missed, NoPath, SpecularPath, Vertex};
+use crate::acoustics::early::{
+    Candidate, Candidates, EarlyPaths, Ends, Missed, NoPath, SpecularPath, Vertex,
+};
 use crate::acoustics::{Arrival, Tap};
-use crate::bands::{self, BAND_COUNT, Bands};
+use crate::bands::{self, Bands};
 use crate::error::Error;
 use crate::scene::{Scene, Shape};
 use crate::sphere_directions::lattice;
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use sphere_mean::{Replaced, unhidden_taps};
 use std::f64::consts::PI;
 
@@ -224,11 +228,8 @@ impl EarlyPart {
     }
 
     fn energy_of_waves(&self, path: usize) -> Bands {
-        let mut energy = [0.0; BAND_COUNT];
-        for arrival in self.arrivals_of(Outcome::Path(path)) {
-            bands::add(&mut energy, &arrival.energy);
-        }
-        energy
+        let of_path = self.arrivals_of(Outcome::Path(path));
+        bands::sum(of_path.map(|arrival| &arrival.energy))
     }
 
     fn arrivals_of(&self, outcome: Outcome) -> impl Iterator<Item = &Arrival> {
@@ -274,13 +275,6 @@ fn stands_for_itself(paths: &EarlyPaths, vertices: &[Vertex], why: NoPath) -> bo
 /// Relative difference up to which lengths count as equal: the vertices of waves are rounded.
 const SAME_LENGTH: f64 = 1e-6;
 
-/// Whether at least [`EXPECTED_WAVES`] of `waves` waves are expected to cross a listener of this radius along a path of
-/// this spreading.
-fn are_expected(spreading: f64, radius_m: f64, waves: u32) -> bool {
-    let cross_section = PI * radius_m * radius_m;
-    f64::from(waves) * cross_section * spreading >= EXPECTED_WAVES
-}
-
 /// The paths that replace their waves.
 struct Known<'a> {
     scene: &'a Scene,
@@ -308,7 +302,7 @@ impl Known<'_> {
         let walls = self.early.walls(vertices);
         let surfaces = vertices.iter().map(|vertex| vertex.surface);
         let mirrored = spreading * mirrored_share(self.scene, surfaces.zip(walls));
-        if are_expected(mirrored, ends.radius_m, self.waves) {
+        if crossing(mirrored, ends.radius_m, self.waves) >= EXPECTED_WAVES {
             return true;
         }
         let rounding = SAME_LENGTH * length_m;
@@ -364,16 +358,17 @@ fn add_flat(paths: &EarlyPaths, ends: &Ends, order: u32, candidates: &mut Candid
 
 /// The wave of each candidate, and the length in metres to its closest point to the listener.
 fn candidate_lengths(ends: &Ends, candidates: &Candidates) -> Vec<(u32, f64)> {
-    let length = |vertices: &mut dyn Iterator<Item = DVec3>| {
-        let mut from = ends.source;
-        let mut flown = 0.0;
-        for point in vertices {
-            flown += from.distance(point);
-            from = point;
-        }
-        flown + from.distance(ends.listener)
-    };
-    let of = candidates.iter();
-    of.map(|c| (c.wave, length(&mut c.vertices.iter().map(|v| v.point))))
-        .collect()
+    let of = |candidate: Candidate| (candidate.wave, length_m(ends, candidate.vertices));
+    candidates.iter().map(of).collect()
+}
+
+/// Length in metres from one end through these vertices to the other.
+fn length_m(ends: &Ends, vertices: &[Vertex]) -> f64 {
+    let mut from = ends.source;
+    let mut length = 0.0;
+    for vertex in vertices {
+        length += from.distance(vertex.point);
+        from = vertex.point;
+    }
+    length + from.distance(ends.listener)
 }

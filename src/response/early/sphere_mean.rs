@@ -6,6 +6,7 @@
 //! unobstructed line from such a place towards the image of the source leads back to the source, whatever the order of
 //! the planes; over curved surfaces the path to the place is solved for.
 
+use super::length_m;
 use crate::acoustics::Tap;
 use crate::acoustics::early::{Candidates, EarlyPaths, Ends, Found, SpecularPath, Vertex};
 use crate::bands::{self, Bands};
@@ -270,17 +271,6 @@ impl Replaced {
         }
         spreadings
     }
-}
-
-/// Length in metres from one end through these vertices to the other.
-fn length_m(ends: &Ends, vertices: &[Vertex]) -> f64 {
-    let mut from = ends.source;
-    let mut length = 0.0;
-    for vertex in vertices {
-        length += from.distance(vertex.point);
-        from = vertex.point;
-    }
-    length + from.distance(ends.listener)
 }
 
 /// Places spread evenly over the listener's sphere: directions of a lattice, at radii of shells of equal volume.

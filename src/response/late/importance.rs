@@ -156,23 +156,18 @@ impl Importance {
     }
 }
 
-/// The importance of waves by cell, each wave's blurred.
+/// The importance of waves by cell: half of a wave's counts in its own cell, half in that cell and its neighbours.
 fn blurred<'a>(waves: impl Iterator<Item = (&'a Vec3, &'a f64)>, cells: Cells) -> Vec<f64> {
     let mut sums = vec![0.0; cells.count()];
     for (direction, importance) in waves {
-        add_about(&mut sums, cells, *direction, *importance);
+        let cell = cells.of(direction.as_dvec3());
+        let near: Vec<usize> = cells.about_cell(cell).collect();
+        sums[cell] += importance;
+        for cell in &near {
+            sums[*cell] += importance / near.len() as f64;
+        }
     }
     sums
-}
-
-/// Adds the importance of a wave: half to its own cell, half to that cell and its neighbours.
-fn add_about(sums: &mut [f64], cells: Cells, direction: Vec3, importance: f64) {
-    let cell = cells.of(direction.as_dvec3());
-    let near: Vec<usize> = cells.about_cell(cell).collect();
-    sums[cell] += importance;
-    for cell in &near {
-        sums[*cell] += importance / near.len() as f64;
-    }
 }
 
 /// The mean over the cells of the squared importance, over the square of its mean. It multiplies one half of the waves

@@ -61,33 +61,29 @@ pub(super) fn arrivals(
     heard_in: (&Scene, &Medium, LateSphere),
     settings: &ResponseSettings,
     how: &ArrivalSettings,
-    mut echogram: Echogram,
+    echogram: Echogram,
 ) -> Result<Arrivals, Error> {
-    let mut bias = echogram.without_arrivals();
-    let mut counts = ArrivalCounts::of_none();
-    let mut early = Vec::new();
-    let mut travel_on = None;
+    let mut found = Arrivals {
+        bias: echogram.without_arrivals(),
+        echogram,
+        counts: ArrivalCounts::of_none(),
+        early: Vec::new(),
+        travel_on: None,
+    };
     for bands in kernel::band_groups(heard_in.0) {
         let how = how
             .clone()
             .with_bands(bands)
             .with_least_energy(LEAST_ENERGY);
-        let sums = (&mut echogram, &mut bias);
-        let of_bands = arrivals_of_bands(tracer, heard_in, settings, &how, sums)?;
-        counts = counts.and(of_bands.counts);
-        early.extend(of_bands.early);
-        travel_on = of_bands.travel_on;
+        let counts = add_arrivals(&mut found, tracer, heard_in, settings, &how)?;
+        found.counts = found.counts.and(counts);
         // They arrive in chunks of iterations, after those of other bands.
-        early.sort_by(in_order);
-        early.dedup_by(|second, first| is_added(first, second));
+        found.early.sort_by(in_order);
+        found
+            .early
+            .dedup_by(|second, first| is_added(first, second));
     }
-    Ok(Arrivals {
-        echogram,
-        bias,
-        counts,
-        early,
-        travel_on,
-    })
+    Ok(found)
 }
 
 /// Orders arrivals by wave, and along each wave.
@@ -106,24 +102,15 @@ fn is_added(first: &mut Arrival, second: &Arrival) -> bool {
     is_same
 }
 
-/// The counts and the early arrivals of waves that carry the same bands.
-struct OfBands {
-    counts: ArrivalCounts,
-    early: Vec<Arrival>,
-    /// As [`Arrivals::travel_on`].
-    travel_on: Option<bool>,
-}
-
-/// The arrivals of waves that carry `how.bands` together: statistics are added to the first echogram and their bias to
-/// the second, the other arrivals are returned.
-fn arrivals_of_bands(
+/// Adds the arrivals of waves that carry `how.bands` together, and returns their counts.
+fn add_arrivals(
+    found: &mut Arrivals,
     tracer: &mut Tracer,
     (scene, medium, late): (&Scene, &Medium, LateSphere),
     settings: &ResponseSettings,
     how: &ArrivalSettings,
-    (echogram, bias): (&mut Echogram, &mut Echogram),
-) -> Result<OfBands, Error> {
-    let mut early = Vec::new();
+) -> Result<ArrivalCounts, Error> {
+    let (echogram, early) = (&mut found.echogram, &mut found.early);
     let all = WavesToFollow::Numbers(0..settings.trace.waves);
     let share = (scene.listener.radius / late.radius_m).powi(2);
     let trace = settings.late_trace();
@@ -133,11 +120,7 @@ fn arrivals_of_bands(
             false => medium.add(echogram, &arrival),
         };
         let followed = tracer.arrivals_of(scene, &settings.trace, how, &all, &mut sort)?;
-        return Ok(OfBands {
-            counts: followed.counts(),
-            early,
-            travel_on: None,
-        });
+        return Ok(followed.counts());
     }
     let few = how.clone().with_iterations(how.early_order + 1);
     let few = few.with_least_energy(0.0);
@@ -167,13 +150,10 @@ fn arrivals_of_bands(
         false => 0,
     };
     let followed = late.follow_all(&trace, pilot_waves, settings.batches)?;
-    near.add_to(echogram, bias);
-    Ok(OfBands {
-        counts: followed.counts(),
-        early,
-        // With scattering, sound is late after fewer reflections.
-        travel_on: (!scene.scatters()).then_some(counts.cut_off > 0),
-    })
+    near.add_to(echogram, &mut found.bias);
+    // With scattering, sound is late after fewer reflections.
+    found.travel_on = (!scene.scatters()).then_some(counts.cut_off > 0);
+    Ok(followed.counts())
 }
 
 /// Waves whose late arrivals are added to an echogram.

@@ -161,15 +161,15 @@ const LEAST_SINE: f64 = 1e-3;
 /// The direction of each source, and its distance in metres.
 fn directions(file: &Variables, count: usize) -> Result<(Vec<DVec3>, Vec<f64>), SofaProblem> {
     const SOURCE: &str = "SourcePosition";
-    let sources = Vectors::read(file, SOURCE, count)?;
-    let listener = Vectors::read_or(file, "ListenerPosition", count, DVec3::ZERO)?;
-    let view = Vectors::read_or(file, "ListenerView", count, DVec3::X)?;
-    let up = Vectors::read_or(file, "ListenerUp", count, DVec3::Z)?;
+    let sources = vectors(file, SOURCE, count, None)?;
+    let listener = vectors(file, "ListenerPosition", count, Some(DVec3::ZERO))?;
+    let view = vectors(file, "ListenerView", count, Some(DVec3::X))?;
+    let up = vectors(file, "ListenerUp", count, Some(DVec3::Z))?;
     let mut directions = Vec::with_capacity(count);
     let mut metres = Vec::with_capacity(count);
     for index in 0..count {
-        let axes = axes(view.of(index), up.of(index))?;
-        let from = axes.transpose() * (sources.of(index) - listener.of(index));
+        let axes = axes(view[index], up[index])?;
+        let from = axes.transpose() * (sources[index] - listener[index]);
         if !from.is_finite() || from.try_normalize().is_none() {
             let reason = format!("measurement {index} comes from nowhere");
             return Err(bad_value(SOURCE, reason));
@@ -280,41 +280,26 @@ impl Kind {
     }
 }
 
-/// One vector for all measurements, or one for each.
-struct Vectors(Vec<DVec3>);
-
-impl Vectors {
-    fn read(
-        file: &Variables,
-        variable: &'static str,
-        count: usize,
-    ) -> Result<Vectors, SofaProblem> {
-        let (numbers, columns) = file.rows(variable, count)?;
-        if columns != 3 {
-            let reason = format!("its rows have {columns} numbers, not 3");
-            return Err(bad_value(variable, reason));
-        }
-        let kind = Kind::of(file, variable)?;
-        let rows = numbers.chunks_exact(3);
-        let vectors = rows.map(|row| kind.cartesian([row[0], row[1], row[2]]));
-        Ok(Vectors(vectors.collect()))
+/// The vectors of a variable for each of `count` measurements; `missing` if the file has no such variable.
+fn vectors(
+    file: &Variables,
+    variable: &'static str,
+    count: usize,
+    missing: Option<DVec3>,
+) -> Result<Vec<DVec3>, SofaProblem> {
+    if let Some(missing) = missing
+        && !file.has(variable)
+    {
+        return Ok(vec![missing; count]);
     }
-
-    fn read_or(
-        file: &Variables,
-        variable: &'static str,
-        count: usize,
-        missing: DVec3,
-    ) -> Result<Vectors, SofaProblem> {
-        if file.has(variable) {
-            Vectors::read(file, variable, count)
-        } else {
-            Ok(Vectors(vec![missing]))
-        }
+    let (numbers, columns) = file.rows(variable, count)?;
+    if columns != 3 {
+        let reason = format!("its rows have {columns} numbers, not 3");
+        return Err(bad_value(variable, reason));
     }
-
-    fn of(&self, index: usize) -> DVec3 {
-        let at = if self.0.len() == 1 { 0 } else { index };
-        self.0[at]
-    }
+    let kind = Kind::of(file, variable)?;
+    let rows = numbers.chunks_exact(3);
+    let vectors = rows.map(|row| kind.cartesian([row[0], row[1], row[2]]));
+    // A single row holds for all measurements.
+    Ok(vectors.cycle().take(count).collect())
 }
