@@ -1,7 +1,7 @@
 //! Finds paths from candidates.
 //!
 //! # The paths to solve for
-//! Not one for each wave is solved for.
+//! Not every wave is solved for.
 //!
 //! A sequence of planes has one path. One of curved surfaces may have many, and each is found from a
 //! wave that passes close by; but near a focus every wave passes the listener repeatedly, and solving
@@ -102,37 +102,22 @@ pub(super) fn find(
 fn distinct(solved: Vec<Result<Draft, NoPath>>) -> (Vec<Draft>, Vec<Result<usize, NoPath>>) {
     let mut drafts: Vec<Draft> = Vec::new();
     let mut known: HashMap<Sequence, Vec<usize>> = HashMap::new();
-    let mut draft_of = Vec::with_capacity(solved.len());
-    for solved in solved {
-        let draft = match solved {
-            Ok(draft) => draft,
-            Err(why) => {
-                draft_of.push(Err(why));
-                continue;
-            }
-        };
-        if draft.is_focus {
-            draft_of.push(Ok(drafts.len()));
-            drafts.push(draft);
-            continue;
-        }
+    let mut index_of = |draft: Draft| {
         let sequence = (draft.surfaces.clone(), draft.walls.clone());
         let alike = known.entry(sequence).or_default();
-        let same = alike
-            .iter()
-            .find(|&&index| drafts[index].is_same_way(&draft));
-        match same {
-            Some(&index) => {
-                drafts[index].found_by.add(draft.found_by);
-                draft_of.push(Ok(index));
-            }
-            None => {
-                alike.push(drafts.len());
-                draft_of.push(Ok(drafts.len()));
-                drafts.push(draft);
-            }
+        let is_same = |index: &&usize| !draft.is_focus && drafts[**index].is_same_way(&draft);
+        if let Some(&index) = alike.iter().find(is_same) {
+            drafts[index].found_by.add(draft.found_by);
+            return index;
         }
-    }
+        if !draft.is_focus {
+            alike.push(drafts.len());
+        }
+        drafts.push(draft);
+        drafts.len() - 1
+    };
+    let all = solved.into_iter();
+    let draft_of = all.map(|solved| solved.map(&mut index_of)).collect();
     (drafts, draft_of)
 }
 
