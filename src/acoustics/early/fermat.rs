@@ -360,12 +360,14 @@ impl Matrix {
             }
             rows.swap(pivot, column);
             right.swap(pivot, column);
-            for row in column + 1..size {
-                let factor = rows[row][column] / rows[column][column];
-                for k in column..size {
-                    rows[row][k] -= factor * rows[column][k];
+            let (above, below) = rows.split_at_mut(column + 1);
+            let (pivot, of_pivot) = (&above[column], right[column]);
+            for (row, right) in below.iter_mut().zip(&mut right[column + 1..]) {
+                let factor = row[column] / pivot[column];
+                for (number, other) in row[column..].iter_mut().zip(&pivot[column..]) {
+                    *number -= factor * other;
                 }
-                right[row] -= factor * right[column];
+                *right -= factor * of_pivot;
             }
         }
         for row in (0..size).rev() {
