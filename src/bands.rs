@@ -9,11 +9,21 @@ pub const BANDS_HZ: [f64; BAND_COUNT] = [63.0, 125.0, 250.0, 500.0, 1e3, 2e3, 4e
 /// One number per octave band.
 pub type Bands = [f64; BAND_COUNT];
 
+/// The weight 1 in each band.
+pub(crate) const ALL: Bands = [1.0; BAND_COUNT];
+
 /// Adds numbers, band by band.
 pub fn add(sum: &mut Bands, more: &Bands) {
     for (sum, more) in sum.iter_mut().zip(more) {
         *sum += more;
     }
+}
+
+/// The sum of numbers, band by band.
+pub(crate) fn sum<'a>(all: impl IntoIterator<Item = &'a Bands>) -> Bands {
+    let mut sum = [0.0; BAND_COUNT];
+    all.into_iter().for_each(|bands| add(&mut sum, bands));
+    sum
 }
 
 /// The mean over the bands, each with the same weight.

@@ -1,6 +1,6 @@
 //! Energy against time, by band, in bins.
 
-use super::arriving::check;
+use super::error::{bad, check, check_speed};
 use super::{AcousticsError, Arrival};
 use crate::bands::{self, BAND_COUNT, BANDS_HZ, Bands};
 use glam::DVec3;
@@ -136,11 +136,11 @@ impl Echogram {
             return Err(AcousticsError::NoSuchBatch { batch, batches });
         }
         if seconds.is_nan() {
-            return Err(AcousticsError::BadNumber {
-                what: "the time of an arrival in seconds",
-                must: "a number",
-                value: seconds,
-            });
+            return Err(bad(
+                "the time of an arrival in seconds",
+                "a number",
+                seconds,
+            ));
         }
         check(energy, direction)?;
         let place = (seconds - self.first_s) / self.bin_s;
@@ -217,13 +217,7 @@ impl Echogram {
         speed_m_per_s: f64,
         air_per_m: &Bands,
     ) -> Result<(), AcousticsError> {
-        if !(speed_m_per_s > 0.0 && speed_m_per_s.is_finite()) {
-            return Err(AcousticsError::BadNumber {
-                what: "the speed of sound in m/s",
-                must: "finite and above 0",
-                value: speed_m_per_s,
-            });
-        }
+        check_speed(speed_m_per_s)?;
         let energy = bands::through_air(&arrival.energy, air_per_m, arrival.length_m);
         let seconds = arrival.length_m / speed_m_per_s;
         let batch = arrival.wave as usize % self.batches;
@@ -240,6 +234,11 @@ impl Echogram {
         self.first_s
     }
 
+    /// Beginning of a bin in seconds.
+    pub(super) fn edge_s(&self, bin: usize) -> f64 {
+        self.first_s + bin as f64 * self.bin_s
+    }
+
     /// Number of bins, up to the last with an arrival.
     pub fn bins(&self) -> usize {
         self.flows.len()
@@ -252,11 +251,7 @@ impl Echogram {
 
     /// The energy of a bin in 1/m², all batches together; 0 for other bins.
     pub fn energy(&self, bin: usize) -> Bands {
-        let mut sum = [0.0; BAND_COUNT];
-        for energy in self.in_bin(bin) {
-            bands::add(&mut sum, energy);
-        }
-        sum
+        bands::sum(self.in_bin(bin))
     }
 
     /// The energy of a bin in 1/m², one batch; 0 for other bins and batches.
@@ -273,11 +268,7 @@ impl Echogram {
 
     /// The energy of all bins in 1/m².
     pub fn total(&self) -> Bands {
-        let mut sum = [0.0; BAND_COUNT];
-        for energy in &self.energies {
-            bands::add(&mut sum, energy);
-        }
-        sum
+        bands::sum(&self.energies)
     }
 
     /// Number of arrivals of equal energy that would be as noisy as those of a band in bins that

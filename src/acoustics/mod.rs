@@ -32,7 +32,6 @@
 //! # Ok::<(), echomarch::acoustics::AcousticsError>(())
 //! ```
 
-mod arriving;
 pub mod early;
 mod echogram;
 mod error;
@@ -43,11 +42,11 @@ mod impulse_response;
 mod tests;
 
 pub use crate::arrival::{Arrival, Tap};
-pub(crate) use arriving::check_taps;
 pub use echogram::{BATCHES, BINS_S, Echogram, EchogramRow};
 pub use error::AcousticsError;
+pub(crate) use error::check_taps;
 pub use figures::{BandFigures, Figures, strength_db};
-pub(crate) use figures::{CommonErrors, uncertain_energy};
+pub(crate) use figures::{CommonErrors, Record, uncertain_energy};
 pub(crate) use impulse_response::{Encoding, amplitude, tap_filter_gain};
 pub use impulse_response::{
     Format, ImpulseResponse, ImpulseSettings, ListenerAxes, MAX_SECONDS, RATES_HZ,

@@ -54,8 +54,11 @@ impl Materials {
         materials.distinct = distinct(scene);
         materials
             .distinct
-            .sort_by_key(|material| !scatters(material, &bands));
-        let scattering = materials.distinct.iter().filter(|m| scatters(m, &bands));
+            .sort_by_key(|material| !material.scatters(bands.clone()));
+        let scattering = materials
+            .distinct
+            .iter()
+            .filter(|m| m.scatters(bands.clone()));
         materials.scattering = scattering.count();
         let numbers = materials.numbers();
         let number = |index, wall| {
@@ -235,10 +238,6 @@ fn walls(scene: &Scene, index: usize) -> impl Iterator<Item = Option<usize>> {
     let walls = (0..WALL_COUNT).filter(move |_| is_room).map(Some);
     let whole = std::iter::once(None).filter(move |_| !is_room);
     walls.chain(whole)
-}
-
-fn scatters(material: &Material, bands: &Range<usize>) -> bool {
-    mean_scattering(material, bands) > 0.0
 }
 
 /// The mean share over some bands.

@@ -1,11 +1,10 @@
 //! A map: the plan of a scene, coloured by a value at each place of a lattice, with a colour bar.
 
-use super::font::{self, write};
-use super::marks::{self, fill, paint, rectangle};
+use super::PictureError;
+use super::labels::{ADVANCE, draw_scale_bar, write};
+use super::marks::{INK, draw_source_mark, fill, paint, rectangle};
 use super::plan::{Bounds, Plan};
-use super::scale_bar;
-use super::slice::cut;
-use super::{PictureError, shader};
+use super::slice::{check_size, cut};
 use crate::error::Error;
 use crate::gpu::Context;
 use crate::scene::Scene;
@@ -53,7 +52,7 @@ pub struct MapOptions<'a> {
 /// Draws a map: places are coloured rectangles, solids are pale as in a plan, the source is marked. The listener is
 /// not: it was at every place.
 pub fn map(context: &Context, scene: &Scene, options: &MapOptions) -> Result<RgbaImage, Error> {
-    shader::check_size(context, options.width, 1)?;
+    check_size(context, options.width, 1)?;
     let [from, to] = options.ends;
     let mut shown = scene.clone();
     // The plan covers the lattice and the source, wherever the scene's own listener is.
@@ -76,8 +75,8 @@ pub fn map(context: &Context, scene: &Scene, options: &MapOptions) -> Result<Rgb
     };
     if let Some(mut canvas) = PixmapMut::from_bytes(&mut picture, plan.width, plan.height) {
         draw_places(&mut canvas, &plan, options, &places, ends);
-        marks::draw_source_mark(&mut canvas, &plan, scene.source.position, 1.0);
-        scale_bar::draw(&mut canvas, &plan);
+        draw_source_mark(&mut canvas, &plan, scene.source.position, 1.0);
+        draw_scale_bar(&mut canvas, &plan);
     }
     with_colour_bar(&picture, &plan, options, ends)
 }
@@ -173,29 +172,24 @@ fn with_colour_bar(
     ends: Option<(f64, f64)>,
 ) -> Result<RgbaImage, Error> {
     let unit = plan.stroke();
-    let dot = (1.6 * unit).round().max(1.0);
+    let dot = plan.dot();
     let marks = bar_marks(ends, options.unit);
     let longest = marks.iter().map(|mark| mark.label.chars().count());
     let longest = longest.max().unwrap_or(0);
-    let text = dot * (font::ADVANCE * longest) as f32;
+    let text = dot * (ADVANCE * longest) as f32;
     let beside = (BAR_SHARE * plan.width as f32).max(text + 52.0 * unit) as u32;
     let head = (TITLE * unit).round();
     let (width, height) = (plan.width + beside, plan.height + head as u32);
     let mut whole = RgbaImage::from_pixel(width, height, Rgba([255; 4]));
     image::imageops::replace(&mut whole, picture, 0, head as i64);
     let Some(mut canvas) = PixmapMut::from_bytes(&mut whole, width, height) else {
-        return Err(PictureError::Size {
-            width,
-            height,
-            limit: u32::MAX,
-        }
-        .into());
+        return Err(PictureError::size([width, height], u32::MAX).into());
     };
     let (left, bar) = (plan.width as f32 + 16.0 * unit, 18.0 * unit);
     let top = head + (16.0 * unit).round();
     let length = (plan.height as f32 - 32.0 * unit).round();
     let room = width as f32 - 32.0 * unit;
-    let across = options.title.chars().count() * font::ADVANCE;
+    let across = options.title.chars().count() * ADVANCE;
     let title_dot = dot.min((room / across.max(1) as f32).floor()).max(1.0);
     write(
         &mut canvas,
@@ -216,7 +210,7 @@ fn with_colour_bar(
             MARK * unit,
             unit.max(1.0),
         ];
-        rectangle(&mut canvas, line, font::INK, 1.0);
+        rectangle(&mut canvas, line, INK, 1.0);
         let at = (y - 3.5 * dot).clamp(top, top + length - 7.0 * dot);
         let x = (left + bar + (MARK + 5.0) * unit).round();
         write(&mut canvas, &mark.label, x, at.round(), dot);

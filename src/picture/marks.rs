@@ -1,13 +1,14 @@
-//! Listeners, sources and their key-framed paths, drawn on a plan.
+//! Listeners, sources, their key-framed paths, and the paths of waves, drawn on a plan.
 //!
 //! The colours are those of Okabe and Ito, which are distinguishable with any colour vision.
 
-use super::plan::Plan;
+use super::plan::{Plan, flat};
 use crate::scene::{Listener, Path as KeyPath, Scene, Source};
+use crate::trace::{Fate, Wave};
 use glam::{Vec2, Vec3};
 use tiny_skia::{
-    Color, FillRule, LineCap, LineJoin, Paint, Path, PathBuilder, PixmapMut, Rect, Stroke,
-    StrokeDash, Transform,
+    Color, FillRule, GradientStop, LineCap, LineJoin, LinearGradient, Paint, Path, PathBuilder,
+    PixmapMut, Point, Rect, SpreadMode, Stroke, StrokeDash, Transform,
 };
 
 /// The listener and its path.
@@ -20,8 +21,8 @@ const SOURCE_PATH: [u8; 3] = [176, 116, 0];
 pub(super) const PLATE_COLOUR: [u8; 3] = [255, 255, 255];
 /// Opacity of the background of letters.
 pub(super) const PLATE: f32 = 0.82;
-/// Outlines and the gaze direction.
-const INK: [u8; 3] = [38, 42, 46];
+/// Outlines, the gaze direction and letters.
+pub(super) const INK: [u8; 3] = [38, 42, 46];
 
 /// Opacity of the marks of further sources and listeners, whose waves are not drawn.
 const FURTHER: f32 = 0.4;
@@ -68,7 +69,7 @@ fn draw_listener(canvas: &mut PixmapMut, plan: &Plan, listener: &Listener, opaci
     fill(canvas, circle.clone(), &paint(BLUE, 0.16 * opacity));
     stroke(canvas, circle, &blue, &round(2.4 * unit));
     // The gaze direction as seen from above: shorter when it points up or down.
-    let gaze = super::plan::flat(listener.forward());
+    let gaze = flat(listener.forward());
     let tip = centre + gaze * (radius + 16.0 * unit);
     let shaft = polyline(&[centre, tip]);
     stroke(canvas, shaft, &blue, &round(2.4 * unit));
@@ -97,7 +98,7 @@ pub(super) fn draw_source_mark(canvas: &mut PixmapMut, plan: &Plan, position: Ve
 }
 
 /// A line through points in pixels; `None` for fewer than two points or for points that are not finite.
-pub(super) fn polyline(points: &[Vec2]) -> Option<Path> {
+fn polyline(points: &[Vec2]) -> Option<Path> {
     let mut builder = PathBuilder::new();
     let (first, rest) = points.split_first()?;
     builder.move_to(first.x, first.y);
@@ -116,14 +117,14 @@ pub(super) fn paint([red, green, blue]: [u8; 3], opacity: f32) -> Paint<'static>
 }
 
 /// A colour with the given opacity.
-pub(super) fn colour([red, green, blue]: [u8; 3], opacity: f32) -> Color {
+fn colour([red, green, blue]: [u8; 3], opacity: f32) -> Color {
     let mut colour = Color::from_rgba8(red, green, blue, 255);
     colour.set_alpha(opacity);
     colour
 }
 
 /// A stroke of the given width in pixels, with round ends and joins.
-pub(super) fn round(width: f32) -> Stroke {
+fn round(width: f32) -> Stroke {
     Stroke {
         width,
         line_cap: LineCap::Round,
@@ -132,7 +133,7 @@ pub(super) fn round(width: f32) -> Stroke {
     }
 }
 
-pub(super) fn stroke(canvas: &mut PixmapMut, path: Option<Path>, paint: &Paint, stroke: &Stroke) {
+fn stroke(canvas: &mut PixmapMut, path: Option<Path>, paint: &Paint, stroke: &Stroke) {
     if let Some(path) = path {
         canvas.stroke_path(&path, paint, stroke, Transform::identity(), None);
     }
@@ -154,5 +155,146 @@ pub(super) fn rectangle(
     if let Some(rect) = Rect::from_xywh(x, y, w, h) {
         let path = PathBuilder::from_rect(rect);
         fill(canvas, Some(path), &paint(colour, opacity));
+    }
+}
+
+/// Waves that reached the listener: vermilion.
+const REACHED: [u8; 3] = [213, 94, 0];
+/// Waves that are still travelling.
+const TRAVELLING: [u8; 3] = [120, 128, 136];
+/// Waves that are dead: bluish green.
+const DEAD: [u8; 3] = [0, 158, 115];
+
+/// Length of the stub that shows the direction of a dead wave, as a share of the width.
+const STUB: f32 = 0.16;
+
+/// One wave's line.
+struct Line {
+    fate: Fate,
+    points: Vec<Vec2>,
+    /// World position and direction where the wave died.
+    stub: Option<(Vec3, Vec3)>,
+}
+
+/// The drawing style of a fate.
+pub(super) struct Style {
+    pub fate: Fate,
+    pub colour: [u8; 3],
+    pub opacity: f32,
+    /// Width in the plan's stroke unit.
+    pub width: f32,
+    /// The text in the legend.
+    pub meaning: &'static str,
+}
+
+/// The styles, in drawing order.
+pub(super) const STYLES: [Style; 3] = [
+    Style {
+        fate: Fate::Dead,
+        colour: DEAD,
+        opacity: 0.7,
+        width: 1.1,
+        meaning: "gone: met nothing more",
+    },
+    Style {
+        fate: Fate::Travelling,
+        colour: TRAVELLING,
+        opacity: 0.55,
+        width: 0.9,
+        meaning: "travelling at the end",
+    },
+    Style {
+        fate: Fate::Listener,
+        colour: REACHED,
+        opacity: 0.95,
+        width: 1.9,
+        meaning: "reached the listener",
+    },
+];
+
+/// Draws the waves of [`crate::Tracer::paths`], those that reached the listener on top. Returns their fates.
+pub(super) fn draw_wave_paths(
+    canvas: &mut PixmapMut,
+    plan: &Plan,
+    scene: &Scene,
+    states: &[Vec<Wave>],
+) -> Vec<Fate> {
+    let waves = states.first().map_or(0, Vec::len);
+    // A source in a solid sends no waves: all are dead from the start.
+    let lines: Vec<Line> = (0..waves)
+        .filter(|&wave| states[0][wave].fate() != Fate::Dead)
+        .map(|wave| follow(plan, scene.source.position, states, wave))
+        .collect();
+    let unit = plan.stroke();
+    for style in &STYLES {
+        let pen = round(style.width * unit);
+        for line in lines.iter().filter(|line| line.fate == style.fate) {
+            let path = polyline(&line.points);
+            stroke(canvas, path, &paint(style.colour, style.opacity), &pen);
+            if let Some((from, direction)) = line.stub {
+                draw_stub(canvas, plan, from, direction, style.opacity);
+            }
+        }
+    }
+    lines.iter().map(|line| line.fate).collect()
+}
+
+/// The positions of one wave until it reached the listener or died. The later steps of a dead wave
+/// (it is marched again from the origin) do not belong to its path.
+fn follow(plan: &Plan, source: Vec3, states: &[Vec<Wave>], wave: usize) -> Line {
+    let mut line = Line {
+        fate: Fate::Travelling,
+        points: vec![plan.pixel(source)],
+        stub: None,
+    };
+    let mut last = (source, Vec3::ZERO);
+    for (iteration, waves) in states.iter().enumerate() {
+        let state = &waves[wave];
+        if iteration == 0 {
+            last.1 = state.start_direction;
+            continue;
+        }
+        line.fate = match state.fate() {
+            Fate::NotFinite => Fate::Dead,
+            fate => fate,
+        };
+        if line.fate == Fate::Dead {
+            line.stub = Some(last);
+            break;
+        }
+        line.points.push(plan.pixel(state.position));
+        last = (state.position, state.direction);
+        if line.fate == Fate::Listener {
+            break;
+        }
+    }
+    line
+}
+
+/// A line that fades along the direction in which a wave was lost.
+fn draw_stub(canvas: &mut PixmapMut, plan: &Plan, from: Vec3, direction: Vec3, opacity: f32) {
+    let length = STUB * plan.width as f32 * plan.metres;
+    let start = plan.pixel(from);
+    let end = plan.pixel(from + length * direction);
+    let stops = vec![
+        GradientStop::new(0.0, colour(DEAD, opacity)),
+        GradientStop::new(1.0, colour(DEAD, 0.0)),
+    ];
+    let gradient = LinearGradient::new(
+        Point::from_xy(start.x, start.y),
+        Point::from_xy(end.x, end.y),
+        stops,
+        SpreadMode::Pad,
+        Transform::identity(),
+    );
+    // `None` for a stub of zero length.
+    if let Some(shader) = gradient {
+        let fading = Paint {
+            shader,
+            anti_alias: true,
+            ..Paint::default()
+        };
+        let pen = round(1.1 * plan.stroke());
+        stroke(canvas, polyline(&[start, end]), &fading, &pen);
     }
 }

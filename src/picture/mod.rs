@@ -13,33 +13,107 @@
 //! llvmpipe one to three seconds for 960 × 540 pixels, on a graphics card milliseconds. A slice
 //! takes five evaluations per pixel. Paths cost one read-back per iteration.
 
-mod error;
-mod font;
-mod live_view;
+use crate::file_output::{OutputError, write_inside, write_whole};
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder};
+use std::path::Path;
+
+mod labels;
 mod map;
 mod marks;
-mod names;
-mod path_legend;
 mod plan;
-mod png;
-mod scale_bar;
-mod shader;
 mod slice;
 mod view;
-mod wave_paths;
 
-pub use error::PictureError;
 pub use image::RgbaImage;
-#[doc(hidden)]
-pub use live_view::{Drawn, View, shader_text as view_text};
 #[doc(hidden)]
 pub use map::{MapOptions, map};
 pub use plan::Bounds;
-pub use png::save_png;
+pub use slice::{Kind, SliceOptions, shader_text, slice};
 #[doc(hidden)]
-pub use png::save_png_inside;
-pub use shader::{Kind, shader_text};
-pub use slice::{SliceOptions, slice};
-#[doc(hidden)]
-pub use view::SOURCE_SHARE;
+pub use view::{Drawn, SOURCE_SHARE, View, view_text};
 pub use view::{ViewOptions, first_person};
+
+/// A picture that cannot be drawn or saved.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PictureError {
+    /// A side is zero, or above the renderer's limit.
+    #[error(
+        "a picture of {width} × {height} pixels cannot be drawn: each side must be 1 to {limit} on this renderer"
+    )]
+    Size {
+        /// Width requested, in pixels.
+        width: u32,
+        /// Requested height, or the one that follows from the bounds, in pixels.
+        height: u32,
+        /// Longest side allowed.
+        limit: u32,
+    },
+    /// An impossible field of view for a flat picture.
+    #[error("the field of view must be above 0° and below 180°: {degrees}°")]
+    FieldOfView {
+        /// The given value, in degrees.
+        degrees: f32,
+    },
+    /// A part of the world without area.
+    #[error("the bounds of a slice must be finite and have an area: {what}")]
+    Bounds {
+        /// The given bounds or height.
+        what: String,
+    },
+    /// The pixels could not be encoded as a file.
+    #[error("the picture cannot be encoded: {0}")]
+    Encode(#[from] image::ImageError),
+    /// The file could not be written.
+    #[error(transparent)]
+    Write(#[from] OutputError),
+}
+
+impl PictureError {
+    fn size([width, height]: [u32; 2], limit: u32) -> PictureError {
+        PictureError::Size {
+            width,
+            height,
+            limit,
+        }
+    }
+
+    /// Whether the request is at fault.
+    pub fn is_bad_input(&self) -> bool {
+        match self {
+            Self::Size { .. } | Self::FieldOfView { .. } | Self::Bounds { .. } => true,
+            Self::Encode(_) => false,
+            Self::Write(error) => error.is_bad_input(),
+        }
+    }
+}
+
+/// Writes a picture as PNG, atomically.
+///
+/// # Errors
+/// [`PictureError::Encode`], and [`PictureError::Write`] with the path.
+pub fn save_png(path: &Path, picture: &RgbaImage) -> Result<(), PictureError> {
+    let bytes = png(picture)?;
+    write_whole(path, |out| out.write_all(&bytes))?;
+    Ok(())
+}
+
+/// As [`save_png`], for a file in a folder, named by the program itself: a link is rejected.
+#[doc(hidden)]
+pub fn save_png_inside(path: &Path, picture: &RgbaImage) -> Result<(), PictureError> {
+    let bytes = png(picture)?;
+    write_inside(path, |out| out.write_all(&bytes))?;
+    Ok(())
+}
+
+fn png(picture: &RgbaImage) -> Result<Vec<u8>, PictureError> {
+    let mut bytes = Vec::new();
+    PngEncoder::new(&mut bytes).write_image(
+        picture.as_raw(),
+        picture.width(),
+        picture.height(),
+        ExtendedColorType::Rgba8,
+    )?;
+    Ok(bytes)
+}

@@ -236,6 +236,11 @@ impl Plan {
     pub fn stroke(&self) -> f32 {
         (self.width as f32 / 800.0).max(0.4)
     }
+
+    /// The size of a dot of letters, in whole pixels.
+    pub fn dot(&self) -> f32 {
+        (1.6 * self.stroke()).round().max(1.0)
+    }
 }
 
 #[cfg(test)]

@@ -1,13 +1,106 @@
-//! The plan of a scene.
+//! A picture's shader, with the pass that draws it, and the plan of a scene.
 
 use super::plan::{Bounds, Plan};
-use super::{PictureError, marks, names, path_legend, scale_bar, shader, wave_paths};
+use super::{PictureError, labels, marks};
 use crate::error::Error;
-use crate::gpu::Context;
+use crate::gpu::{Context, Picture, Program, full_screen_pass_rows};
+use crate::kernel::{self, Structure};
 use crate::scene::Scene;
-use crate::trace::{Settings, Tracer, Wave};
+use crate::trace::{GpuScene, Settings, Tracer, Wave};
 use image::RgbaImage;
 use tiny_skia::PixmapMut;
+
+/// Maximum pixels in one draw call: see [`full_screen_pass_rows`].
+const PIXELS_PER_DRAW: u32 = 1 << 17;
+
+/// A picture's program, and the scene that it reads.
+pub(super) struct Shader {
+    pub program: Program,
+    scene: GpuScene,
+}
+
+/// The program of a picture's shader around the distance functions of `scene`, with the scene's
+/// numbers set.
+pub(super) fn prepare(context: &Context, scene: &Scene, kind: Kind) -> Result<Shader, Error> {
+    scene.validate()?;
+    let structure = GpuScene::picture_structure(scene);
+    let label = format!("{kind:?} of {}", scene.name);
+    let text = text(scene, &structure, kind);
+    let program = GpuScene::picture_program(context, scene, &structure, &label, &text)?;
+    let mut on_gpu = GpuScene::new(context)?;
+    set_scene(&program, &mut on_gpu, scene, structure)?;
+    Ok(Shader {
+        program,
+        scene: on_gpu,
+    })
+}
+
+/// Sets the surfaces and the listener of `scene` in a picture's program.
+pub(super) fn set_scene(
+    program: &Program,
+    on_gpu: &mut GpuScene,
+    scene: &Scene,
+    structure: Structure,
+) -> Result<(), Error> {
+    on_gpu.set_picture(scene, structure, program)?;
+    let listener = &scene.listener;
+    program.set_vec4("uListener", listener.position.extend(listener.radius));
+    Ok(())
+}
+
+/// A kind of picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Kind {
+    /// [`first_person`](super::first_person).
+    View,
+    /// [`slice`](super::slice()).
+    Slice,
+}
+
+/// The fragment shader of a picture, as it is compiled after the driver's own header. Needs no
+/// context; the scene should have been [checked](Scene::check).
+pub fn shader_text(scene: &Scene, kind: Kind) -> String {
+    text(scene, &GpuScene::picture_structure(scene), kind)
+}
+
+fn text(scene: &Scene, structure: &Structure, kind: Kind) -> String {
+    let sources = match kind {
+        Kind::View => kernel::first_person(kernel::source!("view/shading.glsl")).to_vec(),
+        Kind::Slice => vec![kernel::source!("view/slice.frag")],
+    };
+    kernel::picture_text(scene, structure, sources)
+}
+
+/// Rejects sizes that cannot be drawn, before anything is allocated.
+pub(super) fn check_size(context: &Context, width: u32, height: u32) -> Result<(), PictureError> {
+    let limit = context.limits().max_texture_size;
+    if (1..=limit).contains(&width) && (1..=limit).contains(&height) {
+        return Ok(());
+    }
+    Err(PictureError::size([width, height], limit))
+}
+
+/// Draws the program over a picture of the given size, whose top row comes first.
+pub(super) fn draw(
+    context: &Context,
+    shader: &Shader,
+    width: u32,
+    height: u32,
+) -> Result<RgbaImage, Error> {
+    check_size(context, width, height)?;
+    let Shader { program, scene } = shader;
+    scene.bind(program, 0);
+    let picture = Picture::new(context, width, height)?;
+    let rows = (PIXELS_PER_DRAW / width).max(1);
+    for start in (0..height).step_by(rows as usize) {
+        let band = start..start + rows;
+        full_screen_pass_rows(context, program, &picture, width, height, band)?;
+    }
+    let pixels = picture.read_rgba8()?;
+    let picture = RgbaImage::from_raw(width, height, pixels);
+    let limit = context.limits().max_texture_size;
+    Ok(picture.ok_or_else(|| PictureError::size([width, height], limit))?)
+}
 
 /// Options of a slice.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,7 +156,7 @@ pub fn slice(
         return Err(PictureError::Bounds { what }.into());
     }
     let bounds = options.bounds.unwrap_or_else(|| Bounds::of(scene, height));
-    shader::check_size(&context, options.width, 1)?;
+    check_size(&context, options.width, 1)?;
     let plan = Plan::new(bounds, options.width)?;
     let mut picture = cut(&context, scene, height, &plan)?;
     let paths = match options.paths {
@@ -72,13 +165,18 @@ pub fn slice(
     };
     // Opaque pixels are the same with and without premultiplied opacity.
     if let Some(mut canvas) = PixmapMut::from_bytes(&mut picture, plan.width, plan.height) {
-        let mut fates = wave_paths::draw(&mut canvas, &plan, scene, &paths);
-        fates.extend(wave_paths::draw(&mut canvas, &plan, scene, &options.also));
+        let mut fates = marks::draw_wave_paths(&mut canvas, &plan, scene, &paths);
+        fates.extend(marks::draw_wave_paths(
+            &mut canvas,
+            &plan,
+            scene,
+            &options.also,
+        ));
         marks::draw(&mut canvas, &plan, scene);
-        names::draw(&mut canvas, &plan, scene);
+        labels::draw_names(&mut canvas, &plan, scene);
         if options.scale_bar {
-            scale_bar::draw(&mut canvas, &plan);
-            path_legend::draw(&mut canvas, &plan, &fates);
+            labels::draw_scale_bar(&mut canvas, &plan);
+            labels::draw_path_legend(&mut canvas, &plan, &fates);
         }
     }
     Ok(picture)
@@ -91,8 +189,8 @@ pub(super) fn cut(
     height: f32,
     plan: &Plan,
 ) -> Result<RgbaImage, Error> {
-    shader::check_size(context, plan.width, plan.height)?;
-    let shader = shader::program(context, scene, shader::Kind::Slice)?;
+    check_size(context, plan.width, plan.height)?;
+    let shader = prepare(context, scene, Kind::Slice)?;
     let program = &shader.program;
     program.set_vec2("uCorner", plan.corner);
     program.set_f32("uMetres", plan.metres);
@@ -100,7 +198,7 @@ pub(super) fn cut(
     program.set_f32("uRows", plan.height as f32);
     program.set_f32("uLine", 1.6 * plan.stroke());
     program.set_f32("uIsoline", isoline(plan.metres));
-    shader::draw(context, &shader, plan.width, plan.height)
+    draw(context, &shader, plan.width, plan.height)
 }
 
 /// Metres between two lines of equal distance: 1, or more to leave 12 pixels between them.

@@ -1,11 +1,20 @@
-//! The listener's view.
+//! The listener's view: as one picture, and frame by frame in a window.
+//!
+//! In a window it is drawn at a share of the window's size and stretched over it. While nothing moves, the last picture
+//! is shown again; after some frames without movement it is drawn once more at full size, some rows per frame.
 
-use super::{PictureError, shader};
+use super::PictureError;
+use super::slice::{Kind, check_size, draw, prepare, set_scene};
 use crate::error::Error;
-use crate::gpu::Context;
+use crate::gpu::{Context, GpuTimer, Picture, Program, ProgramCache, full_screen_pass_rows};
+use crate::kernel::{self, Structure, StructureKey};
+use crate::platform;
 use crate::scene::Scene;
+use crate::trace::GpuScene;
 use glam::Vec2;
 use image::RgbaImage;
+use std::num::NonZeroUsize;
+use std::rc::Rc;
 
 /// Radius of the ball that represents the source, as a share of the listener's radius, the only
 /// length of a scene that gives its scale.
@@ -45,22 +54,335 @@ pub fn first_person(
     options: &ViewOptions,
 ) -> Result<RgbaImage, Error> {
     let (width, height) = (options.width, options.height);
-    shader::check_size(context, width, height)?;
+    check_size(context, width, height)?;
     let half_height = (0.5 * options.field_of_view).tan();
     let possible = 0.0 < options.field_of_view && options.field_of_view < std::f32::consts::PI;
     if !(possible && half_height.is_finite() && half_height > 0.0) {
         let degrees = options.field_of_view.to_degrees();
         return Err(PictureError::FieldOfView { degrees }.into());
     }
-    let shader = shader::program(context, scene, shader::Kind::View)?;
-    let program = &shader.program;
+    let shader = prepare(context, scene, Kind::View)?;
+    let ball = SOURCE_SHARE * scene.listener.radius;
+    aim(&shader.program, scene, ball, [width, height], half_height);
+    draw(context, &shader, width, height)
+}
+
+/// Vertical field of view in radians.
+const FIELD_OF_VIEW: f32 = 70.0 / 180.0 * std::f32::consts::PI;
+
+/// Minimum distance at which the source's ball is drawn, in multiples of its radius.
+const NEAREST: f32 = 2.0;
+
+/// Number of frames without movement before the picture is refined.
+const STILL: u32 = 8;
+
+/// Milliseconds of a frame that refining may take.
+const REFINING: f64 = 12.0;
+
+/// Minimum number of rows refined in a frame.
+const LEAST_ROWS: u32 = 4;
+
+/// Rows refined in a frame if their time cannot be measured: at a window's width this is about the number of pixels of
+/// a coarse picture.
+const UNTIMED_ROWS: u32 = 8;
+
+/// Maximum predicted time in seconds of a picture when no time was measured yet.
+const FIRST_PICTURE: f64 = 1.0;
+
+/// Maximum predicted time of refining in a frame, in seconds.
+const REFINED: f64 = 0.1;
+
+/// Typical number of evaluations per pixel: the steps of its ray, and of the shadow at its end.
+const EVALUATIONS_PER_PIXEL: f64 = 30.0;
+
+/// Maximum number of cached programs: those of the scenes seen last.
+const PROGRAMS_KEPT: NonZeroUsize = NonZeroUsize::new(4).unwrap();
+
+/// The inputs of the picture: it is drawn again only when they change.
+struct Shown {
+    scene: Scene,
+    /// Pixels of the coarse picture, and of the window.
+    size: [u32; 2],
+    full: [u32; 2],
+}
+
+/// Draws the picture, and caches what can be used again.
+pub struct View {
+    context: Context,
+    programs: ProgramCache<Rc<StructureKey>>,
+    scene: GpuScene,
+    timer: GpuTimer,
+    coarse: Option<Picture>,
+    fine: Option<Picture>,
+    shown: Option<Shown>,
+    still: u32,
+    /// Number of rows of the fine picture that are drawn.
+    refined: u32,
+    /// Number of its rows drawn per millisecond.
+    rows_per_ms: f64,
+    /// The drawing between the timer's marks, until its time is read.
+    marked: Option<Marked>,
+    /// Milliseconds of the last picture, as far as they are known.
+    took: f64,
+}
+
+/// A drawing between two marks.
+#[derive(Clone, Copy)]
+enum Marked {
+    /// The whole coarse picture.
+    Coarse,
+    /// The given number of rows of the fine picture.
+    Rows(u32),
+}
+
+/// The result of drawing a frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Drawn {
+    /// Pixels drawn, across and down.
+    pub size: [u32; 2],
+    /// Whether the picture was drawn again, rather than only shown again.
+    pub anew: bool,
+    /// Milliseconds that drawing took; on a graphics card, which is not waited for, those of the previous picture.
+    pub milliseconds: f64,
+}
+
+impl View {
+    /// Creates a view that has drawn nothing yet.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] when the renderer fails.
+    pub fn new(context: &Context) -> Result<View, Error> {
+        Ok(View {
+            context: context.clone(),
+            programs: ProgramCache::new(PROGRAMS_KEPT),
+            scene: GpuScene::new(context)?,
+            timer: GpuTimer::new(context),
+            coarse: None,
+            fine: None,
+            shown: None,
+            still: 0,
+            refined: 0,
+            rows_per_ms: 2.0,
+            marked: None,
+            took: 0.0,
+        })
+    }
+
+    /// Compiles the program that draws the scene, without drawing.
+    ///
+    /// # Errors
+    /// As [`draw`](View::draw).
+    pub fn check(&mut self, scene: &Scene) -> Result<(), Error> {
+        self.program(scene).map(drop)
+    }
+
+    /// Draws the scene as its listener sees it, at `scale` of the window's size, into the window; `refines` allows a
+    /// finer picture while nothing moves.
+    ///
+    /// # Errors
+    /// [`Error::Trace`] for a scene that does not fit, [`Error::Gpu`] when the renderer fails.
+    pub fn draw(
+        &mut self,
+        scene: &Scene,
+        [width, height]: [u32; 2],
+        (scale, refines): (f32, bool),
+    ) -> Result<Drawn, Error> {
+        // On a graphics card the last drawing is one picture old, so this waits only for a card that lags behind.
+        self.take_time();
+        let scale = scale.min(foreseen_scale(scene, [width, height]));
+        let side = |pixels: u32| ((pixels as f32 * scale).round() as u32).clamp(1, pixels.max(1));
+        let size = [side(width), side(height)];
+        let full = [width, height];
+        let same = |shown: &Shown| {
+            (shown.size, shown.full) == (size, full) && is_seen_alike(&shown.scene, scene)
+        };
+        let anew = !self.shown.as_ref().is_some_and(same);
+        let mut drawn = Drawn {
+            size,
+            anew,
+            milliseconds: 0.0,
+        };
+        if anew {
+            let program = self.program(scene)?;
+            let picture = sized(&self.context, &mut self.coarse, size)?;
+            aim_in_window(&program, scene, size);
+            self.timer.restart()?;
+            full_screen_pass_rows(
+                &self.context,
+                &program,
+                picture,
+                size[0],
+                size[1],
+                0..size[1],
+            )?;
+            self.mark_end(Marked::Coarse)?;
+            self.shown = Some(Shown {
+                scene: scene.clone(),
+                size,
+                full,
+            });
+            (self.still, self.refined) = (0, 0);
+        } else {
+            self.still += 1;
+        }
+        let bears = pixels_foreseen(scene, REFINED) >= f64::from(LEAST_ROWS * width);
+        let refines = refines && bears && self.still > STILL && scale < 1.0;
+        if refines && self.refined < height {
+            self.refine(scene, full)?;
+        }
+        let is_fine = refines && self.refined >= height;
+        let picture = if is_fine { &self.fine } else { &self.coarse };
+        if let Some(picture) = picture {
+            picture.show(width, height)?;
+        }
+        if is_fine {
+            drawn.size = full;
+        }
+        if anew {
+            drawn.milliseconds = self.took;
+        }
+        Ok(drawn)
+    }
+
+    /// Draws the next rows at full size.
+    fn refine(&mut self, scene: &Scene, full: [u32; 2]) -> Result<(), Error> {
+        let program = self.program(scene)?;
+        let picture = sized(&self.context, &mut self.fine, full)?;
+        aim_in_window(&program, scene, full);
+        let rows = match platform::CAN_WAIT_FOR_GL {
+            true => ((REFINING * self.rows_per_ms) as u32).max(LEAST_ROWS),
+            // The time of a row is unknown.
+            false => UNTIMED_ROWS,
+        };
+        let band = self.refined..self.refined + rows;
+        self.timer.restart()?;
+        full_screen_pass_rows(&self.context, &program, picture, full[0], full[1], band)?;
+        self.mark_end(Marked::Rows(rows))?;
+        self.refined += rows;
+        Ok(())
+    }
+
+    /// Ends the timing of the drawing since the first mark.
+    fn mark_end(&mut self, what: Marked) -> Result<(), Error> {
+        self.timer.mark()?;
+        self.marked = Some(what);
+        if self.timer.waits() {
+            self.take_time();
+        }
+        Ok(())
+    }
+
+    /// Reads the time of the drawing that was marked last.
+    fn take_time(&mut self) {
+        let Some(what) = self.marked.take() else {
+            return;
+        };
+        let took: f64 = self.timer.milliseconds().iter().sum();
+        match what {
+            Marked::Coarse => self.took = took,
+            Marked::Rows(rows) => self.rows_per_ms = f64::from(rows) / took.max(0.05),
+        }
+    }
+
+    /// The program for the scene's structure, with the data of its surfaces set.
+    fn program(&mut self, scene: &Scene) -> Result<Rc<Program>, Error> {
+        let context = &self.context;
+        let structure = GpuScene::picture_structure(scene);
+        let compile = || {
+            let label = format!("the view of {}", scene.name);
+            let text = text(scene, &structure);
+            GpuScene::picture_program(context, scene, &structure, &label, &text)
+        };
+        let key = Rc::clone(&structure.key);
+        let program = self.programs.get_or_compile(key, compile)?;
+        set_scene(&program, &mut self.scene, scene, structure)?;
+        Ok(program)
+    }
+
+    /// Makes the next frame draw again, as the window's size or the scene has changed.
+    pub fn forget(&mut self) {
+        self.shown = None;
+    }
+}
+
+/// Returns the fragment shader of the picture, without `#version`.
+pub fn view_text(scene: &Scene) -> String {
+    text(scene, &GpuScene::picture_structure(scene))
+}
+
+fn text(scene: &Scene, structure: &Structure) -> String {
+    let sources = kernel::first_person(kernel::source!("view/shading_fast.glsl"));
+    kernel::picture_text(scene, structure, sources)
+}
+
+/// Predicted number of pixels drawn in `seconds` seconds: only users' fields have a measured speed.
+fn pixels_foreseen(scene: &Scene, seconds: f64) -> f64 {
+    match scene.evaluation_seconds() {
+        Some(evaluation) => seconds / (evaluation * EVALUATIONS_PER_PIXEL),
+        None => f64::INFINITY,
+    }
+}
+
+/// The share of the window's size at which a first picture does not block the window.
+fn foreseen_scale(scene: &Scene, [width, height]: [u32; 2]) -> f32 {
+    let whole = f64::from(width) * f64::from(height);
+    (pixels_foreseen(scene, FIRST_PICTURE) / whole.max(1.0))
+        .sqrt()
+        .min(1.0) as f32
+}
+
+/// Whether two scenes look the same: names and motion paths do not matter.
+fn is_seen_alike(a: &Scene, b: &Scene) -> bool {
+    let pose = |scene: &Scene| {
+        let listener = &scene.listener;
+        (
+            scene.source.position,
+            listener.position,
+            listener.yaw,
+            listener.pitch,
+            listener.radius,
+        )
+    };
+    pose(a) == pose(b) && a.surfaces == b.surfaces
+}
+
+/// The picture of the given size, created if it does not exist.
+fn sized<'a>(
+    context: &Context,
+    picture: &'a mut Option<Picture>,
+    [width, height]: [u32; 2],
+) -> Result<&'a Picture, Error> {
+    let fits = |p: &Picture| (p.width(), p.height()) == (width, height);
+    if !picture.as_ref().is_some_and(fits) {
+        *picture = None;
+    }
+    match picture {
+        Some(picture) => Ok(picture),
+        None => Ok(picture.insert(Picture::new(context, width, height)?)),
+    }
+}
+
+/// Sets gaze, source and size in the program. The source is a ball of `ball` metres, and the picture's upper half is
+/// `half_height` high at a distance of 1.
+fn aim(program: &Program, scene: &Scene, ball: f32, [width, height]: [u32; 2], half_height: f32) {
     let listener = &scene.listener;
     program.set_vec3("uRight", listener.right());
     program.set_vec3("uUp", listener.up());
     program.set_vec3("uForward", listener.forward());
-    let ball = scene.source.position.extend(SOURCE_SHARE * listener.radius);
-    program.set_vec4("uSource", ball);
+    program.set_vec4("uSource", scene.source.position.extend(ball));
     program.set_vec2("uSize", Vec2::new(width as f32, height as f32));
     program.set_f32("uPixel", 2.0 * half_height / height as f32);
-    shader::draw(context, &shader, width, height)
+}
+
+/// Aims the picture of a window.
+fn aim_in_window(program: &Program, scene: &Scene, size: [u32; 2]) {
+    let radius = SOURCE_SHARE * scene.listener.radius;
+    let distance = scene.source.position.distance(scene.listener.position);
+    // From within the ball, or close to it, it would fill the picture.
+    let ball = if distance < NEAREST * radius {
+        0.0
+    } else {
+        radius
+    };
+    aim(program, scene, ball, size, (0.5 * FIELD_OF_VIEW).tan());
 }

@@ -36,7 +36,7 @@ pub(super) struct Placed {
     form: Form,
     position: DVec3,
     /// Shape axes to world axes, and its inverse; `None` if not turned.
-    turn: Option<(DMat3, DMat3)>,
+    pub turn: Option<(DMat3, DMat3)>,
 }
 
 /// One of the six faces of a box: its axis and side.
@@ -393,6 +393,3 @@ fn box_distance(p: DVec3, half: DVec3) -> f64 {
     let beyond = p.abs() - half;
     beyond.max(DVec3::ZERO).length() + beyond.max_element().min(0.0)
 }
-
-#[cfg(test)]
-mod tests;

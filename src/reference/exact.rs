@@ -388,73 +388,96 @@ pub(super) fn mirror(direction: DVec3, normal: DVec3) -> DVec3 {
     mirrored * (1.5 - 0.5 * mirrored.length_squared())
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::scene::shape::{Cylinder, Plane};
-    use crate::scene::{Listener, Node, Source, Surface};
+/// The flight of a wave after its last hit.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LastFlight {
+    /// Start in world metres.
+    pub origin: DVec3,
+    /// Unit vector in world axes.
+    pub direction: DVec3,
+    /// Whether it is known to meet no further surface.
+    pub is_free: bool,
+    /// Number of surfaces, and boxes around them, that were evaluated before.
+    pub asked: u64,
+}
 
-    fn scene(surfaces: Vec<Surface>) -> ExactScene {
-        let scene = Scene::new(
-            "test",
-            surfaces,
-            Source::at(Vec3::ZERO),
-            Listener::at(Vec3::new(3.0, 1.0, 0.0), 0.5),
-        );
-        ExactScene::new(&scene).expect("a valid scene")
+impl ExactScene {
+    /// Rounding of this scene in metres: see [`super`].
+    pub(crate) fn rounding(&self) -> f64 {
+        self.error_bound
     }
 
-    fn floor() -> Surface {
-        Surface::new(Node::Plane(Plane)).at(Vec3::NEG_Y)
-    }
-
-    /// Protects the statuses and the values that belong to each of them.
-    #[test]
-    fn a_wave_is_heard_or_dies_or_goes_on() {
-        let exact = scene(vec![floor()]);
-        let died = exact.trace(DVec3::ZERO, DVec3::Y, 4);
-        assert_eq!((died.status, died.length, died.order), (-1, 0.0, 0));
-
-        let bounced = exact.trace(DVec3::ZERO, DVec3::NEG_Y, 1);
-        assert_eq!((bounced.status, bounced.length, bounced.order), (1, 1.0, 1));
-        assert_eq!(bounced.direction, DVec3::Y);
-        assert_eq!(bounced.incoming_direction, DVec3::NEG_Y);
-
-        let heard = exact.trace(DVec3::ZERO, DVec3::new(3.0, -3.0, 0.0), 4);
-        assert_eq!((heard.status, heard.order), (0, 1));
-        assert!((heard.length - (18f64.sqrt() - 0.5)).abs() < 1e-14);
-        assert_eq!(heard.sequence_hash, sequence_hash(&[1, 0]));
-        let from_the_left = exact.arrival_side(&heard).expect("heard");
-        assert!((from_the_left + 0.5f64.sqrt()).abs() < 1e-14);
-        assert_eq!(exact.arrival_side(&bounced), None);
-    }
-
-    /// Protects waves that never fly: without direction or iterations, in a solid, in the listener.
-    #[test]
-    fn waves_without_a_flight_stay_at_the_start() {
-        let exact = scene(vec![floor()]);
-        let nowhere = [DVec3::ZERO, DVec3::NAN, DVec3::X * f64::INFINITY];
-        for direction in nowhere {
-            let wave = exact.trace(DVec3::X, direction, 4);
-            assert_eq!((wave.status, wave.point), (-1, DVec3::X));
+    /// Follows one wave from `start` (world metres) along the unit vector `direction`, through
+    /// the listener, for at most `reflections` reflections; `visit` gets every hit in order.
+    ///
+    /// The result is the flight after the last hit; `None` if the wave starts in a solid.
+    pub(crate) fn follow(
+        &self,
+        start: DVec3,
+        direction: DVec3,
+        reflections: u32,
+        mut visit: impl FnMut(&Hit),
+    ) -> Option<LastFlight> {
+        if self.is_in_solid(start, self.error_bound) {
+            return None;
         }
-        assert_eq!(exact.trace(DVec3::X, DVec3::X, 0).status, -1);
-        let stuck = exact.trace(DVec3::Y * -2.0, DVec3::Y, 4);
-        assert_eq!((stuck.status, stuck.order, stuck.length), (-1, 0, 0.0));
-        let inside = exact.trace(DVec3::new(3.0, 1.2, 0.0), DVec3::Y, 4);
-        assert_eq!((inside.status, inside.length), (0, 0.0));
+        let mut flight = LastFlight {
+            origin: start,
+            direction,
+            is_free: false,
+            asked: 0,
+        };
+        let mut left = None;
+        for _ in 0..reflections {
+            let (next, asked) =
+                self.next_surface(flight.origin, flight.direction, left, f64::INFINITY);
+            flight.asked += asked;
+            let Some((hit, now_left)) = next else {
+                flight.is_free = true;
+                break;
+            };
+            visit(&hit);
+            flight.origin = hit.point;
+            flight.direction = mirror(flight.direction, hit.normal);
+            left = Some(now_left);
+        }
+        Some(flight)
     }
 
-    /// Protects the count of reflections that multiply errors.
-    #[test]
-    fn curved_reflections_are_counted() {
-        let pillar = Surface::new(Node::Cylinder(Cylinder { radius: 1.0 })).at(Vec3::X * -4.0);
-        let exact = scene(vec![floor(), pillar]);
-        let wave = exact.trace(DVec3::ZERO, DVec3::new(-1.0, -0.5, 0.0), 8);
-        assert_eq!((wave.status, wave.order, wave.curved_hits), (-1, 2, 1));
-        let path = exact.trace_path(DVec3::ZERO, DVec3::new(-1.0, -0.5, 0.0), 8);
-        let objects: Vec<u32> = path.iter().map(|vertex| vertex.object).collect();
-        assert_eq!(sequence_hash(&objects), wave.sequence_hash);
-        assert_eq!(objects, [1, 2]);
+    /// The first surface nearer than `until` metres on the line from `origin` along the unit
+    /// vector `direction`.
+    ///
+    /// For a line that starts on a surface, `leaving` is its number from 1, and the unit normal
+    /// there.
+    pub(crate) fn first_surface(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        leaving: Option<(u32, DVec3)>,
+        until: f64,
+    ) -> Option<Hit> {
+        let left = leaving.and_then(|(surface, normal)| self.left(surface, normal));
+        let (met, _) = self.next_surface(origin, direction, left, until);
+        met.map(|(hit, _)| hit)
+    }
+
+    fn left(&self, surface: u32, normal: DVec3) -> Left {
+        let index = (surface as usize).checked_sub(1)?;
+        let placed = self.surfaces.get(index)?;
+        Some((index, placed.is_room().then(|| wall(placed, normal))))
+    }
+}
+
+/// The face of a room that has this unit normal into the air, in world axes.
+fn wall(room: &Placed, normal: DVec3) -> Face {
+    let normal = room.local(normal);
+    let size = normal.abs();
+    let axis = (1..3).fold(
+        0,
+        |most, axis| if size[axis] > size[most] { axis } else { most },
+    );
+    Face {
+        axis,
+        positive: normal[axis] < 0.0,
     }
 }

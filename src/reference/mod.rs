@@ -19,7 +19,7 @@
 //!   [`ExactScene`], and a test compares the two for each wave.
 //! - [`ShoeboxEnergies`] mirrors the source of such a room instead, and sums the energies of its
 //!   images: the expected values of an echogram, and of the figures derived from it.
-//! - The crate's own tests have a third one, the thesis' algorithm itself in `f32` (`march32.rs`):
+//! - The crate's own tests have a third one, the thesis' algorithm itself in `f32` (`tests/march32.rs`):
 //!   it tests whether a shader computes what it should, not whether that is right.
 //!
 //! # Deviations from the thesis
@@ -35,18 +35,13 @@
 //! not allocate memory for a wave.
 
 mod closed_form;
-#[cfg(test)]
-mod distance32;
 mod exact;
 mod hierarchy;
 mod image_source;
-#[cfg(test)]
-pub(crate) mod march32;
 mod marched;
 mod shoebox_energies;
 #[cfg(test)]
-mod tests;
-mod transparent;
+pub(crate) mod tests;
 
 pub use exact::{ExactScene, ExactWave, Hit};
 #[doc(hidden)]

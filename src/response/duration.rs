@@ -1,7 +1,7 @@
 //! The default length of a response.
 
-use super::late_sphere::{LEAST_ORDER, LateSphere};
-use super::medium::Medium;
+use super::heard::Medium;
+use super::late::{LEAST_ORDER, LateSphere};
 use crate::acoustics::MAX_SECONDS;
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
@@ -130,10 +130,7 @@ impl Decay {
 
     /// Number of bins before which some band has more than this share of its energy still to come.
     fn bins_until(&self, share: f64) -> usize {
-        let mut all = [0.0; BAND_COUNT];
-        for bin in &self.bins {
-            bands::add(&mut all, bin);
-        }
+        let all = bands::sum(&self.bins);
         let mut to_come = [0.0; BAND_COUNT];
         for (index, bin) in self.bins.iter().enumerate().rev() {
             bands::add(&mut to_come, bin);

@@ -7,50 +7,29 @@
 //! [`ImpulseResponse`](crate::acoustics::ImpulseResponse). `docs/acoustics.md` describes the model, its sources and its
 //! limits.
 
-mod caught;
+mod diagnosis;
 mod duration;
 mod early;
-mod few_arrivals;
-mod flutter;
-mod gaps;
-mod heard_path;
-mod heard_source;
-mod importance;
+mod heard;
 mod late;
-mod late_sphere;
-mod level;
-mod medium;
-mod near_scattering;
-mod reflectance;
 mod settings;
-mod sphere_mean;
 
 #[doc(hidden)]
-pub use flutter::{Flutter, flutters};
-#[doc(hidden)]
-pub use gaps::Gap;
-pub use heard_path::HeardPath;
-pub use heard_source::HeardSource;
-pub use level::Level;
+pub use diagnosis::{Flutter, Gap, flutters};
+pub use heard::{HeardPath, HeardSource, Level};
 pub use settings::{MAX_ORDER, ResponseSettings};
 
 use crate::acoustics::early::Missed;
-use crate::acoustics::{Arrival, Echogram, Figures, Tap};
+use crate::acoustics::{Arrival, Echogram, Figures, Record, Tap};
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
 use crate::platform::Instant;
 use crate::scene::Scene;
 use crate::trace::{ArrivalCounts, ArrivalSettings, Settings, Tracer};
-use caught::Caught;
-use early::EarlyPart;
-use few_arrivals::further_arrival;
+use early::{Caught, EarlyPart};
 use glam::Vec3;
-use late::Arrivals;
-use late_sphere::LateSphere;
-use medium::Medium;
-
-/// The weight 1 in each band.
-const ALL_BANDS: Bands = [1.0; BAND_COUNT];
+use heard::Medium;
+use late::{Arrivals, LateSphere};
 
 /// The sound of one source at one listener.
 ///
@@ -125,6 +104,7 @@ impl Response {
             bias,
             counts,
             early,
+            travel_on,
         } = late::arrivals(tracer, (scene, &medium, late), settings, &how, echogram)?;
         let starts = start_directions(tracer, &settings.trace, &early)?;
         let part = EarlyPart::find(scene, &starts, settings.trace.waves, order, early)?;
@@ -138,15 +118,16 @@ impl Response {
         let followed_s = Some(counts.followed_m / medium.speed).filter(|until| *until < seconds);
         let ends_s = followed_s.unwrap_or(seconds);
         let taps = taps(&paths);
-        let mut figures = Figures::new(&taps, &echogram, direct_s(&paths), ends_s);
+        let direct_s = direct(&paths).map(|path| path.delay_s);
+        let mut figures = Figures::new(&taps, &echogram, direct_s, ends_s);
         if let Some(common) = late.errors {
             figures = figures.with_common_errors(&common);
         }
         // Empty without scattering.
         if bias.bins() > 0 {
             let mut biased = echogram.clone();
-            biased.add_scaled(&bias, &ALL_BANDS);
-            figures = figures.with_differences((&taps, &biased, ends_s), &ALL_BANDS);
+            biased.add_scaled(&bias, &bands::ALL);
+            figures = figures.with_differences(Record::new(&taps, &biased, ends_s), &bands::ALL);
         }
         let caught = Caught {
             scene,
@@ -155,8 +136,10 @@ impl Response {
             paths: &all_paths,
         };
         let figures = caught.in_errors(figures, &echogram, ends_s);
-        let further = further_arrival(tracer, (scene, &medium), settings, &how, &echogram)?;
-        let figures = figures.with_further_arrival((&taps, &echogram, ends_s), &further);
+        let heard_in = (scene, &medium);
+        let further =
+            late::further_arrival(tracer, heard_in, settings, &how, &echogram, travel_on)?;
+        let figures = figures.with_further_arrival(Record::new(&taps, &echogram, ends_s), &further);
         Ok(Response {
             missed: part.missed(),
             left_out: part.left_out().count() as u64,
@@ -183,27 +166,28 @@ impl Response {
     }
 
     /// Reasons for missing figures, by band.
-    pub fn gaps(&self) -> [Option<Gap>; crate::bands::BAND_COUNT] {
+    pub fn gaps(&self) -> [Option<Gap>; BAND_COUNT] {
         let energy = self.energy();
         std::array::from_fn(|band| Gap::of(&self.figures, band, energy[band] > 0.0))
     }
 
     /// The energy density of all arrivals, by band, in 1/m².
     pub fn energy(&self) -> Bands {
-        let mut energy = self.echogram.total();
-        for path in &self.paths {
-            bands::add(&mut energy, &path.energy);
-        }
-        energy
+        energy(&self.echogram, &self.paths)
     }
+}
+
+/// The energy density of all arrivals, by band, in 1/m².
+fn energy(echogram: &Echogram, paths: &[HeardPath]) -> Bands {
+    let mut energy = echogram.total();
+    for path in paths {
+        bands::add(&mut energy, &path.energy);
+    }
+    energy
 }
 
 fn direct(paths: &[HeardPath]) -> Option<&HeardPath> {
     paths.iter().find(|path| path.is_direct())
-}
-
-fn direct_s(paths: &[HeardPath]) -> Option<f64> {
-    direct(paths).map(|path| path.delay_s)
 }
 
 /// The energy share of arrivals whose paths were not searched for.
@@ -213,13 +197,9 @@ fn left_out_share(
     paths: &[HeardPath],
     echogram: &Echogram,
 ) -> f64 {
-    let mut all = echogram.total();
-    for path in paths {
-        bands::add(&mut all, &path.energy);
-    }
     let left_out: f64 = part.left_out().map(|a| bands::mean(&medium.heard(a))).sum();
     if left_out > 0.0 {
-        left_out / bands::mean(&all)
+        left_out / bands::mean(&energy(echogram, paths))
     } else {
         0.0
     }

@@ -2,7 +2,7 @@
 //! scattered), and the air between them: its speed of sound, and the energy that it absorbs.
 
 use crate::bands::{BAND_COUNT, Bands};
-use std::ops::RangeInclusive;
+use std::ops::{Range, RangeInclusive};
 
 /// The walls of a [`Room`](super::shape::Room) as a scene file names them, in the order of
 /// [`Surface::walls`](super::Surface::walls): those at −x, +x, −y, +y, −z and +z of its own axes. A
@@ -61,6 +61,11 @@ impl Material {
     /// Whether it mirrors all energy in every band.
     pub fn is_mirror(&self) -> bool {
         *self == Material::MIRROR
+    }
+
+    /// Whether it scatters in some of these bands.
+    pub(crate) fn scatters(&self, bands: Range<usize>) -> bool {
+        self.scattering[bands].iter().any(|share| *share > 0.0)
     }
 
     /// Whether all octave bands are treated alike, so that a reflection keeps the timbre.

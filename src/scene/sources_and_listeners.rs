@@ -205,8 +205,8 @@ impl Scene {
 
     /// Whether some surface scatters.
     pub(crate) fn scatters(&self) -> bool {
-        let scatter = |material: &Material| material.scattering.iter().any(|share| *share > 0.0);
-        self.used_materials().any(scatter)
+        let mut materials = self.used_materials();
+        materials.any(|material| material.scatters(0..BAND_COUNT))
     }
 
     /// Whether a material or the air changes the timbre; otherwise all octave bands are alike.

@@ -8,12 +8,13 @@
 //! - A segment is free if it is shorter than 20 *touches*, or if it meets no surface until *touch* before its end; the
 //!   surface at its end may be met earlier by *touch* ÷ cosine, as its distance is measured along the segment.
 //! - Two points closer than *touch* lie in an edge, or are an end on a surface: between them the wave has the
-//!   direction that mirroring gives (`flight.rs`). At an end that direction must come from the solid, or lead into
+//!   direction that mirroring gives ([`flight_directions`]). At an end that direction must come from the solid, or lead into
 //!   it: otherwise, as before an edge of a box, the wave flies on in the air. In an edge that points into the air a
 //!   wave that reaches several faces is mirrored by one of them, and the choice is ambiguous: there is no exact
 //!   path, and its waves remain statistical.
 
 use super::NoPath;
+use super::paths::Draft;
 use super::surfaces::{Surfaces, Vertex};
 use crate::reference::ExactScene;
 use glam::DVec3;
@@ -24,46 +25,48 @@ const GRAZING: f64 = 1e-9;
 
 /// Distance from an end at which the solid is probed, in *touches*: more than an end may be off its surface, for
 /// directions that do not graze it.
-pub(super) const PROBE_IN_TOUCHES: f64 = 1e3;
+const PROBE_IN_TOUCHES: f64 = 1e3;
 
 /// Shorter segments, in *touches*, lie next to an edge and count as free: twice the distance at which fields are
 /// probed ahead of a point (`reference::marched`).
 const SHORTEST_IN_TOUCHES: f64 = 20.0;
 
-/// A path to check: `points` from source to listener, and for each reflection between them the
-/// surface's number and its unit normal into the air.
+/// A path to check, with the surfaces that may be in its way.
 pub(super) struct Checked<'a> {
-    pub points: &'a [DVec3],
-    pub surfaces: &'a [u32],
-    pub normals: &'a [DVec3],
-    /// The unit vectors of flight, one for each segment.
-    pub directions: &'a [DVec3],
+    pub exact: &'a ExactScene,
+    pub surfaces: &'a Surfaces,
+    pub path: &'a Draft,
 }
 
 impl Checked<'_> {
     /// # Errors
     /// Checks the path; the error states why sound does not take it.
-    pub fn is_taken(&self, exact: &ExactScene, surfaces: &Surfaces) -> Result<(), NoPath> {
-        let inner = self.surfaces.iter().zip(&self.points[1..]);
+    pub fn is_taken(&self) -> Result<(), NoPath> {
+        let Draft {
+            points,
+            surfaces,
+            normals,
+            directions,
+            ..
+        } = self.path;
+        let inner = surfaces.iter().zip(&points[1..]);
         for (surface, point) in inner {
-            if !surfaces.has(*surface, *point) {
+            if !self.surfaces.has(*surface, *point) {
                 return Err(NoPath::OffSurface);
             }
         }
-        let at_source = short(self.points.windows(2), surfaces.touch);
-        for (i, normal) in self.normals.iter().enumerate() {
-            let (to, from) = (self.directions[i], self.directions[i + 1]);
-            let (to, from) = (to.dot(*normal), from.dot(*normal));
+        let at_source = short(points.windows(2), self.surfaces.touch);
+        for (i, normal) in normals.iter().enumerate() {
+            let (to, from) = (directions[i].dot(*normal), directions[i + 1].dot(*normal));
             // A source on a surface has an image there, also for directions along it.
             let least = if i < at_source { -GRAZING } else { GRAZING };
             if to > -least || from < least {
                 return Err(NoPath::NotFromTheAir);
             }
         }
-        self.edges_mirror(exact, surfaces)?;
-        self.ends_mirror(exact, surfaces, at_source)?;
-        let is_free = |(i, d): (usize, &DVec3)| self.is_free(exact, surfaces.touch, i, *d);
-        match self.directions.iter().enumerate().all(is_free) {
+        self.edges_mirror()?;
+        self.ends_mirror(at_source)?;
+        match (0..directions.len()).all(|segment| self.is_free(segment)) {
             true => Ok(()),
             false => Err(NoPath::Blocked),
         }
@@ -72,20 +75,20 @@ impl Checked<'_> {
     /// Checks that each reflection in an edge, where two reflections away from the ends are at one point, comes from
     /// the air, at an edge that points into the solid: at one that points into the air a wave meets only one of the
     /// faces, and a face inside another solid does not reflect.
-    fn edges_mirror(&self, exact: &ExactScene, surfaces: &Surfaces) -> Result<(), NoPath> {
-        let end = EndOnSurface { exact, surfaces };
-        for (i, pair) in self.normals.windows(2).enumerate() {
-            let point = self.points[i + 1];
-            if point.distance(self.points[i + 2]) > surfaces.touch {
+    fn edges_mirror(&self) -> Result<(), NoPath> {
+        let touch = self.surfaces.touch;
+        for (i, pair) in self.path.normals.windows(2).enumerate() {
+            let point = self.path.points[i + 1];
+            if point.distance(self.path.points[i + 2]) > touch {
                 continue;
             }
-            let in_solid = |normal: &DVec3| end.value(point, *normal) < -surfaces.touch;
+            let in_solid = |normal: &DVec3| self.value(point, *normal) < -touch;
             let across = pair[1] - pair[0];
             let is_one_face = across.length() <= SAME_NORMAL;
-            if pair.iter().any(in_solid) || is_one_face {
-                return Err(NoPath::NotFromTheAir);
-            }
-            if end.value(point, across.normalize()) > -surfaces.touch {
+            if pair.iter().any(in_solid)
+                || is_one_face
+                || self.value(point, across.normalize()) > -touch
+            {
                 return Err(NoPath::NotFromTheAir);
             }
         }
@@ -94,79 +97,62 @@ impl Checked<'_> {
 
     /// Checks that each segment of length 0 at an end (`at_source` of them at the source) is mirrored
     /// there.
-    fn ends_mirror(
-        &self,
-        exact: &ExactScene,
-        surfaces: &Surfaces,
-        at_source: usize,
-    ) -> Result<(), NoPath> {
-        if self.normals.is_empty() {
+    fn ends_mirror(&self, at_source: usize) -> Result<(), NoPath> {
+        let Draft {
+            points, directions, ..
+        } = self.path;
+        let segments = directions.len();
+        let at_listener = short(points.windows(2).rev(), self.surfaces.touch);
+        if self.path.normals.is_empty() || at_source == segments {
             return Ok(());
         }
-        let end = EndOnSurface { exact, surfaces };
-        let segments = self.directions.len();
-        let at_listener = short(self.points.windows(2).rev(), surfaces.touch);
-        if at_source == segments {
-            return Ok(());
-        }
-        let leaves = self.directions[at_source];
+        let leaves = directions[at_source];
         for i in 0..at_source {
-            let mirror = (self.surfaces[i], self.normals[i]);
-            end.mirrors(self.points[i], self.directions[i], mirror, leaves)?;
+            self.mirrors(points[i], directions[i], i, leaves)?;
         }
-        let comes_from = -self.directions[segments - at_listener - 1];
+        let comes_from = -directions[segments - at_listener - 1];
         for i in segments - at_listener..segments {
-            let mirror = (self.surfaces[i - 1], self.normals[i - 1]);
-            end.mirrors(self.points[i + 1], -self.directions[i], mirror, comes_from)?;
+            self.mirrors(points[i + 1], -directions[i], i - 1, comes_from)?;
         }
         Ok(())
     }
 
-    fn is_free(&self, exact: &ExactScene, touch: f64, segment: usize, direction: DVec3) -> bool {
-        let (from, to) = (self.points[segment], self.points[segment + 1]);
-        let length = from.distance(to);
+    fn is_free(&self, segment: usize) -> bool {
+        let (path, touch) = (self.path, self.surfaces.touch);
+        let (from, to) = (path.points[segment], path.points[segment + 1]);
+        let (direction, length) = (path.directions[segment], from.distance(to));
         if length <= SHORTEST_IN_TOUCHES * touch {
             return true;
         }
         let left = segment.checked_sub(1);
-        let leaving = left.map(|i| (self.surfaces[i], self.normals[i]));
-        let Some(hit) = exact.first_surface(from, direction, leaving, length) else {
+        let leaving = left.map(|i| (path.surfaces[i], path.normals[i]));
+        let hit = self.exact.first_surface(from, direction, leaving, length);
+        let Some(hit) = hit else {
             return true;
         };
-        let is_end = self.surfaces.get(segment) == Some(&hit.object);
+        let is_end = path.surfaces.get(segment) == Some(&hit.object);
         let tolerance = match is_end {
-            true => touch / direction.dot(self.normals[segment]).abs(),
+            true => touch / direction.dot(path.normals[segment]).abs(),
             false => touch,
         };
         hit.t >= length - tolerance
     }
-}
 
-/// Normals with a smaller difference belong to one face.
-const SAME_NORMAL: f64 = 1e-6;
-
-/// The surroundings of a source or a listener on a surface.
-struct EndOnSurface<'a> {
-    exact: &'a ExactScene,
-    surfaces: &'a Surfaces,
-}
-
-impl EndOnSurface<'_> {
-    /// Checks that a wave from a point on a surface along `direction` is mirrored there, by the surface with this
-    /// number and normal, so that it finally leaves the point along `leaves`.
+    /// Checks that a wave from a point on a surface along `direction` is mirrored there, at the reflection with this
+    /// index, so that it finally leaves the point along `leaves`.
     fn mirrors(
         &self,
         point: DVec3,
         direction: DVec3,
-        (surface, normal): (u32, DVec3),
+        reflection: usize,
         leaves: DVec3,
     ) -> Result<(), NoPath> {
+        let (touch, surface) = (self.surfaces.touch, self.path.surfaces[reflection]);
+        let normal = self.path.normals[reflection];
         // A face that ends at the point mirrors waves that leave over it, but not those that leave
         // next to it.
-        let over = point
-            + leaves.reject_from_normalized(normal) * (PROBE_IN_TOUCHES * self.surfaces.touch);
+        let over = point + leaves.reject_from_normalized(normal) * (PROBE_IN_TOUCHES * touch);
         // A wave along a surface is on it.
-        let touch = self.surfaces.touch;
         if self.value(point, direction) > touch || !self.surfaces.has(surface, over) {
             return Err(NoPath::NotFromTheAir);
         }
@@ -192,9 +178,96 @@ impl EndOnSurface<'_> {
     }
 }
 
+/// Normals with a smaller difference belong to one face.
+const SAME_NORMAL: f64 = 1e-6;
+
 /// Number of these segments, from the first on, that have length 0.
 fn short<'a>(segments: impl Iterator<Item = &'a [DVec3]>, touch: f64) -> usize {
     segments
         .take_while(|pair| pair[0].distance(pair[1]) <= touch)
         .count()
+}
+
+/// The unit vectors of flight along `points`, one for each segment, mirrored between them at surfaces with these
+/// normals. Two points closer than `touch` metres lie in an edge, or an end lies on a surface: between them the
+/// direction follows from mirroring; 0 if all are one point.
+pub(super) fn flight_directions(points: &[DVec3], normals: &[DVec3], touch: f64) -> Vec<DVec3> {
+    let unit = |pair: &[DVec3]| {
+        let offset = pair[1] - pair[0];
+        (offset.length() > touch).then(|| offset.normalize())
+    };
+    let long: Vec<Option<DVec3>> = points.windows(2).map(unit).collect();
+    let mut all = vec![DVec3::ZERO; long.len()];
+    let Some(first) = long.iter().position(Option::is_some) else {
+        return all;
+    };
+    for segment in first..all.len() {
+        all[segment] = match long[segment] {
+            Some(direction) => direction,
+            None => all[segment - 1].reflect(normals[segment - 1]),
+        };
+    }
+    for segment in (0..first).rev() {
+        all[segment] = all[segment + 1].reflect(normals[segment]);
+    }
+    all
+}
+
+/// The edges of fields in which a source lies.
+pub(super) struct EdgeStart<'a> {
+    surfaces: &'a Surfaces,
+    /// The sheets that meet there, as reflections at the source.
+    sheets: Vec<Vertex>,
+}
+
+impl EdgeStart<'_> {
+    pub fn at(source: DVec3, surfaces: &Surfaces) -> EdgeStart<'_> {
+        let of = |field| surfaces.sheets_at(field, source);
+        let edges = surfaces.fields().map(of).filter(|sheets| sheets.len() > 1);
+        EdgeStart {
+            sheets: edges.flatten().collect(),
+            surfaces,
+        }
+    }
+
+    /// The reflection at the source of a wave that starts along the unit vector `direction`; `None` if it leaves
+    /// freely. If it flies against several sheets, it meets the one over which it flies first.
+    pub fn reflection(&self, direction: DVec3) -> Option<&Vertex> {
+        let ahead = direction * (PROBE_IN_TOUCHES * self.surfaces.touch);
+        let meets = |sheet: &&Vertex| {
+            let value = self.surfaces.value(sheet.surface, sheet.point + ahead);
+            direction.dot(sheet.normal) < 0.0 && value.is_some_and(|value| value < 0.0)
+        };
+        let is_over = |sheet: &&Vertex| {
+            let over = sheet.point + ahead.reject_from_normalized(sheet.normal);
+            self.surfaces.has(sheet.surface, over)
+        };
+        let mut met = self.sheets.iter().filter(meets);
+        met.clone().find(is_over).or_else(|| met.next())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects the direction of sound from a source or to a listener on a wall, and in an edge: it leaves a surface
+    /// there as it would next to it.
+    #[test]
+    fn short_segments_are_flown_as_mirrors_say() {
+        let (wall, floor) = (DVec3::X, DVec3::Y);
+        let (corner, away) = (DVec3::ZERO, DVec3::new(3.0, 4.0, 0.0));
+        let out = DVec3::new(0.6, 0.8, 0.0);
+        let expected = [-out, DVec3::new(0.6, -0.8, 0.0), out];
+        for points in [
+            [corner, corner, corner, away],
+            [away, corner, corner, corner],
+        ] {
+            let found = flight_directions(&points, &[wall, floor], 1e-9);
+            assert_eq!(found.len(), expected.len());
+            let off = found.iter().zip(expected).map(|(a, b)| a.distance(b));
+            assert!(off.fold(0.0, f64::max) < 1e-15, "{found:?}");
+        }
+        assert_eq!(flight_directions(&[away, away], &[], 1e-9), [DVec3::ZERO]);
+    }
 }

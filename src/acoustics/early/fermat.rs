@@ -1,3 +1,6 @@
+//! Stationary paths over given surfaces: by mirror images of the source over planes (Allen and Berkley, *Image method
+//! for efficiently simulating small-room acoustics*, JASA 65, 1979), otherwise by Newton's method.
+//!
 //! Fermat's principle: a path is specular if its length is stationary among all paths that touch
 //! the same surfaces in the same order.
 //!
@@ -14,13 +17,8 @@
 //! tangential difference of two unit vectors. If the step does not reduce it, or the matrix is
 //! singular (a focus), a Levenberg–Marquardt step is used instead.
 
-use super::linear::Matrix;
 use super::sheet::{Osculation, Sheet, outer};
 use glam::{DMat3, DVec3};
-
-/// No stationary path was found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct NotConverged;
 
 /// Maximum tangential difference of the unit vectors before and after a specular reflection, in
 /// radians; one more step then squares it. A thousand times the rounding of directions between
@@ -70,12 +68,9 @@ struct State {
 }
 
 impl Chain<'_> {
-    /// The points of a specular path, solved for from `points`.
-    ///
-    /// # Errors
-    /// [`NotConverged`] if no path is found.
-    pub fn solve(&self, points: &[DVec3]) -> Result<Vec<DVec3>, NotConverged> {
-        let mut state = self.state(points.to_vec()).ok_or(NotConverged)?;
+    /// The points of a specular path, solved for from `points`; `None` if no path is found.
+    pub fn solve(&self, points: Vec<DVec3>) -> Option<Vec<DVec3>> {
+        let mut state = self.state(points)?;
         let by_differences = self.sheets.iter().any(Sheet::is_differenced);
         let enough = match by_differences {
             true => SPECULAR_BY_DIFFERENCES,
@@ -83,11 +78,11 @@ impl Chain<'_> {
         };
         for _ in 0..STEPS {
             if state.error() <= enough {
-                return Ok(self.polished(state).points);
+                return Some(self.polished(state).points);
             }
-            state = self.better(&state).ok_or(NotConverged)?;
+            state = self.better(&state)?;
         }
-        Err(NotConverged)
+        None
     }
 
     /// Takes one more step, if it helps.
@@ -257,7 +252,7 @@ impl State {
     fn fill(&self, matrix: &mut Matrix, (i, j): (usize, usize), block: DMat3) {
         for (row, left) in self.tangents[i].iter().enumerate() {
             for (column, right) in self.tangents[j].iter().enumerate() {
-                *matrix.at_mut(2 * i + row, 2 * j + column) = left.dot(block * *right);
+                matrix.0[2 * i + row][2 * j + column] = left.dot(block * *right);
             }
         }
     }
@@ -266,4 +261,119 @@ impl State {
 /// (I − u uᵀ) ÷ length of a segment.
 fn across((unit, length): &(DVec3, f64)) -> DMat3 {
     (DMat3::IDENTITY - outer(*unit, *unit)) * length.recip()
+}
+
+/// How far a point may lie beyond the ends of its segment, as a share of it: in an edge two points
+/// of a path coincide, and rounding decides which comes first.
+const BEYOND: f64 = 1e-12;
+
+/// The image of a point in the plane of unit normal n where n · p is `offset`.
+pub(super) fn image(place: DVec3, normal: DVec3, offset: f64) -> DVec3 {
+    place - normal * (2.0 * (place.dot(normal) - offset))
+}
+
+/// The points at which the line from source to listener is mirrored at all sheets, in order; a line that is closer to a
+/// plane than `touch` metres at both ends counts as within it. `None` if one of them is not a plane, or the line to an
+/// image does not cross its plane.
+pub(super) fn points_by_images<'a>(
+    source: DVec3,
+    listener: DVec3,
+    touch: f64,
+    sheets: impl Iterator<Item = &'a Sheet<'a>>,
+) -> Option<Vec<DVec3>> {
+    let planes: Vec<(DVec3, f64)> = sheets.map(Sheet::plane).collect::<Option<_>>()?;
+    let mut images = vec![source];
+    for (normal, offset) in &planes {
+        let last = *images.last()?;
+        images.push(image(last, *normal, *offset));
+    }
+    let mut points = vec![DVec3::ZERO; planes.len()];
+    let mut seen_from = listener;
+    for (i, (normal, offset)) in planes.iter().enumerate().rev() {
+        let image = images[i + 1];
+        let here = seen_from.dot(*normal) - offset;
+        let there = image.dot(*normal) - offset;
+        // The rest of the path is a single point, the source in an edge; or the path lies in the plane, and is
+        // mirrored where it comes from.
+        let is_point = seen_from.distance(image) <= touch;
+        if is_point || here.abs().max(there.abs()) <= touch {
+            seen_from = image;
+            points[i] = image;
+            continue;
+        }
+        let share = here / (here - there);
+        if !(-BEYOND..=1.0 + BEYOND).contains(&share) {
+            return None;
+        }
+        seen_from += (image - seen_from) * share.clamp(0.0, 1.0);
+        points[i] = seen_from;
+    }
+    Some(points)
+}
+
+/// A square matrix by rows, with 2 rows for each reflection.
+#[derive(Clone, Debug)]
+struct Matrix(Vec<Vec<f64>>);
+
+/// Least pivot, as a share of the matrix' largest element: a smaller one is rounding.
+const LEAST_PIVOT: f64 = 1e-14;
+
+impl Matrix {
+    fn zero(size: usize) -> Matrix {
+        Matrix(vec![vec![0.0; size]; size])
+    }
+
+    /// The largest magnitude of its elements.
+    fn largest(&self) -> f64 {
+        let elements = self.0.iter().flatten();
+        elements.fold(0.0, |most, x| x.abs().max(most))
+    }
+
+    /// M v.
+    fn times(&self, v: &[f64]) -> Vec<f64> {
+        let dot = |row: &Vec<f64>| row.iter().zip(v).map(|(a, b)| a * b).sum();
+        self.0.iter().map(dot).collect()
+    }
+
+    /// M M + `more` I for a symmetric matrix M.
+    fn squared_plus(&self, more: f64) -> Matrix {
+        let mut square = Matrix::zero(self.0.len());
+        for (row, numbers) in square.0.iter_mut().enumerate() {
+            for (column, number) in numbers.iter_mut().enumerate() {
+                let products = self.0[row].iter().zip(&self.0);
+                let sum: f64 = products.map(|(number, other)| number * other[column]).sum();
+                *number = sum + if row == column { more } else { 0.0 };
+            }
+        }
+        square
+    }
+
+    /// x with M x = `right`, by Gaussian elimination with row pivots; `None` for a singular matrix.
+    fn solve(mut self, mut right: Vec<f64>) -> Option<Vec<f64>> {
+        let (least, size) = (LEAST_PIVOT * self.largest(), right.len());
+        let rows = &mut self.0;
+        for column in 0..size {
+            let magnitude = |row: usize| rows[row][column].abs();
+            let pivot = (column..size).max_by(|&a, &b| magnitude(a).total_cmp(&magnitude(b)))?;
+            if magnitude(pivot) <= least {
+                return None;
+            }
+            rows.swap(pivot, column);
+            right.swap(pivot, column);
+            let (above, below) = rows.split_at_mut(column + 1);
+            let (pivot, of_pivot) = (&above[column], right[column]);
+            for (row, right) in below.iter_mut().zip(&mut right[column + 1..]) {
+                let factor = row[column] / pivot[column];
+                for (number, other) in row[column..].iter_mut().zip(&pivot[column..]) {
+                    *number -= factor * other;
+                }
+                *right -= factor * of_pivot;
+            }
+        }
+        for row in (0..size).rev() {
+            let known = (row + 1..size).map(|k| rows[row][k] * right[k]);
+            right[row] = (right[row] - known.sum::<f64>()) / rows[row][row];
+        }
+        Some(right)
+    }
 }

@@ -17,7 +17,7 @@
 //! edges; if each reflection comes from the air; and if no surface is in the way (users' fields by
 //! their samples). `check.rs` has rules for cases that arithmetic cannot decide.
 //!
-//! Near a focus every wave passes the listener: the number solved for is limited, see `jobs.rs`.
+//! Near a focus every wave passes the listener: the number solved for is limited, see `find.rs`.
 //!
 //! Each wave that arrived has an [outcome](Found::outcomes): one that found a path is replaced by
 //! it; one whose surfaces are not exact is kept as it is; all others passed through the listener's
@@ -42,21 +42,10 @@
 
 mod candidates;
 mod check;
-mod differences;
-mod edge_start;
 mod fermat;
 mod find;
-mod flight;
-mod images;
-mod jobs;
-mod leaves;
-mod linear;
-mod missed;
 mod paths;
-mod plane_sequences;
-mod search;
 mod sheet;
-mod spreading;
 mod surfaces;
 #[cfg(test)]
 mod tests;
@@ -64,14 +53,13 @@ mod tree;
 
 pub use candidates::{Candidate, Candidates};
 pub use find::Found;
-pub use missed::Missed;
-pub use paths::SpecularPath;
+pub use paths::{Missed, SpecularPath};
 pub use surfaces::Vertex;
 
 use crate::reference::ExactScene;
 use crate::scene::{Scene, SceneError};
 use candidates::Follow;
-use edge_start::EdgeStart;
+use check::EdgeStart;
 use glam::{DVec3, Vec3};
 use surfaces::Surfaces;
 
@@ -221,13 +209,13 @@ impl EarlyPaths {
     /// Returns the number of reflections up to which all sequences were tried: `order`, or less if there are more
     /// than 131,072 images of the source; those of one reflection are always tried.
     pub fn add_planes(&self, ends: &Ends, order: u32, candidates: &mut Candidates) -> u32 {
-        plane_sequences::add_all(&self.surfaces, ends, order, candidates)
+        candidates::add_plane_sequences(&self.surfaces, ends, order, candidates)
     }
 
     /// The image of the source in these planes, each mirrored in the next: world metres.
     pub(crate) fn image(&self, ends: &Ends, planes: &[Vertex]) -> DVec3 {
         let mirror = |image, plane: &Vertex| {
-            images::image(image, plane.normal, plane.point.dot(plane.normal))
+            fermat::image(image, plane.normal, plane.point.dot(plane.normal))
         };
         planes.iter().fold(ends.source, mirror)
     }
@@ -237,7 +225,7 @@ impl EarlyPaths {
         &'a self,
         vertices: &'a [Vertex],
     ) -> impl Iterator<Item = Option<u8>> + 'a {
-        let wall = |vertex| self.surfaces.sheet(vertex).ok()?.wall;
+        let wall = |vertex| self.surfaces.sheet(vertex)?.wall;
         vertices.iter().map(wall)
     }
 

@@ -1,8 +1,6 @@
 //! The surfaces of a scene, and the sheets of them at a point.
 
-use super::differences::Differenced;
-use super::search::{Search, Way};
-use super::sheet::{Frame, Sheet};
+use super::sheet::{Differenced, Frame, Search, Sheet, Way};
 use crate::scene::{ROUNDING, Scene, Shape, Surface};
 use glam::{DMat3, DQuat, DVec3};
 use std::collections::HashSet;
@@ -42,9 +40,6 @@ const MOST_SOLIDS: usize = 8;
 /// Value that counts as 0, as a share of the distance that counts as on the surface.
 const SETTLED: f64 = 1e-2;
 
-/// A surface that cannot be mirrored exactly: its value is known only from samples.
-pub(super) struct NotExact;
-
 impl Surfaces {
     /// The surfaces of `scene`, in which `rounding` metres count as rounding.
     pub fn new(scene: &Scene, rounding: f64) -> Surfaces {
@@ -66,23 +61,18 @@ impl Surfaces {
     }
 
     /// The sheet that was met at `vertex`: of those at this point, the one whose normal is nearest
-    /// to the vertex's.
-    ///
-    /// # Errors
-    /// [`NotExact`] for a surface known only from samples, and for a number without a surface.
-    pub fn sheet(&self, vertex: &Vertex) -> Result<Sheet<'_>, NotExact> {
-        let search = self.search(vertex.surface, vertex.point, self.touch);
-        let search = search.ok_or(NotExact)?;
+    /// to the vertex's. `None` for a surface known only from samples, and for a number without a surface.
+    pub fn sheet(&self, vertex: &Vertex) -> Option<Sheet<'_>> {
+        let search = self.search(vertex.surface, vertex.point, self.touch)?;
         if search.is_sampled {
-            return Err(NotExact);
+            return None;
         }
         let alike = |sheet: &Sheet| {
             let normal = sheet.at(vertex.point).map(|at| at.normal);
             normal.map_or(f64::NEG_INFINITY, |normal| normal.dot(vertex.normal))
         };
         let found = search.found.into_iter();
-        let best = found.max_by(|a, b| alike(a).total_cmp(&alike(b)));
-        best.ok_or(NotExact)
+        found.max_by(|a, b| alike(a).total_cmp(&alike(b)))
     }
 
     /// The sheets of the surface with this number that lie within `touch` metres of a world point.
@@ -128,7 +118,7 @@ impl Surfaces {
         let index = (vertex.surface as usize).wrapping_sub(1);
         // If the surface has planes only, the sheet need not be searched.
         self.have_planes_alone.get(index) == Some(&true)
-            || self.sheet(vertex).is_ok_and(|sheet| sheet.is_flat())
+            || self.sheet(vertex).is_some_and(|sheet| sheet.is_flat())
     }
 
     /// The point on the surface with this number near a world point, by steps along the gradient of

@@ -317,3 +317,20 @@ fn few_arrivals_have_larger_errors() {
         "{one} {two} {four} {sixteen}"
     );
 }
+
+/// Protects the decay times of long records that need more cells than an echogram has bins: a longer record gives
+/// the same times.
+#[test]
+fn long_records_are_whole() {
+    let size = DVec3::new(30.0, 12.0, 24.0);
+    let (source, listener) = (DVec3::new(-8.0, 1.0, 5.0), DVec3::new(9.0, -1.0, -6.0));
+    let room = ShoeboxEnergies::new(size, source, listener, &[[0.08; BAND_COUNT]; 6]);
+    let room = room.expect("source and listener are in the room");
+    let [short, long] = [6.5, 7.0].map(|seconds| {
+        let figures = Figures::of_image_sources(&room, 343.0, seconds).expect("of that length");
+        figures.bands[0].t30_s.expect("a decay of 45 dB")
+    });
+    assert!((long / short - 1.0).abs() < 1e-3, "{short} {long}");
+    let refused = Figures::of_image_sources(&room, 343.0, 61.0);
+    assert_eq!(refused, Err(AcousticsError::BadLength { seconds: 61.0 }));
+}

@@ -165,8 +165,8 @@ fn facet(directions: &[DVec3], middle: DVec3, corners: [usize; 3]) -> Option<Fac
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::grid;
     use super::*;
-    use crate::acoustics::hrir::tests::rigid_sphere::grid;
     use crate::sphere_directions::lattice;
 
     /// Protects the triangulation: a sphere of n directions has 2 n − 4 facets, also if many lie on

@@ -23,9 +23,12 @@
 //!   centre without the head, as is usual, the response to a direct sound at 1 m is the unscaled HRIR of
 //!   its direction.
 
-mod align;
-mod check;
-mod error;
+use crate::audio::resample;
+use crate::sphere_directions::lattice;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::ops::RangeInclusive;
+
 mod facets;
 mod onset;
 #[cfg(feature = "sofa")]
@@ -33,16 +36,10 @@ mod sofa;
 #[cfg(test)]
 pub(crate) mod tests;
 
-pub use error::HrirError;
 #[cfg(feature = "sofa")]
 pub use sofa::{SofaError, SofaProblem};
 
-use crate::audio::resample;
-use crate::sphere_directions::lattice;
 pub(super) use facets::Facets;
-use glam::DVec3;
-use rayon::prelude::*;
-use std::ops::RangeInclusive;
 
 /// The lowest and the highest sampling rate of a set, in hertz.
 pub const HRIR_RATES_HZ: RangeInclusive<u32> = super::RATES_HZ;
@@ -137,7 +134,7 @@ impl HrirSet {
     /// # Errors
     /// [`HrirError`]: numbers out of range, responses of different lengths, silence.
     pub fn new(rate_hz: u32, mut measured: Vec<MeasuredHrir>) -> Result<HrirSet, HrirError> {
-        let samples = check::check(rate_hz, &measured)?;
+        let samples = check(rate_hz, &measured)?;
         for measured in &mut measured {
             measured.from = measured.from.normalize();
         }
@@ -147,7 +144,7 @@ impl HrirSet {
             .map(|index| &measured[index])
             .collect();
         let facets = Facets::new(kept.iter().map(|measured| measured.from).collect());
-        let aligned = align::aligned(&kept, samples, rate_hz).ok_or(HrirError::Silent)?;
+        let aligned = onset::aligned(&kept, samples, rate_hz).ok_or(HrirError::Silent)?;
         let mut set = HrirSet {
             rate_hz,
             samples: length(&aligned.pairs),
@@ -272,4 +269,152 @@ impl std::fmt::Debug for HrirSet {
 /// Number of samples of each response.
 fn length(pairs: &[HrirPair]) -> usize {
     pairs.first().map_or(0, |pair| pair.left.samples.len())
+}
+
+/// The reason why measurements are not a valid set of head-related impulse responses.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum HrirError {
+    /// A sampling rate outside [`HRIR_RATES_HZ`].
+    #[error(
+        "head-related impulse responses at {rate_hz} Hz: the rate must be {} Hz to {} Hz",
+        HRIR_RATES_HZ.start(),
+        HRIR_RATES_HZ.end()
+    )]
+    BadRate {
+        /// The rate, in hertz.
+        rate_hz: u32,
+    },
+    /// No direction, or more than [`MAX_DIRECTIONS`].
+    #[error("{count} measured directions: there must be 1 to {MAX_DIRECTIONS}")]
+    BadCount {
+        /// Number of directions.
+        count: usize,
+    },
+    /// A response without samples, or with more than [`MAX_SAMPLES`].
+    #[error(
+        "head-related impulse responses of {samples} samples: they must have 1 to {MAX_SAMPLES}"
+    )]
+    BadLength {
+        /// Number of samples of a response.
+        samples: usize,
+    },
+    /// More than [`MAX_VALUES`] samples in total.
+    #[error("{values} samples in all directions and both ears: there must be at most {MAX_VALUES}")]
+    TooLarge {
+        /// Total number of samples.
+        values: u64,
+    },
+    /// A response whose length differs from that of the first.
+    #[error("measurement {index} has {samples} samples where the first has {expected}")]
+    UnevenLength {
+        /// Index of the measurement, from 0.
+        index: usize,
+        /// Its number of samples.
+        samples: usize,
+        /// Number of samples of the first one.
+        expected: usize,
+    },
+    /// A direction that is not a finite vector, or has no length.
+    #[error("measurement {index} comes from {from:?}, which is not a direction")]
+    BadDirection {
+        /// Index of the measurement, from 0.
+        index: usize,
+        /// Its direction, listener axes.
+        from: glam::DVec3,
+    },
+    /// A sample that is not a finite number, or is larger than [`LOUDEST`](LOUDEST).
+    #[error(
+        "measurement {index} has the sample {value}: samples must be finite and no larger than {}",
+        LOUDEST
+    )]
+    BadSample {
+        /// Index of the measurement, from 0.
+        index: usize,
+        /// The sample.
+        value: f32,
+    },
+    /// A delay that is not a finite number, or beyond [`LONGEST_DELAY_S`](LONGEST_DELAY_S).
+    #[error(
+        "measurement {index} has a delay of {seconds} s: it must be within ±{} s",
+        LONGEST_DELAY_S
+    )]
+    BadDelay {
+        /// Index of the measurement, from 0.
+        index: usize,
+        /// The delay in seconds.
+        seconds: f64,
+    },
+    /// Both ears are silent in all directions.
+    #[error("all samples are 0")]
+    Silent,
+    /// The resampler rejects the pair of rates.
+    #[error(
+        "cannot resample head-related impulse responses from {from_hz} Hz to {to_hz} Hz: {reason}"
+    )]
+    Resample {
+        /// The rate of the set, in hertz.
+        from_hz: u32,
+        /// The requested rate, in hertz.
+        to_hz: u32,
+        /// The resampler's error.
+        reason: String,
+    },
+}
+
+/// The number of samples of each response, if all numbers are in range.
+fn check(rate_hz: u32, measured: &[MeasuredHrir]) -> Result<usize, HrirError> {
+    if !HRIR_RATES_HZ.contains(&rate_hz) {
+        return Err(HrirError::BadRate { rate_hz });
+    }
+    let samples = measured.first().map_or(0, |first| first.ears[0].len());
+    check_sizes(measured.len(), samples)?;
+    for (index, measured) in measured.iter().enumerate() {
+        check_one(index, measured, samples)?;
+    }
+    Ok(samples)
+}
+
+/// Rejects sets that are too large.
+fn check_sizes(directions: usize, samples: usize) -> Result<(), HrirError> {
+    if !(1..=MAX_DIRECTIONS).contains(&directions) {
+        return Err(HrirError::BadCount { count: directions });
+    }
+    if !(1..=MAX_SAMPLES).contains(&samples) {
+        return Err(HrirError::BadLength { samples });
+    }
+    let values = 2 * directions as u64 * samples as u64;
+    if values > MAX_VALUES {
+        return Err(HrirError::TooLarge { values });
+    }
+    Ok(())
+}
+
+fn check_one(index: usize, measured: &MeasuredHrir, expected: usize) -> Result<(), HrirError> {
+    let from = measured.from;
+    if !from.is_finite() || from.try_normalize().is_none() {
+        return Err(HrirError::BadDirection { index, from });
+    }
+    for ear in &measured.ears {
+        let samples = ear.len();
+        if samples != expected {
+            return Err(HrirError::UnevenLength {
+                index,
+                samples,
+                expected,
+            });
+        }
+        let is_good = |sample: &f32| sample.is_finite() && sample.abs() <= LOUDEST;
+        if let Some(value) = ear.iter().find(|sample| !is_good(sample)) {
+            return Err(HrirError::BadSample {
+                index,
+                value: *value,
+            });
+        }
+    }
+    let is_good = |seconds: &f64| seconds.abs() <= LONGEST_DELAY_S;
+    match measured.delays_s.into_iter().find(|delay| !is_good(delay)) {
+        Some(seconds) => Err(HrirError::BadDelay { index, seconds }),
+        None => Ok(()),
+    }
 }

@@ -5,6 +5,8 @@
 //! Synthesis*, AES 125, 2008): the maximum of their cross-correlation, interpolated between
 //! samples. Unlike a threshold it does not jump from one peak to another in the head's shadow.
 
+use super::{Hrir, HrirPair, MARGIN, MeasuredHrir};
+use rayon::prelude::*;
 use realfft::num_complex::Complex;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use std::f64::consts::TAU;
@@ -26,7 +28,7 @@ type Forward = Arc<dyn RealToComplex<f64>>;
 type Inverse = Arc<dyn ComplexToReal<f64>>;
 
 /// Finds onsets of responses of a given length.
-pub(super) struct OnsetFinder {
+struct OnsetFinder {
     length: usize,
     forward: Forward,
     inverse: Inverse,
@@ -35,7 +37,7 @@ pub(super) struct OnsetFinder {
 
 impl OnsetFinder {
     /// A finder for responses of `samples` samples.
-    pub(super) fn new(samples: usize) -> OnsetFinder {
+    fn new(samples: usize) -> OnsetFinder {
         let length = (PADDING * samples).next_power_of_two();
         let mut planner = RealFftPlanner::new();
         OnsetFinder {
@@ -47,8 +49,11 @@ impl OnsetFinder {
     }
 
     /// The onset in samples, which may be slightly before the first; `None` for silence.
-    pub(super) fn find(&self, samples: &[f32]) -> Option<f64> {
-        let spectrum = self.spectrum(samples.iter().map(|sample| f64::from(*sample)));
+    fn find(&self, samples: &[f32]) -> Option<f64> {
+        let spectrum = transform(
+            &self.forward,
+            samples.iter().map(|sample| f64::from(*sample)),
+        );
         let largest = spectrum
             .iter()
             .map(|value| value.norm())
@@ -68,17 +73,6 @@ impl OnsetFinder {
         Some(peak(&correlation) / OVERSAMPLING as f64)
     }
 
-    fn spectrum(&self, samples: impl Iterator<Item = f64>) -> Vec<Complex<f64>> {
-        let mut padded = self.forward.make_input_vec();
-        for (padded, sample) in padded.iter_mut().zip(samples) {
-            *padded = sample;
-        }
-        let mut spectrum = self.forward.make_output_vec();
-        let done = self.forward.process(&mut padded, &mut spectrum);
-        debug_assert!(done.is_ok(), "the buffers are as long as the plan's");
-        spectrum
-    }
-
     /// The minimum-phase spectrum with these magnitudes: its cepstrum is 0 before time 0 (A. V.
     /// Oppenheim and R. W. Schafer, *Discrete-Time Signal Processing*, chapter 13).
     fn minimum_phase(&self, spectrum: &[Complex<f64>], floor: f64) -> Vec<Complex<f64>> {
@@ -96,7 +90,7 @@ impl OnsetFinder {
             };
             share * scale * value
         });
-        let mut spectrum = self.spectrum(folded);
+        let mut spectrum = transform(&self.forward, folded);
         for value in &mut spectrum {
             *value = value.exp();
         }
@@ -106,7 +100,7 @@ impl OnsetFinder {
 
 /// Moves responses by any number of samples, whole or not: exactly, for frequencies below half the
 /// sampling rate.
-pub(super) struct Mover {
+struct Mover {
     samples: usize,
     length: usize,
     forward: Forward,
@@ -115,7 +109,7 @@ pub(super) struct Mover {
 
 impl Mover {
     /// A mover to responses of `samples` samples.
-    pub(super) fn new(samples: usize) -> Mover {
+    fn new(samples: usize) -> Mover {
         // Double length: the ends of a move by a fraction of a sample fade as 1/t, and wrap around.
         let length = (2 * samples).next_power_of_two();
         let mut planner = RealFftPlanner::new();
@@ -128,14 +122,9 @@ impl Mover {
     }
 
     /// The response, moved later by `by` samples.
-    pub(super) fn later(&self, response: &[f32], by: f64) -> Vec<f32> {
-        let mut padded = self.forward.make_input_vec();
-        for (padded, sample) in padded.iter_mut().zip(response) {
-            *padded = f64::from(*sample);
-        }
-        let mut spectrum = self.forward.make_output_vec();
-        let done = self.forward.process(&mut padded, &mut spectrum);
-        debug_assert!(done.is_ok(), "the buffers are as long as the plan's");
+    fn later(&self, response: &[f32], by: f64) -> Vec<f32> {
+        let response = response.iter().map(|sample| f64::from(*sample));
+        let mut spectrum = transform(&self.forward, response);
         let scale = 1.0 / self.length as f64;
         for (index, value) in spectrum.iter_mut().enumerate() {
             let turn = -TAU * by * index as f64 / self.length as f64;
@@ -146,6 +135,18 @@ impl Mover {
         let kept = moved.iter().take(self.samples);
         kept.map(|sample| *sample as f32).collect()
     }
+}
+
+/// The spectrum of samples, with silence after them.
+fn transform(plan: &Forward, samples: impl Iterator<Item = f64>) -> Vec<Complex<f64>> {
+    let mut padded = plan.make_input_vec();
+    for (padded, sample) in padded.iter_mut().zip(samples) {
+        *padded = sample;
+    }
+    let mut spectrum = plan.make_output_vec();
+    let done = plan.process(&mut padded, &mut spectrum);
+    debug_assert!(done.is_ok(), "the buffers are as long as the plan's");
+    spectrum
 }
 
 /// The inverse transform; a real signal's spectrum is real at both ends.
@@ -180,6 +181,45 @@ fn peak(values: &[f64]) -> f64 {
     } else {
         place
     }
+}
+
+/// Responses with a common onset.
+pub(super) struct Aligned {
+    pub(super) pairs: Vec<HrirPair>,
+    /// The common onset, in seconds after their first sample.
+    pub(super) onset_s: f64,
+}
+
+/// Removes the onsets: all responses begin at the same sample afterwards, and no sample of a
+/// measurement is lost. `None` if all are silent.
+pub(super) fn aligned(measured: &[&MeasuredHrir], samples: usize, rate_hz: u32) -> Option<Aligned> {
+    let finder = OnsetFinder::new(samples);
+    // An onset is within the response: a result beyond its ends is due to rounding.
+    let onset = |ear: &Vec<f32>| Some(finder.find(ear)?.clamp(0.0, samples as f64));
+    let found: Vec<[Option<f64>; 2]> = measured
+        .par_iter()
+        .map(|measured| measured.ears.each_ref().map(onset))
+        .collect();
+    let known = || found.iter().flatten().flatten().copied();
+    let (earliest, latest) = (known().reduce(f64::min)?, known().reduce(f64::max)?);
+    // Silence has no onset; the mean of the others does not disturb the delays next to it.
+    let middle = known().sum::<f64>() / known().count() as f64;
+    let mover = Mover::new(samples + (latest - earliest).ceil() as usize + 2 * MARGIN);
+    let (rate, place) = (f64::from(rate_hz), MARGIN as f64 + latest);
+    let pair = |(measured, found): (&&MeasuredHrir, &[Option<f64>; 2])| {
+        let [left, right] = std::array::from_fn(|ear| {
+            let later = place - found[ear].unwrap_or(middle);
+            Hrir {
+                samples: mover.later(&measured.ears[ear], later),
+                delay_s: measured.delays_s[ear] - later / rate,
+            }
+        });
+        HrirPair { left, right }
+    };
+    Some(Aligned {
+        pairs: measured.par_iter().zip(&found).map(pair).collect(),
+        onset_s: place / rate,
+    })
 }
 
 #[cfg(test)]

@@ -1,19 +1,22 @@
 //! Compares impulse responses with their taps and echograms.
 
-mod binaural;
-
 use super::*;
 use crate::bands::{BANDS_HZ, Bands};
 use glam::DVec3;
 use realfft::RealFftPlanner;
 
-const RATE_HZ: f64 = 48_000.0;
+pub(super) const RATE_HZ: f64 = 48_000.0;
 
 fn axes() -> ListenerAxes {
     ListenerAxes::new(DVec3::NEG_Z, DVec3::Y).expect("good axes")
 }
 
-fn response(taps: &[Tap], echogram: &Echogram, format: Format, seed: u64) -> ImpulseResponse {
+pub(super) fn response(
+    taps: &[Tap],
+    echogram: &Echogram,
+    format: Format,
+    seed: u64,
+) -> ImpulseResponse {
     let settings = ImpulseSettings {
         format,
         seed,
@@ -22,11 +25,11 @@ fn response(taps: &[Tap], echogram: &Echogram, format: Format, seed: u64) -> Imp
     ImpulseResponse::new(taps, echogram, &axes(), &settings).expect("good settings")
 }
 
-fn empty() -> Echogram {
+pub(super) fn empty() -> Echogram {
     Echogram::new(1e-3, 1).expect("a good bin")
 }
 
-fn tap(seconds: f64, energy: Bands, from: DVec3) -> Tap {
+pub(super) fn tap(seconds: f64, energy: Bands, from: DVec3) -> Tap {
     Tap {
         seconds,
         energy,
@@ -35,7 +38,7 @@ fn tap(seconds: f64, energy: Bands, from: DVec3) -> Tap {
 }
 
 /// The energy of amplitude 1.
-const ONE: Bands = [1.0 / (4.0 * PI); BAND_COUNT];
+pub(super) const ONE: Bands = [1.0 / (4.0 * PI); BAND_COUNT];
 
 /// The band-limited interpolation of the response between its samples.
 fn at(samples: &[f32], place: f64) -> f64 {
@@ -149,7 +152,7 @@ fn decaying(from: &[DVec3]) -> Echogram {
 }
 
 /// A channel filtered to this share of an octave on each side of a band's centre.
-fn filtered(samples: &[f32], band: usize, octaves: f64) -> Vec<f64> {
+pub(super) fn filtered(samples: &[f32], band: usize, octaves: f64) -> Vec<f64> {
     let length = samples.len().next_power_of_two();
     let mut planner = RealFftPlanner::new();
     let (forward, inverse) = (
@@ -381,4 +384,23 @@ fn taps_that_no_sound_has_are_refused() {
     };
     let settings = ImpulseSettings::new(0.1);
     assert!(ImpulseResponse::new(&[good, late], &empty(), &axes(), &settings).is_ok());
+}
+
+/// Protects left and right, and an up that is not perpendicular.
+#[test]
+fn axes_are_right_handed() {
+    let axes = ListenerAxes::new(DVec3::NEG_Z * 3.0, DVec3::new(0.0, 2.0, -5.0));
+    let axes = axes.expect("good axes");
+    assert!(axes.right().distance(DVec3::X) < 1e-15);
+    assert!(axes.up().distance(DVec3::Y) < 1e-15);
+    let seen = axes.to_listener(DVec3::new(1.0, 2.0, 3.0));
+    assert!(seen.distance(DVec3::new(-3.0, -1.0, 2.0)) < 1e-15);
+}
+
+/// Protects the refusal of directions that do not define axes.
+#[test]
+fn one_line_spans_no_axes() {
+    assert!(ListenerAxes::new(DVec3::X, DVec3::X * -2.0).is_err());
+    assert!(ListenerAxes::new(DVec3::ZERO, DVec3::Y).is_err());
+    assert!(ListenerAxes::new(DVec3::X, DVec3::splat(f64::NAN)).is_err());
 }

@@ -5,7 +5,7 @@
 //! until a decision depends on such a difference; each wave that deviates must be one of those.
 
 use crate::gpu::{Api, Context};
-use crate::reference::march32::{self, MarchedWave};
+use crate::reference::tests::march32::{self, MarchedWave};
 use crate::scene::shape::Room;
 use crate::stats::median;
 use crate::test_common::{builtin, context, for_each_api, thesis};

@@ -1,0 +1,350 @@
+//! The signals of impulse responses: octave bands as filters, taps at times between samples, and Gaussian noise shaped
+//! by an echogram.
+
+use super::{Encoding, MOST_CHANNELS, Noise, Sound, amplitude};
+use crate::bands::BAND_COUNT;
+use crate::rng::{hash, unit_interval};
+use realfft::num_complex::Complex;
+use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::sync::Arc;
+
+/// The exact centre of the band that `LOWEST_BAND` counts from, and its index in
+/// [`BANDS_HZ`](crate::bands::BANDS_HZ): the octaves of IEC 61260 are 1000 Hz × 2ⁿ.
+const REFERENCE_HZ: f64 = 1000.0;
+const REFERENCE_BAND: f64 = 4.0;
+
+/// Width of the transition between two bands, in octaves about the edge between them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Crossing {
+    /// From centre to centre, by amplitude: cos² and sin², whose sum is 1. Equal bands leave a
+    /// sound unchanged, and the filters are as short as possible. For taps.
+    Amplitude,
+    /// Over a third of an octave, by power: cos and sin, whose squares add up to 1. The noise of
+    /// each band stays within it. For noise.
+    Power,
+}
+
+impl Crossing {
+    fn octaves(self) -> f64 {
+        match self {
+            Crossing::Amplitude => 1.0,
+            Crossing::Power => 1.0 / 3.0,
+        }
+    }
+
+    /// The gain of a band's filter at a frequency. Below the lowest centre and above the highest
+    /// only that band has gain.
+    pub(super) fn gain(self, band: usize, frequency_hz: f64) -> f64 {
+        let place = (frequency_hz / REFERENCE_HZ).log2() + REFERENCE_BAND;
+        let place = place.clamp(0.0, (BAND_COUNT - 1) as f64);
+        // Octaves from the edge to the next band, which is half an octave from the centre.
+        let beyond_edge = (place - band as f64).abs() - 0.5;
+        let turn = (beyond_edge / self.octaves() + 0.5).clamp(0.0, 1.0) * FRAC_PI_2;
+        match self {
+            Crossing::Amplitude => turn.cos().powi(2),
+            Crossing::Power => turn.cos(),
+        }
+    }
+}
+
+/// The filter of one band at each frequency of a spectrum.
+fn gains(crossing: Crossing, band: usize, rate_hz: f64, length: usize) -> Vec<f64> {
+    let frequency = |bin: usize| bin as f64 * rate_hz / length as f64;
+    let gain = |bin| crossing.gain(band, frequency(bin));
+    (0..=length / 2).map(gain).collect()
+}
+
+/// Sums of the spectra of several channels.
+pub(super) struct Spectra {
+    rate_hz: f64,
+    /// Number of samples, including silence at the end into which the filters may wrap around.
+    length: usize,
+    forward: Arc<dyn RealToComplex<f64>>,
+    inverse: Arc<dyn ComplexToReal<f64>>,
+    sums: Vec<Vec<Complex<f64>>>,
+    spectrum: Vec<Complex<f64>>,
+}
+
+/// Seconds after which the longest filters, those between 63 Hz and 125 Hz, have fallen by 60 dB.
+/// Filters are zero-phase, and extend in both directions.
+const FILTER_REACH_S: f64 = 0.25;
+
+impl Spectra {
+    /// Empty sums for the given numbers of channels and samples.
+    pub(super) fn new(channels: usize, samples: usize, rate_hz: f64) -> Spectra {
+        let silence = (FILTER_REACH_S * rate_hz).ceil() as usize;
+        let length = (samples + silence).next_power_of_two();
+        let mut planner = RealFftPlanner::new();
+        let forward = planner.plan_fft_forward(length);
+        Spectra {
+            rate_hz,
+            length,
+            inverse: planner.plan_fft_inverse(length),
+            sums: vec![forward.make_output_vec(); channels],
+            spectrum: forward.make_output_vec(),
+            forward,
+        }
+    }
+
+    /// A silent channel of the transform's length.
+    pub(super) fn silence(&self) -> Vec<f64> {
+        vec![0.0; self.length]
+    }
+
+    /// Adds a channel's samples through a band's filter, and overwrites them with silence.
+    pub(super) fn add(&mut self, channels: &mut [Vec<f64>], crossing: Crossing, band: usize) {
+        let gains = gains(crossing, band, self.rate_hz, self.length);
+        for (samples, sums) in channels.iter_mut().zip(&mut self.sums) {
+            let done = self.forward.process(samples, &mut self.spectrum);
+            debug_assert!(done.is_ok(), "the buffers are as long as the plan's");
+            for ((sum, value), gain) in sums.iter_mut().zip(&self.spectrum).zip(&gains) {
+                *sum += value * gain;
+            }
+            samples.fill(0.0);
+        }
+    }
+
+    /// Adds the single channel of `other` to each of these, through filters of the transform's
+    /// length ([`silence`](Self::silence)), and overwrites it with silence.
+    pub(super) fn add_filtered(&mut self, other: &mut Spectra, mut filters: Vec<Vec<f64>>) {
+        for (filter, sums) in filters.iter_mut().zip(&mut self.sums) {
+            let done = self.forward.process(filter, &mut self.spectrum);
+            debug_assert!(done.is_ok(), "the buffers are as long as the plan's");
+            for ((sum, gain), value) in sums.iter_mut().zip(&self.spectrum).zip(&other.sums[0]) {
+                *sum += value * gain;
+            }
+        }
+        for sum in &mut other.sums {
+            sum.fill(Complex::default());
+        }
+    }
+
+    /// The samples of each channel.
+    pub(super) fn into_channels(mut self, samples: usize) -> Vec<Vec<f32>> {
+        let scale = 1.0 / self.length as f64;
+        let mut out = self.inverse.make_output_vec();
+        let mut channels = Vec::with_capacity(self.sums.len());
+        for sum in &mut self.sums {
+            let done = self.inverse.process(sum, &mut out);
+            debug_assert!(done.is_ok(), "the spectrum is that of a real signal");
+            let kept = out.iter().take(samples);
+            channels.push(kept.map(|sample| (sample * scale) as f32).collect());
+        }
+        channels
+    }
+}
+
+/// Number of samples that a tap extends to both sides. With this window it is flat up to 0.45 of
+/// the sampling rate: 21.6 kHz at 48 kHz.
+const REACH: i64 = 32;
+
+/// The furthest position of an impulse, in samples: 165 years at 192 kHz, after the end of every response. Positions
+/// beyond would not fit into 64 bits.
+const FURTHEST: f64 = 1e15;
+
+/// An impulse at a time in samples, not necessarily a whole number: a sinc function with a Blackman
+/// window (R. B. Blackman and J. W. Tukey, 1958). Returns the index of its first sample, and its
+/// samples.
+pub(super) fn impulse(place: f64) -> (i64, impl Iterator<Item = f64>) {
+    let place = place.clamp(-FURTHEST, FURTHEST);
+    let nearest = place.round() as i64;
+    let samples =
+        (-REACH..=REACH).map(move |offset| windowed_sinc((nearest + offset) as f64 - place));
+    (nearest - REACH, samples)
+}
+
+/// Adds an impulse of this amplitude at a time in samples.
+///
+/// Samples before the first or after the last are lost.
+pub(super) fn add_tap(samples: &mut [f64], place: f64, amplitude: f64) {
+    let (first, impulse) = impulse(place);
+    add_from(samples, first, impulse.map(|value| amplitude * value));
+}
+
+/// Adds values from an index on; those before the first sample or after the last are lost.
+pub(super) fn add_from(samples: &mut [f64], first: i64, values: impl Iterator<Item = f64>) {
+    for (index, value) in (first..).zip(values) {
+        let index = usize::try_from(index).ok();
+        if let Some(sample) = index.and_then(|index| samples.get_mut(index)) {
+            *sample += value;
+        }
+    }
+}
+
+fn windowed_sinc(offset: f64) -> f64 {
+    let turn = PI * offset;
+    let edge = PI * offset / (REACH as f64 + 0.5);
+    let window = 0.42 + 0.5 * edge.cos() + 0.08 * (2.0 * edge).cos();
+    if turn == 0.0 {
+        1.0
+    } else {
+        window * turn.sin() / turn
+    }
+}
+
+/// Generates Gaussian numbers with mean 0 and variance 1, from a seed and a stream.
+pub(super) struct Gauss {
+    key: u64,
+    index: u64,
+    spare: Option<f64>,
+}
+
+impl Gauss {
+    pub(super) fn new(seed: u64, stream: u64) -> Gauss {
+        Gauss {
+            key: hash(hash(seed) ^ stream),
+            index: 0,
+            spare: None,
+        }
+    }
+
+    /// The next number (G. E. P. Box and M. E. Muller, Annals of Mathematical Statistics 29, 1958).
+    pub(super) fn next(&mut self) -> f64 {
+        if let Some(spare) = self.spare.take() {
+            return spare;
+        }
+        let mut uniform = || {
+            let bits = hash(self.key.wrapping_add(self.index));
+            self.index += 1;
+            unit_interval(bits)
+        };
+        // 1 − u is in 0 … 1 without 0, whose logarithm is infinite.
+        let radius = (-2.0 * (1.0 - uniform()).ln()).sqrt();
+        let (sin, cos) = (TAU * uniform()).sin_cos();
+        self.spare = Some(radius * sin);
+        radius * cos
+    }
+}
+
+/// The noises of one band: one common to all channels, and one for each.
+struct Noises {
+    common: Gauss,
+    own: [Gauss; MOST_CHANNELS],
+}
+
+impl Noises {
+    fn new(seed: u64, band: usize) -> Noises {
+        let stream = |number: usize| Gauss::new(seed, (band * (MOST_CHANNELS + 1) + number) as u64);
+        Noises {
+            common: stream(MOST_CHANNELS),
+            own: std::array::from_fn(stream),
+        }
+    }
+
+    /// Adds one sample of noise to each channel.
+    fn add(&mut self, channels: &mut [Vec<f64>], sample: usize, amplitude: f64, noise: &Noise) {
+        let common = self.common.next();
+        for (channel, samples) in channels.iter_mut().enumerate() {
+            let own = noise.own[channel] * self.own[channel].next();
+            samples[sample] += amplitude * (noise.common[channel] * common + own);
+        }
+    }
+}
+
+/// Adds the unfiltered noise of a band to the samples of each channel: in each bin with the
+/// energy of the echogram, at a bandwidth of half the sampling rate.
+pub(super) fn add_noise(channels: &mut [Vec<f64>], sound: &Sound, band: usize, encoding: Encoding) {
+    let echogram = sound.echogram;
+    let mut noises = Noises::new(sound.seed, band);
+    for bin in 0..echogram.bins() {
+        let energy = echogram.energy(bin)[band];
+        if energy <= 0.0 {
+            continue;
+        }
+        let mean = -echogram.flow(bin)[band] / energy;
+        let noise = encoding.noise(sound.axes, mean);
+        for (sample, share) in samples_of(sound, bin) {
+            noises.add(channels, sample, amplitude(energy * share), &noise);
+        }
+    }
+}
+
+/// The samples of a response that a bin covers, and the share of the bin in each. A sample covers half its distance to
+/// the next on both sides; the first also covers everything before it.
+pub(super) fn samples_of(sound: &Sound, bin: usize) -> impl Iterator<Item = (usize, f64)> {
+    let edge = |bin: usize| (sound.echogram.edge_s(bin) * sound.rate_hz + 0.5).max(0.0);
+    let (begins, ends) = (edge(bin), edge(bin + 1));
+    let end = (ends.ceil() as usize).min(sound.samples);
+    (begins as usize..end).map(move |sample| {
+        let inside = ends.min(sample as f64 + 1.0) - begins.max(sample as f64);
+        (sample, inside / (ends - begins))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bands::BANDS_HZ;
+
+    /// Protects energy: the gains of the filters for taps add up to 1, those for noise by their
+    /// squares.
+    #[test]
+    fn filters_are_complementary() {
+        for step in 0..2000 {
+            let frequency_hz = f64::from(step) * 12.0;
+            let gains = |crossing: Crossing| {
+                (0..BAND_COUNT).map(move |band| crossing.gain(band, frequency_hz))
+            };
+            let amplitude: f64 = gains(Crossing::Amplitude).sum();
+            let power: f64 = gains(Crossing::Power).map(|gain| gain * gain).sum();
+            assert!((amplitude - 1.0).abs() < 1e-12 && (power - 1.0).abs() < 1e-12);
+        }
+    }
+
+    /// Protects the centres of the bands, and the ends.
+    #[test]
+    fn a_band_is_alone_at_its_centre() {
+        for (band, centre_hz) in BANDS_HZ.into_iter().enumerate() {
+            // The nominal 63 Hz are exactly 62.5 Hz.
+            assert!(Crossing::Amplitude.gain(band, centre_hz) > 0.999);
+            assert_eq!(Crossing::Power.gain(band, centre_hz), 1.0);
+        }
+        for crossing in [Crossing::Amplitude, Crossing::Power] {
+            assert_eq!(crossing.gain(0, 0.0), 1.0);
+            assert_eq!(crossing.gain(7, 20e3), 1.0);
+        }
+    }
+
+    /// Protects a tap at a whole sample from being smeared: it is that sample alone.
+    #[test]
+    fn a_tap_at_a_sample_is_one_sample() {
+        let mut samples = vec![0.0; 128];
+        add_tap(&mut samples, 50.0, 0.5);
+        for (index, sample) in samples.iter().enumerate() {
+            let expected = if index == 50 { 0.5 } else { 0.0 };
+            assert!((sample - expected).abs() < 1e-15);
+        }
+    }
+
+    /// Protects phase and amplitude of a tap between samples, up to 0.4 of the sampling rate: its
+    /// spectrum is that of a pure delay.
+    #[test]
+    fn a_tap_between_samples_is_a_pure_delay() {
+        let place = 60.37;
+        let mut samples = vec![0.0; 128];
+        add_tap(&mut samples, place, 1.0);
+        for step in 0..=40 {
+            let turns = f64::from(step) * 0.01;
+            let at = |(index, sample): (usize, &f64)| {
+                let (sin, cos) = (2.0 * PI * turns * (index as f64 - place)).sin_cos();
+                (sample * cos, sample * sin)
+            };
+            let sums = samples.iter().enumerate().map(at);
+            let (real, imaginary) = sums.fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
+            // Blackman's window ripples by at most 2 in 10,000.
+            assert!((real - 1.0).abs() < 3e-4, "{turns}: {real}");
+            assert!(imaginary.abs() < 3e-4, "{turns}: {imaginary}");
+        }
+    }
+
+    /// Protects the ends of the response.
+    #[test]
+    fn what_lies_outside_is_lost() {
+        let mut samples = vec![0.0; 8];
+        add_tap(&mut samples, -100.0, 1.0);
+        add_tap(&mut samples, 1e9, 1.0);
+        add_tap(&mut samples, 1e300, 1.0);
+        assert_eq!(samples, vec![0.0; 8]);
+    }
+}

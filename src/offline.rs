@@ -1,0 +1,366 @@
+//! A scene to sound without a sound card: traced and played frame by frame.
+//!
+//! [`render`] uses the thesis' method: the gains of one sound glide to a frame's panning by the end of the frame's
+//! block of samples. [`render_full`] plays each source with delays, loudness, echoes and reverberation
+//! ([`auralisation`](crate::auralisation)). Each frame is traced with the scene at the frame's start.
+
+use crate::acoustics::ListenerAxes;
+use crate::audio::{AudioError, FrameBlocks, Mixer, SAMPLE_RATE, Sound};
+use crate::auralisation::{Auralisation, Heard, Spec};
+use crate::error::Error;
+use crate::response::{HeardSource, Response, ResponseSettings};
+use crate::scene::Scene;
+use crate::trace::{Frame, Settings, TraceError, Tracer};
+
+/// Duration and frame rate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Timing {
+    /// Seconds of sound.
+    pub seconds: f64,
+    /// Frames per second.
+    pub fps: f64,
+}
+
+impl Timing {
+    /// Creates a timing of `seconds` of sound at `fps` frames per second.
+    pub fn new(seconds: f64, fps: f64) -> Timing {
+        Timing { seconds, fps }
+    }
+
+    /// Number of frames; the last one is cut at the end of the duration.
+    pub fn frames(&self) -> u64 {
+        // A fraction of a frame below this is due to rounding: at 1000 frames per second it is far
+        // below one sample.
+        const ROUNDING: f64 = 1e-6;
+        (self.seconds * self.fps - ROUNDING).ceil().max(0.0) as u64
+    }
+
+    /// Samples of each channel.
+    fn samples(&self) -> u64 {
+        (self.seconds * f64::from(SAMPLE_RATE)).round() as u64
+    }
+
+    /// Samples of the longest block, and for each frame its number, its start time in seconds and its samples.
+    fn blocks(self) -> Result<(usize, impl Iterator<Item = (u64, f64, usize)>), Error> {
+        let blocks = FrameBlocks::new(self.fps, SAMPLE_RATE)?;
+        let (longest, end) = (blocks.longest(), self.samples());
+        let block = move |index| {
+            let range = blocks.samples(index);
+            let length = range.end.min(end).saturating_sub(range.start);
+            (index, index as f64 / self.fps, length as usize)
+        };
+        Ok((longest, (0..self.frames()).map(block)))
+    }
+
+    fn check(&self) -> Result<(), Error> {
+        if self.seconds.is_finite() && self.seconds >= 0.0 {
+            return Ok(());
+        }
+        Err(Error::from(TraceError::BadSetting {
+            what: "length in seconds",
+            must: "finite and not negative".to_owned(),
+            value: self.seconds.to_string(),
+        }))
+    }
+}
+
+/// One frame's part of the sound.
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct Block<'a> {
+    /// Number of the frame, from 0.
+    pub index: u64,
+    /// Start time in seconds.
+    pub time: f64,
+    /// The traced frame.
+    pub frame: &'a Frame,
+    /// Interleaved left and right samples, at [`SAMPLE_RATE`].
+    pub samples: &'a [f32],
+}
+
+/// Traces and mixes `timing.seconds` of `sound` in a moving scene and passes each frame's block to
+/// `take`.
+///
+/// # Errors
+/// [`Error::Trace`] for seconds that are not finite, [`Error::Audio`] for an invalid frame rate,
+/// those of [`Tracer::frame`], and any error that `take` returns.
+pub fn render<E: From<Error>>(
+    tracer: &mut Tracer,
+    scene: &Scene,
+    settings: &Settings,
+    sound: &mut Sound,
+    mixer: &mut Mixer,
+    timing: Timing,
+    mut take: impl FnMut(Block) -> Result<(), E>,
+) -> Result<(), E> {
+    timing.check()?;
+    let (longest, blocks) = timing.blocks()?;
+    let mut mono = vec![0.0; longest];
+    let mut stereo = vec![0.0; 2 * longest];
+    for (index, time, length) in blocks {
+        let frame = tracer.frame(&scene.at(time), settings);
+        let frame = frame.map_err(|error| error.at(time))?;
+        let (mono, stereo) = (&mut mono[..length], &mut stereo[..2 * length]);
+        sound.fill(mono);
+        let pan = frame.panning.pan() as f32;
+        mixer.mix(mono, pan, stereo).map_err(Error::from)?;
+        take(Block {
+            index,
+            time,
+            frame: &frame,
+            samples: stereo,
+        })?;
+    }
+    Ok(())
+}
+
+/// Seconds between two late parts: reverberation changes more slowly than echoes, and its kernel
+/// costs as much as several frames.
+const LATE_S: f64 = 0.25;
+
+/// Samples between the end of a fade and the next late part: blocks of the convolution do not end
+/// at frame borders.
+const FADE_MARGIN: u32 = 2048;
+
+/// Number of moments of a path, from its start to its end, at which the length of the responses is estimated.
+const MOMENTS: u32 = 3;
+
+/// The longest response by default, in seconds: later sound is hardly audible behind continuous sound.
+const LONGEST_S: f64 = 3.0;
+
+/// Settings of full listening to a scene.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct FullSettings {
+    /// Settings of each response. Without `seconds`, responses have the greatest length needed at the start, in the
+    /// middle and at the end of the scene's path.
+    pub response: ResponseSettings,
+    /// Index of the listener, from 0 in the order of [`Scene::listeners`].
+    pub listener: usize,
+    /// Seed for the noise of the late parts.
+    pub seed: u64,
+}
+
+impl FullSettings {
+    /// Settings for the first listener; responses last up to 3 seconds, or as long as `response` states if that is
+    /// shorter.
+    pub fn new(response: ResponseSettings) -> FullSettings {
+        let longest_s = response.longest_s.min(LONGEST_S);
+        FullSettings {
+            response: response.with_longest(longest_s),
+            listener: 0,
+            seed: 0,
+        }
+    }
+
+    /// Sets the length of the responses in seconds.
+    pub fn with_tail(mut self, seconds: f64) -> FullSettings {
+        self.response.seconds = Some(seconds);
+        self
+    }
+
+    /// The length of the responses, in seconds.
+    ///
+    /// # Errors
+    /// As [`Response::trace`].
+    pub fn tail_s(&self, tracer: &mut Tracer, scene: &Scene) -> Result<f64, Error> {
+        if let Some(seconds) = self.response.seconds {
+            return Ok(seconds);
+        }
+        let moments = if scene.duration() > 0.0 { MOMENTS } else { 1 };
+        let mut longest: f64 = 0.0;
+        for moment in 0..moments {
+            let time = scene.duration() * f64::from(moment) / f64::from(MOMENTS - 1);
+            let now = scene.at(time);
+            for source in 0..scene.sources().count() {
+                let pair = now.heard_by(source, self.listener)?;
+                longest = longest.max(self.response.seconds_needed(tracer, &pair)?);
+            }
+        }
+        Ok(longest)
+    }
+}
+
+/// One frame's part of the sound.
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct FullBlock<'a> {
+    /// Number of the frame, from 0.
+    pub index: u64,
+    /// Start time in seconds.
+    pub time: f64,
+    /// Each source as heard by the listener, in the scene's order.
+    pub sources: &'a [HeardSource],
+    /// Interleaved left and right samples, at [`SAMPLE_RATE`].
+    pub samples: &'a [f32],
+}
+
+/// One source: its sound and its current state.
+struct Playing<'a> {
+    sound: &'a mut Sound,
+    ears: Auralisation,
+    /// The last traced scene, with this source as its first.
+    scene: Option<Scene>,
+    response: Option<Response>,
+    /// A late part that waits for the previous fade to end.
+    late: Option<Heard>,
+    heard: HeardSource,
+}
+
+/// Traces and plays `timing.seconds` of a moving scene, with one of `sounds` for each source, and passes each frame's
+/// block to `take`. Single echoes are updated with each frame, the late part every quarter of a second. While the scene
+/// stands still, it is not traced again.
+///
+/// # Errors
+/// [`Error::Trace`] for settings out of range, [`Error::Audio`] for an invalid frame rate, those of
+/// [`Response::trace`], and any error that `take` returns; [`Error::Scene`] if there is no such listener,
+/// [`Error::Audio`] if the number of sounds differs from that of sources.
+pub fn render_full<E: From<Error>>(
+    tracer: &mut Tracer,
+    scene: &Scene,
+    settings: &FullSettings,
+    sounds: &mut [Sound],
+    timing: Timing,
+    mut take: impl FnMut(FullBlock) -> Result<(), E>,
+) -> Result<(), E> {
+    timing.check()?;
+    let (given, sources) = (sounds.len(), scene.sources().count());
+    if given != sources {
+        return Err(Error::from(AudioError::NotASoundEach { given, sources }).into());
+    }
+    let (longest, blocks) = timing.blocks()?;
+    let seconds = settings.tail_s(tracer, scene)?;
+    let settings = settings.clone().with_tail(seconds);
+    let spec = Spec::of(scene, SAMPLE_RATE).with_longest(seconds);
+    let mut sources: Vec<Playing> = sounds
+        .iter_mut()
+        .map(|sound| Playing::new(sound, spec))
+        .collect::<Result<_, _>>()?;
+    let mut stereo = vec![0.0; 2 * longest];
+    let mut mono = vec![0.0; longest];
+    let mut heard = Vec::with_capacity(sources.len());
+    for (index, time, length) in blocks {
+        let late_is_due = index == 0 || is_due(time, time - 1.0 / timing.fps);
+        let now = scene.at(time);
+        let (mono, stereo) = (&mut mono[..length], &mut stereo[..2 * length]);
+        stereo.fill(0.0);
+        heard.clear();
+        for (number, source) in sources.iter_mut().enumerate() {
+            let pair = now
+                .heard_by(number, settings.listener)
+                .map_err(Error::from)?;
+            source
+                .listen(tracer, pair, &settings, late_is_due, length as u32)
+                .map_err(|error| error.at(time))?;
+            source.sound.fill(mono);
+            source.ears.add(mono, stereo).map_err(Error::from)?;
+            heard.push(source.heard);
+        }
+        take(FullBlock {
+            index,
+            time,
+            sources: &heard,
+            samples: stereo,
+        })?;
+    }
+    Ok(())
+}
+
+/// Whether a quarter of a second has begun since the previous frame.
+fn is_due(time: f64, before: f64) -> bool {
+    (time / LATE_S).floor() > (before / LATE_S).floor()
+}
+
+impl<'a> Playing<'a> {
+    fn new(sound: &'a mut Sound, spec: Spec) -> Result<Playing<'a>, Error> {
+        Ok(Playing {
+            sound,
+            ears: Auralisation::new(spec)?,
+            scene: None,
+            response: None,
+            late: None,
+            heard: HeardSource::default(),
+        })
+    }
+
+    /// Glides to the responses in `pair` within the given number of samples.
+    fn listen(
+        &mut self,
+        tracer: &mut Tracer,
+        pair: Scene,
+        settings: &FullSettings,
+        late_is_due: bool,
+        samples: u32,
+    ) -> Result<(), Error> {
+        let is_first = self.scene.is_none();
+        let moves = self.scene.as_ref() != Some(&pair);
+        if moves {
+            let response = Response::trace(tracer, &pair, &settings.response)?;
+            self.heard = HeardSource::of(&response);
+            let axes = ListenerAxes::of(&pair.listener)?;
+            let echoes = Heard::of_paths(&response.paths, &axes, self.ears.spec())?;
+            self.ears
+                .glide_echoes(&echoes, if is_first { 0 } else { samples })?;
+            self.response = Some(response);
+            self.scene = Some(pair);
+        }
+        if late_is_due {
+            self.make_late(settings)?;
+        }
+        if is_first {
+            return self.begin();
+        }
+        self.fade_late()
+    }
+
+    /// Computes the late part from the traces since the last one.
+    fn make_late(&mut self, settings: &FullSettings) -> Result<(), Error> {
+        let (Some(response), Some(scene)) = (self.response.take(), &self.scene) else {
+            return Ok(());
+        };
+        let axes = ListenerAxes::of(&scene.listener)?;
+        let heard = Heard::new(&response, &axes, self.ears.spec(), settings.seed)?;
+        self.late = Some(heard);
+        Ok(())
+    }
+
+    /// Takes the first late part at once, and skips the latency.
+    fn begin(&mut self) -> Result<(), Error> {
+        if let Some(late) = &mut self.late {
+            self.ears.glide_late(late, 0)?;
+        }
+        self.late = None;
+        let ahead = self.ears.latency();
+        let mut mono = vec![0.0; ahead];
+        self.sound.fill(&mut mono);
+        Ok(self.ears.add(&mono, &mut vec![0.0; 2 * ahead])?)
+    }
+
+    fn fade_late(&mut self) -> Result<(), Error> {
+        let samples = (LATE_S * f64::from(SAMPLE_RATE)) as u32 - FADE_MARGIN;
+        let Some(late) = &mut self.late else {
+            return Ok(());
+        };
+        if self.ears.glide_late(late, samples)? {
+            self.late = None;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects the count of frames from rounding.
+    #[test]
+    fn frames_cover_the_time() {
+        let frames = |seconds, fps| Timing { seconds, fps }.frames();
+        assert_eq!(frames(1.0, 30.0), 30);
+        assert_eq!(frames(0.1, 30.0), 3);
+        assert_eq!(frames(1.01, 30.0), 31);
+        assert_eq!(frames(4.0, 29.97), 120);
+        assert_eq!(frames(0.0, 30.0), 0);
+    }
+}

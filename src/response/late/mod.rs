@@ -1,0 +1,340 @@
+//! Late arrivals: waves followed to a sphere larger than the listener (`sphere.rs`), started where they matter
+//! (`importance.rs`).
+//!
+//! Sound scattered within the maximum number of reflections of exact paths is counted in both spheres
+//! ([`NearScattering`]).
+//!
+//! Late arrivals may come from fewer waves than those that find exact paths: their noise only adds noise, while a path
+//! that no wave finds is missing.
+
+mod importance;
+mod pilot;
+mod sphere;
+
+pub(super) use sphere::{LEAST_ORDER, LateSphere, casts_shadows};
+
+use super::ResponseSettings;
+use super::heard::Medium;
+use crate::acoustics::{Arrival, Echogram, uncertain_energy};
+use crate::bands::{BAND_COUNT, Bands};
+use crate::error::Error;
+use crate::scene::Scene;
+use crate::trace::{ArrivalCounts, ArrivalSettings, Followed, Settings, Tracer, WavesToFollow};
+use crate::{bands, kernel};
+use glam::Vec3;
+use importance::Importance;
+use pilot::Pilot;
+use sphere::NearScattering;
+use std::cmp::Ordering;
+use std::f64::consts::PI;
+use std::ops::Range;
+
+/// The share of the energy of all waves down to which they are followed, −120 dB: a decay is audible over 60 dB, and if
+/// the listener is in another room than the source it may begin that much lower. Bands that decay fast and have their
+/// own waves take less time this way.
+const LEAST_ENERGY: f64 = 1e-12;
+
+/// Mean number of crossings of a wave in a chunk. A chunk costs as much as ten iterations, and a wave that crosses more
+/// often than is recorded (four times) is drawn again: in a room of 8 × 3 × 5 m a response of 65,536 waves takes 0.39,
+/// 0.37, 0.35, 0.33 and 0.33 s with 8, 12, 16, 24 and 32 iterations in a chunk, which are 0.6 to 2.6 crossings.
+const CROSSINGS_IN_CHUNK: f64 = 2.0;
+
+/// Minimum iterations of a chunk.
+const LEAST_ITERATIONS: u32 = 8;
+
+/// The arrivals of all waves.
+pub(super) struct Arrivals {
+    /// Arrivals that stay statistics.
+    pub echogram: Echogram,
+    /// The possible bias from the larger sphere alone, one standard deviation of energy.
+    pub bias: Echogram,
+    pub counts: ArrivalCounts,
+    /// Early arrivals, counted in the listener's own sphere.
+    pub early: Vec<Arrival>,
+    /// Whether waves travel on after the maximum number of reflections of exact paths; `None` if that is unknown.
+    pub travel_on: Option<bool>,
+}
+
+/// Traces the waves; `echogram` defines the bins.
+pub(super) fn arrivals(
+    tracer: &mut Tracer,
+    heard_in: (&Scene, &Medium, LateSphere),
+    settings: &ResponseSettings,
+    how: &ArrivalSettings,
+    echogram: Echogram,
+) -> Result<Arrivals, Error> {
+    let mut found = Arrivals {
+        bias: echogram.without_arrivals(),
+        echogram,
+        counts: ArrivalCounts::of_none(),
+        early: Vec::new(),
+        travel_on: None,
+    };
+    for bands in kernel::band_groups(heard_in.0) {
+        let how = how
+            .clone()
+            .with_bands(bands)
+            .with_least_energy(LEAST_ENERGY);
+        let counts = add_arrivals(&mut found, tracer, heard_in, settings, &how)?;
+        found.counts = found.counts.and(counts);
+        // They arrive in chunks of iterations, after those of other bands.
+        found.early.sort_by(in_order);
+        found
+            .early
+            .dedup_by(|second, first| is_added(first, second));
+    }
+    Ok(found)
+}
+
+/// Orders arrivals by wave, and along each wave.
+fn in_order(a: &Arrival, b: &Arrival) -> Ordering {
+    let by_length = || a.length_m.total_cmp(&b.length_m);
+    a.wave.cmp(&b.wave).then_with(by_length)
+}
+
+/// Adds the energies of the second arrival to the first if both are one crossing of one wave, followed for different
+/// bands.
+fn is_added(first: &mut Arrival, second: &Arrival) -> bool {
+    let is_same = first.wave == second.wave && first.length_m == second.length_m;
+    if is_same {
+        bands::add(&mut first.energy, &second.energy);
+    }
+    is_same
+}
+
+/// Adds the arrivals of waves that carry `how.bands` together, and returns their counts.
+fn add_arrivals(
+    found: &mut Arrivals,
+    tracer: &mut Tracer,
+    (scene, medium, late): (&Scene, &Medium, LateSphere),
+    settings: &ResponseSettings,
+    how: &ArrivalSettings,
+) -> Result<ArrivalCounts, Error> {
+    let (echogram, early) = (&mut found.echogram, &mut found.early);
+    let all = WavesToFollow::Numbers(0..settings.trace.waves);
+    let share = (scene.listener.radius / late.radius_m).powi(2);
+    let trace = settings.late_trace();
+    if share >= 1.0 && trace == settings.trace {
+        let mut sort = |arrival: Arrival| match arrival.is_early {
+            true => early.push(arrival),
+            false => medium.add(echogram, &arrival),
+        };
+        let followed = tracer.arrivals_of(scene, &settings.trace, how, &all, &mut sort)?;
+        return Ok(followed.counts());
+    }
+    let few = how.clone().with_iterations(how.early_order + 1);
+    let few = few.with_least_energy(0.0);
+    let mut near = NearScattering::new(scene, &late, echogram);
+    let mut sort = |arrival: Arrival| match arrival.is_early {
+        true => early.push(arrival),
+        false => medium.add(&mut near.own, &arrival),
+    };
+    let counts = tracer
+        .arrivals_of(scene, &settings.trace, &few, &all, &mut sort)?
+        .counts;
+    let wide = late.widened(scene);
+    let mut how = how.clone();
+    let crossings = f64::from(1.0 / share) * crossings_an_iteration(&counts);
+    how.iterations_in_chunk = iterations_in_chunk(crossings, how.iterations_in_chunk);
+    let late = LateWaves {
+        tracer,
+        scene: &wide,
+        how: &how,
+        medium,
+        echogram,
+        near: &mut near.wide,
+    };
+    // Surfaces that gather sound spread waves of one direction, so pilot waves predict little there.
+    let pilot_waves = match share < 1.0 {
+        true => importance::pilot_waves(scene, &how.bands, &trace),
+        false => 0,
+    };
+    let followed = late.follow_all(&trace, pilot_waves, settings.batches)?;
+    near.add_to(echogram, &mut found.bias);
+    // With scattering, sound is late after fewer reflections.
+    found.travel_on = (!scene.scatters()).then_some(counts.cut_off > 0);
+    Ok(followed.counts())
+}
+
+/// Waves whose late arrivals are added to an echogram.
+struct LateWaves<'a> {
+    tracer: &'a mut Tracer,
+    scene: &'a Scene,
+    how: &'a ArrivalSettings,
+    medium: &'a Medium,
+    echogram: &'a mut Echogram,
+    /// Sound scattered after few reflections; empty if pilot waves are followed, because these are only mirrored.
+    near: &'a mut Echogram,
+}
+
+impl LateWaves<'_> {
+    /// Traces all waves. The first ones, the pilot waves, decide whether the others start evenly.
+    fn follow_all(
+        mut self,
+        trace: &Settings,
+        pilot_waves: u32,
+        batches: usize,
+    ) -> Result<Followed, Error> {
+        if pilot_waves == 0 {
+            let all = WavesToFollow::Numbers(0..trace.waves);
+            return self.follow(trace, &all, None);
+        }
+        let before = self.echogram.clone();
+        let half = pilot_waves / 2;
+        let mut pilot = Pilot::new(pilot_waves, self.how.seconds);
+        pilot.begin(half);
+        let first = self.follow(trace, &WavesToFollow::Numbers(0..half), Some(&mut pilot))?;
+        let directions = self
+            .tracer
+            .start_directions(&trace.clone().with_waves(half))?;
+        let Some(importance) = Importance::of(&pilot, &directions, trace.waves) else {
+            let numbers = WavesToFollow::Numbers(half..trace.waves);
+            return Ok(first.and(self.follow(trace, &numbers, None)?));
+        };
+        let importance = self.refined(trace, &importance, (pilot, directions), batches)?;
+        *self.echogram = before;
+        let waves = trace.waves - pilot_waves;
+        let of = |numbers| importance.starts(numbers, waves, batches, trace.seed);
+        self.follow(trace, &WavesToFollow::Starts { waves, of: &of }, None)
+    }
+
+    /// Follows the second half of the pilot waves, equal in number to the first half, which started in `directions`.
+    fn refined(
+        &mut self,
+        trace: &Settings,
+        importance: &Importance,
+        (mut pilot, mut directions): (Pilot, Vec<Vec3>),
+        batches: usize,
+    ) -> Result<Importance, Error> {
+        let half = directions.len() as u32;
+        let mut starts = importance.starts(0..half, half, batches, !trace.seed);
+        // The first half's energies are shares of those of all waves; these are scaled the same way.
+        let share = half as f32 / trace.waves as f32;
+        starts.iter_mut().for_each(|start| start.weight *= share);
+        directions.extend(starts.iter().map(|start| start.direction));
+        pilot.begin(half);
+        let of =
+            |numbers: Range<u32>| starts[numbers.start as usize..numbers.end as usize].to_vec();
+        let drawn = WavesToFollow::Starts {
+            waves: half,
+            of: &of,
+        };
+        self.follow(trace, &drawn, Some(&mut pilot))?;
+        Ok(Importance::refined(&pilot, &directions))
+    }
+
+    fn follow(
+        &mut self,
+        trace: &Settings,
+        waves: &WavesToFollow,
+        mut pilot: Option<&mut Pilot>,
+    ) -> Result<Followed, Error> {
+        let (medium, echogram, near) = (self.medium, &mut *self.echogram, &mut *self.near);
+        let early_order = self.how.early_order;
+        let mut take = |arrival: Arrival| {
+            if arrival.is_early {
+                return;
+            }
+            if arrival.reflections <= early_order {
+                return medium.add(near, &arrival);
+            }
+            medium.add(echogram, &arrival);
+            if let Some(pilot) = &mut pilot {
+                let seconds = arrival.length_m / medium.speed;
+                pilot.add(arrival.wave, seconds, &medium.heard(&arrival));
+            }
+        };
+        self.tracer
+            .arrivals_of(self.scene, trace, self.how, waves, &mut take)
+    }
+}
+
+/// Mean crossings of the listener per wave and iteration.
+fn crossings_an_iteration(counts: &ArrivalCounts) -> f64 {
+    counts.arrivals as f64 / (counts.waves as f64 * f64::from(counts.iterations)).max(1.0)
+}
+
+/// Iterations of a chunk for the given crossings per iteration, at most `most`.
+fn iterations_in_chunk(crossings: f64, most: u32) -> u32 {
+    let fit = CROSSINGS_IN_CHUNK / crossings;
+    (fit as u32).max(LEAST_ITERATIONS).min(most)
+}
+
+/// Fewer waves give no estimate of what they have missed, however often each of them arrived.
+const FEW_WAVES: u32 = 64;
+
+/// The energy that the waves may have missed, by band, in 1/m², estimated from the number of arrivals. In a band
+/// without arrivals, and with few waves, it is that of a wave without losses if any wave could still arrive, otherwise
+/// 0. `travel_on` is [`Arrivals::travel_on`]; waves are traced again only if it is unknown.
+pub(super) fn further_arrival(
+    tracer: &mut Tracer,
+    (scene, medium): (&Scene, &Medium),
+    settings: &ResponseSettings,
+    how: &ArrivalSettings,
+    echogram: &Echogram,
+    travel_on: Option<bool>,
+) -> Result<Bands, Error> {
+    let (total, mut further) = (echogram.total(), [0.0; BAND_COUNT]);
+    for band in 0..BAND_COUNT {
+        let arrivals = echogram.effective_arrivals(band, 0.0);
+        further[band] = uncertain_energy(total[band], arrivals);
+    }
+    let waves = settings.late_trace().waves;
+    let are_few = waves < FEW_WAVES;
+    if !(are_few || further.contains(&0.0)) {
+        return Ok(further);
+    }
+    let may_arrive = match travel_on {
+        Some(travel_on) => travel_on,
+        None => may_arrive(tracer, scene, settings, how)?,
+    };
+    if !may_arrive {
+        return Ok(further);
+    }
+    let cross_section_m2 = PI * f64::from(scene.listener.radius).powi(2);
+    let whole = medium.level / (cross_section_m2 * f64::from(waves));
+    Ok(further.map(|energy| match energy > 0.0 && !are_few {
+        true => energy,
+        false => energy.max(whole),
+    }))
+}
+
+/// Whether waves travel on after the maximum number of reflections of exact paths, or after scattering before that.
+fn may_arrive(
+    tracer: &mut Tracer,
+    scene: &Scene,
+    settings: &ResponseSettings,
+    how: &ArrivalSettings,
+) -> Result<bool, Error> {
+    let reflections = match scene.scatters() {
+        true => 1,
+        false => how.early_order + 1,
+    };
+    let few = how.clone().with_iterations(reflections);
+    let all = WavesToFollow::Numbers(0..settings.trace.waves);
+    let counts = tracer
+        .arrivals_of(scene, &settings.trace, &few, &all, &mut |_| ())?
+        .counts;
+    // The other waves have left the scene, or have flown until the end of the record.
+    Ok(counts.cut_off > 0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects the time that late arrivals take: a chunk has several crossings, and is neither endless nor empty.
+    #[test]
+    fn chunks_are_short_where_waves_cross_often() {
+        for (crossings, iterations) in [(0.0, 64), (0.01, 64), (0.1, 20), (0.25, 8), (3.0, 8)] {
+            assert_eq!(
+                iterations_in_chunk(crossings, 64),
+                iterations,
+                "{crossings}"
+            );
+        }
+        // The loop limit may allow fewer than it should have.
+        assert_eq!(iterations_in_chunk(0.01, 20), 20);
+        assert_eq!(iterations_in_chunk(3.0, 5), 5);
+    }
+}
