@@ -93,7 +93,7 @@ mod tests {
             samples.map(|s| f64::from(*s).powi(2)).sum::<f64>()
         };
         assert!(level(0) > 4.0 * level(1), "{} {}", level(0), level(1));
-        // On a slow machine a late part of more waves may be due once, and again with twice as many.
+        // On a slow machine the late part may be due again, with twice as many waves each time.
         let mut again = (0..16).map(|_| ears.hear(&left, &settings, RATE_HZ, false).unwrap());
         assert!(again.any(|messages| messages.is_empty()));
     }
