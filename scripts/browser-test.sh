@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds examples/browser and tests it in a headless browser, on Chromium's software renderer.
+# Builds apps/page and tests it in a headless browser, on Chromium's software renderer.
 set -euo pipefail
 
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -13,9 +13,10 @@ provide_packages "${NEEDED_TO_TEST[@]}"
 # Only the current build is tested.
 rm -rf "$page"
 run scripts/browser.sh -o "$page" --check-size
-# One browser at a time: each draws with the processor.
+# One browser at a time: each draws with the processor. The features are those of scripts/test.sh, whose build this
+# uses.
 export ECHOMARCH_PAGE="$page"
-run cargo test --locked --test program page:: -- --ignored --nocapture --test-threads=1
+run cargo test --locked --workspace --all-features --test program page:: -- --ignored --nocapture --test-threads=1
 
 say
 say "the page: built, and tested in $(chromium --version 2>/dev/null)"

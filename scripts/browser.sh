@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds examples/browser, a page that walks through a scene and plays it, to static files for any web
+# Builds apps/page, a page that walks through a scene and plays it, to static files for any web
 # server.
 set -euo pipefail
 
@@ -54,7 +54,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/lib.sh
 
 readonly WASM=wasm32-unknown-unknown
-readonly MANIFEST=examples/browser/Cargo.toml
+readonly MANIFEST=apps/page/Cargo.toml
 # Separate from the program's build: other features and, with Debian's compiler, another compiler.
 readonly BUILT=target/browser
 readonly DEBIAN=target/tools/rustc-web
@@ -157,7 +157,7 @@ assemble() {
     mkdir -p "$out"
     parts="$(mktemp -d)"
     temporary+=("$parts")
-    cp examples/browser/page/* "$parts"
+    cp apps/page/page/* "$parts"
     run cargo run --release --locked --quiet --manifest-path "$MANIFEST" --target-dir "$BUILT" -p bindgen -- \
         "$BUILT/$WASM/release/echomarch_browser.wasm" "$parts/pkg"
     (cd "$parts" && find . -type f ! -name "$MARKER" -printf '%P\n' | sort >"$MARKER")

@@ -44,7 +44,7 @@ provide_universalmutator() {
 build_tests() {
     local built
     built="$(RUSTFLAGS="--cfg glsl_at_run_time" CARGO_TARGET_DIR="$WORK/build" \
-        cargo test --locked --no-run --lib --test surfaces --test tracer 2>&1 | tee /dev/stderr)"
+        cargo test --locked --no-run -p echomarch --all-features --lib --test surfaces --test tracer 2>&1 | tee /dev/stderr)"
     UNITS="$WORK/build/$(grep -oE 'debug/deps/echomarch-[0-9a-f]+' <<<"$built")"
     SURFACES="$WORK/build/$(grep -oE 'debug/deps/surfaces-[0-9a-f]+' <<<"$built")"
     TRACER="$WORK/build/$(grep -oE 'debug/deps/tracer-[0-9a-f]+' <<<"$built")"
@@ -124,7 +124,7 @@ mutate_glsl() {
 mutate_rust() {
     need_cargo mutants
     mkdir -p "$WORK"
-    run cargo mutants --output "$WORK" \
+    run cargo mutants --output "$WORK" -p echomarch --all-features \
         -f 'src/scene/**' -f 'src/kernel/**' -f 'src/trace/**' -f 'src/audio/**' "$@"
 }
 

@@ -9,7 +9,7 @@ usage: scripts/public-api.sh [--update]
 
   --update  rewrites docs/public-api.txt
 
-Builds the documentation, of the library alone and with its default features, and fails on any warning.
+Builds the documentation, of the library without features and with all of them, and fails on any warning.
 END
 }
 
@@ -73,12 +73,12 @@ list_items() {
 }
 
 document() {
-    run env RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps "$@"
+    run env RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps -p echomarch "$@"
 }
 
-document --no-default-features --lib
-alone="$(list_items)"
 document
+alone="$(list_items)"
+document --all-features
 all="$(list_items)"
 
 found="$(mktemp)"
@@ -86,11 +86,11 @@ trap 'rm -f "$found"' EXIT
 {
     say "What the library makes public: items, their parts, their traits; see scripts/public-api.sh."
     say
-    say "# The library alone: $(grep -c ' (' <<<"$alone") items"
+    say "# Without features: $(grep -c ' (' <<<"$alone") items"
     say
     say "$alone"
     say
-    say "# More with the default features: $(comm -13 <(say "$alone") <(say "$all") | grep -c ' (') items"
+    say "# More with all features: $(comm -13 <(say "$alone") <(say "$all") | grep -c ' (') items"
     say
     comm -13 <(say "$alone") <(say "$all")
 } >"$found"

@@ -18,7 +18,7 @@ provide_packages \
     "command:sbatch       slurm-client      Slurm: its commands" \
     "command:munged       munge             tells Slurm's parts who they are"
 if [[ -z "$program" ]]; then
-    run cargo build --release --locked --no-default-features --features cli,parquet
+    run cargo build --release --locked -p echomarch-cli --no-default-features --features parquet
     program="$(realpath "${CARGO_TARGET_DIR:-target}")/release/echomarch"
 fi
 sbatch_file="$(realpath examples/cluster/study.sbatch)"

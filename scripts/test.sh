@@ -3,39 +3,79 @@
 # not a graphics card (llvmpipe will do).
 set -euo pipefail
 
+usage() {
+    cat <<'END'
+usage: scripts/test.sh [--fast]
+
+Checks format, lints, documentation and package, and runs all tests, on other implementations of OpenGL and
+in a browser too. Missing Debian packages and cargo-hack are installed.
+
+  --fast  only format, lints, unit tests and one integration program of the library, without the slowest of
+          them, and without other OpenGL, a display, a sound server or a browser; nothing is installed
+END
+}
+
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 # shellcheck source=scripts/lib.sh
 source scripts/lib.sh
 
-take_no_options "usage: scripts/test.sh" "$@"
+# One set of features for lints and tests, so that each package is compiled once for either.
+readonly -a EVERYTHING=(--locked --workspace --all-features)
 
-# The files that the package must contain, and those it must not.
+# Parts of names of tests that --fast leaves out: statistics over many draws, and waves through large scenes. Each
+# takes more than three seconds on a quiet core, all of them most of the time.
+readonly -a SLOW=(
+    a_known_room_has_its_figures
+    closed_form_and_image_sources_agree_wave_for_wave
+    closed_forms_meet_what_a_march_meets
+    corner_hits_agree_with_an_independent_count
+    each_reflection_takes_what_its_material_takes
+    edges_and_parallel_planes_take_few_steps
+    errors_are_honest
+    figures_are_those_of_image_sources
+    figures_of_single_batches_are_biased
+    lines_are_free_as_far_as_bounds_say
+    lines_parallel_to_faces_meet_what_they_should
+    passes_of_any_length_give_the_same_bits
+    phase_is_kept_for_an_hour
+    scattered_shapes_are_all_met
+    shaders_and_cpu_agree_on_random_trees
+    shaders_and_cpu_agree_on_values_and_gradients
+    the_energy_of_a_live_room_is_that_of_sabine
+    the_seed_chooses_the_binaural_noise
+    the_thesis_sees_the_same_with_cells_and_without
+    two_errors_hold_the_truth_in_95_of_100_draws
+    waves_in_a_room_with_each_field_end_as_in_the_reference
+    waves_that_graze_a_torus_are_not_given_up
+)
+
+# The files that the library's package must contain, and those it must not.
 check_package() {
     local list file
-    list="$(cargo package --list --locked --allow-dirty)"
+    list="$(cargo package --list --locked --allow-dirty -p echomarch)"
     for file in Cargo.toml Cargo.lock README.md CHANGELOG.md LICENSE-MIT LICENSE-APACHE \
-        src/lib.rs src/main.rs glsl/iterate_thesis.glsl examples/headless.rs \
+        src/lib.rs glsl/iterate_thesis.glsl examples/headless.rs tests/surfaces/main.rs benches/library.rs \
         examples/scenes/corner.ron docs/thesis.md docs/scene-format.md; do
         if ! grep -qxF "$file" <<<"$list"; then
             complain "the package lacks $file"
             return 1
         fi
     done
-    if grep -E '^(\.ci|docs/benchmarks|out|target)/' <<<"$list"; then
+    if grep -E '^(\.ci|\.github|apps|docs/benchmarks|out|scripts|target)/' <<<"$list"; then
         complain "the package must not hold these"
         return 1
     fi
     say "the package holds $(wc -l <<<"$list") files"
 }
 
-# Runs drawing tests on another implementation of OpenGL: $1 is the start of its renderer's name, $2 the
-# variables that choose it, the rest the arguments of cargo test. Fails if another renderer answers.
+# Runs unit tests on another implementation of OpenGL: $1 is the start of its renderer's name, $2 the variables
+# that choose it, the rest the arguments of the tests. Fails if another renderer answers.
 test_on() {
     local renderer="$1" names
-    local -a with
+    local -a with units=(cargo test "${EVERYTHING[@]}" --lib --)
     read -ra with <<<"$2"
     shift 2
-    names="$(env "${with[@]}" cargo test --locked --lib -- --nocapture gpu_context_describes_itself 2>&1)"
+    names="$(env "${with[@]}" "${units[@]}" --nocapture gpu_context_describes_itself 2>&1)"
     if ! grep -qF "gl: $renderer" <<<"$names"; then
         complain "$names"
         complain "not tested on $renderer: another renderer draws with ${with[*]}"
@@ -43,11 +83,11 @@ test_on() {
     fi
     say
     say "tests on another renderer, $(grep -F "gl: $renderer" <<<"$names")"
-    if ! env "${with[@]}" cargo test --locked "$@" --list 2>/dev/null | grep ': test$' >/dev/null; then
-        complain "there is no such test: cargo test $*"
+    if ! env "${with[@]}" "${units[@]}" "$@" --list 2>/dev/null | grep ': test$' >/dev/null; then
+        complain "there is no such test: ${units[*]} $*"
         return 1
     fi
-    run env "${with[@]}" cargo test --locked "$@"
+    run env "${with[@]}" "${units[@]}" "$@"
 }
 
 # zink on lavapipe is OpenGL on top of Vulkan. Its tests run one after the other, and one of them without Mesa's
@@ -56,27 +96,82 @@ check_other_implementations() {
     local zink="LIBGL_ALWAYS_SOFTWARE=1 MESA_LOADER_DRIVER_OVERRIDE=zink"
     local softpipe="LIBGL_ALWAYS_SOFTWARE=1 GALLIUM_DRIVER=softpipe"
     local threaded=gpu_drops_leave_the_context_of_others_current
-    test_on zink "$zink" --lib -- --test-threads=1 gpu:: kernel:: trace:: --skip "$threaded"
-    test_on zink "$zink mesa_glthread=false" --lib -- "trace::tests::foreign_contexts::$threaded" --exact
-    test_on softpipe "$softpipe" --lib -- gpu:: kernel::tests::driver_functions
+    test_on zink "$zink" --test-threads=1 gpu:: kernel:: trace:: --skip "$threaded"
+    test_on zink "$zink mesa_glthread=false" "trace::tests::foreign_contexts::$threaded" --exact
+    test_on softpipe "$softpipe" gpu:: kernel::tests::driver_functions
 }
 
-provide_packages "${NEEDED_TO_TEST[@]}"
-need_cargo fmt clippy
+# Lints each package with each of its features alone, and without any.
+check_features() {
+    run cargo hack clippy --locked --workspace --each-feature --exclude-features default --exclude-all-features \
+        -- -D warnings
+}
 
-run cargo fmt --check
-run cargo clippy --locked --all-targets -- -D warnings
-run cargo clippy --locked --no-default-features --lib -- -D warnings
-for features in picture walkthrough experiment parquet cli demo audio; do
-    run cargo clippy --locked --no-default-features --features "$features" -- -D warnings
-done
-run python3 scripts/common/import_circles.py
-run scripts/public-api.sh
-run cargo test --locked
-check_other_implementations
-run scripts/browser-test.sh
-run check_package
-run cargo package --locked --allow-dirty --no-verify
+# The oldest Rust that Cargo.toml promises compiles everything. Nothing to do if it is the one that ran the tests.
+check_oldest_rust() {
+    local oldest
+    oldest="$(sed -n 's/^rust-version = "\(.*\)"$/\1/p' Cargo.toml)"
+    if [[ "$(rustc --version)" == "rustc $oldest."* ]]; then
+        say "Rust $oldest, the oldest promised, compiled all of this"
+    elif command -v rustup >/dev/null; then
+        run rustup toolchain install --profile minimal "$oldest"
+        run cargo "+$oldest" check --target-dir target/oldest-rust "${EVERYTHING[@]}"
+    else
+        complain "Rust $oldest, the oldest promised, was not tried: there is no rustup to install it"
+    fi
+}
+
+# Licences and duplicates of the crates that are used (deny.toml). Advisories, which come from the net and change
+# without a change here, are looked up by .github/workflows/ci.yml.
+check_crates() {
+    if cargo deny --version >/dev/null 2>&1; then
+        run cargo deny --workspace --all-features check bans licenses sources
+    else
+        complain "licences and duplicates of crates were not checked: $(how_to_install_cargo deny)"
+    fi
+}
+
+check_code() {
+    run cargo fmt --all --check
+    run cargo fmt --all --check --manifest-path apps/page/Cargo.toml
+    run cargo clippy "${EVERYTHING[@]}" --all-targets -- -D warnings
+    run python3 scripts/common/import_circles.py
+}
+
+check_fast() {
+    need_cargo fmt clippy
+    check_code
+    run cargo test "${EVERYTHING[@]}" --lib --test surfaces -- "${SLOW[@]/#/--skip=}"
+}
+
+check_all() {
+    provide_packages "${NEEDED_TO_TEST[@]}"
+    need_cargo fmt clippy
+    provide_cargo hack
+    check_code
+    check_features
+    run scripts/public-api.sh
+    run cargo test "${EVERYTHING[@]}"
+    check_other_implementations
+    run scripts/browser-test.sh
+    check_oldest_rust
+    check_crates
+    check_package
+    run cargo package --locked --allow-dirty --no-verify -p echomarch
+}
+
+case "${1:-}" in
+"") check_all ;;
+--fast) check_fast ;;
+-h | --help)
+    usage
+    exit 0
+    ;;
+*)
+    usage >&2
+    exit 2
+    ;;
+esac
 
 say
-say "all checks passed"
+say "all of these checks passed"

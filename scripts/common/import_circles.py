@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Lists circles of imports among the Rust files of src/, and among its folders; exits 1 if there are any.
+"""Lists circles of imports among the Rust files of the library and of each package in apps/, and among their folders;
+exits 1 if there are any.
 
 A file imports another if a `use` names something defined there. A file and the files of its own folder-module
 (`cells.rs` and `cells/`) count as one module: circles between a module and its parts are ignored, and so are tests.
@@ -9,18 +10,18 @@ import re
 import sys
 from pathlib import Path
 
-SOURCE = Path(__file__).resolve().parents[2] / "src"
+ROOT = Path(__file__).resolve().parents[2]
 
 
-def module_of(path):
-    parts = list(path.relative_to(SOURCE).with_suffix("").parts)
+def module_of(path, source):
+    parts = list(path.relative_to(source).with_suffix("").parts)
     if parts[-1] == "mod":
         parts.pop()
     return tuple(parts)
 
 
-def is_test(path):
-    parts = path.relative_to(SOURCE).with_suffix("").parts
+def is_test(path, source):
+    parts = path.relative_to(source).with_suffix("").parts
     return "tests" in parts or path.name in ("lib.rs", "main.rs")
 
 
@@ -61,9 +62,9 @@ def absolute(path, module):
 
 
 class Sources:
-    def __init__(self):
-        files = [path for path in SOURCE.rglob("*.rs") if not is_test(path)]
-        self.texts = {module_of(path): without_tests(path.read_text()) for path in files}
+    def __init__(self, source):
+        files = [path for path in source.rglob("*.rs") if not is_test(path, source)]
+        self.texts = {module_of(path, source): without_tests(path.read_text()) for path in files}
         self.public = {module: dict(self.reexports(module)) for module in self.texts}
 
     def uses(self, module, pattern):
@@ -127,28 +128,35 @@ def circles(imports):
     return found
 
 
-def folders(imports):
-    """The imports among the folders of src/, without single files such as error.rs."""
+def folders(imports, source):
+    """The imports among the folders of a package's source, without single files such as error.rs."""
     found = {}
     for module, targets in imports.items():
-        if (SOURCE / module[0]).is_dir():
+        if (source / module[0]).is_dir():
             others = {to[:1] for to in targets if to[:1] != module[:1]}
-            found.setdefault(module[:1], set()).update(to for to in others if (SOURCE / to[0]).is_dir())
+            found.setdefault(module[:1], set()).update(to for to in others if (source / to[0]).is_dir())
+    return found
+
+
+def has_circles(source):
+    """Whether a package has any; prints them."""
+    imports = Sources(source).imports()
+    found = False
+    for what, graph in (("files", imports), ("folders", folders(imports, source))):
+        for circle in circles(graph):
+            found = True
+            print(f"{what} of {source.relative_to(ROOT)} that import each other in a circle:")
+            for node in circle:
+                inside = sorted("/".join(to) for to in graph[node] if to in circle)
+                print(f"  {'/'.join(node)} -> {', '.join(inside)}")
     return found
 
 
 def main():
     sys.setrecursionlimit(10_000)
-    imports = Sources().imports()
-    failed = False
-    for what, graph in (("files", imports), ("folders", folders(imports))):
-        for circle in circles(graph):
-            failed = True
-            print(f"{what} that import each other in a circle:")
-            for node in circle:
-                inside = sorted("/".join(to) for to in graph[node] if to in circle)
-                print(f"  {'/'.join(node)} -> {', '.join(inside)}")
-    return 1 if failed else 0
+    sources = [ROOT / "src", *sorted(ROOT.glob("apps/**/src"))]
+    # Every package is looked at, also after one with circles.
+    return 1 if any([has_circles(source) for source in sources]) else 0
 
 
 if __name__ == "__main__":

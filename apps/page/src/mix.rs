@@ -2,7 +2,7 @@
 
 use crate::{listen, profile, scene, thrown};
 use echomarch::audio::SoundSpec;
-use echomarch::walkthrough::{HeardMessage, Mix};
+use echomarch_walk::{HeardMessage, Mix};
 use wasm_bindgen::prelude::*;
 
 /// Mixes all sources into blocks of samples.

@@ -3,7 +3,7 @@
 use crate::{scene, settings, thrown};
 use echomarch::glam::Vec3;
 use echomarch::gpu::Context;
-use echomarch::walkthrough::{MoveInput, Visit, Walker};
+use echomarch_walk::{MoveInput, Visit, Walker};
 use wasm_bindgen::prelude::*;
 use web_sys::WebGl2RenderingContext;
 

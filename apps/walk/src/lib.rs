@@ -5,7 +5,6 @@
 //! | `visit` | one walk through a scene, for the page: time passes, waves are traced, the picture and the plan are drawn |
 //! | `world`, `walk` | the scene in its current state, the listener's position in it |
 //! | `values` | its named values |
-//! | `view` | the listener's view |
 //! | `plan`, `paths` | the scene from above, and the waves shown in it |
 //! | `hearing` | full listening |
 //! | `ears`, `mix` | for the page: full listening as plain numbers, and mixed into slices |

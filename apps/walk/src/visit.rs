@@ -16,7 +16,7 @@ use glam::Vec3;
 ///
 /// ```
 /// use echomarch::gpu::{Context, ContextOptions};
-/// use echomarch::walkthrough::{MoveInput, Visit};
+/// use echomarch_walk::{MoveInput, Visit};
 /// use echomarch::{Scene, Settings};
 ///
 /// let context = Context::headless(&ContextOptions::default())?;

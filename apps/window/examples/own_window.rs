@@ -2,8 +2,8 @@
 //! that context, draws, and polls the result. Echomarch restores all state that it changes.
 //!
 //! ```sh
-//! cargo run --release --example own_window
-//! cargo run --release --example own_window -- 60    # ends after 60 pictures
+//! cargo run --release -p echomarch-window --example own_window
+//! cargo run --release -p echomarch-window --example own_window -- 60    # ends after 60 pictures
 //! ```
 
 use echomarch::audio::PanningLaw;

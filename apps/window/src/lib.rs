@@ -2,7 +2,7 @@
 //!
 //! The picture is sphere traced with the distance function that the waves march through, and its camera is the
 //! listener. Waves are traced beside the pictures, in parts if they take long, and read back without waiting
-//! ([`Tracer::frame_begin`](crate::Tracer::frame_begin)); the result goes to the sound thread. Panels show the plan,
+//! ([`Tracer::frame_begin`](echomarch::Tracer::frame_begin)); the result goes to the sound thread. Panels show the plan,
 //! the levels and the frame times, and hold the controls.
 //!
 //! | file | what it does |
@@ -21,8 +21,7 @@
 //! | `sound` | the speakers |
 //! | `ears`, `listening` | full listening on a thread of its own; its connection to the speakers |
 //!
-//! Walking, the picture, the plan and its paths are shared with the page in a browser: see
-//! [`walkthrough`](crate::walkthrough).
+//! Walking, the picture, the plan and its paths are shared with the page in a browser: see [`echomarch_walk`].
 //!
 //! Threads: the picture is drawn and the waves are traced on the thread that calls [`run`], which must be the process'
 //! first. Full listening is traced on a thread and a context of its own.

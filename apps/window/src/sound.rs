@@ -1,6 +1,6 @@
 //! The sound of the window: takes gains, reports the device's status.
 //!
-//! With the feature `audio` it plays through [`crate::audio::live`]; without it the window is
+//! With the feature `audio` it plays through [`echomarch::audio::live`]; without it the window is
 //! silent and a message reports that.
 
 use super::DemoOptions;

@@ -1,5 +1,5 @@
 //! The window's scenes, files and named values, its mouse, and how it ends.
-#[cfg(feature = "demo")]
+
 use crate::common::cli::{argument, command, stderr, succeed};
 use crate::common::drop::drop_file;
 use crate::common::window::{Demo, Display};

@@ -1,5 +1,5 @@
 //! The window as a user uses it.
-#[cfg(feature = "demo")]
+
 use crate::common::cli::{argument, command, echomarch, json, stderr, succeed};
 use crate::common::window::{Display, Image};
 use serde_json::Value;

@@ -7,9 +7,11 @@ mod bad_input;
 mod cli;
 mod cli_options;
 mod cost;
+#[cfg(feature = "demo")]
 mod demo_scenes;
 #[cfg(all(feature = "demo", feature = "audio"))]
 mod demo_sound;
+#[cfg(feature = "demo")]
 mod demo_window;
 mod gpu_report;
 mod heard_paths;
@@ -22,6 +24,7 @@ mod localise_form;
 mod localise_score;
 #[path = "../../../../tests/sound/measures.rs"]
 mod measures;
+#[cfg(feature = "demo")]
 mod own_window;
 mod page;
 mod panning;

@@ -1,25 +1,16 @@
 //! The example of a game that traces waves on the context of its own window.
 
 use super::common::window::Display;
+use std::path::PathBuf;
 use std::process::Command;
 
-/// Protects `examples/own_window.rs`: a window of winit and glutin draws pictures, and traces frames of waves between
-/// them.
+/// Protects `apps/window/examples/own_window.rs`: a window of winit and glutin draws pictures, and traces frames of
+/// waves between them.
 #[test]
 fn a_game_traces_waves_on_its_own_context() {
     let display = Display::new();
-    let game = Command::new(env!("CARGO"))
-        .args([
-            "run",
-            "--locked",
-            "--quiet",
-            "-p",
-            "echomarch-window",
-            "--example",
-            "own_window",
-        ])
-        .args(["--", "200"])
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
+    let game = Command::new(built())
+        .arg("200")
         .env("DISPLAY", &display.name)
         .env_remove("WAYLAND_DISPLAY")
         .output()
@@ -34,4 +25,28 @@ fn a_game_traces_waves_on_its_own_context() {
         .and_then(|rest| rest.strip_suffix(" frames of waves"))
         .and_then(|frames| frames.parse::<u32>().ok());
     assert!(frames.is_some_and(|frames| frames > 0), "{out}");
+}
+
+/// The example, built beside this test, with the features of the whole workspace as `scripts/test.sh` builds it: no
+/// package is compiled for it alone.
+fn built() -> PathBuf {
+    let test = std::env::current_exe().unwrap();
+    let profile = test.ancestors().nth(2).unwrap();
+    let build = Command::new(env!("CARGO"))
+        .args([
+            "build",
+            "--locked",
+            "--quiet",
+            "--workspace",
+            "--all-features",
+        ])
+        .args(["--example", "own_window", "--target-dir"])
+        .arg(profile.parent().unwrap())
+        .args(profile.ends_with("release").then_some("--release"))
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .output()
+        .unwrap();
+    let errors = String::from_utf8_lossy(&build.stderr);
+    assert!(build.status.success(), "{errors}");
+    profile.join("examples/own_window")
 }

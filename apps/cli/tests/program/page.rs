@@ -1,4 +1,4 @@
-//! The page of `examples/browser`, in a headless browser whose WebGL is a software renderer: counts against the
+//! The page of `apps/page`, in a headless browser whose WebGL is a software renderer: counts against the
 //! program's, sound, keys, links, and invalid texts.
 //!
 //! `scripts/browser-test.sh` builds the page and runs these; otherwise they are skipped, since the build needs another

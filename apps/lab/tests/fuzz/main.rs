@@ -8,7 +8,7 @@ mod mutate;
 mod random;
 #[path = "../../../../tests/fuzz/scratch.rs"]
 mod scratch;
-#[path = "../shard.rs"]
+#[path = "../common/shard.rs"]
 mod shard_file;
 
 mod answers;

@@ -6,7 +6,7 @@ pub mod cli;
 pub mod drop;
 #[path = "../../../../../tests/common/mod.rs"]
 mod library;
-#[path = "../../../../lab/tests/shard.rs"]
+#[path = "../../../../lab/tests/common/shard.rs"]
 pub mod shard;
 #[cfg(feature = "demo")]
 pub mod window;

@@ -1,0 +1,81 @@
+//! How long the library takes for what a caller waits for: a frame, the programs of a scene, a response.
+//!
+//! ```sh
+//! cargo bench                                            # all
+//! cargo bench -- frame                                   # those with this word in their name
+//! MESA_SHADER_CACHE_DISABLE=true cargo bench -- programs # Mesa compiles again what it has compiled before
+//! ```
+//!
+//! Figures mean something beside the name of the renderer, which is printed first, and on a machine that does nothing
+//! else. Larger measurements are those of `echomarch figures`, `accuracy` and `cost`.
+
+use divan::{Bencher, black_box};
+use echomarch::glam::Vec3;
+use echomarch::gpu::{Context, ContextOptions};
+use echomarch::response::{Response, ResponseSettings};
+use echomarch::scene::{Material, shape::Room};
+use echomarch::{Error, Listener, Scene, Settings, Source, Surface, Tracer};
+
+/// Waves of a frame, as in README's table.
+const WAVES: u32 = 65_536;
+/// Waves of a frame whose waves cost nothing beside its programs.
+const FEW_WAVES: u32 = 64;
+/// Waves of a response: a quarter of the default, so that a sample takes less than a second in software.
+const RESPONSE_WAVES: u32 = 16_384;
+
+fn main() -> Result<(), Error> {
+    println!("renderer: {}", tracer()?.context().renderer());
+    divan::main();
+    Ok(())
+}
+
+fn tracer() -> Result<Tracer, Error> {
+    Tracer::new(&Context::headless(&ContextOptions::default())?)
+}
+
+/// A frame whose programs are compiled: waves through a scene of closed forms, and of marched fields.
+#[divan::bench(args = ["corner", "cave"], sample_size = 1)]
+fn frame(bencher: Bencher, name: &str) {
+    let scene = Scene::builtin(name).expect("a built-in scene");
+    let settings = Settings::default().with_waves(WAVES);
+    let mut tracer = tracer().expect("a renderer");
+    tracer.frame(&scene, &settings).expect("a first frame");
+    bencher.bench_local(|| tracer.frame(black_box(&scene), &settings));
+}
+
+/// The programs of a scene: linked, compiled, and used once, for some drivers compile at the first use.
+#[divan::bench(args = ["corner", "cave"], sample_size = 1, sample_count = 20)]
+fn programs(bencher: Bencher, name: &str) {
+    let scene = Scene::builtin(name).expect("a built-in scene");
+    let settings = Settings::default().with_waves(FEW_WAVES);
+    let context = Context::headless(&ContextOptions::default()).expect("a renderer");
+    bencher
+        .with_inputs(|| Tracer::new(&context).expect("a tracer"))
+        .bench_local_values(|mut tracer| {
+            tracer.frame(black_box(&scene), &settings).expect("a frame");
+            tracer
+        });
+}
+
+/// A response of a shoebox, early paths and late part.
+#[divan::bench(sample_size = 1, sample_count = 20)]
+fn response_of_a_shoebox(bencher: Bencher) {
+    let scene = shoebox();
+    let trace = Settings::default().with_waves(RESPONSE_WAVES);
+    let settings = ResponseSettings::default().with_trace(trace);
+    let mut tracer = tracer().expect("a renderer");
+    Response::trace(&mut tracer, &scene, &settings).expect("a first response");
+    bencher.bench_local(|| Response::trace(&mut tracer, black_box(&scene), &settings));
+}
+
+/// The room of docs/acoustics.md: 8 × 3 × 5 m, absorption 0.2.
+fn shoebox() -> Scene {
+    let size = Vec3::new(8.0, 3.0, 5.0);
+    let room = Surface::new(Room { size }).with_material("wall");
+    let source = Source::at(Vec3::new(-2.0, 0.0, -1.5));
+    let listener = Listener::at(Vec3::new(2.0, -0.3, 1.5), 0.3);
+    let mut scene = Scene::new("shoebox", vec![room], source, listener);
+    let wall = Material::absorbing(0.2);
+    scene.materials.insert("wall".to_owned(), wall);
+    scene
+}
