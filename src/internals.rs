@@ -10,11 +10,9 @@ macro_rules! open {
 open!(
     file_input,
     file_output,
-    fnv,
     platform,
-    rng,
     ron_error,
-    sphere_directions,
+    sampling,
     stats,
     text
 );

@@ -3,7 +3,7 @@
 use super::{Arrival, BandFigures, Echogram, Figures, Tap};
 use crate::bands::{BAND_COUNT, Bands};
 use crate::reference::{ImageSource, ShoeboxEnergies};
-use crate::rng::{hash, unit_interval};
+use crate::sampling::{hash, unit_interval};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};

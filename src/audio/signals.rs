@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::AudioError;
-use crate::rng::hash;
+use crate::sampling::hash;
 
 /// Consecutive mono samples; 1 is full scale.
 ///

@@ -16,7 +16,7 @@
 use super::Signal;
 use std::f64::consts::TAU;
 
-use crate::rng::{hash, unit_interval};
+use crate::sampling::{hash, unit_interval};
 
 /// Peak of the voice: no sample is further from 0, relative to full scale 1.
 pub const SPEECH_PEAK: f32 = 0.95;

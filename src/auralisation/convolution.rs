@@ -239,7 +239,7 @@ fn filter(band: usize, rate_hz: f64) -> Vec<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rng::{hash, unit_interval};
+    use crate::sampling::{hash, unit_interval};
 
     fn noise(seed: u64, count: usize) -> Vec<f32> {
         let sample = |index| unit_interval(hash(hash(seed) ^ index)) as f32 - 0.5;

@@ -9,7 +9,7 @@ use crate::acoustics::{
 };
 use crate::bands::{self, BAND_COUNT};
 use crate::response::{HeardPath, Response};
-use crate::rng::hash;
+use crate::sampling::hash;
 
 /// One of the strongest paths.
 #[derive(Clone, Copy, Debug)]

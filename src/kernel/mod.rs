@@ -23,7 +23,6 @@
 //! lists, like the surfaces' values, are in the scene's data.
 
 mod arrivals_shader;
-mod band_groups;
 mod cells;
 mod compiled_scene;
 mod covered_faces;
@@ -37,12 +36,12 @@ mod text;
 mod turn_budget;
 
 pub(crate) use arrivals_shader::{ArrivalsText, WORD_BITS, arrivals_text};
-pub(crate) use band_groups::band_groups;
 pub use cells::Lists;
 pub(crate) use compiled_scene::CompiledScene;
 pub(crate) use data::DATA_WIDTH;
 pub use layout::Layout;
 pub use materials::Materials;
+pub(crate) use materials::band_groups;
 pub use passes::Directions;
 #[cfg(feature = "picture")]
 pub(crate) use passes::first_person;

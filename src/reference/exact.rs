@@ -12,7 +12,7 @@
 
 use super::closed_form::{Face, Intersection, Placed, intersect_sphere};
 use super::hierarchy::Hierarchy;
-use crate::fnv;
+use crate::sampling::{FNV_EMPTY, fnv_with};
 use crate::scene::{Scene, SceneError};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -113,9 +113,9 @@ pub struct PathVertex {
 ///
 /// FNV-1a over whole object numbers instead of bytes.
 pub fn sequence_hash(objects: &[u32]) -> u64 {
-    objects.iter().fold(fnv::OFFSET, |hash, object| {
-        fnv::with(hash, u64::from(*object))
-    })
+    objects
+        .iter()
+        .fold(FNV_EMPTY, |hash, object| fnv_with(hash, u64::from(*object)))
 }
 
 /// The surface that a wave has just left, by index, and the face if it has faces.
@@ -263,7 +263,7 @@ impl ExactScene {
             wave.point = hit.point;
             wave.length += hit.t;
             wave.status = hit.object as i32;
-            wave.sequence_hash = fnv::with(wave.sequence_hash, u64::from(hit.object));
+            wave.sequence_hash = fnv_with(wave.sequence_hash, u64::from(hit.object));
             let Some((index, _)) = now_left else {
                 break;
             };
@@ -377,7 +377,7 @@ impl ExactWave {
             direction,
             incoming_direction: direction,
             length: 0.0,
-            sequence_hash: fnv::OFFSET,
+            sequence_hash: FNV_EMPTY,
         }
     }
 }

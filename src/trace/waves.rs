@@ -2,7 +2,7 @@
 //! back.
 
 use super::TraceError;
-use crate::rng::{hash, unit_interval};
+use crate::sampling::{hash, unit_interval};
 use glam::{DQuat, Quat, Vec3};
 use std::f64::consts::TAU;
 

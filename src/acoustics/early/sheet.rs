@@ -14,7 +14,7 @@
 //!
 //! X = 50 m and ℓ = 0.1 m give a gradient to 4·10⁻¹¹ and second derivatives to 10⁻⁶/m.
 
-use crate::fnv;
+use crate::sampling::{FNV_EMPTY, fnv_with};
 use crate::scene::Shape;
 use glam::{DMat3, DVec3};
 
@@ -307,14 +307,14 @@ impl Way {
             frame,
             level: 0.0,
             sign: 1.0,
-            id: fnv::OFFSET,
+            id: FNV_EMPTY,
         };
         way.branch(number.into())
     }
 
     /// The way down the branch with this number.
     pub fn branch(self, number: u64) -> Way {
-        let id = fnv::with(self.id, number + 1);
+        let id = fnv_with(self.id, number + 1);
         Way { id, ..self }
     }
 

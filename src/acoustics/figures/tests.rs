@@ -4,7 +4,7 @@ use super::uncertainty::student_975;
 use super::*;
 use crate::acoustics::tests::mean;
 use crate::bands::Bands;
-use crate::rng::{hash, unit_interval};
+use crate::sampling::{hash, unit_interval};
 use glam::DVec3;
 
 const BIN_S: f64 = 1e-3;

@@ -167,7 +167,7 @@ fn facet(directions: &[DVec3], middle: DVec3, corners: [usize; 3]) -> Option<Fac
 mod tests {
     use super::super::tests::grid;
     use super::*;
-    use crate::sphere_directions::lattice;
+    use crate::sampling::lattice;
 
     /// Protects the triangulation: a sphere of n directions has 2 n − 4 facets, also if many lie on
     /// one circle, and each pole is one direction.

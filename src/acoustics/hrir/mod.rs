@@ -24,7 +24,7 @@
 //!   its direction.
 
 use crate::audio::resample;
-use crate::sphere_directions::lattice;
+use crate::sampling::lattice;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::RangeInclusive;

@@ -1,7 +1,7 @@
 //! Sets of head-related impulse responses compared with exact responses of a rigid sphere.
 
 use super::{Hrir, HrirError, HrirPair, HrirSet, MeasuredHrir};
-use crate::sphere_directions::lattice;
+use crate::sampling::lattice;
 use glam::DVec3;
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex;

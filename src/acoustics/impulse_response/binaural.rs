@@ -5,7 +5,7 @@ use super::{Sound, amplitude};
 use crate::acoustics::Tap;
 use crate::acoustics::hrir::{Facets, Hrir, HrirPair, HrirSet};
 use crate::bands::BAND_COUNT;
-use crate::sphere_directions::lattice;
+use crate::sampling::lattice;
 use glam::DVec3;
 
 /// Number of ears of a listener.
@@ -182,7 +182,7 @@ mod tests {
     use super::*;
     use crate::acoustics::Echogram;
     use crate::acoustics::hrir::tests::{SAMPLES, grid, set, transfer};
-    use crate::sphere_directions::lattice;
+    use crate::sampling::lattice;
     use realfft::num_complex::Complex;
     use std::f64::consts::{PI, TAU};
     use std::sync::Arc;

@@ -3,7 +3,7 @@
 
 use super::{Encoding, MOST_CHANNELS, Noise, Sound, amplitude};
 use crate::bands::BAND_COUNT;
-use crate::rng::{hash, unit_interval};
+use crate::sampling::{hash, unit_interval};
 use realfft::num_complex::Complex;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};

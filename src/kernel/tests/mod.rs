@@ -3,8 +3,7 @@
 mod distance_functions;
 mod driver_functions;
 mod field_shaders;
-mod free_lines;
-mod parallel_lines;
+mod lines;
 
 use super::origin_rebasing::OriginRebasing;
 use super::text::{

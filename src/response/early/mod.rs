@@ -15,8 +15,8 @@ use crate::acoustics::early::{
 use crate::acoustics::{Arrival, Tap};
 use crate::bands::{self, Bands};
 use crate::error::Error;
+use crate::sampling::lattice;
 use crate::scene::{Scene, Shape};
-use crate::sphere_directions::lattice;
 use glam::Vec3;
 use sphere_mean::{Replaced, unhidden_taps};
 use std::f64::consts::PI;

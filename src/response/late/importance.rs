@@ -12,7 +12,7 @@
 
 use super::pilot::Pilot;
 use crate::kernel::Materials;
-use crate::rng::{hash, unit_interval};
+use crate::sampling::{hash, unit_interval};
 use crate::scene::Scene;
 use crate::trace::{Directions, Settings, Start};
 use glam::{DVec3, Vec3};
@@ -270,8 +270,8 @@ impl Cells {
 mod tests {
     use super::*;
     use crate::bands::BAND_COUNT;
+    use crate::sampling::lattice;
     use crate::scene::Material;
-    use crate::sphere_directions::lattice;
 
     const WAVES: u32 = 1 << 15;
 

@@ -2,7 +2,7 @@
 
 use super::work::row;
 use super::{Study, StudyError, Worker, lines};
-use echomarch::internals::rng::GOLDEN_GAMMA;
+use echomarch::internals::sampling::GOLDEN_GAMMA;
 use serde::Serialize;
 use std::time::{Duration, Instant};
 

@@ -4,8 +4,8 @@
 //! for the air and for the solid (of the value with its sign changed), for a complement, a
 //! difference or a shell turns the one into the other.
 
-use super::copies::{CopyAxes, keep_to_cells};
 use super::value::{Axis, arguments, mirrored};
+use super::{CopyAxes, keep_to_cells};
 use super::{Place, Writer};
 use crate::kernel::structure::Assets;
 use crate::kernel::text::link::has_function;

@@ -8,8 +8,8 @@
 //! it meets is the nearest. Where there may be too many for one flight the traversal has a step limit;
 //! it ends at what else the wave meets, so that the limit counts only where nothing else does.
 
-use super::copies::{CopyAxes, cells_crossed, has_step_limit, keep_to_cells};
 use super::value::arguments;
+use super::{CopyAxes, cells_crossed, has_step_limit, keep_to_cells};
 use super::{Place, Writer};
 use crate::kernel::structure::Assets;
 use crate::kernel::text::link::has_function;

@@ -11,21 +11,20 @@
 //! them at once, because several follow from one parameter (a rotation's nine).
 
 mod along;
-mod copies;
 mod hit;
-mod user;
 mod value;
 
 pub(in crate::kernel) use along::{free_text, is_bounded, leaps};
-pub(in crate::kernel) use copies::{cells_crossed, has_step_limit};
 pub(in crate::kernel) use hit::{has_closed_form, hit_text, takes_limit};
-pub(in crate::kernel) use user::user_parts;
-pub(crate) use user::{USER_FILE, shown_name, user_sources};
 pub(super) use value::{gradient_text, has_differences, normal_text, value_text};
 
+use super::link::{Part, Source, parts, source};
+use super::surface_names::no_comment;
 use crate::kernel::origin_rebasing::divides;
 use crate::kernel::structure::Assets;
-use crate::scene::Shape;
+use crate::scene::shape::Repeat;
+use crate::scene::{Copies, Node, Shape, UserField};
+use std::fmt::Write as _;
 
 /// Writes a function of a field.
 pub(in crate::kernel) type Write = fn(&Shape, &Place, &Assets) -> String;
@@ -125,4 +124,209 @@ pub(super) fn literal(number: f64) -> String {
     // An endless size stands for itself within what GLSL can write.
     let held = number.clamp(-1e30, 1e30);
     format!("{held:?}")
+}
+
+/// Cells of a repetition that a line is always taken past; of more, or without end, as far as
+/// the step limit.
+const MOST_CELLS: u64 = 1024;
+
+/// Whether each copy keeps to its own cell, so that a line intersects them in the order of the cells.
+pub(super) fn keep_to_cells(field: &Shape) -> bool {
+    let within = |copies: &Copies| !matches!(copies, Copies::Around(_));
+    field.copies().is_ok_and(|c| c.iter().all(within))
+}
+
+/// Cells that a line crosses at most on its way past all copies; `None` where there are too many, so that a
+/// traversal has a step limit.
+pub(in crate::kernel) fn cells_crossed(field: &Shape) -> Option<u64> {
+    let Node::Repeat(Repeat { period, count }) = &field.node else {
+        return Some(0);
+    };
+    let along = |axis: usize| match (period[axis] > 0.0, count[axis]) {
+        (false, _) => Some(1),
+        (true, 0) => None,
+        (true, count) => Some(u64::from(count)),
+    };
+    let cells: Option<u64> = (0..3).map(along).sum();
+    cells.filter(|cells| *cells <= MOST_CELLS)
+}
+
+/// Whether a traversal of copies of it has a step limit.
+pub(in crate::kernel) fn has_step_limit(field: &Shape) -> bool {
+    let unlimited = |node: &&Shape| cells_crossed(node).is_none();
+    field.nodes().iter().any(unlimited)
+}
+
+/// A repetition as the traversal takes it: vectors of expressions.
+pub(super) struct CopyAxes {
+    /// From the origin to the middle of copy 0.
+    pub shift: String,
+    /// From one copy to the next; 1 along an axis without repetition.
+    pub period: String,
+    /// The box about a copy's middle.
+    least: String,
+    most: String,
+    /// Numbers of the copies.
+    first: String,
+    last: String,
+}
+
+impl CopyAxes {
+    /// The axes of a `Repeat` with these numbers as expressions.
+    pub fn new(field: &Shape, numbers: &[String]) -> Option<CopyAxes> {
+        let Node::Repeat(Repeat { period, count }) = &field.node else {
+            return None;
+        };
+        let axes = [0, 1, 2].map(|axis| {
+            let count = (period[axis] > 0.0).then_some(count[axis]);
+            Along::new(count, &numbers[axis])
+        });
+        let vector = |[x, y, z]: [&str; 3]| format!("vec3({x}, {y}, {z})");
+        let each = |of: fn(&Along) -> &str| vector([0, 1, 2].map(|axis| of(&axes[axis])));
+        let three = |from: usize| vector([0, 1, 2].map(|axis| numbers[from + axis].as_str()));
+        Some(CopyAxes {
+            shift: each(|along| &along.shift),
+            period: each(|along| &along.period),
+            least: three(3),
+            most: three(6),
+            first: each(|along| &along.first),
+            last: each(|along| &along.last),
+        })
+    }
+
+    /// The traversal of a line whose start is relative to copy 0.
+    pub fn traversal(&self, q: &str, d: &str, error_bound: &str) -> String {
+        let CopyAxes {
+            period,
+            least,
+            most,
+            first,
+            last,
+            ..
+        } = self;
+        format!(
+            "traverseCopies({q}, {d}, {error_bound}, {period}, {least}, {most}, {first}, {last})"
+        )
+    }
+}
+
+/// One axis of it.
+struct Along {
+    shift: String,
+    period: String,
+    first: String,
+    last: String,
+}
+
+impl Along {
+    /// With `count` copies (0: without end), or without repetition.
+    fn new(count: Option<u32>, period: &str) -> Along {
+        /// Beyond every copy that a float can number.
+        const NO_LAST: f64 = 1e30;
+        let (first, last) = match count {
+            None => (0.0, 0.0),
+            Some(0) => (-NO_LAST, NO_LAST),
+            Some(count) => {
+                let first = -f64::from(count / 2);
+                (first, first + f64::from(count - 1))
+            }
+        };
+        // Copies of an even number lie about the origin, none at it.
+        let even = count.is_some_and(|count| count > 0 && count.is_multiple_of(2));
+        Along {
+            shift: if even {
+                format!("0.5 * {period}")
+            } else {
+                literal(0.0)
+            },
+            period: if count.is_some() {
+                period.to_owned()
+            } else {
+                literal(1.0)
+            },
+            first: literal(first),
+            last: literal(last),
+        }
+    }
+}
+
+/// The users' own texts, and the functions that call them.
+pub(in crate::kernel) fn user_parts(assets: &Assets) -> Vec<Part> {
+    let mut all = Vec::new();
+    for (index, user) in assets.users.iter().enumerate() {
+        all.push(Part {
+            sources: Vec::from(user_text(user, index)),
+            defines: ["field", "fieldGradient"]
+                .map(|name| format!("user{index}_{name}("))
+                .to_vec(),
+            // It has nothing but what is its own.
+            uses: Vec::new(),
+        });
+        all.extend(user_functions(user, index).into_iter().flat_map(parts));
+    }
+    all
+}
+
+/// A user's text between what renames its names and what takes that back: its `field` is
+/// `user<index>_field` then. The text itself is the second of the three.
+pub(in crate::kernel) fn user_text(user: &UserField, index: usize) -> [Source; 3] {
+    let mut before = String::new();
+    let mut after = String::new();
+    for name in user.names() {
+        let _ = writeln!(before, "#define {name} {}", name_in_shader(index, &name));
+        let _ = writeln!(after, "#undef {name}");
+    }
+    let shown = shown_name(user);
+    [
+        Source::new(format!("names of {shown}, field {index}"), before),
+        Source::new(shown.clone(), user.shader_text()),
+        Source::new(format!("end of {shown}, field {index}"), after),
+    ]
+}
+
+/// What a name of a user's text is called in the shader. GLSL reserves two underscores in a row.
+fn name_in_shader(index: usize, name: &str) -> String {
+    match name.starts_with('_') {
+        true => format!("users{index}{name}"),
+        false => format!("user{index}_{name}"),
+    }
+}
+
+/// The file's name as it may stand in a comment.
+pub(crate) fn shown_name(user: &UserField) -> String {
+    user.file.display().to_string().replace(no_comment, "?")
+}
+
+/// The functions that call the text of a user's field, in the files called `User0`.
+fn user_functions(user: &UserField, index: usize) -> Vec<Source> {
+    let gradient = match user.states_gradient() {
+        true => source!("user/gradient.glsl"),
+        false => source!("user/differences.glsl"),
+    };
+    let numbered = |source: Source| {
+        let text = source.text.replace("User0", &format!("User{index}"));
+        let text = text.replace("user0_", &format!("user{index}_"));
+        let name = format!("{}, field {index}", source.name);
+        Source::new(name, text)
+    };
+    [source!("user/value.glsl"), gradient]
+        .map(numbered)
+        .to_vec()
+}
+
+/// The number by which a driver's messages name the user's own text in [`user_sources`].
+pub(crate) const USER_FILE: u32 = 2;
+
+/// A fragment shader with the field alone: its values, and the gradients that it states, at the
+/// points in `uPoints`.
+pub(crate) fn user_sources(user: &UserField) -> Vec<Source> {
+    let mut sources = Vec::from(user_text(user, 0));
+    let stated = match user.states_gradient() {
+        true => "user0_fieldGradient(p)",
+        false => "vec3(0.0)",
+    };
+    let function = format!("vec3 statedGradient(vec3 p) {{\n    return {stated};\n}}\n");
+    sources.push(Source::new("the stated gradient", function));
+    sources.push(source!("user/check.frag"));
+    sources
 }

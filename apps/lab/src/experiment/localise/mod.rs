@@ -41,7 +41,7 @@ pub use answers::{
     Answer, AnswersError, FORMAT, MOST_CONFIDENT, MOST_TRIALS, Session, StimulusInfo, TrialAnswer,
     VERSION,
 };
-pub use echomarch::internals::rng::Random;
+pub use echomarch::internals::sampling::Random;
 pub use listen::{
     Converged, Heard, LoadedSound, converge, facings, listen, observe, source_at, source_towards,
     without_ground,

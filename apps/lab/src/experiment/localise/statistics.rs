@@ -18,7 +18,7 @@
 //! than that no interval is reported.
 
 use crate::stats::{mean, median, quantiles};
-use echomarch::internals::rng::Random;
+use echomarch::internals::sampling::Random;
 use serde::Serialize;
 
 /// Number of resamples of a bootstrap.

@@ -3,7 +3,7 @@
 use super::Trial;
 use base64::prelude::{BASE64_STANDARD, Engine};
 use echomarch::audio::{SAMPLE_RATE, wav_to_io};
-use echomarch::internals::fnv;
+use echomarch::internals::sampling::fnv_of_bytes;
 use hound::{SampleFormat, WavSpec, WavWriter};
 use std::io::{self, Cursor};
 
@@ -42,7 +42,7 @@ pub fn data_url(kind: &str, bytes: &[u8]) -> String {
 pub fn fingerprint(trials: &[Trial]) -> String {
     // Trials are plain data, which can always be written as JSON.
     let text = serde_json::to_vec(trials).unwrap_or_default();
-    format!("{:016x}", fnv::of_bytes(&text))
+    format!("{:016x}", fnv_of_bytes(&text))
 }
 
 #[cfg(test)]

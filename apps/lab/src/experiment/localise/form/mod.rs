@@ -22,7 +22,7 @@ use super::observer::{Levels, Observer, azimuth_deg, lateral_deg};
 use echomarch::Error;
 use echomarch::audio::{PanningLaw, SoundSpec};
 use echomarch::internals::file_output::{OutputError, write_inside};
-use echomarch::internals::rng::Random;
+use echomarch::internals::sampling::Random;
 use echomarch::scene::Scene;
 use echomarch::trace::{Profile, Settings, Tracer};
 pub use plan::Plan;

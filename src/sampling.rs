@@ -1,8 +1,15 @@
-//! Reproducible random numbers, the same for a seed on every machine: SplitMix64.
+//! Reproducible samples, the same on every machine: random numbers by SplitMix64, hashes by FNV-1a, and directions on a
+//! lattice.
 //!
-//! G. L. Steele, D. Lea and C. H. Flood, *Fast Splittable Pseudorandom Number Generators*, OOPSLA
-//! 2014: a counter advances by a fixed odd number, and each of its values is mixed. So a number can
-//! also be computed from its index, without the previous ones.
+//! G. L. Steele, D. Lea and C. H. Flood, *Fast Splittable Pseudorandom Number Generators*, OOPSLA 2014: a counter
+//! advances by a fixed odd number, and each of its values is mixed. So a number can also be computed from its index,
+//! without the previous ones.
+//!
+//! G. Fowler, L. C. Noll, K.-P. Vo, D. Eastlake, *The FNV Non-Cryptographic Hash Algorithm*, IETF draft. The standard
+//! algorithm takes bytes; here whole numbers are accepted as well.
+
+use glam::DVec3;
+use std::f64::consts::TAU;
 
 /// The odd integer next to 2^64 ÷ the golden ratio, the step of the counter.
 pub const GOLDEN_GAMMA: u64 = 0x9e37_79b9_7f4a_7c15;
@@ -53,6 +60,33 @@ impl Random {
     }
 }
 
+/// The hash of an empty sequence.
+pub const FNV_EMPTY: u64 = 0xcbf2_9ce4_8422_2325;
+
+/// The hash with one more number appended.
+pub fn fnv_with(hash: u64, number: u64) -> u64 {
+    (hash ^ number).wrapping_mul(0x0000_0100_0000_01b3)
+}
+
+/// The hash of these bytes.
+pub fn fnv_of_bytes(bytes: &[u8]) -> u64 {
+    bytes
+        .iter()
+        .fold(FNV_EMPTY, |hash, byte| fnv_with(hash, u64::from(*byte)))
+}
+
+/// A spherical Fibonacci lattice of `count` unit vectors (Swinbank and Purser, *Fibonacci grids*,
+/// QJRMS 132, 2006): heights in equal steps, azimuths by the golden ratio.
+pub fn lattice(count: u64) -> impl Iterator<Item = DVec3> {
+    let golden = (5f64.sqrt() - 1.0) / 2.0;
+    (0..count).map(move |index| {
+        let height = 1.0 - (2.0 * index as f64 + 1.0) / count as f64;
+        let (sin, cos) = (TAU * (index as f64 * golden).fract()).sin_cos();
+        let ring = (1.0 - height * height).sqrt();
+        DVec3::new(ring * cos, height, ring * sin)
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -100,5 +134,13 @@ mod tests {
         let mut sorted = order(7);
         sorted.sort_unstable();
         assert_eq!(sorted, (0..50).collect::<Vec<u32>>());
+    }
+
+    /// Protects fingerprints from wrong constants: the draft's test vectors.
+    #[test]
+    fn hashes_are_those_of_fnv_1a() {
+        assert_eq!(fnv_of_bytes(b""), 0xcbf2_9ce4_8422_2325);
+        assert_eq!(fnv_of_bytes(b"a"), 0xaf63_dc4c_8601_ec8c);
+        assert_eq!(fnv_of_bytes(b"foobar"), 0x8594_4171_f739_67e8);
     }
 }
