@@ -150,7 +150,7 @@ provide_packages() {
 # The command that installs a cargo subcommand.
 how_to_install_cargo() {
     case "$1" in
-        deny | hack | mutants) echo "cargo install --locked cargo-$1" ;;
+        deny | mutants) echo "cargo install --locked cargo-$1" ;;
         *) echo "rustup component add rustfmt clippy" ;;
     esac
 }
@@ -169,14 +169,6 @@ need_cargo() {
         fi
     done
     cargo --version
-}
-
-# Installs a cargo subcommand from the registry unless it is there.
-provide_cargo() {
-    if ! cargo "$1" --version >/dev/null 2>&1; then
-        # shellcheck disable=SC2046 # A command and its arguments.
-        run $(how_to_install_cargo "$1")
-    fi
 }
 
 # Prints a command in a form that can be pasted, then runs it.

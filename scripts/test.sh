@@ -8,7 +8,7 @@ usage() {
 usage: scripts/test.sh [--fast]
 
 Checks format, lints, documentation and package, and runs all tests, on other implementations of OpenGL and
-in a browser too. Missing Debian packages and cargo-hack are installed.
+in a browser too. Missing Debian packages are installed.
 
   --fast  only format, lints, unit tests and one integration program of the library, without the slowest of
           them, and without other OpenGL, a display, a sound server or a browser; nothing is installed
@@ -101,10 +101,14 @@ check_other_implementations() {
     test_on softpipe "$softpipe" gpu:: kernel::tests::driver_functions
 }
 
-# Lints each package with each of its features alone, and without any.
+# Lints each package with each of its features alone, and without any. Not by cargo hack: in the root it also builds
+# the other default members, which turn on features that the library alone would lack.
 check_features() {
-    run cargo hack clippy --locked --workspace --each-feature --exclude-features default --exclude-all-features \
-        -- -D warnings
+    local combinations package features
+    combinations="$(cargo metadata --locked --no-deps --format-version 1 | python3 scripts/common/features.py)"
+    while read -r package features; do
+        run cargo clippy --locked -p "$package" --no-default-features --features "$features" -- -D warnings </dev/null
+    done <<<"$combinations"
 }
 
 # The oldest Rust that Cargo.toml promises compiles everything. Nothing to do if it is the one that ran the tests.
@@ -147,7 +151,6 @@ check_fast() {
 check_all() {
     provide_packages "${NEEDED_TO_TEST[@]}"
     need_cargo fmt clippy
-    provide_cargo hack
     check_code
     check_features
     run scripts/public-api.sh

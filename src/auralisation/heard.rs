@@ -188,7 +188,7 @@ fn key(path: &HeardPath) -> u64 {
 /// A [`Heard`] as plain numbers, for a player that shares no memory with the tracing thread.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HeardParts {
-    /// [`HeardParts::ECHO`] numbers for each single echo.
+    /// `HeardParts::ECHO` numbers for each single echo.
     pub echoes: Vec<f64>,
     /// The samples of the late part, one channel after the other; `None` if it stays unchanged.
     pub late: Option<Vec<f32>>,

@@ -20,7 +20,7 @@ pub trait Target {
 /// A texture that the program reads must not be one that the target writes to.
 ///
 /// # Errors
-/// What GL reports, in debug builds: see [`Context::debug_check`].
+/// What GL reports, in debug builds: see `Context::debug_check`.
 pub fn full_screen_pass(
     context: &Context,
     program: &Program,
@@ -36,7 +36,7 @@ pub fn full_screen_pass(
 /// draw call that takes a graphics card several seconds. Rows from `height` on are left out.
 ///
 /// # Errors
-/// What GL reports, in debug builds: see [`Context::debug_check`].
+/// What GL reports, in debug builds: see `Context::debug_check`.
 pub fn full_screen_pass_rows(
     context: &Context,
     program: &Program,

@@ -110,7 +110,7 @@ pub struct FlutterBand {
     pub eyring_s: f64,
 }
 
-/// The pairs of walls that cause decays above [`MOST_TIMES_EYRING`] times Eyring's; `t30_s` holds
+/// The pairs of walls that cause decays above `MOST_TIMES_EYRING` times Eyring's; `t30_s` holds
 /// the seconds by band.
 pub fn flutters(scene: &Scene, t30_s: [Option<f64>; BAND_COUNT]) -> Vec<Flutter> {
     let Some(room) = EmptyRoom::of(scene) else {

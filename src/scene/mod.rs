@@ -173,7 +173,7 @@ impl Scene {
 
 impl Scene {
     /// Seconds for one evaluation of the slowest user's field, if that was measured; see
-    /// [`UserField::evaluation_seconds`].
+    /// `UserField::evaluation_seconds`.
     pub fn evaluation_seconds(&self) -> Option<f64> {
         self.user_fields()
             .filter_map(|field| field.evaluation_seconds())

@@ -112,7 +112,7 @@ impl Study {
     /// Reads a study file, and the scenes that it names from its folder.
     ///
     /// ```no_run
-    /// use echomarch::study::{Shard, Study, Worker, compute, join};
+    /// use echomarch_lab::study::{Shard, Study, Worker, compute, join};
     /// # use echomarch::{Tracer, gpu::Context};
     /// let study = Study::from_file("study.ron".as_ref())?;
     /// let tracer = Tracer::new(&Context::headless(&Default::default())?)?;
