@@ -7,15 +7,7 @@ macro_rules! open {
     };
 }
 
-open!(
-    file_input,
-    file_output,
-    platform,
-    ron_error,
-    sampling,
-    stats,
-    text
-);
+open!(file_input, file_output, platform, ron_error, sampling, text);
 
 pub mod plain_file {
     pub use crate::file_input::{count_names as names, open_plain as open};

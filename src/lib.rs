@@ -42,11 +42,6 @@
 //! | [`gpu`] | contexts without a window, and the available renderers |
 //! | [`mod@reference`] | exact waves on the CPU, to check against |
 //! | `picture` | the listener's view, and the plan with paths (feature `picture`) |
-//! | `experiment` | the thesis' experiments, and the cost of accuracy (feature `experiment`) |
-//! | `report` | reports of experiments, for people and for programs (feature `experiment`) |
-//! | `study` | sweeps and maps, divided into shards that any machine can compute (feature `experiment`) |
-//! | `walkthrough` | a walk through a scene, for the window and for a page in a browser (feature `walkthrough`) |
-//! | `demo` | the window: walk through a scene and hear it (feature `demo`) |
 //! | [`error`] | the error type |
 //!
 //! # Untrusted scenes
@@ -55,18 +50,16 @@
 //! child process first: see [`trace::FieldTrial`].
 //!
 //! # Features
-//! | feature | default | adds |
-//! | --- | --- | --- |
-//! | `audio` | yes | live output through a sound card, in [`audio`] |
-//! | `picture` | with `experiment`, `demo` | pictures and plans of scenes as PNG |
-//! | `experiment` | with `cli` | the experiments, studies and their reports |
-//! | `sofa` | with `cli` | head-related impulse responses from SOFA files |
-//! | `parquet` | yes | the tables of studies also as Parquet files |
-//! | `walkthrough` | with `demo` | a walk through a scene, for your own window or page |
-//! | `demo` | yes | the window, as a module; needs no crate of the command line |
-//! | `cli` | yes | the program `echomarch`; its subcommand `demo` with the feature `demo` |
+//! No feature is on by default.
 //!
-//! To use only the library, set `default-features = false`.
+//! | feature | adds |
+//! | --- | --- |
+//! | `audio` | live output through a sound card, in [`audio`] |
+//! | `picture` | pictures and plans of scenes as PNG |
+//! | `sofa` | head-related impulse responses from SOFA files |
+//! | `window` | contexts of windows on X11 and Wayland, for the program's own window |
+//!
+//! The program, its experiments and studies, and its window are packages of their own, under `apps/`.
 //!
 //! # Threads
 //! Scenes, settings, frames and everything in [`audio`] may move between threads. A
@@ -98,7 +91,6 @@ pub mod response;
 mod ron_error;
 mod sampling;
 pub mod scene;
-mod stats;
 mod text;
 pub mod trace;
 

@@ -50,7 +50,7 @@ pub struct Milliseconds {
 impl Milliseconds {
     /// The median of each part over several frames, each by itself; zeros for none.
     pub fn medians(frames: &[Milliseconds]) -> Milliseconds {
-        let part = |of: fn(&Milliseconds) -> f64| crate::stats::median(frames.iter().map(of));
+        let part = |of: fn(&Milliseconds) -> f64| crate::sampling::median(frames.iter().map(of));
         Milliseconds {
             initialise: part(|m| m.initialise),
             march: part(|m| m.march),

@@ -12,4 +12,7 @@ pub mod report;
 pub mod study;
 pub mod text;
 
-pub use echomarch::internals::stats;
+/// Mean, median and quantiles: one definition for every report.
+pub mod stats {
+    pub use echomarch::internals::sampling::{mean, median, quantiles};
+}

@@ -323,7 +323,7 @@ pub enum HrirError {
         /// Its direction, listener axes.
         from: glam::DVec3,
     },
-    /// A sample that is not a finite number, or is larger than [`LOUDEST`](LOUDEST).
+    /// A sample that is not a finite number, or is larger than [`LOUDEST`].
     #[error(
         "measurement {index} has the sample {value}: samples must be finite and no larger than {}",
         LOUDEST
@@ -334,7 +334,7 @@ pub enum HrirError {
         /// The sample.
         value: f32,
     },
-    /// A delay that is not a finite number, or beyond [`LONGEST_DELAY_S`](LONGEST_DELAY_S).
+    /// A delay that is not a finite number, or beyond [`LONGEST_DELAY_S`].
     #[error(
         "measurement {index} has a delay of {seconds} s: it must be within ±{} s",
         LONGEST_DELAY_S

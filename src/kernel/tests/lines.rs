@@ -9,10 +9,10 @@ use crate::kernel::Lists;
 use crate::kernel::text::field::is_bounded;
 use crate::kernel::text::{ListenerText, closed_form_parts, directed_parts};
 use crate::reference::ExactScene;
+use crate::sampling::median;
 use crate::scene::Shape;
 use crate::scene::shape::tests::table::{Entry, on_cpu, scene_of, surfaces, to_world};
 use crate::scene::shape::{CappedCylinder, Capsule, Cone, Cuboid, HalfSpace, Prism};
-use crate::stats::median;
 use crate::test_common::{Random, context};
 use glam::{DVec3, Vec2, Vec3};
 

@@ -263,6 +263,12 @@ pub(super) fn has_function(name: &str) -> bool {
     DEFINED.contains(format!("{name}(").as_str())
 }
 
+/// Whether a character must not be in a comment: GLSL's character set is ASCII, and a backslash would
+/// carry the comment on to the next line.
+pub(super) fn no_comment(character: char) -> bool {
+    character == '\\' || !(character.is_ascii_graphic() || character == ' ')
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,6 +1,7 @@
 //! The names by which generated text calls a surface, or a kind of surfaces.
 
 use super::field::{self, has_closed_form};
+use super::link::no_comment;
 use crate::kernel::origin_rebasing::value_count;
 use crate::kernel::structure::Assets;
 use crate::scene::{Node, Scene, Shape, Surface};
@@ -55,12 +56,6 @@ pub(in crate::kernel) fn value_name(place: usize) -> String {
 /// The variable of a surface's squared radius, by the place of its first value.
 fn squared_radius_name(place: usize) -> String {
     format!("squaredRadius{place}")
-}
-
-/// Whether a character must not be in a comment: GLSL's character set is ASCII, and a backslash would
-/// carry the comment on to the next line.
-pub(super) fn no_comment(character: char) -> bool {
-    character == '\\' || !(character.is_ascii_graphic() || character == ' ')
 }
 
 impl<'a> Named<'a> {

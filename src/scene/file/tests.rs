@@ -148,7 +148,7 @@ fn errors_point_at_their_own_file_and_line() {
         ),
         (
             "Scene(base: \"empty.ron\")",
-            "empty.ron:2:23: there is no field `old`",
+            "empty.ron:2:19: there is no field `old`",
         ),
         (
             "Scene(base: \"none.ron\")",

@@ -6,8 +6,8 @@
 
 use crate::gpu::{Api, Context};
 use crate::reference::tests::march32::{self, MarchedWave};
+use crate::sampling::median;
 use crate::scene::shape::Room;
-use crate::stats::median;
 use crate::test_common::{builtin, context, for_each_api, thesis};
 use crate::trace::{Fate, ThesisOptions, Wave};
 use crate::{Frame, Node, Scene, Settings, Surface, Tracer};

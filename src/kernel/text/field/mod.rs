@@ -18,8 +18,7 @@ pub(in crate::kernel) use along::{free_text, is_bounded, leaps};
 pub(in crate::kernel) use hit::{has_closed_form, hit_text, takes_limit};
 pub(super) use value::{gradient_text, has_differences, normal_text, value_text};
 
-use super::link::{Part, Source, parts, source};
-use super::surface_names::no_comment;
+use super::link::{Part, Source, no_comment, parts, source};
 use crate::kernel::origin_rebasing::divides;
 use crate::kernel::structure::Assets;
 use crate::scene::shape::Repeat;

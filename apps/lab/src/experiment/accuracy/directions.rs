@@ -1,7 +1,7 @@
 //! Directions for the limit of many waves, and the rate at which an error falls towards it.
 
 use super::report::{Slope, SlopePoint};
-use echomarch::internals::sampling::lattice;
+use echomarch::internals::sampling;
 use echomarch::trace::Directions;
 use glam::{DQuat, DVec3, Vec3};
 use std::f64::consts::PI;
@@ -15,7 +15,7 @@ pub fn lattice(count: u64, turned: bool) -> Vec<Vec3> {
         true => DQuat::from_axis_angle(DVec3::ONE.normalize(), PI),
         false => DQuat::IDENTITY,
     };
-    let all = lattice(count);
+    let all = sampling::lattice(count);
     all.map(|direction| (turn * direction).as_vec3()).collect()
 }
 
