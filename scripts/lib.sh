@@ -13,6 +13,7 @@ readonly -a NEEDED=(
     "libasound.so.2       libasound2        sound cards"
     "file:/usr/include/alsa/asoundlib.h libasound2-dev linking with the sound cards' library"
     "command:pkg-config   pkg-config        finds that library"
+    "command:python3      python3           checks imports, and writes reports"
     "libX11.so.6          libx11-6          the window (echomarch demo): the display"
     "libX11-xcb.so.1      libx11-xcb1       the window: the display, the other way"
     "libXcursor.so.1      libxcursor1       the window: the mouse's shape"
@@ -31,7 +32,6 @@ readonly -a NEEDED_TO_TEST=(
     "command:Xvfb         xvfb              a display without a screen, for the window"
     "command:xdotool      xdotool           presses the window's keys"
     "command:sox          sox               reads written WAV files"
-    "command:python3      python3           writes the report of a renderer"
     "icd:lvp              mesa-vulkan-drivers Vulkan in software, for another OpenGL (zink)"
 )
 

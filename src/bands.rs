@@ -13,6 +13,7 @@ pub type Bands = [f64; BAND_COUNT];
 pub(crate) const ALL: Bands = [1.0; BAND_COUNT];
 
 /// Adds numbers, band by band.
+#[doc(hidden)]
 pub fn add(sum: &mut Bands, more: &Bands) {
     for (sum, more) in sum.iter_mut().zip(more) {
         *sum += more;

@@ -151,7 +151,7 @@ impl Read for InputFile {
 
 impl InputError {
     /// The error that [`InputFile`] passed through a reader's error, or that error itself.
-    pub fn from_reading(error: io::Error) -> InputError {
+    pub(crate) fn from_reading(error: io::Error) -> InputError {
         match error.downcast::<InputError>() {
             Ok(ours) => ours,
             Err(error) => InputError::Io(error),

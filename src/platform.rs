@@ -12,8 +12,8 @@ pub use web_time::Instant;
 /// Whether files exist.
 pub const HAS_FILES: bool = !cfg!(target_arch = "wasm32");
 
-/// Whether OpenGL can be waited for, by a fence or `glFinish`: WebGL passes fences between two turns of the browser's
-/// event loop alone, and takes `finish` for a flush.
+/// Whether OpenGL can be waited for, by a fence or `glFinish`: WebGL signals fences only between two turns of the
+/// browser's event loop, and its `finish` only flushes.
 pub const CAN_WAIT_FOR_GL: bool = !cfg!(target_arch = "wasm32");
 
 /// What the buffers are for by which texels are read back. Chromium keeps a second copy of those that are read, and

@@ -370,7 +370,7 @@ fn errors_are_honest() {
     }
 }
 
-/// Protects a case that other programs were measured with: with 100,000 waves, late ones counted in a
+/// Protects the room that other programs were given too: with 100,000 waves, late ones counted in a
 /// large sphere, T30 is within 1 % and C80 within 0.1 dB of image sources.
 #[test]
 fn a_known_room_has_its_figures() {

@@ -39,7 +39,7 @@ pub trait Signal: Send {
     /// Overwrites `out` with the next `out.len()` samples.
     fn fill(&mut self, out: &mut [f32]);
 
-    /// Makes the sample with this number, counted from 0, the next one.
+    /// Continues at this sample, counted from 0.
     fn seek(&mut self, sample: u64);
 
     /// Chooses whether a sound with an end starts over there or falls silent. A sound without an

@@ -260,6 +260,7 @@ impl Context {
     /// context makes that one current.
     ///
     /// If this context cannot be made current, GL calls do nothing, and [`check`](Context::check) reports it.
+    #[doc(hidden)]
     pub fn gl(&self) -> &glow::Context {
         debug_assert!(
             self.caller_part().is_none_or(|part| part.entered.get() > 0),

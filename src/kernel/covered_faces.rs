@@ -1,8 +1,8 @@
 //! Extends the covered faces of boxes into what covers them.
 //!
-//! A block that stands against a wall shares a plane with it. Where the two meet, a ray
-//! that rounding put a hair to the wrong side would enter the block by the face that lies
-//! in the wall, which no wave can reach. Such a face is extended into the solid that
+//! A block that stands against a wall shares a plane with it. Where the two meet, rounding
+//! may let a ray enter the block by the face that lies in the wall, although no wave can
+//! reach that face. Such a face is extended into the solid that
 //! covers it: the air keeps its shape, and the seam is gone.
 //!
 //! What an extension adds to a box is a slab between two parallel faces. It is added only when

@@ -25,8 +25,8 @@ pub(super) fn prepare(context: &Context, scene: &Scene, kind: Kind) -> Result<Sh
     scene.validate()?;
     let structure = GpuScene::picture_structure(scene);
     let label = format!("{kind:?} of {}", scene.name);
-    let text = text(scene, &structure, kind);
-    let program = GpuScene::picture_program(context, scene, &structure, &label, &text)?;
+    let text = || text(scene, &structure, kind);
+    let program = GpuScene::picture_program(context, scene, &structure, &label, text)?;
     let mut on_gpu = GpuScene::new(context)?;
     set_scene(&program, &mut on_gpu, scene, structure)?;
     Ok(Shader {

@@ -290,8 +290,8 @@ impl View {
         let structure = GpuScene::picture_structure(scene);
         let compile = || {
             let label = format!("the view of {}", scene.name);
-            let text = text(scene, &structure);
-            GpuScene::picture_program(context, scene, &structure, &label, &text)
+            let text = || text(scene, &structure);
+            GpuScene::picture_program(context, scene, &structure, &label, text)
         };
         let key = Rc::clone(&structure.key);
         let program = self.programs.get_or_compile(key, compile)?;

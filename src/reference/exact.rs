@@ -211,6 +211,7 @@ impl ExactScene {
     }
 
     /// Every hit of the wave of [`ExactScene::trace`], without its start.
+    #[doc(hidden)]
     pub fn trace_path(&self, start: DVec3, direction: DVec3, iterations: u32) -> Vec<PathVertex> {
         let mut path = Vec::new();
         self.walk(start, direction, iterations, |hit| {

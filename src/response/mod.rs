@@ -166,6 +166,7 @@ impl Response {
     }
 
     /// Reasons for missing figures, by band.
+    #[doc(hidden)]
     pub fn gaps(&self) -> [Option<Gap>; BAND_COUNT] {
         let energy = self.energy();
         std::array::from_fn(|band| Gap::of(&self.figures, band, energy[band] > 0.0))

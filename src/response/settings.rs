@@ -68,6 +68,7 @@ impl ResponseSettings {
     }
 
     /// Sets the waves, directions and algorithm from the settings of frames, without their iterations.
+    #[doc(hidden)]
     pub fn with_trace_of_frames(self, frames: &Settings) -> ResponseSettings {
         let usual = Settings::new(frames.profile()).iterations;
         self.with_trace(frames.clone().with_iterations(usual))

@@ -177,6 +177,7 @@ fn may_be_meant(why: &InputError, path: &Path) -> String {
 
 impl SceneError {
     /// The same error with a time; an error that already has a time stays as it is.
+    #[doc(hidden)]
     pub fn at(self, seconds: f64) -> SceneError {
         match self {
             SceneError::At { .. } => self,

@@ -5,8 +5,8 @@ use crate::bands::{BAND_COUNT, Bands};
 use std::ops::{Range, RangeInclusive};
 
 /// The walls of a [`Room`](super::shape::Room) as a scene file names them, in the order of
-/// [`Surface::walls`](super::Surface::walls): those at −x, +x, −y, +y, −z and +z of its own axes. A
-/// listener that is not turned looks at the front.
+/// [`Surface::walls`](super::Surface::walls): those at −x, +x, −y, +y, −z and +z of its own axes. An
+/// unrotated listener faces the wall `front`.
 pub const WALL_NAMES: [&str; WALL_COUNT] = ["left", "right", "floor", "ceiling", "front", "back"];
 
 /// Number of walls of a room.

@@ -174,7 +174,7 @@ impl Scene {
 impl Scene {
     /// Seconds for one evaluation of the slowest user's field, if that was measured; see
     /// `UserField::evaluation_seconds`.
-    pub fn evaluation_seconds(&self) -> Option<f64> {
+    pub(crate) fn evaluation_seconds(&self) -> Option<f64> {
         self.user_fields()
             .filter_map(|field| field.evaluation_seconds())
             .reduce(f64::max)
@@ -196,6 +196,7 @@ impl Scene {
 
     /// The contents of these files, in the order of [`Scene::files`]: texts, and the heights of
     /// images as little-endian `f32` after their width and height.
+    #[doc(hidden)]
     pub fn file_contents(&self) -> Vec<Vec<u8>> {
         let content = |asset: Asset| match asset {
             Asset::User(field) => field.text.clone().into_bytes(),
@@ -298,6 +299,7 @@ impl Scene {
     }
 
     /// Loads a scene as [`Scene::load`] does, with file names relative to `folder`.
+    #[doc(hidden)]
     pub fn load_in(name_or_file: &str, folder: &path::Path) -> Result<Scene, SceneError> {
         match named(name_or_file, Some(folder)) {
             Named::BuiltIn(scene) => scene,

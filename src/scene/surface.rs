@@ -101,6 +101,7 @@ impl Surface {
     }
 
     /// The name of the surface with this index (from 0) in messages.
+    #[doc(hidden)]
     pub fn label(&self, index: usize) -> String {
         let number = index + 1;
         match &self.name {
@@ -130,6 +131,7 @@ impl Surface {
     }
 
     /// Whether the two are equal except for the paths of the files that they name.
+    #[doc(hidden)]
     pub fn is_alike(&self, other: &Surface) -> bool {
         let at_one_place = Surface {
             shape: other.shape.clone(),
@@ -138,7 +140,7 @@ impl Surface {
         at_one_place == *other && self.shape.is_alike(&other.shape)
     }
 
-    /// The same surface, declared as turning: see [`dynamic_rotation`](Surface::dynamic_rotation).
+    /// The same surface, declared to rotate: see [`dynamic_rotation`](Surface::dynamic_rotation).
     pub fn turning(mut self) -> Surface {
         self.dynamic_rotation = true;
         self

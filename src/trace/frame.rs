@@ -49,6 +49,7 @@ pub struct Milliseconds {
 
 impl Milliseconds {
     /// The median of each part over several frames, each by itself; zeros for none.
+    #[doc(hidden)]
     pub fn medians(frames: &[Milliseconds]) -> Milliseconds {
         let part = |of: fn(&Milliseconds) -> f64| crate::sampling::median(frames.iter().map(of));
         Milliseconds {

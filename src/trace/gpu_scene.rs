@@ -88,7 +88,8 @@ impl GpuScene {
         OF_PICTURES.structure(scene)
     }
 
-    /// Compiles the program of a picture around a scene, which is checked first, users' fields included.
+    /// Compiles the program of a picture around a scene, which is checked first, users' fields included. The text is
+    /// written only for a scene that fits.
     ///
     /// # Errors
     /// [`Error::Scene`] and [`Error::Trace`] for a scene that cannot be drawn, [`Error::Gpu`] when the
@@ -98,12 +99,13 @@ impl GpuScene {
         scene: &Scene,
         structure: &Structure,
         label: &str,
-        text: &str,
+        text: impl FnOnce() -> String,
     ) -> Result<Program, Error> {
         structure.check(scene)?;
         check_uniforms(context, scene, structure, OWN_UNIFORM_VECTORS)?;
-        UserFields::default().check(context, scene, structure, || text.to_owned())?;
-        compile_with_scene(context, scene, label, text)
+        let text = text();
+        UserFields::default().check(context, scene, structure, || text.clone())?;
+        compile_with_scene(context, scene, label, &text)
     }
 
     /// Makes it this scene, and sets all that the program of a picture reads of it.

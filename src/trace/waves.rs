@@ -62,6 +62,7 @@ pub enum Fate {
 
 impl Fate {
     /// The fate that a status encodes; the margin is figure 8's.
+    #[doc(hidden)]
     pub fn of(status: f32) -> Fate {
         match status {
             s if s > -0.1 && s < 0.1 => Fate::Listener,

@@ -1,4 +1,4 @@
-//! Frames: contexts, panning, options, pictures, and accuracy.
+//! Frames and responses: contexts, panning, options, pictures.
 
 #[path = "../common/mod.rs"]
 mod common;

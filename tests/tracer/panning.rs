@@ -1,4 +1,4 @@
-//! Panning: the side on which the listener hears a source, through the library and the program.
+//! Panning: the side on which the listener hears a source.
 //!
 //! Signs: pan −1 is left, 1 is right; a listener that is not rotated looks along −z, with +x at the
 //! right ear; a positive yaw rotates it to the right.

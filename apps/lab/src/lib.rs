@@ -1,4 +1,4 @@
-//! What the program and the window know besides the library: the thesis' experiments, reports, and studies.
+//! The thesis' experiments, reports and studies.
 //!
 //! | module | contents |
 //! | --- | --- |

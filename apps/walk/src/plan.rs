@@ -187,7 +187,7 @@ mod tests {
         assert_ne!(at(-18.0, 0.0), air);
     }
 
-    /// Protects the plan: moving things move in it, and it is not cut again at each step of a walk.
+    /// Protects the plan: it is drawn again when a surface moves, and not when only the listener walks.
     #[test]
     fn the_plan_is_cut_anew_when_a_surface_moves() {
         let mut scene = Scene::builtin("corner").unwrap();

@@ -69,7 +69,7 @@ pub(super) struct App {
     pub plan: Plan,
     pub paths: Paths,
     pub heard: Option<Frame>,
-    /// The settings of the frame of waves that was started last.
+    /// The settings of the wave frame begun last.
     pub under_way: Settings,
     /// Whether that frame belongs to a scene that was replaced.
     pub begins_anew: bool,

@@ -211,7 +211,7 @@ impl State {
         self.matrix().solve(right)
     }
 
-    /// The share of a step within which second derivatives are valid.
+    /// The share of a step, at most 1, up to which the second derivatives hold.
     fn trusted(&self, step: &[f64]) -> f64 {
         let mut share: f64 = 1.0;
         for (i, at) in self.near.iter().enumerate() {

@@ -72,8 +72,8 @@ pub struct BandFigures {
 ///   energy arrive before that or there are no taps, from the time when 1 % of all energy has arrived. The energy of a
 ///   bin arrives evenly over the bin, that of a tap at one instant.
 /// - The decay curve is the backward integral of the energy (M. R. Schroeder, JASA 37, 1965). The
-///   energy beyond the record's end is added to it, as ISO 3382-1, 5.3.3 allows: that of an
-///   exponential decay, at the rate of the last 10 dB of the record. Without it a decay ending at
+///   energy after the record's end is added as an exponential decay at the rate of the record's
+///   last 10 dB (ISO 3382-1, 5.3.3). Without it a decay ending at
 ///   the record would look too fast. It is an estimate, so a decay counts only if the record ends
 ///   at least 10 dB below its lower limit (EDT −20 dB, T20 −35 dB, T30 −45 dB), and a sum of
 ///   energies only if at most 1 % of it is beyond the record. If the second half of the record is

@@ -21,7 +21,7 @@ use glam::Vec3;
 use sphere_mean::{Replaced, unhidden_taps};
 use std::f64::consts::PI;
 
-/// The replacement of an early arrival.
+/// What replaces an early arrival: a path, or itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Outcome {
     /// The exact path of this index.

@@ -29,7 +29,8 @@ const MOST_IMAGES: usize = 2048;
 /// The limit if a field without closed form is marched, which takes a thousand times as long.
 const MOST_IMAGES_MARCHED: usize = 8;
 
-/// Maximum paths over curved surfaces solved for to each place, shortest first: a hundred take about 0.1 s.
+/// Maximum number of paths over curved surfaces that are solved for each place, the shortest first: a hundred take
+/// about 0.1 s.
 const MOST_CURVED: usize = 128;
 
 /// The limit if a field without closed form is marched.

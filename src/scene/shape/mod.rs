@@ -181,6 +181,7 @@ impl Shape {
     }
 
     /// Whether it is hollow and curved, so that it may focus sound.
+    #[doc(hidden)]
     pub fn gathers_sound(&self) -> bool {
         !self.has_planes_alone() && !self.is_convex()
     }
@@ -191,6 +192,7 @@ impl Shape {
     }
 
     /// The tree, unless it is a [basic](Shape::is_basic) shape.
+    #[doc(hidden)]
     pub fn field(&self) -> Option<&Shape> {
         (!self.is_basic()).then_some(self)
     }
@@ -218,6 +220,7 @@ impl Shape {
 
     /// The largest length in the computation of its value, in metres: that of its bounds if they
     /// are finite, else the largest among its nodes. 0 for a plane.
+    #[doc(hidden)]
     pub fn extent(&self) -> f64 {
         let bounds = self.properties().bounds;
         if bounds.is_finite() && !bounds.is_empty() {

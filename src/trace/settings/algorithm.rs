@@ -46,6 +46,7 @@ pub struct HybridOptions {}
 pub struct MarchOptions {
     /// For experiments only.
     #[serde(skip)]
+    #[doc(hidden)]
     pub variant: MarchVariant,
 }
 

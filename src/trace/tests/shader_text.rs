@@ -229,8 +229,8 @@ fn a_scene_of_one_shape_names_no_other() {
     }
 }
 
-/// Protects compiled and printed text from diverging: of a scene's numbers the text contains only
-/// fields' literals.
+/// Protects against a printed text that differs from the compiled one: of the scene's numbers, both contain
+/// only the literals of fields.
 #[test]
 fn the_text_needs_no_renderer_and_tells_its_files() {
     let scene = scene(vec![Surface::new(user())]);

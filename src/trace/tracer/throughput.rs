@@ -134,8 +134,8 @@ impl Throughput {
         self.timer.restart()
     }
 
-    /// Milliseconds of the part just drawn, of `work` rows times iterations: measured where
-    /// the timer waits, else none.
+    /// Ends a part of `work` rows times iterations. Returns its milliseconds, or none if the timer does not
+    /// wait.
     pub fn end_part(&mut self, work: f64) -> Result<Option<f64>, GpuError> {
         if !self.timer.waits() {
             return Ok(None);

@@ -102,7 +102,7 @@ impl Header {
     }
 }
 
-/// The line of a text without tabs and line ends.
+/// The line that stores `text` with its checksum; `text` contains neither tabs nor line ends.
 pub(super) fn line(text: &str) -> String {
     format!("{text}\t{}\n", checksum(text))
 }

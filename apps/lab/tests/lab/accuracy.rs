@@ -1,5 +1,5 @@
-//! The accuracy experiment on small sizes: its figures against independent ones, its files, its
-//! command line. Without GL these tests fail.
+//! The accuracy experiment on small sizes: its figures against independent ones, and its
+//! files. Without GL these tests fail.
 
 use echomarch::gpu::{Context, ContextOptions};
 use echomarch::reference::ShoeboxImages;

@@ -82,7 +82,7 @@ fn assert_heard(report: &VerifyReport) {
 }
 
 /// Protects the promise of the crate: the hard cases are right in both profiles that users should
-/// use. Also the port: a thesis profile that passes is not the thesis'.
+/// use. It also protects the port: `thesis` must fail the cases that the thesis' algorithm gets wrong.
 #[test]
 fn hybrid_and_march_pass_every_hard_case() {
     let report = report(Api::Gl, verify::all());

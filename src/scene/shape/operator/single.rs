@@ -79,7 +79,7 @@ impl Part for Rotate {
 }
 
 impl Rotate {
-    /// The matrix to the outer axes from the inner ones.
+    /// The matrix from the inner axes to the outer ones.
     pub(crate) fn matrix(&self) -> DMat3 {
         let by = self.by.as_dvec3();
         DMat3::from_euler(EulerRot::XYZEx, by.x, by.y, by.z)

@@ -76,7 +76,7 @@ pub fn source_towards(
     placed
 }
 
-/// The scene with every surface lowered until no sound comes back from it: a scene must have a surface.
+/// The scene with every surface lowered until it returns no sound. The surfaces stay, because a scene must have one.
 pub fn without_ground(scene: &Scene) -> Scene {
     const METRES: f32 = 1000.0;
     let mut bare = scene.clone();
