@@ -1,6 +1,7 @@
 //! Helpers shared by the integration tests. Without GL the tests fail: they are never skipped.
 #![allow(dead_code)] // Every test file uses its own part of this.
 
+pub mod field_files;
 pub mod flights;
 mod random;
 pub mod rays;

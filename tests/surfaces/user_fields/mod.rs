@@ -6,14 +6,13 @@ mod gradients;
 mod names;
 mod reload;
 
+use crate::common::field_files::BALL;
 use echomarch::gpu::Context;
 use echomarch::scene::shape::{Room, User};
 use echomarch::scene::{Node, UserField};
 use echomarch::{Listener, Profile, Scene, Settings, Source, Surface, Tracer};
 use glam::Vec3;
 use std::sync::Arc;
-
-const BALL: &str = "float field(vec3 p) {\n    return length(p) - 1.0;\n}\n";
 
 fn user(text: &str, lipschitz: f32) -> Arc<UserField> {
     let size = Vec3::new(3.0, 4.0, 5.0);

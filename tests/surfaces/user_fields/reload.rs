@@ -1,23 +1,10 @@
 //! Scenes that follow the files of their fields.
 
-use super::{BALL, settings};
+use super::settings;
+use crate::common::field_files::{BALL, SCENE, write};
 use crate::common::for_each_api;
 use echomarch::trace::{Reload, Reloading};
 use echomarch::{Profile, Settings, Tracer};
-use std::path::Path;
-
-const SCENE: &str = "Scene(
-    surfaces: [
-        Surface(shape: Room(size: (20, 20, 20))),
-        Surface(shape: Field(file: \"my.glsl\", lipschitz: 1, size: (4, 4, 4)), position: (0, 0, -5)),
-    ],
-    source: Source(position: (4, 2, 3)),
-    listener: Listener(position: (-4, -2, 4), radius: 1),
-)";
-
-fn write(folder: &Path, text: &str) {
-    std::fs::write(folder.join("my.glsl"), text).unwrap();
-}
 
 /// The first change that the next polls of the files return.
 fn settle(reloading: &mut Reloading, tracer: &mut Tracer, settings: &Settings) -> Reload {

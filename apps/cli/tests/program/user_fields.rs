@@ -1,25 +1,9 @@
 //! Fields of users on the command line: files that change, and the printed shader.
 
 use crate::common::cli::{command, json, stdout, succeed};
+use crate::common::field_files::{BALL, SCENE, write};
 use std::io::{BufRead, BufReader};
-use std::path::Path;
 use std::process::Stdio;
-
-const SCENE: &str = "Scene(
-    surfaces: [
-        Surface(shape: Room(size: (20, 20, 20))),
-        Surface(shape: Field(file: \"my.glsl\", lipschitz: 1, size: (4, 4, 4)), position: (0, 0, -5)),
-    ],
-    source: Source(position: (4, 2, 3)),
-    listener: Listener(position: (-4, -2, 4), radius: 1),
-)";
-
-fn write(folder: &Path, text: &str) {
-    std::fs::write(folder.join("my.glsl"), text).unwrap();
-}
-
-/// A ball as a field.
-const BALL: &str = "float field(vec3 p) {\n    return length(p) - 1.0;\n}\n";
 
 /// Protects the loop of writing a field and listening: errors are reported, and the next good
 /// state is traced.
