@@ -6,6 +6,7 @@
 
 use echomarch::glam::Vec3;
 use echomarch::gpu::{Context, ContextOptions};
+use echomarch::internals::sampling::median;
 use echomarch::reference::ExactScene;
 use echomarch::trace::Fate;
 use echomarch::{Scene, Settings, Tracer};
@@ -53,11 +54,4 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     Ok(())
-}
-
-/// The median of some values.
-fn median(values: impl IntoIterator<Item = f64>) -> f64 {
-    let mut sorted: Vec<f64> = values.into_iter().collect();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN)
 }

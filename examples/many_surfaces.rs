@@ -6,6 +6,7 @@
 //! ```
 
 use echomarch::gpu::{Api, Context, ContextOptions};
+use echomarch::internals::sampling::median;
 use echomarch::scene::shape::{Cylinder, Room};
 use echomarch::{Error, Listener, Node, Scene, Settings, Source, Surface, Tracer};
 use glam::Vec3;
@@ -104,11 +105,4 @@ fn hall(side: usize) -> Scene {
         Source::at(Vec3::new(0.0, 0.0, 0.0)),
         Listener::at(Vec3::new(SPACING, 0.0, SPACING), 0.5),
     )
-}
-
-/// The median of some values.
-fn median(values: impl IntoIterator<Item = f64>) -> f64 {
-    let mut sorted: Vec<f64> = values.into_iter().collect();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN)
 }

@@ -2,6 +2,7 @@
 //! directions; and the profiles on every API.
 
 use crate::common::{builtin, for_each_api, marched, tracer};
+use echomarch::internals::sampling::median;
 use echomarch::trace::Directions;
 use echomarch::{Profile, Settings};
 use std::collections::HashSet;
@@ -219,11 +220,4 @@ fn hits(tracer: &mut echomarch::Tracer) -> Vec<u64> {
         }
     }
     all
-}
-
-/// The median of some values.
-fn median(values: impl IntoIterator<Item = f64>) -> f64 {
-    let mut sorted: Vec<f64> = values.into_iter().collect();
-    sorted.sort_by(f64::total_cmp);
-    sorted[sorted.len() / 2]
 }
