@@ -3,7 +3,7 @@
 //! Pure functions of the measurements. Going down is quick and going up is slow, with a gap between the two to prevent
 //! oscillation.
 
-use echomarch_lab::stats::median;
+use echomarch::internals::sampling::median;
 
 /// Sides of the grid of waves that the control chooses from. The first is the minimum: of fewer than 4,096 waves only a
 /// few dozen are heard, too few for a stable pan.

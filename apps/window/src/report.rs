@@ -2,9 +2,9 @@
 
 use super::latency::Parts;
 use super::sound::SoundStatus;
+use echomarch::internals::sampling::{median, quantiles};
 use echomarch::response::HeardSource;
 use echomarch::trace::{Counts, Frame, Profile};
-use echomarch_lab::stats::{median, quantiles};
 use echomarch_walk::EarsStatus;
 use serde::Serialize;
 use std::collections::BTreeMap;
