@@ -353,7 +353,7 @@ pub fn is_input(path: &Path) -> bool {
         .any(|input| real.as_ref() == Some(input) || (file.is_some() && identity(input) == file))
 }
 
-/// What all paths to a file have in common: its device and its number there.
+/// The identity of a file, the same for all paths to it: its device and its number there.
 #[cfg(unix)]
 fn identity(path: &Path) -> Option<(u64, u64)> {
     use std::os::unix::fs::MetadataExt;

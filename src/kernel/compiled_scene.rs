@@ -67,8 +67,8 @@ impl AlgorithmText {
 impl CompiledScene {
     /// Makes it this scene in its current state, for the shaders of an algorithm, with the numbers of its
     /// surfaces' materials for shaders that read them. `structure` is the
-    /// [structure](AlgorithmText::structure) of this scene for this algorithm. Of the same structure turns,
-    /// heights and the cells of surfaces that did not move stay.
+    /// [structure](AlgorithmText::structure) of this scene for this algorithm. If it is the same as before,
+    /// turns, heights and the cells of surfaces that did not move are kept.
     pub fn update(
         &mut self,
         scene: &Scene,

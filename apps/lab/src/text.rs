@@ -5,31 +5,31 @@ pub use echomarch::internals::text::{check_name, in_a_line};
 use echomarch::internals::text::{is_hidden, spelled_out};
 use std::borrow::Cow;
 
-/// Lines of a message at most.
+/// Maximum lines of a message.
 const MOST_LINES: usize = 10;
 
-/// Characters of a message at most.
+/// Maximum characters of a message.
 const MOST_CHARACTERS: usize = 1000;
 
-/// As [`in_a_line`]; ends of lines and tabs stay.
+/// As [`in_a_line`], but keeps ends of lines and tabs.
 pub fn in_lines(text: &str) -> Cow<'_, str> {
     spelled_out(text, |c| c == '\n' || c == '\t')
 }
 
-/// As [`in_lines`], cut to what can be read: 10 lines, 1,000 characters. Later lines are
-/// indented, so that none can pass for a message of its own.
+/// As [`in_lines`], cut to a readable length: 10 lines, 1,000 characters. Later lines are indented,
+/// so that each looks like a part of the message.
 pub fn message(text: &str) -> String {
     let text = in_lines(text.trim_end());
     let lines: Vec<&str> = text.lines().collect();
     cut_characters(&cut_lines(&lines).join("\n  "))
 }
 
-/// Whether [`message`] would show the text's characters as they are, all of them.
+/// Whether [`message`] would show all of the text's characters unchanged.
 pub fn is_showable(text: &str) -> bool {
     text.len() <= MOST_CHARACTERS && matches!(in_lines(text), Cow::Borrowed(_))
 }
 
-/// The first and the last lines: what is wrong stands at the start or at the end.
+/// Keeps the first and the last lines: the error is at the start or at the end.
 fn cut_lines(lines: &[&str]) -> Vec<String> {
     const LAST: usize = 2;
     let whole = |lines: &[&str]| -> Vec<String> { lines.iter().map(|&l| l.to_owned()).collect() };
@@ -44,10 +44,10 @@ fn cut_lines(lines: &[&str]) -> Vec<String> {
     kept
 }
 
-/// The first and the last characters.
+/// Keeps the first and the last characters.
 fn cut_characters(text: &str) -> String {
     const LAST: usize = 300;
-    /// Room for what stands in between.
+    /// Room for the text in between.
     const BETWEEN: usize = 50;
     let count = text.chars().count();
     if count <= MOST_CHARACTERS {
@@ -60,7 +60,7 @@ fn cut_characters(text: &str) -> String {
     format!("{begin} … ({left_out} characters left out) … {end}")
 }
 
-/// JSON as it may be shown on a terminal: what is not seen as it stands is `\u…`, as JSON has it.
+/// JSON for a terminal: invisible characters are written as `\u…` escapes of JSON.
 pub fn json(text: &str) -> Cow<'_, str> {
     if !text.chars().any(|c| c != '\n' && is_hidden(c)) {
         return Cow::Borrowed(text);
@@ -76,8 +76,8 @@ pub fn json(text: &str) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// A record of JSON in one line, for a program that reads standard error: as [`json`], and no
-/// longer than a message. Of a longer one only the length is reported.
+/// A record of JSON in one line, for a program that reads standard error: as [`json`], and at most
+/// as long as a message. For a longer one only the length is reported.
 pub fn json_record(text: &str) -> Cow<'_, str> {
     let shown = json(text);
     match shown.chars().count() {
@@ -88,8 +88,8 @@ pub fn json_record(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// JSON as it may stand within a `script` element: no character in it that HTML gives a
-/// meaning to. Any JSON reader reads the same.
+/// JSON for a `script` element, without characters that have a meaning in HTML. Any JSON reader
+/// reads the same.
 pub fn json_in_html(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
     for c in text.chars() {
@@ -110,8 +110,8 @@ fn push_json(json: &mut String, c: char) {
     }
 }
 
-/// Text for a CSV cell: in a line, and with an apostrophe before what a spreadsheet would take
-/// for a formula.
+/// Text for a CSV cell: in one line, with an apostrophe before anything that a spreadsheet would
+/// take for a formula.
 pub fn csv_cell(text: &str) -> String {
     let text = in_a_line(text);
     match text.trim_start().chars().next() {
@@ -120,7 +120,7 @@ pub fn csv_cell(text: &str) -> String {
     }
 }
 
-/// Text for Markdown, a table's cell included: nothing in it makes a tag, a link or a column.
+/// Text for Markdown, including a table's cell: it cannot create a tag, a link or a column.
 pub fn markdown(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
     for c in in_a_line(text).chars() {
@@ -171,8 +171,8 @@ mod tests {
         assert_eq!(serde_json::from_str::<String>(&shown).unwrap(), text);
     }
 
-    /// Protects readers of the records of a window: each is JSON in one line that moves no
-    /// cursor, and none is longer than a message.
+    /// Protects readers of a window's records: each is JSON in one line, does not move the cursor,
+    /// and is at most as long as a message.
     #[test]
     fn records_are_short_json() {
         let record = |name: &str| serde_json::json!({ "scene": name }).to_string();

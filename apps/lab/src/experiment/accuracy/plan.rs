@@ -1,10 +1,9 @@
 //! The cases that are run in each scene.
 //!
 //! For a few basic shapes the exact reference evaluates a handful of formulas per flight. For a field it marches in
-//! `f64` with some hundred evaluations, and of many surfaces it evaluates each one, so that a thousand flights take a
-//! hundred times as long. Such scenes get the short sweep, with less work for the exact reference: fewer directions for
-//! the limit, waves compared one by one, and seeds of the twin bias. The uncertainty of each figure is then stated
-//! beside it.
+//! `f64` with some hundred evaluations, which takes a hundred times as long; many surfaces take longer too. Such scenes
+//! get the short sweep, with less work for the exact reference: fewer directions for the limit, waves compared one by
+//! one, and seeds of the twin bias. The uncertainty of each figure is then stated beside it.
 
 use super::sweep::{Case, full, quick, short};
 use echomarch::internals::kernel::{Layout, Lists};
