@@ -327,17 +327,25 @@ fn intersect_box(
 ) -> Option<Intersection> {
     let (half, o, d) = (half.to_array(), o.to_array(), d.to_array());
     let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
+    // A covered face is off the wall by at most the bound, and so is a line along the wall.
+    let cover_error = 2.0 * error_bound;
+    // Up to this distance the line is below a covered face.
+    let mut covered_until = f64::NEG_INFINITY;
     let mut axis = 0;
     for i in 0..3 {
         if d[i] == 0.0 {
-            if o[i].abs() > half[i] {
+            let is_covered = covered[i][usize::from(o[i] > 0.0)];
+            let beyond = if is_covered { cover_error } else { 0.0 };
+            if o[i].abs() > half[i] + beyond {
                 return None;
             }
             continue;
         }
         let far_side = half[i].copysign(d[i]);
         let near = (-far_side - o[i]) / d[i];
-        if near > enter && !covered[i][usize::from(d[i] < 0.0)] {
+        if covered[i][usize::from(d[i] < 0.0)] {
+            covered_until = covered_until.max(near - cover_error / d[i].abs());
+        } else if near > enter {
             (enter, axis) = (near, i);
         }
         leave = leave.min((far_side - o[i]) / d[i]);
@@ -349,9 +357,13 @@ fn intersect_box(
     if enter < 0.0 && (-enter > leave || -enter * d[axis].abs() > error_bound) {
         return None;
     }
+    let t = enter.max(0.0);
+    if covered_until > t {
+        return None;
+    }
     let positive = d[axis] < 0.0;
     Some(Intersection {
-        t: enter.max(0.0),
+        t,
         face: Some(Face { axis, positive }),
     })
 }

@@ -245,3 +245,28 @@ fn the_first_surface_is_nearer_than_asked() {
     let along = exact.first_surface(DVec3::X * 2.0, DVec3::Y, wall, 9.0);
     assert_eq!(along.map(|hit| hit.t), Some(2.0));
 }
+
+/// Protects the bounds of boxes on the ground: a line that starts in the ground meets no side below the box.
+#[test]
+fn a_box_does_not_go_on_below_its_covered_face() {
+    let size = Vec3::splat(2.0);
+    let box_on_floor = Surface::new(Node::Cuboid(Cuboid { size }));
+    let exact = scene(vec![floor(), box_on_floor]);
+    let met_from = |height: f64| {
+        let start = DVec3::new(3.0, height - 1.0, 0.0);
+        let hit = exact.first_surface(start, DVec3::NEG_X, None, f64::INFINITY);
+        hit.map(|hit| hit.t)
+    };
+    assert_eq!(met_from(1.0), Some(2.0));
+    assert_eq!(
+        met_from(-1e-14),
+        Some(2.0),
+        "on the floor, but for rounding"
+    );
+    assert_eq!(met_from(-0.5), None);
+    let (start, up) = (
+        DVec3::new(3.0, -4.0, 0.0),
+        DVec3::new(-1.0, 1.0, 0.0).normalize(),
+    );
+    assert_eq!(exact.first_surface(start, up, None, f64::INFINITY), None);
+}
