@@ -10,8 +10,8 @@
 //! else. Larger measurements are those of `echomarch figures`, `accuracy` and `cost`.
 
 use divan::{Bencher, black_box};
+use echomarch::gl::{Context, ContextOptions};
 use echomarch::glam::Vec3;
-use echomarch::gpu::{Context, ContextOptions};
 use echomarch::response::{Response, ResponseSettings};
 use echomarch::scene::{Material, shape::Room};
 use echomarch::{Error, Listener, Scene, Settings, Source, Surface, Tracer};

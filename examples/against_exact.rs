@@ -4,11 +4,11 @@
 //! cargo run --release --example against_exact [WAVES]
 //! ```
 
+use echomarch::geometry::ExactScene;
+use echomarch::gl::{Context, ContextOptions};
 use echomarch::glam::Vec3;
-use echomarch::gpu::{Context, ContextOptions};
 use echomarch::internals::sampling::median;
-use echomarch::reference::ExactScene;
-use echomarch::trace::Fate;
+use echomarch::tracer::Fate;
 use echomarch::{Scene, Settings, Tracer};
 use std::error::Error;
 

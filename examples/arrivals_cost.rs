@@ -1,8 +1,8 @@
 //! Cost of arrivals compared with a plain frame, interleaved: `arrivals_cost SCENE WAVES ITERATIONS RUNS`.
 
-use echomarch::gpu::{Context, ContextOptions};
+use echomarch::gl::{Context, ContextOptions};
 use echomarch::scene::Material;
-use echomarch::trace::ArrivalSettings;
+use echomarch::tracer::ArrivalSettings;
 use echomarch::{Scene, Settings, Tracer};
 use std::time::Instant;
 

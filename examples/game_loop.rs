@@ -6,7 +6,7 @@
 //! ```
 
 use echomarch::audio::{Gains, PanningLaw};
-use echomarch::gpu::{Context, ContextOptions};
+use echomarch::gl::{Context, ContextOptions};
 use echomarch::{Error, Scene, Settings, Tracer};
 use std::time::{Duration, Instant};
 

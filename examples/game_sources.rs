@@ -5,10 +5,10 @@
 //! cargo run --release --example game_sources [FILE.wav]
 //! ```
 
-use echomarch::acoustics::ListenerAxes;
 use echomarch::audio::{Sound, WavWriter};
 use echomarch::auralisation::{Auralisation, Heard, Spec};
-use echomarch::gpu::{Context, ContextOptions};
+use echomarch::gl::{Context, ContextOptions};
+use echomarch::response::ListenerAxes;
 use echomarch::response::{Response, ResponseSettings};
 use echomarch::{Error, Scene, Settings, Tracer};
 use std::path::PathBuf;

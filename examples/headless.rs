@@ -4,7 +4,7 @@
 //! cargo run --release --example headless
 //! ```
 
-use echomarch::gpu::{Context, ContextOptions};
+use echomarch::gl::{Context, ContextOptions};
 use echomarch::{Error, Scene, Settings, Tracer};
 
 fn main() -> Result<(), Error> {

@@ -5,7 +5,7 @@
 //! cargo run --release --example many_surfaces
 //! ```
 
-use echomarch::gpu::{Api, Context, ContextOptions};
+use echomarch::gl::{Api, Context, ContextOptions};
 use echomarch::internals::sampling::median;
 use echomarch::scene::shape::{Cylinder, Room};
 use echomarch::{Error, Listener, Node, Scene, Settings, Source, Surface, Tracer};

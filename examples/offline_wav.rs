@@ -5,7 +5,7 @@
 //! ```
 
 use echomarch::audio::{Mixer, PanningLaw, SAMPLE_RATE, Sound, WavWriter};
-use echomarch::gpu::{Context, ContextOptions};
+use echomarch::gl::{Context, ContextOptions};
 use echomarch::offline::{self, Timing};
 use echomarch::{Error, Scene, Settings, Tracer};
 use std::path::PathBuf;

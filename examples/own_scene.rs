@@ -5,8 +5,8 @@
 //! cargo run --release --example own_scene
 //! ```
 
+use echomarch::gl::{Context, ContextOptions};
 use echomarch::glam::{Quat, Vec3};
-use echomarch::gpu::{Context, ContextOptions};
 use echomarch::scene::shape::{Cuboid, Cylinder, Room, Sphere};
 use echomarch::{Error, Listener, Node, Scene, Settings, Source, Surface, Tracer};
 

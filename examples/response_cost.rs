@@ -2,10 +2,10 @@
 //! (8 × 3 × 5 m, absorption 0.2): `response_cost WAVES ORDER SEEDS`. `scripts/peers/compute_rir.py` measures that
 //! program.
 
-use echomarch::acoustics::{BandFigures, Figures};
+use echomarch::geometry::ShoeboxEnergies;
+use echomarch::gl::{Context, ContextOptions};
 use echomarch::glam::Vec3;
-use echomarch::gpu::{Context, ContextOptions};
-use echomarch::reference::ShoeboxEnergies;
+use echomarch::response::{BandFigures, Figures};
 use echomarch::response::{Response, ResponseSettings};
 use echomarch::scene::{Material, shape::Room};
 use echomarch::{Listener, Scene, Settings, Source, Surface, Tracer};

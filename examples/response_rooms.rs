@@ -2,11 +2,11 @@
 //! `response_rooms WAVES ROOMS SEED LEAST MOST`. Each wall absorbs its own share of each band, LEAST to MOST, drawn
 //! evenly on a logarithmic scale.
 
-use echomarch::acoustics::{BandFigures, Figures};
 use echomarch::bands::{BAND_COUNT, Bands};
+use echomarch::geometry::ShoeboxEnergies;
+use echomarch::gl::{Context, ContextOptions};
 use echomarch::glam::Vec3;
-use echomarch::gpu::{Context, ContextOptions};
-use echomarch::reference::ShoeboxEnergies;
+use echomarch::response::{BandFigures, Figures};
 use echomarch::response::{Response, ResponseSettings};
 use echomarch::{Listener, Scene, Settings, Source, Tracer};
 use fastrand::Rng;

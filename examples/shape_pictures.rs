@@ -4,7 +4,7 @@
 //! `cargo run --release --example shape_pictures` writes `docs/images/shapes/*.png`; with
 //! names after `--` only those.
 
-use echomarch::gpu::{Context, ContextOptions};
+use echomarch::gl::{Context, ContextOptions};
 use echomarch::picture::{ViewOptions, first_person, save_png};
 use echomarch::scene::shape::HeightField;
 use echomarch::scene::{HeightImage, Node, SceneError, Shape, Surface};

@@ -11,7 +11,7 @@ usage: scripts/mutate.sh glsl [--every N] [FILE...]
   glsl   changes the shaders (all of glsl/, or the named files) by scripts/mutate/glsl.rules, and
          runs the tests of shaders, surfaces and frames for each change; --every N tries only each
          N-th of all changes
-  rust   runs cargo-mutants over scene, kernel, trace and audio, with these additional arguments
+  rust   runs cargo-mutants over scene, shader, tracer and audio, with these additional arguments
 
 Surviving changes are written to target/mutate/survivors.txt (glsl), or to target/mutate/mutants.out.
 
@@ -54,10 +54,10 @@ build_tests() {
 # compare the shaders' text with goldens are excluded, because they would fail at every change.
 tests_pass() {
     local limited=(timeout "$LONGEST_S")
-    "${limited[@]}" "$UNITS" trace::tests::gpu_against_cpu &&
-        "${limited[@]}" "$UNITS" trace::tests::arrivals &&
-        "${limited[@]}" "$UNITS" kernel::tests:: trace::tests::field_waves \
-            trace::tests::loop_budget &&
+    "${limited[@]}" "$UNITS" tracer::tests::gpu_against_cpu &&
+        "${limited[@]}" "$UNITS" tracer::tests::arrivals &&
+        "${limited[@]}" "$UNITS" shader::tests:: tracer::tests::field_waves \
+            tracer::tests::loop_budget &&
         "${limited[@]}" "$SURFACES" &&
         "${limited[@]}" "$TRACER"
 }
@@ -125,7 +125,7 @@ mutate_rust() {
     need_cargo mutants
     mkdir -p "$WORK"
     run cargo mutants --output "$WORK" -p echomarch --all-features \
-        -f 'src/scene/**' -f 'src/kernel/**' -f 'src/trace/**' -f 'src/audio/**' "$@"
+        -f 'src/scene/**' -f 'src/shader/**' -f 'src/tracer/**' -f 'src/audio/**' "$@"
 }
 
 case "${1:-}" in

@@ -96,9 +96,9 @@ check_other_implementations() {
     local zink="LIBGL_ALWAYS_SOFTWARE=1 MESA_LOADER_DRIVER_OVERRIDE=zink"
     local softpipe="LIBGL_ALWAYS_SOFTWARE=1 GALLIUM_DRIVER=softpipe"
     local threaded=gpu_drops_leave_the_context_of_others_current
-    test_on zink "$zink" --test-threads=1 gpu:: kernel:: trace:: --skip "$threaded"
-    test_on zink "$zink mesa_glthread=false" "trace::tests::foreign_contexts::$threaded" --exact
-    test_on softpipe "$softpipe" gpu:: kernel::tests::driver_functions
+    test_on zink "$zink" --test-threads=1 gl:: shader:: tracer:: --skip "$threaded"
+    test_on zink "$zink mesa_glthread=false" "tracer::tests::foreign_contexts::$threaded" --exact
+    test_on softpipe "$softpipe" gl:: shader::tests::driver_functions
 }
 
 # Lints each package with each of its features alone, and without any. Not by cargo hack: in the root it also builds

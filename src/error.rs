@@ -4,13 +4,13 @@ pub use crate::file_input::{InputError, MalformedText};
 #[cfg(feature = "picture")]
 pub use crate::file_output::OutputError;
 
-use crate::acoustics::AcousticsError;
-#[cfg(feature = "sofa")]
-use crate::acoustics::hrir::SofaError;
 use crate::audio::AudioError;
-use crate::gpu::GpuError;
+use crate::gl::GpuError;
+#[cfg(feature = "sofa")]
+use crate::hrtf::SofaError;
+use crate::response::ResponseError;
 use crate::scene::SceneError;
-use crate::trace::TraceError;
+use crate::tracer::TraceError;
 
 /// An error, by the module that it comes from.
 #[derive(Debug, thiserror::Error)]
@@ -30,7 +30,7 @@ pub enum Error {
     Audio(#[from] AudioError),
     /// Echograms or impulse responses that cannot be computed.
     #[error(transparent)]
-    Acoustics(#[from] AcousticsError),
+    Acoustics(#[from] ResponseError),
     /// A SOFA file whose head-related impulse responses cannot be read.
     #[cfg(feature = "sofa")]
     #[error(transparent)]

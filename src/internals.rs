@@ -13,6 +13,6 @@ pub mod plain_file {
     pub use crate::file_input::{count_names as names, open_plain as open};
 }
 
-pub mod kernel {
-    pub use crate::kernel::{Layout, Lists, is_marched};
+pub mod shader {
+    pub use crate::shader::{Layout, Lists, is_marched};
 }

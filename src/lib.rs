@@ -7,11 +7,11 @@
 //! ES 3.0. It needs no window: contexts come from EGL or OSMesa, on a graphics card or on Mesa's
 //! software renderer.
 //!
-//! First make a [`Context`](gpu::Context) and a [`Tracer`] on it. Then trace a [`Scene`] with
+//! First make a [`Context`](gl::Context) and a [`Tracer`] on it. Then trace a [`Scene`] with
 //! [`Settings`], frame by frame: each [`Frame`] describes the sound that arrives at the listener.
 //!
 //! ```
-//! use echomarch::gpu::{Context, ContextOptions};
+//! use echomarch::gl::{Context, ContextOptions};
 //! use echomarch::{Scene, Settings, Tracer};
 //!
 //! let context = Context::headless(&ContextOptions::default())?;
@@ -33,21 +33,21 @@
 //! | module | contents |
 //! | --- | --- |
 //! | [`scene`] | surfaces, source, listener, paths; RON files; distances |
-//! | [`trace`] | settings, the [`Tracer`], one [`Frame`], [`Panning`] |
-//! | [`acoustics`] | exact specular paths, echograms, the figures of ISO 3382-1, impulse responses, head-related ones |
-//! | [`response`] | all of these for a scene, from traced waves |
+//! | [`tracer`] | settings, the [`Tracer`], one [`Frame`], [`Panning`] |
+//! | [`response`] | the [`Response`](response::Response) of a scene: exact specular paths, echogram, the figures of ISO 3382-1, impulse responses |
+//! | [`hrtf`] | head-related impulse responses |
 //! | [`audio`] | sounds, panning laws, mixer, WAV files; live sound (feature `audio`) |
 //! | [`auralisation`] | a source as a listener hears it, as sound |
 //! | [`offline`] | sound of a moving scene, without a sound card |
-//! | [`gpu`] | contexts without a window, and the available renderers |
-//! | [`mod@reference`] | exact waves on the CPU, to check against |
+//! | [`gl`] | contexts without a window, and the available renderers |
+//! | [`geometry`] | exact waves on the CPU, to check against |
 //! | `picture` | the listener's view, and the plan with paths (feature `picture`) |
 //! | [`error`] | the error type |
 //!
 //! # Untrusted scenes
 //! A scene may contain its own GLSL, which the driver compiles within this process, and which can
 //! end the process, fill its memory or never return. For untrusted scenes let fields be tried in a
-//! child process first: see [`trace::FieldTrial`].
+//! child process first: see [`tracer::FieldTrial`].
 //!
 //! # Features
 //! No feature is on by default.
@@ -63,14 +63,13 @@
 //!
 //! # Threads
 //! Scenes, settings, frames and everything in [`audio`] may move between threads. A
-//! [`gpu::Context`], and with it a [`Tracer`], stays on the thread that made it:
+//! [`gl::Context`], and with it a [`Tracer`], stays on the thread that made it:
 //!
 //! ```compile_fail,E0277
 //! fn may_move<T: Send>() {}
 //! may_move::<echomarch::Tracer>();
 //! ```
 
-pub mod acoustics;
 mod arrival;
 pub mod audio;
 pub mod auralisation;
@@ -78,21 +77,22 @@ pub mod bands;
 pub mod error;
 mod file_input;
 mod file_output;
-pub mod gpu;
+pub mod geometry;
+pub mod gl;
+pub mod hrtf;
 #[doc(hidden)]
 pub mod internals;
-mod kernel;
 pub mod offline;
 #[cfg(feature = "picture")]
 pub mod picture;
 mod platform;
-pub mod reference;
 pub mod response;
 mod ron_error;
 mod sampling;
 pub mod scene;
+mod shader;
 mod text;
-pub mod trace;
+pub mod tracer;
 
 /// Code shared with the integration tests calls the crate by its name.
 #[cfg(test)]
@@ -116,4 +116,4 @@ const _: () = {
 pub use error::Error;
 pub use glam;
 pub use scene::{Listener, Node, Scene, Shape, Source, Surface};
-pub use trace::{Frame, Panning, Profile, Settings, Tracer};
+pub use tracer::{Frame, Panning, Profile, Settings, Tracer};

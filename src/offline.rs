@@ -4,13 +4,13 @@
 //! block of samples. [`render_full`] plays each source with delays, loudness, echoes and reverberation
 //! ([`auralisation`](crate::auralisation)). Each frame is traced with the scene at the frame's start.
 
-use crate::acoustics::ListenerAxes;
 use crate::audio::{AudioError, FrameBlocks, Mixer, SAMPLE_RATE, Sound};
 use crate::auralisation::{Auralisation, Heard, Spec};
 use crate::error::Error;
+use crate::response::ListenerAxes;
 use crate::response::{HeardSource, Response, ResponseSettings};
 use crate::scene::Scene;
-use crate::trace::{Frame, Settings, TraceError, Tracer};
+use crate::tracer::{Frame, Settings, TraceError, Tracer};
 
 /// Duration and frame rate.
 #[derive(Clone, Copy, Debug, PartialEq)]

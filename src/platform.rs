@@ -1,7 +1,7 @@
 //! Abilities of the platform: a native program has files and may wait, a page in a browser can do neither.
 //!
 //! These names determine everything that differs in a browser (`wasm32-unknown-unknown`), together with the modules
-//! that `gpu` leaves out there. `rayon` runs on the only thread.
+//! that `gl` leaves out there. `rayon` runs on the only thread.
 
 #[cfg(not(target_arch = "wasm32"))]
 pub use std::time::Instant;

@@ -51,7 +51,7 @@ void crossListener(vec3 p, vec3 d, float t, float iteration) {
 }
 
 // Takes the wave to the next surface and mirrors or scatters it there. The returned event describes
-// the change of its energy (src/kernel/materials.rs).
+// the change of its energy (src/shader/materials.rs).
 uint flyOn(float iteration, inout vec3 p, inout vec3 d, inout float status) {
     float object;
     float t = fly(p, d, status, object);

@@ -1,4 +1,4 @@
-// Lines through the cells of one kind (docs/architecture.md, src/kernel/data.rs): the text for a
+// Lines through the cells of one kind (docs/architecture.md, src/shader/scene_data.rs): the text for a
 // kind goes from record to record in one straight loop. CELL_VECTOR and CELL_AXES are of the axes
 // along which cells have ends.
 

@@ -97,7 +97,7 @@ def vector(numbers):
 
 def turn(seed):
     """The rotation of the lattice of directions that Echomarch draws for a seed: uniform over all
-    rotations (Shoemake 1992) by SplitMix64, as in src/trace/directions.rs."""
+    rotations (Shoemake 1992) by SplitMix64, as in src/tracer/directions.rs."""
     share, first, second = (unit_interval(mixed(seed << 32 | counter)) for counter in range(3))
     a, b = math.sqrt(1 - share), math.sqrt(share)
     first, second = math.tau * first, math.tau * second

@@ -43,7 +43,7 @@
 mod error;
 #[cfg(feature = "audio")]
 pub mod live;
-mod mixer;
+mod panning;
 pub(crate) mod resample;
 mod signals;
 mod sound;
@@ -52,7 +52,7 @@ mod wav_read;
 mod wav_write;
 
 pub use error::AudioError;
-pub use mixer::{FrameBlocks, Gains, Mixer, PanningLaw};
+pub use panning::{FrameBlocks, Gains, Mixer, PanningLaw};
 pub use signals::{NOISE_AMPLITUDE, SINE_AMPLITUDE, Signal};
 pub use sound::{Sound, SoundSource, SoundSpec, StereoSignal, StereoSource};
 pub use speech::SPEECH_PEAK;

@@ -6,7 +6,7 @@
 //! one multiplication for each partition of the kernel, and one inverse transform.
 //!
 //! The octave-band filters are such kernels: they split a signal by zero-phase filters, so that scaling each band
-//! separately has the same effect as [`ImpulseResponse`](crate::acoustics::ImpulseResponse) has on a tap.
+//! separately has the same effect as [`ImpulseResponse`](crate::response::ImpulseResponse) has on a tap.
 
 use realfft::num_complex::Complex;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
@@ -14,8 +14,8 @@ use std::f64::consts::PI;
 use std::fmt;
 use std::sync::Arc;
 
-use crate::acoustics::tap_filter_gain;
 use crate::bands::BAND_COUNT;
+use crate::response::tap_filter_gain;
 
 /// Samples per block: 10.7 ms at 48 kHz. A kernel of one second then has 94 partitions; half the
 /// block would halve the delay and double the work.

@@ -2,7 +2,7 @@
 
 use super::convolution::BLOCK;
 use super::delay_line::DelayLine;
-use super::heard::Echo;
+use super::prepared_sound::Echo;
 use super::{CHANNELS, MOST_ECHOES};
 
 /// Maximum rate of change of a delay: beyond it (a source at a fifth of the speed of sound, 250

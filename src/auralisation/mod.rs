@@ -15,13 +15,13 @@
 //! - **Bands**: if materials or the air change the timbre, the sound is split into octave bands
 //!   once for all echoes, by zero-phase filters. Otherwise there is one band and no filter.
 //!
-//! The amplitude is that of [`ImpulseResponse`](crate::acoustics::ImpulseResponse): the direct sound of a source at 1 m
+//! The amplitude is that of [`ImpulseResponse`](crate::response::ImpulseResponse): the direct sound of a source at 1 m
 //! is the sound itself. The output is delayed by [`Auralisation::latency`] samples.
 //!
 //! ```
 //! use echomarch::auralisation::{Auralisation, Heard, Spec};
-//! use echomarch::acoustics::ListenerAxes;
-//! use echomarch::gpu::{Context, ContextOptions};
+//! use echomarch::response::ListenerAxes;
+//! use echomarch::gl::{Context, ContextOptions};
 //! use echomarch::response::{Response, ResponseSettings};
 //! use echomarch::{Scene, Tracer};
 //!
@@ -45,21 +45,21 @@
 mod convolution;
 mod delay_line;
 mod echoes;
-mod heard;
 mod player;
+mod prepared_sound;
 #[cfg(test)]
 mod tests;
 
-pub use heard::Heard;
-#[doc(hidden)]
-pub use heard::HeardParts;
 pub use player::{Player, PlayerRemote};
+pub use prepared_sound::Heard;
+#[doc(hidden)]
+pub use prepared_sound::HeardParts;
 
-use crate::acoustics::{AcousticsError, MAX_SECONDS, RATES_HZ};
 use crate::bands::BAND_COUNT;
+use crate::response::{MAX_SECONDS, RATES_HZ, ResponseError};
 use crate::scene::Scene;
 use crate::text::there_is_no;
-use crate::trace::Profile;
+use crate::tracer::Profile;
 use convolution::{BLOCK, FILTER_DELAY, FILTER_PARTITIONS, Kernel, Signal, octave_filters};
 use delay_line::REACH;
 use echoes::Echoes;
@@ -148,22 +148,22 @@ impl Spec {
     /// Checks both numbers against their ranges.
     ///
     /// # Errors
-    /// [`AcousticsError::BadRate`] and [`AcousticsError::BadLength`].
-    pub fn validate(self) -> Result<(), AcousticsError> {
+    /// [`ResponseError::BadRate`] and [`ResponseError::BadLength`].
+    pub fn validate(self) -> Result<(), ResponseError> {
         let (rate_hz, seconds) = (self.rate_hz, self.longest_s);
         if !RATES_HZ.contains(&rate_hz) {
-            return Err(AcousticsError::BadRate { rate_hz });
+            return Err(ResponseError::BadRate { rate_hz });
         }
         if !(seconds > 0.0 && seconds <= MAX_SECONDS) {
-            return Err(AcousticsError::BadLength { seconds });
+            return Err(ResponseError::BadLength { seconds });
         }
         Ok(())
     }
 
     /// Checks that `heard` was made for this format, if it has one.
-    fn check(self, heard: &Heard) -> Result<(), AcousticsError> {
+    fn check(self, heard: &Heard) -> Result<(), ResponseError> {
         match heard.spec {
-            Some(other) if other != self => Err(AcousticsError::OtherSpec {
+            Some(other) if other != self => Err(ResponseError::OtherSpec {
                 heard_hz: other.rate_hz,
                 heard_s: other.longest_s,
                 played_hz: self.rate_hz,
@@ -233,9 +233,9 @@ impl Auralisation {
     /// Creates a silent player. At 48 kHz it takes about 0.7 MiB per second of response, with bands 3 MiB.
     ///
     /// # Errors
-    /// [`AcousticsError::BadRate`] for a rate outside [`RATES_HZ`], and [`AcousticsError::BadLength`] for seconds that
+    /// [`ResponseError::BadRate`] for a rate outside [`RATES_HZ`], and [`ResponseError::BadLength`] for seconds that
     /// are not above 0 and at most [`MAX_SECONDS`].
-    pub fn new(spec: Spec) -> Result<Auralisation, AcousticsError> {
+    pub fn new(spec: Spec) -> Result<Auralisation, ResponseError> {
         spec.validate()?;
         let longest = spec.longest();
         let partitions = (longest + spec.filter_delay() + REACH).div_ceil(BLOCK);
@@ -274,8 +274,8 @@ impl Auralisation {
     /// Does not allocate.
     ///
     /// # Errors
-    /// [`AcousticsError::OtherSpec`] if `heard` was made for another rate or length: then nothing changes.
-    pub fn glide_echoes(&mut self, heard: &Heard, samples: u32) -> Result<(), AcousticsError> {
+    /// [`ResponseError::OtherSpec`] if `heard` was made for another rate or length: then nothing changes.
+    pub fn glide_echoes(&mut self, heard: &Heard, samples: u32) -> Result<(), ResponseError> {
         self.spec.check(heard)?;
         match &mut self.echoes {
             Bank::Grey(echoes) => echoes.glide_to(&heard.echoes, samples),
@@ -289,8 +289,8 @@ impl Auralisation {
     /// changes. Neither allocates nor frees.
     ///
     /// # Errors
-    /// [`AcousticsError::OtherSpec`] if `heard` was made for another rate or length: then nothing changes.
-    pub fn glide_late(&mut self, heard: &mut Heard, samples: u32) -> Result<bool, AcousticsError> {
+    /// [`ResponseError::OtherSpec`] if `heard` was made for another rate or length: then nothing changes.
+    pub fn glide_late(&mut self, heard: &mut Heard, samples: u32) -> Result<bool, ResponseError> {
         self.spec.check(heard)?;
         if self.next.is_some() {
             return Ok(false);
@@ -315,12 +315,12 @@ impl Auralisation {
     /// sample that is not finite counts as 0: it would otherwise last as long as the response. Does not allocate.
     ///
     /// # Errors
-    /// [`AcousticsError::BadStereoLength`] if `stereo` is not twice as long as `mono`: then the player does not
+    /// [`ResponseError::BadStereoLength`] if `stereo` is not twice as long as `mono`: then the player does not
     /// advance.
-    pub fn add(&mut self, mono: &[f32], stereo: &mut [f32]) -> Result<(), AcousticsError> {
+    pub fn add(&mut self, mono: &[f32], stereo: &mut [f32]) -> Result<(), ResponseError> {
         if stereo.len() / CHANNELS != mono.len() || !stereo.len().is_multiple_of(CHANNELS) {
             let (mono, stereo) = (mono.len(), stereo.len());
-            return Err(AcousticsError::BadStereoLength { mono, stereo });
+            return Err(ResponseError::BadStereoLength { mono, stereo });
         }
         let (pairs, _) = stereo.as_chunks_mut::<CHANNELS>();
         for (sample, pair) in mono.iter().zip(pairs) {

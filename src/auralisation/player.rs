@@ -1,8 +1,8 @@
 //! Plays several sources as heard by the listener, on the thread that must not wait, and keeps the loud ones within full scale.
 
 use super::{Auralisation, Heard, Spec};
-use crate::acoustics::AcousticsError;
 use crate::audio::{Sound, StereoSignal};
+use crate::response::ResponseError;
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::fmt;
 
@@ -54,15 +54,15 @@ impl Player {
     /// Creates a player of these sounds, one for each source, made for the rate of `spec`; `gain` is an amplitude.
     ///
     /// # Errors
-    /// As [`Auralisation::new`]; [`AcousticsError::BadNumber`] for a gain that is not finite.
+    /// As [`Auralisation::new`]; [`ResponseError::BadNumber`] for a gain that is not finite.
     pub fn new(
         sounds: Vec<Sound>,
         spec: Spec,
         gain: f32,
-    ) -> Result<(Player, PlayerRemote), AcousticsError> {
+    ) -> Result<(Player, PlayerRemote), ResponseError> {
         spec.validate()?;
         if !gain.is_finite() {
-            return Err(AcousticsError::BadNumber {
+            return Err(ResponseError::BadNumber {
                 what: "the gain of a player",
                 must: "finite",
                 value: gain.into(),
@@ -78,7 +78,7 @@ impl Player {
             outbox: from_outbox,
         };
         let playing = |sound| {
-            Ok::<_, AcousticsError>(Playing {
+            Ok::<_, ResponseError>(Playing {
                 sound,
                 ears: Auralisation::new(spec)?,
                 late: None,
@@ -169,14 +169,14 @@ impl PlayerRemote {
     /// stands still.
     ///
     /// # Errors
-    /// [`AcousticsError::NoSuchSource`], [`AcousticsError::OtherSpec`] if `heard` was made for another player, and
-    /// [`AcousticsError::BadNumber`] for seconds that are negative or NaN. Then nothing changes.
+    /// [`ResponseError::NoSuchSource`], [`ResponseError::OtherSpec`] if `heard` was made for another player, and
+    /// [`ResponseError::BadNumber`] for seconds that are negative or NaN. Then nothing changes.
     pub fn hear(
         &mut self,
         source: usize,
         heard: Heard,
         seconds: f64,
-    ) -> Result<bool, AcousticsError> {
+    ) -> Result<bool, ResponseError> {
         self.check(source, &heard, seconds)?;
         self.collect();
         let update = Update {
@@ -187,15 +187,15 @@ impl PlayerRemote {
         Ok(self.inbox.push(update).is_ok())
     }
 
-    fn check(&self, source: usize, heard: &Heard, seconds: f64) -> Result<(), AcousticsError> {
+    fn check(&self, source: usize, heard: &Heard, seconds: f64) -> Result<(), ResponseError> {
         if source >= self.sources {
-            return Err(AcousticsError::NoSuchSource {
+            return Err(ResponseError::NoSuchSource {
                 source_number: source,
                 sources: self.sources,
             });
         }
         if seconds.is_nan() || seconds < 0.0 {
-            return Err(AcousticsError::BadNumber {
+            return Err(ResponseError::BadNumber {
                 what: "the time of a glide in seconds",
                 must: "0 or more",
                 value: seconds,

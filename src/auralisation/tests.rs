@@ -1,9 +1,9 @@
-use super::heard::{Echo, Heard};
+use super::prepared_sound::{Echo, Heard};
 use super::{Auralisation, BLOCK, Spec};
-use crate::acoustics::{
-    AcousticsError, Echogram, Format, ImpulseResponse, ImpulseSettings, ListenerAxes, Tap,
-};
 use crate::bands::{BAND_COUNT, BANDS_HZ, Bands};
+use crate::response::{
+    Echogram, Format, ImpulseResponse, ImpulseSettings, ListenerAxes, ResponseError, Tap,
+};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
@@ -288,7 +288,7 @@ fn what_was_made_for_another_player_is_refused() {
         let mono = 2;
         assert_eq!(
             refused,
-            Err(AcousticsError::BadStereoLength { mono, stereo })
+            Err(ResponseError::BadStereoLength { mono, stereo })
         );
     }
     let left = play(&mut ears, &impulse(4096));

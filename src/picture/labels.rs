@@ -3,7 +3,7 @@
 use super::marks::{INK, PLATE, PLATE_COLOUR, STYLES, Style, rectangle};
 use super::plan::Plan;
 use crate::scene::Scene;
-use crate::trace::Fate;
+use crate::tracer::Fate;
 use glam::Vec3;
 use tiny_skia::PixmapMut;
 

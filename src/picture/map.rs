@@ -6,7 +6,7 @@ use super::marks::{INK, draw_source_mark, fill, paint, rectangle};
 use super::plan::{Bounds, Plan};
 use super::slice::{check_size, cut};
 use crate::error::Error;
-use crate::gpu::Context;
+use crate::gl::Context;
 use crate::scene::Scene;
 use glam::{Vec2, Vec3};
 use image::{Rgba, RgbaImage};

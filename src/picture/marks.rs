@@ -4,7 +4,7 @@
 
 use super::plan::{Plan, flat};
 use crate::scene::{Listener, Path as KeyPath, Scene, Source};
-use crate::trace::{Fate, Wave};
+use crate::tracer::{Fate, Wave};
 use glam::{Vec2, Vec3};
 use tiny_skia::{
     Color, FillRule, GradientStop, LineCap, LineJoin, LinearGradient, Paint, Path, PathBuilder,

@@ -3,10 +3,10 @@
 use super::plan::{Bounds, Plan};
 use super::{PictureError, labels, marks};
 use crate::error::Error;
-use crate::gpu::{Context, Picture, Program, full_screen_pass_rows};
-use crate::kernel::{self, Structure};
+use crate::gl::{Context, Picture, Program, full_screen_pass_rows};
 use crate::scene::Scene;
-use crate::trace::{GpuScene, Settings, Tracer, Wave};
+use crate::shader::{self, Structure};
+use crate::tracer::{GpuScene, Settings, Tracer, Wave};
 use image::RgbaImage;
 use tiny_skia::PixmapMut;
 
@@ -65,10 +65,10 @@ pub fn shader_text(scene: &Scene, kind: Kind) -> String {
 
 fn text(scene: &Scene, structure: &Structure, kind: Kind) -> String {
     let sources = match kind {
-        Kind::View => kernel::first_person(kernel::source!("view/shading.glsl")).to_vec(),
-        Kind::Slice => vec![kernel::source!("view/slice.frag")],
+        Kind::View => shader::first_person(shader::source!("view/shading.glsl")).to_vec(),
+        Kind::Slice => vec![shader::source!("view/slice.frag")],
     };
-    kernel::picture_text(scene, structure, sources)
+    shader::picture_text(scene, structure, sources)
 }
 
 /// Rejects sizes that cannot be drawn, before anything is allocated.

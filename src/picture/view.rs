@@ -6,11 +6,11 @@
 use super::PictureError;
 use super::slice::{Kind, check_size, draw, prepare, set_scene};
 use crate::error::Error;
-use crate::gpu::{Context, GpuTimer, Picture, Program, ProgramCache, full_screen_pass_rows};
-use crate::kernel::{self, Structure, StructureKey};
+use crate::gl::{Context, GpuTimer, Picture, Program, ProgramCache, full_screen_pass_rows};
 use crate::platform;
 use crate::scene::Scene;
-use crate::trace::GpuScene;
+use crate::shader::{self, Structure, StructureKey};
+use crate::tracer::GpuScene;
 use glam::Vec2;
 use image::RgbaImage;
 use std::num::NonZeroUsize;
@@ -311,8 +311,8 @@ pub fn view_text(scene: &Scene) -> String {
 }
 
 fn text(scene: &Scene, structure: &Structure) -> String {
-    let sources = kernel::first_person(kernel::source!("view/shading_fast.glsl"));
-    kernel::picture_text(scene, structure, sources)
+    let sources = shader::first_person(shader::source!("view/shading_fast.glsl"));
+    shader::picture_text(scene, structure, sources)
 }
 
 /// Predicted number of pixels drawn in `seconds` seconds: only users' fields have a measured speed.

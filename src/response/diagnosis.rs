@@ -3,8 +3,8 @@
 //! A flutter echo lasts between two parallel walls, longer than sound in a diffuse field. It is detected only in a
 //! scene that consists of one [`Room`]: only then are the volume and the walls known.
 
-use crate::acoustics::{BandFigures, Figures};
 use crate::bands::BAND_COUNT;
+use crate::response::{BandFigures, Figures};
 use crate::scene::shape::Room;
 use crate::scene::{Material, Node, Scene};
 use std::f64::consts::LN_10;

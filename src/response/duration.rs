@@ -1,12 +1,12 @@
 //! The default length of a response.
 
-use super::heard::Medium;
 use super::late::{LEAST_ORDER, LateSphere};
-use crate::acoustics::MAX_SECONDS;
+use super::source_sound::Medium;
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
+use crate::response::MAX_SECONDS;
 use crate::scene::Scene;
-use crate::trace::{ArrivalCounts, ArrivalSettings, Settings, Tracer};
+use crate::tracer::{ArrivalCounts, ArrivalSettings, Settings, Tracer};
 
 /// Number of waves that estimate the decay: its end is determined by their energies, not by their
 /// number, and a thousand of them give the time within some per cent.
@@ -163,7 +163,7 @@ impl Decay {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::{Context, ContextOptions};
+    use crate::gl::{Context, ContextOptions};
     use crate::response::{Response, ResponseSettings};
 
     /// Protects the length of a response: the slowest band decides, and silence has a short response.

@@ -2,39 +2,86 @@
 //!
 //! Waves are traced through the scene on the GPU, and every crossing of the listener's sphere is an [`Arrival`].
 //! Arrivals that were mirrored a few times and never scattered give the sequences of surfaces for which exact paths are
-//! found, from point to point ([`EarlyPaths`](crate::acoustics::early::EarlyPaths)); each is a [`Tap`]. All other
+//! found, from point to point ([`EarlyPaths`](crate::response::exact_paths::EarlyPaths)); each is a [`Tap`]. All other
 //! arrivals are added up in an [`Echogram`]. Both together give the [`Figures`] of ISO 3382-1 and the sampled
-//! [`ImpulseResponse`](crate::acoustics::ImpulseResponse). `docs/acoustics.md` describes the model, its sources and its
+//! [`ImpulseResponse`]. `docs/acoustics.md` describes the model, its sources and its
 //! limits.
+//!
+//! ```text
+//!  crossings of the listener ─▶ Echogram ─┬─▶ Figures (ISO 3382-1), with their errors
+//!  exact paths ───────────────▶ Tap … ────┴─▶ ImpulseResponse: mono, stereo, AmbiX, binaural
+//!  SOFA files ────────────────▶ HrirSet ────────────────────────────────────────────┘
+//! ```
+//!
+//! # Units
+//! The source has power 1. Energies are energy densities at the listener times the speed of sound,
+//! in 1/m²: 1 / (4π r²) for the direct sound at r metres. Times are seconds from the source's
+//! impulse, except those of figures, which count from the direct sound. Directions are those of
+//! flight, away from where sound comes from, in world axes.
+//!
+//! ```
+//! use echomarch::response::{Echogram, Figures, Tap};
+//! use echomarch::glam::DVec3;
+//!
+//! // The direct sound at 5 m, and a diffuse decay whose reverberation time is 1 s.
+//! let direct_s = 5.0 / 343.0;
+//! let direct = 1.0 / (4.0 * std::f64::consts::PI * 25.0);
+//! let taps = [Tap { seconds: direct_s, energy: [direct; 8], direction: DVec3::X }];
+//! let mut echogram = Echogram::with_edge_at(direct_s, 1e-3, 1)?;
+//! for bin in 0..1000 {
+//!     let late_s = (f64::from(bin) + 0.5) * 1e-3;
+//!     let energy = 1e-4 * 10_f64.powf(-6.0 * late_s);
+//!     echogram.add(0, direct_s + late_s, &[energy; 8], DVec3::ZERO)?;
+//! }
+//! let figures = Figures::new(&taps, &echogram, Some(direct_s), 1.0);
+//! assert!((figures.bands[4].t30_s.unwrap() - 1.0).abs() < 1e-3);
+//! # Ok::<(), echomarch::response::ResponseError>(())
+//! ```
 
 mod diagnosis;
 mod duration;
-mod early;
-mod heard;
+mod early_part;
+mod echogram;
+mod error;
+pub mod exact_paths;
+mod figures;
+mod impulse_response;
 mod late;
 mod settings;
+mod source_sound;
+#[cfg(test)]
+mod tests;
 
+pub use crate::arrival::{Arrival, Tap};
 #[doc(hidden)]
 pub use diagnosis::{Flutter, Gap, flutters};
-pub use heard::{HeardPath, HeardSource, Level};
+pub use echogram::{BATCHES, BINS_S, Echogram, EchogramRow};
+pub use error::ResponseError;
+pub(crate) use error::check_taps;
+pub use figures::{BandFigures, Figures, strength_db};
+pub(crate) use figures::{CommonErrors, Record, uncertain_energy};
+pub(crate) use impulse_response::{Encoding, amplitude, tap_filter_gain};
+pub use impulse_response::{
+    Format, ImpulseResponse, ImpulseSettings, ListenerAxes, MAX_SECONDS, RATES_HZ,
+};
 pub use settings::{MAX_ORDER, ResponseSettings};
+pub use source_sound::{HeardPath, HeardSource, Level};
 
-use crate::acoustics::early::Missed;
-use crate::acoustics::{Arrival, Echogram, Figures, Record, Tap};
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
 use crate::platform::Instant;
 use crate::scene::Scene;
-use crate::trace::{ArrivalCounts, ArrivalSettings, Settings, Tracer};
-use early::{Caught, EarlyPart};
+use crate::tracer::{ArrivalCounts, ArrivalSettings, Settings, Tracer};
+use early_part::{Caught, EarlyPart};
+use exact_paths::Missed;
 use glam::Vec3;
-use heard::Medium;
 use late::{Arrivals, LateSphere};
+use source_sound::Medium;
 
 /// The sound of one source at one listener.
 ///
 /// ```
-/// use echomarch::gpu::Context;
+/// use echomarch::gl::Context;
 /// use echomarch::response::{Response, ResponseSettings};
 /// use echomarch::{Scene, Tracer};
 ///

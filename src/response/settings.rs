@@ -1,10 +1,10 @@
 //! Settings of responses.
 
 use super::duration;
-use crate::acoustics::{AcousticsError, Echogram, MAX_SECONDS};
 use crate::error::Error;
+use crate::response::{Echogram, MAX_SECONDS, ResponseError};
 use crate::scene::{Scene, Surface};
-use crate::trace::{ArrivalSettings, Profile, Settings, TraceError, Tracer};
+use crate::tracer::{ArrivalSettings, Profile, Settings, TraceError, Tracer};
 
 /// Settings of a [`Response`](super::Response).
 #[derive(Clone, Debug, PartialEq)]
@@ -151,7 +151,7 @@ impl ResponseSettings {
         if let Some(seconds) = self.seconds {
             ArrivalSettings::new(seconds).validate()?;
             if seconds > MAX_SECONDS {
-                return Err(AcousticsError::BadLength { seconds }.into());
+                return Err(ResponseError::BadLength { seconds }.into());
             }
         }
         let longest_s = self.longest_s;

@@ -3,7 +3,7 @@
 //! The messages are written where the check is: the syntax of a file in `crate::ron_error` and `scene/file/mod.rs`; a
 //! number's range in `scene/shape/part.rs` and `scene/notation/numbers.rs`; a shape in `scene/shape/mod.rs` and
 //! its own file; names, materials and the scene as a whole in `scene/check/`; sizes too large for a renderer in
-//! `kernel/structure.rs`.
+//! `shader/structure.rs`.
 
 use super::WALL_NAMES;
 use crate::file_input::{InputError, MalformedText};

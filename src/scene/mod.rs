@@ -1,7 +1,7 @@
 //! Scenes: surfaces and their materials, air, sources, listeners.
 //!
 //! A [`Scene`] is plain data. It is read from a RON file ([`Scene::load`]), taken from the built-in
-//! ones ([`Scene::builtin`]) or written in Rust, and does not depend on OpenGL: the module `kernel`
+//! ones ([`Scene::builtin`]) or written in Rust, and does not depend on OpenGL: the module `shader`
 //! turns it into shader text and numbers, [`Scene::distance`] is the same signed distance function
 //! on the CPU.
 //!

@@ -1,8 +1,8 @@
 //! Single flights of waves against the exact reference.
 
 use super::tracer;
-use echomarch::reference::ExactScene;
-use echomarch::trace::Wave;
+use echomarch::geometry::ExactScene;
+use echomarch::tracer::Wave;
 use echomarch::{Profile, Scene, Settings};
 use glam::Vec3;
 

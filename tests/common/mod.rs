@@ -13,7 +13,7 @@ pub mod wav;
 pub use random::Random;
 pub use shared::*;
 
-use echomarch::trace::{Algorithm, MarchVariant};
+use echomarch::tracer::{Algorithm, MarchVariant};
 use echomarch::{Scene, Settings};
 use glam::{Quat, Vec3};
 

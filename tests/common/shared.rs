@@ -1,7 +1,7 @@
 //! Helpers shared by the library's unit tests and the integration tests.
 #![allow(dead_code)] // Every test program uses its own part of this.
 
-use echomarch::gpu::{Api, Context, ContextOptions};
+use echomarch::gl::{Api, Context, ContextOptions};
 use echomarch::{Scene, Settings, Tracer};
 
 /// Runs `test` once for every API, each on a thread of its own.

@@ -3,7 +3,7 @@
 use super::Target;
 use super::scratch::with_file;
 use super::sofa_file::{SofaFile, Variable};
-use echomarch::acoustics::hrir::HrirSet;
+use echomarch::hrtf::HrirSet;
 use glam::DVec3;
 
 /// The target of the driver.

@@ -4,11 +4,11 @@ use crate::common::tracer;
 use crate::measures::{largest_step, rms};
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use echomarch::Scene;
-use echomarch::acoustics::ListenerAxes;
 use echomarch::audio::live::probe::{self, Recorder};
 use echomarch::audio::live::{LiveError, Remote, Renderer};
 use echomarch::audio::{AudioError, PanningLaw, SAMPLE_RATE, SINE_AMPLITUDE, Sound};
 use echomarch::auralisation::{Heard, Player, Spec};
+use echomarch::response::ListenerAxes;
 use echomarch::response::{Response, ResponseSettings};
 use tempfile::TempDir;
 

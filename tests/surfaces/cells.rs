@@ -4,7 +4,7 @@
 use crate::common::{marched, tracer};
 use echomarch::scene::shape::{Capsule, Cuboid, Cylinder, Ellipsoid, Plane, Sphere, Torus};
 use echomarch::scene::{Node, Shape};
-use echomarch::trace::ThesisOptions;
+use echomarch::tracer::ThesisOptions;
 use echomarch::{Listener, Scene, Settings, Source, Surface, Tracer};
 use glam::{Quat, Vec3};
 use std::f32::consts::FRAC_PI_2;

@@ -2,10 +2,10 @@
 //! the origin hears the same.
 
 use crate::common::{Random, flights, tracer};
-use echomarch::reference::ExactScene;
+use echomarch::geometry::ExactScene;
 use echomarch::scene::Shape;
 use echomarch::scene::shape::{Capsule, Cuboid, Prism, Room, Sphere};
-use echomarch::trace::Wave;
+use echomarch::tracer::Wave;
 use echomarch::{Listener, Profile, Scene, Settings, Source, Surface};
 use glam::{Quat, Vec2, Vec3};
 

@@ -3,7 +3,7 @@
 use crate::common::{builtin, tracer};
 use echomarch::scene::shape::{Cylinder, Plane};
 use echomarch::scene::{Node, Shape};
-use echomarch::trace::Wave;
+use echomarch::tracer::Wave;
 use echomarch::{Listener, Profile, Scene, Settings, Source, Surface};
 use glam::{DVec3, Vec3};
 

@@ -4,10 +4,10 @@
 //! that a few dozen cases give tens of thousands of waves.
 
 use crate::common::Random;
-use echomarch::gpu::{Context, ContextOptions};
-use echomarch::reference::ExactScene;
+use echomarch::geometry::ExactScene;
+use echomarch::gl::{Context, ContextOptions};
 use echomarch::scene::shape::{Cuboid, Cylinder, Plane, Room, Sphere};
-use echomarch::trace::{Fate, Wave};
+use echomarch::tracer::{Fate, Wave};
 use echomarch::{Listener, Node, Profile, Scene, Settings, Source, Surface, Tracer};
 use glam::{DQuat, DVec3, Quat, Vec3};
 use proptest::prelude::*;

@@ -4,9 +4,9 @@
 //! determines the rounding of positions.
 
 use crate::common::tracer;
-use echomarch::reference::ExactScene;
+use echomarch::geometry::ExactScene;
 use echomarch::scene::shape::{Cuboid, Room};
-use echomarch::trace::Wave;
+use echomarch::tracer::Wave;
 use echomarch::{Listener, Node, Scene, Settings, Source, Surface, Tracer};
 use glam::{DVec3, EulerRot, Quat, Vec3};
 

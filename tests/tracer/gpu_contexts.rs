@@ -1,7 +1,7 @@
-//! Contexts and devices as a caller sees them. `src/gpu/tests` tests the objects created with them.
+//! Contexts and devices as a caller sees them. `src/gl/tests` tests the objects created with them.
 
 use crate::common::on_a_thread_for_each_api;
-use echomarch::gpu::{Context, ContextOptions, GpuError, list_gpus};
+use echomarch::gl::{Context, ContextOptions, GpuError, list_gpus};
 
 /// The list shows at least one working device, under the number that selects it.
 #[test]

@@ -3,7 +3,7 @@
 
 use crate::common::{builtin, for_each_api, marched, tracer};
 use echomarch::internals::sampling::median;
-use echomarch::trace::Directions;
+use echomarch::tracer::Directions;
 use echomarch::{Profile, Settings};
 use std::collections::HashSet;
 

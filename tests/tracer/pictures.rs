@@ -7,7 +7,7 @@
 
 #![cfg(feature = "picture")]
 
-use echomarch::gpu::{Api, Context, ContextOptions};
+use echomarch::gl::{Api, Context, ContextOptions};
 use echomarch::picture::{
     Bounds, RgbaImage, SliceOptions, ViewOptions, first_person, save_png, slice,
 };

@@ -1,9 +1,9 @@
 //! Responses of scenes against image sources and closed forms.
 
-use echomarch::acoustics::{BandFigures, Figures};
 use echomarch::bands::{BAND_COUNT, Bands};
+use echomarch::geometry::ShoeboxEnergies;
 use echomarch::glam::Vec3;
-use echomarch::reference::ShoeboxEnergies;
+use echomarch::response::{BandFigures, Figures};
 use echomarch::response::{Response, ResponseSettings};
 use echomarch::scene::shape::{Cuboid, Sphere};
 use echomarch::{Listener, Scene, Settings, Source, Surface};

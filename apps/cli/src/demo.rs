@@ -10,7 +10,7 @@ use clap::Args;
 use echomarch::Error;
 use echomarch::audio::{SAMPLE_RATE, Sound};
 use echomarch::auralisation::Listen;
-use echomarch::gpu::Api;
+use echomarch::gl::Api;
 use echomarch::internals::file_output::check_file;
 use echomarch_lab::text;
 use echomarch_window::{DemoError, DemoOptions, OPENING_SCENE, Report, run as run_demo};

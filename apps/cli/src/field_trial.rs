@@ -1,7 +1,7 @@
 //! `echomarch field-trial`: the child process in which users' fields are tried.
 
 use super::options::Common;
-use echomarch::trace::{FieldTrial, TrialCommand, answer_field_trial};
+use echomarch::tracer::{FieldTrial, TrialCommand, answer_field_trial};
 use std::ffi::OsString;
 use std::process::ExitCode;
 

@@ -4,7 +4,7 @@ use super::numbers::count;
 use super::options::{Common, ProfilesOption, check_range};
 use super::report;
 use clap::Args;
-use echomarch::trace::Settings;
+use echomarch::tracer::Settings;
 use echomarch_lab::experiment::WAVE_COUNTS;
 use echomarch_lab::experiment::figures::{self, FiguresOptions};
 use std::path::PathBuf;

@@ -14,12 +14,12 @@ use super::print;
 use super::scene::SceneAtTime;
 use clap::{Args, ValueEnum};
 use echomarch::Error;
-use echomarch::acoustics::hrir::HrirSet;
-use echomarch::acoustics::{AcousticsError, Format, MAX_SECONDS, RATES_HZ};
 use echomarch::audio::SAMPLE_RATE;
+use echomarch::hrtf::HrirSet;
 use echomarch::internals::file_output::check_file;
+use echomarch::response::{Format, MAX_SECONDS, RATES_HZ, ResponseError};
 use echomarch::response::{MAX_ORDER, Response, ResponseSettings};
-use echomarch::trace::{Algorithm, Directions, Profile, Settings};
+use echomarch::tracer::{Algorithm, Directions, Profile, Settings};
 use pairs::Pair;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -167,7 +167,7 @@ impl Arguments {
             return Err(BadInput("--format binaural needs --sofa FILE.sofa".into()).into());
         };
         let hrirs = HrirSet::read_sofa(file).map_err(Error::from)?;
-        let at_rate = hrirs.at_rate(self.rate).map_err(AcousticsError::from);
+        let at_rate = hrirs.at_rate(self.rate).map_err(ResponseError::from);
         Ok(at_rate.map_err(Error::from)?)
     }
 

@@ -3,8 +3,8 @@
 use super::options::Common;
 use super::print;
 use clap::Args;
-use echomarch::gpu::{Api, GpuInfo, Renderer, list_gpus};
-use echomarch::trace::MAX_WAVES;
+use echomarch::gl::{Api, GpuInfo, Renderer, list_gpus};
+use echomarch::tracer::MAX_WAVES;
 use serde::Serialize;
 
 const EXAMPLES: &str = "\

@@ -9,7 +9,7 @@ use clap::{Args, Subcommand};
 use echomarch::Error;
 use echomarch::audio::{PanningLaw, SAMPLE_RATE, Sound, SoundSpec};
 use echomarch::scene::Scene;
-use echomarch::trace::{Profile, Settings};
+use echomarch::tracer::{Profile, Settings};
 use echomarch_lab::experiment::localise::form::{self, Form, FormOptions, WriteError};
 use echomarch_lab::experiment::localise::score::{ScoreReport, score};
 use echomarch_lab::experiment::localise::{

@@ -6,9 +6,9 @@ use super::print;
 use clap::Args;
 use echomarch::Error;
 use echomarch::audio::PanningLaw;
-use echomarch::gpu::{Api, Context, ContextOptions};
+use echomarch::gl::{Api, Context, ContextOptions};
 use echomarch::scene::Scene;
-use echomarch::trace::{Algorithm, Budget, Directions, Profile, Settings, Tracer};
+use echomarch::tracer::{Algorithm, Budget, Directions, Profile, Settings, Tracer};
 use std::path::Path;
 
 /// Options of every subcommand.

@@ -4,7 +4,7 @@ use super::options::Common;
 use super::print;
 use anyhow::anyhow;
 use echomarch::internals::file_output::{check_inside, prepare_folder, write_inside};
-use echomarch::trace::Tracer;
+use echomarch::tracer::Tracer;
 use echomarch_lab::report::Report;
 use std::path::{Path, PathBuf};
 

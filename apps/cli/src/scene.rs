@@ -5,7 +5,7 @@ use super::numbers::real;
 use super::options::Common;
 use clap::Args;
 use echomarch::Error;
-use echomarch::internals::kernel::{Layout, Lists};
+use echomarch::internals::shader::{Layout, Lists};
 use echomarch::scene::{Scene, SceneError};
 
 /// Maximum number of warnings printed for one scene; above it only their number is printed.

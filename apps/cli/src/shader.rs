@@ -4,11 +4,11 @@ use super::exit::BadInput;
 use super::options::Common;
 use super::print;
 use clap::{Args, ValueEnum};
-use echomarch::gpu::header;
+use echomarch::gl::header;
 use echomarch::internals::file_output::{check_file, write_whole};
 use echomarch::picture::{self, Kind};
 use echomarch::scene::Scene;
-use echomarch::trace::{self, Directions, Pass, Profile, Settings};
+use echomarch::tracer::{self, Directions, Pass, Profile, Settings};
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -103,7 +103,7 @@ fn body(arguments: &Arguments, scene: &Scene) -> String {
     let settings = Settings::new(arguments.profile)
         .with_directions(arguments.directions)
         .with_count_evaluations(arguments.count_evaluations);
-    let of_waves = |pass| trace::shader_text(scene, &settings, pass);
+    let of_waves = |pass| tracer::shader_text(scene, &settings, pass);
     match arguments.pass {
         Which::Initialise => of_waves(Pass::Initialise),
         Which::March => of_waves(Pass::March),

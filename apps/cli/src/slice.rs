@@ -7,7 +7,7 @@ use super::scene::SceneAtTime;
 use clap::Args;
 use echomarch::internals::file_output::check_file;
 use echomarch::picture::{SliceOptions, save_png, slice};
-use echomarch::trace::HeardPaths;
+use echomarch::tracer::HeardPaths;
 use serde_json::json;
 use std::path::PathBuf;
 

@@ -12,7 +12,7 @@ use echomarch::audio::PanningLaw;
 use echomarch::internals::file_output::{OutputError, check_file, write_whole};
 use echomarch::response::ResponseSettings;
 use echomarch::scene::{BUILTIN_NAMES, Scene};
-use echomarch::trace::{Budget, Frame, Milliseconds, Reload, Reloading, Settings, Tracer, Wave};
+use echomarch::tracer::{Budget, Frame, Milliseconds, Reload, Reloading, Settings, Tracer, Wave};
 use serde::Serialize;
 use std::io::{self, Write};
 use std::path::PathBuf;

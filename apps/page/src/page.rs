@@ -2,7 +2,7 @@
 
 use crate::{scene, settings, thrown};
 use echomarch::glam::Vec3;
-use echomarch::gpu::Context;
+use echomarch::gl::Context;
 use echomarch_walk::{MoveInput, Visit, Walker};
 use wasm_bindgen::prelude::*;
 use web_sys::WebGl2RenderingContext;
@@ -227,7 +227,7 @@ impl Page {
     pub fn ways(&mut self) -> Result<Vec<f32>, JsError> {
         let mut numbers = Vec::new();
         for way in self.visit.ways().map_err(thrown)? {
-            use echomarch::trace::Fate;
+            use echomarch::tracer::Fate;
             numbers.push(match way.fate {
                 Fate::Dead | Fate::NotFinite => 0.0,
                 Fate::Travelling => 1.0,

@@ -3,10 +3,10 @@
 use super::hearing::{EarsStatus, Hearing};
 use super::mix::HeardMessage;
 use echomarch::Error;
-use echomarch::gpu::Context;
+use echomarch::gl::Context;
 use echomarch::response::HeardSource;
 use echomarch::scene::Scene;
-use echomarch::trace::Settings;
+use echomarch::tracer::Settings;
 
 /// Follows a scene with its own renderer, and reports the arrivals at the listener.
 pub struct Ears {
@@ -66,7 +66,7 @@ mod tests {
     use super::super::Mix;
     use super::*;
     use echomarch::audio::SoundSpec;
-    use echomarch::gpu::ContextOptions;
+    use echomarch::gl::ContextOptions;
 
     /// Protects ears from exchanged channels: a source at the left is louder at the left, after transfer as plain
     /// numbers. What stays the same is not sent for ever.

@@ -4,13 +4,13 @@
 //! second.
 
 use echomarch::Error;
-use echomarch::acoustics::ListenerAxes;
 use echomarch::bands;
-use echomarch::gpu::Context;
+use echomarch::gl::Context;
 use echomarch::internals::platform::Instant;
+use echomarch::response::ListenerAxes;
 use echomarch::response::{HeardSource, Response, ResponseSettings};
 use echomarch::scene::Scene;
-use echomarch::trace::{Profile, Settings, Tracer};
+use echomarch::tracer::{Profile, Settings, Tracer};
 use std::time::Duration;
 
 /// Maximum number of waves of a response: echoes are exact, and a late part that lasts a quarter of a second needs no

@@ -2,11 +2,11 @@
 
 use super::hearing::{Found, LONGEST_S};
 use echomarch::Error;
-use echomarch::acoustics::AcousticsError;
 use echomarch::audio::{Mixer, PanningLaw, Signal, Sound, SoundSpec, StereoSignal};
 use echomarch::auralisation::{HeardParts, Listen, Player, PlayerRemote, Spec};
+use echomarch::response::ResponseError;
 use echomarch::scene::Scene;
-use echomarch::trace::Profile;
+use echomarch::tracer::Profile;
 
 /// Seed of the noise of the late parts.
 pub const NOISE_SEED: u64 = 1;
@@ -24,7 +24,7 @@ pub fn player(
     scene: &Scene,
     spec: &SoundSpec,
     rate_hz: u32,
-) -> Result<(Player, PlayerRemote), AcousticsError> {
+) -> Result<(Player, PlayerRemote), ResponseError> {
     let load = |source: usize| {
         // A file that cannot be loaded at this rate is silent; the error is reported for the balance's sound.
         let sound = Sound::load(&own_voice(spec, source as u64), rate_hz);
@@ -150,7 +150,7 @@ impl Mix {
     /// Creates a mix for a scene's sources at `rate_hz` samples a second; it is silent until it receives a response.
     ///
     /// # Errors
-    /// As [`Sound::load`]; [`AcousticsError::BadRate`](echomarch::acoustics::AcousticsError::BadRate).
+    /// As [`Sound::load`]; [`ResponseError::BadRate`](echomarch::response::ResponseError::BadRate).
     pub fn new(scene: &Scene, spec: &SoundSpec, rate_hz: u32) -> Result<Mix, Error> {
         let law = PanningLaw::for_profile(Profile::Hybrid);
         let listen = Listen::Full;

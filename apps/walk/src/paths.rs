@@ -3,7 +3,7 @@
 use echomarch::Error;
 use echomarch::internals::platform::Instant;
 use echomarch::scene::Scene;
-use echomarch::trace::{HeardSearch, MostKept, Profile, Settings, Tracer, Wave};
+use echomarch::tracer::{HeardSearch, MostKept, Profile, Settings, Tracer, Wave};
 use std::time::Duration;
 
 /// Maximum number of paths shown: more would cover each other.
@@ -47,7 +47,7 @@ impl Paths {
         let ends = self.states.last().map_or(&[][..], Vec::as_slice);
         let heard = ends
             .iter()
-            .filter(|wave| wave.fate() == echomarch::trace::Fate::Listener);
+            .filter(|wave| wave.fate() == echomarch::tracer::Fate::Listener);
         heard.count()
     }
 

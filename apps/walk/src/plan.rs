@@ -2,7 +2,7 @@
 
 use echomarch::picture::Bounds;
 use echomarch::scene::{Scene, Surface};
-use echomarch::trace::{Fate, Wave};
+use echomarch::tracer::{Fate, Wave};
 use glam::{Vec2, Vec3};
 
 /// Pixels of the plan on its longer side.

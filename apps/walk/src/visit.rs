@@ -4,18 +4,18 @@ use super::paths::{PATH_ITERATIONS, Paths};
 use super::plan::{Cut, PlanImage, STUB, way};
 use super::{MoveInput, Walker, World};
 use echomarch::Error;
-use echomarch::gpu::Context;
+use echomarch::gl::Context;
 use echomarch::picture::Bounds;
 use echomarch::picture::View;
 use echomarch::scene::Scene;
-use echomarch::trace::{Fate, Frame, Settings, Tracer};
+use echomarch::tracer::{Fate, Frame, Settings, Tracer};
 use glam::Vec3;
 
 /// A walk through a scene on one context: advances time, traces waves, draws the picture and the plan. The caller calls
 /// [`pass`](Visit::pass), [`trace`](Visit::trace) and [`draw`](Visit::draw) once per picture.
 ///
 /// ```
-/// use echomarch::gpu::{Context, ContextOptions};
+/// use echomarch::gl::{Context, ContextOptions};
 /// use echomarch_walk::{MoveInput, Visit};
 /// use echomarch::{Scene, Settings};
 ///
@@ -299,7 +299,7 @@ impl Visit {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use echomarch::gpu::ContextOptions;
+    use echomarch::gl::ContextOptions;
     use std::thread;
     use std::time::Duration;
 

@@ -7,7 +7,7 @@
 //! ```
 
 use echomarch::audio::PanningLaw;
-use echomarch::gpu::{Context, MakeCurrent, glow};
+use echomarch::gl::{Context, MakeCurrent, glow};
 use echomarch::{Scene, Settings, Tracer};
 use glow::HasContext;
 use glutin::config::ConfigTemplateBuilder;

@@ -5,7 +5,7 @@ use super::keys::Action;
 use super::save::{free_file, save};
 use echomarch::audio::PanningLaw;
 use echomarch::auralisation::Listen;
-use echomarch::trace::Profile;
+use echomarch::tracer::Profile;
 use std::path::{Path, PathBuf};
 
 impl App {

@@ -15,7 +15,7 @@ use super::state::{Choices, InFull};
 use super::window::DemoWindow;
 use super::{DemoError, DemoOptions, overlay};
 use echomarch::picture::{Drawn, View};
-use echomarch::trace::{Frame, Settings, Tracer};
+use echomarch::tracer::{Frame, Settings, Tracer};
 use echomarch_walk::EarsStatus;
 use echomarch_walk::Paths;
 use echomarch_walk::World;

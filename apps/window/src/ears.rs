@@ -9,9 +9,9 @@ use echomarch::Error;
 use echomarch::audio::{SoundSpec, StereoSignal, StereoSource};
 #[cfg(feature = "audio")]
 use echomarch::auralisation::{Heard, PlayerRemote};
-use echomarch::gpu::{Context, ContextOptions};
+use echomarch::gl::{Context, ContextOptions};
 use echomarch::scene::Scene;
-use echomarch::trace::Settings;
+use echomarch::tracer::Settings;
 use echomarch_walk::{EarsStatus, Found, Hearing};
 #[cfg(feature = "audio")]
 use echomarch_walk::{NOISE_SEED, player};

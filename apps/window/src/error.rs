@@ -36,8 +36,8 @@ pub enum DemoError {
     Write(#[from] echomarch::internals::file_output::OutputError),
 }
 
-impl From<echomarch::gpu::GpuError> for DemoError {
-    fn from(error: echomarch::gpu::GpuError) -> DemoError {
+impl From<echomarch::gl::GpuError> for DemoError {
+    fn from(error: echomarch::gl::GpuError) -> DemoError {
         DemoError::Failed(error.into())
     }
 }
@@ -56,7 +56,7 @@ pub fn sentence(error: &impl std::fmt::Display) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use echomarch::gpu::GpuError;
+    use echomarch::gl::GpuError;
 
     /// Protects the terminal and the window from a driver's log.
     #[test]

@@ -3,7 +3,7 @@
 
 use echomarch::Error;
 use echomarch::scene::{BUILTIN_NAMES, Scene};
-use echomarch::trace::{Opening, Pass, Profile, Reloading, Settings, shader_text};
+use echomarch::tracer::{Opening, Pass, Profile, Reloading, Settings, shader_text};
 use echomarch_walk::World;
 use std::time::Instant;
 

@@ -1,6 +1,6 @@
 //! The table of keys, which the window follows and shows.
 
-use echomarch::trace::Profile;
+use echomarch::tracer::Profile;
 use echomarch_walk::MoveInput;
 use std::collections::HashSet;
 use winit::keyboard::KeyCode;

@@ -4,7 +4,7 @@ use super::app::App;
 use super::ears::Ears;
 use super::state::InFull;
 use echomarch::auralisation::Listen;
-use echomarch::gpu::ContextOptions;
+use echomarch::gl::ContextOptions;
 
 impl App {
     /// Switches the speaker to the chosen listening mode.

@@ -2,7 +2,7 @@
 
 use echomarch::audio::PanningLaw;
 use echomarch::auralisation::Listen;
-use echomarch::trace::Settings;
+use echomarch::tracer::Settings;
 use std::path::PathBuf;
 
 /// The default scene: its first view shows many things near and far. (In `corner` and `obstacles`

@@ -6,7 +6,7 @@ use super::follower::{Before, Follower, PROGRAMS};
 use super::report::Reread;
 use echomarch::Error;
 use echomarch::scene::BUILTIN_NAMES;
-use echomarch::trace::{Opening, Reload, Tracer};
+use echomarch::tracer::{Opening, Reload, Tracer};
 use std::time::{Duration, Instant};
 
 /// Interval between two checks of the files.

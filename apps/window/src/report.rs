@@ -4,7 +4,7 @@ use super::latency::Parts;
 use super::sound::SoundStatus;
 use echomarch::internals::sampling::{median, quantiles};
 use echomarch::response::HeardSource;
-use echomarch::trace::{Counts, Frame, Profile};
+use echomarch::tracer::{Counts, Frame, Profile};
 use echomarch_walk::EarsStatus;
 use serde::Serialize;
 use std::collections::BTreeMap;

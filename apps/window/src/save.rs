@@ -5,7 +5,7 @@
 
 use echomarch::internals::file_output::{OutputError, write_inside, write_whole};
 use echomarch::scene::{BasedScene, Listener, Path as KeyPath, Scene, SceneError};
-use echomarch::trace::{Algorithm, Directions, Settings, ThesisOptions};
+use echomarch::tracer::{Algorithm, Directions, Settings, ThesisOptions};
 use echomarch_walk::World;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};

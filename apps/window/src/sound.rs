@@ -9,7 +9,7 @@ use echomarch::audio::PanningLaw;
 #[cfg(feature = "audio")]
 use echomarch::audio::live::{Live, LiveOptions, LiveStatus};
 use echomarch::scene::Scene;
-use echomarch::trace::Panning;
+use echomarch::tracer::Panning;
 use serde::Serialize;
 use std::path::Path;
 

@@ -3,7 +3,7 @@
 use super::DemoOptions;
 use echomarch::audio::PanningLaw;
 use echomarch::auralisation::Listen;
-use echomarch::trace::{MAX_ITERATIONS, MAX_WAVES, Profile, Settings};
+use echomarch::tracer::{MAX_ITERATIONS, MAX_WAVES, Profile, Settings};
 use std::collections::HashMap;
 
 /// Properties of the player in full listening; when they change another player is needed.
@@ -121,7 +121,7 @@ impl Choices {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use echomarch::trace::{Algorithm, ThesisOptions};
+    use echomarch::tracer::{Algorithm, ThesisOptions};
 
     /// Protects a change of algorithm: it brings its own constants and keeps the waves.
     #[test]

@@ -1,7 +1,7 @@
 //! The window, and the context that waves, picture and panels share.
 
 use super::{DemoError, DemoOptions};
-use echomarch::gpu::{WindowContext, WindowDisplay};
+use echomarch::gl::{WindowContext, WindowDisplay};
 use egui_glow::Painter;
 use egui_glow::egui_winit::{EventResponse, State};
 use std::sync::Arc;

@@ -43,7 +43,7 @@ use self::recording::Recording;
 use self::shared::Shared;
 use self::supervisor::{Common, State, Supervisor, lock};
 use super::{PanningLaw, SoundSource, StereoSource};
-use crate::trace::Panning;
+use crate::tracer::Panning;
 
 /// Initial options of live output.
 #[derive(Debug, Clone, PartialEq)]

@@ -14,7 +14,7 @@ use rtrb::{Consumer, Producer, RingBuffer};
 use super::shared::{Meter, Shared};
 use super::stages::{Glide, Program, Programs};
 use crate::audio::{Gains, Mixer, PanningLaw, Sound, StereoSignal};
-use crate::trace::Panning;
+use crate::tracer::Panning;
 
 /// Frames mixed at once.
 const BLOCK: usize = 256;

@@ -11,10 +11,10 @@
 //! decided so: the bias of that is small.)
 
 use super::pilot::Pilot;
-use crate::kernel::Materials;
 use crate::sampling::{hash, unit_interval};
 use crate::scene::Scene;
-use crate::trace::{Directions, Settings, Start};
+use crate::shader::Materials;
+use crate::tracer::{Directions, Settings, Start};
 use glam::{DVec3, Vec3};
 use std::f64::consts::{FRAC_PI_4, PI};
 use std::ops::{Range, RangeInclusive};

@@ -14,13 +14,13 @@ mod sphere;
 pub(super) use sphere::{LEAST_ORDER, LateSphere, casts_shadows};
 
 use super::ResponseSettings;
-use super::heard::Medium;
-use crate::acoustics::{Arrival, Echogram, uncertain_energy};
+use super::source_sound::Medium;
 use crate::bands::{BAND_COUNT, Bands};
 use crate::error::Error;
+use crate::response::{Arrival, Echogram, uncertain_energy};
 use crate::scene::Scene;
-use crate::trace::{ArrivalCounts, ArrivalSettings, Followed, Settings, Tracer, WavesToFollow};
-use crate::{bands, kernel};
+use crate::tracer::{ArrivalCounts, ArrivalSettings, Followed, Settings, Tracer, WavesToFollow};
+use crate::{bands, shader};
 use glam::Vec3;
 use importance::Importance;
 use pilot::Pilot;
@@ -70,7 +70,7 @@ pub(super) fn arrivals(
         early: Vec::new(),
         travel_on: None,
     };
-    for bands in kernel::band_groups(heard_in.0) {
+    for bands in shader::band_groups(heard_in.0) {
         let how = how
             .clone()
             .with_bands(bands)

@@ -17,8 +17,8 @@
 //! sphere has no such bias, but more noise. So this part is counted in both spheres, and averaged with the weights that
 //! minimise the mean square error. The remaining bias is an error of the figures.
 
-use crate::acoustics::{CommonErrors, Echogram};
 use crate::bands::{BAND_COUNT, Bands};
+use crate::response::{CommonErrors, Echogram};
 use crate::scene::{Node, Scene, Surface, WALL_COUNT};
 
 /// Radius in metres. In random rooms (docs/acoustics.md) T30 is 2.5 times as exact with it as with

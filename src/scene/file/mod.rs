@@ -287,7 +287,7 @@ type Stamp = Option<(SystemTime, u64)>;
 
 /// A scene file, its bases, and the files that they name, watched for changes.
 ///
-/// Does not use OpenGL: see [`trace::Reloading`](crate::trace::Reloading) for scenes that are also
+/// Does not use OpenGL: see [`tracer::Reloading`](crate::tracer::Reloading) for scenes that are also
 /// checked by the renderer. Polling takes a few microseconds a file.
 pub struct SceneWatch {
     load: Box<dyn Fn() -> Result<Scene, SceneError>>,

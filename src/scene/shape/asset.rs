@@ -2,7 +2,7 @@
 //!
 //! A user's field is GLSL text with a `float field(vec3 p)`, and optionally a `vec3 fieldGradient(vec3 p)`. Only a GPU
 //! can evaluate it. For its own questions (whether the source is in a solid, where a walker may go) the CPU uses samples,
-//! which are taken once on the GPU when the field is checked; see `crate::trace`.
+//! which are taken once on the GPU when the field is checked; see `crate::tracer`.
 
 use super::user_glsl;
 use crate::file_input::read;

@@ -29,8 +29,8 @@ impl Part for Octahedron {
 
 #[cfg(test)]
 mod tests {
-    use crate::gpu::{Context, ContextOptions};
-    use crate::reference::ExactScene;
+    use crate::geometry::ExactScene;
+    use crate::gl::{Context, ContextOptions};
     use crate::{Profile, Scene, Settings, Tracer};
 
     const SCENE: &str = "Scene(

@@ -2,7 +2,7 @@
 
 use super::{BALL, refusal, scene, settings, user};
 use crate::common::{context, for_each_api};
-use echomarch::gpu::Api;
+use echomarch::gl::Api;
 use echomarch::scene::shape::{Cuboid, Sphere, Twist};
 use echomarch::scene::{Node, Warning};
 use echomarch::{Profile, Shape, Surface, Tracer};

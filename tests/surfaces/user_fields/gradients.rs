@@ -2,7 +2,7 @@
 
 use super::{BALL, refusal, scene, settings, user};
 use crate::common::{context, for_each_api};
-use echomarch::gpu::Api;
+use echomarch::gl::Api;
 use echomarch::scene::shape::User;
 use echomarch::scene::{Node, UserField};
 use echomarch::{Listener, Profile, Scene, Settings, Source, Surface, Tracer};

@@ -7,7 +7,7 @@ mod names;
 mod reload;
 
 use crate::common::field_files::BALL;
-use echomarch::gpu::Context;
+use echomarch::gl::Context;
 use echomarch::scene::shape::{Room, User};
 use echomarch::scene::{Node, UserField};
 use echomarch::{Listener, Profile, Scene, Settings, Source, Surface, Tracer};

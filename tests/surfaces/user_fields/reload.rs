@@ -3,7 +3,7 @@
 use super::settings;
 use crate::common::field_files::{BALL, SCENE, write};
 use crate::common::for_each_api;
-use echomarch::trace::{Reload, Reloading};
+use echomarch::tracer::{Reload, Reloading};
 use echomarch::{Profile, Settings, Tracer};
 
 /// The first change that the next polls of the files return.

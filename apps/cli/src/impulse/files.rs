@@ -4,12 +4,12 @@ use super::Arguments;
 use super::pairs::Pair;
 use anyhow::anyhow;
 use echomarch::Error;
-use echomarch::acoustics::{
-    Echogram, EchogramRow, Format, ImpulseResponse, ImpulseSettings, ListenerAxes,
-};
 use echomarch::audio::WavWriter;
 use echomarch::internals::file_output::write_whole;
 use echomarch::response::Response;
+use echomarch::response::{
+    Echogram, EchogramRow, Format, ImpulseResponse, ImpulseSettings, ListenerAxes,
+};
 use echomarch_lab::experiment::decay_plot;
 use std::io::{self, Write};
 use std::path::Path;

@@ -1,7 +1,7 @@
 //! Why figures are missing from a response, and what helps.
 
-use echomarch::acoustics::BandFigures;
 use echomarch::bands::{BAND_COUNT, BANDS_HZ};
+use echomarch::response::BandFigures;
 use echomarch::response::{Gap, Response};
 use echomarch::scene::Scene;
 

@@ -7,9 +7,9 @@ use super::super::print;
 use super::{Job, ReportHead, sounds};
 use clap::Args;
 use echomarch::Error;
-use echomarch::acoustics::MAX_SECONDS;
 use echomarch::audio::{SAMPLE_RATE, WavWriter};
 use echomarch::offline::{self, FullBlock, FullSettings};
+use echomarch::response::MAX_SECONDS;
 use echomarch::response::{HeardSource, MAX_ORDER, ResponseSettings};
 use serde::Serialize;
 

@@ -16,7 +16,7 @@ use echomarch::auralisation::Listen;
 use echomarch::internals::file_output::check_file;
 use echomarch::offline::Timing;
 use echomarch::scene::Scene;
-use echomarch::trace::{Profile, Settings, Tracer};
+use echomarch::tracer::{Profile, Settings, Tracer};
 use serde::Serialize;
 use sounds::SourceSound;
 use std::path::PathBuf;

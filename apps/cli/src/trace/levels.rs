@@ -4,7 +4,7 @@ use super::super::impulse::pairs::chosen;
 use super::super::print;
 use echomarch::response::{Response, ResponseSettings};
 use echomarch::scene::Scene;
-use echomarch::trace::{Settings, Tracer};
+use echomarch::tracer::{Settings, Tracer};
 use serde::Serialize;
 
 /// A source as heard by a listener.

@@ -2,7 +2,7 @@
 
 use crate::common::cli::{argument, command, stderr, succeed};
 use crate::common::{builtin, tracer};
-use echomarch::{Settings, trace::Fate};
+use echomarch::{Settings, tracer::Fate};
 use serde_json::Value;
 
 /// Protects from paths that nobody hears: each path found ends at the listener, as the same wave of a frame does,

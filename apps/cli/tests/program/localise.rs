@@ -4,7 +4,7 @@
 use crate::common::cli::{argument, json, refuse, stdout, succeed};
 use crate::common::{Random, builtin, mirrored, tracer};
 use echomarch::audio::PanningLaw;
-use echomarch::reference::ExactScene;
+use echomarch::geometry::ExactScene;
 use echomarch::{Profile, Scene, Settings};
 use echomarch_lab::experiment::localise::statistics::ErrorFigures;
 use echomarch_lab::experiment::localise::{

@@ -3,9 +3,9 @@
 
 use super::plot::{Panel, Sheet, Stroke, builder, draw_legend, draw_line};
 use crate::report::PlotError;
-#[cfg(doc)]
-use echomarch::acoustics::Figures;
 use echomarch::bands::{self, BAND_COUNT, BANDS_HZ, Bands};
+#[cfg(doc)]
+use echomarch::response::Figures;
 use echomarch::response::Response;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;

@@ -10,7 +10,7 @@ mod report;
 use super::thesis_tables::{THESIS_TABLES, ThesisRow, ThesisTable, WAVE_COUNTS};
 use echomarch::Error;
 use echomarch::scene::Scene;
-use echomarch::trace::{Counts, Frame, Milliseconds, Settings, Tracer};
+use echomarch::tracer::{Counts, Frame, Milliseconds, Settings, Tracer};
 use serde::Serialize;
 
 /// Milliseconds of a frame at 30 frames per second: the thesis' limit of real time.

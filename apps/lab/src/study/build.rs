@@ -8,7 +8,7 @@ use crate::experiment::accuracy;
 use crate::text::in_a_line;
 use echomarch::response::ResponseSettings;
 use echomarch::scene::{Scene, SceneError};
-use echomarch::trace::{Settings, TraceError};
+use echomarch::tracer::{Settings, TraceError};
 use std::path::Path;
 
 /// Reads a study from its file.
@@ -125,7 +125,7 @@ fn settings(said: &SettingsFile) -> Vec<Case> {
         for &directions in directions {
             for &waves in waves {
                 for &iterations in iterations {
-                    let settings = Settings::new(echomarch::trace::Profile::from(profile))
+                    let settings = Settings::new(echomarch::tracer::Profile::from(profile))
                         .with_waves(waves)
                         .with_iterations(iterations)
                         .with_directions(directions.into());

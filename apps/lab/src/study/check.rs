@@ -5,10 +5,10 @@ use super::file::{
     FigureName, Keep, Numbers, Places, ResponseFile, Seeds, SettingsFile, StudyFile,
 };
 use crate::text::check_name;
-use echomarch::acoustics::MAX_SECONDS;
 use echomarch::bands::BANDS_HZ;
 use echomarch::response::MAX_ORDER;
-use echomarch::trace::{MAX_ITERATIONS, MAX_WAVES};
+use echomarch::response::MAX_SECONDS;
+use echomarch::tracer::{MAX_ITERATIONS, MAX_WAVES};
 use std::fmt::Display;
 
 /// Maximum number of points of a study: 10⁹ take years on one core, and numbers of points stay
@@ -27,7 +27,7 @@ const LATEST_S: f64 = 86_400.0;
 /// The shortest response in seconds: a time bin.
 const SHORTEST_S: f64 = 1e-3;
 
-/// The longest bin of an echogram in milliseconds, as in [`BINS_S`](crate::acoustics::BINS_S).
+/// The longest bin of an echogram in milliseconds, as in [`BINS_S`](crate::response::BINS_S).
 const LONGEST_BIN_MS: u32 = 100;
 
 /// Reports invalid fields with the name of the file.

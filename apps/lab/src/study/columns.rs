@@ -3,8 +3,8 @@
 use super::file::{FigureName, ResponseFile};
 use super::{Kept, Study};
 use crate::report::Cell;
-use echomarch::acoustics::BandFigures;
 use echomarch::bands::BANDS_HZ;
+use echomarch::response::BandFigures;
 use echomarch::response::{Gap, Response};
 
 /// Maximum of all times in the results, in seconds: a record has at most 60 s, and a decay time is three times the part

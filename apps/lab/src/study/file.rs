@@ -9,7 +9,7 @@ use crate::text::in_a_line;
 use echomarch::internals::file_input::{MalformedText, read_text};
 use echomarch::internals::ron_error::{STUDY, sentence};
 use echomarch::scene::BUILTIN_NAMES;
-use echomarch::trace::{Directions, Profile};
+use echomarch::tracer::{Directions, Profile};
 use serde::de::{Error, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;

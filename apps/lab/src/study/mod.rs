@@ -55,7 +55,7 @@ pub use worker::Worker;
 use columns::ResponseColumns;
 use echomarch::response::ResponseSettings;
 use echomarch::scene::Scene;
-use echomarch::trace::{Settings, Tracer};
+use echomarch::tracer::{Settings, Tracer};
 use file::{Numbers, Places, Seeds};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -113,7 +113,7 @@ impl Study {
     ///
     /// ```no_run
     /// use echomarch_lab::study::{Shard, Study, Worker, compute, join};
-    /// # use echomarch::{Tracer, gpu::Context};
+    /// # use echomarch::{Tracer, gl::Context};
     /// let study = Study::from_file("study.ron".as_ref())?;
     /// let tracer = Tracer::new(&Context::headless(&Default::default())?)?;
     /// let mut worker = Worker::new(&study, tracer);

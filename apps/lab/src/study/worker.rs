@@ -7,7 +7,7 @@ use crate::report::Cell;
 use echomarch::Error;
 use echomarch::response::Response;
 use echomarch::scene::Scene;
-use echomarch::trace::Tracer;
+use echomarch::tracer::Tracer;
 
 /// Computes points of a study on one renderer.
 pub struct Worker<'a> {

@@ -3,7 +3,7 @@
 use super::Target;
 use super::shard_file::with_sums;
 use echomarch::Tracer;
-use echomarch::gpu::Context;
+use echomarch::gl::Context;
 use echomarch_lab::study::{Shard, Study, Worker, compute, join};
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};

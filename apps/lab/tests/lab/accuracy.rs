@@ -1,9 +1,9 @@
 //! The accuracy experiment on small sizes: its figures against independent ones, and its
 //! files. Without GL these tests fail.
 
-use echomarch::gpu::{Context, ContextOptions};
-use echomarch::reference::ShoeboxImages;
-use echomarch::trace::Directions;
+use echomarch::geometry::ShoeboxImages;
+use echomarch::gl::{Context, ContextOptions};
+use echomarch::tracer::Directions;
 use echomarch::{Profile, Scene, Settings, Tracer};
 use echomarch_lab::experiment::accuracy::{
     self, AccuracyOptions, AccuracyReport, Case, Plan, Row, quick,

@@ -1,7 +1,7 @@
 //! The hard cases: `hybrid` and `march` pass all of them, and the faithful `thesis` fails those
 //! that it is known to fail.
 
-use echomarch::gpu::{Api, Context, ContextOptions};
+use echomarch::gl::{Api, Context, ContextOptions};
 use echomarch::{Profile, Tracer};
 use echomarch_lab::experiment::verify::{self, Case, VerifyReport};
 

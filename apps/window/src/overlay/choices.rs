@@ -8,7 +8,7 @@ use super::{HudState, materials, style};
 use echomarch::audio::PanningLaw;
 use echomarch::auralisation::Listen;
 use echomarch::scene::BUILTIN_NAMES;
-use echomarch::trace::{Algorithm, Profile};
+use echomarch::tracer::{Algorithm, Profile};
 use echomarch_walk::ValueSlider;
 use echomarch_walk::World;
 use egui::{Button, ComboBox, RichText, Slider, SliderClamping, Ui, Vec2};

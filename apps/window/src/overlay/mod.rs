@@ -20,7 +20,7 @@ use super::report::FrameTimes;
 use super::sound::SoundStatus;
 use super::state::Choices;
 use echomarch::picture::Drawn;
-use echomarch::trace::{Frame, Wave};
+use echomarch::tracer::{Frame, Wave};
 use echomarch_walk::EarsStatus;
 use echomarch_walk::World;
 use egui::{Align2, RichText, Ui, Vec2};

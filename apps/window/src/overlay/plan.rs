@@ -3,7 +3,7 @@
 use super::{HudState, style};
 use echomarch::picture::Bounds;
 use echomarch::scene::{Listener, Scene};
-use echomarch::trace::{Fate, Wave};
+use echomarch::tracer::{Fate, Wave};
 use echomarch_walk::{Cut, STUB, way};
 use egui::{
     Color32, ColorImage, Context, Pos2, Rect, Sense, Shape, Stroke, TextureHandle, TextureOptions,

@@ -1,5 +1,5 @@
 //! Tests of all shapes and operators: their `properties` against values sampled on the CPU, and the messages about
-//! invalid ones. The table of them is also used in `kernel/tests` as shaders, and in `trace/tests` with waves.
+//! invalid ones. The table of them is also used in `shader/tests` as shaders, and in `tracer/tests` with waves.
 
 pub mod table;
 

@@ -7,7 +7,7 @@
 //! that is compiled.
 //!
 //! Remaining problems (sums that overflow a compiler's stack, infinite loops) are found only by
-//! compiling and running it: see [`crate::trace::FieldTrial`].
+//! compiling and running it: see [`crate::tracer::FieldTrial`].
 //!
 //! The same preprocessor, without limits, analyses whole shaders for `echomarch cost`.
 

@@ -3,10 +3,10 @@
 
 use crate::common::cli::{argument, command, stderr};
 use crate::common::context;
-use echomarch::gpu::Api;
+use echomarch::gl::Api;
 use echomarch::scene::shape::{Room, User};
 use echomarch::scene::{Node, UserField};
-use echomarch::trace::{FieldTrial, Reload, Reloading, TraceError, TrialCommand};
+use echomarch::tracer::{FieldTrial, Reload, Reloading, TraceError, TrialCommand};
 use echomarch::{Error, Listener, Profile, Scene, Settings, Source, Surface, Tracer};
 use glam::{DVec3, Vec3};
 use std::path::Path;

@@ -15,7 +15,7 @@
 //! rounding error of a position in `f32` has grown to a centimetre.
 
 use super::report::{Chaos, ChaosStep};
-use echomarch::reference::{ExactScene, PathVertex};
+use echomarch::geometry::{ExactScene, PathVertex};
 use echomarch::scene::{Node, Scene};
 use glam::{DVec3, Vec3};
 use std::f64::consts::TAU;

@@ -2,7 +2,7 @@
 
 use super::report::{Slope, SlopePoint};
 use echomarch::internals::sampling;
-use echomarch::trace::Directions;
+use echomarch::tracer::Directions;
 use glam::{DQuat, DVec3, Vec3};
 use std::f64::consts::PI;
 

@@ -3,8 +3,8 @@
 use super::report::{Chaos, Quantiles, WaveErrors};
 use super::truth::Truth;
 use echomarch::Error;
-use echomarch::reference::{ExactWave, sequence_hash};
-use echomarch::trace::{Fate, Settings, Tracer, Wave};
+use echomarch::geometry::{ExactWave, sequence_hash};
+use echomarch::tracer::{Fate, Settings, Tracer, Wave};
 use glam::Vec3;
 
 /// Compares the waves of `settings` with the exact waves of the same start directions.

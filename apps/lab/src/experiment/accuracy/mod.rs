@@ -3,7 +3,7 @@
 //! # Method
 //! Every [`Case`] (settings with a name) runs in every scene and yields a [`Row`]:
 //!
-//! - *Waves*: each wave is compared with the exact one ([`ExactScene`](crate::reference::ExactScene),
+//! - *Waves*: each wave is compared with the exact one ([`ExactScene`](crate::geometry::ExactScene),
 //!   closed form in `f64`) of the same start direction: status, surfaces met, metres
 //!   between the ends. At most [`Plan::compared_waves`] waves of seed 1 are compared; more have
 //!   the same distribution. A wave whose exact twin dies has no end and no error; one that dies
@@ -50,7 +50,7 @@ pub use sweep::{Case, ITERATIONS, MIN_DISTANCES, full, quick, short};
 
 use echomarch::Error;
 use echomarch::scene::Scene;
-use echomarch::trace::{Directions, Settings, Tracer};
+use echomarch::tracer::{Directions, Settings, Tracer};
 use std::time::Instant;
 use truth::Truth;
 

@@ -15,7 +15,7 @@ use super::sweep::Case;
 use super::truth::Truth;
 use crate::stats::{mean, median};
 use echomarch::Error;
-use echomarch::trace::{Frame, Panning, Settings, Tracer};
+use echomarch::tracer::{Frame, Panning, Settings, Tracer};
 
 /// The frames of one case, each with its own seed.
 #[derive(Clone, Default)]

@@ -6,7 +6,7 @@
 //! one, and seeds of the twin bias. The uncertainty of each figure is then stated beside it.
 
 use super::sweep::{Case, full, quick, short};
-use echomarch::internals::kernel::{Layout, Lists};
+use echomarch::internals::shader::{Layout, Lists};
 use echomarch::scene::{Scene, Surface};
 
 /// The scenes of the thesis' tables, which the targets are based on.

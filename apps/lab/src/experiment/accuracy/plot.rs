@@ -8,7 +8,7 @@ use crate::experiment::plot::{
     HYBRID, LogAxis, MARCH, Panel, Point, Sheet, Stroke, THESIS, chart, draw_legend, draw_line,
 };
 use crate::report::PlotError;
-use echomarch::trace::Profile;
+use echomarch::tracer::Profile;
 use plotters::prelude::*;
 
 const SHEET: Sheet = Sheet {

@@ -12,12 +12,12 @@ use crate::experiment::plot::{
 use crate::report::{Column, PlotError, Row};
 use crate::stats::median;
 use echomarch::Error;
-use echomarch::acoustics::{BandFigures, Figures};
 use echomarch::bands::{BAND_COUNT, Bands};
-use echomarch::reference::ShoeboxEnergies;
+use echomarch::geometry::ShoeboxEnergies;
+use echomarch::response::{BandFigures, Figures};
 use echomarch::response::{Response, ResponseSettings};
 use echomarch::scene::{Listener, Scene, Source};
-use echomarch::trace::{Profile, Settings, Tracer};
+use echomarch::tracer::{Profile, Settings, Tracer};
 use glam::Vec3;
 use plotters::prelude::*;
 

@@ -1,6 +1,6 @@
 //! Counts the surfaces of a scene that lie in cells, and those that are marched.
 
-use echomarch::internals::kernel::{Layout, Lists, is_marched};
+use echomarch::internals::shader::{Layout, Lists, is_marched};
 use echomarch::scene::Scene;
 use serde::Serialize;
 

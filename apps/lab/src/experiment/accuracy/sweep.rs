@@ -8,7 +8,7 @@
 
 use super::report::CaseReport;
 use echomarch::scene::Scene;
-use echomarch::trace::{
+use echomarch::tracer::{
     Algorithm, Budget, Directions, MAX_ITERATIONS, MarchVariant, Profile, Settings, ThesisOptions,
 };
 

@@ -8,9 +8,9 @@ use super::sweep::{BASE_WAVES, CAREFUL};
 use super::truth::Truth;
 use crate::stats::median;
 use echomarch::Error;
-use echomarch::reference::ShoeboxImages;
+use echomarch::geometry::ShoeboxImages;
 use echomarch::scene::Scene;
-use echomarch::trace::{Profile, Settings, ThesisOptions, Tracer};
+use echomarch::tracer::{Profile, Settings, ThesisOptions, Tracer};
 use glam::Vec3;
 
 /// Number of waves for the targets on single waves and on speed.

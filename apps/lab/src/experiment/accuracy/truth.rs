@@ -3,9 +3,9 @@
 use super::directions::lattice;
 use super::report::Limit;
 use echomarch::Error;
-use echomarch::reference::{ExactScene, ExactWave};
+use echomarch::geometry::{ExactScene, ExactWave};
 use echomarch::scene::Scene;
-use echomarch::trace::{Directions, Profile, Settings, Tracer};
+use echomarch::tracer::{Directions, Profile, Settings, Tracer};
 use glam::Vec3;
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -181,7 +181,7 @@ fn start_directions(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use echomarch::reference::ShoeboxImages;
+    use echomarch::geometry::ShoeboxImages;
 
     /// Protects the limit: with the same directions it has the hits of the image sources.
     #[test]

@@ -1,7 +1,7 @@
 //! The effect of a change on the sound, compared with the effect of another seed.
 
 use crate::stats::mean;
-use echomarch::trace::{Frame, Panning};
+use echomarch::tracer::{Frame, Panning};
 use serde::Serialize;
 
 /// The size of a change over several pairs of frames.

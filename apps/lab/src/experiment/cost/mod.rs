@@ -21,7 +21,7 @@ pub use surfaces::{MOST_SURFACES, SurfaceRow, Verdict};
 
 use echomarch::Error;
 use echomarch::scene::Scene;
-use echomarch::trace::{Frame, Settings, Tracer};
+use echomarch::tracer::{Frame, Settings, Tracer};
 use pair::{Case, pair};
 use serde::Serialize;
 

@@ -4,7 +4,7 @@ use super::Bench;
 use super::change::Change;
 use super::pair::{Case, Timing, pair};
 use echomarch::Error;
-use echomarch::trace::{Algorithm, MARCHES_PER_PASS, Profile, Settings, ThesisOptions, Tracer};
+use echomarch::tracer::{Algorithm, MARCHES_PER_PASS, Profile, Settings, ThesisOptions, Tracer};
 use serde::Serialize;
 
 /// One setting changed.

@@ -3,7 +3,7 @@
 use crate::stats::{median, quantiles};
 use echomarch::Error;
 use echomarch::scene::Scene;
-use echomarch::trace::{Frame, Milliseconds, Settings, Tracer};
+use echomarch::tracer::{Frame, Milliseconds, Settings, Tracer};
 use serde::Serialize;
 
 /// Scene and settings of a frame.

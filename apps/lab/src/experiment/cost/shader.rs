@@ -2,7 +2,7 @@
 
 use echomarch::scene::shape::{Plane, code_lines};
 use echomarch::scene::{Node, Scene, Surface};
-use echomarch::trace::{Pass, Settings, shader_text};
+use echomarch::tracer::{Pass, Settings, shader_text};
 use serde::Serialize;
 
 /// The march pass of a scene as the compiler sees it: without comments, empty lines and parts

@@ -5,9 +5,9 @@ use super::change::Change;
 use super::pair::{Case, Timing, pair};
 use super::shader::ShaderReport;
 use echomarch::Error;
-use echomarch::internals::kernel::{Layout, Lists};
+use echomarch::internals::shader::{Layout, Lists};
 use echomarch::scene::Scene;
-use echomarch::trace::Tracer;
+use echomarch::tracer::Tracer;
 use serde::Serialize;
 
 /// Maximum number of surfaces measured one by one; above it each kind of shape is measured.

@@ -6,7 +6,7 @@
 use super::observer::Side;
 use crate::text::{check_name, in_a_line};
 use echomarch::internals::file_input::{InputError, read_text};
-use echomarch::trace::Settings;
+use echomarch::tracer::Settings;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 

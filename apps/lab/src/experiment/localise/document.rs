@@ -11,7 +11,7 @@ use super::statistics::{ErrorFigures, Figure, LEAST_DRAWN};
 use super::{AUDIBLE_DEG, MOST_WORK};
 use crate::experiment::{THESIS_TABLES, ThesisTable, WAVE_COUNTS};
 use crate::report::{Cell, Column, Document, PlotError, Report, Row, Table};
-use echomarch::trace::Profile;
+use echomarch::tracer::Profile;
 
 impl Report for LocaliseReport {
     const NAME: &'static str = "localise";

@@ -5,7 +5,7 @@ use super::observer::{Levels, Observer, azimuth_deg};
 use echomarch::Error;
 use echomarch::audio::{Mixer, PanningLaw, SAMPLE_RATE, Sound, SoundSpec};
 use echomarch::scene::Scene;
-use echomarch::trace::{Settings, TraceError, Tracer};
+use echomarch::tracer::{Settings, TraceError, Tracer};
 use glam::DVec3;
 use std::iter::once;
 
@@ -198,7 +198,7 @@ pub fn converge(
     let mut settings = Settings::hybrid()
         .with_waves(waves)
         .with_iterations(iterations);
-    settings.directions = echomarch::trace::Directions::Fibonacci;
+    settings.directions = echomarch::tracer::Directions::Fibonacci;
     let mut found = Vec::new();
     for index in 0..frames {
         let seed = FIRST_SEED + index;

@@ -56,7 +56,7 @@ pub use sweep::run;
 
 use echomarch::audio::{PanningLaw, SoundSpec};
 use echomarch::scene::Scene;
-use echomarch::trace::{Profile, Settings};
+use echomarch::tracer::{Profile, Settings};
 
 /// Distance of the source in the open field, in metres.
 pub const OPEN_DISTANCE_M: f64 = 5.0;

@@ -10,7 +10,7 @@ use super::{OPEN_DISTANCE_M, OpenCase};
 use crate::stats::mean;
 use echomarch::Error;
 use echomarch::scene::Scene;
-use echomarch::trace::Settings;
+use echomarch::tracer::Settings;
 
 /// Azimuth and elevation of three sources with one lateral angle, 30°, in degrees: ahead,
 /// behind, and raised (sin 45° · cos 45° = sin 30°).

@@ -8,7 +8,7 @@ use super::{LocaliseOptions, plateaus};
 use crate::stats::mean;
 use echomarch::Error;
 use echomarch::scene::Scene;
-use echomarch::trace::{Settings, Tracer};
+use echomarch::tracer::{Settings, Tracer};
 use std::time::Instant;
 
 /// The common state of all trials.

@@ -2,7 +2,7 @@
 
 use echomarch::Error;
 use echomarch::scene::Scene;
-use echomarch::trace::{Settings, Tracer};
+use echomarch::tracer::{Settings, Tracer};
 use glam::{DVec3, Vec3};
 
 /// A hard case: the scene or input, and its requirements.

@@ -4,9 +4,9 @@ use super::case::{Bound, Planted};
 use super::report::ProfileResult;
 use super::rounding::{END_ROUNDING, LENGTH_ROUNDING, START_ROUNDING};
 use crate::stats::median;
-use echomarch::reference::{ExactScene, sequence_hash};
+use echomarch::geometry::{ExactScene, sequence_hash};
 use echomarch::scene::Scene;
-use echomarch::trace::{Fate, Profile, Wave};
+use echomarch::tracer::{Fate, Profile, Wave};
 use glam::{DVec3, Vec3};
 
 /// A scene with the measures of its judgements.

@@ -3,7 +3,7 @@
 //! # Method
 //! A [`Case`] is a scene and the directions in which waves leave its source: few of them, aimed at the difficulty, or a
 //! lattice of thousands. The GPU follows them with every profile and every state of every wave is read back. The judge
-//! is [`ExactScene`](crate::reference::ExactScene), which solves each flight in `f64`, in closed form where possible,
+//! is [`ExactScene`](crate::geometry::ExactScene), which solves each flight in `f64`, in closed form where possible,
 //! and shares no code with the shaders. It cannot read a user's text: for such a case it uses a second scene, in which
 //! a tree of the library describes the same surface. Some answers are also *planted* (normal and grazing incidence,
 //! edges and vertices of a room, sources in a solid and in the listener): written by hand, and the judge itself is

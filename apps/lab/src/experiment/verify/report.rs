@@ -2,7 +2,7 @@
 
 use super::rounding::{END_ROUNDING, LENGTH_ROUNDING, START_ROUNDING};
 use crate::report::{Column, Document, Report, Row, Table, significant};
-use echomarch::trace::Profile;
+use echomarch::tracer::Profile;
 use serde::Serialize;
 
 /// The results of all cases run.

@@ -5,7 +5,7 @@ use super::judge::Judge;
 use super::report::{CaseReport, ProfileResult, VerifyReport};
 use echomarch::Error;
 use echomarch::scene::Scene;
-use echomarch::trace::{Algorithm, Profile, Settings, Tracer};
+use echomarch::tracer::{Algorithm, Profile, Settings, Tracer};
 
 /// The stated Lipschitz bound of an over-estimated distance divided by the exact one: stated bounds
 /// are seldom exact.

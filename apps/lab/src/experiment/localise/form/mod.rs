@@ -24,7 +24,7 @@ use echomarch::audio::{PanningLaw, SoundSpec};
 use echomarch::internals::file_output::{OutputError, write_inside};
 use echomarch::internals::sampling::Random;
 use echomarch::scene::Scene;
-use echomarch::trace::{Profile, Settings, Tracer};
+use echomarch::tracer::{Profile, Settings, Tracer};
 pub use plan::Plan;
 use serde::Serialize;
 use std::io;

@@ -3,7 +3,7 @@
 
 use super::super::observer::horizontal_axes;
 use echomarch::Error;
-use echomarch::gpu::Context;
+use echomarch::gl::Context;
 use echomarch::picture::{Bounds, PictureError, RgbaImage, ViewOptions, first_person};
 use echomarch::scene::{Scene, Source};
 use glam::{DVec2, DVec3};

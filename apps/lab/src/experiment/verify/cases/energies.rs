@@ -4,11 +4,11 @@ use super::super::case::{EnergyCheck, Verdict};
 use super::super::{Case, Check};
 use super::build::{block, room, scene};
 use echomarch::Error;
-use echomarch::acoustics::{Arrival, Echogram};
 use echomarch::bands::{BAND_COUNT, Bands};
+use echomarch::response::{Arrival, Echogram};
 use echomarch::scene::shape::{Plane, Sphere};
 use echomarch::scene::{Listener, Material, Scene, Source, Surface};
-use echomarch::trace::{ArrivalCounts, ArrivalSettings, Settings, Tracer};
+use echomarch::tracer::{ArrivalCounts, ArrivalSettings, Settings, Tracer};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 

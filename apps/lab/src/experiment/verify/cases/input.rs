@@ -4,7 +4,7 @@ use super::super::{Case, Check};
 use super::build::builtin;
 use echomarch::scene::shape::{Cuboid, Cylinder, Room, Sphere};
 use echomarch::scene::{Node, Scene};
-use echomarch::trace::{MarchOptions, MarchVariant, Profile, Settings, ThesisOptions};
+use echomarch::tracer::{MarchOptions, MarchVariant, Profile, Settings, ThesisOptions};
 use glam::{Quat, Vec3};
 
 type Spoil<T> = (&'static str, fn(&mut T));

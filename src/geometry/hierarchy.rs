@@ -1,0 +1,366 @@
+//! Finds the surfaces that a line may meet or a point may lie in, by a hierarchy of boxes around
+//! them.
+//!
+//! A bounding volume hierarchy (Rubin and Whitted, *A 3-dimensional representation for fast rendering of complex
+//! scenes*, 1980), halved at the median. It only selects surfaces: each selected one is evaluated as without a
+//! hierarchy. Boxes are wider than rounding, so that hits are identical, to the bit, to those found by evaluating every
+//! surface.
+
+use crate::scene::Bounds3;
+use glam::DVec3;
+
+/// Maximum number of surfaces that are all evaluated: for fewer the boxes cost more than they save.
+const ALL_ASKED: usize = 16;
+
+/// Maximum number of surfaces in a leaf.
+const IN_LEAF: usize = 4;
+
+/// Maximum number of boxes that wait during a descent: one for each time that 2^32 surfaces can be halved,
+/// and one more.
+const WAITING: usize = 33;
+
+/// Boxes around surfaces.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Hierarchy {
+    /// Surfaces that are always evaluated, by index: all if they are few, and unbounded ones.
+    always: Vec<u32>,
+    /// The other surfaces: those of a leaf are adjacent.
+    order: Vec<u32>,
+    /// The first one encloses all; empty if all surfaces are always evaluated.
+    nodes: Vec<Node>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    bounds: Bounds3,
+    /// For a leaf its first position in the order, else the node of the second half. That of the first half comes
+    /// next.
+    first: u32,
+    /// Number of surfaces of a leaf; else 0.
+    count: u32,
+}
+
+/// A line from `origin` along a unit vector.
+struct Line {
+    origin: DVec3,
+    /// 1 over the components of the direction.
+    inverse: DVec3,
+}
+
+impl Hierarchy {
+    /// Builds the hierarchy of surfaces by index, each with a box that encloses it and its
+    /// rounding.
+    pub fn new(surfaces: Vec<(u32, Bounds3)>) -> Hierarchy {
+        let index = |(index, _): &(u32, Bounds3)| *index;
+        let (mut bounded, mut always): (Vec<_>, Vec<_>) = surfaces
+            .into_iter()
+            .partition(|(_, bounds)| has_ends(bounds));
+        if bounded.len() <= ALL_ASKED {
+            always.append(&mut bounded);
+        }
+        let mut always: Vec<u32> = always.iter().map(index).collect();
+        always.sort_unstable();
+        let mut made = Hierarchy {
+            always,
+            ..Hierarchy::default()
+        };
+        if !bounded.is_empty() {
+            made.add(&mut bounded);
+        }
+        made
+    }
+
+    /// Adds the node of some surfaces, and all below it.
+    fn add(&mut self, surfaces: &mut [(u32, Bounds3)]) {
+        let boxes = surfaces.iter().map(|(_, bounds)| *bounds);
+        let Some(bounds) = boxes.clone().reduce(Bounds3::hull) else {
+            return;
+        };
+        let node = self.nodes.len();
+        self.nodes.push(Node {
+            bounds,
+            first: self.order.len() as u32,
+            count: surfaces.len() as u32,
+        });
+        if surfaces.len() <= IN_LEAF {
+            self.order.extend(surfaces.iter().map(|(index, _)| *index));
+            return;
+        }
+        let middles = Bounds3::of_points(boxes.map(Bounds3::middle));
+        let axis = longest_axis(middles.max - middles.min);
+        let half = surfaces.len() / 2;
+        surfaces.select_nth_unstable_by(half, |(a, of_a), (b, of_b)| {
+            let (at_a, at_b) = (of_a.middle()[axis], of_b.middle()[axis]);
+            at_a.total_cmp(&at_b).then(a.cmp(b))
+        });
+        let (first, second) = surfaces.split_at_mut(half);
+        self.add(first);
+        self.nodes[node].first = self.nodes.len() as u32;
+        self.nodes[node].count = 0;
+        self.add(second);
+    }
+
+    /// Calls `ask` with the index of each surface that the line may meet nearer than `until` metres, and with the
+    /// length to which it is followed; `ask` returns the length from then on. Near boxes come first.
+    ///
+    /// Returns the number of surfaces and boxes that were evaluated.
+    pub fn along(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        until: f64,
+        mut ask: impl FnMut(usize, f64) -> f64,
+    ) -> u64 {
+        let mut until = until;
+        for &index in &self.always {
+            until = ask(index as usize, until);
+        }
+        let mut asked = self.always.len() as u64;
+        let line = Line {
+            origin,
+            inverse: direction.recip(),
+        };
+        let mut waiting = [(0.0, 0); WAITING];
+        let mut count = 0;
+        if let Some(root) = self.nodes.first() {
+            waiting[0] = (line.enters(&root.bounds), 0);
+            count = 1;
+        }
+        while count > 0 {
+            count -= 1;
+            let (enters, place) = waiting[count];
+            if !is_before(enters, until) {
+                continue;
+            }
+            let node = &self.nodes[place as usize];
+            if node.count > 0 {
+                for &index in self.in_leaf(node) {
+                    until = ask(index as usize, until);
+                }
+                asked += u64::from(node.count);
+                continue;
+            }
+            let halves = [place + 1, node.first];
+            let mut next =
+                halves.map(|half| (line.enters(&self.nodes[half as usize].bounds), half));
+            asked += 2;
+            if next[0].0 < next[1].0 {
+                next.swap(0, 1);
+            }
+            for half in next {
+                if is_before(half.0, until) {
+                    waiting[count] = half;
+                    count += 1;
+                }
+            }
+        }
+        asked
+    }
+
+    /// Calls `ask` with the index of each surface whose box is within `by` metres of a point; ends when it returns
+    /// true, and returns whether it did.
+    pub fn any_near(&self, place: DVec3, by: f64, mut ask: impl FnMut(usize) -> bool) -> bool {
+        if self.always.iter().any(|&index| ask(index as usize)) {
+            return true;
+        }
+        let mut waiting = [0; WAITING];
+        let mut count = usize::from(!self.nodes.is_empty());
+        while count > 0 {
+            count -= 1;
+            let own = waiting[count];
+            let node = &self.nodes[own as usize];
+            if !holds(&node.bounds.grown(DVec3::splat(by)), place) {
+                continue;
+            }
+            if node.count == 0 {
+                waiting[count] = node.first;
+                waiting[count + 1] = own + 1;
+                count += 2;
+            } else if self.in_leaf(node).iter().any(|&index| ask(index as usize)) {
+                return true;
+            }
+        }
+        false
+    }
+
+    fn in_leaf(&self, node: &Node) -> &[u32] {
+        &self.order[node.first as usize..(node.first + node.count) as usize]
+    }
+}
+
+impl Line {
+    /// Distance along the line to a box, at least 0; ∞ if it misses the box.
+    fn enters(&self, bounds: &Bounds3) -> f64 {
+        let low = (bounds.min - self.origin) * self.inverse;
+        let high = (bounds.max - self.origin) * self.inverse;
+        let enters = low.min(high).max_element().max(0.0);
+        match enters <= low.max(high).min_element() {
+            true => enters,
+            false => f64::INFINITY,
+        }
+    }
+}
+
+/// Whether a box that is entered at this distance may contain something nearer than or at `until`.
+fn is_before(enters: f64, until: f64) -> bool {
+    enters < f64::INFINITY && enters <= until
+}
+
+/// Whether a box is finite along some axis: otherwise it is useless.
+fn has_ends(bounds: &Bounds3) -> bool {
+    (bounds.min.is_finite_mask() & bounds.max.is_finite_mask()).any()
+}
+
+fn holds(bounds: &Bounds3, place: DVec3) -> bool {
+    (bounds.min.cmple(place) & bounds.max.cmpge(place)).all()
+}
+
+fn longest_axis(size: DVec3) -> usize {
+    (1..3).fold(0, |most, axis| match size[axis] > size[most] {
+        true => axis,
+        false => most,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::ExactScene;
+    use crate::scene::shape::{Cuboid, Cylinder, Plane, Prism, Room, Sphere, Torus};
+    use crate::scene::{Listener, Node, Scene, Shape, Source, Surface};
+    use crate::test_common::Random;
+    use glam::{EulerRot, Quat, Vec2, Vec3};
+    use proptest::prelude::*;
+
+    /// Half the side of the cube that contains the surfaces, in metres.
+    const HALF: f64 = 10.0;
+
+    fn place(random: &mut Random) -> Vec3 {
+        // Whole decimetres, so that lines along the axes lie in faces, and surfaces share faces.
+        Vec3::from_array(std::array::from_fn(|_| {
+            (10.0 * HALF * random.signed()).round() as f32 * 0.1
+        }))
+    }
+
+    fn surface(random: &mut Random) -> Surface {
+        let size = 0.2 * (2.0 + random.signed() as f32);
+        let node = match (8.0 * (random.signed() + 1.0)) as u32 {
+            0..=5 => Node::Cuboid(Cuboid {
+                size: Vec3::new(size, 2.0 * size, 0.5),
+            }),
+            6..=9 => Node::Sphere(Sphere { radius: size }),
+            10 => Node::Cylinder(Cylinder { radius: 0.3 * size }),
+            11..=13 => Node::Prism(Prism {
+                corners: [Vec2::ZERO, Vec2::X, Vec2::Y],
+                depth: size,
+            }),
+            _ => Node::Torus(Torus {
+                ring: size,
+                tube: 0.3 * size,
+            }),
+        };
+        let turn = match random.signed() > 0.0 {
+            true => Quat::IDENTITY,
+            false => {
+                let [a, b, c] = std::array::from_fn(|_| 3.0 * random.signed() as f32);
+                Quat::from_euler(EulerRot::YXZ, a, b, c)
+            }
+        };
+        Surface::new(Shape::from(node))
+            .at(place(random))
+            .turned(turn)
+    }
+
+    /// The given number of surfaces in a room, every tenth one twice, moved by `away` from the world's
+    /// origin.
+    fn scene(random: &mut Random, count: usize, away: Vec3) -> Scene {
+        let size = Vec3::splat(2.5 * HALF as f32);
+        let mut surfaces = vec![Surface::new(Node::Room(Room { size }))];
+        for index in 0..count {
+            let one = surface(random);
+            surfaces.extend((index % 10 == 0).then(|| one.clone()));
+            surfaces.push(one);
+        }
+        surfaces.push(Surface::new(Node::Plane(Plane)).at(Vec3::NEG_Y * 9.0));
+        for surface in &mut surfaces {
+            surface.position += away;
+        }
+        let (source, listener) = (Source::at(away), Listener::at(away + Vec3::X, 0.3));
+        Scene::new("many", surfaces, source, listener)
+    }
+
+    /// The same scene, evaluating every surface.
+    fn asking_all(exact: &ExactScene) -> ExactScene {
+        let mut all = exact.clone();
+        all.hierarchies = [false, true].map(|is_marched| {
+            let surfaces = (0..).zip(&exact.surfaces);
+            let of_kind = surfaces.filter(|(_, surface)| surface.is_marched() == is_marched);
+            Hierarchy::new(
+                of_kind
+                    .map(|(index, _)| (index, Bounds3::EVERYWHERE))
+                    .collect(),
+            )
+        });
+        all
+    }
+
+    fn direction(random: &mut Random, number: usize) -> DVec3 {
+        match number % 4 {
+            0 => DVec3::AXES[number / 4 % 3] * random.signed().signum(),
+            _ => random.direction(),
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(12))]
+
+        /// Protects the hits of waves among many surfaces: each flight of a wave, each obstacle and each point in a solid
+        /// is, bit for bit, the one found by evaluating every surface; also of surfaces that share a face, and along their
+        /// faces.
+        #[test]
+        fn the_hierarchy_changes_no_hit(seed in any::<u32>(), count in 17..160usize, is_far in any::<bool>()) {
+            let mut random = Random(seed.into());
+            let away = if is_far { Vec3::new(3000.0, -200.0, 70.0) } else { Vec3::ZERO };
+            let exact = ExactScene::new(&scene(&mut random, count, away)).expect("a valid scene");
+            let all = asking_all(&exact);
+            let mut met = 0;
+            for number in 0..150 {
+                let start = (place(&mut random) + away).as_dvec3();
+                let direction = direction(&mut random, number);
+                let flights = |exact: &ExactScene| {
+                    let mut hits = Vec::new();
+                    let last = exact.follow(start, direction, 6, |hit| hits.push(*hit));
+                    (hits, last.map(|last| (last.origin, last.direction, last.is_free)))
+                };
+                let (found, expected) = (flights(&exact), flights(&all));
+                prop_assert_eq!(&found, &expected, "from {} along {}", start, direction);
+                met += found.0.len();
+                let until = 5.0 * (1.0 + random.signed());
+                prop_assert_eq!(
+                    exact.first_surface(start, direction, None, until),
+                    all.first_surface(start, direction, None, until)
+                );
+                let distance = exact.surface_distance(start);
+                prop_assert_eq!(exact.is_in_solid(start, 1e-9), distance < -1e-9);
+                let reach = 0.4;
+                let within = exact.distance_within(start, reach);
+                prop_assert_eq!(within < reach, distance < reach);
+                prop_assert!(within == distance || within == reach);
+            }
+            prop_assert!(met > 100);
+        }
+    }
+
+    /// Protects the time that many surfaces take: a line evaluates a small part of them.
+    #[test]
+    fn a_line_asks_few_of_many() {
+        let mut random = Random(5);
+        let exact = ExactScene::new(&scene(&mut random, 5000, Vec3::ZERO)).expect("a valid scene");
+        let directions = (0..100).map(|_| random.direction()).collect::<Vec<_>>();
+        let flights = directions
+            .iter()
+            .map(|d| exact.next_surface(DVec3::ZERO, *d, None, 1e9).1);
+        let asked: u64 = flights.sum();
+        assert!(asked < 100 * 500, "{asked}");
+    }
+}

@@ -1,0 +1,216 @@
+//! Image sources in an empty rectangular room (Allen & Berkley 1979).
+//!
+//! Mirrored repeatedly at its walls, the room fills space with copies of itself, and a wave that is
+//! mirrored at walls becomes one straight line through them. Every wall that the line crosses is
+//! one reflection; each copy contains one image of the listener. Only the part of an image within
+//! its copy counts: the part of a listener within a wall does not hear.
+//!
+//! Cost: one step for each copy that the line crosses, of order + 1.
+
+use crate::scene::shape::Room;
+use crate::scene::{Node, Scene};
+use crate::tracer::{MAX_ITERATIONS, TraceError};
+use glam::{DQuat, DVec3, Vec3};
+
+/// A source, a listener, and the room around both, in the room's own axes.
+#[derive(Clone, Copy, Debug)]
+pub struct ShoeboxImages {
+    half: [f64; 3],
+    source: [f64; 3],
+    listener: [f64; 3],
+    radius: f64,
+    /// World axes to room axes.
+    into_room: DQuat,
+}
+
+/// The arrival of a wave at the listener.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Arrival {
+    /// Reflections before it.
+    pub order: u32,
+    /// Length in metres from the source to the listener's sphere.
+    pub length: f64,
+}
+
+impl ShoeboxImages {
+    /// The images of `scene` in its current state; `None` unless it is valid, its only surface is
+    /// one [`Node::Room`], and the source is in it.
+    pub fn new(scene: &Scene) -> Option<ShoeboxImages> {
+        scene.validate().ok()?;
+        let [surface] = &scene.surfaces[..] else {
+            return None;
+        };
+        let Node::Room(Room { size }) = surface.shape.node else {
+            return None;
+        };
+        let turn = surface.rotation;
+        let turn = DQuat::from_xyzw(turn.x.into(), turn.y.into(), turn.z.into(), turn.w.into());
+        let into_room = turn.normalize().conjugate();
+        let seen = |world: Vec3| {
+            let offset = world.as_dvec3() - surface.position.as_dvec3();
+            (into_room * offset).to_array()
+        };
+        let half = size.to_array().map(|size| f64::from(size) / 2.0);
+        let source = seen(scene.source.position);
+        let inside = (0..3).all(|axis| source[axis].abs() <= half[axis]);
+        inside.then(|| ShoeboxImages {
+            half,
+            source,
+            listener: seen(scene.listener.position),
+            radius: scene.listener.radius.into(),
+            into_room,
+        })
+    }
+
+    /// The arrival of the wave that leaves the source along `direction` (world axes, any length)
+    /// within `iterations` flights; `None` if it is not heard.
+    pub(super) fn arrival(&self, direction: DVec3, iterations: u32) -> Option<Arrival> {
+        let u = (self.into_room * direction.try_normalize()?).to_array();
+        // Number of walls crossed along each axis, and in total.
+        let mut crossed = [0u32; 3];
+        let mut entered = 0.0;
+        for order in 0..iterations {
+            let ahead: [f64; 3] = std::array::from_fn(|axis| self.wall(axis, u, crossed[axis]));
+            let axis = (0..3).fold(0, |best, axis| {
+                if ahead[axis] < ahead[best] {
+                    axis
+                } else {
+                    best
+                }
+            });
+            if let Some(length) = self.heard_in_copy(u, crossed, entered, ahead[axis]) {
+                return Some(Arrival { order, length });
+            }
+            entered = ahead[axis];
+            crossed[axis] += 1;
+        }
+        None
+    }
+
+    /// Number of these waves (world axes) that are heard after 0, 1, 2 … reflections, up to
+    /// `iterations` − 1.
+    ///
+    /// # Errors
+    /// [`TraceError::BadSetting`] for iterations that are not 1 to [`MAX_ITERATIONS`].
+    pub fn hits_by_order(
+        &self,
+        directions: &[Vec3],
+        iterations: u32,
+    ) -> Result<Vec<u64>, TraceError> {
+        if !(1..=MAX_ITERATIONS).contains(&iterations) {
+            return Err(TraceError::BadSetting {
+                what: "iterations",
+                must: format!("1 to {MAX_ITERATIONS}"),
+                value: iterations.to_string(),
+            });
+        }
+        let mut hits = vec![0; iterations as usize];
+        for direction in directions {
+            if let Some(arrival) = self.arrival(direction.as_dvec3(), iterations) {
+                hits[arrival.order as usize] += 1;
+            }
+        }
+        Ok(hits)
+    }
+
+    /// Distance in metres to the next unfolded wall across `axis`, after `crossed` of them.
+    fn wall(&self, axis: usize, u: [f64; 3], crossed: u32) -> f64 {
+        if u[axis] == 0.0 {
+            return f64::INFINITY;
+        }
+        let wall = (2.0 * f64::from(crossed) + 1.0) * self.half[axis];
+        (wall - self.source[axis] * u[axis].signum()) / u[axis].abs()
+    }
+
+    /// Distance in metres to the listener's image in one copy of the room, which the line enters
+    /// and leaves at these distances.
+    fn heard_in_copy(
+        &self,
+        u: [f64; 3],
+        crossed: [u32; 3],
+        entered: f64,
+        left: f64,
+    ) -> Option<f64> {
+        let offset: [f64; 3] =
+            std::array::from_fn(|axis| self.image(axis, u, crossed[axis]) - self.source[axis]);
+        let closest_at: f64 = (0..3).map(|axis| offset[axis] * u[axis]).sum();
+        // Not |offset|² − closest_at²: that cancels after a long distance.
+        let miss_squared: f64 = (0..3)
+            .map(|axis| (offset[axis] - closest_at * u[axis]).powi(2))
+            .sum();
+        let half_chord_squared = self.radius * self.radius - miss_squared;
+        if half_chord_squared < 0.0 {
+            return None;
+        }
+        let half_chord = half_chord_squared.sqrt();
+        let begins = f64::max(closest_at - half_chord, entered);
+        let ends = f64::min(closest_at + half_chord, left);
+        (begins <= ends).then_some(begins)
+    }
+
+    /// The listener's coordinate in the copy that is `crossed` walls away.
+    fn image(&self, axis: usize, u: [f64; 3], crossed: u32) -> f64 {
+        let shift = 2.0 * self.half[axis] * f64::from(crossed) * u[axis].signum();
+        let mirrored = crossed % 2 == 1;
+        shift
+            + if mirrored {
+                -self.listener[axis]
+            } else {
+                self.listener[axis]
+            }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::shape::Plane;
+    use crate::scene::{Listener, Source, Surface};
+
+    fn scene(listener: Vec3) -> Scene {
+        Scene::new(
+            "test",
+            vec![Surface::new(Node::Room(Room {
+                size: Vec3::new(10.0, 6.0, 8.0),
+            }))],
+            Source::at(Vec3::X),
+            Listener::at(listener, 0.5),
+        )
+    }
+
+    /// Protects lengths and orders along one axis, where they can be counted.
+    #[test]
+    fn a_wave_straight_at_a_wall_comes_back() {
+        let images = ShoeboxImages::new(&scene(Vec3::X * -2.0)).expect("a shoebox");
+        let direct = images.arrival(DVec3::NEG_X, 4).expect("heard");
+        assert_eq!((direct.order, direct.length), (0, 2.5));
+        let once = images.arrival(DVec3::X, 4).expect("heard");
+        assert_eq!((once.order, once.length), (1, 4.0 + 7.0 - 0.5));
+        assert_eq!(images.arrival(DVec3::X, 1), None);
+        assert_eq!(images.arrival(DVec3::Y, 9), None);
+    }
+
+    /// Protects a listener partly within a wall: its part beyond does not hear.
+    #[test]
+    fn only_the_part_in_the_room_hears() {
+        let images = ShoeboxImages::new(&scene(Vec3::new(5.3, 0.0, 0.0))).expect("a shoebox");
+        let inside = images.arrival(DVec3::X, 1).expect("heard");
+        assert!((inside.length - 3.8).abs() < 1e-6);
+        // Towards the sphere's rim at x = 5.3, but the wall at x = 5 comes first.
+        let rim = DVec3::new(4.3, 0.45, 0.0);
+        assert_eq!(images.arrival(rim, 8), None);
+    }
+
+    /// Protects the refusal of scenes that are not a shoebox.
+    #[test]
+    fn other_scenes_have_no_images() {
+        let mut other = scene(Vec3::ZERO);
+        other.source.position.x = 5.5;
+        assert!(ShoeboxImages::new(&other).is_none());
+        other.source.position.x = 1.0;
+        other.surfaces.push(Surface::new(Node::Plane(Plane)));
+        assert!(ShoeboxImages::new(&other).is_none());
+        other.surfaces.remove(0);
+        assert!(ShoeboxImages::new(&other).is_none());
+    }
+}

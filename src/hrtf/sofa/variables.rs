@@ -1,0 +1,338 @@
+//! Variables and attributes of an HDF5 file, each limited before it is read, and the errors of SOFA files.
+
+use super::{bad_shape, bad_value};
+use crate::file_input::InputError;
+use crate::hrtf::{HrirError, MAX_VALUES};
+use hdf5_pure::{Dataset, Error, File, FormatError};
+use std::path::PathBuf;
+
+/// The reason why head-related impulse responses cannot be read from a SOFA file.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot use head-related impulse responses from {}: {problem}", path.display())]
+pub struct SofaError {
+    /// The requested file.
+    pub path: PathBuf,
+    /// The problem with it.
+    #[source]
+    pub problem: SofaProblem,
+}
+
+/// A problem with a SOFA file.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SofaProblem {
+    /// The file is missing, too large, or not permitted to be read.
+    #[error("{source}")]
+    Unreadable {
+        /// The operating system's error, or the reason why the file is rejected.
+        source: InputError,
+    },
+    /// The file is not HDF5, the format of SOFA files.
+    #[error("it is not a SOFA file ({reason})")]
+    NotHdf5 {
+        /// The HDF5 reader's error.
+        reason: String,
+    },
+    /// A part of the file cannot be read: it is truncated or inconsistent.
+    #[error("{what} cannot be read ({reason}): get the file again")]
+    Damaged {
+        /// The variable or the part.
+        what: String,
+        /// The HDF5 reader's error.
+        reason: String,
+    },
+    /// A variable is stored in a form of HDF5 that is not supported.
+    #[error(
+        "{what} is stored in a form of HDF5 that is not supported ({reason}): rewrite the file with h5repack"
+    )]
+    NotRead {
+        /// The variable or the part.
+        what: String,
+        /// The unsupported form.
+        reason: String,
+    },
+    /// An attribute of the file is not that of the convention SimpleFreeFieldHRIR with FIR filters.
+    #[error("its {attribute} is {found}, but only {expected:?} is supported")]
+    WrongConvention {
+        /// The attribute's name.
+        attribute: &'static str,
+        /// Its value in the file, quoted, or that it is missing.
+        found: String,
+        /// The supported value.
+        expected: &'static str,
+    },
+    /// A variable is missing.
+    #[error("it has no variable {variable}")]
+    Missing {
+        /// The variable's name.
+        variable: &'static str,
+    },
+    /// A variable has a wrong shape.
+    #[error("{variable} has the shape {found}, not {expected}")]
+    BadShape {
+        /// The variable's name.
+        variable: &'static str,
+        /// Its dimensions.
+        found: String,
+        /// The expected dimensions.
+        expected: &'static str,
+    },
+    /// A variable has invalid numbers or units.
+    #[error("{variable} cannot be used: {reason}")]
+    BadValue {
+        /// The variable's name.
+        variable: &'static str,
+        /// The reason.
+        reason: String,
+    },
+    /// The file can be read, but its measurements are not a valid set.
+    #[error("{source}")]
+    Set {
+        /// The error of the measurements.
+        source: HrirError,
+    },
+}
+
+/// Maximum number of characters shown of a file's text or of the reader's message.
+const SHOWN: usize = 120;
+
+/// Maximum size of a number in bytes: `f64`. Wider values are not numbers that can be read.
+const WIDEST: u64 = 8;
+
+/// An open file.
+pub(super) struct Variables(File);
+
+impl Variables {
+    pub(super) fn open(bytes: Vec<u8>) -> Result<Variables, SofaProblem> {
+        let file = File::from_bytes(bytes);
+        file.map(Variables)
+            .map_err(|error| match way_not_read(&error) {
+                Some(reason) => SofaProblem::NotRead {
+                    what: "the file".into(),
+                    reason,
+                },
+                None => SofaProblem::NotHdf5 {
+                    reason: short(&error.to_string()),
+                },
+            })
+    }
+
+    /// Rejects a file whose attribute has any other value.
+    pub(super) fn expect_global(
+        &self,
+        attribute: &'static str,
+        expected: &'static str,
+    ) -> Result<(), SofaProblem> {
+        let attributes = self.0.root().attrs();
+        let attributes = attributes.map_err(|error| damaged("its attributes", &error))?;
+        let found = attributes.get(attribute).and_then(|value| value.as_str());
+        if found.map(trimmed) == Some(expected) {
+            return Ok(());
+        }
+        Err(SofaProblem::WrongConvention {
+            attribute,
+            found: match found {
+                Some(found) => format!("{:?}", short(found)),
+                None => "missing".into(),
+            },
+            expected,
+        })
+    }
+
+    /// The text of a variable's attribute; `None` if there is none.
+    pub(super) fn attribute(
+        &self,
+        variable: &'static str,
+        attribute: &str,
+    ) -> Result<Option<String>, SofaProblem> {
+        let attributes = self.dataset(variable)?.attrs();
+        let attributes = attributes.map_err(|error| damaged(variable, &error))?;
+        let found = attributes.get(attribute).and_then(|value| value.as_str());
+        Ok(found.map(|found| short(trimmed(found))))
+    }
+
+    /// Whether the file has the variable, damaged or not.
+    pub(super) fn has(&self, variable: &str) -> bool {
+        let is_absent =
+            |error: &Error| matches!(error, Error::Format(FormatError::PathNotFound(_)));
+        !self
+            .0
+            .dataset(variable)
+            .is_err_and(|error| is_absent(&error))
+    }
+
+    pub(super) fn shape(&self, variable: &'static str) -> Result<Vec<u64>, SofaProblem> {
+        let shape = self.dataset(variable)?.shape();
+        shape.map_err(|error| damaged(variable, &error))
+    }
+
+    /// All numbers of a variable that has `count` of them.
+    pub(super) fn samples(
+        &self,
+        variable: &'static str,
+        count: usize,
+    ) -> Result<Vec<f32>, SofaProblem> {
+        let dataset = self.dataset(variable)?;
+        self.check_storage(&dataset, variable)?;
+        let samples = dataset
+            .read_f32()
+            .map_err(|error| damaged(variable, &error))?;
+        expect_count(variable, samples.len(), count)?;
+        Ok(samples)
+    }
+
+    /// All numbers of a variable with at most `most`.
+    pub(super) fn numbers(
+        &self,
+        variable: &'static str,
+        most: usize,
+    ) -> Result<Vec<f64>, SofaProblem> {
+        let dataset = self.dataset(variable)?;
+        self.check_storage(&dataset, variable)?;
+        let shape = self.shape(variable)?;
+        let count = shape
+            .iter()
+            .try_fold(1_u64, |product, size| product.checked_mul(*size));
+        let count = count.filter(|count| *count <= most as u64);
+        let Some(count) = count else {
+            return Err(bad_shape(variable, &shape, "one with few enough numbers"));
+        };
+        let numbers = dataset
+            .read_f64()
+            .map_err(|error| damaged(variable, &error))?;
+        expect_count(variable, numbers.len(), count as usize)?;
+        Ok(numbers)
+    }
+
+    /// The numbers of a variable with one row for all `count` measurements, or one for each; and
+    /// the number of columns.
+    pub(super) fn rows(
+        &self,
+        variable: &'static str,
+        count: usize,
+    ) -> Result<(Vec<f64>, usize), SofaProblem> {
+        /// Maximum number of columns: coordinates, or ears.
+        const MOST_COLUMNS: u64 = 3;
+        let shape = self.shape(variable)?;
+        match shape[..] {
+            [rows, columns]
+                if (rows == 1 || rows == count as u64) && (1..=MOST_COLUMNS).contains(&columns) =>
+            {
+                let columns = columns as usize;
+                let numbers = self.numbers(variable, rows as usize * columns)?;
+                Ok((numbers, columns))
+            }
+            _ => Err(bad_shape(
+                variable,
+                &shape,
+                "one row for all measurements, or one for each",
+            )),
+        }
+    }
+
+    /// Rejects values that are not numbers, and chunks of a variable that are larger than a set may
+    /// be or than the file: the reader allocates the memory that they declare.
+    fn check_storage(&self, dataset: &Dataset, variable: &'static str) -> Result<(), SofaProblem> {
+        let failed = |error: hdf5_pure::Error| damaged(variable, &error);
+        let width = dataset.element_size().map_err(failed)?;
+        if width > WIDEST {
+            return Err(bad_value(
+                variable,
+                format!("its values have {width} bytes each, where numbers have at most {WIDEST}"),
+            ));
+        }
+        let Some(chunk) = dataset.chunk_shape().map_err(failed)? else {
+            return Ok(());
+        };
+        let too_large = |what: &str| SofaProblem::Damaged {
+            what: variable.into(),
+            reason: format!("it is stored in pieces that are larger than {what}"),
+        };
+        let mut values = chunk.iter().copied();
+        let values = values.try_fold(1_u64, |product, size| product.checked_mul(size));
+        if values.is_none_or(|values| values > MAX_VALUES) {
+            return Err(too_large("any set"));
+        }
+        let chunks = dataset.chunks().map_err(failed)?;
+        if chunks
+            .iter()
+            .any(|chunk| chunk.storage_size > self.0.file_size())
+        {
+            return Err(too_large("the file"));
+        }
+        Ok(())
+    }
+
+    fn dataset(&self, variable: &'static str) -> Result<Dataset, SofaProblem> {
+        self.0.dataset(variable).map_err(|error| {
+            // The reader returns the same error for a missing name.
+            match self.0.root().datasets() {
+                Ok(names) if !names.iter().any(|name| name == variable) => {
+                    SofaProblem::Missing { variable }
+                }
+                _ => damaged(variable, &error),
+            }
+        })
+    }
+}
+
+fn expect_count(variable: &'static str, found: usize, count: usize) -> Result<(), SofaProblem> {
+    if found == count {
+        return Ok(());
+    }
+    Err(SofaProblem::Damaged {
+        what: variable.into(),
+        reason: format!("{found} numbers where its shape says {count}"),
+    })
+}
+
+fn damaged(what: &str, error: &Error) -> SofaProblem {
+    match way_not_read(error) {
+        Some(reason) => SofaProblem::NotRead {
+            what: what.into(),
+            reason,
+        },
+        None => SofaProblem::Damaged {
+            what: what.into(),
+            reason: short(&error.to_string()),
+        },
+    }
+}
+
+/// The unsupported form of HDF5, if that is why the reader fails.
+fn way_not_read(error: &Error) -> Option<String> {
+    /// The newest supported version of the data layout message; HDF5 2.0 writes 5 for compressed
+    /// chunks if it may write files for itself only.
+    const NEWEST_LAYOUT: u8 = 4;
+    /// Part of the reader's message for chunks listed in such a tree: two or more unlimited dimensions.
+    const TREE_OF_PIECES: &str = "version 2 B-tree";
+    let Error::Format(error) = error else {
+        return None;
+    };
+    match error {
+        FormatError::InvalidLayoutVersion(version) if *version > NEWEST_LAYOUT => Some(format!(
+            "version {version} of its data layout; up to {NEWEST_LAYOUT} is read"
+        )),
+        FormatError::ChunkedReadError(text) if text.contains(TREE_OF_PIECES) => {
+            Some("pieces listed in a version 2 B-tree".into())
+        }
+        FormatError::UnsupportedVersion(_)
+        | FormatError::UnsupportedMessage(_)
+        | FormatError::UnsupportedFilter(_)
+        | FormatError::UnsupportedZfp(_)
+        | FormatError::UnsupportedVirtualLayout
+        | FormatError::UnsupportedExternalStorage
+        | FormatError::UnsupportedFilteredHeapObject
+        | FormatError::InvalidDatatypeVersion { .. } => Some(short(&error.to_string())),
+        _ => None,
+    }
+}
+
+/// A text without the padding that some writers add.
+fn trimmed(text: &str) -> &str {
+    text.trim_end_matches('\0').trim()
+}
+
+fn short(text: &str) -> String {
+    text.chars().take(SHOWN).collect()
+}

@@ -1,0 +1,125 @@
+//! Comparison of exact paths with the waves that the listener's sphere catches from them.
+//!
+//! Exact paths lead to the listener's centre, while waves give a mean over its sphere. The difference between the
+//! figures of the paths and those of the paths' mean over the sphere (`sphere_mean.rs`) is part of the figures' error.
+//! For paths over surfaces that gather sound, near whose caustics places differ most, the waves give the mean. If the
+//! energy of the waves of all paths differs from this mean by more than three standard deviations, the excess is part
+//! of the error as well.
+
+use super::EarlyPart;
+use crate::bands::{self, BAND_COUNT, Bands};
+use crate::response::exact_paths::SpecularPath;
+use crate::response::source_sound::{HeardPath, Medium, passing};
+use crate::response::{Arrival, Echogram, Figures, Record, Tap};
+use crate::scene::Scene;
+
+/// Standard deviations of the waves' energy beyond which a difference counts.
+const BEYOND_NOISE: f64 = 3.0;
+
+/// The mean square of a sphere's chord over the square of its mean, for uniformly distributed chords.
+const CHORD_SPREAD: f64 = 9.0 / 8.0;
+
+/// The early part of a response: its exact paths, and the waves that they replace.
+pub(in crate::response) struct Caught<'a> {
+    pub scene: &'a Scene,
+    pub medium: &'a Medium,
+    pub part: &'a EarlyPart,
+    /// The sound along all exact paths.
+    pub paths: &'a [HeardPath],
+}
+
+impl Caught<'_> {
+    /// The figures of the exact paths and the echogram, with the differences above added to their errors. The record
+    /// ends after `ends_s` seconds.
+    pub fn in_errors(&self, figures: Figures, echogram: &Echogram, ends_s: f64) -> Figures {
+        let gather = self.gathering_surfaces();
+        let is_gathered =
+            |path: &SpecularPath| path.surfaces.iter().any(|n| gather[*n as usize - 1]);
+        let is_left_out = |path: &SpecularPath| path.is_focus || is_gathered(path);
+        let means = self
+            .part
+            .mean_taps(self.scene, self.medium, self.paths, &is_left_out);
+        let left_out = self.taps(&is_left_out);
+        let by_means = [&means[..], &left_out].concat();
+        let mut figures =
+            figures.with_differences(Record::new(&by_means, echogram, ends_s), &bands::ALL);
+        if gather.contains(&true) {
+            let exact = self.taps(&|path| path.is_focus || !is_gathered(path));
+            let of_waves = self.with_waves(echogram, &|path| path.is_some_and(is_gathered));
+            figures = figures.with_differences(Record::new(&exact, &of_waves, ends_s), &bands::ALL);
+        }
+        let excess = self.excess(&means, &is_left_out, ends_s);
+        if excess == [0.0; BAND_COUNT] {
+            return figures;
+        }
+        let of_waves =
+            self.with_waves(echogram, &|path| path.is_none_or(|path| !is_gathered(path)));
+        figures.with_differences(Record::new(&left_out, &of_waves, ends_s), &excess)
+    }
+
+    /// The exact paths for which `is_taken` holds, as taps.
+    fn taps(&self, is_taken: &dyn Fn(&SpecularPath) -> bool) -> Vec<Tap> {
+        let taken = self.paths.iter().filter(|heard| is_taken(&heard.path));
+        taken.map(HeardPath::tap).collect()
+    }
+
+    /// The echogram plus the waves of paths for which `is_taken` holds.
+    fn with_waves(
+        &self,
+        echogram: &Echogram,
+        is_taken: &dyn Fn(Option<&SpecularPath>) -> bool,
+    ) -> Echogram {
+        let mut with_waves = echogram.clone();
+        for (arrival, _) in self.part.caught().filter(|(_, path)| is_taken(*path)) {
+            self.medium.add(&mut with_waves, arrival);
+        }
+        with_waves
+    }
+
+    /// For each surface, whether it gathers sound.
+    fn gathering_surfaces(&self) -> Vec<bool> {
+        let surfaces = self.scene.surfaces.iter();
+        surfaces
+            .map(|surface| surface.shape.gathers_sound())
+            .collect()
+    }
+
+    /// The difference between the paths' mean energy and that of their waves, of arrivals before the record's end, in
+    /// excess of the noise: its share of the difference by band. Paths for which `is_left_out` holds are not among the
+    /// means.
+    fn excess(
+        &self,
+        means: &[Tap],
+        is_left_out: &dyn Fn(&SpecularPath) -> bool,
+        ends_s: f64,
+    ) -> Bands {
+        let heard = means.iter().filter(|mean| mean.seconds <= ends_s);
+        let mut surplus = bands::sum(heard.map(|mean| &mean.energy));
+        let is_compared = |arrival: &Arrival, path: Option<&SpecularPath>| {
+            arrival.length_m / self.medium.speed <= ends_s && !path.is_some_and(is_left_out)
+        };
+        for (arrival, path) in self.part.caught() {
+            if is_compared(arrival, path) {
+                let heard = self.medium.heard(arrival);
+                bands::add(&mut surplus, &heard.map(|energy| -energy));
+            }
+        }
+        let mut variance = [0.0; BAND_COUNT];
+        let radius_m = f64::from(self.scene.listener.radius);
+        let compared = self.paths.iter().filter(|heard| heard.delay_s <= ends_s);
+        for heard in compared.filter(|heard| !is_left_out(&heard.path)) {
+            let passing = passing(self.scene, &heard.path, radius_m, self.part.waves());
+            let of_path = heard.energy.map(|e| CHORD_SPREAD * e * e / passing);
+            bands::add(&mut variance, &of_path);
+        }
+        std::array::from_fn(|band| {
+            let noise = BEYOND_NOISE * variance[band].sqrt();
+            let beyond = surplus[band].abs() - noise;
+            if beyond > 0.0 {
+                beyond / surplus[band].abs()
+            } else {
+                0.0
+            }
+        })
+    }
+}

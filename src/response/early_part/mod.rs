@@ -1,0 +1,374 @@
+//! The early part: the arrivals that exact paths replace, and the sound along each path.
+
+mod caught;
+mod sphere_mean;
+
+pub(super) use caught::Caught;
+
+use super::late::casts_shadows;
+use super::source_sound::{
+    HeardPath, Medium, comes_from, crossing, mirrored_share, passing, reflectance_of,
+};
+use crate::bands::{self, Bands};
+use crate::error::Error;
+use crate::response::exact_paths::{
+    Candidate, Candidates, EarlyPaths, Ends, Missed, NoPath, SpecularPath, Vertex,
+};
+use crate::response::{Arrival, Tap};
+use crate::sampling::lattice;
+use crate::scene::{Scene, Shape};
+use glam::Vec3;
+use sphere_mean::{Replaced, unhidden_taps};
+use std::f64::consts::PI;
+
+/// What replaces an early arrival: a path, or itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Outcome {
+    /// The exact path of this index.
+    Path(usize),
+    /// None: the arrival stays a statistic.
+    Itself,
+    /// None either, because its path was not searched for.
+    LeftOut,
+    /// None: its wave was not followed, which would have taken too long; the energies of the followed waves make up for
+    /// it.
+    NotFollowed,
+    /// Another path: see [`stands_for_itself`].
+    Another,
+}
+
+/// The paths of the waves that arrived early.
+pub(super) struct EarlyPart {
+    arrivals: Vec<Arrival>,
+    /// One for each of the arrivals.
+    outcomes: Vec<Outcome>,
+    /// Number of waves used to search for paths.
+    waves: u32,
+    paths: Vec<SpecularPath>,
+    /// The paths as seen from other places of the listener's sphere, if an object may hide a part of it.
+    replaced: Option<Replaced>,
+    /// The share of the directions of [`FLAT_SEARCH`] that were left out.
+    search_left_out_share: f64,
+}
+
+/// A path found only by waves replaces them if at least this number of waves is expected: fewer than 1 % of such paths
+/// are missed. If paths found by chance replaced their waves, the energy of those missed would be lost.
+const EXPECTED_WAVES: f64 = 5.0;
+
+impl EarlyPart {
+    /// Finds the paths of these arrivals, which are in the order of their waves; `starts` are these waves, each once,
+    /// out of `waves` in total.
+    pub fn find(
+        scene: &Scene,
+        starts: &[(u32, Vec3)],
+        waves: u32,
+        order: u32,
+        arrivals: Vec<Arrival>,
+    ) -> Result<EarlyPart, Error> {
+        let paths = EarlyPaths::new(scene)?;
+        let ends = paths.ends(scene);
+        let directions: Vec<Vec3> = starts.iter().map(|(_, direction)| *direction).collect();
+        let candidates =
+            paths.candidates_within(&ends, &directions, order, ends.radius_m, MOST_ASKED);
+        let followed_share = followed_share(starts.len(), candidates.left_out().len());
+        let waves = (f64::from(waves) * followed_share) as u32;
+        let mut candidates = candidates.among(waves as usize);
+        let lengths = candidate_lengths(&ends, &candidates);
+        let of_waves = candidates.len();
+        let surfaces = scene.surfaces.iter();
+        let have_planes: Vec<bool> = surfaces
+            .map(|surface| surface.shape.has_planes_of_leaves())
+            .collect();
+        let complete = match have_planes.contains(&true) {
+            true => paths.add_planes(&ends, order, &mut candidates),
+            false => 0,
+        };
+        let search_left_out_share = match complete < order && flat_search_pays(scene) {
+            true => add_flat(&paths, &ends, order, &mut candidates),
+            false => 0.0,
+        };
+        let found = paths.find(&ends, &candidates);
+        let (paths_known, index_known) = retain(found.paths, |path| {
+            path.is_searched || passing(scene, path, ends.radius_m, waves) >= EXPECTED_WAVES
+        });
+        let known = Known {
+            scene,
+            early: &paths,
+            paths: &paths_known,
+            complete,
+            have_planes,
+            waves,
+        };
+        let of_candidate = |index: usize| match found.outcomes[index] {
+            Ok(path) => index_known[path].map_or(Outcome::Itself, Outcome::Path),
+            Err(NoPath::LeftOut) => Outcome::LeftOut,
+            Err(why) => {
+                let vertices = candidates.get(index).map_or(&[][..], |c| c.vertices);
+                let is_kept = stands_for_itself(&paths, vertices, why);
+                match is_kept || !known.has_image(&ends, vertices) {
+                    true => Outcome::Itself,
+                    false => Outcome::Another,
+                }
+            }
+        };
+        let outcome = |arrival: &Arrival| {
+            let wave = starts.partition_point(|(wave, _)| *wave < arrival.wave);
+            let index = nearest(&lengths, wave as u32, arrival.length_m, ends.radius_m);
+            let without = || match candidates.left_out().binary_search(&(wave as u32)) {
+                Ok(_) => Outcome::NotFollowed,
+                Err(_) => Outcome::Itself,
+            };
+            index.map_or_else(without, of_candidate)
+        };
+        let outcomes = arrivals.iter().map(outcome).collect();
+        let arrivals = arrivals.into_iter().map(|arrival| Arrival {
+            energy: arrival.energy.map(|energy| energy / followed_share),
+            ..arrival
+        });
+        let replaced = casts_shadows(scene).then(|| {
+            let mut named = vec![None; paths_known.len()];
+            for index in 0..candidates.len() {
+                if let Ok(path) = found.outcomes[index]
+                    && let Some(path) = index_known[path]
+                {
+                    named[path].get_or_insert(index);
+                }
+            }
+            let vertices = |path: usize| Some(candidates.get(named[path]?)?.vertices);
+            // Sequences found far from the listener lead past its sphere.
+            let is_beside = |index: &usize| of_candidate(*index) == Outcome::Another;
+            let beside = (0..of_waves).filter(is_beside);
+            let beside = beside.filter_map(|index| Some(candidates.get(index)?.vertices));
+            Replaced::new(scene, paths.clone(), ends, &paths_known, vertices, beside)
+        });
+        Ok(EarlyPart {
+            outcomes,
+            arrivals: arrivals.collect(),
+            waves,
+            replaced,
+            paths: paths_known,
+            search_left_out_share,
+        })
+    }
+
+    /// Number of waves used to search for paths: all, or those that could be followed within the limit of work.
+    pub fn waves(&self) -> u32 {
+        self.waves
+    }
+
+    /// How much of the early part the waves have missed.
+    pub fn missed(&self) -> Missed {
+        Missed::of(&self.paths)
+    }
+
+    /// The share, 0 … 1, of the directions left out of the search for paths over planes.
+    pub fn search_left_out_share(&self) -> f64 {
+        self.search_left_out_share
+    }
+
+    /// The arrivals that no exact path replaces: their surfaces are known only by samples, or the listener is partly
+    /// visible but its centre is not, or their path was not searched for. They stay statistics.
+    pub fn left_over(&self) -> impl Iterator<Item = &Arrival> {
+        self.arrivals_of(Outcome::Itself).chain(self.left_out())
+    }
+
+    /// Left-over arrivals whose path was not searched for.
+    pub fn left_out(&self) -> impl Iterator<Item = &Arrival> {
+        self.arrivals_of(Outcome::LeftOut)
+    }
+
+    /// The arrivals that exact paths replace, except at foci: each with its path, or with `None` if another path, over
+    /// planes, replaces it.
+    pub fn caught(&self) -> impl Iterator<Item = (&Arrival, Option<&SpecularPath>)> {
+        let all = self.arrivals.iter().zip(&self.outcomes);
+        all.filter_map(|(arrival, outcome)| match outcome {
+            Outcome::Path(path) => {
+                let path = &self.paths[*path];
+                (!path.is_focus).then_some((arrival, Some(path)))
+            }
+            Outcome::Another => Some((arrival, None)),
+            Outcome::Itself | Outcome::LeftOut | Outcome::NotFollowed => None,
+        })
+    }
+
+    /// The sound along each path. At a focus the energy is that of the waves that found it.
+    pub fn heard(&self, scene: &Scene, medium: &Medium) -> Vec<HeardPath> {
+        let paths = self.paths.iter().enumerate();
+        let heard = |(index, path): (usize, &SpecularPath)| {
+            let at_listener = match path.is_focus {
+                true => self.energy_of_waves(index),
+                false => reflectance_of(scene, path).map(|share| share * path.spreading),
+            };
+            let emitted = at_listener.map(|energy| energy * medium.level);
+            let (azimuth, elevation) = comes_from(&scene.listener, -path.arrival_direction);
+            HeardPath {
+                path: path.clone(),
+                delay_s: path.length_m / medium.speed,
+                energy: bands::through_air(&emitted, &medium.air, path.length_m),
+                azimuth,
+                elevation,
+            }
+        };
+        paths.map(heard).collect()
+    }
+
+    /// The mean energy of the paths over the listener's sphere, as taps, without those for which `is_left_out` holds;
+    /// `heard` is the sound [along all paths](Self::heard).
+    pub fn mean_taps(
+        &self,
+        scene: &Scene,
+        medium: &Medium,
+        heard: &[HeardPath],
+        is_left_out: &dyn Fn(&SpecularPath) -> bool,
+    ) -> Vec<Tap> {
+        match &self.replaced {
+            Some(replaced) => replaced.mean_taps(scene, medium, heard, is_left_out),
+            None => unhidden_taps(heard, scene.listener.radius.into(), is_left_out),
+        }
+    }
+
+    fn energy_of_waves(&self, path: usize) -> Bands {
+        let of_path = self.arrivals_of(Outcome::Path(path));
+        bands::sum(of_path.map(|arrival| &arrival.energy))
+    }
+
+    fn arrivals_of(&self, outcome: Outcome) -> impl Iterator<Item = &Arrival> {
+        let all = self.arrivals.iter().zip(&self.outcomes);
+        all.filter(move |(_, of)| **of == outcome)
+            .map(|(arrival, _)| arrival)
+    }
+}
+
+/// The share of waves that were followed, above 0.
+fn followed_share(waves: usize, left_out: usize) -> f64 {
+    match left_out {
+        0 => 1.0,
+        _ => waves.saturating_sub(left_out).max(1) as f64 / waves as f64,
+    }
+}
+
+/// The candidate of a wave (its index among the followed ones) whose length is nearest to
+/// `length_m` and differs by at most the listener's radius; `lengths` are in the order of the
+/// waves.
+fn nearest(lengths: &[(u32, f64)], wave: u32, length_m: f64, radius_m: f64) -> Option<usize> {
+    let first = lengths.partition_point(|(of, _)| *of < wave);
+    let end = lengths.partition_point(|(of, _)| *of <= wave);
+    let off = |index: &usize| (lengths[*index].1 - length_m).abs();
+    let nearest = (first..end).min_by(|a, b| off(a).total_cmp(&off(b)));
+    nearest.filter(|index| off(index) <= radius_m)
+}
+
+/// Whether an arrival without a path is kept: if the listener's centre is hidden, if the centre or the source is in a
+/// solid, if the path begins or ends in an edge that points into the air, and at curved or sampled surfaces. Beyond the
+/// edge of a plane it is dropped: next to the edge between two walls a wave that passes beside the centre meets them in
+/// the other order, and the path of that order has all of the energy, if it is known ([`Known::has_image`]). (An
+/// arrival without a candidate, which passes by the listener in `f64`, is kept: that happens often at users' fields and
+/// after many curved surfaces.)
+fn stands_for_itself(paths: &EarlyPaths, vertices: &[Vertex], why: NoPath) -> bool {
+    let is_kept = matches!(
+        why,
+        NoPath::NotExact | NoPath::Blocked | NoPath::EndInSolid | NoPath::AtEdge
+    );
+    is_kept || !paths.are_flat(vertices)
+}
+
+/// Relative difference up to which lengths count as equal: the vertices of waves are rounded.
+const SAME_LENGTH: f64 = 1e-6;
+
+/// The paths that replace their waves.
+struct Known<'a> {
+    scene: &'a Scene,
+    early: &'a EarlyPaths,
+    /// Sorted by length.
+    paths: &'a [SpecularPath],
+    /// All paths with at most this number of reflections, at planes of [leaves](Shape::has_planes_of_leaves), are among
+    /// them.
+    complete: u32,
+    /// For each surface, whether it consists only of such planes.
+    have_planes: Vec<bool>,
+    waves: u32,
+}
+
+impl Known<'_> {
+    /// Whether the sound of the source's image in these planes, in any order, has a path: without one, all waves from
+    /// the image that pass beside the listener's centre would be lost.
+    fn has_image(&self, ends: &Ends, vertices: &[Vertex]) -> bool {
+        let is_flat = |vertex: &Vertex| self.have_planes[vertex.surface as usize - 1];
+        if vertices.len() <= self.complete as usize && vertices.iter().all(is_flat) {
+            return true;
+        }
+        let length_m = self.early.image(ends, vertices).distance(ends.listener);
+        let spreading = 1.0 / (4.0 * PI * length_m * length_m);
+        let walls = self.early.walls(vertices);
+        let surfaces = vertices.iter().map(|vertex| vertex.surface);
+        let mirrored = spreading * mirrored_share(self.scene, surfaces.zip(walls));
+        if crossing(mirrored, ends.radius_m, self.waves) >= EXPECTED_WAVES {
+            return true;
+        }
+        let rounding = SAME_LENGTH * length_m;
+        let first = self
+            .paths
+            .partition_point(|path| path.length_m < length_m - rounding);
+        let next = self.paths.get(first);
+        next.is_some_and(|path| path.length_m <= length_m + rounding)
+    }
+}
+
+/// Keeps the items for which `is_kept` holds, and returns the new index of each item, if kept.
+fn retain<T>(all: Vec<T>, is_kept: impl Fn(&T) -> bool) -> (Vec<T>, Vec<Option<usize>>) {
+    let mut kept = Vec::new();
+    let mut index = Vec::with_capacity(all.len());
+    for one in all {
+        let is_kept = is_kept(&one);
+        index.push(is_kept.then_some(kept.len()));
+        kept.extend(is_kept.then_some(one));
+    }
+    (kept, index)
+}
+
+/// Directions of the search for paths over planes, in addition to those of the waves that arrived:
+/// a wave names such a path wherever it passes, so few waves find what many would miss.
+const FLAT_SEARCH: u64 = 1 << 14;
+
+/// Maximum number of surfaces, and boxes around them, that are tested when arrived waves are followed, and the same
+/// number again in the search: one or two seconds on one core. Among 50,000 separate boxes the search tests a tenth of
+/// this, among 500 planes two thirds.
+const MOST_ASKED: u64 = 1 << 27;
+
+/// Whether to search all directions for paths over planes: if something is flat, and everything else has a closed form.
+/// Marching a field in `f64` takes a thousand times as long.
+fn flat_search_pays(scene: &Scene) -> bool {
+    let mut shapes = scene.surfaces.iter().map(|surface| &surface.shape);
+    shapes.clone().all(Shape::is_basic) && shapes.any(Shape::is_flat)
+}
+
+/// Adds the sequences of planes met along an even lattice of directions. Returns the share of the directions left out.
+fn add_flat(paths: &EarlyPaths, ends: &Ends, order: u32, candidates: &mut Candidates) -> f64 {
+    let search: Vec<Vec3> = lattice(FLAT_SEARCH).map(|d| d.as_vec3()).collect();
+    let first = candidates.waves() as u32;
+    let more = paths.candidates_within(ends, &search, order, f64::INFINITY, MOST_ASKED);
+    for candidate in more
+        .iter()
+        .filter(|candidate| paths.are_flat(candidate.vertices))
+    {
+        candidates.add(first + candidate.wave, candidate.vertices);
+    }
+    more.left_out().len() as f64 / search.len() as f64
+}
+
+/// The wave of each candidate, and the length in metres to its closest point to the listener.
+fn candidate_lengths(ends: &Ends, candidates: &Candidates) -> Vec<(u32, f64)> {
+    let of = |candidate: Candidate| (candidate.wave, length_m(ends, candidate.vertices));
+    candidates.iter().map(of).collect()
+}
+
+/// Length in metres from one end through these vertices to the other.
+fn length_m(ends: &Ends, vertices: &[Vertex]) -> f64 {
+    let mut from = ends.source;
+    let mut length = 0.0;
+    for vertex in vertices {
+        length += from.distance(vertex.point);
+        from = vertex.point;
+    }
+    length + from.distance(ends.listener)
+}

@@ -1,0 +1,196 @@
+//! Errors of echograms and impulse responses, and the checks that the numbers of arriving sound are in range.
+
+use super::Tap;
+use crate::bands::Bands;
+use glam::DVec3;
+
+/// The reason why an echogram or impulse response cannot be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ResponseError {
+    /// A time bin outside [`BINS_S`](super::BINS_S).
+    #[error(
+        "a time bin of {bin_s} s: it must be {} s to {} s long",
+        super::BINS_S.start(),
+        super::BINS_S.end()
+    )]
+    BadBin {
+        /// The requested length, in seconds.
+        bin_s: f64,
+    },
+    /// A number of batches outside [`BATCHES`](super::BATCHES), or not a power of two.
+    #[error(
+        "{batches} batches of waves: there must be a power of two, {} to {}",
+        super::BATCHES.start(),
+        super::BATCHES.end()
+    )]
+    BadBatches {
+        /// The requested number.
+        batches: usize,
+    },
+    /// A sampling rate outside [`RATES_HZ`](super::RATES_HZ).
+    #[error(
+        "a sampling rate of {rate_hz} Hz: impulse responses are made for {} Hz to {} Hz",
+        super::RATES_HZ.start(),
+        super::RATES_HZ.end()
+    )]
+    BadRate {
+        /// The requested rate, in hertz.
+        rate_hz: u32,
+    },
+    /// A length that is not above 0 s and at most [`MAX_SECONDS`](super::MAX_SECONDS).
+    #[error(
+        "an impulse response of {seconds} s: it must be longer than 0 s and no longer than {} s",
+        super::MAX_SECONDS
+    )]
+    BadLength {
+        /// The requested length, in seconds.
+        seconds: f64,
+    },
+    /// A number that is out of range for arriving sound.
+    #[error("{what} must be {must}, not {value}")]
+    BadNumber {
+        /// Name of the number, with its unit.
+        what: &'static str,
+        /// Its valid range.
+        must: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// A tap with a number out of range.
+    #[error("tap {index}: {what} must be {must}, not {value}")]
+    BadTap {
+        /// Its index among the taps or paths, from 0.
+        index: usize,
+        /// Name of the number, with its unit.
+        what: &'static str,
+        /// Its valid range.
+        must: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// A batch that an echogram does not have.
+    #[error("batch {batch} of an echogram of {batches}: they are counted from 0")]
+    NoSuchBatch {
+        /// The requested batch, from 0.
+        batch: usize,
+        /// Number of batches.
+        batches: usize,
+    },
+    /// Slices for one channel and for two with lengths that do not match.
+    #[error(
+        "{stereo} samples of two channels for {mono} samples of one: there must be twice as many"
+    )]
+    BadStereoLength {
+        /// Samples of one channel.
+        mono: usize,
+        /// Samples of both channels.
+        stereo: usize,
+    },
+    /// The heard sound was made for another player: its delays are in that player's samples.
+    #[error(
+        "the heard sound was made for {heard_hz} Hz and {heard_s} s, but is played at {played_hz} Hz for {played_s} s: make both with one Spec"
+    )]
+    OtherSpec {
+        /// The rate that it was made for, in hertz.
+        heard_hz: u32,
+        /// The longest response that it was made for, in seconds.
+        heard_s: f64,
+        /// The player's rate, in hertz.
+        played_hz: u32,
+        /// The player's longest response, in seconds.
+        played_s: f64,
+    },
+    /// A source number that the player does not have.
+    #[error("source {source_number} of a player of {sources}: they are counted from 0")]
+    NoSuchSource {
+        /// The requested source, from 0.
+        source_number: usize,
+        /// Number of sources.
+        sources: usize,
+    },
+    /// A listener's directions that do not define axes: one has no length, or both are parallel.
+    #[error(
+        "a listener that looks along {forward:?} with {up:?} above: the two must have lengths \
+         and must not be parallel"
+    )]
+    BadAxes {
+        /// Viewing direction of the listener, world axes.
+        forward: glam::DVec3,
+        /// Upward direction of the listener, world axes.
+        up: glam::DVec3,
+    },
+    /// A set of head-related impulse responses that cannot be resampled to the response's rate.
+    #[error(transparent)]
+    Hrir(#[from] crate::hrtf::HrirError),
+}
+
+/// The largest energy density, in 1/m²: its amplitude, and sums of squares of such energies, are far within the
+/// range of samples (`f32`) and sums (`f64`). The loudest source, of 120 dB, reaches it only within 10⁻²⁴ m.
+const LARGEST_ENERGY: f64 = 1e60;
+
+/// Maximum length of a unit vector after rounding to `f32`.
+const LONGEST_UNIT: f64 = 1.0 + 1e-5;
+
+/// Checks an energy by bands and its direction of flight. A direction may be shorter than 1: then the sound comes from
+/// several sides.
+///
+/// # Errors
+/// [`ResponseError::BadNumber`] with the first number that is out of range.
+pub(super) fn check(energy: &Bands, direction: DVec3) -> Result<(), ResponseError> {
+    let in_range = |energy: &f64| (0.0..=LARGEST_ENERGY).contains(energy);
+    if let Some(&value) = energy.iter().find(|energy| !in_range(energy)) {
+        return Err(bad("an energy in 1/m²", "0 to 1e60", value));
+    }
+    match direction.length() {
+        length if length <= LONGEST_UNIT => Ok(()),
+        length => Err(bad("the length of a direction", "at most 1", length)),
+    }
+}
+
+/// Checks every number of these taps.
+///
+/// # Errors
+/// [`ResponseError::BadTap`] with the first that is out of range.
+pub(crate) fn check_taps<'a>(taps: impl IntoIterator<Item = &'a Tap>) -> Result<(), ResponseError> {
+    for (index, tap) in taps.into_iter().enumerate() {
+        check_tap(tap).map_err(|refused| match refused {
+            ResponseError::BadNumber { what, must, value } => ResponseError::BadTap {
+                index,
+                what,
+                must,
+                value,
+            },
+            other => other,
+        })?;
+    }
+    Ok(())
+}
+
+fn check_tap(tap: &Tap) -> Result<(), ResponseError> {
+    if !(tap.seconds.is_finite() && tap.seconds >= 0.0) {
+        let must = "finite and not negative";
+        return Err(bad("its time in seconds", must, tap.seconds));
+    }
+    check(&tap.energy, tap.direction)
+}
+
+/// Checks a speed of sound in metres a second.
+///
+/// # Errors
+/// [`ResponseError::BadNumber`] unless it is finite and above 0.
+pub(super) fn check_speed(m_per_s: f64) -> Result<(), ResponseError> {
+    match m_per_s > 0.0 && m_per_s.is_finite() {
+        true => Ok(()),
+        false => Err(bad(
+            "the speed of sound in m/s",
+            "finite and above 0",
+            m_per_s,
+        )),
+    }
+}
+
+/// The error of a number that must be in a range.
+pub(super) fn bad(what: &'static str, must: &'static str, value: f64) -> ResponseError {
+    ResponseError::BadNumber { what, must, value }
+}

@@ -1,0 +1,273 @@
+//! Checks whether sound takes a stationary path.
+//!
+//! Rules for cases that arithmetic cannot decide, with *touch* = 10⁴ roundings of the scene, about
+//! 10⁻⁹ of its extent:
+//! - A point up to *touch* beyond the edge of a face is on the face.
+//! - A reflection with a cosine below [`GRAZING`] does not count: the path cannot be distinguished from the
+//!   one that goes straight on. But a source on a surface has an image there, also for a listener on it.
+//! - A segment is free if it is shorter than 20 *touches*, or if it meets no surface until *touch* before its end; the
+//!   surface at its end may be met earlier by *touch* ÷ cosine, as its distance is measured along the segment.
+//! - Two points closer than *touch* lie in an edge, or are an end on a surface: between them the wave has the
+//!   direction that mirroring gives ([`flight_directions`]). At an end that direction must come from the solid, or lead into
+//!   it: otherwise, as before an edge of a box, the wave flies on in the air. In an edge that points into the air a
+//!   wave that reaches several faces is mirrored by one of them, and the choice is ambiguous: there is no exact
+//!   path, and its waves remain statistical.
+
+use super::NoPath;
+use super::paths::Draft;
+use super::surfaces::{Surfaces, Vertex};
+use crate::geometry::ExactScene;
+use glam::DVec3;
+
+/// Least cosine between a wave and a surface's normal: there rounding along the wave is 10⁹ times
+/// that across the surface, 10⁻⁶ of the scene's extent.
+const GRAZING: f64 = 1e-9;
+
+/// Distance from an end at which the solid is probed, in *touches*: more than an end may be off its surface, for
+/// directions that do not graze it.
+const PROBE_IN_TOUCHES: f64 = 1e3;
+
+/// Shorter segments, in *touches*, lie next to an edge and count as free: twice the distance at which fields are
+/// probed ahead of a point (`geometry::marched`).
+const SHORTEST_IN_TOUCHES: f64 = 20.0;
+
+/// A path to check, with the surfaces that may be in its way.
+pub(super) struct Checked<'a> {
+    pub exact: &'a ExactScene,
+    pub surfaces: &'a Surfaces,
+    pub path: &'a Draft,
+}
+
+impl Checked<'_> {
+    /// # Errors
+    /// Checks the path; the error states why sound does not take it.
+    pub fn is_taken(&self) -> Result<(), NoPath> {
+        let Draft {
+            points,
+            surfaces,
+            normals,
+            directions,
+            ..
+        } = self.path;
+        let inner = surfaces.iter().zip(&points[1..]);
+        for (surface, point) in inner {
+            if !self.surfaces.has(*surface, *point) {
+                return Err(NoPath::OffSurface);
+            }
+        }
+        let at_source = short(points.windows(2), self.surfaces.touch);
+        for (i, normal) in normals.iter().enumerate() {
+            let (to, from) = (directions[i].dot(*normal), directions[i + 1].dot(*normal));
+            // A source on a surface has an image there, also for directions along it.
+            let least = if i < at_source { -GRAZING } else { GRAZING };
+            if to > -least || from < least {
+                return Err(NoPath::NotFromTheAir);
+            }
+        }
+        self.edges_mirror()?;
+        self.ends_mirror(at_source)?;
+        match (0..directions.len()).all(|segment| self.is_free(segment)) {
+            true => Ok(()),
+            false => Err(NoPath::Blocked),
+        }
+    }
+
+    /// Checks that each reflection in an edge, where two reflections away from the ends are at one point, comes from
+    /// the air, at an edge that points into the solid: at one that points into the air a wave meets only one of the
+    /// faces, and a face inside another solid does not reflect.
+    fn edges_mirror(&self) -> Result<(), NoPath> {
+        let touch = self.surfaces.touch;
+        for (i, pair) in self.path.normals.windows(2).enumerate() {
+            let point = self.path.points[i + 1];
+            if point.distance(self.path.points[i + 2]) > touch {
+                continue;
+            }
+            let in_solid = |normal: &DVec3| self.value(point, *normal) < -touch;
+            let across = pair[1] - pair[0];
+            let is_one_face = across.length() <= SAME_NORMAL;
+            if pair.iter().any(in_solid)
+                || is_one_face
+                || self.value(point, across.normalize()) > -touch
+            {
+                return Err(NoPath::NotFromTheAir);
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks that each segment of length 0 at an end (`at_source` of them at the source) is mirrored
+    /// there.
+    fn ends_mirror(&self, at_source: usize) -> Result<(), NoPath> {
+        let Draft {
+            points, directions, ..
+        } = self.path;
+        let segments = directions.len();
+        let at_listener = short(points.windows(2).rev(), self.surfaces.touch);
+        if self.path.normals.is_empty() || at_source == segments {
+            return Ok(());
+        }
+        let leaves = directions[at_source];
+        for i in 0..at_source {
+            self.mirrors(points[i], directions[i], i, leaves)?;
+        }
+        let comes_from = -directions[segments - at_listener - 1];
+        for i in segments - at_listener..segments {
+            self.mirrors(points[i + 1], -directions[i], i - 1, comes_from)?;
+        }
+        Ok(())
+    }
+
+    fn is_free(&self, segment: usize) -> bool {
+        let (path, touch) = (self.path, self.surfaces.touch);
+        let (from, to) = (path.points[segment], path.points[segment + 1]);
+        let (direction, length) = (path.directions[segment], from.distance(to));
+        if length <= SHORTEST_IN_TOUCHES * touch {
+            return true;
+        }
+        let left = segment.checked_sub(1);
+        let leaving = left.map(|i| (path.surfaces[i], path.normals[i]));
+        let hit = self.exact.first_surface(from, direction, leaving, length);
+        let Some(hit) = hit else {
+            return true;
+        };
+        let is_end = path.surfaces.get(segment) == Some(&hit.object);
+        let tolerance = match is_end {
+            true => touch / direction.dot(path.normals[segment]).abs(),
+            false => touch,
+        };
+        hit.t >= length - tolerance
+    }
+
+    /// Checks that a wave from a point on a surface along `direction` is mirrored there, at the reflection with this
+    /// index, so that it finally leaves the point along `leaves`.
+    fn mirrors(
+        &self,
+        point: DVec3,
+        direction: DVec3,
+        reflection: usize,
+        leaves: DVec3,
+    ) -> Result<(), NoPath> {
+        let (touch, surface) = (self.surfaces.touch, self.path.surfaces[reflection]);
+        let normal = self.path.normals[reflection];
+        // A face that ends at the point mirrors waves that leave over it, but not those that leave
+        // next to it.
+        let over = point + leaves.reject_from_normalized(normal) * (PROBE_IN_TOUCHES * touch);
+        // A wave along a surface is on it.
+        if self.value(point, direction) > touch || !self.surfaces.has(surface, over) {
+            return Err(NoPath::NotFromTheAir);
+        }
+        let sheets = self.surfaces.sheets_at(surface, point);
+        let against = |sheet: &&Vertex| direction.dot(sheet.normal) < -GRAZING;
+        // Above one face and behind the other one there is air if the edge points into it.
+        let into_air = |other: &Vertex| {
+            let across = other.normal - normal;
+            across.length() > SAME_NORMAL && self.value(point, across.normalize()) > -touch
+        };
+        match sheets.iter().filter(against).any(into_air) {
+            true => Err(NoPath::AtEdge),
+            false => Ok(()),
+        }
+    }
+
+    /// The signed distance of the nearest surface at a probe next to a point on a surface, in this direction. Only
+    /// surfaces near the point itself matter.
+    fn value(&self, point: DVec3, direction: DVec3) -> f64 {
+        let probe_m = PROBE_IN_TOUCHES * self.surfaces.touch;
+        let probe = point + direction * probe_m;
+        self.exact.distance_within(probe, 2.0 * probe_m)
+    }
+}
+
+/// Normals with a smaller difference belong to one face.
+const SAME_NORMAL: f64 = 1e-6;
+
+/// Number of these segments, from the first on, that have length 0.
+fn short<'a>(segments: impl Iterator<Item = &'a [DVec3]>, touch: f64) -> usize {
+    segments
+        .take_while(|pair| pair[0].distance(pair[1]) <= touch)
+        .count()
+}
+
+/// The unit vectors of flight along `points`, one for each segment, mirrored between them at surfaces with these
+/// normals. Two points closer than `touch` metres lie in an edge, or an end lies on a surface: between them the
+/// direction follows from mirroring; 0 if all are one point.
+pub(super) fn flight_directions(points: &[DVec3], normals: &[DVec3], touch: f64) -> Vec<DVec3> {
+    let unit = |pair: &[DVec3]| {
+        let offset = pair[1] - pair[0];
+        (offset.length() > touch).then(|| offset.normalize())
+    };
+    let long: Vec<Option<DVec3>> = points.windows(2).map(unit).collect();
+    let mut all = vec![DVec3::ZERO; long.len()];
+    let Some(first) = long.iter().position(Option::is_some) else {
+        return all;
+    };
+    for segment in first..all.len() {
+        all[segment] = match long[segment] {
+            Some(direction) => direction,
+            None => all[segment - 1].reflect(normals[segment - 1]),
+        };
+    }
+    for segment in (0..first).rev() {
+        all[segment] = all[segment + 1].reflect(normals[segment]);
+    }
+    all
+}
+
+/// The edges of fields in which a source lies.
+pub(super) struct EdgeStart<'a> {
+    surfaces: &'a Surfaces,
+    /// The sheets that meet there, as reflections at the source.
+    sheets: Vec<Vertex>,
+}
+
+impl EdgeStart<'_> {
+    pub fn at(source: DVec3, surfaces: &Surfaces) -> EdgeStart<'_> {
+        let of = |field| surfaces.sheets_at(field, source);
+        let edges = surfaces.fields().map(of).filter(|sheets| sheets.len() > 1);
+        EdgeStart {
+            sheets: edges.flatten().collect(),
+            surfaces,
+        }
+    }
+
+    /// The reflection at the source of a wave that starts along the unit vector `direction`; `None` if it leaves
+    /// freely. If it flies against several sheets, it meets the one over which it flies first.
+    pub fn reflection(&self, direction: DVec3) -> Option<&Vertex> {
+        let ahead = direction * (PROBE_IN_TOUCHES * self.surfaces.touch);
+        let meets = |sheet: &&Vertex| {
+            let value = self.surfaces.value(sheet.surface, sheet.point + ahead);
+            direction.dot(sheet.normal) < 0.0 && value.is_some_and(|value| value < 0.0)
+        };
+        let is_over = |sheet: &&Vertex| {
+            let over = sheet.point + ahead.reject_from_normalized(sheet.normal);
+            self.surfaces.has(sheet.surface, over)
+        };
+        let mut met = self.sheets.iter().filter(meets);
+        met.clone().find(is_over).or_else(|| met.next())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects the direction of sound from a source or to a listener on a wall, and in an edge: it leaves a surface
+    /// there as it would next to it.
+    #[test]
+    fn short_segments_are_flown_as_mirrors_say() {
+        let (wall, floor) = (DVec3::X, DVec3::Y);
+        let (corner, away) = (DVec3::ZERO, DVec3::new(3.0, 4.0, 0.0));
+        let out = DVec3::new(0.6, 0.8, 0.0);
+        let expected = [-out, DVec3::new(0.6, -0.8, 0.0), out];
+        for points in [
+            [corner, corner, corner, away],
+            [away, corner, corner, corner],
+        ] {
+            let found = flight_directions(&points, &[wall, floor], 1e-9);
+            assert_eq!(found.len(), expected.len());
+            let off = found.iter().zip(expected).map(|(a, b)| a.distance(b));
+            assert!(off.fold(0.0, f64::max) < 1e-15, "{found:?}");
+        }
+        assert_eq!(flight_directions(&[away, away], &[], 1e-9), [DVec3::ZERO]);
+    }
+}

@@ -1,0 +1,253 @@
+//! The early part of an impulse response, exactly: specular paths from point to point.
+//!
+//! Waves traced from the source give the sequences of surfaces; for each sequence the path itself
+//! is found, so that delay and energy do not depend on the number of waves.
+//!
+//! # Finding a path
+//! A sequence of planes has at most one path, found by mirror images of the source (Allen and
+//! Berkley 1979), in closed form. All others are solved for by Newton's method on Fermat's
+//! condition, from the points where the wave was mirrored. Each surface is taken as the smooth
+//! *sheet* that the wave has met: planes, quadrics (balls, cylinders, cones, ellipsoids, patches of
+//! a height field …) and rings have derivatives in closed form, also moved, turned, scaled,
+//! repeated, cut or grown; blends, twists, bends and morphs have differences of their value. The
+//! CPU knows users' GLSL fields only from samples: candidates mirrored at them are reported as
+//! [`NoPath::NotExact`], and their waves remain statistical.
+//!
+//! Sound takes a stationary path only if its points lie on the surfaces themselves, within their
+//! edges; if each reflection comes from the air; and if no surface is in the way (users' fields by
+//! their samples). `check.rs` has rules for cases that arithmetic cannot decide.
+//!
+//! Near a focus every wave passes the listener: the number solved for is limited, see `find.rs`.
+//!
+//! Each wave that arrived has an [outcome](Found::outcomes): one that found a path is replaced by
+//! it; one whose surfaces are not exact is kept as it is; all others passed through the listener's
+//! sphere, but no path leads to its centre.
+//!
+//! # Spreading
+//! A source of power 1 gives the listener the energy density 1/(4π A) in 1/m², where A is the area
+//! of the wave front per solid angle at the start, by ray differentials (Igehy 1999) with the
+//! curvatures of the surfaces. With planes only, A is the squared length.
+//!
+//! # Foci
+//! Where a mirror focuses a front, A can be 0, and the density at a point infinite. A listener of
+//! radius r receives less: if all waves pass through its centre, their chords are 2r, and the
+//! density in it is 2r / (4/3 π r³) = 3/(2π r²). A path whose front gives more than that is marked
+//! as a focus, [`SpecularPath::is_focus`]; its spreading is limited to this bound times the share
+//! of all waves that found it. At a perfect focus a whole area of the mirror has the same length;
+//! it counts as one path with one of its points. Where the energy itself matters, take it from the
+//! waves that found a focus.
+//!
+//! # What the waves have missed
+//! See [`Missed`].
+
+mod candidates;
+mod check;
+mod fermat;
+mod find;
+mod paths;
+mod sheet;
+mod surfaces;
+#[cfg(test)]
+mod tests;
+mod tree;
+
+pub use candidates::{Candidate, Candidates};
+pub use find::Found;
+pub use paths::{Missed, SpecularPath};
+pub use surfaces::Vertex;
+
+use crate::geometry::ExactScene;
+use crate::scene::{Scene, SceneError};
+use candidates::Follow;
+use check::EdgeStart;
+use glam::{DVec3, Vec3};
+use surfaces::Surfaces;
+
+/// The surfaces of a scene as mirrors, to find paths among.
+///
+/// ```
+/// use echomarch::response::exact_paths::{EarlyPaths, Ends};
+/// use echomarch::{Scene, glam::Vec3};
+/// let scene = Scene::builtin("shoebox")?;
+/// let early = EarlyPaths::new(&scene)?;
+/// let ends = Ends::of(&scene);
+/// let along_axes = [Vec3::X, Vec3::Y, Vec3::Z].into_iter().flat_map(|axis| [axis, -axis]);
+/// let waves: Vec<Vec3> = along_axes.collect();
+/// let candidates = early.candidates(&ends, &waves, 1, f64::INFINITY);
+/// let found = early.find(&ends, &candidates);
+/// // The direct sound, and one echo from each wall.
+/// assert_eq!(found.paths.len(), 7);
+/// # Ok::<(), echomarch::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct EarlyPaths {
+    exact: ExactScene,
+    surfaces: Surfaces,
+}
+
+/// The ends of paths.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ends {
+    /// World position of the source in metres.
+    pub source: DVec3,
+    /// World position of the listener's centre in metres.
+    pub listener: DVec3,
+    /// Radius of the listener's sphere in metres, greater than 0: it limits the energy from a
+    /// focus.
+    pub radius_m: f64,
+}
+
+/// The reason why a candidate has no path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum NoPath {
+    /// One of its surfaces is known only from samples (a user's field): its waves remain
+    /// statistical.
+    NotExact,
+    /// There is no stationary path over these surfaces, or the search from the wave did not find
+    /// it.
+    NotStationary,
+    /// The path would be mirrored beyond the edge of a surface.
+    OffSurface,
+    /// The path would reach a surface from within the solid, or graze it.
+    NotFromTheAir,
+    /// A surface is in the way.
+    Blocked,
+    /// The source or the listener's centre is in a solid.
+    EndInSolid,
+    /// The path begins or ends in an edge or at a corner that points into the air, and flies against more than one of
+    /// the faces there, so that it is ambiguous which one mirrors it.
+    AtEdge,
+    /// The path was not solved for, because too many are at curved surfaces. Its waves remain
+    /// statistical.
+    LeftOut,
+}
+
+impl Ends {
+    /// The source and the listener of a scene.
+    pub fn of(scene: &Scene) -> Ends {
+        Ends {
+            source: scene.source.position.as_dvec3(),
+            listener: scene.listener.position.as_dvec3(),
+            radius_m: scene.listener.radius.into(),
+        }
+    }
+}
+
+impl EarlyPaths {
+    /// Uses the surfaces of `scene` in its current state (paths are not followed: see
+    /// [`Scene::at`]).
+    ///
+    /// # Errors
+    /// [`SceneError`] as from [`Scene::validate`].
+    pub fn new(scene: &Scene) -> Result<EarlyPaths, SceneError> {
+        let exact = ExactScene::new(scene)?;
+        let surfaces = Surfaces::new(scene, exact.rounding());
+        Ok(EarlyPaths { exact, surfaces })
+    }
+
+    /// The ends of paths in `scene`: its source and listener, moved onto the surface if they lie in a solid only by the
+    /// rounding of coordinates to `f32`.
+    pub(crate) fn ends(&self, scene: &Scene) -> Ends {
+        let ends = Ends::of(scene);
+        Ends {
+            source: self.surfaces.out_of_rounding(ends.source),
+            listener: self.surfaces.out_of_rounding(ends.listener),
+            ..ends
+        }
+    }
+
+    /// Follows waves from the source along `directions` (of any length except 0) through the
+    /// listener, for at most `order` reflections. Each flight that comes within `reach_m` metres of
+    /// the listener's centre is a candidate; the index of a wave is that of its direction.
+    ///
+    /// With the listener's radius, candidates are the waves that it receives, and [`Missed`]
+    /// estimates their energy. A greater reach finds more paths with the same waves: in a room of
+    /// planes use ∞, because candidates of one sequence cost nothing there.
+    ///
+    /// Runs on the threads of rayon's pool; the result does not depend on their number. Cost: as
+    /// [`ExactScene::trace_all`]. Marched fields take a thousand times as long as the basic shapes:
+    /// with them follow only waves that are known to arrive.
+    pub fn candidates(
+        &self,
+        ends: &Ends,
+        directions: &[Vec3],
+        order: u32,
+        reach_m: f64,
+    ) -> Candidates {
+        self.candidates_within(ends, directions, order, reach_m, u64::MAX)
+    }
+
+    /// Like [`EarlyPaths::candidates`], but follows no more waves once more than `most_asked` surfaces, and boxes
+    /// around them, have been evaluated for a flight: about ten nanoseconds each, and more for marched fields.
+    /// Waves that are left out ([`Candidates::left_out`]) are spread evenly between the other directions, and do
+    /// not depend on timing.
+    pub(crate) fn candidates_within(
+        &self,
+        ends: &Ends,
+        directions: &[Vec3],
+        order: u32,
+        reach_m: f64,
+        most_asked: u64,
+    ) -> Candidates {
+        let follow = Follow {
+            exact: &self.exact,
+            edge: EdgeStart::at(ends.source, &self.surfaces),
+            ends,
+            order,
+            reach_m,
+        };
+        follow.all(directions, most_asked)
+    }
+
+    /// Adds each sequence of at most `order` planes over which sound could go from the source to the listener if
+    /// nothing were in the way. It considers surfaces made only of shapes with planes
+    /// ([`Room`](crate::scene::shape::Room), `Cuboid`, `Plane`, `HalfSpace`, `Prism`), moved, turned, scaled,
+    /// inverted, united and cut. Like directions that are searched in addition to the waves, the sequences name
+    /// paths, and do not count among the waves that found them.
+    ///
+    /// Returns the number of reflections up to which all sequences were tried: `order`, or less if there are more
+    /// than 131,072 images of the source; those of one reflection are always tried.
+    pub fn add_planes(&self, ends: &Ends, order: u32, candidates: &mut Candidates) -> u32 {
+        candidates::add_plane_sequences(&self.surfaces, ends, order, candidates)
+    }
+
+    /// The image of the source in these planes, each mirrored in the next: world metres.
+    pub(crate) fn image(&self, ends: &Ends, planes: &[Vertex]) -> DVec3 {
+        let mirror = |image, plane: &Vertex| {
+            fermat::image(image, plane.normal, plane.point.dot(plane.normal))
+        };
+        planes.iter().fold(ends.source, mirror)
+    }
+
+    /// The walls of rooms at which these reflections are; `None` for other surfaces.
+    pub(crate) fn walls<'a>(
+        &'a self,
+        vertices: &'a [Vertex],
+    ) -> impl Iterator<Item = Option<u8>> + 'a {
+        let wall = |vertex| self.surfaces.sheet(vertex)?.wall;
+        vertices.iter().map(wall)
+    }
+
+    /// Whether all of these reflections are at planes, so that a path over them is found from any
+    /// wave.
+    pub fn are_flat(&self, vertices: &[Vertex]) -> bool {
+        vertices.iter().all(|vertex| self.surfaces.is_flat(vertex))
+    }
+
+    /// Whether a point is outside of all solids.
+    pub(crate) fn is_open(&self, place: DVec3) -> bool {
+        !self.exact.is_in_solid(place, self.surfaces.touch)
+    }
+
+    /// The paths of all candidates, and the direct sound if it is not blocked; no paths from or to
+    /// a point in a solid.
+    ///
+    /// Runs on the threads of rayon's pool; the result does not depend on their number.
+    pub fn find(&self, ends: &Ends, candidates: &Candidates) -> Found {
+        if !self.is_open(ends.source) || !self.is_open(ends.listener) {
+            return Found::none(candidates, NoPath::EndInSolid);
+        }
+        find::find(&self.exact, &self.surfaces, ends, candidates)
+    }
+}

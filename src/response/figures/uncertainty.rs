@@ -1,0 +1,375 @@
+//! Errors of the figures: the spread over halves of the batches, errors that all waves have in common, and differences
+//! between two ways of counting.
+//!
+//! # Few waves
+//! The spread over batches is unreliable for a few dozen arrivals in a band, and is not defined without any. There the
+//! energy that the waves may have missed is estimated from the number of arrivals: √n of n arrivals, and one if there
+//! are none.
+
+use super::pieces::{Origin, Record};
+use super::{BandFigures, DECAY_TIMES, FIGURE_COUNT, Figures, List, lists};
+use crate::bands::{self, BAND_COUNT, Bands};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Maximum error of a reported decay time, as a share of it: with a larger one its decay is too
+/// noisy. Two errors are 3 %, less than the least noticeable difference in reverberation (5 %, ISO
+/// 3382-1, annex A).
+const WORST_TIME_ERROR: f64 = 0.015;
+
+const NO_FIGURES: [List; BAND_COUNT] = [[None; FIGURE_COUNT]; BAND_COUNT];
+
+/// Errors that all waves have in common, one standard deviation each.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CommonErrors {
+    /// Error of T20 and T30, as a share of them.
+    pub decay_share: f64,
+    /// Error of EDT, as a share of it.
+    pub early_decay_share: f64,
+    /// Error of C50 and C80, in decibels.
+    pub clarity_db: f64,
+    /// Error of G, in decibels.
+    pub strength_db: f64,
+    /// Error of Ts, in seconds.
+    pub centre_s: f64,
+}
+
+impl CommonErrors {
+    /// Error of D50, derived from that of C50, as C50 is 10 lg(D50 / (1 − D50)).
+    fn definition(&self, d50: f64) -> f64 {
+        let change_in_db = 10.0 / (std::f64::consts::LN_10 * d50 * (1.0 - d50));
+        self.clarity_db / change_in_db
+    }
+}
+
+impl Figures {
+    /// Adds the differences from the figures of another record as errors, each times the weight of its band.
+    pub(crate) fn with_differences(self, record: Record, weights: &Bands) -> Figures {
+        self.differing(self.begins_s, &record, weights)
+    }
+
+    /// Adds the error due to a time origin that is known only within a bin of `within_s` seconds.
+    pub(super) fn with_start_within(self, record: &Record, within_s: f64) -> Figures {
+        /// The standard deviation of a uniform distribution, relative to half of its interval's
+        /// length.
+        const EVEN: f64 = 0.577_350_269_189_625_8;
+        let later = self.begins_s.map(|begins_s| begins_s + 0.5 * within_s);
+        self.differing(later, record, &[EVEN; BAND_COUNT])
+    }
+
+    /// Adds the weighted differences from the figures of a record as errors, if it has figures with times from
+    /// `begins_s` on.
+    fn differing(self, begins_s: Option<f64>, record: &Record, weights: &Bands) -> Figures {
+        match begins_s.and_then(|begins_s| others(record, begins_s)) {
+            Some(others) => self.differing_from(&others, weights),
+            None => self,
+        }
+    }
+
+    /// Adds the weighted differences from other figures as errors.
+    fn differing_from(mut self, others: &[List; BAND_COUNT], weights: &Bands) -> Figures {
+        for band in 0..BAND_COUNT {
+            let pairs = self.bands[band].list().into_iter().zip(others[band]);
+            let differences =
+                pairs.map(|(own, other)| own.zip(other).map(|(own, other)| own - other));
+            let mut errors = self.errors[band].list();
+            for (error, difference) in errors.iter_mut().zip(differences) {
+                let difference = difference.filter(|difference| difference.is_finite());
+                let weighted = weights[band] * difference.unwrap_or(0.0);
+                *error = error.map(|error| error.hypot(weighted));
+            }
+            self.errors[band] = BandFigures::from_list(errors);
+        }
+        self
+    }
+
+    /// Adds the errors that all waves have in common.
+    pub(crate) fn with_common_errors(mut self, common: &CommonErrors) -> Figures {
+        for (band, error) in self.bands.iter().zip(&mut self.errors) {
+            let add = |error: &mut Option<f64>, common: Option<f64>| {
+                *error = error.zip(common).map(|(error, common)| error.hypot(common));
+            };
+            let share = |time_s: Option<f64>, share: f64| time_s.map(|time_s| share * time_s);
+            add(
+                &mut error.edt_s,
+                share(band.edt_s, common.early_decay_share),
+            );
+            add(&mut error.t20_s, share(band.t20_s, common.decay_share));
+            add(&mut error.t30_s, share(band.t30_s, common.decay_share));
+            add(&mut error.c50_db, Some(common.clarity_db));
+            add(&mut error.c80_db, Some(common.clarity_db));
+            add(&mut error.d50, band.d50.map(|d50| common.definition(d50)));
+            add(&mut error.ts_s, Some(common.centre_s));
+            add(&mut error.g_db, Some(common.strength_db));
+        }
+        self
+    }
+}
+
+/// The figures of all bands of a record, with times from `begins_s` on.
+fn others(record: &Record, begins_s: f64) -> Option<[List; BAND_COUNT]> {
+    if begins_s >= record.ends_s {
+        return None;
+    }
+    let pieces = record.pieces(begins_s, |bin| record.echogram.energy(bin));
+    Some(lists(&pieces, record.echogram.bin_s()).0)
+}
+
+/// The figures of halves of the batches.
+pub(super) struct Halves {
+    lists: Vec<[List; BAND_COUNT]>,
+    /// The time origin of each half, in seconds.
+    starts_s: Vec<f64>,
+    batches: usize,
+}
+
+impl Halves {
+    /// Every half and its complement: the sign of Sylvester's matrix determines whether batch b is
+    /// in half h. Its rows are orthogonal, and half of the entries in each row except the first are
+    /// positive.
+    ///
+    /// Each half has its own time origin, so that the errors include the uncertainty of the common
+    /// one.
+    pub fn new(record: &Record, direct_s: Option<f64>) -> Halves {
+        let echogram = record.echogram;
+        let batches = echogram.batches();
+        let is_in = |half: usize, batch: usize| (half & batch).count_ones() % 2 == 1;
+        let of = |(half, complement): (usize, bool)| {
+            let energy = |bin: usize| {
+                let mut sum = [0.0; BAND_COUNT];
+                for batch in (0..batches).filter(|&batch| is_in(half, batch) != complement) {
+                    bands::add(&mut sum, &echogram.batch_energy(bin, batch));
+                }
+                sum.map(|energy| 2.0 * energy)
+            };
+            let begins_s = record.origin(direct_s, energy)?.seconds;
+            if begins_s >= record.ends_s {
+                return None;
+            }
+            let pieces = record.pieces(begins_s, energy);
+            Some((begins_s, lists(&pieces, echogram.bin_s()).0))
+        };
+        let halves: Vec<(usize, bool)> = (1..batches)
+            .flat_map(|half| [(half, false), (half, true)])
+            .collect();
+        // A half in which nothing arrives has no figures.
+        let found: Vec<Option<(f64, [List; BAND_COUNT])>> =
+            halves.into_par_iter().map(of).collect();
+        let list = |half: &Option<(f64, _)>| half.map_or(NO_FIGURES, |(_, list)| list);
+        Halves {
+            lists: found.iter().map(list).collect(),
+            starts_s: found.iter().flatten().map(|(start, _)| *start).collect(),
+            batches,
+        }
+    }
+
+    /// One standard deviation of the time origin of all batches, in seconds.
+    pub fn error_of_start(&self, start: Origin) -> f64 {
+        /// The variance of a uniform distribution, relative to the square of its interval's length.
+        const EVEN: f64 = 1.0 / 12.0;
+        let squares = self.starts_s.iter().map(|s| (s - start.seconds).powi(2));
+        let variance = squares.sum::<f64>() / self.starts_s.len().max(1) as f64;
+        (variance + EVEN * start.within_s.powi(2)).sqrt()
+    }
+
+    /// Those of a band's figures that can be estimated, and their errors. `arrivals` is the number of arrivals
+    /// of equal energy.
+    pub fn judge(&self, band: usize, list: List, arrivals: f64) -> (List, List) {
+        let (mut told, mut errors) = (list, [None; FIGURE_COUNT]);
+        if self.lists.is_empty() {
+            return (told, errors);
+        }
+        let widening = self.widening(arrivals);
+        for figure in 0..FIGURE_COUNT {
+            let deviation = list[figure].and_then(|whole| self.deviation(band, figure, whole));
+            errors[figure] = deviation.map(|deviation| widening * deviation);
+            let limit = match list[figure] {
+                Some(time_s) if figure < DECAY_TIMES => WORST_TIME_ERROR * time_s,
+                _ => f64::INFINITY,
+            };
+            if errors[figure].is_none_or(|error| error > limit || !error.is_finite()) {
+                (told[figure], errors[figure]) = (None, None);
+            }
+        }
+        (told, errors)
+    }
+
+    /// Factor by which Student's t widens an error. Its degrees of freedom are those of the batches, or of the arrivals
+    /// if these are fewer: most batches are empty then, and their spread says little. Without arrivals the spread is 0;
+    /// a single one counts as two, as only its energy is known of others that might have arrived.
+    fn widening(&self, arrivals: f64) -> f64 {
+        let of_batches = self.batches - 1;
+        let degrees = match arrivals > 0.0 {
+            true => of_batches.min((arrivals.round() as usize).max(2) - 1),
+            false => of_batches,
+        };
+        student_975(degrees) / 2.0
+    }
+
+    /// The standard deviation of a figure; `None` if some half does not have it.
+    fn deviation(&self, band: usize, figure: usize, whole: f64) -> Option<f64> {
+        let mut squares = 0.0;
+        for list in &self.lists {
+            squares += (list[band][figure]? - whole).powi(2);
+        }
+        Some((squares / self.lists.len() as f64).sqrt())
+    }
+}
+
+/// Student's t at 97.5 %, for a number of degrees of freedom.
+///
+/// M. Abramowitz and I. Stegun, *Handbook of Mathematical Functions*, 1964, 26.7.5: a series in
+/// 1/degrees about the normal variate. From 3 degrees on its error is below 1 %; for 1 and 2, where
+/// it is not accurate, the values themselves.
+pub(super) fn student_975(degrees: usize) -> f64 {
+    /// The normal variate at 97.5 %.
+    const NORMAL: f64 = 1.959_963_984_540_054;
+    match degrees {
+        0 => f64::INFINITY,
+        1 => 12.706_204_736,
+        2 => 4.302_652_730,
+        _ => {
+            let n = degrees as f64;
+            let x = NORMAL;
+            let first = (x.powi(3) + x) / 4.0;
+            let second = (5.0 * x.powi(5) + 16.0 * x.powi(3) + 3.0 * x) / 96.0;
+            let third = (3.0 * x.powi(7) + 19.0 * x.powi(5) + 17.0 * x.powi(3) - 15.0 * x) / 384.0;
+            x + first / n + second / n.powi(2) + third / n.powi(3)
+        }
+    }
+}
+
+/// Number of arrivals of equal energy in a band below which the spread over batches alone does not
+/// give its error.
+const FEW: f64 = 64.0;
+
+/// Seconds over which a further arrival is spread, from the time origin on: half of it is before 80 ms.
+const FURTHER_S: f64 = 0.16;
+
+/// Maximum errors of figures reported from few arrivals: just noticeable differences (ISO 3382-1, annex A) of C50, C80,
+/// D50, Ts and G. Decay times need more arrivals in any case.
+const WORST_ERRORS: List = [
+    None,
+    None,
+    None,
+    Some(1.0),
+    Some(1.0),
+    Some(0.05),
+    Some(0.01),
+    Some(1.0),
+];
+
+/// Error of the sum of a number of arrivals' energies that the spread over batches does not include: about √n times
+/// their mean if they are few. With more arrivals the batches report more of it: the factor is √(1 + n (1 − n / 64)),
+/// and 1 from 64 on. 0 without arrivals.
+pub(crate) fn uncertain_energy(sum: f64, arrivals: f64) -> f64 {
+    if arrivals == 0.0 {
+        return 0.0;
+    }
+    let counted = arrivals * (1.0 - arrivals / FEW).max(0.0);
+    sum / arrivals * (1.0 + counted).sqrt()
+}
+
+impl Figures {
+    /// Adds the effect of one more arrival of these energies as an error. In bands with few arrivals only figures that
+    /// change little are kept.
+    pub(crate) fn with_further_arrival(self, record: Record, energy: &Bands) -> Figures {
+        let Record {
+            taps,
+            echogram,
+            ends_s,
+        } = record;
+        let Some(begins_s) = self.begins_s.filter(|_| echogram.batches() > 1) else {
+            return self;
+        };
+        let mut further = echogram.clone();
+        let seconds = FURTHER_S.min(ends_s - begins_s);
+        let bins = (seconds / echogram.bin_s()).ceil().max(1.0);
+        let of_bin = energy.map(|energy| energy / bins);
+        for bin in 0..bins as usize {
+            let seconds = begins_s + (bin as f64 + 0.5) * echogram.bin_s();
+            // The energies of waves that were already added are in range.
+            let _ = further.add(0, seconds, &of_bin, DVec3::ZERO);
+        }
+        let Some(others) = others(&Record::new(taps, &further, ends_s), begins_s) else {
+            return self;
+        };
+        let mut figures = self.differing_from(&others, &bands::ALL);
+        for (band, others) in others.iter().enumerate() {
+            if echogram.effective_arrivals(band, begins_s) < FEW {
+                figures.leave_certain(band, others);
+            }
+        }
+        figures
+    }
+
+    /// Keeps the figures of a band that have small errors and are also in `others`, with one arrival more.
+    fn leave_certain(&mut self, band: usize, others: &List) {
+        let (mut list, mut errors) = (self.bands[band].list(), self.errors[band].list());
+        for figure in 0..FIGURE_COUNT {
+            let is_certain = errors[figure]
+                .zip(WORST_ERRORS[figure])
+                .is_some_and(|(error, worst)| error <= worst);
+            if !is_certain || others[figure].is_none() {
+                self.have_few_arrivals[band] |= list[figure].is_some();
+                (list[figure], errors[figure]) = (None, None);
+            }
+        }
+        self.bands[band] = BandFigures::from_list(list);
+        self.errors[band] = BandFigures::from_list(errors);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::response::{Echogram, Tap};
+
+    /// The figures of a direct sound of energy 1 and some arrivals of 0.001 each, with the effect of one more of these
+    /// as their error.
+    fn figures(arrivals: usize, energy: f64) -> Figures {
+        let direct = Tap {
+            seconds: 0.01,
+            energy: [1.0; BAND_COUNT],
+            direction: DVec3::X,
+        };
+        let mut echogram = Echogram::new(1e-3, 16).expect("a good bin");
+        for arrival in 0..arrivals {
+            let seconds = 0.012 + 0.2 * (arrival as f64 * 0.618_034).fract();
+            echogram
+                .add(arrival % 16, seconds, &[energy; BAND_COUNT], DVec3::X)
+                .unwrap();
+        }
+        let (taps, ends_s) = ([direct], 0.5);
+        let figures = Figures::new(&taps, &echogram, Some(0.01), ends_s);
+        let uncertain = match arrivals {
+            0 => energy,
+            _ => uncertain_energy(arrivals as f64 * energy, arrivals as f64),
+        };
+        figures.with_further_arrival(
+            Record::new(&taps, &echogram, ends_s),
+            &[uncertain; BAND_COUNT],
+        )
+    }
+
+    /// Protects against errors estimated from a few dozen waves, and errors of 0: if one arrival changes G by more
+    /// than 1 dB G is not reported, otherwise its error is at least that of one arrival.
+    #[test]
+    fn few_arrivals_give_no_certain_figures() {
+        for arrivals in [0, 8] {
+            let weak = figures(arrivals, 1e-3);
+            let one_more = 10.0 * (1.0_f64 + 1e-3 / (1.0 + arrivals as f64 * 1e-3)).log10();
+            let error = weak.errors[3].g_db.expect("an error");
+            assert!(
+                weak.bands[3].g_db.is_some() && error >= 0.999 * one_more,
+                "{weak:?}"
+            );
+            let strong = figures(arrivals, 1.0);
+            assert_eq!((strong.bands[3].g_db, strong.errors[3].g_db), (None, None));
+            assert_eq!(strong.bands[3].c80_db, None);
+        }
+        // One arrival among many changes little.
+        let many = figures(2000, 0.1);
+        assert!(many.bands[3].g_db.is_some() && many.errors[3].g_db.is_some_and(|e| e < 0.2));
+    }
+}

@@ -1,0 +1,402 @@
+//! Audible impulse responses: taps, and noise shaped by an echogram, in the channels of a format.
+
+use super::error::check_taps;
+use super::{Echogram, ResponseError, Tap};
+use crate::bands::BAND_COUNT;
+use crate::hrtf::HrirSet;
+use crate::scene::Listener;
+use filters::{Crossing, Spectra};
+use glam::DVec3;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+use std::ops::RangeInclusive;
+use std::sync::Arc;
+
+mod binaural;
+mod filters;
+#[cfg(test)]
+mod tests;
+
+/// The lowest and the highest rate of an impulse response, in hertz.
+pub const RATES_HZ: RangeInclusive<u32> = crate::hrtf::HRIR_RATES_HZ;
+
+/// The longest impulse response, in seconds.
+pub const MAX_SECONDS: f64 = 60.0;
+
+/// The default rate of an impulse response, in hertz.
+const DEFAULT_RATE_HZ: u32 = 48_000;
+
+/// Settings of an impulse response.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct ImpulseSettings {
+    /// Samples a second, in [`RATES_HZ`].
+    pub rate_hz: u32,
+    /// Length in seconds from the source's impulse on: above 0, at most [`MAX_SECONDS`].
+    pub seconds: f64,
+    /// Its channels.
+    pub format: Format,
+    /// Seed of the late part's noise. The same seed gives the same samples.
+    pub seed: u64,
+}
+
+impl ImpulseSettings {
+    /// One channel at 48 kHz, with seed 0.
+    pub fn new(seconds: f64) -> ImpulseSettings {
+        ImpulseSettings {
+            rate_hz: DEFAULT_RATE_HZ,
+            seconds,
+            format: Format::Mono,
+            seed: 0,
+        }
+    }
+}
+
+/// A sampled impulse response: the sound at a listener after an impulse at the source.
+///
+/// The direct sound of a source of unit power is an impulse of amplitude 1 at 1 m: an energy E
+/// (1/m²) has the amplitude √(4π E). The first sample is the time of the source's impulse.
+///
+/// # Method
+/// - **Taps** are at their exact time, also between samples (windowed sinc). Each is filtered to
+///   the energies of its bands, zero-phase: at a band's centre its amplitude is √(4π E) exactly,
+///   with a smooth transition between centres. So its peak is at its time whatever its bands. Taps
+///   at one time add their amplitudes, while figures add their energies.
+/// - **The echogram** becomes Gaussian noise, independent for each band and with zero mean, with
+///   the energy of each bin. Then it is filtered to its octave; the filters' powers add up to 1. A
+///   filter spreads the energy of a bin in time, by about 20 ms at 63 Hz and less than 1 ms from 2
+///   kHz on, in both directions: no filter is sharp both in time and in frequency.
+/// - **Binaural**: each tap is convolved with the HRIRs of its direction, at its exact time. The
+///   noise comes from 32 directions around the listener, independent in each, through their HRIRs.
+///   If the mean direction of a bin and band has the length m (0 diffuse, 1 one wave), the share 1
+///   − m comes from all of them evenly, and the share m from the three around the mean direction.
+/// - Below 63 Hz the energy is that of 63 Hz, above 8 kHz that of 8 kHz.
+///
+/// ```
+/// use echomarch::response::{Echogram, ImpulseResponse, ImpulseSettings, ListenerAxes, Tap};
+/// use echomarch::glam::{DVec3, Vec3};
+/// use echomarch::Listener;
+///
+/// // The direct sound 1 m away, and nothing else.
+/// let energy = [1.0 / (4.0 * std::f64::consts::PI); 8];
+/// let direct = Tap { seconds: 0.01, energy, direction: DVec3::X };
+/// let silence = Echogram::new(0.001, 1)?;
+/// let axes = ListenerAxes::of(&Listener::at(Vec3::ZERO, 0.1))?;
+/// let impulse = ImpulseResponse::new(&[direct], &silence, &axes, &ImpulseSettings::new(0.1))?;
+/// let mono = &impulse.channels()[0];
+/// assert!((mono[480] - 1.0).abs() < 1e-3);
+/// # Ok::<(), echomarch::response::ResponseError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct ImpulseResponse {
+    rate_hz: u32,
+    format: Format,
+    channels: Vec<Vec<f32>>,
+}
+
+impl ImpulseResponse {
+    /// Computes the response to the arriving sound: `taps` one by one, `echogram` as noise. `axes`
+    /// are the listener's; [`Format::Mono`] does not use them.
+    ///
+    /// # Errors
+    /// [`ResponseError::BadRate`] and [`ResponseError::BadLength`] if the settings are out of
+    /// range, [`ResponseError::BadTap`] for a tap whose time, energy or direction is out of range,
+    /// [`ResponseError::Hrir`] if a set of head-related impulse responses cannot be resampled.
+    pub fn new(
+        taps: &[Tap],
+        echogram: &Echogram,
+        axes: &ListenerAxes,
+        settings: &ImpulseSettings,
+    ) -> Result<ImpulseResponse, ResponseError> {
+        let ImpulseSettings {
+            rate_hz, seconds, ..
+        } = *settings;
+        if !RATES_HZ.contains(&rate_hz) {
+            return Err(ResponseError::BadRate { rate_hz });
+        }
+        if !(seconds > 0.0 && seconds <= MAX_SECONDS) {
+            return Err(ResponseError::BadLength { seconds });
+        }
+        check_taps(taps)?;
+        let samples = (seconds * f64::from(rate_hz)).ceil() as usize;
+        let sound = Sound {
+            taps,
+            echogram,
+            axes,
+            rate_hz: rate_hz.into(),
+            samples,
+            seed: settings.seed,
+        };
+        let channels = match &settings.format {
+            Format::Mono => sound.channels(Encoding::Mono),
+            Format::Stereo => sound.channels(Encoding::Stereo),
+            Format::AmbiX => sound.channels(Encoding::AmbiX),
+            Format::Binaural(hrirs) if hrirs.rate_hz() == rate_hz => {
+                binaural::channels(&sound, hrirs)
+            }
+            Format::Binaural(hrirs) => binaural::channels(&sound, &hrirs.at_rate(rate_hz)?),
+        };
+        Ok(ImpulseResponse {
+            rate_hz,
+            format: settings.format.clone(),
+            channels,
+        })
+    }
+
+    /// Samples a second.
+    pub fn rate_hz(&self) -> u32 {
+        self.rate_hz
+    }
+
+    /// Format of the channels.
+    pub fn format(&self) -> &Format {
+        &self.format
+    }
+
+    /// The samples of each channel.
+    pub fn channels(&self) -> &[Vec<f32>] {
+        &self.channels
+    }
+
+    /// The samples of all channels in turn, as in a WAV file.
+    pub fn interleaved(&self) -> Vec<f32> {
+        let frames = self.channels.first().map_or(0, Vec::len);
+        let frame = |index: usize| self.channels.iter().map(move |samples| samples[index]);
+        (0..frames).flat_map(frame).collect()
+    }
+}
+
+/// The gain of a band's filter for taps at a frequency in hertz: see [`ImpulseResponse`].
+pub(crate) fn tap_filter_gain(band: usize, frequency_hz: f64) -> f64 {
+    Crossing::Amplitude.gain(band, frequency_hz)
+}
+
+/// The amplitude of an energy in 1/m².
+pub(crate) fn amplitude(energy: f64) -> f64 {
+    (4.0 * PI * energy.max(0.0)).sqrt()
+}
+
+/// The arriving sound, and the parameters of its response.
+struct Sound<'a> {
+    taps: &'a [Tap],
+    echogram: &'a Echogram,
+    axes: &'a ListenerAxes,
+    rate_hz: f64,
+    /// Samples of each channel.
+    samples: usize,
+    seed: u64,
+}
+
+impl Sound<'_> {
+    /// The channels of an encoding.
+    fn channels(&self, encoding: Encoding) -> Vec<Vec<f32>> {
+        let count = encoding.channels();
+        let mut spectra = Spectra::new(count, self.samples, self.rate_hz);
+        let mut unfiltered = vec![spectra.silence(); count];
+        for band in 0..BAND_COUNT {
+            if !self.taps.is_empty() {
+                self.add_taps(&mut unfiltered, band, encoding);
+                spectra.add(&mut unfiltered, Crossing::Amplitude, band);
+            }
+            if self.echogram.bins() > 0 {
+                filters::add_noise(&mut unfiltered, self, band, encoding);
+                spectra.add(&mut unfiltered, Crossing::Power, band);
+            }
+        }
+        spectra.into_channels(self.samples)
+    }
+
+    fn add_taps(&self, unfiltered: &mut [Vec<f64>], band: usize, encoding: Encoding) {
+        for tap in self.taps {
+            let gains = encoding.gains(self.axes, -tap.direction);
+            for (samples, gain) in unfiltered.iter_mut().zip(gains) {
+                let place = tap.seconds * self.rate_hz;
+                filters::add_tap(samples, place, gain * amplitude(tap.energy[band]));
+            }
+        }
+    }
+}
+
+/// Least length of a vector, and least sine of the angle between forward and up: below it the
+/// direction is lost in the rounding of `f32`, in which the vectors are given.
+const LEAST_LENGTH: f64 = 1e-6;
+
+/// A listener's axes in the world: orthogonal unit vectors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ListenerAxes {
+    forward: DVec3,
+    right: DVec3,
+    up: DVec3,
+}
+
+impl ListenerAxes {
+    /// The axes of a listener that looks along `forward`, with `up` upwards (world axes, any
+    /// length): `up` is made perpendicular to `forward`.
+    ///
+    /// # Errors
+    /// [`ResponseError::BadAxes`] if one of them has no length or is not finite, or both are
+    /// parallel.
+    pub fn new(forward: DVec3, up: DVec3) -> Result<ListenerAxes, ResponseError> {
+        let bad = ResponseError::BadAxes { forward, up };
+        let unit = |vector: DVec3| {
+            let told = vector.is_finite() && vector.length() > LEAST_LENGTH;
+            told.then(|| vector.normalize())
+        };
+        let (Some(ahead), Some(above)) = (unit(forward), unit(up)) else {
+            return Err(bad);
+        };
+        let Some(right) = unit(ahead.cross(above)) else {
+            return Err(bad);
+        };
+        Ok(ListenerAxes {
+            forward: ahead,
+            right,
+            up: right.cross(ahead),
+        })
+    }
+
+    /// The axes of a scene's listener.
+    ///
+    /// # Errors
+    /// [`ResponseError::BadAxes`] if they are not finite.
+    pub fn of(listener: &Listener) -> Result<ListenerAxes, ResponseError> {
+        ListenerAxes::new(listener.forward().as_dvec3(), listener.up().as_dvec3())
+    }
+
+    /// The viewing direction.
+    pub fn forward(&self) -> DVec3 {
+        self.forward
+    }
+
+    /// The direction of the right ear.
+    pub fn right(&self) -> DVec3 {
+        self.right
+    }
+
+    /// The upward direction.
+    pub fn up(&self) -> DVec3 {
+        self.up
+    }
+
+    /// Converts a world vector to listener axes, those of AmbiX and SOFA: x ahead, y to the left, z
+    /// up.
+    pub fn to_listener(&self, world: DVec3) -> DVec3 {
+        DVec3::new(
+            world.dot(self.forward),
+            -world.dot(self.right),
+            world.dot(self.up),
+        )
+    }
+}
+
+/// Maximum number of channels of an encoding.
+const MOST_CHANNELS: usize = 4;
+
+/// The mean square of one component of a unit vector over all directions: the share of a diffuse
+/// field's energy in a first-order channel (SN3D).
+const DIFFUSE_SHARE: f64 = 1.0 / 3.0;
+
+/// The channels of an impulse response.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Format {
+    /// One channel, the same for all directions.
+    #[default]
+    Mono,
+    /// Left and right: each arrival is panned with constant power by its lateral component s along
+    /// the right ear, with gains cos and sin of (1 + s) π/4.
+    Stereo,
+    /// First-order ambisonics in the convention AmbiX (C. Nachbar et al., *AmbiX – A Suggested
+    /// Ambisonics Format*, 2011): channels W, Y, Z, X (ACN), of a wave from (x, y, z) with gains
+    /// 1, y, z, x (SN3D); x is ahead of the listener, y to the left, z up.
+    AmbiX,
+    /// Left and right ear, for headphones: each arrival is filtered by the head-related impulse
+    /// responses of its direction. A set at another rate is resampled.
+    Binaural(Arc<HrirSet>),
+}
+
+/// An encoding of directions by gains alone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Encoding {
+    Mono,
+    Stereo,
+    AmbiX,
+}
+
+/// Amplitudes of noise in each channel: of one noise common to all, and of one of its own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Noise {
+    common: [f64; MOST_CHANNELS],
+    own: [f64; MOST_CHANNELS],
+}
+
+impl Format {
+    /// Number of channels.
+    pub fn channels(&self) -> usize {
+        match self {
+            Format::Mono => 1,
+            Format::Stereo | Format::Binaural(_) => 2,
+            Format::AmbiX => 4,
+        }
+    }
+}
+
+impl Encoding {
+    /// Number of channels.
+    fn channels(self) -> usize {
+        match self {
+            Encoding::Mono => 1,
+            Encoding::Stereo => 2,
+            Encoding::AmbiX => 4,
+        }
+    }
+
+    /// The gains of sound from a direction (a unit vector towards its source).
+    pub(crate) fn gains(self, axes: &ListenerAxes, from: DVec3) -> [f64; MOST_CHANNELS] {
+        match self {
+            Encoding::Mono => [1.0, 0.0, 0.0, 0.0],
+            Encoding::Stereo => {
+                let side = from.dot(axes.right()).clamp(-1.0, 1.0);
+                let (right, left) = ((1.0 + side) * FRAC_PI_4).sin_cos();
+                [left, right, 0.0, 0.0]
+            }
+            Encoding::AmbiX => {
+                let DVec3 { x, y, z } = axes.to_listener(from);
+                [1.0, y, z, x]
+            }
+        }
+    }
+
+    /// Noise of power 1 from all directions, weighted by a mean direction: `mean` is the
+    /// energy-weighted mean of the unit vectors towards the sources, of length 0 (diffuse) to 1.
+    ///
+    /// AmbiX: the share |mean| of the energy is one wave from there, the rest is diffuse; so both
+    /// the energy and the intensity are correct. Stereo: independent noises with the powers of one
+    /// wave at that lateral position; equal if it is diffuse.
+    fn noise(self, axes: &ListenerAxes, mean: DVec3) -> Noise {
+        let none = [0.0; MOST_CHANNELS];
+        match self {
+            Encoding::Mono => Noise {
+                common: none,
+                own: self.gains(axes, mean),
+            },
+            Encoding::Stereo => {
+                let side = mean.dot(axes.right()).clamp(-1.0, 1.0);
+                let sine = (side * FRAC_PI_2).sin();
+                let own = [(1.0 - sine) / 2.0, (1.0 + sine) / 2.0, 0.0, 0.0];
+                Noise {
+                    common: none,
+                    own: own.map(f64::sqrt),
+                }
+            }
+            Encoding::AmbiX => {
+                let directed = mean.length().min(1.0);
+                let gains = self.gains(axes, mean.try_normalize().unwrap_or(DVec3::ZERO));
+                let diffuse = (1.0 - directed).sqrt();
+                let side = diffuse * DIFFUSE_SHARE.sqrt();
+                Noise {
+                    common: gains.map(|gain| gain * directed.sqrt()),
+                    own: [diffuse, side, side, side],
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,226 @@
+//! What the listener hears: the medium between source and listener, the reflectance of the surfaces along an exact
+//! path, the sound along such a path, and summaries of a source's sound.
+
+use super::Response;
+use crate::bands::{self, BAND_COUNT, Bands};
+use crate::response::exact_paths::SpecularPath;
+use crate::response::{Arrival, Echogram, Tap, strength_db};
+use crate::scene::{Listener, Material, Scene};
+use glam::{DVec3, Vec3};
+use serde::Serialize;
+use std::f64::consts::PI;
+
+/// Effects on the sound between source and listener, except those of the surfaces.
+pub(super) struct Medium {
+    /// Speed of sound in metres per second.
+    pub speed: f64,
+    /// Attenuation of energy by band, in 1/m.
+    pub air: Bands,
+    /// The source's level as a factor of energy.
+    pub level: f64,
+    /// Arrival of the direct sound if unobstructed, in seconds.
+    pub direct_s: f64,
+}
+
+impl Medium {
+    pub fn of(scene: &Scene) -> Medium {
+        let speed = scene.speed_of_sound();
+        let apart = scene.source.position.as_dvec3() - scene.listener.position.as_dvec3();
+        Medium {
+            speed,
+            air: scene.air_attenuation(),
+            level: 10_f64.powf(f64::from(scene.source.level_db) / 10.0),
+            direct_s: apart.length() / speed,
+        }
+    }
+
+    /// The energy of an arrival, with the source's level and the loss in the air.
+    pub fn heard(&self, arrival: &Arrival) -> Bands {
+        let emitted = arrival.energy.map(|energy| energy * self.level);
+        bands::through_air(&emitted, &self.air, arrival.length_m)
+    }
+
+    /// Adds an arrival, with the source's level and the loss in the air. Ignores one with invalid numbers, from a
+    /// faulty driver.
+    pub fn add(&self, echogram: &mut Echogram, arrival: &Arrival) {
+        let mut arrival = *arrival;
+        arrival.energy = arrival.energy.map(|energy| energy * self.level);
+        // The only error is that of invalid numbers.
+        let _ = echogram.add_arrival(&arrival, self.speed, &self.air);
+    }
+}
+
+/// The share of the energy that all surfaces of a path reflect specularly, by band.
+pub(super) fn reflectance_of(scene: &Scene, path: &SpecularPath) -> Bands {
+    let at: Vec<(u32, Option<u8>)> = reflections(path).collect();
+    reflectance(scene, &at)
+}
+
+/// The share of the energy that these surfaces and walls reflect specularly, by band.
+pub(super) fn reflectance(scene: &Scene, at: &[(u32, Option<u8>)]) -> Bands {
+    along(scene, at.iter().copied(), |material, band| {
+        (1.0 - material.absorption[band]) * (1.0 - material.scattering[band])
+    })
+}
+
+/// The surfaces and walls that reflect a path.
+pub(super) fn reflections(path: &SpecularPath) -> impl Iterator<Item = (u32, Option<u8>)> {
+    path.surfaces
+        .iter()
+        .copied()
+        .zip(path.walls.iter().copied())
+}
+
+/// The share of waves not scattered at these surfaces and walls, averaged over the bands.
+pub(super) fn mirrored_share(scene: &Scene, at: impl Iterator<Item = (u32, Option<u8>)>) -> f64 {
+    let mirrored = |material: &Material, band: usize| 1.0 - material.scattering[band];
+    bands::mean(&along(scene, at, mirrored))
+}
+
+/// Mean number of waves, out of `waves`, that cross a listener of this radius along a path.
+pub(super) fn passing(scene: &Scene, path: &SpecularPath, radius_m: f64, waves: u32) -> f64 {
+    let mirrored = path.spreading * mirrored_share(scene, reflections(path));
+    crossing(mirrored, radius_m, waves)
+}
+
+/// Mean number of waves, out of `waves`, that cross a listener of this radius, if a wave brings the energy density
+/// `spreading`.
+pub(super) fn crossing(spreading: f64, radius_m: f64, waves: u32) -> f64 {
+    f64::from(waves) * PI * radius_m * radius_m * spreading
+}
+
+/// The product of a property of the materials of these surfaces and walls, by band.
+fn along(
+    scene: &Scene,
+    at: impl Iterator<Item = (u32, Option<u8>)>,
+    left: impl Fn(&Material, usize) -> f64,
+) -> Bands {
+    let mut all = [1.0; BAND_COUNT];
+    for (surface, wall) in at {
+        let index = surface as usize - 1;
+        let Some(material) = scene.material(index, wall.map(usize::from)) else {
+            continue;
+        };
+        for (band, all) in all.iter_mut().enumerate() {
+            *all *= left(material, band);
+        }
+    }
+    all
+}
+
+/// A specular path from source to listener, and the sound along it.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct HeardPath {
+    /// The path's geometry.
+    pub path: SpecularPath,
+    /// Seconds from the source's impulse to its arrival.
+    pub delay_s: f64,
+    /// Energy density at the listener by band, in 1/m² for a source of power 1, including the
+    /// losses at the surfaces and in the air, and the source's level.
+    pub energy: Bands,
+    /// Direction of arrival, to the right of the listener's gaze, in radians from −π to π.
+    pub azimuth: f64,
+    /// Direction of arrival, above the plane of the listener's ears, in radians.
+    pub elevation: f64,
+}
+
+impl HeardPath {
+    /// Whether it is the direct sound.
+    pub fn is_direct(&self) -> bool {
+        self.path.surfaces.is_empty()
+    }
+
+    /// The path as a tap of an impulse response.
+    pub fn tap(&self) -> Tap {
+        Tap {
+            seconds: self.delay_s,
+            energy: self.energy,
+            direction: self.path.arrival_direction,
+        }
+    }
+}
+
+/// Azimuth to the right of the gaze and elevation of a direction, in radians; 0 for the zero vector.
+pub(super) fn comes_from(listener: &Listener, towards: DVec3) -> (f64, f64) {
+    let along = |axis: Vec3| axis.as_dvec3().dot(towards);
+    let (right, up, ahead) = (
+        along(listener.right()),
+        along(listener.up()),
+        along(listener.forward()),
+    );
+    (right.atan2(ahead), up.atan2(right.hypot(ahead)))
+}
+
+/// A summary of the sound of one source at the listener.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct HeardSource {
+    /// The strength *G* of all arrivals, averaged over the bands, in decibels; `None` without arrivals.
+    pub level_db: Option<f64>,
+    /// Number of exact paths.
+    pub paths: usize,
+    /// Whether the direct sound is one of them.
+    pub is_direct: bool,
+}
+
+impl HeardSource {
+    /// Summarises a response.
+    pub fn of(response: &Response) -> HeardSource {
+        HeardSource {
+            level_db: strength_db(bands::mean(&response.energy())),
+            paths: response.paths.len(),
+            is_direct: response.direct().is_some(),
+        }
+    }
+}
+
+/// A source's sound at the listener, in few numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Level {
+    /// Strength *G* of all energy, averaged over the bands: decibels relative to the same source without its `level_db`
+    /// at 10 m in the open.
+    pub g_db: f64,
+    /// Arrival of the first sound, in seconds after the source's impulse: exact for the direct
+    /// sound and exact paths, otherwise the echogram's bin.
+    pub delay_s: f64,
+    /// Mean direction that the energy comes from, to the right of the listener's gaze, in radians from −π to π: that of
+    /// the sum of energy × direction over all arrivals.
+    pub azimuth: f64,
+    /// The same, above the plane of the listener's ears, in radians.
+    pub elevation: f64,
+    /// Directionality of the sound, 0 to 1: the length of that sum over the energy. 1 means all from one direction, 0
+    /// from no preferred one.
+    pub one_sided: f64,
+}
+
+impl Response {
+    /// Level, delay and direction of the source's sound at `listener`, the one that was traced; `None` without
+    /// arrivals.
+    pub fn level(&self, listener: &Listener) -> Option<Level> {
+        let g_db = strength_db(bands::mean(&self.energy()))?;
+        let delay_s = self.figures.begins_s?;
+        let flow = self.flow();
+        let (azimuth, elevation) = comes_from(listener, -flow);
+        let energy: f64 = self.energy().iter().sum();
+        Some(Level {
+            g_db,
+            delay_s,
+            azimuth,
+            elevation,
+            one_sided: (flow.length() / energy).min(1.0),
+        })
+    }
+
+    /// Energy × direction of flight, summed over all arrivals and bands, in 1/m².
+    fn flow(&self) -> DVec3 {
+        let paths = self.paths.iter();
+        let exact: DVec3 = paths
+            .map(|path| path.path.arrival_direction * path.energy.iter().sum::<f64>())
+            .sum();
+        let bins = 0..self.echogram.bins();
+        let late: DVec3 = bins.flat_map(|bin| self.echogram.flow(bin)).sum();
+        exact + late
+    }
+}

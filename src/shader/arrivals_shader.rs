@@ -1,0 +1,307 @@
+//! The fragment shader that takes waves past a transparent listener and records their crossings.
+
+use super::materials::Materials;
+use super::pass_texts::{AlgorithmText, Directions, start};
+use super::structure::Structure;
+use super::text::{
+    ListenerText, Marched, Part, Source, Text, closed_form_parts, directed_parts, join, link,
+    parts, source,
+};
+use crate::scene::{Scene, WALL_COUNT};
+use std::fmt::Write;
+
+/// Bits of a word, as which events are written: what a float holds without harm.
+pub(crate) const WORD_BITS: u32 = 30;
+
+/// Words of events in a texture of their own, beside the one in the tally.
+const WORDS_IN_TEXTURE: u32 = 4;
+
+/// Parameters of the text beside the structure of the scene.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct ArrivalsText {
+    /// How a wave finds the next surface. `thesis` has no such text.
+    pub algorithm: AlgorithmText,
+    /// How waves start.
+    pub directions: Directions,
+    /// Crossings that a pass records of a wave.
+    pub records: u32,
+    /// Bits of an event; 0 where no surface absorbs or scatters.
+    pub event_bits: u32,
+    /// Whether events have a texture.
+    pub has_words: bool,
+    /// Whether surfaces scatter.
+    pub scatters: bool,
+    /// Rooms whose walls are of different materials, by index.
+    pub rooms: Vec<usize>,
+}
+
+impl ArrivalsText {
+    /// The output that is the tally, behind two of the wave's state; then come the words, if there
+    /// are any, then the records.
+    pub const TALLY: u32 = 2;
+
+    /// For a scene of these materials, with `records` at most, on a driver that allows `outputs`, four
+    /// at least.
+    pub fn new(
+        (algorithm, directions): (AlgorithmText, Directions),
+        materials: &Materials,
+        records: u32,
+        outputs: u32,
+    ) -> ArrivalsText {
+        let event_bits = materials.bits();
+        let has_words = event_bits > 0 && outputs > ArrivalsText::TALLY + 2;
+        let text = ArrivalsText {
+            algorithm,
+            directions,
+            records: 0,
+            event_bits,
+            has_words,
+            scatters: materials.scatter(),
+            rooms: materials.rooms(),
+        };
+        ArrivalsText {
+            records: records.min(outputs - text.first_record()),
+            ..text
+        }
+    }
+
+    /// The first output that is a record.
+    pub fn first_record(&self) -> u32 {
+        ArrivalsText::TALLY + 1 + u32::from(self.has_words)
+    }
+
+    /// Textures that a pass writes to.
+    pub fn outputs(&self) -> u32 {
+        self.first_record() + self.records
+    }
+
+    /// Words of events.
+    pub fn words(&self) -> u32 {
+        match (self.event_bits, self.has_words) {
+            (0, _) => 0,
+            (_, false) => 1,
+            (_, true) => 1 + WORDS_IN_TEXTURE,
+        }
+    }
+
+    /// Iterations of a pass for whose events there is room; `None` without events.
+    pub fn most_iterations(&self) -> Option<u32> {
+        (self.event_bits > 0).then(|| self.words() * self.events_in_word())
+    }
+
+    fn events_in_word(&self) -> u32 {
+        WORD_BITS / self.event_bits.max(1)
+    }
+}
+
+/// The text of the pass, for a scene that should have been [checked](Structure::check).
+pub(crate) fn arrivals_text(scene: &Scene, structure: &Structure, text: &ArrivalsText) -> String {
+    let scene = Text::new(scene, structure);
+    let (fly, marches, mut library) = flight(&scene, text.algorithm);
+    let options = format!(
+        "#define EXACT_NORMALS 1\n#define PROJECTION 1\n#define MARCHES_FIELDS {}\n\
+         #define COUNT_EVALUATIONS(n)\n#define EVENT_BITS {}\n#define EVENTS_IN_WORD {}\n\
+         #define WORDS {}\n#define SCATTERS {}\n",
+        u8::from(marches),
+        text.event_bits,
+        text.events_in_word(),
+        text.words(),
+        u8::from(text.scatters)
+    );
+    if text.event_bits > 0 {
+        library.extend(materials_parts(&scene, &text.rooms));
+        library.extend(parts(source!("arrivals/walls.glsl")));
+    }
+    if text.scatters {
+        library.extend(parts(source!("arrivals/scatter.glsl")));
+    }
+    library.extend(parts(Source::new("what is written", written(text))));
+    let mut roots = vec![source!("wave.glsl"), Source::new("options", options), fly];
+    roots.extend(start(text.directions));
+    roots.extend([
+        source!("arrivals/flight.glsl"),
+        source!("arrivals/chunk.frag"),
+    ]);
+    join(&link(roots, library))
+}
+
+/// The source that finds the next surface, whether it marches fields, and the parts that it calls.
+fn flight(scene: &Text, algorithm: AlgorithmText) -> (Source, bool, Vec<Part>) {
+    let listener = ListenerText::Transparent;
+    match algorithm {
+        AlgorithmText::Hybrid => {
+            let mut library = closed_form_parts(scene, listener);
+            library.extend(parts(source!("iterate_hybrid.glsl")));
+            let fly = source!("arrivals/fly_hybrid.glsl");
+            (fly, scene.marches(Marched::Others), library)
+        }
+        AlgorithmText::March { .. } | AlgorithmText::Thesis => {
+            let mut library = directed_parts(scene, listener, false);
+            library.extend(parts(source!("iterate_march.glsl")));
+            let fly = source!("arrivals/fly_march.glsl");
+            (fly, scene.marches(Marched::All), library)
+        }
+    }
+}
+
+/// The outputs of words and records, and the variables that hold them until they are written. (Writing to a
+/// String cannot fail.)
+fn written(text: &ArrivalsText) -> String {
+    let (mut outputs, mut keep, mut write) = (String::new(), String::new(), String::new());
+    for record in 0..text.records {
+        let output = text.first_record() + record;
+        let _ = writeln!(
+            outputs,
+            "layout(location = {output}) out vec4 outRecord{record};"
+        );
+        let _ = writeln!(outputs, "vec4 record{record} = vec4(0.0);");
+        let _ = writeln!(
+            keep,
+            "    record{record} = place == {record}.0 ? record : record{record};"
+        );
+        let _ = writeln!(write, "    outRecord{record} = record{record};");
+    }
+    if text.has_words {
+        write.push_str("    outWords = vec4(word1, word2, word3, word4);\n");
+    }
+    let words = words(text);
+    format!(
+        "{outputs}// Keeps the record at its place, if it has that place.\n\
+         void keepRecord(float place, vec4 record) {{\n{keep}}}\n\n\
+         {words}void writeOutputs() {{\n{write}}}\n\n"
+    )
+}
+
+/// The variables and functions of the words of events.
+fn words(text: &ArrivalsText) -> String {
+    if text.words() == 0 {
+        return "float firstWord() { return 0.0; }\n\n".to_owned();
+    }
+    let (mut declared, mut keep) = (String::new(), String::new());
+    if text.has_words {
+        let output = ArrivalsText::TALLY + 1;
+        let _ = writeln!(declared, "layout(location = {output}) out vec4 outWords;");
+    }
+    for word in 0..text.words() {
+        let _ = writeln!(declared, "float word{word} = 0.0;");
+        let _ = writeln!(
+            keep,
+            "    word{word} = place == {word} ? word : word{word};"
+        );
+    }
+    format!(
+        "{declared}// Keeps a word of events at its place.\n\
+         void keepWord(int place, float word) {{\n{keep}}}\n\n\
+         float firstWord() {{ return word0; }}\n\n"
+    )
+}
+
+/// `copyMaterials()` and `materialAt(object, turned)`: the number of the material
+/// ([`Materials`]) of the object that changes a wave's direction by `turned`. `rooms` are
+/// the rooms whose walls differ.
+fn materials_parts(text: &Text, rooms: &[usize]) -> Vec<Part> {
+    let written = match Materials::fit_uniforms(text.unrolled.len(), rooms.len()) {
+        true => by_uniforms(text, rooms),
+        false => by_table(text, rooms),
+    };
+    let mut parts = Vec::new();
+    text.add(&mut parts, "the materials", written);
+    parts
+}
+
+/// The numbers of unrolled surfaces as uniforms, those of others in the directory.
+fn by_uniforms(text: &Text, rooms: &[usize]) -> String {
+    let is_room = |tag: &str| rooms.iter().any(|room| (room + 1).to_string() == tag);
+    let count = |tag: &str| if is_room(tag) { WALL_COUNT } else { 1 };
+    let values: usize = text.unrolled.iter().map(|named| count(&named.tag)).sum();
+    let (mut declarations, mut copies) = (String::new(), String::new());
+    if values > 0 {
+        let _ = writeln!(
+            declarations,
+            "uniform vec4 uMaterials[{}];",
+            values.div_ceil(4)
+        );
+    }
+    for place in 0..values {
+        let component = ["x", "y", "z", "w"][place % 4];
+        let _ = writeln!(declarations, "float material{place} = 0.0;");
+        let _ = writeln!(
+            copies,
+            "    material{place} = uMaterials[{}].{component};",
+            place / 4
+        );
+    }
+    let mut place = 0;
+    let mut choice = String::new();
+    for named in &text.unrolled {
+        let material = match is_room(&named.tag) {
+            true => {
+                let walls: Vec<String> = (0..3)
+                    .map(|axis| place + 2 * axis)
+                    .map(|low| format!("vec2(material{low}, material{})", low + 1))
+                    .collect();
+                format!(
+                    "materialOfWall({}, {})",
+                    named.vector("turned"),
+                    walls.join(", ")
+                )
+            }
+            false => format!("material{place}"),
+        };
+        let _ = writeln!(
+            choice,
+            "    // {}\n    material = {} ? {material} : material;",
+            named.label,
+            named.is_met()
+        );
+        place += count(&named.tag);
+    }
+    if !text.instanced.is_empty() {
+        choice += &in_cells(text);
+    }
+    format!(
+        "{declarations}\n// Copies for the loops: a uniform may be loaded again at each use.\n\
+         void copyMaterials() {{\n{copies}}}\n\n\
+         // The material of the object that turns a wave by so much.\n\
+         float materialAt(float object, vec3 turned) {{\n    float material = 0.0;\n{choice}    \
+         return material;\n}}\n\n"
+    )
+}
+
+/// All numbers in a table of the scene's data ([`Materials::table`]). What is met is a surface, or nothing, of which the
+/// number is not used.
+fn by_table(text: &Text, rooms: &[usize]) -> String {
+    let is_room = |tag: &str| rooms.iter().any(|room| (room + 1).to_string() == tag);
+    let mut own_axes = String::new();
+    for named in text.unrolled.iter().filter(|named| is_room(&named.tag)) {
+        let turned = named.vector("turned");
+        if turned != "turned" {
+            let (met, label) = (named.is_met(), &named.label);
+            let _ = writeln!(
+                own_axes,
+                "    // {label}\n    own = {met} ? {turned} : own;"
+            );
+        }
+    }
+    let of_walls = match rooms.is_empty() {
+        true => "    return entry.x;\n".to_owned(),
+        false => format!(
+            "    int walls = int(entry.y);\n    vec4 four = sceneData(walls);\n    \
+             vec4 two = sceneData(walls + 1);\n    vec3 own = turned;\n{own_axes}    \
+             float ofWall = materialOfWall(own, four.xy, four.zw, two.xy);\n    \
+             return entry.y > 0.0 ? ofWall : entry.x;\n"
+        ),
+    };
+    format!(
+        "uniform int uMaterialTable;   // index of the first surface's entry in the scene's data\n\n\
+         void copyMaterials() {{}}\n\n\
+         // The material of the object that turns a wave by so much.\n\
+         float materialAt(float object, vec3 turned) {{\n    \
+         vec4 entry = sceneData(uMaterialTable + int(max(object, 1.0)) - 1);\n{of_walls}}}\n\n"
+    )
+}
+
+fn in_cells(text: &Text) -> String {
+    let others = text.not_unrolled();
+    format!("    if (object > 0.0{others}) {{\n        material = entryOf(object).w;\n    }}\n")
+}

@@ -1,0 +1,67 @@
+//! The input of the GPU: from a scene and settings to shader text, data and keys of programs.
+//!
+//! [`CompiledScene`] is the one value between a scene and the GPU. It is made of these parts:
+//!
+//! | input | output | where |
+//! | --- | --- | --- |
+//! | the shapes and operators of a scene, and which of their numbers move | layout, assets and key of the text | `structure`, `layout` |
+//! | the structure, and the algorithm | the text of a distance, of a march or of closed forms | `text` |
+//! | the text of the scene, and settings | the text of a whole pass | `passes`, `arrivals_shader` |
+//! | the numbers of a scene, and its listener | uniforms, relative to the listener, with covered faces extended | `origin_rebasing`, `covered_faces` |
+//! | height images, many surfaces, materials | the data that shaders read by index, with cells and their lists | `data`, `cells`, `materials` |
+//! | the loops of the text, and the lists of cells | iterations of a pass and steps of a march | `turn_budget` |
+//!
+//! It knows no OpenGL: [`crate::tracer`] compiles the texts and sends the numbers.
+//!
+//! Whatever the shader reads relative to the listener is a uniform, because it changes with every step
+//! of the listener: the positions of surfaces and listener, and, because they lie in the same vectors
+//! and are extended into each other, the sizes of basic shapes. The numbers of fields are
+//! literals, except those that a driver moves. So the text depends on the [`StructureKey`] alone,
+//! and moving things never compiles a shader again.
+//!
+//! If there are many surfaces only their kinds are in the text (`layout`): they lie in cells, whose
+//! lists, like the surfaces' values, are in the scene's data.
+
+mod arrivals_shader;
+mod cells;
+mod compiled_scene;
+mod covered_faces;
+mod layout;
+mod materials;
+mod origin_rebasing;
+mod pass_texts;
+mod scene_data;
+mod structure;
+mod text;
+mod turn_budget;
+
+pub(crate) use arrivals_shader::{ArrivalsText, WORD_BITS, arrivals_text};
+pub use cells::Lists;
+pub(crate) use compiled_scene::CompiledScene;
+pub use layout::Layout;
+pub use materials::Materials;
+pub(crate) use materials::band_groups;
+pub use pass_texts::Directions;
+#[cfg(feature = "picture")]
+pub(crate) use pass_texts::first_person;
+#[cfg(feature = "picture")]
+pub(crate) use pass_texts::picture_text;
+pub(crate) use pass_texts::{
+    AlgorithmText, MarchText, first_sum_text, further_sum_text, initialise_text, march_text,
+    pan_text, whole_frame_text,
+};
+pub(crate) use scene_data::DATA_WIDTH;
+pub use structure::Structure;
+pub(crate) use structure::StructureKey;
+pub use text::is_marched;
+#[cfg(glsl_at_run_time)]
+pub(crate) use text::read_at_run_time;
+#[cfg(feature = "picture")]
+pub(crate) use text::source;
+pub(crate) use text::{Source, USER_FILE, file_name, join, shown_name, user_sources};
+#[doc(hidden)]
+pub use turn_budget::Budget;
+pub(crate) use turn_budget::{LoopsAsked, MAX_STEPS};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,202 @@
+//! Intersections of a line with each surface, without a march except for fields without a closed form.
+//!
+//! Unrolled surfaces have a line of text each. A kind with cells of its own has a loop over their
+//! records (`shader/scene_data.rs`).
+
+use super::field::{gradient_text, hit_text, normal_text, value_text};
+use super::fields_ahead::fields_ahead;
+use super::link::Part;
+use super::reflect::reflect_text;
+use super::scene_text::{ListenerText, Text};
+use super::surface_names::{Marched, Named};
+use crate::scene::Node;
+use crate::shader::layout::GRID_VECTORS;
+use crate::shader::scene_data::Record;
+use std::fmt::Write;
+
+/// `closestHit(p, d, last, limit, object)` and `reflectWave(object, t, p, d)` of a scene; where
+/// fields have no closed form `marchFields(p, d, last, limit, object, limitReached)` for these.
+pub fn closed_form_parts(text: &Text, listener: ListenerText) -> Vec<Part> {
+    let marched = |named: &Named| Marched::Others.takes(named);
+    let mut parts = text.parts();
+    text.add_fields(&mut parts, |named| named.has_closed_form(), hit_text);
+    text.add_fields(&mut parts, marched, value_text);
+    text.add_fields(&mut parts, |_| true, gradient_text);
+    text.add_fields(&mut parts, |_| true, normal_text);
+    text.add(&mut parts, "the grids of kinds", grids_text(text));
+    let functions = closest_of_kinds(text) + &closest_hit(text, listener) + &reflect_text(text);
+    text.add(&mut parts, "the scene", functions);
+    parts.extend(fields_ahead(text, Marched::Others));
+    parts
+}
+
+fn closest_hit(text: &Text, listener: ListenerText) -> String {
+    let first = match listener {
+        ListenerText::Solid => "min(hitListener(p, d), limit)",
+        ListenerText::Transparent => "limit",
+    };
+    let mut out = format!(
+        "// How far from p along d the next object is, and its number. A convex surface is\n\
+         // not met by the wave that leaves it (last). Where nothing is met before limit the\n\
+         // distance is limit and the number means nothing; it is GIVEN_UP where a step limit\n\
+         // left open what comes first.\n\
+         float closestHit(vec3 p, vec3 d, float last, float limit, out float object) {{\n    \
+         float nearest = {first};\n    object = 0.0;\n",
+    );
+    if text.all().any(Named::has_step_limit) {
+        out.push_str("    copySteps = uCopySteps;\n");
+    }
+    let closed: Vec<&Named> = text
+        .unrolled
+        .iter()
+        .filter(|n| n.has_closed_form())
+        .collect();
+    if !closed.is_empty() {
+        out.push_str("    float candidate;\n");
+    }
+    let (limited, others): (Vec<&Named>, Vec<&Named>) =
+        closed.into_iter().partition(|named| named.has_step_limit());
+    for named in others {
+        out += &candidate(named);
+    }
+    out += &kind_calls(text);
+    // A step limit counts only where nothing else is met before.
+    for named in limited {
+        out += &candidate(named);
+    }
+    out + "    return nearest;\n}\n\n"
+}
+
+fn candidate(named: &Named) -> String {
+    let hit = named.hit("p", "d", "nearest");
+    let mut out = format!("    // {}\n    candidate = {hit};\n", named.label);
+    if named.surface.shape.is_convex() {
+        let _ = writeln!(
+            out,
+            "    candidate = {} ? NO_HIT : candidate;",
+            named.left()
+        );
+    }
+    let _ = writeln!(
+        out,
+        "    object = candidate < nearest ? {}.0 : object;\n    \
+         nearest = min(candidate, nearest);",
+        named.tag
+    );
+    out
+}
+
+/// The grids of the kinds, and the axes of these.
+fn grids_text(text: &Text) -> String {
+    let kinds = own_kinds(text).count();
+    if kinds == 0 {
+        return String::new();
+    }
+    let axes: String = ["x", "y", "z"]
+        .iter()
+        .zip(text.unbounded_axes)
+        .filter(|(_, unbounded)| !unbounded)
+        .map(|(axis, _)| *axis)
+        .collect();
+    let vector = ["float", "vec2", "vec3"][axes.len().max(1) - 1];
+    format!(
+        "#define CELL_VECTOR {vector}\n\n#define CELL_AXES {axes}\n\n\
+         uniform vec4 uGrids[{}];\n\n",
+        GRID_VECTORS * kinds
+    )
+}
+
+/// The kinds that have cells of their own, with the numbers of their kinds.
+fn own_kinds<'a>(text: &'a Text) -> impl Iterator<Item = (usize, &'a Named<'a>)> {
+    let kinds = text.instanced.iter().enumerate();
+    kinds.filter(|(_, named)| named.has_closed_form())
+}
+
+/// The calls for all kinds, nearest hit by nearest hit.
+fn kind_calls(text: &Text) -> String {
+    own_kinds(text)
+        .map(|(kind, _)| format!("    closestOfKind{kind}(p, d, last, nearest, object);\n"))
+        .collect()
+}
+
+/// `closestOfKindN(p, d, last, nearest, object)` for each kind.
+fn closest_of_kinds(text: &Text) -> String {
+    let kinds = own_kinds(text).enumerate();
+    kinds
+        .map(|(place, (kind, named))| closest_of_kind(named, kind, GRID_VECTORS * place))
+        .collect()
+}
+
+fn closest_of_kind(named: &Named, kind: usize, grid: usize) -> String {
+    let record = Record::of(named.surface);
+    let (vectors, tag) = (record.vectors, record.component());
+    let data = if record.has_head { "at + 1" } else { "at" };
+    let (shared, candidate) = record_candidate(named);
+    let is_left = match named.surface.shape.is_convex() {
+        true => " && number != last",
+        false => "",
+    };
+    let mut out = String::new();
+    let _ = write!(
+        out,
+        "// The nearest surface of {} that the line intersects, if it is nearer than what is known.\n\
+         void closestOfKind{kind}(vec3 p, vec3 d, float last, inout float nearest, inout float object) {{\n    \
+         vec4 origin = uGrids[{grid}];\n    \
+         vec4 size = uGrids[{}];\n    \
+         CELL_VECTOR strides = uGrids[{}].CELL_AXES;\n    \
+         int turns = int(uGrids[{}].w);   // no line has as many\n    \
+         int first = int(origin.w);\n    \
+         int most = int(size.w);\n    \
+         vec3 inverse = safeInverse(d);\n    \
+         GridLine line = gridLine(p.CELL_AXES, d.CELL_AXES, inverse.CELL_AXES, origin.CELL_AXES, \
+         size.CELL_AXES, uGrids[{}].CELL_AXES, uGrids[{}].CELL_AXES);\n\
+         {shared}    \
+         CELL_VECTOR place = line.place;\n    \
+         float t = line.enters;\n    \
+         float known = min(nearest, line.leaves);\n    \
+         float end = known;\n    \
+         int listed = 0;   // the next record of a cell's list, or 0\n    \
+         for (; turns > 0 && t < end; --turns) {{\n        \
+         int at = listed > 0 ? listed : first + {vectors} * clamp(int(dot(place, strides)), 0, most);\n        \
+         float tag = sceneData(at).{tag};\n        \
+         float number = abs(tag);\n        \
+         int data = {data};\n        \
+         float candidate = {candidate};\n        \
+         bool isNearer = number > 0.0{is_left} && candidate < end;\n        \
+         end = isNearer ? candidate : end;\n        \
+         object = isNearer ? number : object;\n        \
+         listed = tag < 0.0 ? at + {vectors} : number > 0.0 ? 0 : int(sceneData(at).x);\n        \
+         CELL_VECTOR faces = (place + line.ahead) * line.between + line.offset;\n        \
+         float next = least(faces);\n        \
+         t = listed > 0 ? t : next;\n        \
+         place = listed > 0 ? place : nextCell(place, line, faces);\n    \
+         }}\n    \
+         nearest = end < known ? end : nearest;\n\
+         }}\n\n",
+        named.label,
+        grid + 1,
+        grid + 4,
+        grid + 4,
+        grid + 2,
+        grid + 3,
+    );
+    out
+}
+
+/// The values that are computed once a line, and the intersection of the line with the surface of a record.
+fn record_candidate(named: &Named) -> (&'static str, String) {
+    let turned = named.surface.has_rotation();
+    match named.surface.shape.node {
+        Node::Cylinder(_) if !turned => (
+            "    vec3 heading = planeHeading(d);\n",
+            "enterCircle(p.xz - sceneData(data).xz, heading.xy, heading.z, \
+             sceneData(data).w * sceneData(data).w)"
+                .to_owned(),
+        ),
+        Node::Cuboid(_) if !turned => (
+            "    vec3 heading = headingSigns(d);\n    vec3 slowness = inverseSpeeds(d);\n",
+            "enterBox(p - sceneData(data).xyz, heading, slowness, sceneData(data + 1))".to_owned(),
+        ),
+        _ => ("", named.hit("p", "d", "end")),
+    }
+}

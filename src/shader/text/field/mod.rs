@@ -1,0 +1,331 @@
+//! A field as shader text: its value, its gradient, and where a line intersects it.
+//!
+//! Each tree becomes straight-line code, one statement a node, in functions that are named
+//! after the surface's number: `field3(p)`, `gradient3(p)` (the gradient, and in its last
+//! component the value), where there is a closed form `hit3(p, d, errorBound)`, of copies
+//! `hit3(p, d, errorBound, limit)`, and for the march `free3(p, d, errorBound)`. Value and
+//! gradient are the same text over two types: `float`, and `vec4` for a value with its gradient,
+//! which the operators take along (forward differentiation).
+//!
+//! Numbers are literals. Those of a node that something moves are uniforms instead, all of
+//! them at once, because several follow from one parameter (a rotation's nine).
+
+mod along;
+mod hit;
+mod value;
+
+pub(in crate::shader) use along::{free_text, is_bounded, leaps};
+pub(in crate::shader) use hit::{has_closed_form, hit_text, takes_limit};
+pub(super) use value::{gradient_text, has_differences, normal_text, value_text};
+
+use super::link::{Part, Source, no_comment, parts, source};
+use crate::scene::shape::Repeat;
+use crate::scene::{Copies, Node, Shape, UserField};
+use crate::shader::origin_rebasing::divides;
+use crate::shader::structure::Assets;
+use std::fmt::Write as _;
+
+/// Writes a function of a field.
+pub(in crate::shader) type Write = fn(&Shape, &Place, &Assets) -> String;
+
+/// The surface, or the kind of surfaces, that has a field.
+pub(in crate::shader) struct Place<'a> {
+    /// The end of the names of its functions.
+    pub tag: &'a str,
+    /// The parameter of its functions beside the point, with a comma before it.
+    pub parameter: &'a str,
+    /// The argument for this parameter.
+    pub argument: &'a str,
+    /// Nodes whose numbers move, in the order of [`Shape::nodes`].
+    pub moving: &'a [bool],
+    /// The n-th vector of the numbers that move.
+    pub value: &'a dyn Fn(usize) -> String,
+}
+
+/// Writes the text of one field.
+pub(super) struct Writer<'a> {
+    numbers: Numbers<'a>,
+    place: &'a Place<'a>,
+    /// The places of height images and users' fields of the scene.
+    assets: &'a Assets,
+    next_name: usize,
+    /// Functions that the one being written calls.
+    functions: String,
+    body: String,
+}
+
+/// The numbers of a tree, node by node in the order of [`Shape::nodes`].
+pub(super) struct Numbers<'a> {
+    place: &'a Place<'a>,
+    /// Moving numbers taken.
+    taken: usize,
+    node: usize,
+}
+
+impl<'a> Numbers<'a> {
+    pub fn new(place: &'a Place<'a>) -> Numbers<'a> {
+        Numbers {
+            place,
+            taken: 0,
+            node: 0,
+        }
+    }
+
+    /// The next node's numbers as expressions.
+    pub fn next(&mut self, field: &Shape) -> Vec<String> {
+        let moves = self.place.moving.get(self.node).copied().unwrap_or(false);
+        self.node += 1;
+        let numbers = field.shader_numbers();
+        if !moves {
+            return numbers.into_iter().map(literal).collect();
+        }
+        let taken = numbers.iter().map(|_| self.take());
+        taken.collect()
+    }
+
+    /// Passes by the field that comes next.
+    pub fn skip(&mut self, field: &Shape) {
+        for node in field.nodes() {
+            self.next(node);
+        }
+    }
+
+    /// The place in the tree, for callers that write a part of it more than once.
+    pub fn mark(&self) -> (usize, usize) {
+        (self.taken, self.node)
+    }
+
+    /// Goes back to a [`Numbers::mark`].
+    pub fn back_to(&mut self, (taken, node): (usize, usize)) {
+        (self.taken, self.node) = (taken, node);
+    }
+
+    /// The factor of the whole value, or `None` where that is 1.
+    pub fn lipschitz(&mut self, field: &Shape) -> Option<String> {
+        let lipschitz = field.properties().lipschitz;
+        if self.place.moving.contains(&true) && divides(field) {
+            return Some(self.take());
+        }
+        (lipschitz > 1.0).then(|| literal(1.0 / lipschitz))
+    }
+
+    fn take(&mut self) -> String {
+        let (vector, component) = (self.taken / 4, self.taken % 4);
+        self.taken += 1;
+        let vector = (self.place.value)(vector);
+        format!("{vector}.{}", ["x", "y", "z", "w"][component])
+    }
+}
+
+/// A number as GLSL reads it back to the same bits.
+pub(super) fn literal(number: f64) -> String {
+    let number = number as f32;
+    // An endless size stands for itself within what GLSL can write.
+    let held = number.clamp(-1e30, 1e30);
+    format!("{held:?}")
+}
+
+/// Cells of a repetition that a line is always taken past; of more, or without end, as far as
+/// the step limit.
+const MOST_CELLS: u64 = 1024;
+
+/// Whether each copy keeps to its own cell, so that a line intersects them in the order of the cells.
+pub(super) fn keep_to_cells(field: &Shape) -> bool {
+    let within = |copies: &Copies| !matches!(copies, Copies::Around(_));
+    field.copies().is_ok_and(|c| c.iter().all(within))
+}
+
+/// Cells that a line crosses at most on its way past all copies; `None` where there are too many, so that a
+/// traversal has a step limit.
+pub(in crate::shader) fn cells_crossed(field: &Shape) -> Option<u64> {
+    let Node::Repeat(Repeat { period, count }) = &field.node else {
+        return Some(0);
+    };
+    let along = |axis: usize| match (period[axis] > 0.0, count[axis]) {
+        (false, _) => Some(1),
+        (true, 0) => None,
+        (true, count) => Some(u64::from(count)),
+    };
+    let cells: Option<u64> = (0..3).map(along).sum();
+    cells.filter(|cells| *cells <= MOST_CELLS)
+}
+
+/// Whether a traversal of copies of it has a step limit.
+pub(in crate::shader) fn has_step_limit(field: &Shape) -> bool {
+    let unlimited = |node: &&Shape| cells_crossed(node).is_none();
+    field.nodes().iter().any(unlimited)
+}
+
+/// A repetition as the traversal takes it: vectors of expressions.
+pub(super) struct CopyAxes {
+    /// From the origin to the middle of copy 0.
+    pub shift: String,
+    /// From one copy to the next; 1 along an axis without repetition.
+    pub period: String,
+    /// The box about a copy's middle.
+    least: String,
+    most: String,
+    /// Numbers of the copies.
+    first: String,
+    last: String,
+}
+
+impl CopyAxes {
+    /// The axes of a `Repeat` with these numbers as expressions.
+    pub fn new(field: &Shape, numbers: &[String]) -> Option<CopyAxes> {
+        let Node::Repeat(Repeat { period, count }) = &field.node else {
+            return None;
+        };
+        let axes = [0, 1, 2].map(|axis| {
+            let count = (period[axis] > 0.0).then_some(count[axis]);
+            Along::new(count, &numbers[axis])
+        });
+        let vector = |[x, y, z]: [&str; 3]| format!("vec3({x}, {y}, {z})");
+        let each = |of: fn(&Along) -> &str| vector([0, 1, 2].map(|axis| of(&axes[axis])));
+        let three = |from: usize| vector([0, 1, 2].map(|axis| numbers[from + axis].as_str()));
+        Some(CopyAxes {
+            shift: each(|along| &along.shift),
+            period: each(|along| &along.period),
+            least: three(3),
+            most: three(6),
+            first: each(|along| &along.first),
+            last: each(|along| &along.last),
+        })
+    }
+
+    /// The traversal of a line whose start is relative to copy 0.
+    pub fn traversal(&self, q: &str, d: &str, error_bound: &str) -> String {
+        let CopyAxes {
+            period,
+            least,
+            most,
+            first,
+            last,
+            ..
+        } = self;
+        format!(
+            "traverseCopies({q}, {d}, {error_bound}, {period}, {least}, {most}, {first}, {last})"
+        )
+    }
+}
+
+/// One axis of it.
+struct Along {
+    shift: String,
+    period: String,
+    first: String,
+    last: String,
+}
+
+impl Along {
+    /// With `count` copies (0: without end), or without repetition.
+    fn new(count: Option<u32>, period: &str) -> Along {
+        /// Beyond every copy that a float can number.
+        const NO_LAST: f64 = 1e30;
+        let (first, last) = match count {
+            None => (0.0, 0.0),
+            Some(0) => (-NO_LAST, NO_LAST),
+            Some(count) => {
+                let first = -f64::from(count / 2);
+                (first, first + f64::from(count - 1))
+            }
+        };
+        // Copies of an even number lie about the origin, none at it.
+        let even = count.is_some_and(|count| count > 0 && count.is_multiple_of(2));
+        Along {
+            shift: if even {
+                format!("0.5 * {period}")
+            } else {
+                literal(0.0)
+            },
+            period: if count.is_some() {
+                period.to_owned()
+            } else {
+                literal(1.0)
+            },
+            first: literal(first),
+            last: literal(last),
+        }
+    }
+}
+
+/// The users' own texts, and the functions that call them.
+pub(in crate::shader) fn user_parts(assets: &Assets) -> Vec<Part> {
+    let mut all = Vec::new();
+    for (index, user) in assets.users.iter().enumerate() {
+        all.push(Part {
+            sources: Vec::from(user_text(user, index)),
+            defines: ["field", "fieldGradient"]
+                .map(|name| format!("user{index}_{name}("))
+                .to_vec(),
+            // It has nothing but what is its own.
+            uses: Vec::new(),
+        });
+        all.extend(user_functions(user, index).into_iter().flat_map(parts));
+    }
+    all
+}
+
+/// A user's text between what renames its names and what takes that back: its `field` is
+/// `user<index>_field` then. The text itself is the second of the three.
+pub(in crate::shader) fn user_text(user: &UserField, index: usize) -> [Source; 3] {
+    let mut before = String::new();
+    let mut after = String::new();
+    for name in user.names() {
+        let _ = writeln!(before, "#define {name} {}", name_in_shader(index, &name));
+        let _ = writeln!(after, "#undef {name}");
+    }
+    let shown = shown_name(user);
+    [
+        Source::new(format!("names of {shown}, field {index}"), before),
+        Source::new(shown.clone(), user.shader_text()),
+        Source::new(format!("end of {shown}, field {index}"), after),
+    ]
+}
+
+/// What a name of a user's text is called in the shader. GLSL reserves two underscores in a row.
+fn name_in_shader(index: usize, name: &str) -> String {
+    match name.starts_with('_') {
+        true => format!("users{index}{name}"),
+        false => format!("user{index}_{name}"),
+    }
+}
+
+/// The file's name as it may stand in a comment.
+pub(crate) fn shown_name(user: &UserField) -> String {
+    user.file.display().to_string().replace(no_comment, "?")
+}
+
+/// The functions that call the text of a user's field, in the files called `User0`.
+fn user_functions(user: &UserField, index: usize) -> Vec<Source> {
+    let gradient = match user.states_gradient() {
+        true => source!("user/gradient.glsl"),
+        false => source!("user/differences.glsl"),
+    };
+    let numbered = |source: Source| {
+        let text = source.text.replace("User0", &format!("User{index}"));
+        let text = text.replace("user0_", &format!("user{index}_"));
+        let name = format!("{}, field {index}", source.name);
+        Source::new(name, text)
+    };
+    [source!("user/value.glsl"), gradient]
+        .map(numbered)
+        .to_vec()
+}
+
+/// The number by which a driver's messages name the user's own text in [`user_sources`].
+pub(crate) const USER_FILE: u32 = 2;
+
+/// A fragment shader with the field alone: its values, and the gradients that it states, at the
+/// points in `uPoints`.
+pub(crate) fn user_sources(user: &UserField) -> Vec<Source> {
+    let mut sources = Vec::from(user_text(user, 0));
+    let stated = match user.states_gradient() {
+        true => "user0_fieldGradient(p)",
+        false => "vec3(0.0)",
+    };
+    let function = format!("vec3 statedGradient(vec3 p) {{\n    return {stated};\n}}\n");
+    sources.push(Source::new("the stated gradient", function));
+    sources.push(source!("user/check.frag"));
+    sources
+}

@@ -1,0 +1,428 @@
+//! Value and gradient of a tree.
+
+use super::{Numbers, Place, Writer, literal};
+use crate::scene::shape::{HeightField, Mirror, Repeat, User};
+use crate::scene::{Copies, Node, Shape};
+use crate::shader::structure::Assets;
+use std::fmt::Write;
+
+/// The result of a function.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Value,
+    Gradient,
+    /// A gradient whose direction is as exact as can be.
+    Normal,
+}
+
+impl Kind {
+    fn of_type(self) -> &'static str {
+        match self {
+            Kind::Value => "float",
+            Kind::Gradient | Kind::Normal => "vec4",
+        }
+    }
+
+    fn function(self) -> &'static str {
+        match self {
+            Kind::Value => "field",
+            Kind::Gradient => "gradient",
+            Kind::Normal => "normal",
+        }
+    }
+
+    fn prefix(self, node: &Node) -> &'static str {
+        match self {
+            Kind::Value => "sd",
+            Kind::Normal if takes_differences(node) => "gn",
+            Kind::Gradient | Kind::Normal => "gd",
+        }
+    }
+}
+
+/// `float field<number>(vec3 p)`: what a march may step by.
+pub(in crate::shader) fn value_text(field: &Shape, place: &Place, assets: &Assets) -> String {
+    Writer::new(place, assets).whole(field, Kind::Value)
+}
+
+/// `vec4 gradient<number>(vec3 p)`: the gradient of that function, and its value.
+pub(in crate::shader) fn gradient_text(field: &Shape, place: &Place, assets: &Assets) -> String {
+    Writer::new(place, assets).whole(field, Kind::Gradient)
+}
+
+/// `vec4 normal<number>(vec3 p)`: the same for callers that need its direction, of a field whose
+/// gradient is one of differences; nothing for another.
+pub(in crate::shader) fn normal_text(field: &Shape, place: &Place, assets: &Assets) -> String {
+    if !has_differences(field) {
+        return String::new();
+    }
+    Writer::new(place, assets).whole(field, Kind::Normal)
+}
+
+/// Whether its gradient is one of differences somewhere.
+pub(in crate::shader) fn has_differences(field: &Shape) -> bool {
+    let mut nodes = field.nodes().into_iter();
+    nodes.any(|node| takes_differences(&node.node))
+}
+
+/// Whether a node is a user's field that states no gradient.
+fn takes_differences(node: &Node) -> bool {
+    node.user().is_some_and(|user| !user.states_gradient())
+}
+
+impl<'a> Writer<'a> {
+    pub(super) fn new(place: &'a Place<'a>, assets: &'a Assets) -> Writer<'a> {
+        Writer {
+            numbers: Numbers::new(place),
+            place,
+            assets,
+            next_name: 0,
+            functions: String::new(),
+            body: String::new(),
+        }
+    }
+
+    fn whole(mut self, field: &Shape, kind: Kind) -> String {
+        let result = self.node(field, kind, "p");
+        let result = match self.numbers.lipschitz(field) {
+            Some(inverse) => format!("{result} * {inverse}"),
+            None => result,
+        };
+        format!(
+            "{}{} {}{}(vec3 p{}) {{\n{}    return {result};\n}}\n\n",
+            self.functions,
+            kind.of_type(),
+            kind.function(),
+            self.place.tag,
+            self.place.parameter,
+            self.body
+        )
+    }
+
+    /// A name that this function has not yet used.
+    pub(super) fn name(&mut self, stem: &str) -> String {
+        self.next_name += 1;
+        format!("{stem}{}", self.next_name)
+    }
+
+    pub(super) fn line(&mut self, line: &str) {
+        let _ = writeln!(self.body, "    {line}");
+    }
+
+    /// Writes what a node needs; the name of its result.
+    fn node(&mut self, field: &Shape, kind: Kind, p: &str) -> String {
+        let numbers = self.numbers.next(field);
+        if field.children.is_empty() {
+            return self.shape(field, kind, p, &numbers);
+        }
+        match &field.node {
+            Node::Union(_) | Node::Intersection(_) | Node::Difference(_) | Node::SmoothUnion(_) => {
+                self.folded(field, kind, p, &numbers)
+            }
+            Node::Morph(_) => {
+                let from = self.node(&field.children[0], kind, p);
+                let to = self.node(&field.children[1], kind, p);
+                self.result(kind, &format!("opMorph({from}, {to}, {})", numbers[0]))
+            }
+            Node::Complement(_) => {
+                let of = self.node(&field.children[0], kind, p);
+                self.result(kind, &format!("-{of}"))
+            }
+            Node::Shell(_) | Node::Offset(_) => {
+                let of = self.node(&field.children[0], kind, p);
+                let name = field.node.name();
+                self.result(kind, &format!("op{name}({of}, {})", numbers[0]))
+            }
+            Node::Repeat(_) => self.repeated(field, kind, p, &numbers),
+            Node::Twist(_) | Node::Bend(_) => self.turned(field, kind, p, &numbers),
+            _ => self.moved(field, kind, p, &numbers),
+        }
+    }
+
+    /// Writes the value of a node; its name.
+    pub(super) fn value(&mut self, field: &Shape, p: &str) -> String {
+        self.node(field, Kind::Value, p)
+    }
+
+    fn result(&mut self, kind: Kind, expression: &str) -> String {
+        let stem = if kind == Kind::Value { "d" } else { "g" };
+        let name = self.name(stem);
+        self.line(&format!("{} {name} = {expression};", kind.of_type()));
+        name
+    }
+
+    fn shape(&mut self, field: &Shape, kind: Kind, p: &str, numbers: &[String]) -> String {
+        let mut call = format!(
+            "{}{}({p}{}",
+            kind.prefix(&field.node),
+            self.shape_name(field),
+            arguments(&field.node, numbers)
+        );
+        if let Node::HeightField(HeightField { image, .. }) = &field.node {
+            let (first, size) = (self.assets.image(image).unwrap_or(0), image.size());
+            let _ = write!(call, ", {first}, ivec2({}, {})", size.x, size.y);
+        }
+        call.push(')');
+        self.result(kind, &call)
+    }
+
+    /// The name of the shape's functions; each user's field has its own.
+    pub(super) fn shape_name(&self, field: &Shape) -> String {
+        match &field.node {
+            Node::User(User { field }) => format!("User{}", self.assets.user(field).unwrap_or(0)),
+            node => node.name().to_owned(),
+        }
+    }
+
+    fn folded(&mut self, field: &Shape, kind: Kind, p: &str, numbers: &[String]) -> String {
+        let mut result = self.node(&field.children[0], kind, p);
+        let more = numbers
+            .first()
+            .map(|n| format!(", {n}"))
+            .unwrap_or_default();
+        for child in &field.children[1..] {
+            let other = self.node(child, kind, p);
+            let name = field.node.name();
+            result = self.result(kind, &format!("op{name}({result}, {other}{more})"));
+        }
+        result
+    }
+
+    /// Operators on space whose gradient is that of the child, taken back.
+    fn moved(&mut self, field: &Shape, kind: Kind, p: &str, n: &[String]) -> String {
+        let vector = |n: &[String]| format!("vec3({}, {}, {})", n[0], n[1], n[2]);
+        let (inner, outward) = match &field.node {
+            Node::Translate(_) => (format!("{p} - {}", vector(n)), None),
+            Node::Rotate(_) => {
+                let turn = format!("mat3({})", n.join(", "));
+                (
+                    format!("{turn} * {p}"),
+                    Some(format!("vec4(#.xyz * {turn}, #.w)")),
+                )
+            }
+            Node::Scale(_) => (
+                format!("{p} / {}", n[0]),
+                Some(format!("vec4(#.xyz, #.w * {})", n[0])),
+            ),
+            Node::Mirror(Mirror { axes }) => mirrored(p, *axes),
+            _ => (
+                format!("{p} - clamp({p}, -{0}, {0})", vector(n)),
+                Some(format!("vec4(#.xyz * step({}, abs({p})), #.w)", vector(n))),
+            ),
+        };
+        let q = self.point(&inner);
+        let result = self.node(&field.children[0], kind, &q);
+        match (kind, &field.node, outward) {
+            (Kind::Value, Node::Scale(_), _) => self.result(kind, &format!("{result} * {}", n[0])),
+            (Kind::Value, ..) | (_, _, None) => result,
+            (_, _, Some(outward)) => self.result(kind, &outward.replace('#', &result)),
+        }
+    }
+
+    pub(super) fn point(&mut self, expression: &str) -> String {
+        let name = self.name("p");
+        self.line(&format!("vec3 {name} = {expression};"));
+        name
+    }
+
+    fn turned(&mut self, field: &Shape, kind: Kind, p: &str, n: &[String]) -> String {
+        let turn = if matches!(field.node, Node::Twist(_)) {
+            "twist"
+        } else {
+            "bend"
+        };
+        let beyond = self.name("beyond");
+        self.line(&format!("float {beyond};"));
+        let (rate, most, lipschitz) = (&n[0], &n[1], &n[2]);
+        let q = self.point(&format!("{turn}({p}, {rate}, {most}, {beyond})"));
+        let of = self.node(&field.children[0], kind, &q);
+        match kind {
+            Kind::Value => {
+                self.result(kind, &format!("beyondTurning({of}, {beyond}, {lipschitz})"))
+            }
+            Kind::Gradient | Kind::Normal => self.result(
+                kind,
+                &format!("un{turn}({of}, {p}, {q}, {rate}, {beyond}, {lipschitz})"),
+            ),
+        }
+    }
+
+    fn repeated(&mut self, field: &Shape, kind: Kind, p: &str, numbers: &[String]) -> String {
+        // A repetition that is refused never comes here.
+        let copies = field.copies().unwrap_or([Copies::Own; 3]);
+        let Node::Repeat(Repeat { count, .. }) = &field.node else {
+            return String::new();
+        };
+        let axes: Vec<Axis> = (0..3)
+            .map(|axis| Axis {
+                coordinate: format!("{p}.{}", ["x", "y", "z"][axis]),
+                period: numbers[axis].clone(),
+                count: count[axis],
+                copies: copies[axis],
+            })
+            .collect();
+        if axes.iter().all(|axis| axis.copies.count() == 1) {
+            let inner: Vec<String> = axes.iter().map(|axis| axis.copy("0.0")).collect();
+            let q = self.point(&format!("vec3({})", inner.join(", ")));
+            return self.node(&field.children[0], kind, &q);
+        }
+        let child = self.child_function(&field.children[0], kind);
+        let none = if kind == Kind::Value {
+            "1e30"
+        } else {
+            "vec4(0.0, 0.0, 0.0, 1e30)"
+        };
+        let result = self.result(kind, none);
+        self.copies_loop(&axes, &child, &result);
+        let (Some(_), [.., x, y, z, near, inverse]) = (field.cap(), numbers) else {
+            return result;
+        };
+        let prefix = kind.prefix(&field.node);
+        self.result(
+            kind,
+            &format!(
+                "opUnion({result}, {prefix}RepeatCap({p}, vec3({x}, {y}, {z}), {near}, {inverse}))"
+            ),
+        )
+    }
+
+    /// One call of the child for each copy.
+    fn copies_loop(&mut self, axes: &[Axis], child: &str, result: &str) {
+        let mut coordinates = Vec::new();
+        for axis in axes {
+            if axis.copies.count() == 1 {
+                coordinates.push(axis.copy("0.0"));
+                continue;
+            }
+            let step = self.name("step");
+            let (from, to) = axis.steps();
+            self.line(&format!(
+                "for (int {step} = {from}; {step} <= {to}; ++{step}) {{"
+            ));
+            coordinates.push(axis.copy(&axis.moved_by(&step)));
+        }
+        let point = coordinates.join(", ");
+        let argument = self.place.argument;
+        self.line(&format!(
+            "{result} = opUnion({result}, {child}(vec3({point}){argument}));"
+        ));
+        for axis in axes {
+            if axis.copies.count() > 1 {
+                self.line("}");
+            }
+        }
+    }
+
+    /// A field as a separate function, for callers that need it more than once.
+    fn child_function(&mut self, field: &Shape, kind: Kind) -> String {
+        // Two repetitions right after each other have used no name in between.
+        let name = self.name(&format!("{}{}_", kind.function(), self.place.tag));
+        let outer = std::mem::take(&mut self.body);
+        let result = self.node(field, kind, "p");
+        let body = std::mem::replace(&mut self.body, outer);
+        let _ = write!(
+            self.functions,
+            "{} {name}(vec3 p{}) {{\n{body}    return {result};\n}}\n\n",
+            kind.of_type(),
+            self.place.parameter
+        );
+        name
+    }
+}
+
+/// One axis of a repetition.
+pub(super) struct Axis {
+    pub coordinate: String,
+    pub period: String,
+    pub count: u32,
+    pub copies: Copies,
+}
+
+impl Axis {
+    /// The coordinate, and the copies' period and range, as the GLSL functions take them.
+    pub fn range(&self) -> (String, String) {
+        let even = self.count > 0 && self.count.is_multiple_of(2);
+        let (coordinate, period) = (&self.coordinate, &self.period);
+        // Copies of an even number lie about the origin, none at it.
+        let q = if even {
+            format!("{coordinate} - 0.5 * {period}")
+        } else {
+            coordinate.clone()
+        };
+        let (first, last) = match self.count {
+            0 => (-1e30, 1e30),
+            count => {
+                let first = -f64::from(count / 2);
+                (first, first + f64::from(count - 1))
+            }
+        };
+        let range = format!("{period}, {}, {}", literal(first), literal(last));
+        (q, range)
+    }
+
+    pub fn copy(&self, step: &str) -> String {
+        if self.copies == Copies::None {
+            return self.coordinate.clone();
+        }
+        let (q, range) = self.range();
+        format!("repeatCopy({q}, {range}, {step})")
+    }
+
+    fn steps(&self) -> (i64, i64) {
+        match self.copies {
+            Copies::Around(reach) => (-i64::from(reach), reach.into()),
+            Copies::OwnAndNext => (0, 1),
+            Copies::None | Copies::Own => (0, 0),
+        }
+    }
+
+    fn moved_by(&self, step: &str) -> String {
+        match self.copies {
+            Copies::OwnAndNext => {
+                let (q, range) = self.range();
+                format!("float({step}) * repeatSide({q}, {range})")
+            }
+            _ => format!("float({step})"),
+        }
+    }
+}
+
+pub(super) fn mirrored(p: &str, axes: [bool; 3]) -> (String, Option<String>) {
+    let folded = |axis: usize| {
+        let coordinate = format!("{p}.{}", ["x", "y", "z"][axis]);
+        if axes[axis] {
+            (
+                format!("abs({coordinate})"),
+                format!("({coordinate} < 0.0 ? -1.0 : 1.0)"),
+            )
+        } else {
+            (coordinate, "1.0".to_owned())
+        }
+    };
+    let [x, y, z] = [0, 1, 2].map(folded);
+    (
+        format!("vec3({}, {}, {})", x.0, y.0, z.0),
+        Some(format!(
+            "vec4(#.xyz * vec3({}, {}, {}), #.w)",
+            x.1, y.1, z.1
+        )),
+    )
+}
+
+/// A shape's numbers as its functions take them, each with a comma before it.
+pub(super) fn arguments(node: &Node, numbers: &[String]) -> String {
+    let mut text = String::new();
+    let mut left = numbers;
+    for &width in node.part().arguments() {
+        if left.len() < width {
+            break;
+        }
+        let (group, rest) = left.split_at(width);
+        left = rest;
+        let _ = match width {
+            1 => write!(text, ", {}", group[0]),
+            _ => write!(text, ", vec{width}({})", group.join(", ")),
+        };
+    }
+    text
+}

@@ -1,0 +1,343 @@
+//! Pieces of shader text, and a linker: a program gets the functions that it calls, and no others.
+//!
+//! A file under `glsl/` is paragraphs, parted by empty lines; each defines a function, constants
+//! or uniforms, and is a [`Part`]. [`link`] takes some sources whole and puts before each the parts that it
+//! names, callees first. GLSL has no recursion, so that there always is such an order. [`join`] makes one
+//! text of the sources, with the file and the line of each for the driver's messages.
+
+use crate::scene::shape::every_part;
+use std::borrow::Cow;
+use std::collections::{HashMap, HashSet};
+use std::fmt::Write;
+use std::sync::LazyLock;
+
+/// A piece of shader text: its file, and its first line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Source {
+    /// The file under the repository's root, or what the piece is about.
+    pub name: Cow<'static, str>,
+    /// Number of its first line in that file, from 1.
+    pub line: usize,
+    /// The text itself.
+    pub text: Cow<'static, str>,
+}
+
+impl Source {
+    /// A piece that does not come from a file.
+    pub fn new(name: impl Into<Cow<'static, str>>, text: impl Into<Cow<'static, str>>) -> Source {
+        Source {
+            name: name.into(),
+            line: 1,
+            text: text.into(),
+        }
+    }
+}
+
+/// A [`Source`] out of a file under `glsl/`. `scripts/mutate.sh` builds the tests with
+/// `--cfg glsl_at_run_time`: it changes the files and builds nothing again.
+macro_rules! source {
+    ($file:expr) => {{
+        #[cfg(not(glsl_at_run_time))]
+        let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/glsl/", $file));
+        #[cfg(glsl_at_run_time)]
+        let text = $crate::shader::read_at_run_time($file);
+        $crate::shader::Source::new(concat!("glsl/", $file), text)
+    }};
+}
+pub(crate) use source;
+
+/// The text of a file in the folder that the environment variable `ECHOMARCH_GLSL` names.
+#[cfg(glsl_at_run_time)]
+pub(crate) fn read_at_run_time(file: &str) -> String {
+    let folder = std::env::var_os("ECHOMARCH_GLSL").expect("ECHOMARCH_GLSL names the folder");
+    let path = std::path::Path::new(&folder).join(file);
+    std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// Joins sources to one text. Each file has a number by which the driver's messages name it:
+/// in the order in which the files come first, from 1.
+pub fn join(sources: &[Source]) -> String {
+    let mut files: Vec<&str> = Vec::new();
+    let mut text = String::new();
+    let mut before = "";
+    for source in sources {
+        let known = files.iter().position(|name| *name == source.name);
+        let number = 1 + known.unwrap_or_else(|| {
+            files.push(&source.name);
+            files.len() - 1
+        });
+        let Source {
+            name,
+            line,
+            text: part,
+        } = source;
+        // Parts of one file that follow each other have one line with their origin. Writing
+        // to a String cannot fail.
+        if before != name {
+            let _ = writeln!(text, "// {number}: {name}");
+        }
+        before = name;
+        let _ = write!(text, "#line {line} {number}\n{part}\n");
+    }
+    text
+}
+
+/// The file that has a number in a joined text.
+pub fn file_name(text: &str, number: u32) -> Option<&str> {
+    let start = format!("// {number}: ");
+    text.lines().find_map(|line| line.strip_prefix(&start))
+}
+
+/// A piece that is taken as a whole, and only if something names what it defines.
+#[derive(Clone, Debug)]
+pub struct Part {
+    pub(super) sources: Vec<Source>,
+    pub(super) defines: Vec<String>,
+    pub(super) uses: Vec<String>,
+}
+
+/// Words that begin the definition of a function.
+const TYPES: [&str; 11] = [
+    "float", "int", "uint", "bool", "void", "vec2", "vec3", "vec4", "uvec3", "mat3", "ivec2",
+];
+
+/// The paragraphs of a source; those of comments alone are left out.
+pub fn parts(source: Source) -> Vec<Part> {
+    let mut all = Vec::new();
+    let mut line = source.line;
+    for paragraph in source.text.split("\n\n") {
+        let first = line;
+        line += paragraph.matches('\n').count() + 2;
+        let blank = paragraph.len() - paragraph.trim_start_matches('\n').len();
+        let text = paragraph.trim_matches('\n');
+        let defines: Vec<String> = text.lines().filter_map(defined).collect();
+        if defines.is_empty() {
+            continue;
+        }
+        all.push(Part {
+            uses: words(text).map(str::to_owned).collect(),
+            defines,
+            sources: vec![Source {
+                name: source.name.clone(),
+                line: first + blank,
+                text: Cow::Owned(format!("{text}\n")),
+            }],
+        });
+    }
+    all
+}
+
+/// The roots in their order, each after the parts that it calls for.
+pub fn link(roots: Vec<Source>, parts: Vec<Part>) -> Vec<Source> {
+    let mut defined_in: HashMap<&str, Vec<usize>> = HashMap::new();
+    for (index, part) in parts.iter().enumerate() {
+        for name in &part.defines {
+            defined_in.entry(name).or_default().push(index);
+        }
+    }
+    let mut linker = Linker {
+        parts: &parts,
+        defined_in,
+        taken: vec![false; parts.len()],
+        sources: Vec::new(),
+    };
+    for root in roots {
+        words(&root.text).for_each(|word| linker.take(word));
+        linker.sources.push(root);
+    }
+    linker.sources
+}
+
+struct Linker<'a> {
+    parts: &'a [Part],
+    defined_in: HashMap<&'a str, Vec<usize>>,
+    taken: Vec<bool>,
+    sources: Vec<Source>,
+}
+
+impl Linker<'_> {
+    /// Takes what defines a name, after what that names itself.
+    fn take(&mut self, name: &str) {
+        let parts = self.parts;
+        for index in self.defined_in.get(name).cloned().unwrap_or_default() {
+            if std::mem::replace(&mut self.taken[index], true) {
+                continue;
+            }
+            parts[index].uses.iter().for_each(|word| self.take(word));
+            self.sources.extend(parts[index].sources.iter().cloned());
+        }
+    }
+}
+
+/// The name that a line defines, if it begins a definition.
+fn defined(line: &str) -> Option<String> {
+    let mut rest = line.split_whitespace();
+    let first = rest.next()?;
+    if line.starts_with(' ') {
+        return None;
+    }
+    let name = match first {
+        "#define" => rest.next()?,
+        "const" => rest.nth(1)?,
+        "uniform" => match rest.next()? {
+            "highp" => rest.nth(1)?,
+            _ => rest.next()?,
+        },
+        "struct" => rest.next()?,
+        kind if TYPES.contains(&kind) => rest.next()?,
+        // A function that gives a structure.
+        kind if kind.starts_with(|c: char| c.is_ascii_alphabetic()) => {
+            rest.next().filter(|name| name.contains('('))?
+        }
+        _ => return None,
+    };
+    words(name).next().map(str::to_owned)
+}
+
+/// The names in a text, its comments left out; that of a function with its bracket, so that a
+/// variable of the same name is another word.
+fn words(text: &str) -> impl Iterator<Item = &str> {
+    let code = text
+        .lines()
+        .map(|line| line.split("//").next().unwrap_or_default());
+    code.flat_map(|line| {
+        let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
+        let mut rest = line;
+        std::iter::from_fn(move || {
+            let start = rest.find(is_name)?;
+            let from = &rest[start..];
+            let length = from.find(|c| !is_name(c)).unwrap_or(from.len());
+            let with_bracket = length + usize::from(from[length..].starts_with('('));
+            rest = &from[with_bracket..];
+            Some(&from[..with_bracket])
+        })
+    })
+}
+
+macro_rules! files {
+    ($folder:literal: $($file:ident)*) => {
+        vec![$(source!(concat!($folder, "/", stringify!($file), ".glsl"))),*]
+    };
+}
+
+macro_rules! files_of_parts {
+    (
+        shapes: { $($(#[$attr:meta])* $_s:literal $shape:ident::$_st:ident,)* }
+        operators: { $($_o:literal $operator:ident::$_ot:ident,)* }
+        written_out: { $($_w:tt)* }
+        made: { $($_mn:literal $made:ident::$_mt:ident,)* }
+    ) => {
+        [
+            [$($(#[$attr])* source!(concat!("shape/", stringify!($shape), ".glsl"))),*].to_vec(),
+            files!("shape": $($made)*),
+            files!("operator": $($operator)*),
+        ]
+        .concat()
+    };
+}
+
+/// Every function of the files, cut into parts once.
+static LIBRARY: LazyLock<Vec<Part>> = LazyLock::new(|| {
+    let shared = files!(
+        "common": ball beyond_turning bound chord corner cosine_sine exit_distance hash least_component listener mirror_direction
+        no_hit onto_field quadric_form reflect_at_face rotate_by_quaternion rounding safe_inverse
+        scene_data segment
+    );
+    let cells = files!("cells": directed distance fields fields_free grid grid_traversal records);
+    let all: Vec<Source> = [shared, cells, every_part!(files_of_parts)].concat();
+    all.into_iter().flat_map(parts).collect()
+});
+
+/// Every function, to be linked where it is called.
+pub(in crate::shader) fn library() -> Vec<Part> {
+    LIBRARY.clone()
+}
+
+/// Whether the library has a function of this name: the use of a shape depends on the
+/// functions in its file.
+pub(super) fn has_function(name: &str) -> bool {
+    static DEFINED: LazyLock<HashSet<&str>> = LazyLock::new(|| {
+        let defined = LIBRARY.iter().flat_map(|part| &part.defines);
+        defined.map(String::as_str).collect()
+    });
+    DEFINED.contains(format!("{name}(").as_str())
+}
+
+/// Whether a character must not be in a comment: GLSL's character set is ASCII, and a backslash would
+/// carry the comment on to the next line.
+pub(super) fn no_comment(character: char) -> bool {
+    character == '\\' || !(character.is_ascii_graphic() || character == ' ')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn linked(root: &str, library: &'static str) -> String {
+        let sources = link(
+            vec![Source::new("root", root.to_owned())],
+            parts(Source::new("library", library)),
+        );
+        sources.iter().map(|source| &*source.text).collect()
+    }
+
+    /// Protects the order and the choice: callees come first, what nothing calls is left out,
+    /// a name in a comment calls nothing.
+    #[test]
+    fn what_is_called_comes_first_and_nothing_else() {
+        let library = "// A file.\n\nfloat outer(float x) {\n    return inner(x) + SIZE;\n}\n\n\
+                       float unused() { return 0.0; }\n\n// Not unused().\n\
+                       float inner(float x) { return x; }\n\nconst float SIZE = 2.0;\n";
+        let text = linked("void main() { outer(1.0); }  // unused()\n", library);
+        let place = |part: &str| text.find(part);
+        assert!(place("float inner(") < place("float outer("));
+        assert!(place("const float SIZE") < place("float outer("));
+        assert!(place("float outer(") < place("void main("));
+        assert_eq!(place("float unused("), None);
+    }
+
+    /// Protects the lines that a driver's messages name.
+    #[test]
+    fn each_part_knows_its_line() {
+        let text =
+            "// A file.\n\nuniform float uSize;\n\n\n// f.\nfloat f() {\n    return uSize;\n}\n";
+        let lines: Vec<usize> = parts(Source::new("file", text))
+            .iter()
+            .map(|part| part.sources[0].line)
+            .collect();
+        assert_eq!(lines, [3, 6]);
+    }
+
+    /// Protects structures, the functions that give one, and variables: each comes where it is
+    /// named.
+    #[test]
+    fn structures_and_what_gives_them_come_too() {
+        let library = "struct Way {\n    float end;\n};\n\nint turns;\n\n\
+                       Way way(float end) {\n    ++turns;\n    return Way(end);\n}\n\n\
+                       struct Other { int x; };\n";
+        let text = linked("void main() { way(1.0); }\n", library);
+        let place = |part: &str| text.find(part);
+        assert!(place("struct Way") < place("Way way("));
+        assert!(place("int turns;") < place("Way way("));
+        assert!(place("Way way(") < place("void main("));
+        assert_eq!(place("struct Other"), None);
+    }
+
+    /// Protects what is not called: a variable may have a function's name.
+    #[test]
+    fn a_variable_is_no_call() {
+        let library = "float bend(float x) { return x; }\n\nconst float SIZE = 2.0;\n";
+        let text = linked("void main() { float bend = SIZE; }\n", library);
+        assert!(text.contains("const float SIZE") && !text.contains("float bend(float x)"));
+    }
+
+    /// Protects overloads: a name brings all functions of that name.
+    #[test]
+    fn functions_of_one_name_come_together() {
+        let text = linked(
+            "void main() { f(1.0); }\n",
+            "float f(float x) { return x; }\n\nvec4 f(vec4 x) { return x; }\n",
+        );
+        assert!(text.contains("float f(") && text.contains("vec4 f("));
+    }
+}

@@ -1,0 +1,167 @@
+//! The names from which the text of a scene is written, and the parts of every such text.
+
+use super::field;
+use super::link::{self, Part, Source, library};
+use super::surface_names::{Marched, Named, value_name};
+use crate::scene::Scene;
+use crate::shader::structure::{Assets, Structure};
+use std::borrow::Cow;
+use std::fmt::Write;
+
+/// Whether waves meet the listener.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ListenerText {
+    /// A wave that comes to its sphere has arrived, and stops.
+    Solid,
+    /// Waves fly through it: it is in no text about what lies ahead.
+    Transparent,
+}
+
+/// The surfaces of a scene by the names that its text has for them.
+pub(crate) struct Text<'a> {
+    /// Unrolled surfaces.
+    pub unrolled: Vec<Named<'a>>,
+    /// Kinds of the surfaces in cells.
+    pub instanced: Vec<Named<'a>>,
+    /// Axes along which cells have no end.
+    pub unbounded_axes: [bool; 3],
+    assets: &'a Assets,
+}
+
+impl<'a> Text<'a> {
+    /// The names of a scene of this structure.
+    pub fn new(scene: &'a Scene, structure: &'a Structure) -> Text<'a> {
+        let layout = &structure.layout;
+        let mut first = 0;
+        let mut unrolled = Vec::new();
+        for &index in &layout.unrolled {
+            let named = Named::surface(scene, index, first);
+            first += named.value_count();
+            unrolled.push(named);
+        }
+        let kinds = layout.instanced.iter().enumerate();
+        Text {
+            unrolled,
+            unbounded_axes: layout.unbounded_axes,
+            instanced: kinds
+                .map(|(kind, &index)| Named::kind(scene, index, kind))
+                .collect(),
+            assets: &structure.assets,
+        }
+    }
+
+    /// Every surface and kind that the text has lines for.
+    pub fn all(&self) -> impl Iterator<Item = &Named<'a>> {
+        self.unrolled.iter().chain(&self.instanced)
+    }
+
+    /// Whether a march has to take fields.
+    pub fn marches(&self, marched: Marched) -> bool {
+        self.all().any(|named| marched.takes(named))
+    }
+
+    /// The parts that every text may call: the library, the users' fields, the values of the surfaces.
+    pub fn parts(&self) -> Vec<Part> {
+        let mut parts = library();
+        parts.extend(field::user_parts(self.assets));
+        self.add(&mut parts, "the values of the surfaces", self.uniforms());
+        parts
+    }
+
+    /// Adds functions written for the scene.
+    pub fn add(
+        &self,
+        parts: &mut Vec<Part>,
+        name: &'static str,
+        text: impl Into<Cow<'static, str>>,
+    ) {
+        parts.extend(link::parts(Source::new(name, text)));
+    }
+
+    /// `&& object != …` for each unrolled surface.
+    pub fn not_unrolled(&self) -> String {
+        let unrolled = self.unrolled.iter();
+        unrolled
+            .map(|named| format!(" && object != {}.0", named.tag))
+            .collect()
+    }
+
+    /// Adds a function of each field that is wanted.
+    pub fn add_fields(
+        &self,
+        parts: &mut Vec<Part>,
+        wanted: impl Fn(&Named) -> bool,
+        write: field::Write,
+    ) {
+        let wanted = self.all().filter(|named| wanted(named));
+        let text: String = wanted
+            .map(|named| named.field_functions(write, self.assets))
+            .collect();
+        self.add(parts, "the surfaces", text);
+    }
+
+    /// The declaration of `uSurfaces`, a variable for each vector of it, and the function that
+    /// every main function calls first, `copyUniforms`.
+    ///
+    /// Some drivers load a uniform again at each use. In loops over iterations and steps that took
+    /// up to half of the time (docs/cost.md).
+    fn uniforms(&self) -> String {
+        let count: usize = self.unrolled.iter().map(|named| named.value_count()).sum();
+        let mut declarations = String::new();
+        let mut copies = String::from(
+            "    listener = uListener;\n    \
+             squaredListenerRadius = listener.w * listener.w;\n",
+        );
+        if count > 0 {
+            declarations = format!("uniform vec4 uSurfaces[{count}];\n");
+        }
+        for place in 0..count {
+            let name = value_name(place);
+            let _ = writeln!(declarations, "vec4 {name} = vec4(0.0);");
+            let _ = writeln!(copies, "    {name} = uSurfaces[{place}];");
+        }
+        let squared_radii = self.unrolled.iter().filter_map(Named::squared_radius_of);
+        for (name, value) in squared_radii {
+            let _ = writeln!(declarations, "float {name} = 0.0;");
+            let _ = writeln!(copies, "    {name} = {value}.w * {value}.w;");
+        }
+        format!(
+            "{declarations}\n// Copies for the loops: a uniform may be loaded again at each use.\n\
+             void copyUniforms() {{\n{copies}}}\n\n"
+        )
+    }
+}
+
+/// A line for each of these surfaces: its statement where it is the object.
+pub(super) fn by_object<'a>(
+    surfaces: impl Iterator<Item = &'a Named<'a>>,
+    statement: impl Fn(&Named) -> String,
+) -> String {
+    let line = |named: &Named| {
+        let (number, label, statement) = (&named.tag, &named.label, statement(named));
+        format!("    if (object == {number}.0) {{ {statement} }} // {label}\n")
+    };
+    surfaces.map(line).collect()
+}
+
+/// A function over the kinds that are wanted: `head` up to its brace, a statement a kind,
+/// and what is returned for none of them.
+pub(super) fn of_kind(
+    text: &Text,
+    head: &str,
+    wanted: impl Fn(&Named) -> bool,
+    statement: impl Fn(&Named) -> String,
+    otherwise: &str,
+) -> String {
+    let mut out = head.to_owned();
+    for (kind, named) in text.instanced.iter().enumerate() {
+        if wanted(named) {
+            let (label, statement) = (&named.label, statement(named));
+            let _ = writeln!(
+                out,
+                "    if (kind == {kind}.0) {{ {statement} }} // {label}"
+            );
+        }
+    }
+    out + otherwise + "}\n\n"
+}

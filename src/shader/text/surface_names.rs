@@ -1,0 +1,322 @@
+//! The names by which generated text calls a surface, or a kind of surfaces.
+
+use super::field::{self, has_closed_form};
+use super::link::no_comment;
+use crate::scene::{Node, Scene, Shape, Surface};
+use crate::shader::origin_rebasing::value_count;
+use crate::shader::structure::Assets;
+
+/// A surface that is unrolled, or a kind of surfaces that are data.
+pub(in crate::shader) struct Named<'a> {
+    pub surface: &'a Surface,
+    /// The end of the names of its functions: the surface's number, or `Kind` and a number.
+    pub tag: String,
+    /// Its name in comments.
+    pub label: String,
+    values: Values,
+}
+
+/// Which fields of a scene a march has to take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::shader) enum Marched {
+    /// All of them.
+    All,
+    /// The fields without a closed form.
+    Others,
+}
+
+/// Whether every profile has to march to a surface: a field without a closed form.
+pub fn is_marched(surface: &Surface) -> bool {
+    let field = surface.shape.field();
+    field.is_some_and(|field| !has_closed_form(field))
+}
+
+impl Marched {
+    pub fn takes(self, named: &Named) -> bool {
+        named.field().is_some() && (self == Marched::All || !named.has_closed_form())
+    }
+}
+
+/// The storage of the values of a surface.
+#[derive(Clone, Copy)]
+enum Values {
+    /// In variables that are copied from `uSurfaces`, from this vector on.
+    Uniforms(usize),
+    /// In the scene's data, from the vector `data` on.
+    Data,
+    /// In variables, those of the surface that a wave meets.
+    Selected,
+}
+
+/// The variable that is a copy of a vector of `uSurfaces`.
+pub(in crate::shader) fn value_name(place: usize) -> String {
+    format!("surfaceValue{place}")
+}
+
+/// The variable of a surface's squared radius, by the place of its first value.
+fn squared_radius_name(place: usize) -> String {
+    format!("squaredRadius{place}")
+}
+
+impl<'a> Named<'a> {
+    /// The surface with this index, whose first value is that vector of `uSurfaces`.
+    pub fn surface(scene: &'a Scene, index: usize, first: usize) -> Named<'a> {
+        let surface = &scene.surfaces[index];
+        Named {
+            surface,
+            tag: (index + 1).to_string(),
+            label: surface.label(index).replace(no_comment, " "),
+            values: Values::Uniforms(first),
+        }
+    }
+
+    /// A kind, by one surface of it.
+    pub fn kind(scene: &'a Scene, index: usize, kind: usize) -> Named<'a> {
+        let surface = &scene.surfaces[index];
+        Named {
+            surface,
+            tag: format!("Kind{kind}"),
+            label: format!("kind {kind} ({})", surface.shape.name()),
+            values: Values::Data,
+        }
+    }
+
+    /// The same surface, its values those that are selected among some of its kind.
+    pub fn selected(&self) -> Named<'a> {
+        Named {
+            surface: self.surface,
+            tag: self.tag.clone(),
+            label: self.label.clone(),
+            values: Values::Selected,
+        }
+    }
+
+    pub fn field(&self) -> Option<&'a Shape> {
+        self.surface.shape.field()
+    }
+
+    /// Whether a line intersects it in closed form.
+    pub fn has_closed_form(&self) -> bool {
+        self.field().is_none_or(has_closed_form)
+    }
+
+    /// Whether finding that has a step limit.
+    pub fn has_step_limit(&self) -> bool {
+        self.has_closed_form() && self.field().is_some_and(field::has_step_limit)
+    }
+
+    /// Vectors of values that it takes.
+    pub fn value_count(&self) -> usize {
+        value_count(self.surface, self.is_data())
+    }
+
+    pub fn is_data(&self) -> bool {
+        matches!(self.values, Values::Data)
+    }
+
+    /// The parameter of the functions of a kind beside the point: the place of its values.
+    pub fn data_parameter(&self) -> &'static str {
+        if self.is_data() { ", int data" } else { "" }
+    }
+
+    pub fn data_argument(&self) -> &'static str {
+        if self.is_data() { ", data" } else { "" }
+    }
+
+    /// The n-th vector of its values.
+    pub fn value(&self, n: usize) -> String {
+        match self.values {
+            Values::Uniforms(first) => value_name(first + n),
+            Values::Data => format!("sceneData(data + {n})"),
+            Values::Selected => format!("selected{n}"),
+        }
+    }
+
+    /// A world point in the surface's own axes.
+    pub fn point(&self, p: &str) -> String {
+        self.vector(&format!("{p} - {}.xyz", self.value(0)))
+    }
+
+    /// A world direction in the surface's own axes.
+    pub fn vector(&self, v: &str) -> String {
+        match self.rotation() {
+            Some(rotation) => format!("turn({rotation}, {v})"),
+            None => v.to_owned(),
+        }
+    }
+
+    /// A direction of the surface's own axes in the world's.
+    pub fn outward(&self, v: &str) -> String {
+        match self.rotation() {
+            Some(rotation) => format!("turn({rotation} * vec4(-1, -1, -1, 1), {v})"),
+            None => v.to_owned(),
+        }
+    }
+
+    fn rotation(&self) -> Option<String> {
+        let place = match self.surface.shape.node {
+            Node::Cuboid(_) | Node::Room(_) => 2,
+            _ => 1,
+        };
+        self.surface.has_rotation().then(|| self.value(place))
+    }
+
+    /// The first vector of a field's moving numbers.
+    pub fn first_number(&self) -> usize {
+        1 + usize::from(self.surface.has_rotation())
+    }
+
+    /// Which nodes of its field have numbers that move: all of them where they are data.
+    pub fn moving_nodes(&self, field: &Shape) -> Vec<bool> {
+        match self.values {
+            Values::Uniforms(_) | Values::Selected => self.surface.moving_nodes(field),
+            Values::Data => vec![true; field.nodes().len()],
+        }
+    }
+
+    /// The size that the shape's functions take last, with a comma before it.
+    pub fn size(&self) -> String {
+        match self.surface.shape.node {
+            Node::Cuboid(_) | Node::Room(_) => format!(", {}.xyz", self.value(1)),
+            Node::Sphere(_) | Node::Cylinder(_) => format!(", {}.w", self.value(0)),
+            _ => String::new(),
+        }
+    }
+
+    /// The square of a sphere's or a cylinder's radius. A product of uniforms within a loop costs
+    /// llvmpipe 15 % of an empty room's march.
+    fn squared_radius(&self) -> String {
+        match self.values {
+            Values::Uniforms(first) => squared_radius_name(first),
+            Values::Data | Values::Selected => format!("{0}.w * {0}.w", self.value(0)),
+        }
+    }
+
+    /// The variable of [`Named::squared_radius`], and the value that it is a copy of.
+    pub fn squared_radius_of(&self) -> Option<(String, String)> {
+        let is_round = matches!(self.surface.shape.node, Node::Sphere(_) | Node::Cylinder(_));
+        match self.values {
+            Values::Uniforms(first) if is_round => {
+                Some((squared_radius_name(first), value_name(first)))
+            }
+            _ => None,
+        }
+    }
+
+    /// Rounding error of the distance to it, in metres, at most.
+    pub fn error_bound(&self) -> String {
+        match self.surface.shape.node {
+            Node::Cuboid(_) | Node::Room(_) => format!("{}.w", self.value(1)),
+            Node::Sphere(_) | Node::Cylinder(_) => {
+                format!("roundErrorBound({})", self.value(0))
+            }
+            _ => format!("{}.w", self.value(0)),
+        }
+    }
+
+    pub fn shape(&self) -> &'static str {
+        self.surface.shape.name()
+    }
+
+    /// The signed distance at a world point; of a field, its value.
+    pub fn distance(&self, p: &str) -> String {
+        let point = self.point(p);
+        match self.field() {
+            Some(_) => format!("field{}({point}{})", self.tag, self.data_argument()),
+            None => format!("sd{}({point}{})", self.shape(), self.size()),
+        }
+    }
+
+    /// The distance to a basic shape that a wave at `p` along `d` can still meet.
+    pub fn directed_distance(&self, p: &str, d: &str) -> String {
+        let (shape, point, vector) = (self.shape(), self.point(p), self.vector(d));
+        let size = match self.surface.shape.node {
+            // With the error bound within which rounding decides on the side of a face.
+            Node::Cuboid(_) => format!(", {}", self.value(1)),
+            _ => self.size(),
+        };
+        format!("sd{shape}Directed({point}, {vector}{size})")
+    }
+
+    /// The gradient of a field at a point of its own axes, with the value last.
+    pub fn field_gradient(&self, q: &str) -> String {
+        format!("gradient{}({q}{})", self.tag, self.data_argument())
+    }
+
+    /// The same for its direction, which is the normal's.
+    pub fn field_normal(&self, q: &str) -> String {
+        match self.field().is_some_and(field::has_differences) {
+            true => format!("normal{}({q}{})", self.tag, self.data_argument()),
+            false => self.field_gradient(q),
+        }
+    }
+
+    /// Where the line of a wave meets it, for what has a closed form. What lies beyond `limit`
+    /// need not be found.
+    pub fn hit(&self, p: &str, d: &str, limit: &str) -> String {
+        let (point, vector) = (self.point(p), self.vector(d));
+        if let Some(field) = self.field() {
+            let limit = match field::takes_limit(field) {
+                true => format!(", {limit}"),
+                false => String::new(),
+            };
+            let (tag, error_bound, data) = (&self.tag, self.error_bound(), self.data_argument());
+            return format!("hit{tag}({point}, {vector}, {error_bound}{limit}{data})");
+        }
+        match self.surface.shape.node {
+            Node::Cuboid(_) => format!("hitBox({point}, {vector}, {})", self.value(1)),
+            Node::Sphere(_) => format!("hitBall({point}, {vector}, {})", self.squared_radius()),
+            Node::Cylinder(_) => {
+                format!("hitCircle({point}, {vector}, {})", self.squared_radius())
+            }
+            _ => format!("hit{}({point}, {vector}{})", self.shape(), self.size()),
+        }
+    }
+
+    /// How far the line of a wave is free of a field that is marched.
+    pub fn free(&self, p: &str, d: &str, error_bound: &str) -> String {
+        let (point, vector) = (self.point(p), self.vector(d));
+        let error_bound = format!("max({error_bound}, {})", self.error_bound());
+        format!(
+            "free{}({point}, {vector}, {error_bound}{})",
+            self.tag,
+            self.data_argument()
+        )
+    }
+
+    /// The expression, or `none` for the wave that leaves a convex surface.
+    pub fn unless_left(&self, left: &str, none: &str, expression: &str) -> String {
+        match self.surface.shape.is_convex() {
+            true => format!("{left} ? {none} : {expression}"),
+            false => expression.to_owned(),
+        }
+    }
+
+    /// The condition that a wave meets this very surface.
+    pub fn is_met(&self) -> String {
+        format!("object == {}.0", self.tag)
+    }
+
+    /// The condition that a wave leaves this very surface.
+    pub fn left(&self) -> String {
+        format!("last == {}.0", self.tag)
+    }
+
+    /// The text of its field's functions; nothing for a basic shape.
+    pub fn field_functions(&self, write: field::Write, assets: &Assets) -> String {
+        let Some(field) = self.field() else {
+            return String::new();
+        };
+        let moving = self.moving_nodes(field);
+        let first = self.first_number();
+        let value = |n: usize| self.value(first + n);
+        let place = field::Place {
+            tag: &self.tag,
+            parameter: self.data_parameter(),
+            argument: self.data_argument(),
+            moving: &moving,
+            value: &value,
+        };
+        format!("// {}\n{}", self.label, write(field, &place, assets))
+    }
+}

@@ -1,0 +1,467 @@
+//! How much one pass and one march may do: turns of loops, counted and limited.
+//!
+//! Mesa's llvmpipe leaves a loop of a shader without a report once all loops of the shader together
+//! have taken 65,536 turns, nested ones included. So the turns that an iteration of a scene may
+//! take at most are counted here, and nowhere else: over the iterations of a pass, the steps
+//! of a march, the lists of cells, the cells that a line crosses, the copies of repetitions and the
+//! cells of copies. Where one loop stands in another the turns of both count. The turns of loops in
+//! users' texts are not known: a call of a text with loops counts as [`USER_TURNS`].
+//!
+//! The [`Budget`] follows from the count: the iterations of a pass and, where a single march could
+//! take more, its steps. Waves that are given up at the step limit are counted and reported.
+
+use super::cells::{Lists, SceneCells};
+use super::pass_texts::AlgorithmText;
+use super::text::field::{cells_crossed, has_closed_form, is_bounded, leaps};
+use super::text::{Marched, Named, Text};
+use crate::scene::shape::User;
+use crate::scene::{Copies, Node, Shape, UserField};
+
+/// Evaluations of the distance in one march, at most.
+///
+/// Every step of the thesis' march is at least the minimum distance long, so at its
+/// own constants no wave takes more than 300 / 0.1 = 3000 of them. The bound lies
+/// above that and keeps any other setting from hanging the GPU.
+pub(crate) const MAX_STEPS: u32 = 4096;
+
+/// Evaluations of the fields in one march, at most. Relaxed steps and Newton's at the end
+/// take some tens of them; what takes more grazes a surface.
+const MAX_FIELD_STEPS: u32 = 1024;
+
+/// Turns that `hybrid` takes a line past the copies of repetitions without end, or of more than
+/// 1,024 cells, in one flight at most. Two flights of this length fit a pass on llvmpipe.
+/// Among turned boxes 3 m to 4 m apart 10 of 524,288 waves reach it, and others still meet a box
+/// after hundreds of kilometres, where a float resolves positions to some centimetres.
+pub(crate) const MAX_COPY_STEPS: u32 = 32_000;
+
+/// Turns that a call of a user's field with loops in it is taken for. Compilers unroll loops of
+/// a few dozen turns whose number is known, so that few texts have that many left.
+const USER_TURNS: u64 = 60;
+
+/// Calls of a user's text in one projection at most, where normals are differences: seven for
+/// the gradient, and for the normal a value and six over each of nine distances
+/// (`glsl/user/differences.glsl`).
+const CALLS_OF_DIFFERENCES: u64 = 62;
+
+/// Turns of the loop over these distances.
+const TURNS_OF_DIFFERENCES: u64 = 7;
+
+/// Calls in one projection where the text states its gradient: value and gradient, twice, and once
+/// more where there is none (`glsl/user/gradient.glsl`).
+const CALLS_OF_GRADIENT: u64 = 6;
+
+/// Turns at most of the loops within one evaluation, by what is evaluated; 0 where there is
+/// no loop.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Loops {
+    /// The distance to everything.
+    pub distance: u64,
+    /// The distance to the basic shapes ahead.
+    pub directed: u64,
+    /// The values of all fields, and the gradient of one; `None` without fields.
+    pub all_fields: Option<u64>,
+    /// The same of the fields without a closed form.
+    pub other_fields: Option<u64>,
+    /// Intersecting a line with closed forms, except traversals with a step limit.
+    pub line: u64,
+    /// One step of a traversal that has a step limit.
+    pub copy_step: u64,
+    /// Projecting onto a surface: the gradient and the normal of one field.
+    pub projection: u64,
+    /// Surfaces that have their own lines of text, each evaluated every time.
+    pub unrolled: u64,
+}
+
+/// Turns that follow from the structure of a scene alone; the lists of its cells add theirs.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct StructureTurns {
+    /// Values of all unrolled surfaces, and the largest of a kind.
+    unrolled_values: u64,
+    kind_values: u64,
+    all_fields: Option<FieldTurns>,
+    other_fields: Option<FieldTurns>,
+    unrolled_hits: u64,
+    /// One intersection of each kind.
+    kind_hits: Vec<u64>,
+    copy_step: u64,
+    projection: u64,
+    unrolled: u64,
+}
+
+/// Turns of fields that are marched.
+#[derive(Clone, Debug, PartialEq)]
+struct FieldTurns {
+    unrolled: u64,
+    /// The largest of a kind in cells.
+    of_kind: Option<u64>,
+    /// The gradient of one field.
+    gradient: u64,
+}
+
+impl StructureTurns {
+    /// The turns in the text of a scene.
+    pub fn of(text: &Text) -> StructureTurns {
+        let value = |named: &Named| named.field().map_or(0, of_value);
+        let projection = |named: &Named| named.field().map_or(0, of_projection);
+        let hit = |named: &Named| named.field().map_or(0, of_hit);
+        let step = |named: &Named| named.field().map_or(0, of_copy_step);
+        let closed = text.unrolled.iter().filter(|n| n.has_closed_form());
+        StructureTurns {
+            unrolled_values: text.unrolled.iter().map(value).sum(),
+            kind_values: text.instanced.iter().map(value).max().unwrap_or(0),
+            all_fields: FieldTurns::of(text, Marched::All),
+            other_fields: FieldTurns::of(text, Marched::Others),
+            unrolled_hits: closed.map(hit).sum(),
+            kind_hits: text.instanced.iter().map(hit).collect(),
+            copy_step: text.all().map(step).max().unwrap_or(0),
+            projection: text.all().map(projection).max().unwrap_or(0),
+            unrolled: text.unrolled.len() as u64,
+        }
+    }
+
+    /// The loops of the text over these lists of cells, of a scene that has cells.
+    pub fn loops(&self, cells: Option<&SceneCells>, lists: Lists) -> Loops {
+        let listed_cells = cells.and_then(SceneCells::lists);
+        let in_list = listed_cells.map_or(0, |cells| cells.longest(lists) as u64);
+        let listed = |turns: u64| in_list * (1 + turns);
+        let fields = |fields: &FieldTurns| {
+            fields.unrolled + fields.of_kind.map_or(0, listed) + fields.gradient
+        };
+        let outside = listed_cells.map_or(0, |cells| {
+            let surfaces: usize = cells.groups().iter().map(|g| g.surfaces.len()).sum();
+            cells.groups().len() as u64 + surfaces as u64 * (1 + self.kind_values)
+        });
+        // A turn of the traversal is a record: of a cell, or of the list that it refers to.
+        let kind_hits = cells
+            .map_or(&[][..], SceneCells::kinds)
+            .iter()
+            .map(|(kind, cells)| cells.records_on_line(lists) * (1 + self.kind_hits[*kind]));
+        Loops {
+            distance: self.unrolled_values + listed(self.kind_values).max(outside),
+            directed: in_list,
+            all_fields: self.all_fields.as_ref().map(fields),
+            other_fields: self.other_fields.as_ref().map(fields),
+            line: self.unrolled_hits + kind_hits.sum::<u64>(),
+            copy_step: self.copy_step,
+            projection: self.projection,
+            unrolled: self.unrolled,
+        }
+    }
+}
+
+impl FieldTurns {
+    /// The turns of the fields that a march has to take, if there are any.
+    fn of(text: &Text, marched: Marched) -> Option<FieldTurns> {
+        let value = |named: &Named| named.field().map_or(0, of_value);
+        // A march asks for the value or for the bound along the line.
+        let step = |named: &Named| {
+            let bounds = named.field().filter(|field| is_bounded(field));
+            value(named) + bounds.map_or(0, leaps)
+        };
+        if !text.marches(marched) {
+            return None;
+        }
+        let unrolled = || text.unrolled.iter().filter(|named| marched.takes(named));
+        let instanced = text.instanced.iter().filter(|named| marched.takes(named));
+        let of_kind = instanced.map(step).max();
+        let gradient = unrolled().map(value).max().max(of_kind);
+        Some(FieldTurns {
+            unrolled: unrolled().map(step).sum(),
+            of_kind,
+            gradient: gradient.unwrap_or(0),
+        })
+    }
+}
+
+/// Turns in one evaluation of a field's value, or of its gradient.
+fn of_value(field: &Shape) -> u64 {
+    of_copies(field, &of_call)
+}
+
+/// Turns in projecting onto a field: of its gradient, and of its normal.
+fn of_projection(field: &Shape) -> u64 {
+    of_copies(field, &|user| match user.states_gradient() {
+        true => CALLS_OF_GRADIENT * of_call(user),
+        false => TURNS_OF_DIFFERENCES + CALLS_OF_DIFFERENCES * of_call(user),
+    })
+}
+
+/// Turns in one call of a user's text.
+fn of_call(user: &UserField) -> u64 {
+    if user.has_loops() { USER_TURNS } else { 0 }
+}
+
+/// Turns over the copies of repetitions, and over what `of_user` gives for users' fields.
+fn of_copies(field: &Shape, of_user: &dyn Fn(&UserField) -> u64) -> u64 {
+    let below: u64 = field
+        .children
+        .iter()
+        .map(|child| of_copies(child, of_user))
+        .sum();
+    match &field.node {
+        Node::Repeat(_) => {
+            // Shapes that cannot be repeated were refused before.
+            let copies = field.copies().unwrap_or([Copies::None; 3]);
+            let along = copies.iter().map(|copies| u64::from(copies.count()));
+            let nested = |turns: u64, count: u64| match count {
+                1 => turns,
+                count => count * (1 + turns),
+            };
+            along.rev().fold(below, nested)
+        }
+        Node::User(User { field }) => of_user(field),
+        _ => below,
+    }
+}
+
+/// Turns in finding where a line intersects a field that has a closed form, except traversals
+/// with a step limit.
+fn of_hit(field: &Shape) -> u64 {
+    let below: u64 = field.children.iter().map(of_hit).sum();
+    match &field.node {
+        // The last turn of a traversal with a step limit takes no step.
+        Node::Repeat(_) => cells_crossed(field).map_or(1, |cells| cells * (1 + below)),
+        _ => below,
+    }
+}
+
+/// Turns in one step of a traversal that has a step limit; 0 where there is none.
+fn of_copy_step(field: &Shape) -> u64 {
+    if !has_closed_form(field) {
+        return 0;
+    }
+    let below = field.children.iter().map(of_copy_step).max().unwrap_or(0);
+    match cells_crossed(field) {
+        Some(_) => below,
+        None => below.max(1 + of_hit(&field.children[0])),
+    }
+}
+
+/// Turns of all loops of a shader together at most.
+const MOST_TURNS: u64 = 65_535;
+
+/// Turns of the loops in `marchFields` for one step: an inner and an outer one.
+const FIELD_TURNS: u64 = 2;
+
+/// Steps that a march is left with, however long the lists of its cells are: what takes more
+/// grazes a surface. A single march of such a scene may run out of turns.
+const LEAST_STEPS: u64 = 128;
+
+/// The settings that limit the loops in a pass.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LoopsAsked {
+    /// How a wave finds what it meets.
+    pub algorithm: AlgorithmText,
+    /// Steps of a march in `thesis`: as many as its distances require.
+    pub thesis_steps: u32,
+    /// Iterations in a pass, at most.
+    pub iterations_per_pass: u32,
+}
+
+/// The limits of a frame's passes: the same on every renderer, so that results do not depend on
+/// it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Budget {
+    /// Iterations in one pass.
+    pub iterations_per_pass: u32,
+    /// Steps of one march among the basic shapes, or in `thesis` among all.
+    pub steps: u32,
+    /// Steps of one march of the fields.
+    pub field_steps: u32,
+    /// Turns of all traversals of long rows of copies in one flight.
+    pub copy_steps: u32,
+    /// Evaluations of a surface that a wave may take in an iteration.
+    pub evaluations: u64,
+}
+
+impl Budget {
+    /// The budget of a scene with these loops.
+    pub(super) fn new(asked: &LoopsAsked, loops: &Loops) -> Budget {
+        match asked.algorithm {
+            AlgorithmText::Hybrid => hybrid(loops, asked.iterations_per_pass),
+            AlgorithmText::March { exact_normals, .. } => {
+                march(exact_normals, loops, asked.iterations_per_pass)
+            }
+            AlgorithmText::Thesis => thesis(asked, loops),
+        }
+    }
+}
+
+/// Differences that a normal of the thesis is taken from.
+const DIFFERENCES: u64 = 6;
+
+fn thesis(asked: &LoopsAsked, loops: &Loops) -> Budget {
+    let steps = u64::from(asked.thesis_steps);
+    let work = Work {
+        turns: steps * (1 + loops.distance) + DIFFERENCES * loops.distance,
+        evaluations: (steps + DIFFERENCES) * (1 + loops.unrolled + loops.distance),
+    };
+    work.budget(asked.iterations_per_pass, [steps, 0, 0])
+}
+
+fn march(exact_normals: bool, loops: &Loops, asked: u32) -> Budget {
+    let differences = match exact_normals {
+        true => 0,
+        false => DIFFERENCES * loops.distance,
+    };
+    let rest = 1 + loops.projection + differences;
+    let left = MOST_TURNS.saturating_sub(rest);
+    // With fields, the basic shapes may use half of the turns, and the fields use the rest.
+    let share = if loops.all_fields.is_some() { 2 } else { 1 };
+    let steps = held(MAX_STEPS, left / share, 1 + loops.directed);
+    let left = left.saturating_sub(steps * (1 + loops.directed));
+    let (field_steps, field_turns) = field_steps(loops.all_fields, left);
+    let objects = 1 + loops.unrolled;
+    let work = Work {
+        turns: rest - 1 + steps * (1 + loops.directed) + field_steps * (FIELD_TURNS + field_turns),
+        evaluations: steps * (objects + loops.directed) + field_steps * (objects + field_turns),
+    };
+    work.budget(asked, [steps, field_steps, 0])
+}
+
+fn hybrid(loops: &Loops, asked: u32) -> Budget {
+    let rest = 1 + loops.line + loops.projection;
+    let left = MOST_TURNS.saturating_sub(rest);
+    let copy_steps = match loops.copy_step {
+        0 => 0,
+        turns => held(MAX_COPY_STEPS, left, turns),
+    };
+    let traversals = copy_steps * loops.copy_step;
+    let (field_steps, field_turns) =
+        field_steps(loops.other_fields, left.saturating_sub(traversals));
+    let objects = 1 + loops.unrolled;
+    let work = Work {
+        turns: rest - 1 + traversals + field_steps * (FIELD_TURNS + field_turns),
+        evaluations: objects + loops.line + traversals + field_steps * (objects + field_turns),
+    };
+    work.budget(asked, [0, field_steps, copy_steps])
+}
+
+/// Steps of a march of the fields that fit the turns that are left, and the turns of a step; 0 without
+/// fields.
+fn field_steps(turns: Option<u64>, left: u64) -> (u64, u64) {
+    match turns {
+        Some(turns) => (held(MAX_FIELD_STEPS, left, FIELD_TURNS + turns), turns),
+        None => (0, 0),
+    }
+}
+
+/// Steps of `turns` turns each that fit the turns that are left, `most` at most.
+fn held(most: u32, left: u64, turns: u64) -> u64 {
+    (left / turns).max(LEAST_STEPS).min(most.into())
+}
+
+/// The largest cost of one iteration.
+struct Work {
+    /// Turns of the loops in it.
+    turns: u64,
+    evaluations: u64,
+}
+
+impl Work {
+    /// The budget of `asked` iterations in a pass, or of as many as fit, with these steps: of a march, of
+    /// the fields, past copies.
+    fn budget(&self, asked: u32, steps: [u64; 3]) -> Budget {
+        let [steps, field_steps, copy_steps] = steps.map(|steps| steps as u32);
+        // The iteration itself is a turn.
+        let fit = (MOST_TURNS / (1 + self.turns)).max(1);
+        Budget {
+            iterations_per_pass: u64::from(asked).min(fit) as u32,
+            steps,
+            field_steps,
+            copy_steps,
+            evaluations: self.evaluations,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::shape::Sphere;
+    use crate::scene::{Node, Scene, Shape, Surface};
+    use crate::shader::Structure;
+    use crate::tracer::{MAX_ITERATIONS, Profile, Settings};
+    use glam::Vec3;
+
+    /// A profile with the most iterations in a pass that may be requested.
+    fn asked(profile: Profile) -> Settings {
+        Settings::new(profile).with_iterations_per_pass(MAX_ITERATIONS)
+    }
+
+    fn balls(count: usize) -> Scene {
+        let mut scene = Scene::builtin("corner").unwrap();
+        let place = |i: usize| Vec3::new((i % 7) as f32, (i / 7 % 7) as f32, (i / 49) as f32);
+        let ball = |i| Surface::new(Node::Sphere(Sphere { radius: 0.3 })).at(1.5 * place(i));
+        scene.surfaces = (0..count).map(ball).collect();
+        scene
+    }
+
+    /// Protects the defaults of the built-in rooms: their passes are as long as they ever were.
+    #[test]
+    fn the_rooms_of_the_thesis_run_as_they_did() {
+        let corner = Scene::builtin("corner").unwrap();
+        for profile in Profile::ALL {
+            let settings = Settings::new(profile);
+            let budget = Budget::of(&corner, &settings);
+            assert_eq!(budget.iterations_per_pass, settings.iterations_per_pass);
+        }
+        let march = Budget::of(&corner, &Settings::march());
+        assert_eq!((march.steps, march.field_steps), (MAX_STEPS, 0));
+        let closed = Budget::of(&corner, &asked(Profile::Hybrid));
+        assert_eq!(closed.iterations_per_pass, MAX_ITERATIONS);
+    }
+
+    /// Protects slow fields from being given up early in `march`: what the few steps of the basic
+    /// shapes leave is theirs, and all loops together still keep to the limit.
+    #[test]
+    fn fields_have_what_the_basic_shapes_leave() {
+        let menger = Scene::builtin("menger").unwrap();
+        let march = Budget::of(&menger, &Settings::march());
+        let hybrid = Budget::of(&menger, &Settings::hybrid());
+        assert_eq!(march.steps, MAX_STEPS);
+        let share = f64::from(march.field_steps) / f64::from(hybrid.field_steps);
+        assert!(share > 0.9 && share < 1.0, "{march:?}, {hybrid:?}");
+        let structure = Structure::of(&menger, Lists::Overlapping);
+        let turns = StructureTurns::of(&Text::new(&menger, &structure));
+        let loops = turns.loops(None, Lists::Overlapping);
+        let field_turns = loops.all_fields.unwrap();
+        let turns = u64::from(march.steps) * (1 + loops.directed)
+            + u64::from(march.field_steps) * (FIELD_TURNS + field_turns);
+        assert!(turns + loops.projection < MOST_TURNS, "{turns} turns");
+    }
+
+    /// Protects traversals of copies without end from more turns than a driver takes, whatever is
+    /// repeated, and two flights of them in a pass.
+    #[test]
+    fn traversals_without_end_fit_a_pass() {
+        let ball = Shape::from(Sphere { radius: 0.1 });
+        let endless = ball.clone().repeat(Vec3::splat(1.0), [0; 3]);
+        let few = ball.repeat(Vec3::splat(0.3), [3; 3]);
+        let nested = few.repeat(Vec3::splat(2.0), [0; 3]);
+        for (field, steps, passes) in [(endless, MAX_COPY_STEPS, 2), (nested, 6_553, 1)] {
+            let mut scene = Scene::builtin("corner").unwrap();
+            scene.surfaces = vec![Surface::new(field)];
+            let budget = Budget::of(&scene, &asked(Profile::Hybrid));
+            assert_eq!(
+                (budget.copy_steps, budget.iterations_per_pass),
+                (steps, passes)
+            );
+            assert_eq!((budget.steps, budget.field_steps), (0, 0));
+            assert_eq!(Budget::of(&scene, &asked(Profile::March)).copy_steps, 0);
+        }
+    }
+
+    /// Protects the lists of cells from being left out of the count.
+    #[test]
+    fn lists_make_for_shorter_passes() {
+        for profile in Profile::ALL {
+            let settings = asked(profile);
+            let few = Budget::of(&balls(9), &settings).iterations_per_pass;
+            let many = Budget::of(&balls(40), &settings).iterations_per_pass;
+            let crowd = Budget::of(&balls(1000), &settings).iterations_per_pass;
+            assert!(few > many, "{profile}: {few}, {many}");
+            assert!(few > crowd && crowd >= 1, "{profile}: {few}, {crowd}");
+        }
+    }
+}

@@ -1,0 +1,429 @@
+//! Arrivals: the passes that take waves past a transparent listener.
+
+use super::Tracer;
+use super::arrivals::{
+    ArrivalCounts, ArrivalSettings, ArrivalTargets, Block, EventTable, Followed, LISTED_AT_MOST,
+    Listed, Replay, Start, WAVES_IN_BLOCK, WavesToFollow, listed_rows, open_volume,
+};
+use super::gpu_scene::check_uniforms;
+use super::prepared::{FramePrograms, PreparedFrame};
+use super::programs::{ScenePass, loops_asked};
+use super::targets::draw;
+use super::{Algorithm, Grid, MAX_ITERATIONS, Profile, Settings, TraceError};
+use crate::arrival::Arrival;
+use crate::bands::{BAND_COUNT, Bands};
+use crate::error::Error;
+use crate::gl::{Context, Program, RenderTarget};
+use crate::platform::Instant;
+use crate::scene::Scene;
+use crate::shader::{self, ArrivalsText, Materials, Structure};
+use glam::Vec4;
+use std::ops::Range;
+use std::rc::Rc;
+
+/// By how much farther than requested waves are followed, as a share: the GPU adds up in `f32`,
+/// which rounds by 6e-8 in each chunk, and there are 4,095 at most; what is too much is left
+/// out on the CPU.
+const FARTHER: f64 = 3e-4;
+
+/// Uniform vectors of the shader beside those of surfaces and materials, at most.
+const OWN_VECTORS: usize = 40;
+
+/// The constants of one call of [`Tracer::arrivals`].
+struct Run {
+    frame: PreparedFrame,
+    program: Rc<Program>,
+    replay: Replay,
+    /// The values of `uMaterials`.
+    materials: Vec<Vec4>,
+    /// The open volume of the listener's sphere.
+    open_volume_m3: f64,
+    /// Iterations of a wave at most.
+    iterations: u32,
+    /// Iterations of a chunk.
+    iterations_in_chunk: u32,
+    /// Bands that the waves carry.
+    bands: Range<usize>,
+    /// The waves of a block are followed while they have more than this share of their energy.
+    least_energy: f64,
+}
+
+/// A chunk to be drawn.
+struct Part {
+    first_wave: u32,
+    /// Whether the waves' starts are in the textures from which a chunk starts.
+    is_uploaded: bool,
+    first_iteration: u32,
+    iterations: u32,
+    rows: Range<u32>,
+}
+
+impl Part {
+    /// The next chunk, if waves are to be followed in some rows.
+    fn next(&self, run: &Run, rows: Range<u32>) -> Option<Part> {
+        let first_iteration = self.first_iteration + self.iterations;
+        let left = run.iterations - first_iteration;
+        (left > 0 && !rows.is_empty()).then(|| Part {
+            first_wave: self.first_wave,
+            is_uploaded: self.is_uploaded,
+            first_iteration,
+            iterations: left.min(run.iterations_in_chunk),
+            rows,
+        })
+    }
+}
+
+impl Tracer {
+    /// Follows waves past the listener, which stops none of them, and gives every crossing of its
+    /// sphere to `take`: in the order of the waves, for 262,144 waves and some iterations
+    /// at a time. The same input gives the same arrivals, bit for bit on one renderer. Where bands scatter
+    /// differently, the waves are followed once for each group of bands that scatter alike; the energies of
+    /// other bands are 0 then.
+    ///
+    /// Of `settings` the algorithm, the waves, the seed, the directions and the maximum distance
+    /// count; how far waves are followed is in `how`. `take` must use no GL.
+    ///
+    /// ```
+    /// use echomarch::gl::Context;
+    /// use echomarch::tracer::ArrivalSettings;
+    /// use echomarch::{Scene, Settings, Tracer};
+    ///
+    /// let mut tracer = Tracer::new(&Context::headless(&Default::default())?)?;
+    /// let scene = Scene::builtin("shoebox")?;
+    /// let settings = Settings::default().with_waves(4096);
+    /// let mut energy = 0.0;
+    /// let counts = tracer.arrivals(&scene, &settings, &ArrivalSettings::new(0.2), &mut |arrival| {
+    ///     energy += arrival.energy[4]; // at 1 kHz
+    /// })?;
+    /// assert!(counts.arrivals > 0 && energy > 0.0);
+    /// # Ok::<(), echomarch::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Tracer::frame`]; [`TraceError::NoArrivals`] in the profile `thesis`,
+    /// [`TraceError::BadSetting`] for numbers of `how` out of their range.
+    pub fn arrivals(
+        &mut self,
+        scene: &Scene,
+        settings: &Settings,
+        how: &ArrivalSettings,
+        take: &mut dyn FnMut(Arrival),
+    ) -> Result<ArrivalCounts, Error> {
+        let all = WavesToFollow::Numbers(0..settings.waves);
+        let mut counts = ArrivalCounts::of_none();
+        for bands in shader::band_groups(scene) {
+            let how = how.clone().with_bands(bands);
+            let followed = self.arrivals_of(scene, settings, &how, &all, take)?;
+            counts = counts.and(followed.counts());
+        }
+        Ok(counts)
+    }
+
+    /// Follows some of the waves, or waves whose starts are given, that carry `how.bands` together.
+    pub(crate) fn arrivals_of(
+        &mut self,
+        scene: &Scene,
+        settings: &Settings,
+        how: &ArrivalSettings,
+        waves: &WavesToFollow,
+        take: &mut dyn FnMut(Arrival),
+    ) -> Result<Followed, Error> {
+        let settings = match waves {
+            WavesToFollow::Numbers(_) => settings.clone(),
+            WavesToFollow::Starts { waves, .. } => settings.clone().with_waves(*waves),
+        };
+        let _entered = self.context.enter()?;
+        self.aside(|tracer| {
+            let run = tracer.prepare_arrivals(scene, &settings, how)?;
+            let mut counts = ArrivalCounts {
+                open_volume_m3: run.open_volume_m3,
+                ..ArrivalCounts::default()
+            };
+            let mut cut_off_m = Vec::new();
+            for numbers in waves.blocks(WAVES_IN_BLOCK) {
+                let starts = waves.starts(&numbers);
+                let starts = starts.as_deref();
+                let block = tracer.arrivals_of_block(&run, numbers, starts, &mut counts, take)?;
+                cut_off_m.extend(block.cut_off_m());
+            }
+            let waves = f64::from(settings.waves);
+            counts.energy_under_way = counts.energy_under_way.map(|energy| energy / waves);
+            Ok(Followed { counts, cut_off_m })
+        })
+    }
+
+    fn prepare_arrivals(
+        &mut self,
+        scene: &Scene,
+        settings: &Settings,
+        how: &ArrivalSettings,
+    ) -> Result<Run, Error> {
+        let profile = settings.profile();
+        if profile == Profile::Thesis {
+            let profile = profile.to_string();
+            return Err(TraceError::NoArrivals { profile }.into());
+        }
+        how.validate()?;
+        let mut settings = settings.clone().with_count_evaluations(false);
+        settings.algorithm = Algorithm::of(profile);
+        let materials = Materials::of(scene, how.bands.clone());
+        let asked = loops_asked(&settings);
+        let outputs = self.context.limits().most_outputs().min(how.outputs);
+        let march = (asked.algorithm, settings.directions);
+        let text = ArrivalsText::new(march, &materials, how.records, outputs);
+        let in_chunk = text.most_iterations().unwrap_or(MAX_ITERATIONS);
+        settings.iterations_per_pass = in_chunk.min(how.iterations_in_chunk);
+        let asked = loops_asked(&settings);
+        let structure = self.check_input(scene, &settings)?;
+        let values = materials.uniform_values(&structure.layout.unrolled);
+        check_materials(&self.context, scene, &structure, (&materials, &values))?;
+        // The scene's data are of this scene now.
+        self.give_up_marching();
+        self.scene
+            .set(scene, asked.algorithm, structure, &materials)?;
+        let open_volume_m3 = open_volume(scene);
+        let compiled = &self.scene.compiled;
+        let program = {
+            let programs = &mut self.shared.borrow_mut().programs;
+            let pass = ScenePass::Arrivals(text.clone());
+            programs.of_scene(&self.context, (scene, &compiled.structure), pass)?
+        };
+        let programs = FramePrograms::WholeFrame(Rc::clone(&program));
+        let (budget, now) = (compiled.budget(&asked), Instant::now());
+        let frame = PreparedFrame::new(scene, &settings, compiled, budget, programs, now);
+        self.provide_arrival_targets(&settings, &text)?;
+        Ok(Run {
+            iterations_in_chunk: iterations_in_chunk(&frame, &text),
+            materials: values,
+            replay: replay(scene, &settings, how, (materials, open_volume_m3)),
+            open_volume_m3,
+            iterations: how.iterations,
+            least_energy: how.least_energy,
+            bands: how.bands.clone(),
+            frame,
+            program,
+        })
+    }
+
+    /// Makes the textures where there are none of that kind for these waves.
+    fn provide_arrival_targets(
+        &mut self,
+        settings: &Settings,
+        text: &ArrivalsText,
+    ) -> Result<(), Error> {
+        let grid = Grid::new(settings.waves.min(WAVES_IN_BLOCK));
+        let will_do = |known: &ArrivalTargets| known.grid.waves >= grid.waves && known.is_for(text);
+        if !self.arrival_targets.as_ref().is_some_and(will_do) {
+            // The old textures have gone before the new ones come.
+            self.arrival_targets = None;
+            let targets = ArrivalTargets::new(&self.context, grid, text.clone())?;
+            self.arrival_targets = Some(targets);
+        }
+        Ok(())
+    }
+
+    /// Follows the waves of a block through all their chunks. While a chunk is drawn the one before
+    /// is added up.
+    fn arrivals_of_block(
+        &mut self,
+        run: &Run,
+        numbers: Range<u32>,
+        starts: Option<&[Start]>,
+        counts: &mut ArrivalCounts,
+        take: &mut dyn FnMut(Arrival),
+    ) -> Result<Block, Error> {
+        let Some(mut targets) = self.arrival_targets.take() else {
+            return Err(TraceError::NothingTraced.into());
+        };
+        let grid = Grid {
+            waves: numbers.len() as u32,
+            ..targets.grid
+        };
+        if let Some(starts) = starts {
+            targets.upload_starts(run.frame.start(), starts)?;
+        }
+        let energies = start_energies(run, starts, numbers.len());
+        let mut block = Block::new(numbers.start, grid, energies);
+        let mut part = Part {
+            first_wave: numbers.start,
+            is_uploaded: starts.is_some(),
+            first_iteration: 0,
+            iterations: run.iterations_in_chunk.min(run.iterations),
+            rows: 0..grid.waves.div_ceil(grid.width),
+        };
+        self.set_arrival_uniforms(run, grid);
+        self.draw_chunk(run, &targets, &part)?;
+        loop {
+            targets.read(part.rows.end)?;
+            block.rows = part.rows.clone();
+            let list = block.list(targets.tally(), targets.text.records);
+            let listed = self.draw_lists(run, &targets, &part, &list)?;
+            let next = part.next(run, block.rows_travelling(targets.tally()));
+            targets.flip();
+            if let Some(next) = &next {
+                self.draw_chunk(run, &targets, next)?;
+            }
+            let chunk = targets.chunk(&listed, part.iterations);
+            counts.arrivals += block.replay(&run.replay, &chunk, take);
+            match next {
+                // Without energy, the chunk that is being drawn is not read.
+                Some(next) if block.has_energy(run.least_energy) => part = next,
+                Some(_) => {
+                    block.end_flights();
+                    break;
+                }
+                None => break,
+            }
+        }
+        block.count(counts);
+        self.arrival_targets = Some(targets);
+        Ok(block)
+    }
+
+    fn set_arrival_uniforms(&self, run: &Run, grid: Grid) {
+        run.frame.set_march_uniforms();
+        self.scene.set_uniforms(&run.program);
+        let limit = run.replay.length_limit * (1.0 + FARTHER);
+        run.program.set_u32("uGridWidth", grid.width);
+        run.program.set_f32("uLengthLimit", limit as f32);
+        let scale = 1.0 / run.replay.chord_unit;
+        run.program.set_f32("uChordScale", scale as f32);
+        run.program.set_vec4_array("uMaterials", &run.materials);
+        if let Some(events) = &run.replay.events {
+            let count = events.materials().count();
+            run.program.set_f32("uMaterialCount", count as f32);
+        }
+    }
+
+    fn draw_chunk(&self, run: &Run, targets: &ArrivalTargets, part: &Part) -> Result<(), Error> {
+        let program = &run.program;
+        program.set_i32("uIsListed", 0);
+        program.set_texture("uList", 3, &targets.current()[0]);
+        self.draw_part(
+            run,
+            targets,
+            part,
+            targets.next(),
+            targets.grid,
+            part.rows.clone(),
+        )
+    }
+
+    /// Draws the waves that were listed, and reads their records back.
+    fn draw_lists(
+        &self,
+        run: &Run,
+        targets: &ArrivalTargets,
+        part: &Part,
+        list: &[Listed],
+    ) -> Result<Vec<Vec<f32>>, Error> {
+        let mut records = vec![Vec::new(); targets.text.records as usize];
+        let (width, height) = targets.list.size();
+        let grid = Grid {
+            waves: width * height,
+            width,
+            height,
+        };
+        for piece in list.chunks(LISTED_AT_MOST) {
+            targets.list.upload(piece)?;
+            let program = &run.program;
+            program.set_i32("uIsListed", 1);
+            program.set_texture("uList", 3, &targets.list.waves);
+            let rows = 0..listed_rows(piece.len());
+            self.draw_part(run, targets, part, &targets.list.target, grid, rows)?;
+            targets.list.read(piece.len(), &mut records)?;
+        }
+        Ok(records)
+    }
+
+    fn draw_part(
+        &self,
+        run: &Run,
+        targets: &ArrivalTargets,
+        part: &Part,
+        target: &RenderTarget,
+        grid: Grid,
+        rows: Range<u32>,
+    ) -> Result<(), Error> {
+        let program = &run.program;
+        let [origins, directions] = targets.current();
+        program.set_texture("uOrigins", 0, origins);
+        program.set_texture("uDirections", 1, directions);
+        self.scene.bind(program, 2);
+        let is_start = part.first_iteration == 0 && !part.is_uploaded;
+        program.set_i32("uIsStart", i32::from(is_start));
+        program.set_u32("uStartIteration", part.first_iteration);
+        program.set_u32("uFirstWave", part.first_wave);
+        program.set_i32("uIterationsInChunk", part.iterations as i32);
+        let evaluations = run.frame.evaluations(&self.context, part.iterations);
+        draw(&self.context, program, grid, target, evaluations, rows)
+    }
+}
+
+/// The energies of waves at the source, where they do not all stay 1.
+fn start_energies(run: &Run, starts: Option<&[Start]>, waves: usize) -> Vec<Bands> {
+    let of_weight = |weight: f64| {
+        std::array::from_fn(|band| match run.bands.contains(&band) {
+            true => weight,
+            false => 0.0,
+        })
+    };
+    if let Some(starts) = starts {
+        let energy = |start: &Start| of_weight(f64::from(start.weight));
+        return starts.iter().map(energy).collect();
+    }
+    let are_all_one = run.replay.events.is_none() && run.bands == (0..BAND_COUNT);
+    match !are_all_one {
+        true => vec![of_weight(1.0); waves],
+        false => Vec::new(),
+    }
+}
+
+/// Iterations of a chunk. Where the turns of loops limit them, the loop over words has its turns
+/// as well: there are fewer than an iteration has.
+fn iterations_in_chunk(frame: &PreparedFrame, text: &ArrivalsText) -> u32 {
+    let fit = frame.budget.iterations_per_pass;
+    let is_limited = fit < frame.settings.iterations_per_pass && text.event_bits > 0;
+    if is_limited { (fit - 1).max(1) } else { fit }
+}
+
+/// Materials that cannot be distinguished, or do not fit in the uniforms, are reported before anything is
+/// compiled.
+fn check_materials(
+    context: &Context,
+    scene: &Scene,
+    structure: &Structure,
+    (materials, values): (&Materials, &[Vec4]),
+) -> Result<(), TraceError> {
+    let bits = materials.bits();
+    if bits > Materials::MOST_BITS {
+        return Err(TraceError::BadSetting {
+            what: "materials of the scene",
+            must: format!("{} at the most", 1 << (Materials::MOST_BITS - 1)),
+            value: materials.count().to_string(),
+        });
+    }
+    if materials.is_empty() {
+        return Ok(());
+    }
+    check_uniforms(context, scene, structure, OWN_VECTORS + values.len())
+}
+
+fn replay(
+    scene: &Scene,
+    settings: &Settings,
+    how: &ArrivalSettings,
+    (of, volume): (Materials, f64),
+) -> Replay {
+    let density = match volume > 0.0 {
+        true => 1.0 / (volume * f64::from(settings.waves)),
+        false => 0.0,
+    };
+    Replay {
+        early_order: how.early_order,
+        length_limit: how.seconds * scene.speed_of_sound(),
+        chord_unit: 4.0 * f64::from(scene.listener.radius),
+        density,
+        events: EventTable::of(of),
+    }
+}

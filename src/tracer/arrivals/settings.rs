@@ -1,0 +1,225 @@
+//! Settings of arrivals, the waves that are followed and how they start, and counts.
+
+use super::super::TraceError;
+use super::super::settings::MAX_ITERATIONS;
+use super::{ITERATIONS_IN_CHUNK, RECORDS};
+use crate::bands::{self, BAND_COUNT, Bands};
+use glam::Vec3;
+use std::ops::Range;
+
+/// Settings of arrivals in addition to [`Settings`](crate::Settings), of which the waves, their
+/// directions and the algorithm count.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct ArrivalSettings {
+    /// Time in seconds: waves are followed until they have flown as far as sound does in it.
+    pub seconds: f64,
+    /// Maximum reflections of an arrival that is called early: 3 by default.
+    pub early_order: u32,
+    /// Maximum iterations of a wave, 1 … [`MAX_ITERATIONS`], even if it has flown less than the
+    /// time then: the upper limit by default.
+    pub iterations: u32,
+    /// Numbers of the octave bands that are traced: all by default. The energies of the others are 0.
+    pub(crate) bands: Range<usize>,
+    /// Waves are followed while those of a block together have more than this share of their initial energy, in some
+    /// band: 0 by default.
+    pub(crate) least_energy: f64,
+    /// Maximum iterations in a chunk.
+    pub(crate) iterations_in_chunk: u32,
+    /// Maximum recorded crossings of a wave in a pass.
+    pub(crate) records: u32,
+    /// Outputs of a pass at most, within the driver's limit.
+    pub(crate) outputs: u32,
+}
+
+impl ArrivalSettings {
+    /// The defaults for this time in seconds.
+    pub fn new(seconds: f64) -> ArrivalSettings {
+        ArrivalSettings {
+            seconds,
+            early_order: 3,
+            iterations: MAX_ITERATIONS,
+            bands: 0..BAND_COUNT,
+            least_energy: 0.0,
+            iterations_in_chunk: ITERATIONS_IN_CHUNK,
+            records: RECORDS,
+            outputs: u32::MAX,
+        }
+    }
+
+    /// Sets the order up to which arrivals are early.
+    pub fn with_early_order(mut self, order: u32) -> ArrivalSettings {
+        self.early_order = order;
+        self
+    }
+
+    /// Sets the limit of iterations.
+    pub fn with_iterations(mut self, iterations: u32) -> ArrivalSettings {
+        self.iterations = iterations;
+        self
+    }
+
+    /// Sets the bands that the waves carry.
+    pub(crate) fn with_bands(mut self, bands: Range<usize>) -> ArrivalSettings {
+        self.bands = bands;
+        self
+    }
+
+    /// Sets the share of their energy down to which waves are followed.
+    pub(crate) fn with_least_energy(mut self, share: f64) -> ArrivalSettings {
+        self.least_energy = share;
+        self
+    }
+
+    /// Checks every number against its range.
+    ///
+    /// # Errors
+    /// [`TraceError::BadSetting`] with the name, the range and the value.
+    pub fn validate(&self) -> Result<(), TraceError> {
+        let bad =
+            |what, must: String, value: String| Err(TraceError::BadSetting { what, must, value });
+        if !(self.seconds > 0.0 && self.seconds <= MOST_SECONDS) {
+            let must = format!("greater than 0 and at most {MOST_SECONDS}");
+            return bad(
+                "time of arrivals in seconds",
+                must,
+                self.seconds.to_string(),
+            );
+        }
+        if !(1..=MAX_ITERATIONS).contains(&self.iterations) {
+            let must = format!("1 to {MAX_ITERATIONS}");
+            return bad("iterations of arrivals", must, self.iterations.to_string());
+        }
+        Ok(())
+    }
+}
+
+/// The longest time that may be requested, in seconds: longer than any room sounds.
+const MOST_SECONDS: f64 = 1000.0;
+
+/// The waves whose arrivals are traced.
+pub(crate) enum WavesToFollow<'a> {
+    /// The waves of these numbers, in the directions that the settings give them, each with 1/N of the energy, N the waves
+    /// of the settings.
+    Numbers(Range<u32>),
+    /// Waves numbered from 0, whose starts are given by a function of a range of numbers.
+    Starts {
+        /// Number of waves.
+        waves: u32,
+        /// The starts of these numbers. The waves of the settings do not count.
+        of: &'a dyn Fn(Range<u32>) -> Vec<Start>,
+    },
+}
+
+/// How a wave starts from the source.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Start {
+    /// Its direction: a unit vector, world axes.
+    pub direction: Vec3,
+    /// Importance weight: the density of even directions divided by the density with which this one was drawn; 1 on
+    /// average, or a factor that all have in common.
+    pub weight: f32,
+}
+
+impl WavesToFollow<'_> {
+    /// The numbers of the waves, `waves` at a time.
+    pub(in crate::tracer) fn blocks(&self, waves: u32) -> impl Iterator<Item = Range<u32>> {
+        let Range { start, end } = match self {
+            WavesToFollow::Numbers(numbers) => numbers.clone(),
+            WavesToFollow::Starts { waves, .. } => 0..*waves,
+        };
+        let first = (start..end).step_by(waves as usize);
+        first.map(move |first| first..first.saturating_add(waves).min(end))
+    }
+
+    /// The starts of these waves, if they are given.
+    pub(in crate::tracer) fn starts(&self, numbers: &Range<u32>) -> Option<Vec<Start>> {
+        match self {
+            WavesToFollow::Numbers(_) => None,
+            WavesToFollow::Starts { of, .. } => Some(of(numbers.clone())),
+        }
+    }
+}
+
+/// The fates of the waves whose arrivals were traced.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct ArrivalCounts {
+    /// Number of followed waves: if bands scatter differently, the sum over the groups of bands.
+    pub waves: u64,
+    /// Number of returned arrivals.
+    pub arrivals: u64,
+    /// Waves that flew into the open, or never started because the source is in a solid.
+    pub gone: u64,
+    /// Waves that were given up at the step limit of a march.
+    pub step_limit_reached: u64,
+    /// Waves that flew as far as requested or, in a response, until their energy was inaudible.
+    pub flown: u64,
+    /// Waves that were cut off after [`ArrivalSettings::iterations`].
+    pub cut_off: u64,
+    /// Distance from the source in metres within which at most one in a thousand waves was cut off;
+    /// ∞ if at most that many were cut off in total.
+    pub followed_m: f64,
+    /// Traced iterations; waves of a later block may have needed more than those before.
+    pub iterations: u32,
+    /// Remaining energy of the waves that were cut off, by band, as a share of the source's energy.
+    pub energy_under_way: Bands,
+    /// Volume of the listener's sphere that is not in a solid, in m³.
+    pub open_volume_m3: f64,
+}
+
+impl ArrivalCounts {
+    /// Counts without waves.
+    pub(crate) fn of_none() -> ArrivalCounts {
+        ArrivalCounts {
+            followed_m: f64::INFINITY,
+            ..ArrivalCounts::default()
+        }
+    }
+
+    /// Adds counts of other bands or other waves past the same listener.
+    pub(crate) fn and(mut self, others: ArrivalCounts) -> ArrivalCounts {
+        self.waves += others.waves;
+        self.arrivals += others.arrivals;
+        self.gone += others.gone;
+        self.step_limit_reached += others.step_limit_reached;
+        self.flown += others.flown;
+        self.cut_off += others.cut_off;
+        self.followed_m = self.followed_m.min(others.followed_m);
+        self.iterations = self.iterations.max(others.iterations);
+        bands::add(&mut self.energy_under_way, &others.energy_under_way);
+        self.open_volume_m3 = others.open_volume_m3;
+        self
+    }
+}
+
+/// The fates of some of the waves.
+pub(crate) struct Followed {
+    /// Without [`followed_m`](ArrivalCounts::followed_m).
+    pub counts: ArrivalCounts,
+    /// Distances in metres that the cut-off waves had flown.
+    pub cut_off_m: Vec<f64>,
+}
+
+/// One wave in this number may be cut off without a report: a thousandth of the energy at most is then missing, as early
+/// as they ended (three thousandths where importance weights are up to 2.9).
+const CUT_OFF_UNTOLD: usize = 1000;
+
+impl Followed {
+    /// Adds other waves of the same settings.
+    pub fn and(mut self, others: Followed) -> Followed {
+        self.counts = self.counts.and(others.counts);
+        self.cut_off_m.extend(others.cut_off_m);
+        self
+    }
+
+    /// Completes the counts.
+    pub fn counts(mut self) -> ArrivalCounts {
+        self.cut_off_m.sort_by(f64::total_cmp);
+        let next = self
+            .cut_off_m
+            .get(self.counts.waves as usize / CUT_OFF_UNTOLD);
+        self.counts.followed_m = next.copied().unwrap_or(f64::INFINITY);
+        self.counts
+    }
+}

@@ -1,0 +1,190 @@
+//! The textures that the passes of arrivals draw to, and their read-back.
+
+use super::super::Grid;
+use super::super::waves::start_texels;
+use super::replay::{Chunk, Listed};
+use super::settings::Start;
+use crate::gl::{AsyncRead, Context, GpuError, RenderTarget, Texture};
+use crate::shader::ArrivalsText;
+
+/// Waves in a row of a list.
+const LIST_WIDTH: u32 = 256;
+
+/// Rows of a list.
+const LIST_HEIGHT: u32 = 64;
+
+/// Maximum waves drawn as one list.
+pub const LISTED_AT_MOST: usize = (LIST_WIDTH * LIST_HEIGHT) as usize;
+
+/// An entry of a list without a wave.
+const NO_WAVE: [f32; 4] = [-1.0, 0.0, 0.0, 0.0];
+
+/// Rows of a list of waves.
+pub fn listed_rows(waves: usize) -> u32 {
+    (waves as u32).div_ceil(LIST_WIDTH)
+}
+
+/// The textures for blocks of waves of one size.
+pub struct ArrivalTargets {
+    pub grid: Grid,
+    /// The text that defines the outputs.
+    pub text: ArrivalsText,
+    /// Two pairs of textures: position and status, direction and length of the waves.
+    states: [[Texture; 2]; 2],
+    /// The target of each pair, with the tally and the records, which both share.
+    chunks: [RenderTarget; 2],
+    current: usize,
+    /// Tally, words and records.
+    reads: Vec<AsyncRead>,
+    /// The texels that were read.
+    texels: Vec<Vec<f32>>,
+    pub list: ListTargets,
+    _shared: Vec<Texture>,
+}
+
+/// The textures for a list of waves.
+pub struct ListTargets {
+    pub waves: Texture,
+    pub target: RenderTarget,
+    first_record: usize,
+    _textures: Vec<Texture>,
+}
+
+impl ArrivalTargets {
+    pub fn new(
+        context: &Context,
+        grid: Grid,
+        text: ArrivalsText,
+    ) -> Result<ArrivalTargets, GpuError> {
+        let texture = || Texture::new(context, grid.width, grid.height);
+        let states = [[texture()?, texture()?], [texture()?, texture()?]];
+        let shared = textures(text.outputs() - ArrivalsText::TALLY, texture)?;
+        let target = |[first, second]: &[Texture; 2]| {
+            let all: Vec<&Texture> = [first, second].into_iter().chain(&shared).collect();
+            RenderTarget::new(context, &all)
+        };
+        let chunks = [target(&states[0])?, target(&states[1])?];
+        let reads = shared.iter().map(|_| AsyncRead::new(context));
+        Ok(ArrivalTargets {
+            grid,
+            states,
+            chunks,
+            current: 0,
+            reads: reads.collect::<Result<_, _>>()?,
+            texels: vec![Vec::new(); shared.len()],
+            list: ListTargets::new(context, &text)?,
+            text,
+            _shared: shared,
+        })
+    }
+
+    /// Whether these textures fit the outputs of such a text.
+    pub fn is_for(&self, text: &ArrivalsText) -> bool {
+        (self.text.has_words, self.text.records) == (text.has_words, text.records)
+    }
+
+    /// Puts waves at their start: with a common position and status, and separate directions.
+    pub fn upload_starts(&self, start: [f32; 4], starts: &[Start]) -> Result<(), GpuError> {
+        let texels = (self.grid.width * self.grid.height) as usize;
+        let directions = starts.iter().map(|start| start.direction);
+        let [origins, directions] = start_texels(start, directions, texels);
+        let [first, second] = self.current();
+        first.upload(origins.as_flattened())?;
+        second.upload(directions.as_flattened())
+    }
+
+    /// The waves at the start of a chunk.
+    pub fn current(&self) -> &[Texture; 2] {
+        &self.states[self.current]
+    }
+
+    /// The target of a chunk.
+    pub fn next(&self) -> &RenderTarget {
+        &self.chunks[1 - self.current]
+    }
+
+    /// The next chunk starts where the one just drawn ends.
+    pub fn flip(&mut self) {
+        self.current = 1 - self.current;
+    }
+
+    /// Reads back a chunk's results, up to a row.
+    pub fn read(&mut self, rows: u32) -> Result<(), GpuError> {
+        let target = &self.chunks[1 - self.current];
+        let first = ArrivalsText::TALLY as usize;
+        for (index, read) in self.reads.iter_mut().enumerate() {
+            read.begin(target, first + index, self.grid.width, rows)?;
+        }
+        for (read, texels) in self.reads.iter_mut().zip(&mut self.texels) {
+            read.wait(|floats| {
+                texels.clear();
+                texels.extend_from_slice(floats);
+            })?;
+        }
+        Ok(())
+    }
+
+    /// The tally read back.
+    pub fn tally(&self) -> &[f32] {
+        &self.texels[0]
+    }
+
+    /// The texels that were read, with the records of a list.
+    pub fn chunk<'a>(&'a self, listed: &'a [Vec<f32>], iterations: u32) -> Chunk<'a> {
+        let first_record = (self.text.first_record() - ArrivalsText::TALLY) as usize;
+        Chunk {
+            tally: self.tally(),
+            words: self.text.has_words.then(|| &self.texels[1][..]),
+            records: &self.texels[first_record..],
+            listed,
+            iterations,
+        }
+    }
+}
+
+impl ListTargets {
+    fn new(context: &Context, text: &ArrivalsText) -> Result<ListTargets, GpuError> {
+        let texture = || Texture::new(context, LIST_WIDTH, LIST_HEIGHT);
+        let textures = textures(text.outputs(), texture)?;
+        let all: Vec<&Texture> = textures.iter().collect();
+        Ok(ListTargets {
+            waves: texture()?,
+            target: RenderTarget::new(context, &all)?,
+            first_record: text.first_record() as usize,
+            _textures: textures,
+        })
+    }
+
+    /// Width and height in texels.
+    pub fn size(&self) -> (u32, u32) {
+        (LIST_WIDTH, LIST_HEIGHT)
+    }
+
+    /// Sets the waves of the list.
+    pub fn upload(&self, list: &[Listed]) -> Result<(), GpuError> {
+        let entry = |listed: &Listed| [listed.wave as f32, listed.passed_over as f32, 0.0, 0.0];
+        let mut entries: Vec<[f32; 4]> = list.iter().map(entry).collect();
+        entries.resize(LISTED_AT_MOST, NO_WAVE);
+        self.waves.upload(entries.as_flattened())
+    }
+
+    /// Appends the records of a list of `waves`, record by record.
+    pub fn read(&self, waves: usize, records: &mut [Vec<f32>]) -> Result<(), GpuError> {
+        let mut texels = Vec::new();
+        for (index, record) in records.iter_mut().enumerate() {
+            let attachment = self.first_record + index;
+            let rows = listed_rows(waves);
+            self.target
+                .read_into(attachment, LIST_WIDTH, rows, &mut texels)?;
+            record.extend_from_slice(&texels[..4 * waves]);
+        }
+        Ok(())
+    }
+}
+
+fn textures(
+    count: u32,
+    texture: impl Fn() -> Result<Texture, GpuError>,
+) -> Result<Vec<Texture>, GpuError> {
+    (0..count).map(|_| texture()).collect()
+}

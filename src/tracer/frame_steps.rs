@@ -1,0 +1,432 @@
+//! A frame in steps: begin, advance, and poll or wait.
+//!
+//! *Begin* checks the input and draws the waves at the source. *Advance* traces them for about
+//! the time that it is given: the rows of a pass that fit, in the order of the passes. After
+//! the last one it draws the panning pass, and requests a copy of the result in a pixel buffer.
+//! *Poll* and *wait* take the copy, when a fence signals that it is complete, and sum it.
+//!
+//! [`Tracer::frame`] is the three in a row. The result does not depend on how a frame was
+//! divided, or on what was drawn in between, bit for bit.
+
+use super::frame::in_milliseconds;
+use super::prepared::PreparedFrame;
+use super::read_back::ReadBack;
+use super::throughput::Progress;
+use super::{Frame, Milliseconds, Settings, TraceError};
+use super::{Tracer, Waves};
+use crate::error::Error;
+use crate::gl::glow;
+use crate::platform::Instant;
+use crate::scene::Scene;
+
+/// A frame begun and not yet collected.
+pub(super) struct FrameUnderWay {
+    pub prepared: PreparedFrame,
+    pub progress: Progress,
+    pub read_back: ReadBack,
+    /// Milliseconds that it took to ask for the result; none while not all passes are drawn.
+    asking: Option<f64>,
+}
+
+impl FrameUnderWay {
+    /// Whether all passes are drawn, so that only the result is missing.
+    pub fn is_drawn(&self) -> bool {
+        self.asking.is_some()
+    }
+}
+
+/// The contribution of each wave of a frame to either ear, as a texture: for drawing with the tracer's context, which
+/// [`Context::from_glow`](crate::gl::Context::from_glow) makes one of the caller's own.
+///
+/// Wave number n is the texel (n mod `width`, n / `width`), of four floats: shares to the left and to the right, which are 0
+/// for a wave that is not heard, else 1 together; two more that this crate alone uses. Texels beyond the last wave
+/// are to be left out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct FrameTexture {
+    /// GL's name for the texture: `TEXTURE_2D` of `RGBA32F`, with one level, not filtered, clamped to its edge. The tracer
+    /// owns it and draws to it: it holds this frame until the next call of the tracer, and goes with it at the latest.
+    pub texture: glow::Texture,
+    /// Texels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Waves.
+    pub waves: u32,
+}
+
+/// Frames in steps.
+impl Tracer {
+    /// Begins a frame of the scene in its current state. [`frame_advance`](Tracer::frame_advance)
+    /// traces its waves, [`frame_poll`](Tracer::frame_poll) or
+    /// [`frame_wait`](Tracer::frame_wait) gives its result, so that drawing in between is never
+    /// blocked. On a graphics card nothing here waits for the card.
+    ///
+    /// A frame begun before and not yet collected is given up. So is this one by any other
+    /// frame of this tracer before all of it is drawn.
+    ///
+    /// ```
+    /// use echomarch::gl::Context;
+    /// use echomarch::{Scene, Settings, Tracer};
+    ///
+    /// # fn main() -> Result<(), echomarch::Error> {
+    /// let mut tracer = Tracer::new(&Context::headless(&Default::default())?)?;
+    /// let mut scene = Scene::builtin("corner")?;
+    /// let settings = Settings::default().with_waves(4096);
+    /// for _picture in 0..3 {
+    ///     if !tracer.is_frame_pending() {
+    ///         scene.source.position.x += 0.1;
+    ///         tracer.frame_begin(&scene, &settings)?;
+    ///     }
+    ///     // For 4 ms of each picture.
+    ///     tracer.frame_advance(4.0)?;
+    ///     if let Some(frame) = tracer.frame_poll()? {
+    ///         println!("pan {:.3}", frame.panning.pan());
+    ///     }
+    /// }
+    /// // What is left of the last one, if anything is.
+    /// tracer.frame_wait()?;
+    /// assert!(!tracer.is_frame_pending());
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Tracer::frame`].
+    pub fn frame_begin(&mut self, scene: &Scene, settings: &Settings) -> Result<(), Error> {
+        let _entered = self.context.enter()?;
+        self.begin(scene, settings, Waves::Dropped)
+    }
+
+    /// Traces the frame begun for about this time in milliseconds, at least one row of waves;
+    /// without end for [`f64::INFINITY`]. Whether all of it is drawn now, so that
+    /// [`Tracer::frame_poll`] will give it.
+    ///
+    /// # Errors
+    /// [`TraceError::NoFrameBegun`] where no frame was begun, or it was collected or given up since;
+    /// [`TraceError::BadSetting`] for a time that is negative or no number;
+    /// [`Error::Gpu`] when the renderer fails; the frame is then given up.
+    pub fn frame_advance(&mut self, milliseconds: f64) -> Result<bool, Error> {
+        if milliseconds.is_nan() || milliseconds < 0.0 {
+            return Err(Error::from(TraceError::BadSetting {
+                what: "time of a frame in milliseconds",
+                must: "0 or more".to_owned(),
+                value: milliseconds.to_string(),
+            }));
+        }
+        if self.under_way.is_none() {
+            return Err(TraceError::NoFrameBegun.into());
+        }
+        let _entered = self.context.enter()?;
+        self.advance(milliseconds)
+    }
+
+    /// The frame begun, if it is complete; `None` if it is not yet, or if no frame was begun.
+    ///
+    /// Its `read_back` is the time of the copy and the sum, its `total` the time since it was
+    /// begun.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] when the renderer fails; the frame is then given up.
+    pub fn frame_poll(&mut self) -> Result<Option<Frame>, Error> {
+        let _entered = self.context.enter()?;
+        self.collect(false)
+    }
+
+    /// Traces the rest of the frame begun, and waits for it; `None` if no frame was begun.
+    ///
+    /// # Errors
+    /// As [`Tracer::frame_poll`].
+    pub fn frame_wait(&mut self) -> Result<Option<Frame>, Error> {
+        let _entered = self.context.enter()?;
+        self.advance(f64::INFINITY)?;
+        self.collect(true)
+    }
+
+    /// Whether a frame was begun and not yet collected.
+    pub fn is_frame_pending(&self) -> bool {
+        self.under_way.is_some()
+    }
+
+    /// Milliseconds spent on the march of a frame begun; `None` without one, and when
+    /// all of it is drawn.
+    pub fn frame_marching_for(&self) -> Option<f64> {
+        let marching = self.under_way.as_ref().filter(|frame| !frame.is_drawn());
+        marching.map(|frame| frame.progress.spent())
+    }
+
+    /// Traces one frame as [`Tracer::frame`] does, and leaves its result on the GPU, without reading it back. On a graphics
+    /// card it does not wait.
+    ///
+    /// ```
+    /// use echomarch::gl::Context;
+    /// use echomarch::{Scene, Settings, Tracer};
+    ///
+    /// let mut tracer = Tracer::new(&Context::headless(&Default::default())?)?;
+    /// let settings = Settings::default().with_waves(4096);
+    /// let result = tracer.frame_to_texture(&Scene::builtin("corner")?, &settings)?;
+    /// assert_eq!(result.width * result.height, result.waves);
+    /// # Ok::<(), echomarch::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Tracer::frame`].
+    pub fn frame_to_texture(
+        &mut self,
+        scene: &Scene,
+        settings: &Settings,
+    ) -> Result<FrameTexture, Error> {
+        let _entered = self.context.enter()?;
+        self.aside(|tracer| {
+            tracer.begin(scene, settings, Waves::Dropped)?;
+            let drawn = tracer.draw_to_its_end();
+            tracer.give_up();
+            drawn?;
+            let targets = tracer.targets()?;
+            Ok(FrameTexture {
+                texture: targets.contributions.raw(),
+                width: targets.grid.width,
+                height: targets.grid.height,
+                waves: targets.grid.waves,
+            })
+        })
+    }
+
+    /// Begin, advance and wait in a row. A frame that was begun before, and is drawn, can be
+    /// collected afterwards.
+    pub(super) fn frame_at_once(
+        &mut self,
+        scene: &Scene,
+        settings: &Settings,
+    ) -> Result<Frame, Error> {
+        self.begin(scene, settings, Waves::Dropped)?;
+        self.frame_to_its_end()
+    }
+
+    /// Traces the rest of the frame begun.
+    pub(super) fn frame_to_its_end(&mut self) -> Result<Frame, Error> {
+        self.advance(f64::INFINITY)?;
+        Ok(self.collect(true)?.ok_or(TraceError::NothingTraced)?)
+    }
+
+    /// All passes of the frame begun, without asking for its result.
+    fn draw_to_its_end(&mut self) -> Result<(), Error> {
+        let mut frame = self.under_way.take().ok_or(TraceError::NothingTraced)?;
+        self.march_for(&mut frame, f64::INFINITY)?;
+        self.targets()?.pan(&frame.prepared)?;
+        self.under_way = Some(frame);
+        Ok(())
+    }
+
+    /// Does something with frames of its own, and leaves a frame that is drawn as it was.
+    pub(super) fn aside<T>(
+        &mut self,
+        what: impl FnOnce(&mut Tracer) -> Result<T, Error>,
+    ) -> Result<T, Error> {
+        let mut drawn = self.under_way.take_if(|frame| frame.is_drawn());
+        if let Some(frame) = &mut drawn {
+            frame.progress.spend(self.throughput.take());
+        }
+        let done = what(self);
+        if drawn.is_some() {
+            self.give_up();
+            self.under_way = drawn;
+        }
+        done
+    }
+
+    pub(super) fn begin(
+        &mut self,
+        scene: &Scene,
+        settings: &Settings,
+        keep: Waves,
+    ) -> Result<(), Error> {
+        let prepared = self.prepare(scene, settings, keep)?;
+        self.give_up();
+        let mut read_back = match self.spare.take() {
+            Some(read_back) => read_back,
+            None => ReadBack::new(&self.context)?,
+        };
+        self.throughput
+            .select(prepared.programs.march(), prepared.grid);
+        read_back.timer.restart()?;
+        self.targets()?.initialise(&prepared)?;
+        read_back.timer.mark()?;
+        let iterations_per_pass = prepared.budget.iterations_per_pass;
+        self.under_way = Some(FrameUnderWay {
+            progress: Progress::new(&prepared.settings, iterations_per_pass),
+            prepared,
+            read_back,
+            asking: None,
+        });
+        Ok(())
+    }
+
+    /// Gives up a frame that is not drawn yet. Of one that is drawn the result is elsewhere.
+    pub(super) fn give_up_marching(&mut self) {
+        if self.frame_marching_for().is_some() {
+            self.give_up();
+        }
+    }
+
+    /// Forgets the frame in progress, but keeps its timer and read-back.
+    pub(super) fn give_up(&mut self) {
+        if let Some(frame) = self.under_way.take() {
+            self.spare = Some(frame.read_back);
+        }
+    }
+
+    fn advance(&mut self, milliseconds: f64) -> Result<bool, Error> {
+        // After an error there is none.
+        let Some(mut frame) = self.under_way.take() else {
+            return Ok(true);
+        };
+        if !frame.is_drawn() {
+            self.march_for(&mut frame, milliseconds)?;
+        }
+        if !frame.is_drawn() && frame.progress.is_over() {
+            self.pan_and_ask(&mut frame)?;
+        }
+        let is_drawn = frame.is_drawn();
+        self.under_way = Some(frame);
+        Ok(is_drawn)
+    }
+
+    /// Draws rows of waves, at least one, until the time in milliseconds is used up or all
+    /// passes are drawn.
+    pub(super) fn march_for(
+        &mut self,
+        frame: &mut FrameUnderWay,
+        milliseconds: f64,
+    ) -> Result<(), Error> {
+        let FrameUnderWay {
+            prepared, progress, ..
+        } = frame;
+        // Tracers that share the program set its uniforms too.
+        self.set_march_uniforms(prepared);
+        progress.last_call_took(self.throughput.take());
+        self.throughput.begin_call()?;
+        let (mut left, mut work) = (milliseconds, 0.0);
+        while !progress.is_over() {
+            let iterations = progress.iterations_in_pass;
+            let is_first = work == 0.0;
+            let fit = match self.throughput.rows(iterations, left) {
+                Some(rows) => rows,
+                None if is_first => prepared.first_rows(iterations),
+                None => 0,
+            };
+            if !is_first && fit == 0 {
+                break;
+            }
+            let rows = fit.clamp(1, prepared.grid.height - progress.rows);
+            let rows_drawn = progress.rows..progress.rows + rows;
+            self.targets()?
+                .march_rows(prepared, &self.scene, iterations, rows_drawn)?;
+            let part = f64::from(rows) * f64::from(iterations);
+            match self.throughput.end_part(part)? {
+                Some(took) => {
+                    progress.spend(took);
+                    left -= took;
+                }
+                None => left -= self.throughput.foreseen(part),
+            }
+            work += part;
+            progress.rows += rows;
+            if progress.rows == prepared.grid.height {
+                self.flip();
+                progress.next_pass();
+            }
+        }
+        Ok(self.throughput.end_call(work)?)
+    }
+
+    fn pan_and_ask(&mut self, frame: &mut FrameUnderWay) -> Result<(), Error> {
+        frame.read_back.timer.mark()?;
+        self.targets()?.pan(&frame.prepared)?;
+        frame.read_back.timer.mark()?;
+        let asking = Instant::now();
+        let on_gpu = frame.prepared.settings.sum_on_gpu;
+        self.targets()?.ask(&mut frame.read_back, on_gpu)?;
+        frame.asking = Some(in_milliseconds(asking.elapsed()));
+        Ok(())
+    }
+
+    fn collect(&mut self, wait: bool) -> Result<Option<Frame>, Error> {
+        // After an error there is none.
+        let Some(mut frame) = self.under_way.take_if(|frame| frame.is_drawn()) else {
+            return Ok(None);
+        };
+        if wait {
+            // Waits for the passes, whose time does not count as read-back.
+            frame.read_back.initialise_and_pan();
+        }
+        let reading = Instant::now();
+        let PreparedFrame { settings, grid, .. } = &frame.prepared;
+        let Some((panning, counts)) = frame.read_back.sum(settings, *grid, wait)? else {
+            self.under_way = Some(frame);
+            return Ok(None);
+        };
+        let read_back = frame.asking.unwrap_or_default() + in_milliseconds(reading.elapsed());
+        frame.progress.spend(self.throughput.take());
+        let [initialise, pan] = frame.read_back.initialise_and_pan();
+        let milliseconds = Milliseconds {
+            initialise,
+            march: frame.progress.spent(),
+            pan,
+            read_back,
+            total: in_milliseconds(frame.prepared.began.elapsed()),
+        };
+        self.spare = Some(frame.read_back);
+        Ok(Some(Frame {
+            panning,
+            counts,
+            milliseconds,
+        }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::throughput::Throughput;
+    use super::*;
+    use crate::gl::{Context, ContextOptions, GpuTimer};
+
+    /// Protects graphics cards, whose timers do not wait, on machines without one: a frame in one
+    /// call or in many is the same frame, and without any time each call draws one row. Software
+    /// renderers have timestamp queries too, though with wrong times.
+    #[test]
+    fn a_timer_that_does_not_wait_changes_no_frame() {
+        let context = Context::headless(&ContextOptions::default()).unwrap();
+        let (scene, settings) = (
+            Scene::builtin("corner").unwrap(),
+            Settings::default().with_waves(1000),
+        );
+        let mut waiting = Tracer::new(&context).unwrap();
+        let expected = waiting.frame(&scene, &settings).unwrap();
+        let by_query = || GpuTimer::of_kind(&context, true);
+        let mut tracer = Tracer::new(&context).unwrap();
+        tracer.throughput = Throughput::new(by_query());
+        let mut read_back = ReadBack::new(&context).unwrap();
+        read_back.timer = by_query();
+        tracer.spare = Some(read_back);
+        let whole = tracer.frame(&scene, &settings).unwrap();
+        assert_eq!(
+            (whole.panning, whole.counts),
+            (expected.panning, expected.counts)
+        );
+        tracer.frame_begin(&scene, &settings).unwrap();
+        let under_way = tracer.under_way.as_ref().unwrap();
+        let per_pass = under_way.prepared.budget.iterations_per_pass;
+        let passes = settings.iterations.div_ceil(per_pass);
+        let rows = passes * under_way.prepared.grid.height;
+        for row in 1..=rows {
+            assert!(tracer.frame_poll().unwrap().is_none());
+            assert_eq!(tracer.frame_advance(0.0).unwrap(), row == rows);
+        }
+        let parts = tracer.frame_wait().unwrap().unwrap();
+        assert_eq!(
+            (parts.panning, parts.counts),
+            (expected.panning, expected.counts)
+        );
+    }
+}

@@ -1,0 +1,147 @@
+//! A compiled scene on the GPU: its data as a list that shaders read by index, its values as uniforms.
+//!
+//! A tracer has one, and so has a view in a window. It is kept from frame to frame: the compiled scene is
+//! updated in place, and its data are only sent again when they have changed.
+
+use super::TraceError;
+#[cfg(feature = "picture")]
+use super::programs::compile_with_scene;
+#[cfg(feature = "picture")]
+use super::user_fields::UserFields;
+use crate::error::Error;
+use crate::gl::{Context, DataList, Program};
+use crate::scene::Scene;
+use crate::shader::{AlgorithmText, CompiledScene, DATA_WIDTH, Materials, Structure};
+
+/// Uniform vectors of any of the shaders beside those of the surfaces, at most.
+pub(super) const OWN_UNIFORM_VECTORS: usize = 16;
+
+/// The algorithm whose scene pictures read: the distance to everything, in world coordinates.
+#[cfg(feature = "picture")]
+const OF_PICTURES: AlgorithmText = AlgorithmText::Thesis;
+
+/// A compiled scene on the GPU.
+pub(crate) struct GpuScene {
+    list: DataList,
+    /// The scene that was set last.
+    pub(super) compiled: CompiledScene,
+}
+
+impl GpuScene {
+    /// One without a scene.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] when the renderer fails.
+    pub fn new(context: &Context) -> Result<GpuScene, Error> {
+        Ok(GpuScene {
+            list: DataList::new(context, DATA_WIDTH)?,
+            compiled: CompiledScene::default(),
+        })
+    }
+
+    /// Compiles the scene in its current state, and sends its data. The arguments are those of
+    /// [`CompiledScene::update`].
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] when the renderer fails.
+    pub fn set(
+        &mut self,
+        scene: &Scene,
+        algorithm: AlgorithmText,
+        structure: Structure,
+        materials: &Materials,
+    ) -> Result<(), Error> {
+        self.compiled.update(scene, algorithm, structure, materials);
+        Ok(self.list.set(&self.compiled.data)?)
+    }
+
+    /// Sets the scene's uniforms of a program, except the data themselves.
+    pub fn set_uniforms(&self, program: &Program) {
+        program.set_vec4_array("uSurfaces", &self.compiled.values);
+        if let Some(first) = self.compiled.material_table {
+            program.set_i32("uMaterialTable", first as i32);
+        }
+        let Some(cells) = &self.compiled.cell_data else {
+            return;
+        };
+        program.set_vec3("uCellOrigin", cells.origin);
+        program.set_vec3("uCellSize", cells.cell);
+        program.set_vec3("uCellCount", cells.count);
+        program.set_i32("uCells", cells.cells);
+        program.set_i32("uGroups", cells.groups);
+        program.set_i32("uGroupCount", cells.group_count);
+        program.set_i32("uDirectory", cells.directory);
+        program.set_vec4_array("uGrids", &cells.grids);
+    }
+
+    /// Binds the data to a texture unit for a program.
+    pub fn bind(&self, program: &Program, unit: u32) {
+        self.list.bind(program, "uSceneData", unit);
+    }
+}
+
+/// Pictures of scenes.
+#[cfg(feature = "picture")]
+impl GpuScene {
+    /// The structure of a scene as pictures read it.
+    pub fn picture_structure(scene: &Scene) -> Structure {
+        OF_PICTURES.structure(scene)
+    }
+
+    /// Compiles the program of a picture around a scene, which is checked first, users' fields included. The text is
+    /// written only for a scene that fits.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] and [`Error::Trace`] for a scene that cannot be drawn, [`Error::Gpu`] when the
+    /// renderer fails.
+    pub fn picture_program(
+        context: &Context,
+        scene: &Scene,
+        structure: &Structure,
+        label: &str,
+        text: impl FnOnce() -> String,
+    ) -> Result<Program, Error> {
+        structure.check(scene)?;
+        check_uniforms(context, scene, structure, OWN_UNIFORM_VECTORS)?;
+        let text = text();
+        UserFields::default().check(context, scene, structure, || text.clone())?;
+        compile_with_scene(context, scene, label, &text)
+    }
+
+    /// Makes it this scene, and sets all that the program of a picture reads of it.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] when the renderer fails.
+    pub fn set_picture(
+        &mut self,
+        scene: &Scene,
+        structure: Structure,
+        program: &Program,
+    ) -> Result<(), Error> {
+        self.set(scene, OF_PICTURES, structure, &Materials::default())?;
+        self.set_uniforms(program);
+        self.bind(program, 0);
+        Ok(())
+    }
+}
+
+/// Surfaces that do not fit in the uniforms are reported before anything is compiled. The shader needs `own`
+/// vectors beside those of the surfaces.
+pub(super) fn check_uniforms(
+    context: &Context,
+    scene: &Scene,
+    structure: &Structure,
+    own: usize,
+) -> Result<(), TraceError> {
+    let needed = structure.uniform_count(scene) + own;
+    let limit = context.limits().max_fragment_uniform_vectors as usize;
+    if needed <= limit {
+        return Ok(());
+    }
+    Err(TraceError::TooManySurfaces {
+        surfaces: scene.surfaces.len(),
+        needed,
+        limit,
+        renderer: context.renderer().to_owned(),
+    })
+}

@@ -1,0 +1,125 @@
+//! The search for waves that reach the listener, and their paths.
+
+use super::Tracer;
+use super::{Fate, Settings, Wave};
+use crate::error::Error;
+use crate::scene::Scene;
+use glam::Vec3;
+
+/// Traces waves with one seed after another, and keeps the start directions of those searched
+/// for. Tracing these again gives their paths.
+#[derive(Clone, Debug, Default)]
+pub struct HeardSearch {
+    /// Of waves that reached the listener.
+    pub heard: Vec<Vec3>,
+    /// Of other waves.
+    pub others: Vec<Vec3>,
+    /// Times that waves were traced.
+    pub searches: u32,
+}
+
+/// Directions that are kept at most.
+#[derive(Clone, Copy, Debug)]
+pub struct MostKept {
+    pub heard: usize,
+    pub others: usize,
+}
+
+impl HeardSearch {
+    /// Traces the waves of `settings`, each time with the next seed, and keeps the first ones
+    /// of them.
+    ///
+    /// # Errors
+    /// As [`Tracer::frame`].
+    pub fn search(
+        &mut self,
+        tracer: &mut Tracer,
+        scene: &Scene,
+        settings: &Settings,
+        most: MostKept,
+    ) -> Result<(), Error> {
+        let settings = Settings {
+            seed: settings.seed.wrapping_add(self.searches),
+            ..settings.clone()
+        };
+        self.searches += 1;
+        let (_, waves) = tracer.frame_with_waves(scene, &settings)?;
+        for wave in waves {
+            let (kept, most) = match wave.fate() {
+                Fate::Listener => (&mut self.heard, most.heard),
+                Fate::Dead | Fate::Travelling | Fate::NotFinite => (&mut self.others, most.others),
+            };
+            if kept.len() < most {
+                kept.push(wave.start_direction);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Waves that are traced at a time: some 10 MB are read back of them.
+const AT_A_TIME: u32 = 1 << 18;
+
+/// Waves that reached the listener, and their paths.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct HeardPaths {
+    /// As [`Tracer::paths`] gives them, but only of waves that reached the listener; empty
+    /// without any.
+    pub paths: Vec<Vec<Wave>>,
+    /// Waves that were traced to find them.
+    pub traced: u64,
+}
+
+impl HeardPaths {
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.paths.first().map_or(0, Vec::len)
+    }
+
+    /// Adds one wave of the states that [`Tracer::paths`] gave.
+    fn add(&mut self, states: &[Vec<Wave>], wave: usize) {
+        self.paths.resize_with(states.len(), Vec::new);
+        for (all, state) in self.paths.iter_mut().zip(states) {
+            all.push(state[wave]);
+        }
+    }
+
+    /// Implements [`Tracer::heard_paths`].
+    pub(super) fn search(
+        tracer: &mut Tracer,
+        scene: &Scene,
+        settings: &Settings,
+        wanted: usize,
+        most: u64,
+    ) -> Result<HeardPaths, Error> {
+        let (mut found, mut search) = (HeardPaths::default(), HeardSearch::default());
+        let at_a_time = settings.waves.min(AT_A_TIME);
+        let settings = settings.clone().with_waves(at_a_time);
+        while found.count() < wanted && found.traced < most {
+            let most = MostKept {
+                heard: wanted - found.count(),
+                others: 0,
+            };
+            search.search(tracer, scene, &settings, most)?;
+            found.traced += u64::from(settings.waves);
+            let starts = std::mem::take(&mut search.heard);
+            if !starts.is_empty() {
+                let states = tracer.trace_directions(scene, &settings, &starts)?;
+                // Made a unit vector once more a direction may differ by a rounding.
+                let heard = (0..starts.len()).filter(|&wave| reaches_listener(&states, wave));
+                heard.for_each(|wave| found.add(&states, wave));
+            }
+        }
+        Ok(found)
+    }
+}
+
+/// Whether a wave of [`Tracer::paths`] reached the listener before it died.
+fn reaches_listener(states: &[Vec<Wave>], wave: usize) -> bool {
+    let fates = states.iter().map(|waves| waves[wave].fate());
+    fates
+        .into_iter()
+        .find(|fate| *fate != Fate::Travelling)
+        .is_some_and(|fate| fate == Fate::Listener)
+}

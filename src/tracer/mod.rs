@@ -1,0 +1,444 @@
+//! From a scene and settings to a frame: sphere tracing on the GPU.
+//!
+//! One frame runs as in figure 6 of the thesis:
+//!
+//! 1. *initialise*: one texel = one wave, at the source, in its own direction;
+//! 2. *march*, once an iteration: every wave to the next object, the two texture
+//!    pairs swapping roles;
+//! 3. *pan*: what each wave that reached the listener gives to either side;
+//! 4. one read-back of that one texture, summed on the CPU to a [`Panning`].
+//!
+//! The state of a wave never leaves the GPU in between. Departures from the thesis
+//! are documented where they are made, in `glsl/`, and together in `docs/thesis.md`.
+
+mod arrival_passes;
+mod arrivals;
+mod error;
+mod field_trial;
+mod frame;
+mod frame_steps;
+mod gpu_scene;
+mod heard_paths;
+mod prepared;
+mod programs;
+mod read_back;
+mod reload;
+mod settings;
+mod targets;
+#[cfg(test)]
+mod tests;
+mod throughput;
+mod user_fields;
+mod waves;
+
+use crate::error::Error;
+use crate::gl::{Context, GpuTimer};
+use crate::platform::Instant;
+use crate::scene::Scene;
+#[doc(hidden)]
+pub use crate::shader::Budget;
+pub use crate::shader::Directions;
+use crate::shader::{Materials, Structure};
+use arrivals::ArrivalTargets;
+pub use arrivals::{ArrivalCounts, ArrivalSettings};
+pub(crate) use arrivals::{Followed, Start, WavesToFollow};
+pub use error::TraceError;
+#[cfg(not(target_arch = "wasm32"))]
+pub use field_trial::answer_field_trial;
+pub use field_trial::{FieldTrial, TrialCommand};
+use frame::timed;
+pub use frame::{Counts, Frame, Milliseconds, Panning};
+pub use frame_steps::FrameTexture;
+use frame_steps::FrameUnderWay;
+use glam::Vec3;
+pub(crate) use gpu_scene::GpuScene;
+use gpu_scene::{OWN_UNIFORM_VECTORS, check_uniforms};
+pub use heard_paths::HeardPaths;
+#[doc(hidden)]
+pub use heard_paths::{HeardSearch, MostKept};
+use prepared::{FramePrograms, PreparedFrame, set_direction_uniforms};
+#[doc(hidden)]
+pub use programs::{Pass, shader_text};
+use programs::{Programs, ScenePass, WavePass, loops_asked, march_options, march_text, structure};
+use read_back::{GpuSum, ReadBack};
+#[doc(hidden)]
+pub use reload::Opening;
+pub use reload::{Reload, Reloading};
+pub use settings::{
+    Algorithm, HybridOptions, MAX_ITERATIONS, MAX_WAVES, MarchOptions, Profile, Settings,
+    ThesisOptions,
+};
+#[doc(hidden)]
+pub use settings::{MARCHES_PER_PASS, MarchVariant};
+use std::cell::RefCell;
+use std::rc::Rc;
+use std::time::Duration;
+use targets::{Targets, check_waves};
+use throughput::Throughput;
+use user_fields::UserFields;
+pub(crate) use waves::Grid;
+pub use waves::{Fate, Wave};
+#[cfg(test)]
+pub(crate) use waves::{STATUS_DEAD, STATUS_LISTENER, STATUS_STARTED};
+use waves::{unit_directions, waves};
+
+/// Traces frames. Programs and textures are kept from frame to frame: a frame that
+/// only moves things compiles nothing and allocates nothing on the GPU. With many scenes and
+/// profiles in turns the programs used last are kept, a dozen of them.
+///
+/// Every call makes the tracer's context current, whatever the caller has made current in the
+/// meantime, and a context of the caller's own (EGL) is current again when the call returns.
+/// [`Context::from_glow`] traces on that context itself.
+///
+/// ```
+/// use echomarch::gl::{Context, ContextOptions};
+/// use echomarch::{Scene, Settings, Tracer};
+///
+/// let context = Context::headless(&ContextOptions::default())?;
+/// let mut tracer = Tracer::new(&context)?;
+/// let mut scene = Scene::builtin("corner")?;
+/// let settings = Settings::default().with_waves(1024);
+/// let ahead = tracer.frame(&scene, &settings)?;
+/// let compiled = tracer.programs_compiled();
+///
+/// scene.listener.yaw = 1.5; // to the right, in radians
+/// let turned = tracer.frame(&scene, &settings)?;
+/// assert_ne!(ahead.panning, turned.panning);
+/// assert_eq!(tracer.programs_compiled(), compiled);
+/// # Ok::<(), echomarch::Error>(())
+/// ```
+///
+/// A frame has three steps: begin, advance, and poll or wait
+/// ([`frame_begin`](Tracer::frame_begin) shows them); [`frame`](Tracer::frame) takes them in a
+/// row.
+pub struct Tracer {
+    context: Context,
+    shared: Rc<RefCell<SharedPrograms>>,
+    targets: Option<Targets>,
+    arrival_targets: Option<ArrivalTargets>,
+    scene: GpuScene,
+    throughput: Throughput,
+    under_way: Option<FrameUnderWay>,
+    /// The timer and read-back of the last frame, for the next one.
+    spare: Option<ReadBack>,
+}
+
+/// Whether the waves of a frame are requested, besides what is heard of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Waves {
+    Kept,
+    Dropped,
+}
+
+/// The part that tracers may share.
+#[derive(Default)]
+struct SharedPrograms {
+    programs: Programs,
+    /// The fields that were checked.
+    user_fields: UserFields,
+}
+
+impl Tracer {
+    /// A tracer on `context`. Programs are compiled when they are first needed.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] when the renderer fails.
+    pub fn new(context: &Context) -> Result<Tracer, Error> {
+        Tracer::with(context, Rc::default())
+    }
+
+    /// Another tracer on the same context, with textures and a frame in progress of its own,
+    /// for another count of waves. The two share their programs: what the one has compiled,
+    /// the other need not.
+    ///
+    /// # Errors
+    /// As [`Tracer::new`].
+    pub fn with_shared_programs(&self) -> Result<Tracer, Error> {
+        Tracer::with(&self.context, Rc::clone(&self.shared))
+    }
+
+    fn with(context: &Context, shared: Rc<RefCell<SharedPrograms>>) -> Result<Tracer, Error> {
+        let _entered = context.enter()?;
+        Ok(Tracer {
+            context: context.clone(),
+            shared,
+            targets: None,
+            arrival_targets: None,
+            scene: GpuScene::new(context)?,
+            throughput: Throughput::new(GpuTimer::new(context)),
+            under_way: None,
+            spare: None,
+        })
+    }
+
+    /// The context that the frames run on.
+    pub fn context(&self) -> &Context {
+        &self.context
+    }
+
+    /// How the times of passes are taken.
+    pub fn clock_name(&self) -> &'static str {
+        self.throughput.timer_name()
+    }
+
+    /// Programs compiled since the tracer was made, by it and by those that
+    /// [share its programs](Tracer::with_shared_programs).
+    pub fn programs_compiled(&self) -> usize {
+        self.shared.borrow().programs.compiled()
+    }
+
+    /// Checks all that a frame needs, users' fields included, and compiles its programs, but
+    /// traces nothing. What passes can be traced with these settings.
+    ///
+    /// # Errors
+    /// As [`Tracer::frame`].
+    pub fn check(&mut self, scene: &Scene, settings: &Settings) -> Result<(), Error> {
+        let _entered = self.context.enter()?;
+        let structure = self.check_input(scene, settings)?;
+        let budget = || Budget::of_structure(scene, structure.clone(), settings);
+        let as_one = fits_one_pass(scene, settings, budget);
+        self.programs(scene, &structure, settings, as_one)?;
+        Ok(())
+    }
+
+    /// Traces one frame of the scene in its current state.
+    ///
+    /// The first frame of a scene's structure compiles its programs, and the first of a count
+    /// of waves makes its textures; neither is in the frame's times.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] and [`Error::Trace`] for input that cannot be traced,
+    /// [`Error::Gpu`] when the renderer fails.
+    pub fn frame(&mut self, scene: &Scene, settings: &Settings) -> Result<Frame, Error> {
+        let _entered = self.context.enter()?;
+        self.aside(|tracer| tracer.frame_at_once(scene, settings))
+    }
+
+    /// Traces one frame and reads back every wave, in order. The frame's times are without
+    /// this reading.
+    ///
+    /// # Errors
+    /// As [`Tracer::frame`].
+    pub fn frame_with_waves(
+        &mut self,
+        scene: &Scene,
+        settings: &Settings,
+    ) -> Result<(Frame, Vec<Wave>), Error> {
+        let _entered = self.context.enter()?;
+        self.aside(|tracer| {
+            tracer.begin(scene, settings, Waves::Kept)?;
+            let origin = tracer.scene.compiled.origin();
+            let (starts, reading) = timed(|| tracer.targets()?.read_pair())?;
+            let mut frame = tracer.frame_to_its_end()?;
+            frame.milliseconds.total -= reading;
+            let ends = tracer.targets()?.read_pair()?;
+            Ok((frame, waves(&starts, &ends, origin)))
+        })
+    }
+
+    /// Follows every wave: its state after the start and after each iteration.
+    ///
+    /// The outer list has `settings.iterations + 1` entries, the inner ones a wave
+    /// each. Meant for pictures and comparisons.
+    ///
+    /// # Errors
+    /// As [`Tracer::frame`].
+    pub fn paths(&mut self, scene: &Scene, settings: &Settings) -> Result<Vec<Vec<Wave>>, Error> {
+        let _entered = self.context.enter()?;
+        let frame = self.prepare(scene, settings, Waves::Kept)?;
+        self.targets()?.initialise(&frame)?;
+        self.follow(&frame)
+    }
+
+    /// Follows one wave for each of `directions`, which leave the scene's source along
+    /// them: as [`Tracer::paths`], except for the start. `settings.waves`, `seed` and
+    /// `directions` do not matter.
+    ///
+    /// World axes. A direction of any length but 0 will do: it is made a unit vector.
+    ///
+    /// # Errors
+    /// As [`Tracer::frame`]; [`BadSetting`](TraceError::BadSetting) for a direction that
+    /// is 0 or not finite, and for none at all.
+    pub fn trace_directions(
+        &mut self,
+        scene: &Scene,
+        settings: &Settings,
+        directions: &[Vec3],
+    ) -> Result<Vec<Vec<Wave>>, Error> {
+        let _entered = self.context.enter()?;
+        let units = unit_directions(directions)?;
+        let waves = u32::try_from(units.len()).unwrap_or(u32::MAX);
+        let settings = settings.clone().with_waves(waves);
+        let frame = self.prepare(scene, &settings, Waves::Kept)?;
+        self.targets()?.upload_starts(&frame, &units)?;
+        self.follow(&frame)
+    }
+
+    /// Follows `wanted` waves that reach the listener: traces the waves of `settings`, then
+    /// those of the next seeds, until these are found or `most` waves were traced.
+    ///
+    /// In the profile `thesis` a wave that died and is marched again does not count.
+    ///
+    /// # Errors
+    /// As [`Tracer::frame`].
+    pub fn heard_paths(
+        &mut self,
+        scene: &Scene,
+        settings: &Settings,
+        wanted: usize,
+        most: u64,
+    ) -> Result<HeardPaths, Error> {
+        HeardPaths::search(self, scene, settings, wanted, most)
+    }
+
+    /// The start directions of the waves, in order: unit vectors, world axes. Of `settings` the
+    /// waves, the seed and the directions count.
+    ///
+    /// # Errors
+    /// As [`Tracer::frame`].
+    pub(crate) fn start_directions(&mut self, settings: &Settings) -> Result<Vec<Vec3>, Error> {
+        settings.validate()?;
+        let _entered = self.context.enter()?;
+        self.aside(|tracer| {
+            let grid = Grid::new(settings.waves);
+            check_waves(&tracer.context, grid)?;
+            let initialise = {
+                let programs = &mut tracer.shared.borrow_mut().programs;
+                programs.of_waves(&tracer.context, WavePass::Initialise(settings.directions))?
+            };
+            tracer.give_up_marching();
+            tracer.make_room(settings, true)?;
+            set_direction_uniforms(&initialise, settings, grid);
+            let targets = tracer.targets()?;
+            targets.start(&initialise)?;
+            let [_, directions] = targets.read_pair()?;
+            let texels = directions.as_chunks::<4>().0.iter();
+            Ok(texels.map(|[x, y, z, _]| Vec3::new(*x, *y, *z)).collect())
+        })
+    }
+
+    /// Checks the input, compiles the scene, and provides the programs and the textures.
+    fn prepare(
+        &mut self,
+        scene: &Scene,
+        settings: &Settings,
+        keep: Waves,
+    ) -> Result<PreparedFrame, Error> {
+        let structure = self.check_input(scene, settings)?;
+        // The textures are this frame's now.
+        self.give_up_marching();
+        let asked = loops_asked(settings);
+        let (budget, setup) = timed(|| {
+            let none = Materials::default();
+            self.scene.set(scene, asked.algorithm, structure, &none)?;
+            Ok(self.scene.compiled.budget(&asked))
+        })?;
+        let as_one = keep == Waves::Dropped && fits_one_pass(scene, settings, || budget);
+        let structure = &self.scene.compiled.structure;
+        let programs = self.programs(scene, structure, settings, as_one)?;
+        self.make_room(settings, !programs.are_one())?;
+        // Compiling and making textures, which a first frame alone does, is not in its time.
+        let setup = Duration::from_secs_f64(setup * 1e-3);
+        let now = Instant::now();
+        let began = now.checked_sub(setup).unwrap_or(now);
+        let compiled = &self.scene.compiled;
+        Ok(PreparedFrame::new(
+            scene, settings, compiled, budget, programs, began,
+        ))
+    }
+
+    /// The programs of a frame, with all passes as one or not, compiled where they are not yet.
+    fn programs(
+        &self,
+        scene: &Scene,
+        structure: &Structure,
+        settings: &Settings,
+        as_one: bool,
+    ) -> Result<FramePrograms, Error> {
+        let (programs, context) = (&mut self.shared.borrow_mut().programs, &self.context);
+        let (march, of) = (march_options(settings), (scene, structure));
+        if as_one {
+            let pass = ScenePass::WholeFrame(march, settings.directions);
+            let program = programs.of_scene(context, of, pass)?;
+            return Ok(FramePrograms::WholeFrame(program));
+        }
+        Ok(FramePrograms::Passes {
+            march: programs.of_scene(context, of, ScenePass::March(march))?,
+            initialise: programs.of_waves(context, WavePass::Initialise(settings.directions))?,
+            pan: programs.of_waves(context, WavePass::Pan)?,
+        })
+    }
+
+    /// Makes textures for the waves where there are none yet.
+    fn make_room(&mut self, settings: &Settings, with_pairs: bool) -> Result<(), Error> {
+        let grid = Grid::new(settings.waves);
+        let targets = match self.targets.take().filter(|targets| targets.grid == grid) {
+            Some(targets) => targets,
+            // The old textures have gone before the new ones come.
+            None => Targets::new(&self.context, grid)?,
+        };
+        let targets = self.targets.insert(targets);
+        if with_pairs {
+            targets.provide_pairs()?;
+        }
+        if settings.sum_on_gpu && targets.sum.is_none() {
+            let programs = &mut self.shared.borrow_mut().programs;
+            targets.sum = Some(GpuSum::new(&self.context, programs, grid)?);
+        }
+        Ok(())
+    }
+
+    /// Checks the input once a frame, and users' fields before the first. The structure of the scene.
+    fn check_input(&self, scene: &Scene, settings: &Settings) -> Result<Structure, Error> {
+        scene.validate()?;
+        settings.validate()?;
+        check_waves(&self.context, Grid::new(settings.waves))?;
+        let structure = structure(scene, settings);
+        check_uniforms(&self.context, scene, &structure, OWN_UNIFORM_VECTORS)?;
+        let fields = &mut self.shared.borrow_mut().user_fields;
+        let text = || march_text(scene, &structure, settings);
+        fields.check(&self.context, scene, &structure, text)?;
+        Ok(structure)
+    }
+
+    fn targets(&self) -> Result<&Targets, TraceError> {
+        self.targets.as_ref().ok_or(TraceError::NothingTraced)
+    }
+
+    /// Sets every uniform of the march that is the same for all iterations.
+    fn set_march_uniforms(&self, frame: &PreparedFrame) {
+        frame.set_march_uniforms();
+        self.scene.set_uniforms(frame.programs.march());
+    }
+
+    /// Swaps the texture pairs: the pair written last is read next.
+    fn flip(&mut self) {
+        if let Some(targets) = &mut self.targets {
+            targets.flip();
+        }
+    }
+
+    /// The current waves, and those after each iteration.
+    fn follow(&mut self, frame: &PreparedFrame) -> Result<Vec<Vec<Wave>>, Error> {
+        self.set_march_uniforms(frame);
+        let starts = self.targets()?.read_pair()?;
+        let mut states = vec![waves(&starts, &starts, frame.origin)];
+        for _ in 0..frame.settings.iterations {
+            let targets = self.targets()?;
+            targets.march_rows(frame, &self.scene, 1, 0..frame.grid.height)?;
+            self.flip();
+            let ends = self.targets()?.read_pair()?;
+            states.push(waves(&starts, &ends, frame.origin));
+        }
+        Ok(states)
+    }
+}
+
+/// Whether all passes of a frame are drawn as one. The thesis' are not. Users' fields, whose
+/// programs are tried before they are used, have one program: that of the march. The budget is
+/// only computed for the others, because it may need the scene's cells.
+fn fits_one_pass(scene: &Scene, settings: &Settings, budget: impl FnOnce() -> Budget) -> bool {
+    settings.profile() != Profile::Thesis
+        && scene.user_fields().next().is_none()
+        && settings.iterations <= budget().iterations_per_pass
+}

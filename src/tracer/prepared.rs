@@ -1,0 +1,212 @@
+//! A frame that is ready to be drawn: its checked input, its programs, and the values of their uniforms.
+
+use super::waves::{STATUS_DEAD, STATUS_STARTED, random_turn};
+use super::{Algorithm, Grid, MarchOptions, Settings};
+use crate::gl::{Context, Program};
+use crate::platform::Instant;
+use crate::scene::Scene;
+use crate::shader::{Budget, CompiledScene};
+use glam::{Vec3, Vec4};
+use std::rc::Rc;
+
+/// Evaluations of one surface in one draw call at most, were every march in it to take
+/// all the steps it may: some 2^38 operations, about a second on the slowest card that has
+/// OpenGL 3.3.
+pub(super) const EVALUATIONS_PER_DRAW: u64 = 1 << 33;
+
+/// Rows that are drawn before anything is known of their time.
+const FIRST_ROWS: u32 = 8;
+
+/// Seconds that these may take, where that can be foreseen: no more than a picture.
+const FIRST_SECONDS: f64 = 0.03;
+
+/// Steps to the next surface, as a rule.
+const USUAL_STEPS: f64 = 20.0;
+
+/// One frame's input, checked: its programs, and the values of their uniforms as the scene stood
+/// when the frame was begun.
+pub(super) struct PreparedFrame {
+    pub settings: Settings,
+    pub grid: Grid,
+    pub budget: Budget,
+    pub programs: FramePrograms,
+    pub began: Instant,
+    /// World position of the shaders' origin in metres.
+    pub origin: Vec3,
+    uniforms: Uniforms,
+    /// Seconds of an evaluation of the slowest user's field, where there is one.
+    evaluation_seconds: Option<f64>,
+}
+
+/// The programs of a frame.
+pub(super) enum FramePrograms {
+    /// A program a pass, with the waves in texture pairs between them.
+    Passes {
+        initialise: Rc<Program>,
+        march: Rc<Program>,
+        pan: Rc<Program>,
+    },
+    /// All passes in one: the waves are in no texture.
+    WholeFrame(Rc<Program>),
+}
+
+impl FramePrograms {
+    /// The program that takes waves through iterations.
+    pub fn march(&self) -> &Rc<Program> {
+        match self {
+            FramePrograms::Passes { march, .. } => march,
+            FramePrograms::WholeFrame(program) => program,
+        }
+    }
+
+    /// Whether all passes are one.
+    pub fn are_one(&self) -> bool {
+        matches!(self, FramePrograms::WholeFrame(_))
+    }
+}
+
+/// Source and listener as the programs receive them, in the shaders' coordinates.
+struct Uniforms {
+    source: Vec3,
+    start_status: f32,
+    /// Position and radius.
+    listener: Vec4,
+    listener_right: Vec3,
+}
+
+impl PreparedFrame {
+    /// A frame of a scene that is compiled in its current state.
+    pub fn new(
+        scene: &Scene,
+        settings: &Settings,
+        compiled: &CompiledScene,
+        budget: Budget,
+        programs: FramePrograms,
+        began: Instant,
+    ) -> PreparedFrame {
+        let listener = &scene.listener;
+        let uniforms = Uniforms {
+            source: compiled.local(scene.source.position),
+            start_status: start_status(scene, settings, compiled),
+            listener: compiled.local(listener.position).extend(listener.radius),
+            listener_right: listener.right(),
+        };
+        PreparedFrame {
+            settings: settings.clone(),
+            grid: Grid::new(settings.waves),
+            budget,
+            programs,
+            began,
+            origin: compiled.origin(),
+            uniforms,
+            evaluation_seconds: scene.evaluation_seconds(),
+        }
+    }
+
+    /// Sets the uniforms of what starts the waves.
+    pub fn set_start_uniforms(&self, program: &Program) {
+        set_direction_uniforms(program, &self.settings, self.grid);
+        program.set_vec3("uSource", self.uniforms.source);
+        program.set_f32("uStartStatus", self.uniforms.start_status);
+    }
+
+    /// Sets the uniforms of the march that are the same for all iterations. Those that the
+    /// program does not have are skipped.
+    pub fn set_march_uniforms(&self) {
+        let (program, settings) = (self.programs.march(), &self.settings);
+        if self.programs.are_one() {
+            self.set_start_uniforms(program);
+            self.set_pan_uniforms(program);
+        }
+        set_grid(program, self.grid);
+        program.set_vec4("uListener", self.uniforms.listener);
+        program.set_f32("uMaxDistance", settings.max_distance);
+        program.set_i32("uStepLimit", self.budget.steps as i32);
+        program.set_i32("uFieldSteps", self.budget.field_steps as i32);
+        program.set_i32("uCopySteps", self.budget.copy_steps as i32);
+        match &settings.algorithm {
+            Algorithm::Hybrid(_) => (),
+            Algorithm::March(MarchOptions { variant }) => {
+                program.set_f32("uShell", variant.shell);
+                program.set_f32("uLipschitz", variant.lipschitz);
+                program.set_f32("uDistanceFactor", variant.distance_factor);
+                program.set_f32(
+                    "uNormalStep",
+                    variant.difference_normals.unwrap_or_default(),
+                );
+            }
+            Algorithm::Thesis(thesis) => {
+                program.set_f32("uMinDistance", thesis.min_distance);
+                program.set_f32("uStartOffset", thesis.start_offset);
+                program.set_f32("uNormalStep", thesis.normal_step);
+            }
+        }
+    }
+
+    /// Sets the uniforms of what pans.
+    pub fn set_pan_uniforms(&self, program: &Program) {
+        program.set_vec4("uListener", self.uniforms.listener);
+        program.set_vec3("uListenerRight", self.uniforms.listener_right);
+    }
+
+    /// The texel of a wave at its start: position and status.
+    pub fn start(&self) -> [f32; 4] {
+        let Uniforms {
+            source,
+            start_status,
+            ..
+        } = self.uniforms;
+        source.extend(start_status).to_array()
+    }
+
+    /// Evaluations of one surface that a wave may take in these iterations, at most. Where a watchdog
+    /// limits the time of a draw, slow evaluations count as several usual ones.
+    pub fn evaluations(&self, context: &Context, iterations: u32) -> u64 {
+        let evaluations = u64::from(iterations) * self.budget.evaluations;
+        match context.is_software() {
+            true => evaluations,
+            false => evaluations.saturating_mul(self.weight()),
+        }
+    }
+
+    /// The time of an evaluation of the scene's slowest surface, in evaluations of a usual one: of users'
+    /// fields it was measured.
+    fn weight(&self) -> u64 {
+        let slowest = self.evaluation_seconds.unwrap_or_default();
+        ((slowest * EVALUATIONS_PER_DRAW as f64) as u64).max(1)
+    }
+
+    /// Rows that are drawn before anything is known of their time: fewer of what is foreseen to
+    /// take long.
+    pub fn first_rows(&self, iterations: u32) -> u32 {
+        let Some(seconds) = self.evaluation_seconds else {
+            return FIRST_ROWS;
+        };
+        let evaluations = f64::from(self.grid.width) * f64::from(iterations) * USUAL_STEPS;
+        ((FIRST_SECONDS / (seconds * evaluations)) as u32).clamp(1, FIRST_ROWS)
+    }
+}
+
+/// The thesis marches waves even out of a solid; elsewhere a source in a solid sends none.
+fn start_status(scene: &Scene, settings: &Settings, compiled: &CompiledScene) -> f32 {
+    if matches!(settings.algorithm, Algorithm::Thesis(_)) {
+        return STATUS_STARTED;
+    }
+    let nearest = scene.surface_distance(scene.source.position);
+    match -nearest.distance > compiled.error_bound(nearest.object) {
+        true => STATUS_DEAD,
+        false => STATUS_STARTED,
+    }
+}
+
+/// Sets the uniforms that start directions depend on.
+pub(super) fn set_direction_uniforms(program: &Program, settings: &Settings, grid: Grid) {
+    set_grid(program, grid);
+    program.set_u32("uSeed", settings.seed);
+    program.set_vec4("uTurn", Vec4::from(random_turn(settings.seed)));
+}
+
+fn set_grid(program: &Program, grid: Grid) {
+    program.set_u32("uWaveCount", grid.waves);
+    program.set_u32("uGridWidth", grid.width);
+}

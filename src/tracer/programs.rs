@@ -1,0 +1,358 @@
+//! The shader programs of a frame, each compiled once for the key of its text, and the parts of the
+//! settings that texts and loops depend on. An error in a user's text is that of the user's file.
+
+use super::{Algorithm, Directions, Settings, TraceError, field_trial};
+use crate::error::Error;
+use crate::gl::{Context, GpuError, Program, ProgramCache, log_errors};
+use crate::scene::{Scene, UserField};
+use crate::shader::{
+    self, AlgorithmText, ArrivalsText, Budget, CompiledScene, LoopsAsked, MarchText, Materials,
+    Structure, StructureKey,
+};
+use std::num::NonZeroUsize;
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// Programs that are kept at most: all three profiles of three scenes, and the passes that
+/// know no scene. Mesa's llvmpipe holds some 2 MiB for each.
+const PROGRAMS_KEPT: NonZeroUsize = NonZeroUsize::new(12).unwrap();
+
+/// The parameters of the text of a pass: passes with equal keys share their programs.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+enum Key {
+    Waves(WavePass),
+    Scene(Rc<StructureKey>, ScenePass),
+}
+
+/// A pass over the waves that knows no scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum WavePass {
+    Initialise(Directions),
+    Pan,
+    /// The first pass of the sum on the GPU.
+    FirstSum,
+    /// Its further passes.
+    FurtherSum,
+}
+
+/// A pass whose text has the surfaces of a scene.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) enum ScenePass {
+    March(MarchText),
+    /// All passes of a frame in one.
+    WholeFrame(MarchText, Directions),
+    /// Waves through a chunk of iterations, past a transparent listener.
+    Arrivals(ArrivalsText),
+}
+
+impl ScenePass {
+    fn label_and_text(&self, scene: &Scene, structure: &Structure) -> (String, String) {
+        let (name, algorithm, text) = match self {
+            ScenePass::March(of) => {
+                let text = shader::march_text(scene, structure, *of);
+                ("march", of.algorithm, text)
+            }
+            ScenePass::WholeFrame(of, directions) => {
+                let text = shader::whole_frame_text(scene, structure, *of, *directions);
+                ("frame", of.algorithm, text)
+            }
+            ScenePass::Arrivals(of) => {
+                let text = shader::arrivals_text(scene, structure, of);
+                ("arrivals", of.algorithm, text)
+            }
+        };
+        (
+            format!("{name} ({}) of {}", algorithm.name(), scene.name),
+            text,
+        )
+    }
+}
+
+/// Programs by the keys of their texts.
+pub(super) struct Programs {
+    cache: ProgramCache<Key>,
+}
+
+impl Default for Programs {
+    fn default() -> Programs {
+        Programs {
+            cache: ProgramCache::new(PROGRAMS_KEPT),
+        }
+    }
+}
+
+impl Programs {
+    /// Number of programs compiled.
+    pub fn compiled(&self) -> usize {
+        self.cache.compiled()
+    }
+
+    /// A pass over a scene of this structure. The scene is checked before the first program of its
+    /// structure is compiled.
+    pub fn of_scene(
+        &mut self,
+        context: &Context,
+        (scene, structure): (&Scene, &Structure),
+        pass: ScenePass,
+    ) -> Result<Rc<Program>, Error> {
+        let key = Key::Scene(Rc::clone(&structure.key), pass.clone());
+        self.cache.get_or_compile(key, || {
+            structure.check(scene)?;
+            let (label, text) = pass.label_and_text(scene, structure);
+            field_trial::ensure(scene, &[&text])?;
+            compile_with_scene(context, scene, &label, &text)
+        })
+    }
+
+    /// A pass that knows no scene.
+    pub fn of_waves(&mut self, context: &Context, pass: WavePass) -> Result<Rc<Program>, Error> {
+        self.cache.get_or_compile(Key::Waves(pass), || {
+            let (label, text) = match pass {
+                WavePass::Initialise(of) => ("initialise", shader::initialise_text(of)),
+                WavePass::Pan => ("pan", shader::pan_text()),
+                WavePass::FirstSum => ("first sum", shader::first_sum_text()),
+                WavePass::FurtherSum => ("further sum", shader::further_sum_text()),
+            };
+            Ok(Program::fragment(context, label, &text)?)
+        })
+    }
+}
+
+/// The settings that are in the text of a march.
+pub(super) fn march_options(settings: &Settings) -> MarchText {
+    MarchText {
+        algorithm: match &settings.algorithm {
+            Algorithm::Hybrid(_) => AlgorithmText::Hybrid,
+            Algorithm::March(march) => AlgorithmText::March {
+                exact_normals: march.variant.difference_normals.is_none(),
+                projection: march.variant.projection,
+            },
+            Algorithm::Thesis(_) => AlgorithmText::Thesis,
+        },
+        count_evaluations: settings.count_evaluations,
+    }
+}
+
+/// The settings that the loops of a pass depend on.
+pub(super) fn loops_asked(settings: &Settings) -> LoopsAsked {
+    LoopsAsked {
+        algorithm: march_options(settings).algorithm,
+        thesis_steps: match &settings.algorithm {
+            Algorithm::Thesis(thesis) => thesis.step_limit(settings.max_distance),
+            Algorithm::March(_) | Algorithm::Hybrid(_) => 0,
+        },
+        iterations_per_pass: settings.iterations_per_pass,
+    }
+}
+
+/// The structure of a scene as frames with these settings read it.
+pub(super) fn structure(scene: &Scene, settings: &Settings) -> Structure {
+    march_options(settings).algorithm.structure(scene)
+}
+
+impl Budget {
+    /// The budget of a scene in its current state.
+    pub fn of(scene: &Scene, settings: &Settings) -> Budget {
+        Budget::of_structure(scene, structure(scene, settings), settings)
+    }
+
+    /// The same where the scene's structure is known.
+    pub(super) fn of_structure(scene: &Scene, of: Structure, settings: &Settings) -> Budget {
+        let asked = loops_asked(settings);
+        let none = Materials::default();
+        let mut compiled = CompiledScene::default();
+        compiled.update(scene, asked.algorithm, of, &none);
+        compiled.budget(&asked)
+    }
+}
+
+/// A pass over the waves that is drawn with a program of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Pass {
+    /// The waves at the source.
+    Initialise,
+    /// The waves through the scene.
+    March,
+    /// The contribution of each wave to either side.
+    Pan,
+}
+
+/// The fragment shader of a pass, as a [`Tracer`](super::Tracer) compiles it after the
+/// driver's own header. Needs no context; the scene should have been
+/// [checked](Scene::check).
+pub fn shader_text(scene: &Scene, settings: &Settings, pass: Pass) -> String {
+    match pass {
+        Pass::Initialise => shader::initialise_text(settings.directions),
+        Pass::March => march_text(scene, &structure(scene, settings), settings),
+        Pass::Pan => shader::pan_text(),
+    }
+}
+
+/// The text of the march where the scene's structure is known.
+pub(super) fn march_text(scene: &Scene, structure: &Structure, settings: &Settings) -> String {
+    shader::march_text(scene, structure, march_options(settings))
+}
+
+/// Compiles a program around the surfaces of a scene.
+///
+/// # Errors
+/// [`TraceError::FieldDoesNotCompile`] where it does not compile and has a user's text in it,
+/// which compiled alone; else what the driver reports.
+pub(crate) fn compile_with_scene(
+    context: &Context,
+    scene: &Scene,
+    label: &str,
+    text: &str,
+) -> Result<Program, Error> {
+    match Program::fragment(context, label, text) {
+        Err(GpuError::Compile { stage, label, log }) => match of_field(scene, text, &log) {
+            Some(error) => Err(error.into()),
+            None => Err(GpuError::Compile { stage, label, log }.into()),
+        },
+        Err(GpuError::Link { label, log }) => match of_field(scene, text, &log) {
+            Some(error) => Err(error.into()),
+            None => Err(GpuError::Link { label, log }.into()),
+        },
+        other => Ok(other?),
+    }
+}
+
+/// The first error of a log as one of a user's field, if the scene has one that is not the
+/// program's own.
+fn of_field(scene: &Scene, text: &str, log: &str) -> Option<TraceError> {
+    let fields: Vec<&Arc<UserField>> = scene.user_fields().filter(|f| !f.is_own()).collect();
+    let errors = log_errors(log);
+    let refused = |field: &UserField, line, message| TraceError::FieldDoesNotCompile {
+        file: field.file.display().to_string(),
+        line,
+        message,
+    };
+    for error in &errors {
+        let name = shader::file_name(text, error.file);
+        let is_in = |field: &&&Arc<UserField>| name == Some(shader::shown_name(field).as_str());
+        if let Some(field) = fields.iter().find(is_in) {
+            let message = without_prefixes(&error.message);
+            return Some(refused(field, Some(error.line), message));
+        }
+    }
+    let message = match errors.first() {
+        Some(error) => without_prefixes(&error.message),
+        None => first_line(log),
+    };
+    let field = fields.first()?;
+    let why = format!("compiles alone, and not in the scene's shader: {message}");
+    Some(refused(field, None, why))
+}
+
+/// The first line of a log that says something.
+pub(super) fn first_line(log: &str) -> String {
+    let line = log.lines().find(|line| !line.trim().is_empty());
+    without_prefixes(line.unwrap_or("the driver does not say why").trim())
+}
+
+/// A driver's message with the names that the user's text has: without what renames them.
+pub(super) fn without_prefixes(message: &str) -> String {
+    let mut plain = String::with_capacity(message.len());
+    let mut rest = message;
+    while let Some(start) = rest.find("user") {
+        let (before, from) = rest.split_at(start);
+        plain.push_str(before);
+        let is_word = before.ends_with(|c: char| c.is_ascii_alphanumeric() || c == '_');
+        match prefix_length(from).filter(|_| !is_word) {
+            Some(length) => {
+                let name = &from[length..];
+                let is_of_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
+                let end = name.find(|c| !is_of_name(c)).unwrap_or(name.len());
+                plain.push_str(&name[..end]);
+                rest = &name[end..];
+            }
+            None => {
+                plain.push_str("user");
+                rest = &from["user".len()..];
+            }
+        }
+    }
+    plain + rest
+}
+
+/// Bytes of the `user<number>_` that a text begins with; of `users<number>_`, which stands before
+/// names that begin with `_`, without the underscore, which is the name's own.
+fn prefix_length(text: &str) -> Option<usize> {
+    let after = text.strip_prefix("user")?;
+    let number = after.strip_prefix('s').unwrap_or(after);
+    let name = number.trim_start_matches(|c: char| c.is_ascii_digit());
+    if name.len() == number.len() || !name.starts_with('_') {
+        return None;
+    }
+    let of_name = if number.len() == after.len() { 1 } else { 0 };
+    Some(text.len() - name.len() + of_name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Surface;
+    use crate::scene::shape::User;
+    use glam::Vec3;
+
+    fn scene_with(text: &str) -> Scene {
+        let field = UserField::new("my.glsl", text.to_owned(), Vec3::ONE, 1.0);
+        let shape = User {
+            field: Arc::new(field),
+        };
+        let mut scene = Scene::load("corner").unwrap();
+        scene.surfaces.push(Surface::new(shape));
+        scene
+    }
+
+    /// Protects people from a driver's log: what it says of a text in the whole shader is one
+    /// sentence with their file, their line and their names.
+    #[test]
+    fn an_error_in_the_whole_shader_is_that_of_the_field() {
+        let text = "float _a;\nfloat field(vec3 p) { return p.x + _a; }\n";
+        let scene = scene_with(text);
+        let shader = shader_text(&scene, &crate::Settings::default(), Pass::March);
+        let number = (1..999).find(|n| shader::file_name(&shader, *n) == Some("my.glsl"));
+        let number = number.unwrap();
+        for (log, expected) in [
+            (
+                format!(
+                    "1:5(2): warning: odd\n{number}:2(9): error: `user0_field' and `users0_a' differ\nmore"
+                ),
+                "my.glsl:2: 'field' and '_a' differ",
+            ),
+            (
+                format!("ERROR: {number}:1: 'user0_b' : redefinition\n"),
+                "my.glsl:1: 'b' : redefinition",
+            ),
+            (
+                "1:7(3): error: no function with name 'min'\nmore\n".to_owned(),
+                "my.glsl: compiles alone, and not in the scene's shader: no function with name 'min'",
+            ),
+            (
+                "\nout of registers\nmore\n".to_owned(),
+                "my.glsl: compiles alone, and not in the scene's shader: out of registers",
+            ),
+        ] {
+            let error = of_field(&scene, &shader, &log).unwrap();
+            assert_eq!(error.to_string(), expected);
+        }
+        let own = Scene::load("menger").unwrap();
+        assert!(of_field(&own, &shader, "1:1(1): error: bad").is_none());
+    }
+
+    /// Protects the names in messages: only what the program has put before them is taken off.
+    #[test]
+    fn only_prefixes_are_taken_off() {
+        for (message, expected) in [
+            ("'user0_a', user12_b users3_c", "'a', b _c"),
+            (
+                "user_a users user0 my_user0_a",
+                "user_a users user0 my_user0_a",
+            ),
+            ("user0_user0_a", "user0_a"),
+        ] {
+            assert_eq!(without_prefixes(message), expected);
+        }
+    }
+}

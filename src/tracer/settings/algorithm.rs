@@ -1,0 +1,254 @@
+//! The algorithms, each with its own options.
+//!
+//! Worsened ways to march, and test distortions, are a [`MarchVariant`]. The experiments set each beside the
+//! default to show its effect; the public settings have none of them.
+
+use super::{TraceError, bad, positive};
+use crate::shader::MAX_STEPS;
+use crate::text::there_is_no;
+use serde::Serialize;
+use std::fmt;
+use std::str::FromStr;
+
+/// The name of an algorithm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Profile {
+    /// Closed form if a surface has one. Recommended.
+    Hybrid,
+    /// Accurate sphere tracing, for any distance function with a Lipschitz bound.
+    March,
+    /// Figures 8 and 9 of the thesis as printed, including their errors.
+    Thesis,
+}
+
+/// The algorithm that follows a wave, with its own options.
+///
+/// Serialised as the options next to `"profile": NAME`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(tag = "profile", rename_all = "lowercase")]
+pub enum Algorithm {
+    /// Algorithm of [`Profile::Hybrid`].
+    Hybrid(HybridOptions),
+    /// Algorithm of [`Profile::March`].
+    March(MarchOptions),
+    /// Algorithm of [`Profile::Thesis`].
+    Thesis(ThesisOptions),
+}
+
+/// The options of `hybrid`: none yet.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct HybridOptions {}
+
+/// The options of `march`: none yet.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct MarchOptions {
+    /// For experiments only.
+    #[serde(skip)]
+    #[doc(hidden)]
+    pub variant: MarchVariant,
+}
+
+/// Options of `thesis`: its constants, in metres. The defaults are the thesis' own (section 4.2.3,
+/// figure 8); it states no step for its normals, and the reconstruction of its scenes was fitted
+/// with 0.01 m.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct ThesisOptions {
+    /// A surface is met below this distance, in metres: 0.1 by default. Greater than 0 and less
+    /// than the maximum distance.
+    pub min_distance: f32,
+    /// Each march starts this far along the direction, in metres: 0.04 by default. Not
+    /// negative.
+    pub start_offset: f32,
+    /// Step of the difference normals to either side, in metres: 0.01 by default. Greater than 0.
+    pub normal_step: f32,
+}
+
+impl Default for ThesisOptions {
+    fn default() -> ThesisOptions {
+        ThesisOptions {
+            min_distance: 0.1,
+            start_offset: 0.04,
+            normal_step: 0.01,
+        }
+    }
+}
+
+impl ThesisOptions {
+    /// Sets the minimum distance, in metres.
+    pub fn with_min_distance(mut self, metres: f32) -> ThesisOptions {
+        self.min_distance = metres;
+        self
+    }
+
+    /// Sets the start offset, in metres.
+    pub fn with_start_offset(mut self, metres: f32) -> ThesisOptions {
+        self.start_offset = metres;
+        self
+    }
+
+    /// Sets the step of the normals, in metres.
+    pub fn with_normal_step(mut self, metres: f32) -> ThesisOptions {
+        self.normal_step = metres;
+        self
+    }
+
+    /// Evaluations of the distance after which a march ends: derived from the distances, at most
+    /// [`MAX_STEPS`].
+    pub(crate) fn step_limit(&self, max_distance: f32) -> u32 {
+        let needed = (max_distance / self.min_distance).ceil() + 1.0;
+        (needed as u32).clamp(1, MAX_STEPS)
+    }
+
+    fn validate(&self, max_distance: f32) -> Result<(), TraceError> {
+        positive("minimum distance in metres", self.min_distance)?;
+        positive("step of the normals in metres", self.normal_step)?;
+        if self.min_distance >= max_distance {
+            let must = format!("less than the maximum distance of {max_distance}");
+            return Err(bad("minimum distance in metres", must, self.min_distance));
+        }
+        if !(self.start_offset.is_finite() && self.start_offset >= 0.0) {
+            let must = "finite and not negative".to_owned();
+            return Err(bad("start offset in metres", must, self.start_offset));
+        }
+        Ok(())
+    }
+}
+
+impl Algorithm {
+    /// An algorithm with its default options.
+    pub fn of(profile: Profile) -> Algorithm {
+        match profile {
+            Profile::Hybrid => Algorithm::Hybrid(HybridOptions::default()),
+            Profile::March => Algorithm::March(MarchOptions::default()),
+            Profile::Thesis => Algorithm::Thesis(ThesisOptions::default()),
+        }
+    }
+
+    /// Its name.
+    pub fn profile(&self) -> Profile {
+        match self {
+            Algorithm::Hybrid(_) => Profile::Hybrid,
+            Algorithm::March(_) => Profile::March,
+            Algorithm::Thesis(_) => Profile::Thesis,
+        }
+    }
+
+    /// Checks the algorithm's options.
+    pub(super) fn validate(&self, max_distance: f32) -> Result<(), TraceError> {
+        match self {
+            Algorithm::Hybrid(HybridOptions {}) => Ok(()),
+            Algorithm::March(march) => march.variant.validate(max_distance),
+            Algorithm::Thesis(thesis) => thesis.validate(max_distance),
+        }
+    }
+}
+
+impl From<HybridOptions> for Algorithm {
+    fn from(options: HybridOptions) -> Algorithm {
+        Algorithm::Hybrid(options)
+    }
+}
+
+impl From<MarchOptions> for Algorithm {
+    fn from(options: MarchOptions) -> Algorithm {
+        Algorithm::March(options)
+    }
+}
+
+impl From<ThesisOptions> for Algorithm {
+    fn from(options: ThesisOptions) -> Algorithm {
+        Algorithm::Thesis(options)
+    }
+}
+
+impl From<Profile> for Algorithm {
+    fn from(profile: Profile) -> Algorithm {
+        Algorithm::of(profile)
+    }
+}
+
+impl Profile {
+    /// All profiles.
+    pub const ALL: [Profile; 3] = [Profile::Hybrid, Profile::March, Profile::Thesis];
+}
+
+impl fmt::Display for Profile {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Profile::Hybrid => "hybrid",
+            Profile::March => "march",
+            Profile::Thesis => "thesis",
+        })
+    }
+}
+
+impl FromStr for Profile {
+    type Err = String;
+    fn from_str(name: &str) -> Result<Profile, String> {
+        let known = Profile::ALL.iter().find(|p| p.to_string() == name);
+        known.copied().ok_or_else(|| {
+            let names = Profile::ALL.map(|p| p.to_string());
+            there_is_no("profile", name, &names.each_ref().map(String::as_str))
+        })
+    }
+}
+
+/// Width of the default shell in metres: everywhere. Newton's steps need a gradient each but are
+/// so few that they were faster in every scene measured (docs/accuracy.md).
+const EVERYWHERE: f32 = 1e8;
+
+/// How `march` is carried out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MarchVariant {
+    /// Width of the shell about surfaces in which steps are Newton's, in metres. Outside of it
+    /// they are Hart's.
+    pub shell: f32,
+    /// Step of difference normals to either side, in metres, as in the thesis; `None` for the
+    /// normal of the surface met.
+    pub difference_normals: Option<f32>,
+    /// Whether waves are projected onto the surface (`true`), or stop in the shell as in the thesis.
+    pub projection: bool,
+    /// How much faster than the true distance the distance may grow; every step is divided by it.
+    pub lipschitz: f32,
+    /// Every distance is multiplied by this, in tests of functions that over-estimate.
+    pub distance_factor: f32,
+}
+
+impl Default for MarchVariant {
+    /// The best known way.
+    fn default() -> MarchVariant {
+        MarchVariant {
+            shell: EVERYWHERE,
+            difference_normals: None,
+            projection: true,
+            lipschitz: 1.0,
+            distance_factor: 1.0,
+        }
+    }
+}
+
+impl MarchVariant {
+    /// Whether the shell ends anywhere.
+    pub fn has_shell(&self) -> bool {
+        self.shell < EVERYWHERE
+    }
+
+    pub(super) fn validate(&self, max_distance: f32) -> Result<(), TraceError> {
+        positive("width of the shell in metres", self.shell)?;
+        if let Some(step) = self.difference_normals {
+            positive("step of the normals in metres", step)?;
+        }
+        if !self.projection && self.shell >= max_distance {
+            let must = format!("less than the maximum distance of {max_distance}");
+            return Err(bad("width of the shell in metres", must, self.shell));
+        }
+        if !(self.lipschitz.is_finite() && self.lipschitz >= 1.0) {
+            let must = "finite and at least 1".to_owned();
+            return Err(bad("Lipschitz bound", must, self.lipschitz));
+        }
+        positive("factor of the distance", self.distance_factor)
+    }
+}

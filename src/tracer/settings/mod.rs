@@ -1,0 +1,310 @@
+//! Settings of traces: the thesis' constants, and the user's numbers.
+//!
+//! An option without meaning in an algorithm cannot be set in it: [`Settings`] holds the options that all
+//! share, [`Algorithm`] those of one (`algorithm.rs`).
+
+mod algorithm;
+
+use super::TraceError;
+use crate::shader::Directions;
+#[doc(hidden)]
+pub use algorithm::MarchVariant;
+pub use algorithm::{Algorithm, HybridOptions, MarchOptions, Profile, ThesisOptions};
+use serde::Serialize;
+use std::fmt;
+
+/// The most waves in one frame: 2^24, a 4096 x 4096 texture pair.
+pub const MAX_WAVES: u32 = 1 << 24;
+
+/// The most iterations. A wave's two counters share one float of 24 bits, 12 each.
+pub const MAX_ITERATIONS: u32 = 4095;
+
+/// The largest distance that may be requested, in metres: its square and the square of
+/// what a wave moves on the way are still finite in `f32`.
+const MAX_DISTANCE: f32 = 1e15;
+
+/// The distance at which a wave of `march` and `hybrid` counts as gone, in metres: far beyond what a
+/// listener hears of, and well inside what `f32` can square.
+const FAR: f32 = 1e9;
+
+/// Default iterations in one pass of `march`: more save no measurable time.
+pub const MARCHES_PER_PASS: u32 = 8;
+
+/// Distance at which a wave of `thesis` counts as gone, in metres (section 4.2.3).
+const THESIS_MAX_DISTANCE: f32 = 300.0;
+
+/// Everything about a frame except the scene: options shared by all algorithms, and the
+/// [`Algorithm`] with its own options.
+///
+/// ```
+/// use echomarch::tracer::{Settings, ThesisOptions};
+///
+/// let fine = ThesisOptions::default().with_min_distance(0.001);
+/// let settings = Settings::new(fine).with_waves(4096).with_seed(7);
+/// assert!(settings.validate().is_ok());
+/// ```
+///
+/// Serialised flat: the algorithm's options are next to its name as `profile`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct Settings {
+    /// The algorithm and its own options. To change to another one begin with [`Settings::new`] or
+    /// [`Settings::with_profile`]: the defaults of the maximum distance and of the iterations in a
+    /// pass depend on the algorithm.
+    #[serde(flatten)]
+    pub algorithm: Algorithm,
+    /// Number of waves, 1 … [`MAX_WAVES`].
+    pub waves: u32,
+    /// Marches of each wave, 1 … [`MAX_ITERATIONS`].
+    pub iterations: u32,
+    /// A wave is dead beyond this distance in one iteration, in metres. By default 300 in
+    /// `thesis` (section 4.2.3), 10^9 in the others.
+    pub max_distance: f32,
+    /// Seed of the random directions.
+    pub seed: u32,
+    /// The distribution of the start directions.
+    pub directions: Directions,
+    /// Maximum iterations in one pass; 1 as in the thesis, more save texture traffic. The loops of
+    /// a scene may reduce it, since drivers silently leave loops after a number of turns. By
+    /// default 1 in `thesis`, 8 in `march`, [`MAX_ITERATIONS`] in `hybrid`.
+    pub iterations_per_pass: u32,
+    /// Whether the panning texture is summed on the GPU and read back as one texel.
+    pub sum_on_gpu: bool,
+    /// Whether to count evaluations of the distance, instead of zero-length passes and marches that
+    /// reached the step limit.
+    pub count_evaluations: bool,
+}
+
+impl Default for Settings {
+    fn default() -> Settings {
+        Settings::hybrid()
+    }
+}
+
+impl Settings {
+    /// The defaults of an algorithm: 65,536 waves and 8 iterations in random directions.
+    pub fn new(algorithm: impl Into<Algorithm>) -> Settings {
+        let algorithm = algorithm.into();
+        let (max_distance, iterations_per_pass) = match algorithm {
+            Algorithm::Hybrid(_) => (FAR, MAX_ITERATIONS),
+            Algorithm::March(_) => (FAR, MARCHES_PER_PASS),
+            Algorithm::Thesis(_) => (THESIS_MAX_DISTANCE, 1),
+        };
+        Settings {
+            algorithm,
+            waves: 65_536,
+            iterations: 8,
+            max_distance,
+            seed: 1,
+            directions: Directions::Random,
+            iterations_per_pass,
+            sum_on_gpu: false,
+            count_evaluations: false,
+        }
+    }
+
+    /// Closed form if a surface has one; all iterations in one pass.
+    pub fn hybrid() -> Settings {
+        Settings::new(Profile::Hybrid)
+    }
+
+    /// Accurate sphere tracing: Newton's steps everywhere, projection, exact normals, no limit at
+    /// 300 m, eight iterations in a pass.
+    pub fn march() -> Settings {
+        Settings::new(Profile::March)
+    }
+
+    /// The thesis' algorithm with its own constants ([`ThesisOptions`]).
+    pub fn thesis() -> Settings {
+        Settings::new(Profile::Thesis)
+    }
+
+    /// The name of the algorithm.
+    pub fn profile(&self) -> Profile {
+        self.algorithm.profile()
+    }
+
+    /// Changes the algorithm, with all of its defaults, and keeps the waves.
+    pub fn with_profile(self, profile: Profile) -> Settings {
+        Settings {
+            waves: self.waves,
+            iterations: self.iterations,
+            seed: self.seed,
+            directions: self.directions,
+            sum_on_gpu: self.sum_on_gpu,
+            count_evaluations: self.count_evaluations,
+            ..Settings::new(profile)
+        }
+    }
+
+    /// Sets the number of waves.
+    pub fn with_waves(mut self, waves: u32) -> Settings {
+        self.waves = waves;
+        self
+    }
+
+    /// Sets the number of iterations.
+    pub fn with_iterations(mut self, iterations: u32) -> Settings {
+        self.iterations = iterations;
+        self
+    }
+
+    /// Sets the seed.
+    pub fn with_seed(mut self, seed: u32) -> Settings {
+        self.seed = seed;
+        self
+    }
+
+    /// Sets the maximum distance of an iteration, in metres.
+    pub fn with_max_distance(mut self, metres: f32) -> Settings {
+        self.max_distance = metres;
+        self
+    }
+
+    /// Sets the distribution of the start directions.
+    pub fn with_directions(mut self, directions: Directions) -> Settings {
+        self.directions = directions;
+        self
+    }
+
+    /// Sets the maximum iterations in one pass.
+    pub fn with_iterations_per_pass(mut self, iterations: u32) -> Settings {
+        self.iterations_per_pass = iterations;
+        self
+    }
+
+    /// Chooses whether the panning is summed on the GPU.
+    pub fn with_sum_on_gpu(mut self, sum_on_gpu: bool) -> Settings {
+        self.sum_on_gpu = sum_on_gpu;
+        self
+    }
+
+    /// Chooses whether evaluations of the distance are counted.
+    pub fn with_count_evaluations(mut self, count_evaluations: bool) -> Settings {
+        self.count_evaluations = count_evaluations;
+        self
+    }
+
+    /// Checks every number against its range.
+    ///
+    /// # Errors
+    /// [`TraceError::BadSetting`] with the name, the range and the value.
+    pub fn validate(&self) -> Result<(), TraceError> {
+        in_range("waves", self.waves, MAX_WAVES)?;
+        in_range("iterations", self.iterations, MAX_ITERATIONS)?;
+        positive("maximum distance in metres", self.max_distance)?;
+        if self.max_distance > MAX_DISTANCE {
+            let must = format!("at most {MAX_DISTANCE}");
+            return Err(bad("maximum distance in metres", must, self.max_distance));
+        }
+        let per_pass = self.iterations_per_pass;
+        in_range("iterations in a pass", per_pass, MAX_ITERATIONS)?;
+        self.algorithm.validate(self.max_distance)
+    }
+}
+
+fn in_range(what: &'static str, value: u32, most: u32) -> Result<(), TraceError> {
+    if (1..=most).contains(&value) {
+        return Ok(());
+    }
+    Err(bad(what, format!("1 to {most}"), value))
+}
+
+fn positive(what: &'static str, value: f32) -> Result<(), TraceError> {
+    if value.is_finite() && value > 0.0 {
+        return Ok(());
+    }
+    Err(bad(what, "finite and greater than 0".to_owned(), value))
+}
+
+fn bad(what: &'static str, must: String, value: impl fmt::Display) -> TraceError {
+    TraceError::BadSetting {
+        what,
+        must,
+        value: value.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::algorithm::MarchVariant;
+    use super::*;
+
+    /// Protects the thesis' results from the step limit: its own constants never reach it.
+    #[test]
+    fn the_step_limit_leaves_the_thesis_alone() {
+        let thesis = ThesisOptions::default();
+        let limit = thesis.step_limit(THESIS_MAX_DISTANCE);
+        assert!(limit as f32 > THESIS_MAX_DISTANCE / thesis.min_distance);
+        let tiny = thesis.with_min_distance(1e-30);
+        assert_eq!(
+            tiny.step_limit(THESIS_MAX_DISTANCE),
+            crate::shader::MAX_STEPS
+        );
+    }
+
+    /// Protects the GPU from invalid settings.
+    #[test]
+    fn senseless_settings_are_refused() {
+        let thesis = ThesisOptions::default();
+        let march = |change: fn(&mut MarchVariant)| {
+            let mut options = MarchOptions::default();
+            change(&mut options.variant);
+            Settings::new(options)
+        };
+        let wrong = [
+            Settings::hybrid().with_waves(0),
+            Settings::hybrid().with_waves(MAX_WAVES + 1),
+            Settings::hybrid().with_iterations(0),
+            Settings::hybrid().with_iterations(MAX_ITERATIONS + 1),
+            Settings::hybrid().with_iterations_per_pass(0),
+            Settings::hybrid().with_max_distance(f32::INFINITY),
+            Settings::hybrid().with_max_distance(1e16),
+            Settings::thesis().with_max_distance(0.1),
+            Settings::new(thesis.with_min_distance(0.0)),
+            Settings::new(thesis.with_min_distance(301.0)),
+            Settings::new(thesis.with_start_offset(f32::NAN)),
+            Settings::new(thesis.with_normal_step(-1.0)),
+            march(|variant| variant.lipschitz = 0.5),
+            march(|variant| variant.distance_factor = f32::NAN),
+            march(|variant| variant.difference_normals = Some(0.0)),
+            march(|variant| variant.shell = 0.0),
+            march(|variant| (variant.projection, variant.shell) = (false, 2.0 * FAR)),
+        ];
+        for profile in Profile::ALL {
+            assert!(Settings::new(profile).validate().is_ok());
+        }
+        for (index, settings) in wrong.iter().enumerate() {
+            assert!(settings.validate().is_err(), "case {index}");
+        }
+    }
+
+    /// Protects a change of algorithm: it also sets the defaults that depend on the algorithm.
+    #[test]
+    fn another_profile_brings_its_own_defaults() {
+        let asked = Settings::hybrid()
+            .with_waves(99)
+            .with_seed(3)
+            .with_sum_on_gpu(true);
+        let expected = Settings::thesis()
+            .with_waves(99)
+            .with_seed(3)
+            .with_sum_on_gpu(true);
+        assert_eq!(asked.with_profile(Profile::Thesis), expected);
+    }
+
+    /// Protects reports: the options of an algorithm are next to its name, and those of the others
+    /// are absent.
+    #[test]
+    fn settings_are_serialised_with_the_options_of_their_algorithm() {
+        let json = |settings: &Settings| serde_json::to_value(settings).unwrap();
+        let thesis = json(&Settings::thesis().with_seed(7));
+        assert_eq!(thesis["profile"], "thesis");
+        assert_eq!(thesis["seed"], 7);
+        assert_eq!(thesis["directions"], "random");
+        assert!(thesis["start_offset"].is_number());
+        let hybrid = json(&Settings::hybrid());
+        assert_eq!(hybrid["profile"], "hybrid");
+        assert!(hybrid.get("min_distance").is_none());
+    }
+}

@@ -1,0 +1,187 @@
+//! The textures of a frame, and the passes that draw to them. No pass waits for the GPU; the callers take
+//! their times.
+
+use super::gpu_scene::GpuScene;
+use super::prepared::{EVALUATIONS_PER_DRAW, FramePrograms, PreparedFrame};
+use super::read_back::{GpuSum, ReadBack};
+use super::waves::start_texels;
+use super::{Grid, TraceError};
+use crate::error::Error;
+use crate::gl::{
+    Context, GpuError, PingPong, Program, RenderTarget, Target, Texture, full_screen_pass_rows,
+};
+use glam::Vec3;
+use std::ops::Range;
+
+/// Waves in one draw call at most: a frame of more is drawn in bands of rows, so that
+/// a graphics card's watchdog does not take a long pass for a hang.
+const WAVES_PER_DRAW: u64 = 1 << 20;
+
+/// The textures for one count of waves.
+pub(super) struct Targets {
+    context: Context,
+    pub grid: Grid,
+    /// Made for the first frame in several passes.
+    pairs: Option<PingPong>,
+    pub contributions: Texture,
+    pub pan: RenderTarget,
+    /// Made for the first frame that is summed on the GPU.
+    pub sum: Option<GpuSum>,
+}
+
+impl Targets {
+    pub fn new(context: &Context, grid: Grid) -> Result<Targets, GpuError> {
+        let contributions = Texture::new(context, grid.width, grid.height)?;
+        Ok(Targets {
+            context: context.clone(),
+            grid,
+            pairs: None,
+            pan: RenderTarget::new(context, &[&contributions])?,
+            contributions,
+            sum: None,
+        })
+    }
+
+    /// Makes the texture pairs where there are none yet.
+    pub fn provide_pairs(&mut self) -> Result<(), GpuError> {
+        if self.pairs.is_none() {
+            let Grid { width, height, .. } = self.grid;
+            self.pairs = Some(PingPong::new(&self.context, width, height)?);
+        }
+        Ok(())
+    }
+
+    fn pairs(&self) -> Result<&PingPong, TraceError> {
+        self.pairs.as_ref().ok_or(TraceError::NothingTraced)
+    }
+
+    /// Puts every wave at the source, where that is a pass of its own.
+    pub fn initialise(&self, frame: &PreparedFrame) -> Result<(), Error> {
+        let FramePrograms::Passes { initialise, .. } = &frame.programs else {
+            return Ok(());
+        };
+        frame.set_start_uniforms(initialise);
+        self.start(initialise)
+    }
+
+    /// Draws the waves at their start.
+    pub fn start(&self, program: &Program) -> Result<(), Error> {
+        let target = self.pairs()?.current();
+        self.draw(program, target, 1, 0..self.grid.height)
+    }
+
+    /// Puts every wave at the source, with directions that are given.
+    pub fn upload_starts(&self, frame: &PreparedFrame, directions: &[Vec3]) -> Result<(), Error> {
+        let texels = (self.grid.width * self.grid.height) as usize;
+        let [origins, headings] = start_texels(frame.start(), directions.iter().copied(), texels);
+        let current = self.pairs()?.current();
+        current.first.upload(origins.as_flattened())?;
+        current.second.upload(headings.as_flattened())?;
+        Ok(())
+    }
+
+    /// Draws some rows of a march pass; when all are drawn the pairs are to be
+    /// [flipped](Targets::flip).
+    pub fn march_rows(
+        &self,
+        frame: &PreparedFrame,
+        scene: &GpuScene,
+        iterations: u32,
+        rows: Range<u32>,
+    ) -> Result<(), Error> {
+        let program = frame.programs.march();
+        scene.bind(program, 2);
+        program.set_i32("uIterationsInPass", iterations as i32);
+        let evaluations = frame.evaluations(&self.context, iterations);
+        if frame.programs.are_one() {
+            return self.draw(program, &self.pan, evaluations, rows);
+        }
+        let pairs = self.pairs()?;
+        program.set_texture("uOrigins", 0, &pairs.current().first);
+        program.set_texture("uDirections", 1, &pairs.current().second);
+        self.draw(program, pairs.next(), evaluations, rows)
+    }
+
+    /// Swaps the pairs: the pair written last is read next.
+    pub fn flip(&mut self) {
+        if let Some(pairs) = &mut self.pairs {
+            pairs.flip();
+        }
+    }
+
+    /// Draws the contribution of each wave to either side, where that is a pass of its own.
+    pub fn pan(&self, frame: &PreparedFrame) -> Result<(), Error> {
+        let FramePrograms::Passes { pan: program, .. } = &frame.programs else {
+            return Ok(());
+        };
+        let current = self.pairs()?.current();
+        program.set_texture("uOrigins", 0, &current.first);
+        program.set_texture("uDirections", 1, &current.second);
+        frame.set_pan_uniforms(program);
+        self.draw(program, &self.pan, 1, 0..self.grid.height)
+    }
+
+    /// Requests the result of a frame whose passes are all drawn.
+    pub fn ask(&self, read_back: &mut ReadBack, on_gpu: bool) -> Result<(), Error> {
+        if !on_gpu {
+            return read_back.ask(&self.pan, self.grid);
+        }
+        let sum = self.sum.as_ref().ok_or(TraceError::NothingTraced)?;
+        sum.draw(&self.context, &self.contributions, self.grid)?;
+        read_back.ask_sum(sum)
+    }
+
+    /// Both textures of the current pair, the texels beyond the last wave left out.
+    pub fn read_pair(&self) -> Result<[Vec<f32>; 2], Error> {
+        let length = 4 * self.grid.waves as usize;
+        let target = &self.pairs()?.current().target;
+        let mut origins = target.read(0)?;
+        let mut directions = target.read(1)?;
+        origins.truncate(length);
+        directions.truncate(length);
+        Ok([origins, directions])
+    }
+
+    fn draw(
+        &self,
+        program: &Program,
+        target: &impl Target,
+        evaluations: u64,
+        rows: Range<u32>,
+    ) -> Result<(), Error> {
+        draw(&self.context, program, self.grid, target, evaluations, rows)
+    }
+}
+
+/// Draws some rows of one pass in bands; a wave takes `evaluations` of a surface, at most.
+pub(super) fn draw(
+    context: &Context,
+    program: &Program,
+    grid: Grid,
+    target: &impl Target,
+    evaluations: u64,
+    rows: Range<u32>,
+) -> Result<(), Error> {
+    let waves = (EVALUATIONS_PER_DRAW / evaluations).min(WAVES_PER_DRAW);
+    let in_band = (waves / u64::from(grid.width)).max(1) as u32;
+    for start in rows.clone().step_by(in_band as usize) {
+        let band = start..(start + in_band).min(rows.end);
+        full_screen_pass_rows(context, program, target, grid.width, grid.height, band)?;
+    }
+    Ok(())
+}
+
+/// Waves that do not fit in a texture are reported before anything is allocated.
+pub(super) fn check_waves(context: &Context, grid: Grid) -> Result<(), TraceError> {
+    let limit = context.limits().max_texture_size;
+    if grid.width <= limit {
+        return Ok(());
+    }
+    Err(TraceError::TooManyWaves {
+        waves: grid.waves,
+        side: grid.width,
+        limit,
+        most: u64::from(limit) * u64::from(limit),
+        renderer: context.renderer().to_owned(),
+    })
+}

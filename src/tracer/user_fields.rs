@@ -1,0 +1,478 @@
+//! Users' fields, checked before they are part of anything.
+//!
+//! Each is compiled separately, so that errors are reported with its own file and
+//! line; its values are taken on a grid of 65 points a side, for the CPU to know where the
+//! solid is; and it is tried, there and at 16,384 points in between, whether it is a number
+//! everywhere and grows as it promises. Only what is measured between two points counts as
+//! growth: that proves it. (The length of a gradient by differences does not, at a ridge.)
+//! What is narrower than a step between points can still pass unseen. A gradient that the text
+//! states is compared with differences (`gradient.rs`).
+//!
+//! # Cost
+//! Once for each context and field: one short program, and some 400,000 evaluations in four
+//! passes, and what takes too long in the first of them is rejected. With Mesa's llvmpipe on two cores that is a tenth of a second for a Menger
+//! sponge of five levels, on a graphics card a few milliseconds; a stated gradient takes another
+//! 100,000. A frame whose fields are
+//! known compares pointers.
+
+mod gradient;
+
+use super::programs::{first_line, without_prefixes};
+use super::{TraceError, field_trial};
+use crate::error::Error;
+use crate::gl::{
+    Context, DataTexture, GpuError, Program, RenderTarget, Texture, full_screen_pass_rows,
+    log_errors,
+};
+use crate::platform::Instant;
+use crate::scene::{Scene, UserField, UserSamples, halton};
+use crate::shader::{self, Structure, USER_FILE};
+use glam::{Vec3, Vec4};
+use std::sync::Arc;
+
+/// Samples along each side of the box.
+const SIDE: usize = 65;
+
+/// Points in between at which the growth is tried.
+const TRIES: usize = 16_384;
+
+/// By how much the growth found may exceed the stated one: what is this little too fast does
+/// no harm to a march, whose last steps are Newton's.
+const TOLERANCE: f32 = 0.01;
+
+/// The rounding error of a value, as a share of the largest value that its box allows.
+const ROUNDING: f32 = 1e-6;
+
+/// Points in a row of a texture.
+const ROW: usize = 1024;
+
+/// Rows in one draw call.
+const ROWS_PER_DRAW: u32 = 64;
+
+/// Points by which the time of an evaluation is taken: a row.
+const TIMED: usize = ROW;
+
+/// By how many false positions points are brought to the surface: within a micrometre of it
+/// where the value is nearly that of a plane.
+const CLOSER_TO_SURFACE: usize = 3;
+
+/// Times that are taken at least, of which the shortest counts: whatever else the machine
+/// does holds up the others.
+const TIMINGS: u32 = 8;
+
+/// Seconds that the timing may take; a field that seems too slow is timed for all of them.
+const TIMING: f64 = 1.0;
+
+/// Seconds that an evaluation may take, many of them side by side: with twenty times those of
+/// a Menger sponge a frame of 65,536 waves and eight iterations takes a minute.
+const SLOWEST: f64 = 5e-6;
+
+/// Steps along the way between two points where something is amiss.
+const CLOSER: usize = 256;
+
+/// Fields remembered beyond those of the scene: an editor makes a new one with each change,
+/// and each text has a MiB of samples.
+const KNOWN: usize = 16;
+
+/// The fields that a context has checked.
+#[derive(Default)]
+pub struct UserFields {
+    checked: Vec<Arc<UserField>>,
+}
+
+impl UserFields {
+    /// Checks those of the scene that are not known yet, and gives all their samples; together
+    /// with `program`, of which they will be part, they are tried first as
+    /// [`FieldTrial`](super::FieldTrial) is set.
+    ///
+    /// # Errors
+    /// [`Error::Trace`] for a field that cannot be used, [`Error::Gpu`] when the renderer
+    /// fails.
+    pub fn check(
+        &mut self,
+        context: &Context,
+        scene: &Scene,
+        structure: &Structure,
+        program: impl FnOnce() -> String,
+    ) -> Result<(), Error> {
+        let is_known =
+            |field: &Arc<UserField>| self.checked.iter().any(|known| Arc::ptr_eq(known, field));
+        if scene.user_fields().all(is_known) {
+            return Ok(());
+        }
+        for field in scene.user_fields() {
+            TraceError::check_text(field)?;
+        }
+        structure.check(scene)?;
+        field_trial::ensure(scene, &[&program()])?;
+        let known = self.checked.len();
+        let checked = self.check_new(context, scene);
+        if self.checked.len() > known {
+            self.forget_old(scene);
+        }
+        checked
+    }
+
+    fn check_new(&mut self, context: &Context, scene: &Scene) -> Result<(), Error> {
+        for field in scene.user_fields() {
+            if self.checked.iter().any(|known| Arc::ptr_eq(known, field)) {
+                continue;
+            }
+            match self.checked.iter().find(|known| ***known == **field) {
+                // The same text, in a scene that was read again: one set of samples is enough.
+                Some(known) => {
+                    if let Some(samples) = known.samples() {
+                        field.set_samples(Arc::clone(samples));
+                    }
+                    if let Some(seconds) = known.evaluation_seconds() {
+                        field.set_evaluation_seconds(seconds);
+                    }
+                }
+                // Samples from a child: the field's own program is not used again.
+                None if field.samples().is_some() && field_trial::has_passed(field) => (),
+                None => check(context, field)?,
+            }
+            self.checked.push(Arc::clone(field));
+        }
+        Ok(())
+    }
+
+    /// Forgets the oldest fields that the scene does not have.
+    fn forget_old(&mut self, scene: &Scene) {
+        let is_here = |field: &Arc<UserField>| scene.user_fields().any(|f| Arc::ptr_eq(f, field));
+        let (here, mut others): (Vec<_>, Vec<_>) = self.checked.drain(..).partition(is_here);
+        let excess = others.len().saturating_sub(KNOWN);
+        others.drain(..excess);
+        self.checked = others;
+        self.checked.extend(here);
+    }
+}
+
+/// Compiles a field by itself, samples and tries it.
+pub(super) fn check(context: &Context, field: &UserField) -> Result<(), Error> {
+    let refuse = |line, message| TraceError::FieldDoesNotCompile {
+        file: field.file.display().to_string(),
+        line,
+        message,
+    };
+    TraceError::check_text(field)?;
+    let label = field.file.display().to_string();
+    let text = shader::join(&shader::user_sources(field));
+    let program = match Program::fragment(context, &label, &text) {
+        Ok(program) => program,
+        Err(GpuError::Compile { log, .. } | GpuError::Link { log, .. }) => {
+            let (line, message) = first_error(&log);
+            return Err(refuse(line, message).into());
+        }
+        Err(error) => return Err(error.into()),
+    };
+    // Samples are only kept of what has passed.
+    if field.samples().is_some() {
+        return Ok(());
+    }
+    let probe = Probe {
+        context,
+        program,
+        field,
+    };
+    let anywhere = probe.time_anywhere()?;
+    let samples = probe.samples()?;
+    let surface = probe.surface_points(&samples.values)?;
+    let at_surface = probe.time_at_surface(&surface)?;
+    probe.check_growth()?;
+    probe.check_gradient(&surface)?;
+    field.set_evaluation_seconds(anywhere.max(at_surface));
+    field.set_samples(Arc::new(samples));
+    Ok(())
+}
+
+/// Line and message of the first error of a log in the user's text.
+fn first_error(log: &str) -> (Option<u32>, String) {
+    let errors = log_errors(log);
+    // Mesa loses the number of what a macro stands for, and keeps the line.
+    let is_users = |file: u32| file == USER_FILE || file == 0;
+    if let Some(error) = errors.iter().find(|error| is_users(error.file)) {
+        return (Some(error.line), without_prefixes(&error.message));
+    }
+    match errors.first() {
+        Some(error) => {
+            let message = without_prefixes(&error.message);
+            (None, format!("after its end: {message}"))
+        }
+        None => (None, first_line(log)),
+    }
+}
+
+/// A field's program, to ask it for values.
+struct Probe<'a> {
+    context: &'a Context,
+    program: Program,
+    field: &'a UserField,
+}
+
+impl Probe<'_> {
+    /// The values on the grid, all of them finite, between which it grows as promised.
+    fn samples(&self) -> Result<UserSamples, Error> {
+        let points: Vec<Vec3> = (0..SIDE * SIDE * SIDE).map(|i| self.place(i)).collect();
+        let values = self.values(&points)?;
+        let mut steepest = self.steepest();
+        for (from, to) in neighbours() {
+            steepest.take([points[from], points[to]], [values[from], values[to]]);
+        }
+        self.judge(steepest)?;
+        Ok(UserSamples { side: SIDE, values })
+    }
+
+    /// Tries short steps along the axes and the gradient, at points spread over the box.
+    fn check_growth(&self) -> Result<(), Error> {
+        let half = 0.5 * self.field.size;
+        let least = self.field.size.min_element();
+        let mut centres = Vec::with_capacity(TRIES);
+        let mut points = Vec::with_capacity(6 * TRIES);
+        for index in 1..=TRIES {
+            // From a ten-thousandth to a hundredth of the size.
+            let width = least * 1e-4 * 100f32.powf((index % 64) as f32 / 63.0);
+            let inside = half - 2.0 * width;
+            let centre = inside * (2.0 * halton(index).as_vec3() - 1.0);
+            centres.push((centre, width));
+            for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
+                points.extend([centre - width * axis, centre + width * axis]);
+            }
+        }
+        let values = self.values(&points)?;
+        let mut ends = Vec::with_capacity(2 * TRIES);
+        for (&(centre, width), of) in centres.iter().zip(values.chunks(6)) {
+            let gradient = Vec3::new(of[1] - of[0], of[3] - of[2], of[5] - of[4]);
+            let way = gradient.normalize_or_zero() * width;
+            ends.extend([centre - way, centre + way]);
+        }
+        let mut steepest = self.steepest();
+        steepest.take_pairs(&points, &values);
+        steepest.take_pairs(&ends, &self.values(&ends)?);
+        self.judge(steepest)
+    }
+
+    /// Rejects what grows too fast, after a closer look at where it does so.
+    fn judge(&self, steepest: Steepest) -> Result<(), Error> {
+        let stated = self.field.lipschitz;
+        if steepest.growth <= stated * (1.0 + TOLERANCE) {
+            return Ok(());
+        }
+        let [from, to] = steepest.ends;
+        let along = (0..=CLOSER).map(|step| from.lerp(to, step as f32 / CLOSER as f32));
+        let points: Vec<Vec3> = along.collect();
+        let values = self.values(&points)?;
+        let mut closer = steepest;
+        for (ends, pair) in points.windows(2).zip(values.windows(2)) {
+            closer.take([ends[0], ends[1]], [pair[0], pair[1]]);
+        }
+        Err(TraceError::FieldGrows {
+            file: self.field.file.display().to_string(),
+            place: closer.ends[0].midpoint(closer.ends[1]),
+            growth: closer.growth,
+            stated,
+        }
+        .into())
+    }
+
+    /// Nothing found yet.
+    fn steepest(&self) -> Steepest {
+        Steepest {
+            growth: 0.0,
+            ends: [Vec3::ZERO; 2],
+            rounding: ROUNDING * self.field.lipschitz * self.field.size.max_element(),
+        }
+    }
+
+    /// Seconds that an evaluation takes anywhere in the box, as a rule; rejects what is too slow
+    /// before much of it is requested.
+    fn time_anywhere(&self) -> Result<f64, Error> {
+        let half = 0.5 * self.field.size;
+        let points: Vec<Vec3> = (1..=TIMED)
+            .map(|index| half * (2.0 * halton(index).as_vec3() - 1.0))
+            .collect();
+        // A driver compiles the rest of a program with its first pass.
+        self.values(&points[..1])?;
+        self.time_at(&points)
+    }
+
+    /// Seconds that an evaluation takes at the surface, where waves take most of their steps; 0
+    /// where there is none.
+    fn time_at_surface(&self, surface: &[Vec3]) -> Result<f64, Error> {
+        if surface.is_empty() {
+            return Ok(0.0);
+        }
+        let points: Vec<Vec3> = surface.iter().copied().cycle().take(TIMED).collect();
+        self.time_at(&points)
+    }
+
+    /// Points on the surface, or next to it, that are spread over it: [`TIMED`] at most.
+    fn surface_points(&self, values: &[f32]) -> Result<Vec<Vec3>, Error> {
+        let crosses = |&(from, to): &(usize, usize)| (values[from] > 0.0) != (values[to] > 0.0);
+        let mut ends: Vec<_> = neighbours().filter(crosses).collect();
+        let every = ends.len().div_ceil(TIMED).max(1);
+        ends = ends.into_iter().step_by(every).collect();
+        if ends.is_empty() {
+            return Ok(Vec::new());
+        }
+        let mut ways: Vec<[(Vec3, f32); 2]> = ends
+            .iter()
+            .map(|&(from, to)| [from, to].map(|i| (self.place(i), values[i])))
+            .collect();
+        let crossing = |[from, to]: &[(Vec3, f32); 2]| {
+            let share = (from.1 / (from.1 - to.1)).clamp(0.0, 1.0);
+            from.0.lerp(to.0, share)
+        };
+        let mut points: Vec<Vec3> = ways.iter().map(crossing).collect();
+        for _ in 0..CLOSER_TO_SURFACE {
+            for ((way, point), value) in ways.iter_mut().zip(&points).zip(self.values(&points)?) {
+                let side = usize::from((way[0].1 > 0.0) != (value > 0.0));
+                way[side] = (*point, value);
+            }
+            points = ways.iter().map(crossing).collect();
+        }
+        Ok(points)
+    }
+
+    /// Seconds that an evaluation takes at these points, side by side.
+    fn time_at(&self, points: &[Vec3]) -> Result<f64, Error> {
+        let (mut least, mut whole, mut taken) = (f64::INFINITY, 0.0, 0);
+        while whole < TIMING && (taken < TIMINGS || least > SLOWEST) {
+            let began = Instant::now();
+            self.values(points)?;
+            let took = began.elapsed().as_secs_f64();
+            least = least.min(took / points.len() as f64);
+            whole += took;
+            taken += 1;
+        }
+        // Those of built-in scenes are known to be fast: where they are not, the machine was held up.
+        if least <= SLOWEST || self.field.is_own() {
+            return Ok(least.min(SLOWEST));
+        }
+        Err(TraceError::FieldTooSlow {
+            file: self.field.file.display().to_string(),
+            seconds: least,
+            limit: SLOWEST,
+        }
+        .into())
+    }
+
+    /// The position of a sample.
+    fn place(&self, index: usize) -> Vec3 {
+        let along = [index % SIDE, index / SIDE % SIDE, index / (SIDE * SIDE)];
+        let share = Vec3::from(along.map(|a| a as f32 / (SIDE - 1) as f32));
+        self.field.size * (share - 0.5)
+    }
+
+    /// The values at some points, all of them finite.
+    fn values(&self, points: &[Vec3]) -> Result<Vec<f32>, Error> {
+        let texels = self.texels(points)?;
+        let values: Vec<f32> = texels.chunks(4).take(points.len()).map(|t| t[0]).collect();
+        match values.iter().position(|value| !value.is_finite()) {
+            None => Ok(values),
+            Some(index) => Err(TraceError::FieldNotFinite {
+                file: self.field.file.display().to_string(),
+                place: points[index],
+                value: values[index],
+            }
+            .into()),
+        }
+    }
+
+    /// Value and stated gradient at each of some points, and whatever fills the last row.
+    fn texels(&self, points: &[Vec3]) -> Result<Vec<f32>, Error> {
+        let width = points.len().min(ROW) as u32;
+        let rows = points.len().div_ceil(ROW) as u32;
+        let vectors: Vec<Vec4> = points.iter().map(|p| p.extend(0.0)).collect();
+        let mut list = DataTexture::new(self.context, ROW)?;
+        list.set(&vectors)?;
+        let values = Texture::new(self.context, width, rows)?;
+        let target = RenderTarget::new(self.context, &[&values])?;
+        self.program.set_texture("uPoints", 0, list.texture());
+        for start in (0..rows).step_by(ROWS_PER_DRAW as usize) {
+            let band = start..start + ROWS_PER_DRAW;
+            full_screen_pass_rows(self.context, &self.program, &target, width, rows, band)?;
+        }
+        Ok(target.read(0)?)
+    }
+}
+
+/// Samples that lie beside each other along an axis.
+fn neighbours() -> impl Iterator<Item = (usize, usize)> {
+    let along = |stride: usize| {
+        // The last of a row has no neighbour.
+        (0..SIDE * SIDE * SIDE - stride)
+            .filter(move |index| index / stride % SIDE < SIDE - 1)
+            .map(move |index| (index, index + stride))
+    };
+    [1, SIDE, SIDE * SIDE].into_iter().flat_map(along)
+}
+
+/// The two points with the most growth between them.
+struct Steepest {
+    growth: f32,
+    ends: [Vec3; 2],
+    /// The difference that rounding can make between two equal values: it is subtracted.
+    rounding: f32,
+}
+
+impl Steepest {
+    fn take(&mut self, ends: [Vec3; 2], values: [f32; 2]) {
+        let way = ends[0].distance(ends[1]);
+        let growth = ((values[1] - values[0]).abs() - self.rounding) / way;
+        // A gradient of 0 has no way.
+        if way > 0.0 && growth > self.growth {
+            self.growth = growth;
+            self.ends = ends;
+        }
+    }
+
+    fn take_pairs(&mut self, points: &[Vec3], values: &[f32]) {
+        for (ends, pair) in points.chunks_exact(2).zip(values.chunks_exact(2)) {
+            self.take([ends[0], ends[1]], [pair[0], pair[1]]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gl::ContextOptions;
+    use crate::shader::Lists;
+
+    /// Protects long walks and edits: a field read again shares its samples, old ones go, and
+    /// those of the scene stay however many they are.
+    #[test]
+    fn fields_of_old_scenes_are_forgotten() {
+        let context = Context::headless(&ContextOptions::default()).unwrap();
+        let mut fields = UserFields::default();
+        let again = || Scene::load("menger").unwrap();
+        let count = again().user_fields().count();
+        assert!(count > 0);
+        let first = again();
+        let check = |fields: &mut UserFields, scene: &Scene| {
+            let structure = Structure::of(scene, Lists::Lines);
+            fields
+                .check(&context, scene, &structure, String::new)
+                .unwrap();
+        };
+        check(&mut fields, &first);
+        let mut last = first.clone();
+        for _ in 0..2 * KNOWN {
+            last = again();
+            check(&mut fields, &last);
+        }
+        assert_eq!(fields.checked.len(), KNOWN + count);
+        let samples = |scene: &Scene| scene.user_fields().next().unwrap().samples().cloned();
+        let (old, new) = (samples(&first).unwrap(), samples(&last).unwrap());
+        assert!(Arc::ptr_eq(&old, &new));
+        let known = fields.checked.clone();
+        check(&mut fields, &last);
+        assert!(
+            known
+                .iter()
+                .zip(&fields.checked)
+                .all(|(a, b)| Arc::ptr_eq(a, b))
+        );
+    }
+}
