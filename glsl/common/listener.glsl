@@ -1,6 +1,6 @@
 // The listener: centre in metres, in the march's coordinates; radius.
 uniform vec4 uListener;
-// A copy of it, and the square of the radius (copyUniforms).
+// A copy of uListener (copyUniforms).
 vec4 listener = vec4(0.0);
 float squaredListenerRadius = 0.0;
 

@@ -5,7 +5,7 @@ use super::pass_texts::{AlgorithmText, Directions, start};
 use super::structure::Structure;
 use super::text::{
     ListenerText, Marched, Part, Source, Text, closed_form_parts, directed_parts, join, link,
-    parts, source,
+    parts, skeleton::fill, source,
 };
 use crate::scene::{Scene, WALL_COUNT};
 use std::fmt::Write;
@@ -164,12 +164,13 @@ fn written(text: &ArrivalsText) -> String {
     if text.has_words {
         write.push_str("    outWords = vec4(word1, word2, word3, word4);\n");
     }
-    let words = words(text);
-    format!(
-        "{outputs}// Keeps the record at its place, if it has that place.\n\
-         void keepRecord(float place, vec4 record) {{\n{keep}}}\n\n\
-         {words}void writeOutputs() {{\n{write}}}\n\n"
-    )
+    let texts = [
+        ("outputs", outputs.as_str()),
+        ("keep", &keep),
+        ("words", &words(text)),
+        ("write", &write),
+    ];
+    fill(&source!("template/write_outputs.glsl"), &texts)
 }
 
 /// The variables and functions of the words of events.
@@ -189,11 +190,8 @@ fn words(text: &ArrivalsText) -> String {
             "    word{word} = place == {word} ? word : word{word};"
         );
     }
-    format!(
-        "{declared}// Keeps a word of events at its place.\n\
-         void keepWord(int place, float word) {{\n{keep}}}\n\n\
-         float firstWord() {{ return word0; }}\n\n"
-    )
+    let texts = [("declared", declared.as_str()), ("keep", &keep)];
+    fill(&source!("template/keep_word.glsl"), &texts)
 }
 
 /// `copyMaterials()` and `materialAt(object, turned)`: the number of the material
@@ -259,13 +257,12 @@ fn by_uniforms(text: &Text, rooms: &[usize]) -> String {
     if !text.instanced.is_empty() {
         choice += &in_cells(text);
     }
-    format!(
-        "{declarations}\n// Copies for the loops: a uniform may be loaded again at each use.\n\
-         void copyMaterials() {{\n{copies}}}\n\n\
-         // The material of the object that turns a wave by so much.\n\
-         float materialAt(float object, vec3 turned) {{\n    float material = 0.0;\n{choice}    \
-         return material;\n}}\n\n"
-    )
+    let texts = [
+        ("declarations", declarations.as_str()),
+        ("copies", &copies),
+        ("choice", &choice),
+    ];
+    fill(&source!("template/material_by_uniforms.glsl"), &texts)
 }
 
 /// All numbers in a table of the scene's data ([`Materials::table`]). What is met is a surface, or nothing, of which the
@@ -285,20 +282,13 @@ fn by_table(text: &Text, rooms: &[usize]) -> String {
     }
     let of_walls = match rooms.is_empty() {
         true => "    return entry.x;\n".to_owned(),
-        false => format!(
-            "    int walls = int(entry.y);\n    vec4 four = sceneData(walls);\n    \
-             vec4 two = sceneData(walls + 1);\n    vec3 own = turned;\n{own_axes}    \
-             float ofWall = materialOfWall(own, four.xy, four.zw, two.xy);\n    \
-             return entry.y > 0.0 ? ofWall : entry.x;\n"
+        false => fill(
+            &source!("template/material_of_walls.glsl"),
+            &[("own_axes", &own_axes)],
         ),
     };
-    format!(
-        "uniform int uMaterialTable;   // index of the first surface's entry in the scene's data\n\n\
-         void copyMaterials() {{}}\n\n\
-         // The material of the object that turns a wave by so much.\n\
-         float materialAt(float object, vec3 turned) {{\n    \
-         vec4 entry = sceneData(uMaterialTable + int(max(object, 1.0)) - 1);\n{of_walls}}}\n\n"
-    )
+    let skeleton = source!("template/material_by_table.glsl");
+    fill(&skeleton, &[("of_walls", &of_walls)])
 }
 
 fn in_cells(text: &Text) -> String {

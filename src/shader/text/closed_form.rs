@@ -5,9 +5,10 @@
 
 use super::field::{gradient_text, hit_text, normal_text, value_text};
 use super::fields_ahead::fields_ahead;
-use super::link::Part;
+use super::link::{Part, source};
 use super::reflect::reflect_text;
 use super::scene_text::{ListenerText, Text};
+use super::skeleton::fill;
 use super::surface_names::{Marched, Named};
 use crate::scene::Node;
 use crate::shader::layout::GRID_VECTORS;
@@ -35,16 +36,9 @@ fn closest_hit(text: &Text, listener: ListenerText) -> String {
         ListenerText::Solid => "min(hitListener(p, d), limit)",
         ListenerText::Transparent => "limit",
     };
-    let mut out = format!(
-        "// How far from p along d the next object is, and its number. A convex surface is\n\
-         // not met by the wave that leaves it (last). Where nothing is met before limit the\n\
-         // distance is limit and the number means nothing; it is GIVEN_UP where a step limit\n\
-         // left open what comes first.\n\
-         float closestHit(vec3 p, vec3 d, float last, float limit, out float object) {{\n    \
-         float nearest = {first};\n    object = 0.0;\n",
-    );
+    let mut surfaces = String::new();
     if text.all().any(Named::has_step_limit) {
-        out.push_str("    copySteps = uCopySteps;\n");
+        surfaces.push_str("    copySteps = uCopySteps;\n");
     }
     let closed: Vec<&Named> = text
         .unrolled
@@ -52,19 +46,20 @@ fn closest_hit(text: &Text, listener: ListenerText) -> String {
         .filter(|n| n.has_closed_form())
         .collect();
     if !closed.is_empty() {
-        out.push_str("    float candidate;\n");
+        surfaces.push_str("    float candidate;\n");
     }
     let (limited, others): (Vec<&Named>, Vec<&Named>) =
         closed.into_iter().partition(|named| named.has_step_limit());
     for named in others {
-        out += &candidate(named);
+        surfaces += &candidate(named);
     }
-    out += &kind_calls(text);
+    surfaces += &kind_calls(text);
     // A step limit counts only where nothing else is met before.
     for named in limited {
-        out += &candidate(named);
+        surfaces += &candidate(named);
     }
-    out + "    return nearest;\n}\n\n"
+    let skeleton = source!("template/closest_hit.glsl");
+    fill(&skeleton, &[("first", first), ("surfaces", &surfaces)])
 }
 
 fn candidate(named: &Named) -> String {
@@ -131,56 +126,23 @@ fn closest_of_kind(named: &Named, kind: usize, grid: usize) -> String {
     let record = Record::of(named.surface);
     let (vectors, tag) = (record.vectors, record.component());
     let data = if record.has_head { "at + 1" } else { "at" };
-    let (shared, candidate) = record_candidate(named);
+    let (of_line, candidate) = record_candidate(named);
     let is_left = match named.surface.shape.is_convex() {
         true => " && number != last",
         false => "",
     };
-    let mut out = String::new();
-    let _ = write!(
-        out,
-        "// The nearest surface of {} that the line intersects, if it is nearer than what is known.\n\
-         void closestOfKind{kind}(vec3 p, vec3 d, float last, inout float nearest, inout float object) {{\n    \
-         vec4 origin = uGrids[{grid}];\n    \
-         vec4 size = uGrids[{}];\n    \
-         CELL_VECTOR strides = uGrids[{}].CELL_AXES;\n    \
-         int turns = int(uGrids[{}].w);   // no line has as many\n    \
-         int first = int(origin.w);\n    \
-         int most = int(size.w);\n    \
-         vec3 inverse = safeInverse(d);\n    \
-         GridLine line = gridLine(p.CELL_AXES, d.CELL_AXES, inverse.CELL_AXES, origin.CELL_AXES, \
-         size.CELL_AXES, uGrids[{}].CELL_AXES, uGrids[{}].CELL_AXES);\n\
-         {shared}    \
-         CELL_VECTOR place = line.place;\n    \
-         float t = line.enters;\n    \
-         float known = min(nearest, line.leaves);\n    \
-         float end = known;\n    \
-         int listed = 0;   // the next record of a cell's list, or 0\n    \
-         for (; turns > 0 && t < end; --turns) {{\n        \
-         int at = listed > 0 ? listed : first + {vectors} * clamp(int(dot(place, strides)), 0, most);\n        \
-         float tag = sceneData(at).{tag};\n        \
-         float number = abs(tag);\n        \
-         int data = {data};\n        \
-         float candidate = {candidate};\n        \
-         bool isNearer = number > 0.0{is_left} && candidate < end;\n        \
-         end = isNearer ? candidate : end;\n        \
-         object = isNearer ? number : object;\n        \
-         listed = tag < 0.0 ? at + {vectors} : number > 0.0 ? 0 : int(sceneData(at).x);\n        \
-         CELL_VECTOR faces = (place + line.ahead) * line.between + line.offset;\n        \
-         float next = least(faces);\n        \
-         t = listed > 0 ? t : next;\n        \
-         place = listed > 0 ? place : nextCell(place, line, faces);\n    \
-         }}\n    \
-         nearest = end < known ? end : nearest;\n\
-         }}\n\n",
-        named.label,
-        grid + 1,
-        grid + 4,
-        grid + 4,
-        grid + 2,
-        grid + 3,
-    );
-    out
+    let texts = [
+        ("label", named.label.as_str()),
+        ("kind", &kind.to_string()),
+        ("grid", &grid.to_string()),
+        ("of_line", of_line),
+        ("vectors", &vectors.to_string()),
+        ("tag", tag),
+        ("data", data),
+        ("candidate", &candidate),
+        ("is_left", is_left),
+    ];
+    fill(&source!("template/closest_of_kind.glsl"), &texts)
 }
 
 /// The values that are computed once a line, and the intersection of the line with the surface of a record.

@@ -1,8 +1,7 @@
 //! Pieces of shader text, and a linker: a program gets the functions that it calls, and no others.
 //!
-//! A file under `glsl/` is paragraphs, parted by empty lines; each defines a function, constants
-//! or uniforms, and is a [`Part`]. [`link`] takes some sources whole and puts before each the parts that it
-//! names, callees first. GLSL has no recursion, so that there always is such an order. [`join`] makes one
+//! A file under `glsl/` is a list of definitions, of a function, a constant, a uniform, each with the comment before it: a
+//! [`Part`]. [`link`] takes some sources whole and puts before each the parts that it names, callees first. GLSL has no recursion, so that there always is such an order. [`join`] makes one
 //! text of the sources, with the file and the line of each for the driver's messages.
 
 use crate::scene::shape::every_part;
@@ -54,30 +53,38 @@ pub(crate) fn read_at_run_time(file: &str) -> String {
     std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
+/// Empty lines for which a text does not state its line anew.
+const MOST_EMPTY_LINES: usize = 2;
+
 /// Joins sources to one text. Each file has a number by which the driver's messages name it:
 /// in the order in which the files come first, from 1.
 pub fn join(sources: &[Source]) -> String {
     let mut files: Vec<&str> = Vec::new();
     let mut text = String::new();
-    let mut before = "";
-    for source in sources {
-        let known = files.iter().position(|name| *name == source.name);
+    // The file of the source before, and the number of the line behind it.
+    let mut before = ("", 0);
+    for Source {
+        name,
+        line,
+        text: part,
+    } in sources
+    {
+        let known = files.iter().position(|file| file == name);
         let number = 1 + known.unwrap_or_else(|| {
-            files.push(&source.name);
+            files.push(name);
             files.len() - 1
         });
-        let Source {
-            name,
-            line,
-            text: part,
-        } = source;
-        // Parts of one file that follow each other have one line with their origin. Writing
-        // to a String cannot fail.
-        if before != name {
-            let _ = writeln!(text, "// {number}: {name}");
-        }
-        before = name;
-        let _ = write!(text, "#line {line} {number}\n{part}\n");
+        let gap = line
+            .checked_sub(before.1)
+            .filter(|gap| *gap <= MOST_EMPTY_LINES);
+        // Writing to a String cannot fail.
+        let _ = match gap {
+            Some(gap) if before.0 == name => write!(text, "{:\n<gap$}", ""),
+            _ if before.0 == name => write!(text, "\n#line {line} {number}\n"),
+            _ => write!(text, "\n// {number}: {name}\n#line {line} {number}\n"),
+        };
+        let _ = writeln!(text, "{}", part.trim_end_matches('\n'));
+        before = (name, line + part.trim_end_matches('\n').lines().count());
     }
     text
 }
@@ -88,7 +95,7 @@ pub fn file_name(text: &str, number: u32) -> Option<&str> {
     text.lines().find_map(|line| line.strip_prefix(&start))
 }
 
-/// A piece that is taken as a whole, and only if something names what it defines.
+/// A definition, which is taken only if something names it.
 #[derive(Clone, Debug)]
 pub struct Part {
     pub(super) sources: Vec<Source>,
@@ -101,30 +108,54 @@ const TYPES: [&str; 11] = [
     "float", "int", "uint", "bool", "void", "vec2", "vec3", "vec4", "uvec3", "mat3", "ivec2",
 ];
 
-/// The paragraphs of a source; those of comments alone are left out.
+/// The definitions of a source, each with the comment before it. What lies between `#if` and its `#endif` stays together.
 pub fn parts(source: Source) -> Vec<Part> {
     let mut all = Vec::new();
-    let mut line = source.line;
-    for paragraph in source.text.split("\n\n") {
-        let first = line;
-        line += paragraph.matches('\n').count() + 2;
-        let blank = paragraph.len() - paragraph.trim_start_matches('\n').len();
-        let text = paragraph.trim_matches('\n');
-        let defines: Vec<String> = text.lines().filter_map(defined).collect();
-        if defines.is_empty() {
+    let mut lines: Vec<&str> = Vec::new();
+    let mut defines = Vec::new();
+    let (mut braces, mut conditions) = (0, 0);
+    for (number, line) in (source.line..).zip(source.text.lines()) {
+        let code = code(line).trim_end();
+        let is_outside = braces == 0 && conditions == 0;
+        if code.is_empty() && line.is_empty() && is_outside && defines.is_empty() {
+            // A comment that belongs to no definition.
+            lines.clear();
             continue;
         }
+        lines.push(line);
+        if braces == 0 {
+            defines.extend(defined(code));
+        }
+        braces += code.matches('{').count();
+        braces -= code.matches('}').count().min(braces);
+        conditions += usize::from(code.starts_with("#if"));
+        conditions -= usize::from(code.starts_with("#endif")).min(conditions);
+        let is_complete = code.starts_with('#') || code.ends_with([';', '}']);
+        if braces > 0 || conditions > 0 || !is_complete || defines.is_empty() {
+            continue;
+        }
+        let text = lines.join("\n") + "\n";
         all.push(Part {
-            uses: words(text).map(str::to_owned).collect(),
-            defines,
+            // Not its own name: functions of one name come in the order of the file.
+            uses: words(&text)
+                .filter(|word| !defines.iter().any(|name| name == word))
+                .map(str::to_owned)
+                .collect(),
+            defines: std::mem::take(&mut defines),
             sources: vec![Source {
                 name: source.name.clone(),
-                line: first + blank,
-                text: Cow::Owned(format!("{text}\n")),
+                line: number + 1 - lines.len(),
+                text: Cow::Owned(text),
             }],
         });
+        lines.clear();
     }
     all
+}
+
+/// A line without its comment.
+fn code(line: &str) -> &str {
+    line.split("//").next().unwrap_or_default()
 }
 
 /// The roots in their order, each after the parts that it calls for.
@@ -184,6 +215,8 @@ fn defined(line: &str) -> Option<String> {
             _ => rest.next()?,
         },
         "struct" => rest.next()?,
+        // An output: `layout(location = 0) out vec4 name;`.
+        "layout(location" => rest.nth(4)?,
         kind if TYPES.contains(&kind) => rest.next()?,
         // A function that gives a structure.
         kind if kind.starts_with(|c: char| c.is_ascii_alphabetic()) => {
@@ -197,10 +230,7 @@ fn defined(line: &str) -> Option<String> {
 /// The names in a text, its comments left out; that of a function with its bracket, so that a
 /// variable of the same name is another word.
 fn words(text: &str) -> impl Iterator<Item = &str> {
-    let code = text
-        .lines()
-        .map(|line| line.split("//").next().unwrap_or_default());
-    code.flat_map(|line| {
+    text.lines().map(code).flat_map(|line| {
         let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
         let mut rest = line;
         std::iter::from_fn(move || {
@@ -296,16 +326,17 @@ mod tests {
         assert_eq!(place("float unused("), None);
     }
 
-    /// Protects the lines that a driver's messages name.
+    /// Protects the lines that a driver's messages name, and definitions: next to each other, with an empty line
+    /// inside, between `#if` and `#endif`.
     #[test]
     fn each_part_knows_its_line() {
-        let text =
-            "// A file.\n\nuniform float uSize;\n\n\n// f.\nfloat f() {\n    return uSize;\n}\n";
+        let text = "// A file.\n\nuniform float uSize;\nconst float A = 1.0;  // {\n\n// f.\nfloat f() {\n    return \
+                    uSize;\n\n}\n#if X\nint b;\n\nint c;\n#endif\nlayout(location = 1) out vec4 outD;\n";
         let lines: Vec<usize> = parts(Source::new("file", text))
             .iter()
             .map(|part| part.sources[0].line)
             .collect();
-        assert_eq!(lines, [3, 6]);
+        assert_eq!(lines, [3, 4, 6, 11, 16]);
     }
 
     /// Protects structures, the functions that give one, and variables: each comes where it is
@@ -336,8 +367,9 @@ mod tests {
     fn functions_of_one_name_come_together() {
         let text = linked(
             "void main() { f(1.0); }\n",
-            "float f(float x) { return x; }\n\nvec4 f(vec4 x) { return x; }\n",
+            "float f(float x) { return x; }\nvec4 f(vec4 x) { return vec4(f(x.x)); }\n",
         );
-        assert!(text.contains("float f(") && text.contains("vec4 f("));
+        assert!(text.find("float f(") < text.find("vec4 f("));
+        assert!(text.contains("vec4 f("));
     }
 }

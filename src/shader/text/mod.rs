@@ -15,6 +15,7 @@ mod fields_ahead;
 mod link;
 mod reflect;
 mod scene_text;
+pub(super) mod skeleton;
 mod surface_names;
 
 pub use closed_form::closed_form_parts;

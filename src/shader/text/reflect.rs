@@ -5,7 +5,9 @@
 //! one box, one cylinder is computed. Waves that are drawn together meet different surfaces, and
 //! a renderer that draws them in lockstep would compute every branch for all of them.
 
+use super::link::source;
 use super::scene_text::{Text, of_kind};
+use super::skeleton::fill;
 use super::surface_names::Named;
 use crate::scene::Node;
 use std::fmt::Write;
@@ -34,22 +36,20 @@ pub(super) fn reflect_text(text: &Text) -> String {
             "",
         );
     }
-    out += "// Reflects a wave at the object that it meets t ahead: p, from where it flies along d,\n\
-         // becomes the point on the surface, and d is mirrored.\n\
-         void reflectWave(float object, float t, inout vec3 p, inout vec3 d) {\n    \
-         vec3 from = p;\n    vec3 along = d;\n    vec3 hit = p + t * d;\n    vec3 q;\n    \
-         vec3 normal;\n";
+    let mut surfaces = String::new();
     for group in groups(text) {
-        out += &match group {
+        surfaces += &match group {
             Group::Faces(members) => at_faces(&members),
             Group::Kind(members) => at_kind(&members),
             Group::Field(named) => at_field(named),
         };
     }
     if !text.instanced.is_empty() {
-        out += &in_cells(text);
+        let skeleton = source!("template/reflect_in_cells.glsl");
+        surfaces += &fill(&skeleton, &[("others", &text.not_unrolled())]);
     }
-    out + "}\n\n"
+    let skeleton = source!("template/reflect_wave.glsl");
+    out + &fill(&skeleton, &[("surfaces", &surfaces)])
 }
 
 fn groups<'a>(text: &'a Text) -> Vec<Group<'a>> {
@@ -143,33 +143,28 @@ fn select(members: &[&Named], values: impl Fn(&Named) -> Vec<(&'static str, Stri
 fn block(members: &[&Named], values: &str, reflection: &str) -> String {
     let labels: Vec<&str> = members.iter().map(|named| named.label.as_str()).collect();
     let met: Vec<String> = members.iter().map(|named| named.is_met()).collect();
-    format!(
-        "    // {}\n    {{\n{values}{reflection}        bool isMet = {};\n        \
-         p = isMet ? onto : p;\n        d = isMet ? mirrored : d;\n    }}\n",
-        labels.join(", "),
-        met.join(" || ")
-    )
+    let texts = [
+        ("labels", labels.join(", ")),
+        ("is_met", met.join(" || ")),
+        ("values", values.to_owned()),
+        ("reflection", reflection.to_owned()),
+    ];
+    let texts = texts.each_ref().map(|(name, text)| (*name, text.as_str()));
+    fill(&source!("template/reflect_group.glsl"), &texts)
 }
 
 fn at_field(named: &Named) -> String {
-    let mut out = format!(
-        "    // {}\n    if ({}) {{\n        p = hit;\n",
-        named.label,
-        named.is_met()
-    );
-    for statement in projection(named, "p", "along") {
-        let _ = writeln!(out, "        {statement}");
-    }
-    out + "        d = mirror(along, normal);\n    }\n"
-}
-
-fn in_cells(text: &Text) -> String {
-    let others = text.not_unrolled();
-    format!(
-        "    if (object > 0.0{others}) {{\n        vec4 entry = entryOf(object);\n        p = hit;\n        \
-         projectOntoKind(entry.y, int(entry.z), along, p, normal);\n        \
-         d = mirror(along, normal);\n    }}\n"
-    )
+    let statements = projection(named, "p", "along");
+    let lines: String = statements
+        .iter()
+        .map(|statement| format!("        {statement}\n"))
+        .collect();
+    let texts = [
+        ("label", named.label.as_str()),
+        ("is_met", &named.is_met()),
+        ("projection", &lines),
+    ];
+    fill(&source!("template/reflect_field.glsl"), &texts)
 }
 
 /// Puts the point `p`, met along `d`, onto a surface, and computes the normal there.

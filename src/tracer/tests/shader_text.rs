@@ -137,6 +137,25 @@ fn texts_match_the_golden_ones() {
     }
 }
 
+/// Protects the shader in the documents: it is that of the scene.
+#[test]
+fn the_documented_shader_is_that_of_corner() {
+    let page = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("docs/shader-of-corner.md");
+    let settings = Settings::new(Profile::Hybrid);
+    let text = shader_text(&Scene::builtin("corner").unwrap(), &settings, Pass::March);
+    let stated = std::fs::read_to_string(&page).unwrap();
+    let (before, _) = stated.split_once("```glsl\n").unwrap();
+    let whole = format!("{before}```glsl\n{text}```\n");
+    if std::env::var_os("ECHOMARCH_UPDATE_GOLDEN").is_some() {
+        std::fs::write(&page, &whole).unwrap();
+    } else {
+        assert!(
+            stated == whole,
+            "docs/shader-of-corner.md is another shader; if it is meant, ECHOMARCH_UPDATE_GOLDEN=1 writes it anew"
+        );
+    }
+}
+
 /// Every shape, as a basic one or a field.
 fn shapes() -> Vec<Shape> {
     let size = Vec3::new(1.0, 2.0, 3.0);

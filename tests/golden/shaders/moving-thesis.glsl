@@ -1,9 +1,8 @@
+
 // glsl/wave.glsl
 // glsl/counters.glsl
 // glsl/shape/torus.glsl
 // the values of the surfaces
-uniform vec4 uSurfaces[2];
-vec4 surfaceValue0 = vec4(0.0);
 vec4 surfaceValue1 = vec4(0.0);
 
 // glsl/operator/offset.glsl
@@ -14,6 +13,9 @@ float field1(vec3 p) {
     float d2 = opOffset(d1, 0.1);
     return d2;
 }
+
+// the values of the surfaces
+vec4 surfaceValue0 = vec4(0.0);
 
 // the scene's distance
 // Signed distance to the nearest surface, and its number from 1.
@@ -36,7 +38,10 @@ float distanceFunction(vec3 p, out float object) {
 
 // glsl/iterate_thesis.glsl
 // glsl/iterations.glsl
+// glsl/common/listener.glsl
 // the values of the surfaces
+uniform vec4 uSurfaces[2];
+
 // Copies for the loops: a uniform may be loaded again at each use.
 void copyUniforms() {
     listener = uListener;

@@ -1,3 +1,4 @@
+
 // glsl/wave.glsl
 // glsl/counters.glsl
 // options
@@ -7,7 +8,6 @@
 // glsl/common/ball.glsl
 // glsl/common/listener.glsl
 // the values of the surfaces
-uniform vec4 uSurfaces[1];
 vec4 surfaceValue0 = vec4(0.0);
 float squaredRadius0 = 0.0;
 
@@ -56,7 +56,10 @@ void reflectWave(float object, float t, inout vec3 p, inout vec3 d) {
 
 // glsl/iterate_hybrid.glsl
 // glsl/iterations.glsl
+// glsl/common/listener.glsl
 // the values of the surfaces
+uniform vec4 uSurfaces[1];
+
 // Copies for the loops: a uniform may be loaded again at each use.
 void copyUniforms() {
     listener = uListener;

@@ -1,3 +1,4 @@
+
 // glsl/wave.glsl
 // glsl/counters.glsl
 // options
@@ -9,9 +10,7 @@
 // glsl/common/listener.glsl
 // glsl/shape/sphere.glsl
 // the values of the surfaces
-uniform vec4 uSurfaces[1];
 vec4 surfaceValue0 = vec4(0.0);
-float squaredRadius0 = 0.0;
 
 // the scene
 // Distance to the nearest object that a wave at p along d can meet, its number, and
@@ -69,7 +68,12 @@ void reflectWave(float object, float t, inout vec3 p, inout vec3 d) {
 
 // glsl/iterate_march.glsl
 // glsl/iterations.glsl
+// glsl/common/listener.glsl
 // the values of the surfaces
+uniform vec4 uSurfaces[1];
+
+float squaredRadius0 = 0.0;
+
 // Copies for the loops: a uniform may be loaded again at each use.
 void copyUniforms() {
     listener = uListener;

@@ -1,10 +1,9 @@
+
 // glsl/wave.glsl
 // glsl/counters.glsl
 // glsl/shape/sphere.glsl
 // the values of the surfaces
-uniform vec4 uSurfaces[1];
 vec4 surfaceValue0 = vec4(0.0);
-float squaredRadius0 = 0.0;
 
 // the scene's distance
 // Signed distance to the nearest surface, and its number from 1.
@@ -27,7 +26,12 @@ float distanceFunction(vec3 p, out float object) {
 
 // glsl/iterate_thesis.glsl
 // glsl/iterations.glsl
+// glsl/common/listener.glsl
 // the values of the surfaces
+uniform vec4 uSurfaces[1];
+
+float squaredRadius0 = 0.0;
+
 // Copies for the loops: a uniform may be loaded again at each use.
 void copyUniforms() {
     listener = uListener;

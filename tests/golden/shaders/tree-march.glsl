@@ -1,3 +1,4 @@
+
 // glsl/wave.glsl
 // glsl/counters.glsl
 // options
@@ -44,7 +45,6 @@ float field1(vec3 p) {
 }
 
 // the values of the surfaces
-uniform vec4 uSurfaces[1];
 vec4 surfaceValue0 = vec4(0.0);
 
 // the fields
@@ -84,6 +84,7 @@ vec3 fieldGradient(vec3 p, float object, out float errorBound) {
     return vec3(0.0);
 }
 
+// glsl/common/march_fields.glsl
 // glsl/common/bound.glsl
 // glsl/operator/smooth_union.glsl
 // the surfaces
@@ -142,7 +143,11 @@ void reflectWave(float object, float t, inout vec3 p, inout vec3 d) {
 
 // glsl/iterate_march.glsl
 // glsl/iterations.glsl
+// glsl/common/listener.glsl
 // the values of the surfaces
+uniform vec4 uSurfaces[1];
+
+
 // Copies for the loops: a uniform may be loaded again at each use.
 void copyUniforms() {
     listener = uListener;

@@ -1,3 +1,4 @@
+
 // glsl/wave.glsl
 // glsl/counters.glsl
 // options
@@ -40,7 +41,6 @@ float field1(vec3 p) {
 }
 
 // the values of the surfaces
-uniform vec4 uSurfaces[1];
 vec4 surfaceValue0 = vec4(0.0);
 
 // the fields
@@ -59,6 +59,7 @@ float fieldsAhead(vec3 p, vec3 d, float last, out float object, out float reach,
     return nearest;
 }
 
+// glsl/common/march_fields.glsl
 // glsl/common/rounding.glsl
 // glsl/common/march_fields.glsl
 // glsl/shape/cuboid.glsl
@@ -78,6 +79,8 @@ vec3 fieldGradient(vec3 p, float object, out float errorBound) {
     return vec3(0.0);
 }
 
+// glsl/common/march_fields.glsl
+// the fields
 // Nothing is known of the fields but their values.
 float fieldsFree(vec3 p, vec3 d, float last, float errorBound) { return 0.0; }
 
@@ -123,7 +126,11 @@ void reflectWave(float object, float t, inout vec3 p, inout vec3 d) {
 
 // glsl/iterate_hybrid.glsl
 // glsl/iterations.glsl
+// glsl/common/listener.glsl
 // the values of the surfaces
+uniform vec4 uSurfaces[1];
+
+
 // Copies for the loops: a uniform may be loaded again at each use.
 void copyUniforms() {
     listener = uListener;

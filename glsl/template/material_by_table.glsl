@@ -1,0 +1,10 @@
+uniform int uMaterialTable;   // index of the first surface's entry in the scene's data
+
+void copyMaterials() {}
+
+// The material of the object that turns a wave by so much.
+float materialAt(float object, vec3 turned) {
+    vec4 entry = sceneData(uMaterialTable + int(max(object, 1.0)) - 1);
+@of_walls@
+}
+

@@ -1,0 +1,6 @@
+    // @label@
+    if (@is_met@) {
+        p = hit;
+@projection@
+        d = mirror(along, normal);
+    }

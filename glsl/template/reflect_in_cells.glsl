@@ -1,0 +1,6 @@
+    if (object > 0.0@others@) {
+        vec4 entry = entryOf(object);
+        p = hit;
+        projectOntoKind(entry.y, int(entry.z), along, p, normal);
+        d = mirror(along, normal);
+    }
