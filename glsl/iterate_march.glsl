@@ -1,8 +1,7 @@
 // One iteration of accurate sphere tracing: profile `march`.
 //
-// Theory. Outside a shell about the surfaces (uShell; by default so wide that it contains everything) the
-// wave steps by the distance divided by the Lipschitz bound (Hart 1996). Inside it the gradient of the one
-// surface met gives a Newton step along the ray, distance / -(direction . gradient). The distance to a
+// Theory. The gradient of the one surface met gives a Newton step along the ray,
+// distance / -(direction . gradient); beyond REACH the step is the distance (Hart 1996). The distance to a
 // convex solid is convex along a line, so its tangent never overshoots; the step is also limited by the
 // distance to every other object, so no object is jumped over. A convex surface that the wave moves away
 // from is never met on this line, and is skipped (directedDistance): where several faces lie in one plane,
@@ -13,22 +12,14 @@
 // cannot be met next); the stored point lies on the surface; the normal is that of the surface met; dead
 // waves stop; directions are kept at length 1.
 
-uniform float uShell;           // width of the shell in which Newton's steps are taken, metres
 uniform float uMaxDistance;     // a wave counts as dead beyond this, metres
-uniform float uLipschitz;       // greatest growth of the distance per metre
-uniform float uDistanceFactor;  // the distance is multiplied by this: 1, or a test's distortion
 uniform int uStepLimit;         // maximum number of evaluations in one march
-uniform float uNormalStep;      // step of difference normals, metres
 
-float shell = 0.0;
 float maxDistance = 0.0;
-float distanceScale = 0.0;
 int stepLimit = 0;
 
 void copySettings() {
-    shell = uShell;
     maxDistance = uMaxDistance;
-    distanceScale = uDistanceFactor / uLipschitz;
     stepLimit = uStepLimit;
 }
 
@@ -36,6 +27,7 @@ bool finished(float status) {
     return status < 0.1;
 }
 
+const float REACH = 1e8;     // distance in metres from which Newton's steps are taken; farther, nothing is ahead
 const float GLANCE = 16.0;   // roundings along the ray that make a projection inexact
 
 // Distance that the wave flies along its direction, or -1.
@@ -47,11 +39,9 @@ float traceWave(vec3 origin, vec3 direction, float last, out float object, out b
     for (int i = 0; i < stepLimit; ++i) {
         vec3 p = origin + t * direction;
         float second;
-        float nearest = directedDistance(p, direction, last, object, second) * distanceScale;
-        second *= distanceScale;
+        float nearest = directedDistance(p, direction, last, object, second);
         COUNT_EVALUATIONS(1.0);
-        if (nearest < shell) {
-#if PROJECTION
+        if (nearest < REACH) {
             if (object == STATUS_LISTENER && nearest <= 0.0) {
                 return t;
             }
@@ -73,9 +63,6 @@ float traceWave(vec3 origin, vec3 direction, float last, out float object, out b
             float step = closing > 0.0 ? min(nearest / closing, second) : second;
             // The march always advances, whatever the rounding.
             t = max(t + step, closing > 0.0 && nearest < 0.0 ? 0.0 : t + 0.5 * rounding);
-#else
-            return t;
-#endif
         } else {
             // The second nearest is never nearer, but a step must not leave the cell.
             t += min(nearest, second);
@@ -87,20 +74,6 @@ float traceWave(vec3 origin, vec3 direction, float last, out float object, out b
     limitReached = true;
     return -1.0;
 }
-
-#if !EXACT_NORMALS
-// As in the thesis: central differences of the distance to all surfaces; 0 where the normal is
-// undefined.
-vec3 differenceGradient(vec3 p) {
-    vec2 e = vec2(uNormalStep, 0.0);
-    float object;
-    COUNT_EVALUATIONS(6.0);
-    return vec3(
-        surfaceDistance(p + e.xyy, object) - surfaceDistance(p - e.xyy, object),
-        surfaceDistance(p + e.yxy, object) - surfaceDistance(p - e.yxy, object),
-        surfaceDistance(p + e.yyx, object) - surfaceDistance(p - e.yyx, object));
-}
-#endif
 
 void iterate(inout vec4 origin, inout vec4 direction) {
     float object;
@@ -135,18 +108,6 @@ void iterate(inout vec4 origin, inout vec4 direction) {
     vec3 projected = origin.xyz;
     vec3 mirrored = direction.xyz;
     reflectWave(object, t, projected, mirrored);
-#if !EXACT_NORMALS
-    vec3 gradient = differenceGradient(hit);
-    if (!(dot(gradient, gradient) > 0.0)) {
-        origin = vec4(hit, STATUS_DEAD);
-        direction.w = counters;
-        return;
-    }
-    mirrored = normalize(reflect(direction.xyz, normalize(gradient)));
-#endif
-#if PROJECTION
-    hit = projected;
-#endif
-    origin = vec4(hit, object);
+    origin = vec4(projected, object);
     direction = vec4(mirrored, counters);
 }

@@ -99,7 +99,7 @@ pub(crate) fn arrivals_text(scene: &Scene, structure: &Structure, text: &Arrival
     let scene = Text::new(scene, structure);
     let (fly, marches, mut library) = flight(&scene, text.algorithm);
     let options = format!(
-        "#define EXACT_NORMALS 1\n#define PROJECTION 1\n#define MARCHES_FIELDS {}\n\
+        "#define MARCHES_FIELDS {}\n\
          #define COUNT_EVALUATIONS(n)\n#define EVENT_BITS {}\n#define EVENTS_IN_WORD {}\n\
          #define WORDS {}\n#define SCATTERS {}\n",
         u8::from(marches),
@@ -135,8 +135,8 @@ fn flight(scene: &Text, algorithm: AlgorithmText) -> (Source, bool, Vec<Part>) {
             let fly = source!("arrivals/fly_hybrid.glsl");
             (fly, scene.marches(Marched::Others), library)
         }
-        AlgorithmText::March { .. } | AlgorithmText::Thesis => {
-            let mut library = directed_parts(scene, listener, false);
+        AlgorithmText::March | AlgorithmText::Thesis => {
+            let mut library = directed_parts(scene, listener);
             library.extend(parts(source!("iterate_march.glsl")));
             let fly = source!("arrivals/fly_march.glsl");
             (fly, scene.marches(Marched::All), library)

@@ -57,9 +57,7 @@ impl AlgorithmText {
     fn rebasing(self, scene: &Scene) -> OriginRebasing {
         match self {
             AlgorithmText::Thesis => OriginRebasing::world(),
-            AlgorithmText::March { .. } | AlgorithmText::Hybrid => {
-                OriginRebasing::at_listener(scene)
-            }
+            AlgorithmText::March | AlgorithmText::Hybrid => OriginRebasing::at_listener(scene),
         }
     }
 }
@@ -235,11 +233,11 @@ mod tests {
         scenes.push(scene.clone());
         scene.surfaces[4].material = None;
         scenes.extend([scene, Scene::builtin("cave").unwrap(), crowd()]);
-        let march = AlgorithmText::March {
-            exact_normals: true,
-            projection: true,
-        };
-        for algorithm in [AlgorithmText::Hybrid, march, AlgorithmText::Thesis] {
+        for algorithm in [
+            AlgorithmText::Hybrid,
+            AlgorithmText::March,
+            AlgorithmText::Thesis,
+        ] {
             let compile = |scene: &Scene| {
                 let materials = Materials::of(scene, 0..BAND_COUNT);
                 let structure = algorithm.structure(scene);

@@ -34,12 +34,7 @@ pub(crate) struct MarchText {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum AlgorithmText {
     Thesis,
-    March {
-        /// Normals from gradients; else from differences.
-        exact_normals: bool,
-        /// Whether the point met is put onto the surface.
-        projection: bool,
-    },
+    March,
     Hybrid,
 }
 
@@ -48,7 +43,7 @@ impl AlgorithmText {
     pub fn name(self) -> &'static str {
         match self {
             AlgorithmText::Thesis => "thesis",
-            AlgorithmText::March { .. } => "march",
+            AlgorithmText::March => "march",
             AlgorithmText::Hybrid => "hybrid",
         }
     }
@@ -58,8 +53,8 @@ impl AlgorithmText {
     pub fn lists(self) -> Lists {
         match self {
             AlgorithmText::Hybrid => Lists::Lines,
-            AlgorithmText::March { exact_normals, .. } if exact_normals => Lists::Overlapping,
-            AlgorithmText::March { .. } | AlgorithmText::Thesis => Lists::NearestCandidates,
+            AlgorithmText::March => Lists::Overlapping,
+            AlgorithmText::Thesis => Lists::NearestCandidates,
         }
     }
 }
@@ -113,30 +108,25 @@ fn iterations(scene: &Text, text: MarchText) -> (Vec<Source>, Vec<Part>) {
             roots.push(source!("iterate_thesis.glsl"));
             distance_parts(scene)
         }
-        AlgorithmText::March {
-            exact_normals,
-            projection,
-        } => {
-            let defines = format!(
-                "#define EXACT_NORMALS {}\n#define PROJECTION {}\n#define MARCHES_FIELDS {}\n",
-                u8::from(exact_normals),
-                u8::from(projection),
-                u8::from(scene.marches(Marched::All))
-            );
-            roots.push(Source::new("options", defines));
+        AlgorithmText::March => {
+            roots.push(options(scene.marches(Marched::All)));
             roots.push(source!("iterate_march.glsl"));
-            directed_parts(scene, ListenerText::Solid, !exact_normals)
+            directed_parts(scene, ListenerText::Solid)
         }
         AlgorithmText::Hybrid => {
-            let marches = u8::from(scene.marches(Marched::Others));
-            let defines = format!("#define MARCHES_FIELDS {marches}\n");
-            roots.push(Source::new("options", defines));
+            roots.push(options(scene.marches(Marched::Others)));
             roots.push(source!("iterate_hybrid.glsl"));
             closed_form_parts(scene, ListenerText::Solid)
         }
     };
     roots.push(source!("iterations.glsl"));
     (roots, parts)
+}
+
+/// States whether fields are marched.
+fn options(marches_fields: bool) -> Source {
+    let defines = format!("#define MARCHES_FIELDS {}\n", u8::from(marches_fields));
+    Source::new("options", defines)
 }
 
 /// The text of a picture of a scene, from the sources that draw it.

@@ -279,9 +279,7 @@ impl Budget {
     pub(super) fn new(asked: &LoopsAsked, loops: &Loops) -> Budget {
         match asked.algorithm {
             AlgorithmText::Hybrid => hybrid(loops, asked.iterations_per_pass),
-            AlgorithmText::March { exact_normals, .. } => {
-                march(exact_normals, loops, asked.iterations_per_pass)
-            }
+            AlgorithmText::March => march(loops, asked.iterations_per_pass),
             AlgorithmText::Thesis => thesis(asked, loops),
         }
     }
@@ -299,12 +297,8 @@ fn thesis(asked: &LoopsAsked, loops: &Loops) -> Budget {
     work.budget(asked.iterations_per_pass, [steps, 0, 0])
 }
 
-fn march(exact_normals: bool, loops: &Loops, asked: u32) -> Budget {
-    let differences = match exact_normals {
-        true => 0,
-        false => DIFFERENCES * loops.distance,
-    };
-    let rest = 1 + loops.projection + differences;
+fn march(loops: &Loops, asked: u32) -> Budget {
+    let rest = 1 + loops.projection;
     let left = MOST_TURNS.saturating_sub(rest);
     // With fields, the basic shapes may use half of the turns, and the fields use the rest.
     let share = if loops.all_fields.is_some() { 2 } else { 1 };

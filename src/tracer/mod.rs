@@ -64,12 +64,12 @@ use read_back::{GpuSum, ReadBack};
 #[doc(hidden)]
 pub use reload::Opening;
 pub use reload::{Reload, Reloading};
+#[doc(hidden)]
+pub use settings::MARCHES_PER_PASS;
 pub use settings::{
     Algorithm, HybridOptions, MAX_ITERATIONS, MAX_WAVES, MarchOptions, Profile, Settings,
     ThesisOptions,
 };
-#[doc(hidden)]
-pub use settings::{MARCHES_PER_PASS, MarchVariant};
 use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::Duration;

@@ -1,7 +1,7 @@
 //! A frame that is ready to be drawn: its checked input, its programs, and the values of their uniforms.
 
 use super::waves::{STATUS_DEAD, STATUS_STARTED, random_turn};
-use super::{Algorithm, Grid, MarchOptions, Settings};
+use super::{Algorithm, Grid, Settings};
 use crate::gl::{Context, Program};
 use crate::platform::Instant;
 use crate::scene::Scene;
@@ -125,16 +125,7 @@ impl PreparedFrame {
         program.set_i32("uFieldSteps", self.budget.field_steps as i32);
         program.set_i32("uCopySteps", self.budget.copy_steps as i32);
         match &settings.algorithm {
-            Algorithm::Hybrid(_) => (),
-            Algorithm::March(MarchOptions { variant }) => {
-                program.set_f32("uShell", variant.shell);
-                program.set_f32("uLipschitz", variant.lipschitz);
-                program.set_f32("uDistanceFactor", variant.distance_factor);
-                program.set_f32(
-                    "uNormalStep",
-                    variant.difference_normals.unwrap_or_default(),
-                );
-            }
+            Algorithm::Hybrid(_) | Algorithm::March(_) => (),
             Algorithm::Thesis(thesis) => {
                 program.set_f32("uMinDistance", thesis.min_distance);
                 program.set_f32("uStartOffset", thesis.start_offset);

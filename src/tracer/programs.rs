@@ -123,10 +123,7 @@ pub(super) fn march_options(settings: &Settings) -> MarchText {
     MarchText {
         algorithm: match &settings.algorithm {
             Algorithm::Hybrid(_) => AlgorithmText::Hybrid,
-            Algorithm::March(march) => AlgorithmText::March {
-                exact_normals: march.variant.difference_normals.is_none(),
-                projection: march.variant.projection,
-            },
+            Algorithm::March(_) => AlgorithmText::March,
             Algorithm::Thesis(_) => AlgorithmText::Thesis,
         },
         count_evaluations: settings.count_evaluations,

@@ -13,18 +13,8 @@ pub mod wav;
 pub use random::Random;
 pub use shared::*;
 
-use echomarch::tracer::{Algorithm, MarchVariant};
-use echomarch::{Scene, Settings};
+use echomarch::Scene;
 use glam::{Quat, Vec3};
-
-/// March with a degraded variant, which only the experiments use.
-pub fn marched(change: impl FnOnce(&mut MarchVariant)) -> Settings {
-    let mut settings = Settings::march();
-    if let Algorithm::March(options) = &mut settings.algorithm {
-        change(&mut options.variant);
-    }
-    settings
-}
 
 /// The scene mirrored left to right.
 pub fn mirrored(scene: &Scene) -> Scene {

@@ -1,7 +1,7 @@
 //! Many surfaces in cells: every profile misses no surface, whatever the cells contain and wherever
 //! a wave comes from.
 
-use crate::common::{marched, tracer};
+use crate::common::tracer;
 use echomarch::scene::shape::{Capsule, Cuboid, Cylinder, Ellipsoid, Plane, Sphere, Torus};
 use echomarch::scene::{Node, Shape};
 use echomarch::tracer::ThesisOptions;
@@ -54,7 +54,6 @@ fn profiles() -> Vec<(&'static str, Settings)> {
     vec![
         ("hybrid", Settings::hybrid()),
         ("march", Settings::march()),
-        ("march in a shell", marched(|v| v.shell = 0.1)),
         ("thesis", near),
     ]
 }
@@ -253,25 +252,5 @@ fn the_thesis_sees_the_same_with_cells_and_without() {
             let enough = iterations > 1 || met >= 3;
             assert!(enough, "{what}, {min_distance} m: only {met} are hit");
         }
-    }
-}
-
-/// Protects difference normals of `march` in cells: they evaluate distances a step away from the
-/// hit, possibly in another cell.
-#[test]
-fn difference_normals_are_the_same_with_cells_and_without() {
-    let mut tracer = tracer();
-    for (what, surfaces) in small_sets() {
-        let [alone, twice] = alone_and_twice(&surfaces);
-        let settings = marched(|v| v.difference_normals = Some(0.01))
-            .with_waves(20_000)
-            .with_iterations(1);
-        let (_, expected) = tracer.frame_with_waves(&alone, &settings).unwrap();
-        let (_, found) = tracer.frame_with_waves(&twice, &settings).unwrap();
-        let far = expected
-            .iter()
-            .zip(&found)
-            .filter(|(a, b)| a.status == b.status && a.direction.distance(b.direction) > 0.05);
-        assert_eq!(far.count(), 0, "{what}");
     }
 }

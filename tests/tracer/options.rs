@@ -1,8 +1,7 @@
 //! Options that must not change the results, or only by a stated amount: fused passes, the sum on the GPU, other start
 //! directions; and the profiles on every API.
 
-use crate::common::{builtin, for_each_api, marched, tracer};
-use echomarch::internals::sampling::median;
+use crate::common::{builtin, for_each_api, tracer};
 use echomarch::tracer::Directions;
 use echomarch::{Profile, Settings};
 use std::collections::HashSet;
@@ -58,35 +57,6 @@ fn a_frame_in_one_pass_is_the_frame_of_its_passes() {
             }
         }
     });
-}
-
-/// Protects two degraded modes of `march` that the experiments measure: without a projection ends are off by the shell,
-/// but not by much more; with difference normals about one wave in hundreds takes another path, where differences
-/// straddle an edge.
-#[test]
-fn the_thesis_ways_of_march_do_what_they_say() {
-    let mut tracer = tracer();
-    let right = Settings::march().with_waves(20_000);
-    let (_, landed) = tracer.frame_with_waves(&builtin("corner"), &right).unwrap();
-    let no_projection = marched(|v| (v.projection, v.shell) = (false, 1e-3)).with_waves(20_000);
-    let (_, short) = tracer
-        .frame_with_waves(&builtin("corner"), &no_projection)
-        .unwrap();
-    let pairs = landed.iter().zip(&short);
-    let off = median(pairs.map(|(a, b)| a.position.distance(b.position).into()));
-    // 8 hits, each up to 1 mm short.
-    assert!((1e-4..8e-3).contains(&off), "{off} m");
-
-    let differences = marched(|v| v.difference_normals = Some(0.01)).with_waves(20_000);
-    let (_, other) = tracer
-        .frame_with_waves(&builtin("corner"), &differences)
-        .unwrap();
-    let changed = landed
-        .iter()
-        .zip(&other)
-        .filter(|(a, b)| a.status != b.status);
-    let changed = changed.count();
-    assert!((1..200).contains(&changed), "{changed} of 20000");
 }
 
 /// Protects the sum on the GPU. Counts are whole numbers below 2^24, hence exact. Contributions are added by blocks of

@@ -178,7 +178,7 @@ fn asked(context: &Context, scene: &Scene) -> Asked {
     }
     ask += &field_calls(scene.surfaces.len());
     let parts = parts_of(scene, Lists::Overlapping, |text| {
-        directed_parts(text, ListenerText::Solid, false)
+        directed_parts(text, ListenerText::Solid)
     });
     Asked::new(context, scene, parts, ask)
 }

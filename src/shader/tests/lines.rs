@@ -88,7 +88,7 @@ fn check(
 ) -> Result<(), String> {
     let scene = scene_of(vec![surface.clone()]);
     let parts = parts_of(&scene, Lists::Overlapping, |text| {
-        directed_parts(text, ListenerText::Solid, false)
+        directed_parts(text, ListenerText::Solid)
     });
     let asked = Asked::new(context, &scene, parts, FREE.to_owned());
     let lines = lines(entry, surface);

@@ -17,7 +17,7 @@ use glam::{Quat, Vec3, Vec4};
 type Parts = fn(&Text) -> Vec<Part>;
 
 /// The functions that a pass calls, the lists of cells that it reads, and its parts.
-const CALLS: [(&str, Lists, Parts); 4] = [
+const CALLS: [(&str, Lists, Parts); 3] = [
     (
         "distanceFunction()",
         Lists::NearestCandidates,
@@ -26,12 +26,7 @@ const CALLS: [(&str, Lists, Parts); 4] = [
     (
         "directedDistance() directedGradient() reflectWave()",
         Lists::Overlapping,
-        |text| directed_parts(text, ListenerText::Solid, false),
-    ),
-    (
-        "directedDistance() surfaceDistance() reflectWave()",
-        Lists::NearestCandidates,
-        |text| directed_parts(text, ListenerText::Solid, true),
+        |text| directed_parts(text, ListenerText::Solid),
     ),
     ("closestHit() reflectWave()", Lists::Lines, |text| {
         closed_form_parts(text, ListenerText::Solid)

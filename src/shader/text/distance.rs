@@ -81,17 +81,13 @@ float distanceFunction(vec3 p, out float object) {
 ";
 
 /// `directedDistance(p, d, last, object, second)`, `directedGradient(p, d, object, errorBound)`,
-/// `reflectWave(object, t, p, d)` of a scene, `surfaceDistance(p, object)` where normals are
-/// taken from differences of it, and `marchFields(p, d, last, limit, object, limitReached)` where
+/// `reflectWave(object, t, p, d)` of a scene, and `marchFields(p, d, last, limit, object, limitReached)` where
 /// there are fields.
-pub fn directed_parts(text: &Text, listener: ListenerText, difference_normals: bool) -> Vec<Part> {
+pub fn directed_parts(text: &Text, listener: ListenerText) -> Vec<Part> {
     let mut parts = text.parts();
     text.add_fields(&mut parts, |_| true, value_text);
     text.add_fields(&mut parts, |_| true, gradient_text);
     text.add_fields(&mut parts, |_| true, normal_text);
-    if difference_normals {
-        text.add(&mut parts, "the scene's distance", surface_distances(text));
-    }
     let functions = of_kinds(text) + &directed_distance(text, listener) + &directed_gradient(text);
     text.add(&mut parts, "the scene", functions + &reflect_text(text));
     parts.extend(fields_ahead(text, Marched::All));

@@ -1,7 +1,4 @@
 //! The algorithms, each with its own options.
-//!
-//! Worsened ways to march, and test distortions, are a [`MarchVariant`]. The experiments set each beside the
-//! default to show its effect; the public settings have none of them.
 
 use super::{TraceError, bad, positive};
 use crate::shader::MAX_STEPS;
@@ -43,12 +40,7 @@ pub struct HybridOptions {}
 /// The options of `march`: none yet.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[non_exhaustive]
-pub struct MarchOptions {
-    /// For experiments only.
-    #[serde(skip)]
-    #[doc(hidden)]
-    pub variant: MarchVariant,
-}
+pub struct MarchOptions {}
 
 /// Options of `thesis`: its constants, in metres. The defaults are the thesis' own (section 4.2.3,
 /// figure 8); it states no step for its normals, and the reconstruction of its scenes was fitted
@@ -139,8 +131,7 @@ impl Algorithm {
     /// Checks the algorithm's options.
     pub(super) fn validate(&self, max_distance: f32) -> Result<(), TraceError> {
         match self {
-            Algorithm::Hybrid(HybridOptions {}) => Ok(()),
-            Algorithm::March(march) => march.variant.validate(max_distance),
+            Algorithm::Hybrid(HybridOptions {}) | Algorithm::March(MarchOptions {}) => Ok(()),
             Algorithm::Thesis(thesis) => thesis.validate(max_distance),
         }
     }
@@ -193,62 +184,5 @@ impl FromStr for Profile {
             let names = Profile::ALL.map(|p| p.to_string());
             there_is_no("profile", name, &names.each_ref().map(String::as_str))
         })
-    }
-}
-
-/// Width of the default shell in metres: everywhere. Newton's steps need a gradient each but are
-/// so few that they were faster in every scene measured (docs/accuracy.md).
-const EVERYWHERE: f32 = 1e8;
-
-/// How `march` is carried out.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MarchVariant {
-    /// Width of the shell about surfaces in which steps are Newton's, in metres. Outside of it
-    /// they are Hart's.
-    pub shell: f32,
-    /// Step of difference normals to either side, in metres, as in the thesis; `None` for the
-    /// normal of the surface met.
-    pub difference_normals: Option<f32>,
-    /// Whether waves are projected onto the surface (`true`), or stop in the shell as in the thesis.
-    pub projection: bool,
-    /// How much faster than the true distance the distance may grow; every step is divided by it.
-    pub lipschitz: f32,
-    /// Every distance is multiplied by this, in tests of functions that over-estimate.
-    pub distance_factor: f32,
-}
-
-impl Default for MarchVariant {
-    /// The best known way.
-    fn default() -> MarchVariant {
-        MarchVariant {
-            shell: EVERYWHERE,
-            difference_normals: None,
-            projection: true,
-            lipschitz: 1.0,
-            distance_factor: 1.0,
-        }
-    }
-}
-
-impl MarchVariant {
-    /// Whether the shell ends anywhere.
-    pub fn has_shell(&self) -> bool {
-        self.shell < EVERYWHERE
-    }
-
-    pub(super) fn validate(&self, max_distance: f32) -> Result<(), TraceError> {
-        positive("width of the shell in metres", self.shell)?;
-        if let Some(step) = self.difference_normals {
-            positive("step of the normals in metres", step)?;
-        }
-        if !self.projection && self.shell >= max_distance {
-            let must = format!("less than the maximum distance of {max_distance}");
-            return Err(bad("width of the shell in metres", must, self.shell));
-        }
-        if !(self.lipschitz.is_finite() && self.lipschitz >= 1.0) {
-            let must = "finite and at least 1".to_owned();
-            return Err(bad("Lipschitz bound", must, self.lipschitz));
-        }
-        positive("factor of the distance", self.distance_factor)
     }
 }

@@ -7,8 +7,6 @@ mod algorithm;
 
 use super::TraceError;
 use crate::shader::Directions;
-#[doc(hidden)]
-pub use algorithm::MarchVariant;
 pub use algorithm::{Algorithm, HybridOptions, MarchOptions, Profile, ThesisOptions};
 use serde::Serialize;
 use std::fmt;
@@ -227,7 +225,6 @@ fn bad(what: &'static str, must: String, value: impl fmt::Display) -> TraceError
 
 #[cfg(test)]
 mod tests {
-    use super::algorithm::MarchVariant;
     use super::*;
 
     /// Protects the thesis' results from the step limit: its own constants never reach it.
@@ -247,11 +244,6 @@ mod tests {
     #[test]
     fn senseless_settings_are_refused() {
         let thesis = ThesisOptions::default();
-        let march = |change: fn(&mut MarchVariant)| {
-            let mut options = MarchOptions::default();
-            change(&mut options.variant);
-            Settings::new(options)
-        };
         let wrong = [
             Settings::hybrid().with_waves(0),
             Settings::hybrid().with_waves(MAX_WAVES + 1),
@@ -265,11 +257,6 @@ mod tests {
             Settings::new(thesis.with_min_distance(301.0)),
             Settings::new(thesis.with_start_offset(f32::NAN)),
             Settings::new(thesis.with_normal_step(-1.0)),
-            march(|variant| variant.lipschitz = 0.5),
-            march(|variant| variant.distance_factor = f32::NAN),
-            march(|variant| variant.difference_normals = Some(0.0)),
-            march(|variant| variant.shell = 0.0),
-            march(|variant| (variant.projection, variant.shell) = (false, 2.0 * FAR)),
         ];
         for profile in Profile::ALL {
             assert!(Settings::new(profile).validate().is_ok());

@@ -2,8 +2,6 @@
 // glsl/wave.glsl
 // glsl/counters.glsl
 // options
-#define EXACT_NORMALS 1
-#define PROJECTION 1
 #define MARCHES_FIELDS 0
 
 // glsl/common/rounding.glsl

@@ -37,8 +37,6 @@ fn settings<'a>() -> Vec<LineColumn<'a>> {
         Column::new("iterations", "it.", |line: &Line| line.row.case.iterations).key(),
         Column::new("waves", "waves", |line: &Line| line.row.case.waves).key(),
         Column::for_programs("directions", |line: &Line| &line.row.case.directions),
-        Column::for_programs("exact_normals", |line: &Line| line.row.case.exact_normals),
-        Column::for_programs("projection", |line: &Line| line.row.case.projection),
         Column::for_programs("fused", |line: &Line| line.row.case.fused),
         Column::for_programs("sum_on_gpu", |line: &Line| line.row.case.sum_on_gpu),
         Column::new("total_ms", "frame", |line: &Line| line.row.speed.total_ms)

@@ -144,10 +144,6 @@ pub struct CaseReport {
     pub waves: u32,
     /// Name of the start directions.
     pub directions: String,
-    /// Whether normals are exact rather than computed by differences.
-    pub exact_normals: bool,
-    /// Whether waves are projected onto surfaces.
-    pub projection: bool,
     /// Whether all iterations run in one pass.
     pub fused: bool,
     /// Whether the panning is summed on the GPU.

@@ -3,14 +3,11 @@
 //! The quick sweep changes one setting at a time from each profile's defaults. The full sweep
 //! combines all settings that change the result, and in addition, at the default waves and
 //! iterations, all settings that should change only the speed. The short sweep is a part of the
-//! quick one, for scenes with a slow exact reference. The degraded ways to march (a shell,
-//! difference normals, no projection) exist only for these sweeps: no user setting selects them.
+//! quick one, for scenes with a slow exact reference.
 
 use super::report::CaseReport;
 use echomarch::scene::Scene;
-use echomarch::tracer::{
-    Algorithm, Budget, Directions, MAX_ITERATIONS, MarchVariant, Profile, Settings, ThesisOptions,
-};
+use echomarch::tracer::{Algorithm, Budget, Directions, MAX_ITERATIONS, Profile, Settings};
 
 /// Minimum distances in metres.
 pub const MIN_DISTANCES: [f32; 6] = [1e-4, 1e-3, 1e-2, 0.03, 0.1, 0.3];
@@ -61,30 +58,12 @@ impl Case {
         Case { label, settings }
     }
 
-    /// Returns the case with another way to march; unchanged for other algorithms.
-    fn marched(&self, label: &str, change: impl FnOnce(&mut MarchVariant)) -> Case {
-        self.but(label, |settings| {
-            if let Algorithm::March(march) = &mut settings.algorithm {
-                change(&mut march.variant);
-            }
-        })
-    }
-
     /// The case in the report of a scene.
     pub fn report(&self, scene: &Scene) -> CaseReport {
         let settings = &self.settings;
-        let (min_distance, exact_normals, projection) = match &settings.algorithm {
-            Algorithm::Hybrid(_) => (None, true, true),
-            Algorithm::March(march) => {
-                let variant = &march.variant;
-                let shell = variant.has_shell().then_some(variant.shell);
-                (
-                    shell,
-                    variant.difference_normals.is_none(),
-                    variant.projection,
-                )
-            }
-            Algorithm::Thesis(thesis) => (Some(thesis.min_distance), false, false),
+        let min_distance = match &settings.algorithm {
+            Algorithm::Hybrid(_) | Algorithm::March(_) => None,
+            Algorithm::Thesis(thesis) => Some(thesis.min_distance),
         };
         CaseReport {
             profile: settings.profile().to_string(),
@@ -92,8 +71,6 @@ impl Case {
             iterations: settings.iterations,
             waves: settings.waves,
             directions: settings.directions.to_string(),
-            exact_normals,
-            projection,
             fused: Budget::of(scene, settings).iterations_per_pass >= settings.iterations,
             sum_on_gpu: settings.sum_on_gpu,
         }
@@ -117,7 +94,7 @@ pub fn quick() -> Vec<Case> {
         cases.extend([BASE_WAVES, 4096, 262_144].map(with));
         let base = with(QUICK_WAVES);
         cases.extend(ITERATIONS.map(|iterations| resized(&base, QUICK_WAVES, iterations)));
-        if profile != Profile::Hybrid {
+        if profile == Profile::Thesis {
             cases.extend(min_distances(&base));
         }
         cases.extend(options(&base));
@@ -166,7 +143,7 @@ pub fn full() -> Vec<Case> {
     for profile in Profile::ALL {
         let base = Case::new("default", Settings::new(profile).with_waves(BASE_WAVES));
         let mut distances = vec![base.clone()];
-        if profile != Profile::Hybrid {
+        if profile == Profile::Thesis {
             distances.extend(min_distances(&base));
         }
         for case in &distances {
@@ -212,8 +189,7 @@ fn min_distances(base: &Case) -> Vec<Case> {
 
 fn at_distance(base: &Case, metres: f32) -> Case {
     base.but(&format!("{metres} m"), |s| match &mut s.algorithm {
-        Algorithm::Hybrid(_) => (),
-        Algorithm::March(march) => march.variant.shell = metres,
+        Algorithm::Hybrid(_) | Algorithm::March(_) => (),
         Algorithm::Thesis(thesis) => thesis.min_distance = metres,
     })
 }
@@ -240,10 +216,6 @@ fn options(base: &Case) -> Vec<Case> {
         other_passes(base),
     ];
     if base.settings.profile() == Profile::March {
-        cases.push(difference_normals(base));
-        for metres in [1e-3, 0.1] {
-            cases.push(no_projection(base, metres));
-        }
         cases.push(every(base));
     }
     cases
@@ -258,15 +230,6 @@ fn options_together(base: &Case) -> Vec<Case> {
         .map(|c| c.but("GPU sum", |s| s.sum_on_gpu = true))
         .collect();
     cases.extend(sums);
-    if let Algorithm::March(march) = &base.settings.algorithm {
-        let normals: Vec<Case> = cases.iter().map(difference_normals).collect();
-        cases.extend(normals);
-        if march.variant.has_shell() {
-            let projection = |c: &Case| c.marched("no projection", |v| v.projection = false);
-            let stopped: Vec<Case> = cases.iter().map(projection).collect();
-            cases.extend(stopped);
-        }
-    }
     cases
 }
 
@@ -277,21 +240,6 @@ fn other_passes(base: &Case) -> Case {
         1 => base.but("fused", |s| s.iterations_per_pass = MAX_ITERATIONS),
         _ => base.but("a pass an iteration", |s| s.iterations_per_pass = 1),
     }
-}
-
-/// Without projection waves stop anywhere in the shell, so the shell is set to a stated width.
-fn no_projection(base: &Case, metres: f32) -> Case {
-    base.marched(&format!("{metres} m, no projection"), |v| {
-        v.projection = false;
-        v.shell = metres;
-    })
-}
-
-/// Normals computed as in the thesis, with its own step.
-fn difference_normals(base: &Case) -> Case {
-    base.marched("difference normals", |v| {
-        v.difference_normals = Some(ThesisOptions::default().normal_step);
-    })
 }
 
 /// All options that can make a profile's defaults faster or better without making them worse.

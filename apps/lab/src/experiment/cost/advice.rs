@@ -1,7 +1,6 @@
 //! The conclusions of the report, in sentences.
 
 use super::change::Change;
-use super::options::AS_ASKED;
 use super::surfaces::{SurfaceRow, Verdict};
 use super::{CostReport, OptionRow};
 
@@ -93,12 +92,8 @@ fn in_words(change: Change) -> String {
 /// Returns a sentence on options that save time without an audible change; `None` if there are
 /// none.
 fn of_options(report: &CostReport) -> Option<String> {
-    let saves = |row: &&OptionRow| {
-        row.against == AS_ASKED
-            && row.within_noise
-            && row.total.beyond_noise
-            && row.total.saved_ms > 0.0
-    };
+    let saves =
+        |row: &&OptionRow| row.within_noise && row.total.beyond_noise && row.total.saved_ms > 0.0;
     let mut saving: Vec<&OptionRow> = report.options.iter().filter(saves).collect();
     saving.sort_by(|a, b| b.total.saved_percent.total_cmp(&a.total.saved_percent));
     if saving.is_empty() {

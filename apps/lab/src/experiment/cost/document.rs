@@ -17,7 +17,6 @@ struct Line<'a> {
     scene: &'a str,
     section: &'static str,
     name: &'a str,
-    against: &'a str,
     march: Option<&'a Timing>,
     total: Option<&'a Timing>,
     met: Option<(u32, f64)>,
@@ -40,7 +39,6 @@ impl<'a> Line<'a> {
             scene: &report.scene,
             section: "noise",
             name: "everything, beside itself; another seed",
-            against: "",
             march: Some(&report.control),
             total: Some(&report.control_total),
             met: None,
@@ -68,7 +66,6 @@ impl<'a> Line<'a> {
         Line {
             section: "option",
             name: &row.name,
-            against: &row.against,
             march: Some(&row.march),
             total: Some(&row.total),
             heard: Heard::Change(row.change.as_ref()),
@@ -81,17 +78,13 @@ impl<'a> Line<'a> {
         }
     }
 
-    /// The change, and what it is compared with if not the requested settings.
+    /// The change.
     fn change(&self) -> String {
         if self.verdict.is_none() {
             return "another seed".to_owned();
         }
-        let against = match self.against {
-            "" | super::options::AS_ASKED => String::new(),
-            other => format!(", beside {other}"),
-        };
         let star = if self.leaves_cells { " *" } else { "" };
-        format!("{}{against}{star}", self.name)
+        format!("{}{star}", self.name)
     }
 
     fn saves(&self) -> Option<String> {
@@ -140,7 +133,6 @@ impl Row for Line<'_> {
             Column::for_programs("scene", |line: &Line| line.scene),
             Column::for_programs("section", |line: &Line| line.section),
             Column::for_programs("name", |line: &Line| line.name),
-            Column::for_programs("against", |line: &Line| line.against),
             Column::for_people("changed", Line::change).label(),
         ];
         columns.extend(times("march", |line: &Line| line.march.copied()));

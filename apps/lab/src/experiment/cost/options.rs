@@ -4,7 +4,7 @@ use super::Bench;
 use super::change::Change;
 use super::pair::{Case, Timing, pair};
 use echomarch::Error;
-use echomarch::tracer::{Algorithm, MARCHES_PER_PASS, Profile, Settings, ThesisOptions, Tracer};
+use echomarch::tracer::{MARCHES_PER_PASS, Profile, Settings, Tracer};
 use serde::Serialize;
 
 /// One setting changed.
@@ -12,8 +12,6 @@ use serde::Serialize;
 pub struct OptionRow {
     /// The change, as it is typed if it is an option.
     pub name: String,
-    /// The reference of the comparison: `as asked`, or another profile.
-    pub against: String,
     /// The march time that the change saves.
     pub march: Timing,
     /// The whole frame's time that it saves.
@@ -24,14 +22,9 @@ pub struct OptionRow {
     pub within_noise: bool,
 }
 
-/// The value of [`OptionRow::against`] for the requested settings.
-pub(super) const AS_ASKED: &str = "as asked";
-
 /// Settings with one change.
 pub(super) struct Variant {
     name: String,
-    /// The reference of the comparison, if not the requested settings.
-    against: Option<Settings>,
     settings: Settings,
 }
 
@@ -43,7 +36,6 @@ pub(super) fn variants(asked: &Settings) -> Vec<Variant> {
         if settings.validate().is_ok() && settings != *asked {
             all.push(Variant {
                 name: name.to_owned(),
-                against: None,
                 settings,
             });
         }
@@ -66,31 +58,10 @@ pub(super) fn variants(asked: &Settings) -> Vec<Variant> {
     add("half the waves", same().with_waves(asked.waves / 2));
     let half = asked.iterations / 2;
     add("half the iterations", same().with_iterations(half));
-    all.extend(of_march(asked));
     all
 }
 
-/// A march without projection onto surfaces, compared with a march.
-fn of_march(asked: &Settings) -> Option<Variant> {
-    let is_march = asked.profile() == Profile::March;
-    let march = match is_march {
-        true => asked.clone(),
-        false => asked.clone().with_profile(Profile::March),
-    };
-    let mut settings = march.clone();
-    let Algorithm::March(options) = &mut settings.algorithm else {
-        return None;
-    };
-    options.variant.projection = false;
-    options.variant.shell = ThesisOptions::default().min_distance;
-    Some(Variant {
-        name: "no projection".to_owned(),
-        against: (!is_march).then_some(march),
-        settings,
-    })
-}
-
-/// Compares every variant with its reference.
+/// Compares every variant with the requested settings.
 pub(super) fn measure(
     tracer: &mut Tracer,
     bench: &Bench,
@@ -99,22 +70,16 @@ pub(super) fn measure(
 ) -> Result<Vec<OptionRow>, Error> {
     let mut rows = Vec::new();
     for variant in variants {
-        let case = |settings| Case {
+        let changed = Case {
             scene: bench.base.scene,
-            settings,
+            settings: &variant.settings,
         };
-        let beside = variant.against.as_ref().unwrap_or(bench.base.settings);
-        let (base, changed) = (case(beside), case(&variant.settings));
-        let frames = pair(tracer, base, changed, bench.runs)?;
+        let frames = pair(tracer, bench.base, changed, bench.runs)?;
         let change = Change::of(
-            (&frames.base, beside.waves),
+            (&frames.base, bench.base.settings.waves),
             (&frames.changed, variant.settings.waves),
         );
-        let against = variant.against.as_ref();
         rows.push(OptionRow {
-            against: against.map_or(AS_ASKED.to_owned(), |s| {
-                format!("--profile {}", s.profile())
-            }),
             name: variant.name,
             march: frames.march(bench.control_percent),
             total: frames.total(bench.control_total_percent),
@@ -138,10 +103,9 @@ mod tests {
                 .with_waves(1000)
                 .with_sum_on_gpu(true);
             let all = variants(&asked);
-            assert_eq!(all.len(), 6, "{profile}");
+            assert_eq!(all.len(), 5, "{profile}");
             for variant in &all {
-                let beside = variant.against.as_ref().unwrap_or(&asked);
-                assert!(variant.settings != *beside, "{}", variant.name);
+                assert!(variant.settings != asked, "{}", variant.name);
                 assert!(variant.settings.validate().is_ok(), "{}", variant.name);
             }
         }

@@ -60,9 +60,6 @@ pub struct WaveCheck {
     pub iterations: u32,
     /// The accepted error.
     pub bound: Bound,
-    /// `march`: every distance is multiplied by this, and the stated Lipschitz
-    /// bound is somewhat larger than it.
-    pub overestimate: f32,
 }
 
 /// The accepted error of an answer.
@@ -113,7 +110,6 @@ impl Case {
                 directions,
                 iterations,
                 bound: Bound::Spread { exceptions: 0.0 },
-                overestimate: 1.0,
             })),
         }
     }
@@ -141,14 +137,6 @@ impl Case {
     pub(super) fn judged_by(mut self, other: Scene) -> Case {
         if let Check::Waves(waves) = &mut self.check {
             waves.truth = Some(Box::new(other));
-        }
-        self
-    }
-
-    /// The same with a distance function that over-estimates.
-    pub(super) fn overestimated(mut self, factor: f32) -> Case {
-        if let Check::Waves(waves) = &mut self.check {
-            waves.overestimate = factor;
         }
         self
     }

@@ -4,7 +4,7 @@ use super::super::{Case, Check};
 use super::build::builtin;
 use echomarch::scene::shape::{Cuboid, Cylinder, Room, Sphere};
 use echomarch::scene::{Node, Scene};
-use echomarch::tracer::{MarchOptions, MarchVariant, Profile, Settings, ThesisOptions};
+use echomarch::tracer::{Profile, Settings, ThesisOptions};
 use glam::{Quat, Vec3};
 
 type Spoil<T> = (&'static str, fn(&mut T));
@@ -57,17 +57,6 @@ const THESIS: [Spoil<ThesisOptions>; 3] = [
     ("a normals' step of 0", |s| s.normal_step = 0.0),
 ];
 
-const MARCH: [Spoil<MarchVariant>; 4] = [
-    ("a shell of no width", |s| s.shell = 0.0),
-    ("a normals' step of NaN", |s| {
-        s.difference_normals = Some(f32::NAN);
-    }),
-    ("a Lipschitz bound of 0", |s| s.lipschitz = 0.0),
-    ("a NaN factor of the distance", |s| {
-        s.distance_factor = f32::NAN;
-    }),
-];
-
 type Input = (&'static str, Scene, Settings);
 
 /// Invalid scenes, for every profile.
@@ -88,15 +77,6 @@ fn of_settings() -> Vec<Input> {
     inputs.extend(THESIS.iter().map(|(what, spoil)| {
         let mut options = ThesisOptions::default();
         spoil(&mut options);
-        (
-            *what,
-            builtin("corner"),
-            Settings::new(options).with_waves(64),
-        )
-    }));
-    inputs.extend(MARCH.iter().map(|(what, spoil)| {
-        let mut options = MarchOptions::default();
-        spoil(&mut options.variant);
         (
             *what,
             builtin("corner"),

@@ -5,7 +5,6 @@ mod build;
 mod chaos;
 mod copies;
 mod corners;
-mod distortion;
 mod energies;
 mod fields;
 mod incidence;
@@ -33,7 +32,6 @@ pub fn all() -> Vec<Case> {
         chaos::cases,
         open::cases,
         boxes::cases,
-        distortion::cases,
         fields::cases,
         users::cases,
         copies::cases,
