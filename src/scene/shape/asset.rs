@@ -409,18 +409,16 @@ impl UserField {
     pub fn names(&self) -> Vec<String> {
         user_glsl::read(&self.text).map_or_else(|_| Vec::new(), |text| text.names)
     }
+
+    /// Whether the two are equal, wherever their files are.
+    pub(crate) fn has_text_of(&self, other: &UserField) -> bool {
+        self.text == other.text && self.size == other.size && self.lipschitz == other.lipschitz
+    }
 }
 
 impl PartialEq for UserField {
     fn eq(&self, other: &UserField) -> bool {
         self.has_text_of(other) && self.file == other.file
-    }
-}
-
-impl UserField {
-    /// Whether the two are equal, wherever their files are.
-    pub(crate) fn has_text_of(&self, other: &UserField) -> bool {
-        self.text == other.text && self.size == other.size && self.lipschitz == other.lipschitz
     }
 }
 
@@ -432,16 +430,11 @@ impl UserSamples {
         let cell = place.floor().min(DVec3::splat(last - 1.0));
         let within = place - cell;
         let [x, y, z] = cell.to_array().map(|c| c as usize);
+        let weights = [DVec3::ONE - within, within];
         let mut value = 0.0;
         for corner in 0..8 {
             let bit = |axis: usize| (corner >> axis) & 1;
-            let weight = |axis: usize| {
-                if bit(axis) == 1 {
-                    within[axis]
-                } else {
-                    1.0 - within[axis]
-                }
-            };
+            let weight = |axis: usize| weights[bit(axis)][axis];
             let index = ((z + bit(2)) * self.side + y + bit(1)) * self.side + x + bit(0);
             value += weight(0) * weight(1) * weight(2) * f64::from(self.values[index]);
         }
@@ -464,12 +457,9 @@ mod tests {
         assert_eq!(field.value(DVec3::ZERO), 0.5);
         assert_eq!(field.value(DVec3::X * 5.0), 1.0);
         assert_eq!(field.value(DVec3::new(-0.5, 2.0, 1.0)), 0.25);
-        let squares = (0..27).map(|i| [0.0, 1.0, 4.0][i % 3]).collect();
+        let values = (0..27).map(|i| [0.0, 1.0, 4.0][i % 3]).collect();
         let finer = UserField::new("x", String::new(), size, 1.0);
-        finer.set_samples(Arc::new(UserSamples {
-            side: 3,
-            values: squares,
-        }));
+        finer.set_samples(Arc::new(UserSamples { side: 3, values }));
         assert_eq!(finer.value(DVec3::ZERO), 1.0);
         assert_eq!(finer.value(DVec3::new(0.5, 0.3, -2.0)), 2.5);
     }
@@ -479,34 +469,25 @@ mod tests {
     #[test]
     fn heights_are_the_luma_of_every_colour_type() {
         use BitDepth::{Eight, Four, Sixteen};
+        use ColorType::{Grayscale, GrayscaleAlpha, Indexed, Rgb, Rgba};
         let cases: [(ColorType, BitDepth, &[u8], &[u16]); 6] = [
+            (Grayscale, Eight, &[0, 77, 255], &[0, 77 * 257, 65535]),
+            (GrayscaleAlpha, Sixteen, &[1, 2, 9, 9], &[0x0102]),
             (
-                ColorType::Grayscale,
-                Eight,
-                &[0, 77, 255],
-                &[0, 77 * 257, 65535],
-            ),
-            (ColorType::GrayscaleAlpha, Sixteen, &[1, 2, 9, 9], &[0x0102]),
-            (
-                ColorType::Rgb,
+                Rgb,
                 Eight,
                 &[10, 200, 77, 0, 0, 255, 255, 255, 255],
                 &[38735, 4730, 65535],
             ),
-            (ColorType::Rgba, Eight, &[10, 200, 77, 9], &[38735]),
-            (
-                ColorType::Rgb,
-                Sixteen,
-                &[3, 232, 78, 32, 183, 152],
-                &[17908],
-            ),
-            (ColorType::Rgb, Sixteen, &[255; 6], &[65535]),
+            (Rgba, Eight, &[10, 200, 77, 9], &[38735]),
+            (Rgb, Sixteen, &[3, 232, 78, 32, 183, 152], &[17908]),
+            (Rgb, Sixteen, &[255; 6], &[65535]),
         ];
         for (colour, depth, bytes, expected) in cases {
             let read = lumas(colour, depth, bytes);
             assert_eq!(read.as_deref(), Some(expected), "{colour:?} {depth:?}");
         }
-        assert!(lumas(ColorType::Indexed, Eight, &[0]).is_none());
-        assert!(lumas(ColorType::Grayscale, Four, &[0]).is_none());
+        assert!(lumas(Indexed, Eight, &[0]).is_none());
+        assert!(lumas(Grayscale, Four, &[0]).is_none());
     }
 }

@@ -5,41 +5,17 @@
 
 use super::tokens::Token;
 use std::collections::{HashMap, HashSet};
+use std::sync::LazyLock;
 
 /// Types that GLSL 3.30 and GLSL ES 3.00 share and that a function of one point can use.
-const TYPES: &[&str] = &[
-    "void", "bool", "int", "uint", "float", "vec2", "vec3", "vec4", "bvec2", "bvec3", "bvec4",
-    "ivec2", "ivec3", "ivec4", "uvec2", "uvec3", "uvec4", "mat2", "mat3", "mat4", "mat2x2",
-    "mat2x3", "mat2x4", "mat3x2", "mat3x3", "mat3x4", "mat4x2", "mat4x3", "mat4x4",
-];
+const TYPES: &str = "
+    void bool int uint float vec2 vec3 vec4 bvec2 bvec3 bvec4 ivec2 ivec3 ivec4 uvec2 uvec3
+    uvec4 mat2 mat3 mat4 mat2x2 mat2x3 mat2x4 mat3x2 mat3x3 mat3x4 mat4x2 mat4x3 mat4x4";
 
-/// Other such words of both languages.
-const WORDS: &[&str] = &[
-    // Qualifiers.
-    "struct",
-    "const",
-    "in",
-    "out",
-    "inout",
-    "highp",
-    "mediump",
-    "lowp",
-    "precision",
-    // Statements.
-    "if",
-    "else",
-    "for",
-    "while",
-    "do",
-    "switch",
-    "case",
-    "default",
-    "break",
-    "continue",
-    "return",
-    "true",
-    "false",
-];
+/// Other such words of both languages: qualifiers, and words of statements.
+const WORDS: &str = "
+    struct const in out inout highp mediump lowp precision if else for while do switch case
+    default break continue return true false";
 
 /// Functions that both languages have and that a function of one point can use: a text can call
 /// them, but cannot declare them again. In GLSL 3.30 a declaration replaces the function for the
@@ -47,160 +23,60 @@ const WORDS: &[&str] = &[
 ///
 /// All other functions of either language are names that a text may use for its own: they are then
 /// renamed, like everything that it declares.
-const FUNCTIONS: &[&str] = &[
-    "radians",
-    "degrees",
-    "sin",
-    "cos",
-    "tan",
-    "asin",
-    "acos",
-    "atan",
-    "sinh",
-    "cosh",
-    "tanh",
-    "asinh",
-    "acosh",
-    "atanh",
-    "pow",
-    "exp",
-    "log",
-    "exp2",
-    "log2",
-    "sqrt",
-    "inversesqrt",
-    "abs",
-    "sign",
-    "floor",
-    "trunc",
-    "round",
-    "roundEven",
-    "ceil",
-    "fract",
-    "mod",
-    "modf",
-    "min",
-    "max",
-    "clamp",
-    "mix",
-    "step",
-    "smoothstep",
-    "isnan",
-    "isinf",
-    "floatBitsToInt",
-    "floatBitsToUint",
-    "intBitsToFloat",
-    "uintBitsToFloat",
-    "length",
-    "distance",
-    "dot",
-    "cross",
-    "normalize",
-    "faceforward",
-    "reflect",
-    "refract",
-    "matrixCompMult",
-    "outerProduct",
-    "transpose",
-    "determinant",
-    "inverse",
-    "lessThan",
-    "lessThanEqual",
-    "greaterThan",
-    "greaterThanEqual",
-    "equal",
-    "notEqual",
-    "any",
-    "all",
-    "not",
-];
+const FUNCTIONS: &str = "
+    radians degrees sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh pow exp log exp2
+    log2 sqrt inversesqrt abs sign floor trunc round roundEven ceil fract mod modf min max clamp
+    mix step smoothstep isnan isinf floatBitsToInt floatBitsToUint intBitsToFloat
+    uintBitsToFloat length distance dot cross normalize faceforward reflect refract
+    matrixCompMult outerProduct transpose determinant inverse lessThan lessThanEqual greaterThan
+    greaterThanEqual equal notEqual any all not";
 
 /// Words for inputs from outside.
-const GIVEN: &[&str] = &[
-    "uniform",
-    "varying",
-    "attribute",
-    "layout",
-    "buffer",
-    "shared",
-    "centroid",
-    "flat",
-    "smooth",
-    "noperspective",
-    "invariant",
-    "patch",
-    "sample",
-    "subroutine",
-    "coherent",
-    "volatile",
-    "restrict",
-    "readonly",
-    "writeonly",
-];
+const GIVEN: &str = "
+    uniform varying attribute layout buffer shared centroid flat smooth noperspective invariant
+    patch sample subroutine coherent volatile restrict readonly writeonly";
 
 /// Words that read or do something other than evaluating the field's own point.
-const BEYOND: &[&str] = &[
-    "dFdx",
-    "dFdy",
-    "fwidth",
-    "texture",
-    "texelFetch",
-    "texture2D",
-    "textureLod",
-    "textureSize",
-    "textureOffset",
-    "textureProj",
-    "textureGrad",
-];
+const BEYOND: &str = "
+    dFdx dFdy fwidth texture texelFetch texture2D textureLod textureSize textureOffset
+    textureProj textureGrad";
 
 /// Words that either language reserves for later. Texts with them do not compile anywhere.
-const RESERVED: &[&str] = &[
-    "active",
-    "asm",
-    "atomic_uint",
-    "cast",
-    "class",
-    "common",
-    "double",
-    "dvec2",
-    "dvec3",
-    "dvec4",
-    "enum",
-    "extern",
-    "external",
-    "filter",
-    "fixed",
-    "fvec2",
-    "fvec3",
-    "fvec4",
-    "goto",
-    "half",
-    "hvec2",
-    "hvec3",
-    "hvec4",
-    "inline",
-    "input",
-    "interface",
-    "long",
-    "namespace",
-    "noinline",
-    "output",
-    "packed",
-    "partition",
-    "public",
-    "resource",
-    "row_major",
-    "short",
-    "sizeof",
-    "static",
-    "superp",
-    "template",
-    "this",
-    "typedef",
-    "union",
-    "unsigned",
-    "using",
-];
+const RESERVED: &str = "
+    active asm atomic_uint cast class common double dvec2 dvec3 dvec4 enum extern external
+    filter fixed fvec2 fvec3 fvec4 goto half hvec2 hvec3 hvec4 inline input interface long
+    namespace noinline output packed partition public resource row_major short sizeof static
+    superp template this typedef union unsigned using";
+
+/// What a word of GLSL is.
+#[derive(Clone, Copy, PartialEq)]
+enum Class {
+    Type,
+    Word,
+    Function,
+    Given,
+    Beyond,
+    Reserved,
+}
+
+/// The classes of all words above.
+static CLASSES: LazyLock<HashMap<&str, Class>> = LazyLock::new(|| {
+    let lists = [
+        (Class::Type, TYPES),
+        (Class::Word, WORDS),
+        (Class::Function, FUNCTIONS),
+        (Class::Given, GIVEN),
+        (Class::Beyond, BEYOND),
+        (Class::Reserved, RESERVED),
+    ];
+    let words = lists.map(|(class, words)| words.split_whitespace().map(move |word| (word, class)));
+    words.into_iter().flatten().collect()
+});
+
+/// Whether a word is in one of the lists above.
+fn is_of(class: Class, word: &str) -> bool {
+    CLASSES.get(word) == Some(&class)
+}
 
 /// Macros defined by the compiler.
 const MACROS: &[&str] = &["__LINE__", "__FILE__", "__VERSION__", "defined"];
@@ -215,17 +91,17 @@ pub fn is_known(word: &str) -> bool {
 
 /// Whether a word is a type of GLSL.
 pub fn is_type(word: &str) -> bool {
-    TYPES.contains(&word)
+    is_of(Class::Type, word)
 }
 
 /// Whether a word belongs to the language, and so cannot be a name.
 pub fn is_language(word: &str) -> bool {
-    WORDS.contains(&word) || is_type(word)
+    is_of(Class::Word, word) || is_type(word)
 }
 
 /// Whether a word is a function of GLSL that a text cannot declare again.
 pub fn is_function(word: &str) -> bool {
-    FUNCTIONS.contains(&word)
+    is_of(Class::Function, word)
 }
 
 /// The reason why a text cannot define or undefine a macro of this name, if there is one.
@@ -244,7 +120,7 @@ pub fn is_selection(word: &str) -> bool {
 
 /// The reason why a field cannot contain a word, if there is one.
 pub fn refusal(word: &str) -> Option<String> {
-    if GIVEN.contains(&word) || is_opaque(word) {
+    if is_of(Class::Given, word) || is_opaque(word) {
         return Some(format!(
             "'{word}' is not allowed: the only input of a field is its point"
         ));
@@ -252,12 +128,12 @@ pub fn refusal(word: &str) -> Option<String> {
     if word == "discard" {
         return Some("a field cannot 'discard': it has a value everywhere".to_owned());
     }
-    if word.starts_with("gl_") || word.starts_with("GL_") || BEYOND.contains(&word) {
+    if word.starts_with("gl_") || word.starts_with("GL_") || is_of(Class::Beyond, word) {
         return Some(format!(
             "'{word}' belongs to a whole shader: the only input of a field is its point"
         ));
     }
-    if RESERVED.contains(&word) {
+    if is_of(Class::Reserved, word) {
         return Some(format!(
             "'{word}' is a word that GLSL reserves for later: choose another name"
         ));
