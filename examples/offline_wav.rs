@@ -4,7 +4,7 @@
 //! cargo run --release --example offline_wav [FILE.wav]
 //! ```
 
-use echomarch::audio::{Mixer, PanningLaw, SAMPLE_RATE, Sound, WavWriter};
+use echomarch::audio::{Mixer, PanningLaw, Sound, WavWriter};
 use echomarch::gl::{Context, ContextOptions};
 use echomarch::offline::{self, Timing};
 use echomarch::{Error, Scene, Settings, Tracer};
@@ -24,7 +24,7 @@ fn main() -> Result<(), Error> {
     let settings = Settings::default().with_waves(16_384).with_iterations(4);
     let timing = Timing::new(scene.duration(), 30.0);
     let mut tracer = Tracer::new(&context)?;
-    let mut sound = Sound::parse("sine:440", SAMPLE_RATE)?;
+    let mut sound = Sound::parse("sine:440", Sound::SAMPLE_RATE)?;
     let mut mixer = Mixer::new(PanningLaw::ConstantPower);
 
     // Every frame passes on its share of the samples, left and right interleaved. Here they are
@@ -54,7 +54,11 @@ fn main() -> Result<(), Error> {
     let mut writer = WavWriter::create(&file)?;
     writer.write(&samples)?;
     writer.finish()?;
-    let seconds = samples.len() as f64 / 2.0 / f64::from(SAMPLE_RATE);
-    println!("{}: {seconds} s, {SAMPLE_RATE} Hz, stereo", file.display());
+    let seconds = samples.len() as f64 / 2.0 / f64::from(Sound::SAMPLE_RATE);
+    println!(
+        "{}: {seconds} s, {} Hz, stereo",
+        file.display(),
+        Sound::SAMPLE_RATE
+    );
     Ok(())
 }

@@ -4,7 +4,7 @@
 //! block of samples. [`render_full`] plays each source with delays, loudness, echoes and reverberation
 //! ([`auralisation`](crate::auralisation)). Each frame is traced with the scene at the frame's start.
 
-use crate::audio::{AudioError, FrameBlocks, Mixer, SAMPLE_RATE, Sound};
+use crate::audio::{AudioError, FrameBlocks, Mixer, Sound};
 use crate::auralisation::{Auralisation, Heard, Spec};
 use crate::error::Error;
 use crate::response::ListenerAxes;
@@ -38,12 +38,12 @@ impl Timing {
 
     /// Samples of each channel.
     fn samples(&self) -> u64 {
-        (self.seconds * f64::from(SAMPLE_RATE)).round() as u64
+        (self.seconds * f64::from(Sound::SAMPLE_RATE)).round() as u64
     }
 
     /// Samples of the longest block, and for each frame its number, its start time in seconds and its samples.
     fn blocks(self) -> Result<(usize, impl Iterator<Item = (u64, f64, usize)>), Error> {
-        let blocks = FrameBlocks::new(self.fps, SAMPLE_RATE)?;
+        let blocks = FrameBlocks::new(self.fps, Sound::SAMPLE_RATE)?;
         let (longest, end) = (blocks.longest(), self.samples());
         let block = move |index| {
             let range = blocks.samples(index);
@@ -75,7 +75,7 @@ pub struct Block<'a> {
     pub time: f64,
     /// The traced frame.
     pub frame: &'a Frame,
-    /// Interleaved left and right samples, at [`SAMPLE_RATE`].
+    /// Interleaved left and right samples, at [`Sound::SAMPLE_RATE`].
     pub samples: &'a [f32],
 }
 
@@ -192,7 +192,7 @@ pub struct FullBlock<'a> {
     pub time: f64,
     /// Each source as heard by the listener, in the scene's order.
     pub sources: &'a [HeardSource],
-    /// Interleaved left and right samples, at [`SAMPLE_RATE`].
+    /// Interleaved left and right samples, at [`Sound::SAMPLE_RATE`].
     pub samples: &'a [f32],
 }
 
@@ -232,7 +232,7 @@ pub fn render_full<E: From<Error>>(
     let (longest, blocks) = timing.blocks()?;
     let seconds = settings.tail_s(tracer, scene)?;
     let settings = settings.clone().with_tail(seconds);
-    let spec = Spec::of(scene, SAMPLE_RATE).with_longest(seconds);
+    let spec = Spec::of(scene, Sound::SAMPLE_RATE).with_longest(seconds);
     let mut sources: Vec<Playing> = sounds
         .iter_mut()
         .map(|sound| Playing::new(sound, spec))
@@ -338,7 +338,7 @@ impl<'a> Playing<'a> {
     }
 
     fn fade_late(&mut self) -> Result<(), Error> {
-        let samples = (LATE_S * f64::from(SAMPLE_RATE)) as u32 - FADE_MARGIN;
+        let samples = (LATE_S * f64::from(Sound::SAMPLE_RATE)) as u32 - FADE_MARGIN;
         let Some(late) = &mut self.late else {
             return Ok(());
         };

@@ -30,8 +30,8 @@ pub enum AudioError {
         "{} holds {found}: convert it to 8, 16, 24 or 32-bit integer or 32-bit float samples at \
          {} to {} Hz",
         path.display(),
-        super::SAMPLE_RATES.start(),
-        super::SAMPLE_RATES.end()
+        super::Sound::SAMPLE_RATES.start(),
+        super::Sound::SAMPLE_RATES.end()
     )]
     UnsupportedWav {
         /// The file that was read.
@@ -117,11 +117,11 @@ pub enum AudioError {
         /// The resampler's error.
         reason: String,
     },
-    /// A sample rate outside [`SAMPLE_RATES`](super::SAMPLE_RATES).
+    /// A sample rate outside [`Sound::SAMPLE_RATES`](super::Sound::SAMPLE_RATES).
     #[error(
         "a sample rate of {sample_rate_hz} Hz is not supported: use {} to {} Hz",
-        super::SAMPLE_RATES.start(),
-        super::SAMPLE_RATES.end()
+        super::Sound::SAMPLE_RATES.start(),
+        super::Sound::SAMPLE_RATES.end()
     )]
     BadSampleRate {
         /// The sample rate, in hertz.

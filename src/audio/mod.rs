@@ -25,11 +25,11 @@
 //! and is held in memory as a whole (4 bytes per sample).
 //!
 //! ```
-//! use echomarch::audio::{FrameBlocks, Mixer, PanningLaw, SAMPLE_RATE, Sound};
+//! use echomarch::audio::{FrameBlocks, Mixer, PanningLaw, Sound};
 //!
-//! let mut sound = Sound::parse("sine:440", SAMPLE_RATE)?;
+//! let mut sound = Sound::parse("sine:440", Sound::SAMPLE_RATE)?;
 //! let mut mixer = Mixer::new(PanningLaw::ConstantPower);
-//! let frames = FrameBlocks::new(60.0, SAMPLE_RATE)?;
+//! let frames = FrameBlocks::new(60.0, Sound::SAMPLE_RATE)?;
 //! let mut mono = vec![0.0; frames.longest()];
 //! let mut stereo = vec![0.0; 2 * frames.longest()];
 //! for (i, pan) in [-0.5, 0.0, 0.5].into_iter().enumerate() {
@@ -53,22 +53,15 @@ mod wav_write;
 
 pub use error::AudioError;
 pub use panning::{FrameBlocks, Gains, Mixer, PanningLaw};
-pub use signals::{NOISE_AMPLITUDE, SINE_AMPLITUDE, Signal};
+pub use signals::Signal;
 pub use sound::{Sound, SoundSource, SoundSpec, StereoSignal, StereoSource};
-pub use speech::SPEECH_PEAK;
 pub use wav_write::WavWriter;
 #[doc(hidden)]
 pub use wav_write::wav_to_io;
 
-/// Sample rate of everything that is played or written, in hertz.
-pub const SAMPLE_RATE: u32 = 48_000;
-
-/// The lowest and the highest accepted sample rate, in hertz.
-pub const SAMPLE_RATES: std::ops::RangeInclusive<u32> = 1_000..=768_000;
-
 /// Rejects an unsupported sample rate.
 fn check_rate(sample_rate_hz: u32) -> Result<(), AudioError> {
-    if SAMPLE_RATES.contains(&sample_rate_hz) {
+    if Sound::SAMPLE_RATES.contains(&sample_rate_hz) {
         Ok(())
     } else {
         Err(AudioError::BadSampleRate { sample_rate_hz })

@@ -223,7 +223,7 @@ impl FrameBlocks {
     ///
     /// # Errors
     /// [`AudioError::BadFrameRate`] if `fps` is not 0.001 to 1,000,000, and
-    /// [`AudioError::BadSampleRate`] if `rate_hz` is outside [`SAMPLE_RATES`](super::SAMPLE_RATES).
+    /// [`AudioError::BadSampleRate`] if `rate_hz` is outside [`Sound::SAMPLE_RATES`](super::Sound::SAMPLE_RATES).
     pub fn new(fps: f64, rate_hz: u32) -> Result<Self, AudioError> {
         if !is_usable(fps) {
             return Err(AudioError::BadFrameRate { fps });

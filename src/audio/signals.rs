@@ -60,7 +60,7 @@ pub trait Signal: Send {
 }
 
 /// The peak of a sine, relative to full scale 1: −6.02 dBFS.
-pub const SINE_AMPLITUDE: f32 = 0.5;
+pub(super) const SINE_AMPLITUDE: f32 = 0.5;
 
 /// An endless sine that starts at phase 0.
 ///
@@ -110,7 +110,7 @@ impl Signal for Sine {
 }
 
 /// The peak of the noise, relative to full scale 1: −6.02 dBFS, at a level of −10.8 dBFS (RMS).
-pub const NOISE_AMPLITUDE: f32 = 0.5;
+pub(super) const NOISE_AMPLITUDE: f32 = 0.5;
 
 /// White noise, uniformly distributed; a sample depends only on its index and the seed.
 #[derive(Debug, Clone)]

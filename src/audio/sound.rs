@@ -1,12 +1,13 @@
 //! The sounds that are played: their description, how they are made, and their samples, mono or stereo.
 
 use std::fmt;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::sync::Arc;
 
-use super::signals::{Clip, Noise, Signal, Sine};
-use super::speech::Speech;
+use super::signals::{self, Clip, Noise, Signal, Sine};
+use super::speech::{self, Speech};
 use super::{AudioError, check_rate, resample, wav_read};
 
 /// A mono sound that is read forwards, sample by sample; 1 is full scale. A caller's own sound is
@@ -17,9 +18,9 @@ use super::{AudioError, check_rate, resample, wav_read};
 /// fit its start, the first 5 ms are cross-faded with the end each time it starts over.
 ///
 /// ```
-/// use echomarch::audio::{SAMPLE_RATE, Sound};
+/// use echomarch::audio::Sound;
 ///
-/// let mut sound = Sound::parse("sine:440", SAMPLE_RATE)?;
+/// let mut sound = Sound::parse("sine:440", Sound::SAMPLE_RATE)?;
 /// let mut block = [0.0; 480];
 /// sound.fill(&mut block);
 /// assert!(block.iter().any(|sample| *sample > 0.0));
@@ -30,6 +31,21 @@ pub struct Sound {
 }
 
 impl Sound {
+    /// Sample rate of everything that is played or written, in hertz.
+    pub const SAMPLE_RATE: u32 = 48_000;
+
+    /// The lowest and the highest accepted sample rate, in hertz.
+    pub const SAMPLE_RATES: RangeInclusive<u32> = 1_000..=768_000;
+
+    /// The peak of a sine, relative to full scale 1: −6.02 dBFS.
+    pub const SINE_AMPLITUDE: f32 = signals::SINE_AMPLITUDE;
+
+    /// The peak of the noise, relative to full scale 1: −6.02 dBFS, at a level of −10.8 dBFS (RMS).
+    pub const NOISE_AMPLITUDE: f32 = signals::NOISE_AMPLITUDE;
+
+    /// Peak of the voice: no sample is further from 0, relative to full scale 1.
+    pub const SPEECH_PEAK: f32 = speech::SPEECH_PEAK;
+
     /// Creates a sound from a caller's own signal.
     pub fn new(signal: impl Signal + 'static) -> Self {
         Self {
@@ -38,7 +54,7 @@ impl Sound {
     }
 
     /// Parses a description such as `sine:440` (see [`SoundSpec`]) and loads it at `sample_rate`
-    /// samples per second, commonly [`SAMPLE_RATE`](super::SAMPLE_RATE).
+    /// samples per second, commonly [`Sound::SAMPLE_RATE`].
     ///
     /// # Errors
     /// [`AudioError::UnknownSound`], or as [`load`](Self::load).
@@ -55,7 +71,7 @@ impl Sound {
     /// lower one, and may overshoot full scale a little.
     ///
     /// # Errors
-    /// [`AudioError::BadSampleRate`] for a rate outside [`SAMPLE_RATES`](super::SAMPLE_RATES);
+    /// [`AudioError::BadSampleRate`] for a rate outside [`Sound::SAMPLE_RATES`];
     /// [`AudioError::BadSineFrequency`]; and for a WAV file [`AudioError::OpenWav`],
     /// [`NotWav`](AudioError::NotWav), [`UnsupportedWav`](AudioError::UnsupportedWav),
     /// [`DamagedWav`](AudioError::DamagedWav), [`EmptyWav`](AudioError::EmptyWav),

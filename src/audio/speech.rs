@@ -19,7 +19,7 @@ use std::f64::consts::TAU;
 use crate::sampling::{hash, unit_interval};
 
 /// Peak of the voice: no sample is further from 0, relative to full scale 1.
-pub const SPEECH_PEAK: f32 = 0.95;
+pub(super) const SPEECH_PEAK: f32 = 0.95;
 
 /// Limit of the sum of all harmonics' amplitudes; the hiss is added to it.
 const VOICE_PEAK: f64 = 0.9;

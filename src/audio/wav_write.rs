@@ -6,7 +6,7 @@
 //! frames; readers call a file without them incomplete. `WAVE_FORMAT_EXTENSIBLE` would add the loudspeaker positions of
 //! the channels, which ambisonic channels lack, and SoX calls it incomplete with such samples.
 
-use super::{AudioError, SAMPLE_RATE, check_rate};
+use super::{AudioError, Sound, check_rate};
 #[cfg(feature = "audio")]
 use crate::file_output::visible_part_beside;
 use crate::file_output::{PartFile, followed, temporary_beside};
@@ -23,7 +23,7 @@ const STEREO: u16 = 2;
 /// Maximum channels of a file: first-order ambisonics has four, and no format used here has more.
 const MOST_CHANNELS: u16 = 64;
 
-/// Writes a WAV file of 32-bit float samples, in stereo up to 3.1 hours at [`SAMPLE_RATE`].
+/// Writes a WAV file of 32-bit float samples, in stereo up to 3.1 hours at [`Sound::SAMPLE_RATE`].
 ///
 /// The sound goes to a temporary file in the target's directory, which takes the target's name in
 /// [`finish`](Self::finish). Until then an older file of that name stays unchanged, and dropping
@@ -43,19 +43,19 @@ pub struct WavWriter {
 type Beside = fn(&Path) -> io::Result<PartFile>;
 
 impl WavWriter {
-    /// Starts a stereo file at [`SAMPLE_RATE`] that will replace `target`, whose directory must exist.
+    /// Starts a stereo file at [`Sound::SAMPLE_RATE`] that will replace `target`, whose directory must exist.
     ///
     /// # Errors
     /// [`AudioError::WriteWav`] if nothing can be written beside `target`.
     pub fn create(target: impl Into<PathBuf>) -> Result<Self, AudioError> {
-        Self::create_at(target, SAMPLE_RATE)
+        Self::create_at(target, Sound::SAMPLE_RATE)
     }
 
     /// As [`create`](Self::create), at `rate_hz` samples a second.
     ///
     /// # Errors
     /// Also [`AudioError::BadSampleRate`] if `rate_hz` is outside
-    /// [`SAMPLE_RATES`](super::SAMPLE_RATES).
+    /// [`Sound::SAMPLE_RATES`].
     pub fn create_at(target: impl Into<PathBuf>, rate_hz: u32) -> Result<Self, AudioError> {
         Self::start(target.into(), rate_hz, STEREO, temporary_beside)
     }

@@ -3,14 +3,14 @@
 use super::convolution::BLOCK;
 use super::delay_line::DelayLine;
 use super::prepared_sound::Echo;
-use super::{CHANNELS, MOST_ECHOES};
+use super::{CHANNELS, Heard};
 
 /// Maximum rate of change of a delay: beyond it (a source at a fifth of the speed of sound, 250
 /// km/h) the echo fades out at its old delay and in at the new one.
 const MOST_DOPPLER: f64 = 0.2;
 
 /// Echoes that can sound at once: the current ones and the fading ones.
-const VOICES: usize = 2 * MOST_ECHOES;
+const VOICES: usize = 2 * Heard::MOST_ECHOES;
 
 /// An amplitude for each band and channel.
 type Amplitudes<const BANDS: usize> = [[f32; BANDS]; CHANNELS];
@@ -50,7 +50,7 @@ impl<const BANDS: usize> Echoes<BANDS> {
         for voice in &mut self.voices {
             voice.end(samples);
         }
-        for echo in echoes.iter().take(MOST_ECHOES) {
+        for echo in echoes.iter().take(Heard::MOST_ECHOES) {
             let target = echo.amplitudes();
             let reach = MOST_DOPPLER * f64::from(samples);
             let goes_on = |voice: &&mut Voice<BANDS>| {

@@ -56,7 +56,7 @@ pub use prepared_sound::Heard;
 pub use prepared_sound::HeardParts;
 
 use crate::bands::BAND_COUNT;
-use crate::response::{MAX_SECONDS, RATES_HZ, ResponseError};
+use crate::response::{ImpulseSettings, ResponseError};
 use crate::scene::Scene;
 use crate::text::there_is_no;
 use crate::tracer::Profile;
@@ -68,10 +68,6 @@ use std::str::FromStr;
 
 /// Left and right.
 const CHANNELS: usize = 2;
-
-/// Maximum single echoes of a source: the strongest paths. All others are in the late part, where they do not glide. A
-/// room has 63 paths of up to three reflections.
-pub const MOST_ECHOES: usize = 64;
 
 /// Default length of a response in seconds: the reverberation time of a large hall.
 const USUAL_LONGEST_S: f64 = 3.0;
@@ -121,11 +117,12 @@ impl fmt::Display for Listen {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Spec {
-    /// Samples per second, in [`RATES_HZ`].
+    /// Samples per second, in [`ImpulseSettings::RATES_HZ`].
     pub rate_hz: u32,
     /// Whether octave bands are separate: required if materials or the air change the timbre.
     pub has_bands: bool,
-    /// Seconds of a response that are played, above 0, to [`MAX_SECONDS`]: memory and work grow with it.
+    /// Seconds of a response that are played, above 0, to [`ImpulseSettings::MAX_SECONDS`]: memory and work grow with
+    /// it.
     pub longest_s: f64,
 }
 
@@ -151,10 +148,10 @@ impl Spec {
     /// [`ResponseError::BadRate`] and [`ResponseError::BadLength`].
     pub fn validate(self) -> Result<(), ResponseError> {
         let (rate_hz, seconds) = (self.rate_hz, self.longest_s);
-        if !RATES_HZ.contains(&rate_hz) {
+        if !ImpulseSettings::RATES_HZ.contains(&rate_hz) {
             return Err(ResponseError::BadRate { rate_hz });
         }
-        if !(seconds > 0.0 && seconds <= MAX_SECONDS) {
+        if !(seconds > 0.0 && seconds <= ImpulseSettings::MAX_SECONDS) {
             return Err(ResponseError::BadLength { seconds });
         }
         Ok(())
@@ -233,8 +230,8 @@ impl Auralisation {
     /// Creates a silent player. At 48 kHz it takes about 0.7 MiB per second of response, with bands 3 MiB.
     ///
     /// # Errors
-    /// [`ResponseError::BadRate`] for a rate outside [`RATES_HZ`], and [`ResponseError::BadLength`] for seconds that
-    /// are not above 0 and at most [`MAX_SECONDS`].
+    /// [`ResponseError::BadRate`] for a rate outside [`ImpulseSettings::RATES_HZ`], and [`ResponseError::BadLength`] for
+    /// seconds that are not above 0 and at most [`ImpulseSettings::MAX_SECONDS`].
     pub fn new(spec: Spec) -> Result<Auralisation, ResponseError> {
         spec.validate()?;
         let longest = spec.longest();

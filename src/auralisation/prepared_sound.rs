@@ -2,7 +2,7 @@
 
 use super::convolution::Kernel;
 use super::delay_line::REACH;
-use super::{CHANNELS, MOST_ECHOES, Spec};
+use super::{CHANNELS, Spec};
 use crate::bands::{self, BAND_COUNT};
 use crate::response::{
     Encoding, Format, ImpulseResponse, ImpulseSettings, ListenerAxes, ResponseError, Tap,
@@ -56,12 +56,17 @@ pub struct Heard {
 }
 
 impl Heard {
+    /// Maximum single echoes of a source: the strongest paths. All others are in the late part, where they do not
+    /// glide. A room has 63 paths of up to three reflections.
+    pub const MOST_ECHOES: usize = 64;
+
     /// Prepares a response for a listener with these axes. The late part is noise from `seed`: with the same seed it
     /// changes only as much as the echogram does.
     ///
     /// # Errors
     /// [`ResponseError::BadLength`] for a response of no length, or of more than
-    /// [`MAX_SECONDS`](crate::response::MAX_SECONDS), and as [`of_paths`](Heard::of_paths).
+    /// [`ImpulseSettings::MAX_SECONDS`](crate::response::ImpulseSettings::MAX_SECONDS), and as
+    /// [`of_paths`](Heard::of_paths).
     pub fn new(
         response: &Response,
         axes: &ListenerAxes,
@@ -168,12 +173,12 @@ fn by_energy(paths: &[HeardPath], spec: Spec) -> (Vec<&HeardPath>, Vec<&HeardPat
 
 fn strongest(paths: &[HeardPath], spec: Spec) -> impl Iterator<Item = &HeardPath> {
     let (near, _) = by_energy(paths, spec);
-    near.into_iter().take(MOST_ECHOES)
+    near.into_iter().take(Heard::MOST_ECHOES)
 }
 
 fn faint(paths: &[HeardPath], spec: Spec) -> impl Iterator<Item = &HeardPath> {
     let (near, far) = by_energy(paths, spec);
-    near.into_iter().skip(MOST_ECHOES).chain(far)
+    near.into_iter().skip(Heard::MOST_ECHOES).chain(far)
 }
 
 /// A hash of the surfaces and walls that reflect a path.

@@ -9,7 +9,7 @@
 
 use crate::scene::shape::Room;
 use crate::scene::{Node, Scene};
-use crate::tracer::{MAX_ITERATIONS, TraceError};
+use crate::tracer::{Settings, TraceError};
 use glam::{DQuat, DVec3, Vec3};
 
 /// A source, a listener, and the room around both, in the room's own axes.
@@ -91,16 +91,16 @@ impl ShoeboxImages {
     /// `iterations` − 1.
     ///
     /// # Errors
-    /// [`TraceError::BadSetting`] for iterations that are not 1 to [`MAX_ITERATIONS`].
+    /// [`TraceError::BadSetting`] for iterations that are not 1 to [`Settings::MAX_ITERATIONS`].
     pub fn hits_by_order(
         &self,
         directions: &[Vec3],
         iterations: u32,
     ) -> Result<Vec<u64>, TraceError> {
-        if !(1..=MAX_ITERATIONS).contains(&iterations) {
+        if !(1..=Settings::MAX_ITERATIONS).contains(&iterations) {
             return Err(TraceError::BadSetting {
                 what: "iterations",
-                must: format!("1 to {MAX_ITERATIONS}"),
+                must: format!("1 to {}", Settings::MAX_ITERATIONS),
                 value: iterations.to_string(),
             });
         }

@@ -41,27 +41,6 @@ pub use sofa::{SofaError, SofaProblem};
 
 pub(crate) use facets::Facets;
 
-/// The lowest and the highest sampling rate of a set, in hertz.
-pub const HRIR_RATES_HZ: RangeInclusive<u32> = 8_000..=192_000;
-
-/// Maximum number of directions of a set. The densest measurements have about 20,000.
-pub const MAX_DIRECTIONS: usize = 1 << 16;
-
-/// Maximum number of samples of a response: 85 ms at 192 kHz. A head's response lasts a few
-/// milliseconds.
-pub const MAX_SAMPLES: usize = 1 << 14;
-
-/// Maximum number of samples of a set, both ears: 128 MiB. A dense one has 6 million.
-pub const MAX_VALUES: u64 = 1 << 25;
-
-/// Maximum magnitude of a sample: 120 dB above full scale. Files in pascal or in arbitrary units
-/// are far below; beyond it sums lose small values.
-pub const LOUDEST: f32 = 1e6;
-
-/// Maximum delay of a response in addition to its samples, in seconds: sound travels 34 m in this
-/// time.
-pub const LONGEST_DELAY_S: f64 = 0.1;
-
 /// Silent samples before and after moved responses, in which the ripple of a move by a fraction of
 /// a sample fades.
 const MARGIN: usize = 32;
@@ -129,6 +108,27 @@ pub struct HrirSet {
 }
 
 impl HrirSet {
+    /// The lowest and the highest sampling rate of a set, in hertz.
+    pub const RATES_HZ: RangeInclusive<u32> = 8_000..=192_000;
+
+    /// Maximum number of directions of a set. The densest measurements have about 20,000.
+    pub const MAX_DIRECTIONS: usize = 1 << 16;
+
+    /// Maximum number of samples of a response: 85 ms at 192 kHz. A head's response lasts a few
+    /// milliseconds.
+    pub const MAX_SAMPLES: usize = 1 << 14;
+
+    /// Maximum number of samples of a set, both ears: 128 MiB. A dense one has 6 million.
+    pub const MAX_VALUES: u64 = 1 << 25;
+
+    /// Maximum magnitude of a sample: 120 dB above full scale. Files in pascal or in arbitrary units
+    /// are far below; beyond it sums lose small values.
+    pub const LOUDEST: f32 = 1e6;
+
+    /// Maximum delay of a response in addition to its samples, in seconds: sound travels 34 m in this
+    /// time.
+    pub const LONGEST_DELAY_S: f64 = 0.1;
+
     /// A set of these measurements. Of several from one direction the first is used.
     ///
     /// # Errors
@@ -176,7 +176,7 @@ impl HrirSet {
     /// # Errors
     /// [`HrirError::BadRate`], [`HrirError::Resample`].
     pub fn at_rate(&self, rate_hz: u32) -> Result<HrirSet, HrirError> {
-        if !HRIR_RATES_HZ.contains(&rate_hz) {
+        if !HrirSet::RATES_HZ.contains(&rate_hz) {
             return Err(HrirError::BadRate { rate_hz });
         }
         let resample = |hrir: &Hrir| -> Result<Hrir, HrirError> {
@@ -275,32 +275,39 @@ fn length(pairs: &[HrirPair]) -> usize {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum HrirError {
-    /// A sampling rate outside [`HRIR_RATES_HZ`].
+    /// A sampling rate outside [`HrirSet::RATES_HZ`].
     #[error(
         "head-related impulse responses at {rate_hz} Hz: the rate must be {} Hz to {} Hz",
-        HRIR_RATES_HZ.start(),
-        HRIR_RATES_HZ.end()
+        HrirSet::RATES_HZ.start(),
+        HrirSet::RATES_HZ.end()
     )]
     BadRate {
         /// The rate, in hertz.
         rate_hz: u32,
     },
-    /// No direction, or more than [`MAX_DIRECTIONS`].
-    #[error("{count} measured directions: there must be 1 to {MAX_DIRECTIONS}")]
+    /// No direction, or more than [`HrirSet::MAX_DIRECTIONS`].
+    #[error(
+        "{count} measured directions: there must be 1 to {}",
+        HrirSet::MAX_DIRECTIONS
+    )]
     BadCount {
         /// Number of directions.
         count: usize,
     },
-    /// A response without samples, or with more than [`MAX_SAMPLES`].
+    /// A response without samples, or with more than [`HrirSet::MAX_SAMPLES`].
     #[error(
-        "head-related impulse responses of {samples} samples: they must have 1 to {MAX_SAMPLES}"
+        "head-related impulse responses of {samples} samples: they must have 1 to {}",
+        HrirSet::MAX_SAMPLES
     )]
     BadLength {
         /// Number of samples of a response.
         samples: usize,
     },
-    /// More than [`MAX_VALUES`] samples in total.
-    #[error("{values} samples in all directions and both ears: there must be at most {MAX_VALUES}")]
+    /// More than [`HrirSet::MAX_VALUES`] samples in total.
+    #[error(
+        "{values} samples in all directions and both ears: there must be at most {}",
+        HrirSet::MAX_VALUES
+    )]
     TooLarge {
         /// Total number of samples.
         values: u64,
@@ -323,10 +330,10 @@ pub enum HrirError {
         /// Its direction, listener axes.
         from: glam::DVec3,
     },
-    /// A sample that is not a finite number, or is larger than [`LOUDEST`].
+    /// A sample that is not a finite number, or is larger than [`HrirSet::LOUDEST`].
     #[error(
         "measurement {index} has the sample {value}: samples must be finite and no larger than {}",
-        LOUDEST
+        HrirSet::LOUDEST
     )]
     BadSample {
         /// Index of the measurement, from 0.
@@ -334,10 +341,10 @@ pub enum HrirError {
         /// The sample.
         value: f32,
     },
-    /// A delay that is not a finite number, or beyond [`LONGEST_DELAY_S`].
+    /// A delay that is not a finite number, or beyond [`HrirSet::LONGEST_DELAY_S`].
     #[error(
         "measurement {index} has a delay of {seconds} s: it must be within ±{} s",
-        LONGEST_DELAY_S
+        HrirSet::LONGEST_DELAY_S
     )]
     BadDelay {
         /// Index of the measurement, from 0.
@@ -364,7 +371,7 @@ pub enum HrirError {
 
 /// The number of samples of each response, if all numbers are in range.
 fn check(rate_hz: u32, measured: &[MeasuredHrir]) -> Result<usize, HrirError> {
-    if !HRIR_RATES_HZ.contains(&rate_hz) {
+    if !HrirSet::RATES_HZ.contains(&rate_hz) {
         return Err(HrirError::BadRate { rate_hz });
     }
     let samples = measured.first().map_or(0, |first| first.ears[0].len());
@@ -377,14 +384,14 @@ fn check(rate_hz: u32, measured: &[MeasuredHrir]) -> Result<usize, HrirError> {
 
 /// Rejects sets that are too large.
 fn check_sizes(directions: usize, samples: usize) -> Result<(), HrirError> {
-    if !(1..=MAX_DIRECTIONS).contains(&directions) {
+    if !(1..=HrirSet::MAX_DIRECTIONS).contains(&directions) {
         return Err(HrirError::BadCount { count: directions });
     }
-    if !(1..=MAX_SAMPLES).contains(&samples) {
+    if !(1..=HrirSet::MAX_SAMPLES).contains(&samples) {
         return Err(HrirError::BadLength { samples });
     }
     let values = 2 * directions as u64 * samples as u64;
-    if values > MAX_VALUES {
+    if values > HrirSet::MAX_VALUES {
         return Err(HrirError::TooLarge { values });
     }
     Ok(())
@@ -404,7 +411,7 @@ fn check_one(index: usize, measured: &MeasuredHrir, expected: usize) -> Result<(
                 expected,
             });
         }
-        let is_good = |sample: &f32| sample.is_finite() && sample.abs() <= LOUDEST;
+        let is_good = |sample: &f32| sample.is_finite() && sample.abs() <= HrirSet::LOUDEST;
         if let Some(value) = ear.iter().find(|sample| !is_good(sample)) {
             return Err(HrirError::BadSample {
                 index,
@@ -412,7 +419,7 @@ fn check_one(index: usize, measured: &MeasuredHrir, expected: usize) -> Result<(
             });
         }
     }
-    let is_good = |seconds: &f64| seconds.abs() <= LONGEST_DELAY_S;
+    let is_good = |seconds: &f64| seconds.abs() <= HrirSet::LONGEST_DELAY_S;
     match measured.delays_s.into_iter().find(|delay| !is_good(delay)) {
         Some(seconds) => Err(HrirError::BadDelay { index, seconds }),
         None => Ok(()),

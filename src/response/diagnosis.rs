@@ -91,7 +91,7 @@ const LN_OF_60_DB: f64 = 6.0 * LN_10;
 /// Two parallel walls with a flutter echo.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Flutter {
-    /// Their numbers in the order of [`WALL_NAMES`](crate::scene::WALL_NAMES).
+    /// Their numbers in the order of [`Room::WALL_NAMES`](crate::scene::shape::Room::WALL_NAMES).
     pub walls: [usize; 2],
     /// The bands whose decay they determine.
     pub bands: Vec<FlutterBand>,

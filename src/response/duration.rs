@@ -4,7 +4,7 @@ use super::late::{LEAST_ORDER, LateSphere};
 use super::source_sound::Medium;
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
-use crate::response::MAX_SECONDS;
+use crate::response::ImpulseSettings;
 use crate::scene::Scene;
 use crate::tracer::{ArrivalCounts, ArrivalSettings, Settings, Tracer};
 
@@ -60,7 +60,7 @@ pub(super) fn needed(
         let end_s = medium.direct_s + WITHOUT_DECAY_S;
         return Ok(end_s
             .min(longest_s.max(medium.direct_s + SHORTEST_S))
-            .min(MAX_SECONDS));
+            .min(ImpulseSettings::MAX_SECONDS));
     }
     // With more waves the record would not exceed the longest either.
     if !decay.is_end_known() && decay.end_s() + BIN_S < longest_s {
@@ -78,7 +78,7 @@ pub(super) fn needed(
     Ok(end_s
         .min(longest_s)
         .max(medium.direct_s + SHORTEST_S)
-        .min(MAX_SECONDS))
+        .min(ImpulseSettings::MAX_SECONDS))
 }
 
 /// Whether most waves leave the scene.

@@ -6,14 +6,6 @@ use crate::bands::{self, BAND_COUNT, BANDS_HZ, Bands};
 use glam::DVec3;
 use std::ops::RangeInclusive;
 
-/// The shortest and the longest time bin, in seconds: from a few samples of sound to bins too long
-/// to resolve a decay.
-pub const BINS_S: RangeInclusive<f64> = 1e-4..=0.1;
-
-/// The least and the greatest number of batches, which must be a power of two: figures are computed
-/// from orthogonal halves of the batches.
-pub const BATCHES: RangeInclusive<usize> = 1..=256;
-
 /// Maximum number of bins: 65 s at 1 ms, 80 MiB with 16 batches. Later arrivals are summed without
 /// their time ([`Echogram::beyond`]).
 pub(super) const MAX_BINS: usize = 1 << 16;
@@ -76,16 +68,24 @@ impl EchogramRow {
 }
 
 impl Echogram {
+    /// The shortest and the longest time bin, in seconds: from a few samples of sound to bins too long
+    /// to resolve a decay.
+    pub const BINS_S: RangeInclusive<f64> = 1e-4..=0.1;
+
+    /// The least and the greatest number of batches, which must be a power of two: figures are computed
+    /// from orthogonal halves of the batches.
+    pub const BATCHES: RangeInclusive<usize> = 1..=256;
+
     /// An empty echogram with bins of `bin_s` seconds. A bin's edge is at 0 s.
     ///
     /// # Errors
-    /// [`ResponseError::BadBin`] unless `bin_s` is in [`BINS_S`], [`ResponseError::BadBatches`]
-    /// unless `batches` is a power of two in [`BATCHES`].
+    /// [`ResponseError::BadBin`] unless `bin_s` is in [`Echogram::BINS_S`], [`ResponseError::BadBatches`]
+    /// unless `batches` is a power of two in [`Echogram::BATCHES`].
     pub fn new(bin_s: f64, batches: usize) -> Result<Echogram, ResponseError> {
-        if !BINS_S.contains(&bin_s) {
+        if !Echogram::BINS_S.contains(&bin_s) {
             return Err(ResponseError::BadBin { bin_s });
         }
-        if !BATCHES.contains(&batches) || !batches.is_power_of_two() {
+        if !Echogram::BATCHES.contains(&batches) || !batches.is_power_of_two() {
             return Err(ResponseError::BadBatches { batches });
         }
         Ok(Echogram {

@@ -8,40 +8,41 @@ use glam::DVec3;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ResponseError {
-    /// A time bin outside [`BINS_S`](super::BINS_S).
+    /// A time bin outside [`Echogram::BINS_S`](super::Echogram::BINS_S).
     #[error(
         "a time bin of {bin_s} s: it must be {} s to {} s long",
-        super::BINS_S.start(),
-        super::BINS_S.end()
+        super::Echogram::BINS_S.start(),
+        super::Echogram::BINS_S.end()
     )]
     BadBin {
         /// The requested length, in seconds.
         bin_s: f64,
     },
-    /// A number of batches outside [`BATCHES`](super::BATCHES), or not a power of two.
+    /// A number of batches outside [`Echogram::BATCHES`](super::Echogram::BATCHES), or not a power of two.
     #[error(
         "{batches} batches of waves: there must be a power of two, {} to {}",
-        super::BATCHES.start(),
-        super::BATCHES.end()
+        super::Echogram::BATCHES.start(),
+        super::Echogram::BATCHES.end()
     )]
     BadBatches {
         /// The requested number.
         batches: usize,
     },
-    /// A sampling rate outside [`RATES_HZ`](super::RATES_HZ).
+    /// A sampling rate outside [`ImpulseSettings::RATES_HZ`](super::ImpulseSettings::RATES_HZ).
     #[error(
         "a sampling rate of {rate_hz} Hz: impulse responses are made for {} Hz to {} Hz",
-        super::RATES_HZ.start(),
-        super::RATES_HZ.end()
+        super::ImpulseSettings::RATES_HZ.start(),
+        super::ImpulseSettings::RATES_HZ.end()
     )]
     BadRate {
         /// The requested rate, in hertz.
         rate_hz: u32,
     },
-    /// A length that is not above 0 s and at most [`MAX_SECONDS`](super::MAX_SECONDS).
+    /// A length that is not above 0 s and at most
+    /// [`ImpulseSettings::MAX_SECONDS`](super::ImpulseSettings::MAX_SECONDS).
     #[error(
         "an impulse response of {seconds} s: it must be longer than 0 s and no longer than {} s",
-        super::MAX_SECONDS
+        super::ImpulseSettings::MAX_SECONDS
     )]
     BadLength {
         /// The requested length, in seconds.

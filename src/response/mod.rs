@@ -55,16 +55,14 @@ mod tests;
 pub use crate::arrival::{Arrival, Tap};
 #[doc(hidden)]
 pub use diagnosis::{Flutter, Gap, flutters};
-pub use echogram::{BATCHES, BINS_S, Echogram, EchogramRow};
+pub use echogram::{Echogram, EchogramRow};
 pub use error::ResponseError;
 pub(crate) use error::check_taps;
 pub use figures::{BandFigures, Figures, strength_db};
 pub(crate) use figures::{CommonErrors, Record, uncertain_energy};
 pub(crate) use impulse_response::{Encoding, amplitude, tap_filter_gain};
-pub use impulse_response::{
-    Format, ImpulseResponse, ImpulseSettings, ListenerAxes, MAX_SECONDS, RATES_HZ,
-};
-pub use settings::{MAX_ORDER, ResponseSettings};
+pub use impulse_response::{Format, ImpulseResponse, ImpulseSettings, ListenerAxes};
+pub use settings::ResponseSettings;
 pub use source_sound::{HeardPath, HeardSource, Level};
 
 use crate::bands::{self, BAND_COUNT, Bands};

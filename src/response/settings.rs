@@ -2,7 +2,7 @@
 
 use super::duration;
 use crate::error::Error;
-use crate::response::{Echogram, MAX_SECONDS, ResponseError};
+use crate::response::{Echogram, ImpulseSettings, ResponseError};
 use crate::scene::{Scene, Surface};
 use crate::tracer::{ArrivalSettings, Profile, Settings, TraceError, Tracer};
 
@@ -22,9 +22,9 @@ pub struct ResponseSettings {
     /// Number of waves for late arrivals; `None`, or a number above that of all waves, for all. Exact paths are found
     /// with all waves.
     pub late_waves: Option<u32>,
-    /// Maximum reflections of an exact path, 0 to [`MAX_ORDER`]. `None` takes 8 if all surfaces are flat, otherwise 3.
-    /// If walls absorb half of the sound, a decay of 35 dB is some dozen echoes of up to six reflections, and each is
-    /// met by few waves. In an empty room all paths of up to eight reflections are known. At curved surfaces up to 512
+    /// Maximum reflections of an exact path, 0 to [`ResponseSettings::MAX_ORDER`]. `None` takes 8 if all surfaces are
+    /// flat, otherwise 3. If walls absorb half of the sound, a decay of 35 dB is some dozen echoes of up to six
+    /// reflections, and each is met by few waves. In an empty room all paths of up to eight reflections are known. At curved surfaces up to 512
     /// waves of each sequence are solved for.
     pub order: Option<u32>,
     /// Length of a time bin of the echogram in seconds: 1 ms by default, less than the time that
@@ -33,10 +33,6 @@ pub struct ResponseSettings {
     /// Number of batches for estimating errors: 16 by default.
     pub batches: usize,
 }
-
-/// Upper limit of the order of exact paths: the number of paths grows with the cube of the order,
-/// and waves find fewer and fewer of them.
-pub const MAX_ORDER: u32 = 16;
 
 /// The default orders: see [`ResponseSettings::order`].
 const ORDER_AT_PLANES: u32 = 8;
@@ -61,6 +57,10 @@ impl Default for ResponseSettings {
 }
 
 impl ResponseSettings {
+    /// Upper limit of the order of exact paths: the number of paths grows with the cube of the order,
+    /// and waves find fewer and fewer of them.
+    pub const MAX_ORDER: u32 = 16;
+
     /// Sets the waves, directions and algorithm. Tracing rejects settings with their own iterations.
     pub fn with_trace(mut self, trace: Settings) -> ResponseSettings {
         self.trace = trace;
@@ -134,7 +134,7 @@ impl ResponseSettings {
     /// # Errors
     /// [`Error::Trace`] with the name, the range and the value, also for iterations other than the usual ones;
     /// [`TraceError::NoArrivals`] for the profile `thesis`; [`Error::Acoustics`] for more than
-    /// [`MAX_SECONDS`], and for bins and batches out of range.
+    /// [`ImpulseSettings::MAX_SECONDS`], and for bins and batches out of range.
     pub fn validate(&self) -> Result<(), Error> {
         self.trace.validate()?;
         let profile = self.trace.profile();
@@ -150,22 +150,25 @@ impl ResponseSettings {
         Echogram::new(self.bin_s, self.batches)?;
         if let Some(seconds) = self.seconds {
             ArrivalSettings::new(seconds).validate()?;
-            if seconds > MAX_SECONDS {
+            if seconds > ImpulseSettings::MAX_SECONDS {
                 return Err(ResponseError::BadLength { seconds }.into());
             }
         }
         let longest_s = self.longest_s;
-        if !(longest_s > 0.0 && longest_s <= MAX_SECONDS) {
-            let must = format!("above 0, at most {MAX_SECONDS} seconds");
+        if !(longest_s > 0.0 && longest_s <= ImpulseSettings::MAX_SECONDS) {
+            let must = format!("above 0, at most {} seconds", ImpulseSettings::MAX_SECONDS);
             return Err(bad("longest record", must, longest_s));
         }
         if self.late_waves == Some(0) {
             return Err(bad("number of late waves", "1 or more".to_owned(), 0));
         }
-        if let Some(order) = self.order.filter(|order| *order > MAX_ORDER) {
+        if let Some(order) = self
+            .order
+            .filter(|order| *order > ResponseSettings::MAX_ORDER)
+        {
             return Err(bad(
                 "order of exact paths",
-                format!("0 to {MAX_ORDER}"),
+                format!("0 to {}", ResponseSettings::MAX_ORDER),
                 order,
             ));
         }
@@ -199,9 +202,13 @@ mod tests {
             settings.clone().with_late_waves(0),
             settings.clone().with_longest(0.0),
             settings.clone().with_longest(f64::NAN),
-            settings.clone().with_longest(2.0 * MAX_SECONDS),
-            settings.clone().with_seconds(2.0 * MAX_SECONDS),
-            settings.clone().with_order(MAX_ORDER + 1),
+            settings
+                .clone()
+                .with_longest(2.0 * ImpulseSettings::MAX_SECONDS),
+            settings
+                .clone()
+                .with_seconds(2.0 * ImpulseSettings::MAX_SECONDS),
+            settings.clone().with_order(ResponseSettings::MAX_ORDER + 1),
             settings
                 .clone()
                 .with_trace(Settings::default().with_iterations(9)),

@@ -5,7 +5,7 @@
 //! its own file; names, materials and the scene as a whole in `scene/check/`; sizes too large for a renderer in
 //! `shader/structure.rs`.
 
-use super::WALL_NAMES;
+use super::material::WALL_NAMES;
 use crate::file_input::{InputError, MalformedText};
 use std::fmt;
 use std::path::{Path, PathBuf};

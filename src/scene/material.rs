@@ -4,13 +4,8 @@
 use crate::bands::{BAND_COUNT, Bands};
 use std::ops::{Range, RangeInclusive};
 
-/// The walls of a [`Room`](super::shape::Room) as a scene file names them, in the order of
-/// [`Surface::walls`](super::Surface::walls): those at −x, +x, −y, +y, −z and +z of its own axes. An
-/// unrotated listener faces the wall `front`.
-pub const WALL_NAMES: [&str; WALL_COUNT] = ["left", "right", "floor", "ceiling", "front", "back"];
-
-/// Number of walls of a room.
-pub const WALL_COUNT: usize = 6;
+/// See [`Room::WALL_NAMES`](super::shape::Room::WALL_NAMES).
+pub(super) const WALL_NAMES: [&str; 6] = ["left", "right", "floor", "ceiling", "front", "back"];
 
 /// How a surface reflects, in each octave band of [`BANDS_HZ`](crate::bands::BANDS_HZ).
 ///
@@ -31,6 +26,12 @@ pub struct Material {
 }
 
 impl Material {
+    /// Materials that every scene may name; a scene's own material of the same name takes precedence.
+    ///
+    /// At 63 Hz each has the published value of 125 Hz; `wood-floor` has that of 4 kHz at 8 kHz. They
+    /// do not scatter.
+    pub const BUILTIN: &[BuiltinMaterial] = BUILTIN_MATERIALS;
+
     /// A perfect mirror: the material of surfaces that name none.
     pub const MIRROR: Material = Material {
         absorption: [0.0; BAND_COUNT],
@@ -74,9 +75,9 @@ impl Material {
         is_even(&self.absorption) && is_even(&self.scattering)
     }
 
-    /// A built-in material by its name; see [`BUILTIN_MATERIALS`].
+    /// A built-in material by its name; see [`Material::BUILTIN`].
     pub fn builtin(name: &str) -> Option<&'static Material> {
-        let known = BUILTIN_MATERIALS.iter().find(|known| known.name == name);
+        let known = Material::BUILTIN.iter().find(|known| known.name == name);
         known.map(|known| &known.material)
     }
 }
@@ -101,7 +102,7 @@ pub struct BuiltinMaterial {
     pub material: Material,
 }
 
-/// The source of all values of [`BUILTIN_MATERIALS`].
+/// The source of all values of [`Material::BUILTIN`].
 const VORLAENDER: &str = "M. Vorländer, Auralization, Springer 2008, annex, tables of random-incidence absorption coefficients";
 
 /// Extends seven published coefficients, 125 Hz to 8 kHz. The tables have no values at 63 Hz: that
@@ -118,11 +119,8 @@ const fn published(name: &'static str, of: &'static str, a: [f64; 7]) -> Builtin
     }
 }
 
-/// Materials that every scene may name; a scene's own material of the same name takes precedence.
-///
-/// At 63 Hz each has the published value of 125 Hz; `wood-floor` has that of 4 kHz at 8 kHz. They
-/// do not scatter.
-pub const BUILTIN_MATERIALS: &[BuiltinMaterial] = &[
+/// See [`Material::BUILTIN`].
+const BUILTIN_MATERIALS: &[BuiltinMaterial] = &[
     published(
         "audience",
         "audience, orchestra or choir, with narrow aisles",
@@ -200,9 +198,6 @@ pub const BUILTIN_MATERIALS: &[BuiltinMaterial] = &[
     ),
 ];
 
-/// Speed of sound in metres a second of a scene without air: that at 20 °C, rounded.
-pub const USUAL_SPEED_OF_SOUND: f64 = 343.0;
-
 /// Degrees Celsius: the range of the tables in ISO 9613-1, where its formulas are within 10 %.
 pub(crate) const TEMPERATURES: RangeInclusive<f64> = -20.0..=50.0;
 
@@ -258,6 +253,9 @@ impl Default for Air {
 }
 
 impl Air {
+    /// Speed of sound in metres a second of a scene without air: that at 20 °C, rounded.
+    pub const USUAL_SPEED_OF_SOUND: f64 = 343.0;
+
     /// Speed of sound in metres a second: 343.2 √(T / 293.15 K), as in ISO 9613-1, annex A.
     ///
     /// Ignores humidity: it raises the speed by 0.2 % at 20 °C and 50 %, and by about 1 % at 40 °C
@@ -330,9 +328,9 @@ mod tests {
     /// for each.
     #[test]
     fn built_in_materials_are_shares_with_names_and_sources() {
-        let names: Vec<&str> = BUILTIN_MATERIALS.iter().map(|known| known.name).collect();
+        let names: Vec<&str> = Material::BUILTIN.iter().map(|known| known.name).collect();
         assert!(names.is_sorted_by(|a, b| a < b), "{names:?}");
-        for known in BUILTIN_MATERIALS {
+        for known in Material::BUILTIN {
             let Material {
                 absorption,
                 scattering,

@@ -26,9 +26,7 @@ pub use file::BasedScene;
 pub(crate) use file::SceneWatch;
 #[doc(hidden)]
 pub use file::bases_of;
-pub use material::{
-    Air, BUILTIN_MATERIALS, BuiltinMaterial, Material, USUAL_SPEED_OF_SOUND, WALL_COUNT, WALL_NAMES,
-};
+pub use material::{Air, BuiltinMaterial, Material};
 pub use motion::{Driver, Key, Motion, Path, Quantity};
 pub use shape::{Bounds3, Exactness, HeightImage, Node, Properties, Shape, UserField};
 pub(crate) use shape::{Copies, UserSamples, halton};
@@ -74,7 +72,7 @@ pub struct Scene {
     pub name: String,
     /// The surfaces, numbered from 1 in this order in every wave's status.
     pub surfaces: Vec<Surface>,
-    /// The scene's own materials by their names; the [built-in ones](BUILTIN_MATERIALS) are
+    /// The scene's own materials by their names; the [built-in ones](Material::BUILTIN) are
     /// available without being listed here.
     pub materials: BTreeMap<String, Material>,
     /// The air; without it the speed of sound is 343 m/s, and it does not absorb.
@@ -123,7 +121,7 @@ impl Scene {
     /// ```
     pub fn shoebox(
         size: Vec3,
-        absorption: &[Bands; WALL_COUNT],
+        absorption: &[Bands; Room::WALL_COUNT],
         source: Source,
         listener: Listener,
     ) -> Scene {
@@ -251,19 +249,19 @@ pub(super) fn is_own_text(text: &str) -> bool {
     FIELDS.iter().any(|(_, own)| *own == text)
 }
 
-/// The names that [`Scene::builtin`] knows.
-pub const BUILTIN_NAMES: [&str; BUILTIN.len()] = {
-    let mut names = [""; BUILTIN.len()];
-    let mut index = 0;
-    while index < BUILTIN.len() {
-        names[index] = BUILTIN[index].0;
-        index += 1;
-    }
-    names
-};
-
 impl Scene {
-    /// A built-in scene by its name (see [`BUILTIN_NAMES`]).
+    /// The names that [`Scene::builtin`] knows.
+    pub const BUILTIN_NAMES: [&str; BUILTIN.len()] = {
+        let mut names = [""; BUILTIN.len()];
+        let mut index = 0;
+        while index < BUILTIN.len() {
+            names[index] = BUILTIN[index].0;
+            index += 1;
+        }
+        names
+    };
+
+    /// A built-in scene by its name (see [`Scene::BUILTIN_NAMES`]).
     ///
     /// ```
     /// let corner = echomarch::Scene::builtin("corner")?;
@@ -319,7 +317,7 @@ pub(super) enum Named {
 /// Looks up the name of a built-in scene, or else of a file in a folder; without a folder, no file
 /// is looked up.
 pub(super) fn named(name: &str, folder: Option<&path::Path>) -> Named {
-    if BUILTIN_NAMES.contains(&name) {
+    if Scene::BUILTIN_NAMES.contains(&name) {
         return Named::BuiltIn(Scene::builtin(name));
     }
     let Some(folder) = folder else {
@@ -337,7 +335,7 @@ fn unknown(name: &str, folder: Option<&path::Path>) -> SceneError {
     let file = || folder.and_then(|folder| file_of(name, folder));
     SceneError::Unknown {
         name: name.to_owned(),
-        builtin: BUILTIN_NAMES.join(", "),
+        builtin: Scene::BUILTIN_NAMES.join(", "),
         nearest: nearest(name).map(str::to_owned).or_else(file),
     }
 }
@@ -358,15 +356,19 @@ fn nearest(name: &str) -> Option<&'static str> {
         let is_part = plain.len() >= 3 && known.starts_with(&plain);
         is_part || known.split('-').any(|word| word == plain)
     };
-    let mistyped = crate::text::nearest(name, BUILTIN_NAMES);
-    mistyped.or_else(|| BUILTIN_NAMES.into_iter().find(has))
+    let mistyped = crate::text::nearest(name, Scene::BUILTIN_NAMES);
+    mistyped.or_else(|| Scene::BUILTIN_NAMES.into_iter().find(has))
 }
 
 /// A clause that suggests the built-in scene with the name of a missing file, or an empty text.
 pub(super) fn built_in_of(path: &path::Path) -> String {
     let is_alone = path.components().count() == 1;
     let stem = path.file_stem().and_then(|stem| stem.to_str());
-    let known = stem.and_then(|stem| BUILTIN_NAMES.into_iter().find(|known| *known == stem));
+    let known = stem.and_then(|stem| {
+        Scene::BUILTIN_NAMES
+            .into_iter()
+            .find(|known| *known == stem)
+    });
     match known.filter(|_| is_alone) {
         Some(name) => format!("; the built-in scene is called {name}"),
         None => String::new(),
@@ -411,7 +413,7 @@ mod tests {
     /// Protects every file in `examples/scenes/` that ships as a built-in scene.
     #[test]
     fn built_in_scenes_load_without_a_warning() {
-        for name in BUILTIN_NAMES {
+        for name in Scene::BUILTIN_NAMES {
             let scene = Scene::builtin(name).unwrap();
             assert_eq!(scene.name, name);
             assert_eq!(scene.warnings(), vec![], "{name}");

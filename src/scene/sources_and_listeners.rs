@@ -1,6 +1,6 @@
 //! Sources and listeners; all of them in a scene, and what affects the sound between them.
 
-use super::{BUILTIN_MATERIALS, Material, Path, Scene, SceneError, USUAL_SPEED_OF_SOUND};
+use super::{Air, Material, Path, Scene, SceneError};
 use crate::bands::{BAND_COUNT, Bands};
 use crate::text::nearest_or_all;
 use glam::Vec3;
@@ -174,7 +174,7 @@ impl Scene {
     }
 
     /// The material of a surface (counted from 0), or of one of its walls in the order of
-    /// [`WALL_NAMES`](super::WALL_NAMES): that of the wall, else that of the surface. `None` if
+    /// [`Room::WALL_NAMES`](super::shape::Room::WALL_NAMES): that of the wall, else that of the surface. `None` if
     /// neither has one: all energy is reflected.
     pub fn material(&self, surface: usize, wall: Option<usize>) -> Option<&Material> {
         let surface = self.surfaces.get(surface)?;
@@ -191,7 +191,7 @@ impl Scene {
     pub(super) fn find_material(&self, name: &str) -> Result<&Material, String> {
         self.material_named(name).ok_or_else(|| {
             let mut all: Vec<&str> = self.materials.keys().map(String::as_str).collect();
-            let built_in = BUILTIN_MATERIALS.iter().map(|known| known.name);
+            let built_in = Material::BUILTIN.iter().map(|known| known.name);
             all.extend(built_in.filter(|name| !self.materials.contains_key(*name)));
             nearest_or_all(&format!("there is no material {name:?}"), name, &all)
         })
@@ -223,7 +223,7 @@ impl Scene {
     /// Speed of sound in metres a second: that of the scene's air, else 343.
     pub fn speed_of_sound(&self) -> f64 {
         self.air
-            .map_or(USUAL_SPEED_OF_SOUND, |air| air.speed_of_sound())
+            .map_or(Air::USUAL_SPEED_OF_SOUND, |air| air.speed_of_sound())
     }
 
     /// Attenuation of the energy of a sound by the air, by bands, in 1/m (see

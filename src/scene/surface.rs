@@ -3,7 +3,8 @@
 //! Distances are computed in `f64` and written independently of the shaders, so that the two can disagree; a test
 //! compares both at the same points. They are negative in the solid.
 
-use super::{Bounds3, Driver, Listener, Node, Scene, SceneError, Shape, WALL_COUNT};
+use super::shape::Room;
+use super::{Bounds3, Driver, Listener, Node, Scene, SceneError, Shape};
 use glam::{DMat3, Quat, Vec3};
 
 /// A shape placed in the world.
@@ -41,8 +42,8 @@ pub struct Surface {
     /// The name of its material, one of the scene's or a built-in one; without one it reflects all.
     pub material: Option<String>,
     /// For a [`Room`](super::shape::Room): the materials of walls that differ from the surface's,
-    /// in the order of [`WALL_NAMES`](super::WALL_NAMES). They turn with the room.
-    pub walls: [Option<String>; WALL_COUNT],
+    /// in the order of [`Room::WALL_NAMES`](super::shape::Room::WALL_NAMES). They turn with the room.
+    pub walls: [Option<String>; Room::WALL_COUNT],
 }
 
 impl Surface {
@@ -86,7 +87,7 @@ impl Surface {
     }
 
     /// The same room with the material of this name on one of its walls (0 to 5, see
-    /// [`WALL_NAMES`](super::WALL_NAMES)).
+    /// [`Room::WALL_NAMES`](super::shape::Room::WALL_NAMES)).
     ///
     /// # Errors
     /// [`SceneError::NoSuchWall`](super::SceneError::NoSuchWall) if the number is out of range.

@@ -7,7 +7,8 @@ use super::text::{
     ListenerText, Marched, Part, Source, Text, closed_form_parts, directed_parts, join, link,
     parts, skeleton::fill, source,
 };
-use crate::scene::{Scene, WALL_COUNT};
+use crate::scene::Scene;
+use crate::scene::shape::Room;
 use std::fmt::Write;
 
 /// Bits of a word, as which events are written: what a float holds without harm.
@@ -210,7 +211,7 @@ fn materials_parts(text: &Text, rooms: &[usize]) -> Vec<Part> {
 /// The numbers of unrolled surfaces as uniforms, those of others in the directory.
 fn by_uniforms(text: &Text, rooms: &[usize]) -> String {
     let is_room = |tag: &str| rooms.iter().any(|room| (room + 1).to_string() == tag);
-    let count = |tag: &str| if is_room(tag) { WALL_COUNT } else { 1 };
+    let count = |tag: &str| if is_room(tag) { Room::WALL_COUNT } else { 1 };
     let values: usize = text.unrolled.iter().map(|named| count(&named.tag)).sum();
     let (mut declarations, mut copies) = (String::new(), String::new());
     if values > 0 {

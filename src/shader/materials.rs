@@ -15,7 +15,8 @@
 //! without.
 
 use crate::bands::{BAND_COUNT, Bands};
-use crate::scene::{Material, Node, Scene, WALL_COUNT};
+use crate::scene::shape::Room;
+use crate::scene::{Material, Node, Scene};
 use glam::Vec4;
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
@@ -39,7 +40,7 @@ pub struct Materials {
     /// The number that the shader reads for each surface.
     of_surfaces: Vec<f32>,
     /// Rooms whose walls differ, by index, and the numbers of their walls.
-    walls: Vec<(usize, [f32; WALL_COUNT])>,
+    walls: Vec<(usize, [f32; Room::WALL_COUNT])>,
 }
 
 impl Materials {
@@ -73,8 +74,8 @@ impl Materials {
             let numbers: Vec<f32> = walls(scene, index)
                 .map(|wall| number(index, wall))
                 .collect();
-            if let Ok(walls) = <[f32; WALL_COUNT]>::try_from(numbers)
-                && walls != [*of_surface; WALL_COUNT]
+            if let Ok(walls) = <[f32; Room::WALL_COUNT]>::try_from(numbers)
+                && walls != [*of_surface; Room::WALL_COUNT]
             {
                 rooms.push((index, walls));
             }
@@ -143,7 +144,7 @@ impl Materials {
 
     /// Whether the numbers of `unrolled` surfaces are uniforms, where `rooms` of these have walls that differ.
     pub fn fit_uniforms(unrolled: usize, rooms: usize) -> bool {
-        unrolled + (WALL_COUNT - 1) * rooms <= MOST_IN_UNIFORMS
+        unrolled + (Room::WALL_COUNT - 1) * rooms <= MOST_IN_UNIFORMS
     }
 
     /// The numbers of some surfaces, those of all walls where these differ, in vectors of four; none if they are too
@@ -236,7 +237,7 @@ pub(super) fn materials_met(scene: &Scene) -> impl Iterator<Item = &Material> {
 /// No wall for the surface as a whole; all walls of a room.
 fn walls(scene: &Scene, index: usize) -> impl Iterator<Item = Option<usize>> {
     let is_room = matches!(scene.surfaces[index].shape.node, Node::Room(_));
-    let walls = (0..WALL_COUNT).filter(move |_| is_room).map(Some);
+    let walls = (0..Room::WALL_COUNT).filter(move |_| is_room).map(Some);
     let whole = std::iter::once(None).filter(move |_| !is_room);
     walls.chain(whole)
 }
@@ -441,7 +442,7 @@ mod tests {
             .insert("mirror".to_owned(), Material::MIRROR);
         scene.surfaces[0].material = Some("rising".to_owned());
         assert_eq!(band_groups(&scene).len(), 8);
-        for wall in 0..WALL_COUNT {
+        for wall in 0..Room::WALL_COUNT {
             let room = scene.surfaces[0].clone();
             scene.surfaces[0] = room.with_wall_material(wall, "mirror").unwrap();
         }

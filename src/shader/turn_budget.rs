@@ -375,12 +375,12 @@ mod tests {
     use crate::scene::shape::Sphere;
     use crate::scene::{Node, Scene, Shape, Surface};
     use crate::shader::Structure;
-    use crate::tracer::{MAX_ITERATIONS, Profile, Settings};
+    use crate::tracer::{Profile, Settings};
     use glam::Vec3;
 
     /// A profile with the most iterations in a pass that may be requested.
     fn asked(profile: Profile) -> Settings {
-        Settings::new(profile).with_iterations_per_pass(MAX_ITERATIONS)
+        Settings::new(profile).with_iterations_per_pass(Settings::MAX_ITERATIONS)
     }
 
     fn balls(count: usize) -> Scene {
@@ -403,7 +403,7 @@ mod tests {
         let march = Budget::of(&corner, &Settings::march());
         assert_eq!((march.steps, march.field_steps), (MAX_STEPS, 0));
         let closed = Budget::of(&corner, &asked(Profile::Hybrid));
-        assert_eq!(closed.iterations_per_pass, MAX_ITERATIONS);
+        assert_eq!(closed.iterations_per_pass, Settings::MAX_ITERATIONS);
     }
 
     /// Protects slow fields from being given up early in `march`: what the few steps of the basic

@@ -9,7 +9,7 @@ use super::gpu_scene::check_uniforms;
 use super::prepared::{FramePrograms, PreparedFrame};
 use super::programs::{ScenePass, loops_asked};
 use super::targets::draw;
-use super::{Algorithm, Grid, MAX_ITERATIONS, Profile, Settings, TraceError};
+use super::{Algorithm, Grid, Profile, Settings, TraceError};
 use crate::arrival::Arrival;
 use crate::bands::{BAND_COUNT, Bands};
 use crate::error::Error;
@@ -171,7 +171,7 @@ impl Tracer {
         let outputs = self.context.limits().most_outputs().min(how.outputs);
         let march = (asked.algorithm, settings.directions);
         let text = ArrivalsText::new(march, &materials, how.records, outputs);
-        let in_chunk = text.most_iterations().unwrap_or(MAX_ITERATIONS);
+        let in_chunk = text.most_iterations().unwrap_or(Settings::MAX_ITERATIONS);
         settings.iterations_per_pass = in_chunk.min(how.iterations_in_chunk);
         let asked = loops_asked(&settings);
         let structure = self.check_input(scene, &settings)?;

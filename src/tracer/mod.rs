@@ -66,10 +66,7 @@ pub use reload::Opening;
 pub use reload::{Reload, Reloading};
 #[doc(hidden)]
 pub use settings::MARCHES_PER_PASS;
-pub use settings::{
-    Algorithm, HybridOptions, MAX_ITERATIONS, MAX_WAVES, MarchOptions, Profile, Settings,
-    ThesisOptions,
-};
+pub use settings::{Algorithm, HybridOptions, MarchOptions, Profile, Settings, ThesisOptions};
 use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::Duration;

@@ -3,7 +3,6 @@
 use super::Target;
 use super::scratch::with_file;
 use echomarch::Scene;
-use echomarch::scene::BUILTIN_NAMES;
 
 const TOKENS: &[&str] = &[
     "Plane",
@@ -140,7 +139,7 @@ const SMALL: [&str; 4] = [
 ];
 
 fn corpus() -> Vec<Vec<u8>> {
-    let built_in = BUILTIN_NAMES
+    let built_in = Scene::BUILTIN_NAMES
         .iter()
         .filter_map(|name| Scene::builtin_text(name));
     let made = SHAPES.iter().map(|shape| {

@@ -2,7 +2,7 @@
 
 use super::Target;
 use super::scratch::with_file;
-use echomarch::audio::{SAMPLE_RATE, Sound, SoundSpec};
+use echomarch::audio::{Sound, SoundSpec};
 
 /// The rest of a `fmt ` chunk of the extensible kind, after its first sixteen bytes.
 const EXTENSIBLE_FLOAT: [u8; 24] = [
@@ -54,7 +54,7 @@ pub fn target() -> Target {
 pub fn one(data: &[u8]) {
     with_file("sound.wav", data, |path| {
         let spec = SoundSpec::Wav { path: path.into() };
-        match Sound::load(&spec, SAMPLE_RATE) {
+        match Sound::load(&spec, Sound::SAMPLE_RATE) {
             Err(error) => drop(error.to_string()),
             Ok(mut sound) => {
                 let mut block = [0.0; 256];

@@ -6,7 +6,7 @@ use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use echomarch::Scene;
 use echomarch::audio::live::probe::{self, Recorder};
 use echomarch::audio::live::{LiveError, Remote, Renderer};
-use echomarch::audio::{AudioError, PanningLaw, SAMPLE_RATE, SINE_AMPLITUDE, Sound};
+use echomarch::audio::{AudioError, PanningLaw, Sound};
 use echomarch::auralisation::{Heard, Player, Spec};
 use echomarch::response::ListenerAxes;
 use echomarch::response::{Response, ResponseSettings};
@@ -17,7 +17,7 @@ use tempfile::TempDir;
 static ALLOCATOR: AllocDisabler = AllocDisabler;
 
 fn sound(text: &str) -> Sound {
-    Sound::parse(text, SAMPLE_RATE).unwrap()
+    Sound::parse(text, Sound::SAMPLE_RATE).unwrap()
 }
 
 /// Writes a WAV file of these samples and returns its path.
@@ -25,7 +25,7 @@ fn wav(folder: &TempDir, samples: impl Iterator<Item = f32>) -> String {
     let path = folder.path().join("clip.wav");
     let spec = hound::WavSpec {
         channels: 1,
-        sample_rate: SAMPLE_RATE,
+        sample_rate: Sound::SAMPLE_RATE,
         bits_per_sample: 32,
         sample_format: hound::SampleFormat::Float,
     };
@@ -38,7 +38,7 @@ fn wav(folder: &TempDir, samples: impl Iterator<Item = f32>) -> String {
 }
 
 fn renderer(text: &str) -> (Renderer, Remote) {
-    Renderer::new(Some(sound(text)), SAMPLE_RATE, PanningLaw::Linear)
+    Renderer::new(Some(sound(text)), Sound::SAMPLE_RATE, PanningLaw::Linear)
 }
 
 /// Renders `frames` frames in blocks as a device requests them.
@@ -66,7 +66,7 @@ fn the_callback_allocates_nothing_while_everything_changes() {
         remote.set_volume((i % 11) as f32 / 10.0);
         remote.set_law([PanningLaw::Linear, PanningLaw::ConstantPower][i % 2]);
         if i % 3 == 0 {
-            remote.set_sound(sound(sounds[i / 3 % sounds.len()]), SAMPLE_RATE);
+            remote.set_sound(sound(sounds[i / 3 % sounds.len()]), Sound::SAMPLE_RATE);
         }
         assert_no_alloc(|| {
             renderer.fill(&mut floats);
@@ -91,8 +91,8 @@ fn a_stream_with_a_clip_and_a_recording_allocates_nothing() {
     let mut played = Vec::new();
     for (round, text) in [clip.as_str(), "speech", clip.as_str()].iter().enumerate() {
         let file = folder.path().join(format!("{round}.wav"));
-        let recorder = Recorder::start(&mut remote, &file, SAMPLE_RATE).unwrap();
-        assert!(remote.set_sound(sound(text), SAMPLE_RATE));
+        let recorder = Recorder::start(&mut remote, &file, Sound::SAMPLE_RATE).unwrap();
+        assert!(remote.set_sound(sound(text), Sound::SAMPLE_RATE));
         played.clear();
         for i in 0..50 {
             remote.set_panning(f64::from(i), 5.0);
@@ -122,13 +122,13 @@ fn the_callback_plays_sources_in_full_and_allocates_nothing() {
     let mut further = scene.clone();
     further.source.position.x += 0.1;
     let far = Response::trace(&mut tracer, &further, &settings).unwrap();
-    let spec = Spec::of(&scene, SAMPLE_RATE).with_longest(0.2);
+    let spec = Spec::of(&scene, Sound::SAMPLE_RATE).with_longest(0.2);
     let axes = ListenerAxes::of(&scene.listener).unwrap();
     let (mut renderer, mut remote) = renderer("sine:440");
     let sounds = vec![sound("sine:300"), sound("sine:500")];
     let (player, mut told) = Player::new(sounds, spec, 0.2).unwrap();
     assert_eq!(told.source_count(), 2);
-    assert!(remote.set_stereo(Some(Box::new(player)), SAMPLE_RATE));
+    assert!(remote.set_stereo(Some(Box::new(player)), Sound::SAMPLE_RATE));
     let mut played = Vec::new();
     for round in 0..120 {
         if round % 10 < 8 {
@@ -137,7 +137,7 @@ fn the_callback_plays_sources_in_full_and_allocates_nothing() {
             assert!(told.hear(round % 2, heard, 0.02).unwrap());
         }
         if round == 100 {
-            assert!(remote.set_stereo(None, SAMPLE_RATE));
+            assert!(remote.set_stereo(None, Sound::SAMPLE_RATE));
         }
         played.extend(render(&mut renderer, 1470));
         remote.collect();
@@ -183,8 +183,8 @@ fn gains_that_jump_do_not_click() {
         remote.set_law(PanningLaw::ConstantPower);
         out.extend(render(&mut renderer, 4800));
     }
-    let own = SINE_AMPLITUDE * 100.0 * std::f32::consts::TAU / SAMPLE_RATE as f32;
-    let glide = SINE_AMPLITUDE / (SAMPLE_RATE as f32 / 50.0);
+    let own = Sound::SINE_AMPLITUDE * 100.0 * std::f32::consts::TAU / Sound::SAMPLE_RATE as f32;
+    let glide = Sound::SINE_AMPLITUDE / (Sound::SAMPLE_RATE as f32 / 50.0);
     for which in [0, 1] {
         let step = largest_step(&channel(&out, which));
         println!("largest step {step:.5}, allowed {:.5}", own + glide);
@@ -200,13 +200,13 @@ fn sounds_that_change_do_not_click() {
     let mut out = render(&mut renderer, 5000);
     for text in ["sine:150", "sine:90", "sine:120"] {
         // Two at once: the second waits until the fade to the first has ended.
-        assert!(remote.set_sound(sound("sine:60"), SAMPLE_RATE));
-        assert!(remote.set_sound(sound(text), SAMPLE_RATE));
+        assert!(remote.set_sound(sound("sine:60"), Sound::SAMPLE_RATE));
+        assert!(remote.set_sound(sound(text), Sound::SAMPLE_RATE));
         out.extend(render(&mut renderer, 5123));
     }
     assert_eq!(remote.collect(), 6);
-    let own = SINE_AMPLITUDE * 150.0 * std::f32::consts::TAU / SAMPLE_RATE as f32;
-    let fade = 2.0 * SINE_AMPLITUDE / (SAMPLE_RATE as f32 / 50.0);
+    let own = Sound::SINE_AMPLITUDE * 150.0 * std::f32::consts::TAU / Sound::SAMPLE_RATE as f32;
+    let fade = 2.0 * Sound::SINE_AMPLITUDE / (Sound::SAMPLE_RATE as f32 / 50.0);
     let step = largest_step(&channel(&out, 0));
     println!("largest step {step:.5}, allowed {:.5}", own + fade);
     assert!(step <= own + fade + 1e-6);
@@ -223,16 +223,16 @@ fn sounds_that_change_do_not_click() {
 /// Protects the first sound from clicking: it rises from the silence before it.
 #[test]
 fn a_sound_where_there_was_none_does_not_click() {
-    let (mut renderer, mut remote) = Renderer::new(None, SAMPLE_RATE, PanningLaw::Linear);
+    let (mut renderer, mut remote) = Renderer::new(None, Sound::SAMPLE_RATE, PanningLaw::Linear);
     remote.set_panning(1.0, 0.0);
     assert!(render(&mut renderer, 4800).iter().all(|&s| s == 0.0));
     let mut late = sound("sine:100");
     // A quarter of a period: it starts at its peak.
     late.seek(120);
-    assert!(remote.set_sound(late, SAMPLE_RATE));
+    assert!(remote.set_sound(late, Sound::SAMPLE_RATE));
     let step = largest_step(&channel(&render(&mut renderer, 4800), 0));
-    let own = SINE_AMPLITUDE * 100.0 * std::f32::consts::TAU / SAMPLE_RATE as f32;
-    let fade = SINE_AMPLITUDE / (SAMPLE_RATE as f32 / 50.0);
+    let own = Sound::SINE_AMPLITUDE * 100.0 * std::f32::consts::TAU / Sound::SAMPLE_RATE as f32;
+    let fade = Sound::SINE_AMPLITUDE / (Sound::SAMPLE_RATE as f32 / 50.0);
     println!("largest step {step:.5}, allowed {:.5}", own + fade);
     assert!(step <= own + fade + 1e-6);
     assert!(step > own * 0.9, "the sine must be audible");
@@ -255,7 +255,7 @@ fn the_levels_are_those_of_the_last_moment() {
     remote.set_panning(1.0, 3.0);
     render(&mut renderer, 4800 + 2400);
     let [left, right] = remote.levels();
-    let full = SINE_AMPLITUDE / 2f32.sqrt();
+    let full = Sound::SINE_AMPLITUDE / 2f32.sqrt();
     assert!((left / (0.25 * full) - 1.0).abs() < 1e-3, "{left}");
     assert!((right / (0.75 * full) - 1.0).abs() < 1e-3, "{right}");
     remote.set_volume(0.0);

@@ -9,7 +9,7 @@ use crate::live_player::{CLOSINGS, PLACES, Player, pause, play};
 use crate::measures::rms;
 use crate::sound_server::levels::{Heard, error_db, gains};
 use crate::sound_server::{SINK, Server, wait_for};
-use echomarch::audio::{NOISE_AMPLITUDE, SAMPLE_RATE, SINE_AMPLITUDE, Sound};
+use echomarch::audio::Sound;
 use tempfile::TempDir;
 
 /// The player's part of each test; does nothing unless a test starts it.
@@ -23,8 +23,8 @@ fn this_program() -> PathBuf {
 }
 
 static NOISE: LazyLock<Vec<f32>> = LazyLock::new(|| {
-    let mut samples = vec![0.0; 40 * SAMPLE_RATE as usize];
-    Sound::parse("noise", SAMPLE_RATE)
+    let mut samples = vec![0.0; 40 * Sound::SAMPLE_RATE as usize];
+    Sound::parse("noise", Sound::SAMPLE_RATE)
         .unwrap()
         .fill(&mut samples);
     samples
@@ -121,8 +121,8 @@ fn closed_streams() -> Result<(), String> {
     player.finish();
     let left: Vec<f32> = recorder.stop().iter().step_by(2).copied().collect();
     // The sine's own step, and the step that a 20 ms glide adds.
-    let own = SINE_AMPLITUDE * 100.0 * std::f32::consts::TAU / 48_000.0;
-    let allowed = own + SINE_AMPLITUDE / 960.0;
+    let own = Sound::SINE_AMPLITUDE * 100.0 * std::f32::consts::TAU / 48_000.0;
+    let allowed = own + Sound::SINE_AMPLITUDE / 960.0;
     let (mut rises, mut is_silent, mut largest) = (0, true, 0.0f32);
     for piece in left.chunks(480) {
         let is_now_silent = piece.iter().all(|s| s.abs() < 1e-6);
@@ -153,7 +153,11 @@ fn closed_streams() -> Result<(), String> {
 fn end_of_gap(samples: &[f32], at: usize, allowed: f32) -> Option<usize> {
     // Half a period of the sine contains its peak. A fade of 20 ms still has a quarter of it there.
     const HALF_A_PERIOD: usize = 240;
-    let is_full = |samples: &[f32]| samples.iter().any(|s| s.abs() > SINE_AMPLITUDE / 2.0);
+    let is_full = |samples: &[f32]| {
+        samples
+            .iter()
+            .any(|s| s.abs() > Sound::SINE_AMPLITUDE / 2.0)
+    };
     let before = &samples[at.saturating_sub(HALF_A_PERIOD)..=at];
     if !is_full(before) || samples[at + 1] != 0.0 {
         return None;
@@ -258,7 +262,7 @@ fn devices_are_listed_and_changed() {
     let player = Player::start(server.command(this_program()), "devices", &file);
     player.finish();
     // The server mixes left and right to one channel: half of the left signal.
-    let full = f64::from(NOISE_AMPLITUDE) / 3f64.sqrt();
+    let full = f64::from(Sound::NOISE_AMPLITUDE) / 3f64.sqrt();
     let loudest = recorder
         .stop()
         .chunks_exact(4410)
@@ -299,7 +303,10 @@ fn of_sounds_that_were_chosen_without_a_device_the_last_is_heard() {
     let places = (960..left.len() - 100).step_by(480);
     let mut shifts = places.filter_map(|at| shift_of(&left[at..at + 100], at));
     let shift = shifts.next().expect("noise");
-    assert!(shift < SAMPLE_RATE as usize / 2, "{shift} samples in");
+    assert!(
+        shift < Sound::SAMPLE_RATE as usize / 2,
+        "{shift} samples in"
+    );
 }
 
 #[test]

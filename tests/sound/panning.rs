@@ -1,7 +1,7 @@
 //! Panning laws, the mixer's glide, and frames: no device, no graphics card.
 
 use crate::measures::{largest_step, rms};
-use echomarch::audio::{AudioError, FrameBlocks, Gains, Mixer, PanningLaw, SAMPLE_RATE, Sound};
+use echomarch::audio::{AudioError, FrameBlocks, Gains, Mixer, PanningLaw, Sound};
 use proptest::prelude::*;
 
 const LAWS: [PanningLaw; 2] = [PanningLaw::Linear, PanningLaw::ConstantPower];
@@ -64,10 +64,10 @@ proptest! {
 
     #[test]
     fn frames_tile_at_any_rate(fps in 0.5f64..1000.0, i in 0u64..10_000_000) {
-        let frames = FrameBlocks::new(fps, SAMPLE_RATE).unwrap();
+        let frames = FrameBlocks::new(fps, Sound::SAMPLE_RATE).unwrap();
         let (now, next) = (frames.samples(i), frames.samples(i + 1));
         prop_assert_eq!(now.end, next.start);
-        let exact = i as f64 * f64::from(SAMPLE_RATE) / fps;
+        let exact = i as f64 * f64::from(Sound::SAMPLE_RATE) / fps;
         prop_assert!((now.start as f64 - exact).abs() <= 0.5);
     }
 }
@@ -113,8 +113,8 @@ fn a_sweep_changes_the_levels_steadily_and_never_clicks() {
 
 fn sweep(law: PanningLaw) {
     const FRAMES: u64 = 60;
-    let frames = FrameBlocks::new(30.0, SAMPLE_RATE).unwrap();
-    let mut sound = Sound::parse("sine:440", SAMPLE_RATE).unwrap();
+    let frames = FrameBlocks::new(30.0, Sound::SAMPLE_RATE).unwrap();
+    let mut sound = Sound::parse("sine:440", Sound::SAMPLE_RATE).unwrap();
     let mut mixer = Mixer::new(law);
     let (mut source, mut stereo) = (Vec::new(), Vec::new());
     let mut steepest = 0.0f32;
@@ -188,7 +188,7 @@ fn a_stereo_slice_of_the_wrong_length_is_refused() {
 #[test]
 fn frames_tile_without_gap_or_drift() {
     for fps in [24.0, 30.0, 29.97, 30_000.0 / 1001.0, 60.0] {
-        let frames = FrameBlocks::new(fps, SAMPLE_RATE).unwrap();
+        let frames = FrameBlocks::new(fps, Sound::SAMPLE_RATE).unwrap();
         let mut next = 0;
         let mut lengths = (usize::MAX, 0);
         for i in 0..200_000 {
@@ -209,7 +209,7 @@ fn frames_tile_without_gap_or_drift() {
 #[test]
 fn bad_rates_are_refused() {
     for fps in [0.0, -30.0, f64::NAN, f64::INFINITY] {
-        let error = FrameBlocks::new(fps, SAMPLE_RATE).unwrap_err();
+        let error = FrameBlocks::new(fps, Sound::SAMPLE_RATE).unwrap_err();
         assert!(matches!(error, AudioError::BadFrameRate { .. }), "{error}");
         assert!(error.is_bad_input());
     }

@@ -1,6 +1,6 @@
 //! The synthetic voice: its spectrum, its level, its pauses, and its repeatability.
 
-use echomarch::audio::{NOISE_AMPLITUDE, SAMPLE_RATE, SINE_AMPLITUDE, SPEECH_PEAK, Sound};
+use echomarch::audio::Sound;
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 use std::f64::consts::PI;
@@ -34,7 +34,7 @@ fn level_db(samples: &[f32]) -> f64 {
 
 #[test]
 fn the_energy_lies_where_speech_has_it() {
-    for rate in [8_000, 22_050, SAMPLE_RATE] {
+    for rate in [8_000, 22_050, Sound::SAMPLE_RATE] {
         for seed in 0..4 {
             let voice = pull(&format!("speech:{seed}"), rate, rate as usize * 10);
             let share = share(&voice, rate, 200.0, 1000.0);
@@ -46,13 +46,13 @@ fn the_energy_lies_where_speech_has_it() {
 
 #[test]
 fn it_is_as_loud_as_the_other_sounds_and_never_clips() {
-    let sine = 20.0 * f64::from(SINE_AMPLITUDE / 2f32.sqrt()).log10();
-    let noise = 20.0 * f64::from(NOISE_AMPLITUDE / 3f32.sqrt()).log10();
-    for rate in [1_000, 4_000, 11_025, SAMPLE_RATE, 192_000] {
+    let sine = 20.0 * f64::from(Sound::SINE_AMPLITUDE / 2f32.sqrt()).log10();
+    let noise = 20.0 * f64::from(Sound::NOISE_AMPLITUDE / 3f32.sqrt()).log10();
+    for rate in [1_000, 4_000, 11_025, Sound::SAMPLE_RATE, 192_000] {
         for seed in 0..4 {
             let voice = pull(&format!("speech:{seed}"), rate, rate as usize * 10);
             let peak = voice.iter().fold(0.0f32, |peak, s| peak.max(s.abs()));
-            assert!(peak <= SPEECH_PEAK, "{rate} Hz: {peak}");
+            assert!(peak <= Sound::SPEECH_PEAK, "{rate} Hz: {peak}");
             let level = level_db(&voice);
             println!("{rate} Hz, seed {seed}: {level:.1} dB, peak {peak:.2}");
             if rate >= 4_000 {
@@ -64,7 +64,11 @@ fn it_is_as_loud_as_the_other_sounds_and_never_clips() {
 
 #[test]
 fn it_pauses_between_syllables_and_longer_between_phrases() {
-    let voice = pull("speech", SAMPLE_RATE, SAMPLE_RATE as usize * 30);
+    let voice = pull(
+        "speech",
+        Sound::SAMPLE_RATE,
+        Sound::SAMPLE_RATE as usize * 30,
+    );
     let silent: Vec<bool> = voice
         .chunks(480)
         .map(|piece| level_db(piece) < -60.0)
@@ -87,20 +91,20 @@ fn it_pauses_between_syllables_and_longer_between_phrases() {
 #[test]
 fn it_does_not_click() {
     for seed in 0..4 {
-        let mut voice = pull(&format!("speech:{seed}"), SAMPLE_RATE, 48_000 * 20);
+        let mut voice = pull(&format!("speech:{seed}"), Sound::SAMPLE_RATE, 48_000 * 20);
         let count = voice.len() as f64;
         for (i, sample) in voice.iter_mut().enumerate() {
             *sample *= ((i as f64 + 0.5) / count * PI).sin().powi(2) as f32;
         }
-        let above = share(&voice, SAMPLE_RATE, 6_000.0, 24_000.0);
+        let above = share(&voice, Sound::SAMPLE_RATE, 6_000.0, 24_000.0);
         assert!(above < 1e-7, "seed {seed}: {above:e}");
     }
 }
 
 #[test]
 fn it_is_the_same_for_a_seed_and_goes_on_over_blocks() {
-    let whole = pull("speech:3", SAMPLE_RATE, 200_000);
-    let mut sound = Sound::parse("speech:3", SAMPLE_RATE).unwrap();
+    let whole = pull("speech:3", Sound::SAMPLE_RATE, 200_000);
+    let mut sound = Sound::parse("speech:3", Sound::SAMPLE_RATE).unwrap();
     let mut pieces = Vec::new();
     for length in [1, 239, 240, 241, 777].iter().cycle() {
         let mut piece = vec![0.0; *length];
@@ -115,7 +119,7 @@ fn it_is_the_same_for_a_seed_and_goes_on_over_blocks() {
     sound.seek(123_456);
     sound.fill(&mut later);
     assert_eq!(later, whole[123_456..124_456]);
-    assert_ne!(whole, pull("speech:4", SAMPLE_RATE, 200_000));
+    assert_ne!(whole, pull("speech:4", Sound::SAMPLE_RATE, 200_000));
 }
 
 /// The voice is the same function of time at every rate.

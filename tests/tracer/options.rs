@@ -182,7 +182,7 @@ fn profiles_agree_on_every_api() {
 
 fn hits(tracer: &mut echomarch::Tracer) -> Vec<u64> {
     let mut all = Vec::new();
-    for name in echomarch::scene::BUILTIN_NAMES {
+    for name in echomarch::Scene::BUILTIN_NAMES {
         for profile in [Profile::March, Profile::Hybrid] {
             let settings = Settings::new(profile).with_waves(20_000);
             let frame = tracer.frame(&builtin(name), &settings).unwrap();

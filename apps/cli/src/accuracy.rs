@@ -4,7 +4,7 @@ use super::numbers::{count, real};
 use super::options::{Common, check_range};
 use super::report;
 use clap::Args;
-use echomarch::scene::{BUILTIN_NAMES, Scene};
+use echomarch::scene::Scene;
 use echomarch_lab::experiment::accuracy::{self, AccuracyOptions, DEFAULT_SCENES, ROOMS};
 use std::path::PathBuf;
 
@@ -54,7 +54,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
 fn with_a_truth() -> Vec<&'static str> {
     let known =
         |name: &&str| Scene::builtin(name).is_ok_and(|scene| scene.user_fields().next().is_none());
-    BUILTIN_NAMES.into_iter().filter(known).collect()
+    Scene::BUILTIN_NAMES.into_iter().filter(known).collect()
 }
 
 fn options(arguments: &Arguments, common: &Common) -> anyhow::Result<AccuracyOptions> {

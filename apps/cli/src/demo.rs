@@ -8,7 +8,7 @@ use super::scene::SceneArguments;
 use anyhow::bail;
 use clap::Args;
 use echomarch::Error;
-use echomarch::audio::{SAMPLE_RATE, Sound};
+use echomarch::audio::Sound;
 use echomarch::auralisation::Listen;
 use echomarch::gl::Api;
 use echomarch::internals::file_output::check_file;
@@ -213,7 +213,7 @@ fn check(sound: &SoundOptions, window: &WindowOptions, common: &Common) -> anyho
         let text = "--gl and --gpu are for commands without a window: the window is drawn on the display's GPU";
         return Err(BadInput(text.into()).into());
     }
-    Sound::parse(&sound.sound, SAMPLE_RATE).map_err(Error::from)?;
+    Sound::parse(&sound.sound, Sound::SAMPLE_RATE).map_err(Error::from)?;
     check_range("--volume", f64::from(sound.volume), 0.0, 1.0)?;
     check_range("--buffer", f64::from(sound.buffer), 16.0, 65_536.0)?;
     check_range("--trace-every", f64::from(window.trace_every), 1.0, 1000.0)?;

@@ -14,11 +14,11 @@ use super::print;
 use super::scene::SceneAtTime;
 use clap::{Args, ValueEnum};
 use echomarch::Error;
-use echomarch::audio::SAMPLE_RATE;
+use echomarch::audio::Sound;
 use echomarch::hrtf::HrirSet;
 use echomarch::internals::file_output::check_file;
-use echomarch::response::{Format, MAX_SECONDS, RATES_HZ, ResponseError};
-use echomarch::response::{MAX_ORDER, Response, ResponseSettings};
+use echomarch::response::{Format, ImpulseSettings, ResponseError};
+use echomarch::response::{Response, ResponseSettings};
 use echomarch::tracer::{Algorithm, Directions, Profile, Settings};
 use pairs::Pair;
 use std::path::PathBuf;
@@ -56,7 +56,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE.sofa", requires = "output")]
     sofa: Option<PathBuf>,
     /// Sample rate of the WAV file, in hertz
-    #[arg(long, allow_negative_numbers = true, default_value_t = SAMPLE_RATE, value_name = "HZ",
+    #[arg(long, allow_negative_numbers = true, default_value_t = Sound::SAMPLE_RATE, value_name = "HZ",
         requires = "output", value_parser = count::<u32>)]
     rate: u32,
     /// Write the energy of all but the exact paths by time (the middle of a bin) and band as CSV:
@@ -182,12 +182,25 @@ impl Arguments {
                 .map_or(Ok(()), |file| check_ending(file, ending))?;
         }
         if let Some(order) = self.order {
-            check_range("--order", f64::from(order), 0.0, f64::from(MAX_ORDER))?;
+            check_range(
+                "--order",
+                f64::from(order),
+                0.0,
+                f64::from(ResponseSettings::MAX_ORDER),
+            )?;
         }
         if let Some(seconds) = self.seconds {
-            check_range("--seconds", seconds, SHORTEST_S, MAX_SECONDS)?;
+            check_range(
+                "--seconds",
+                seconds,
+                SHORTEST_S,
+                ImpulseSettings::MAX_SECONDS,
+            )?;
         }
-        let (least, most) = (*RATES_HZ.start(), *RATES_HZ.end());
+        let (least, most) = (
+            *ImpulseSettings::RATES_HZ.start(),
+            *ImpulseSettings::RATES_HZ.end(),
+        );
         check_range(
             "--rate",
             f64::from(self.rate),

@@ -4,7 +4,7 @@ use super::options::Common;
 use super::print;
 use clap::Args;
 use echomarch::gl::{Api, GpuInfo, Renderer, list_gpus};
-use echomarch::tracer::MAX_WAVES;
+use echomarch::tracer::Settings;
 use serde::Serialize;
 
 const EXAMPLES: &str = "\
@@ -93,7 +93,7 @@ fn renderer_report(renderer: &Renderer) -> RendererReport {
         shading_language: renderer.shading_language.clone(),
         software: renderer.is_software,
         max_texture_size: renderer.limits.max_texture_size,
-        max_waves: (side * side).min(u64::from(MAX_WAVES)),
+        max_waves: (side * side).min(u64::from(Settings::MAX_WAVES)),
         max_fragment_uniform_vectors: renderer.limits.max_fragment_uniform_vectors,
     }
 }

@@ -7,7 +7,7 @@ use super::print;
 use super::report::{self, with_progress};
 use clap::{Args, Subcommand};
 use echomarch::Error;
-use echomarch::audio::{PanningLaw, SAMPLE_RATE, Sound, SoundSpec};
+use echomarch::audio::{PanningLaw, Sound, SoundSpec};
 use echomarch::scene::Scene;
 use echomarch::tracer::{Profile, Settings};
 use echomarch_lab::experiment::localise::form::{self, Form, FormOptions, WriteError};
@@ -218,7 +218,7 @@ fn stimuli(from: &Stimuli, common: &Common) -> anyhow::Result<(Vec<Scene>, Vec<S
     for name in distinct(&from.sounds) {
         let spec: SoundSpec = name.parse().map_err(Error::from)?;
         // Before any work: the file may not exist.
-        Sound::load(&spec, SAMPLE_RATE).map_err(Error::from)?;
+        Sound::load(&spec, Sound::SAMPLE_RATE).map_err(Error::from)?;
         sounds.push(spec);
     }
     Ok((scenes?, sounds))

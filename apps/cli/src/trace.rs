@@ -11,7 +11,7 @@ use clap::Args;
 use echomarch::audio::PanningLaw;
 use echomarch::internals::file_output::{OutputError, check_file, write_whole};
 use echomarch::response::ResponseSettings;
-use echomarch::scene::{BUILTIN_NAMES, Scene};
+use echomarch::scene::Scene;
 use echomarch::tracer::{Budget, Frame, Milliseconds, Reload, Reloading, Settings, Tracer, Wave};
 use serde::Serialize;
 use std::io::{self, Write};
@@ -119,7 +119,7 @@ fn check_output(arguments: &Arguments) -> Result<(), OutputError> {
 fn watch(arguments: &Arguments, common: &Common, settings: &Settings) -> anyhow::Result<()> {
     let watched = arguments.scene.scene.clone();
     let file = watched.name_or_file.clone();
-    if BUILTIN_NAMES.contains(&file.as_str()) {
+    if Scene::BUILTIN_NAMES.contains(&file.as_str()) {
         let text = format!("{file} is built in: it has no file to --watch");
         return Err(BadInput(text).into());
     }

@@ -15,7 +15,6 @@ pub use mix::MixOfPage;
 pub use page::{Page, PlanOfPage};
 
 use echomarch::auralisation::Listen;
-use echomarch::scene::BUILTIN_NAMES;
 use echomarch::{Profile, Scene, Settings};
 use std::fmt::Display;
 use wasm_bindgen::prelude::*;
@@ -23,7 +22,7 @@ use wasm_bindgen::prelude::*;
 /// The names of the built-in scenes.
 #[wasm_bindgen]
 pub fn scenes() -> Vec<String> {
-    BUILTIN_NAMES.map(str::to_owned).to_vec()
+    Scene::BUILTIN_NAMES.map(str::to_owned).to_vec()
 }
 
 /// The text of a built-in scene.

@@ -237,7 +237,7 @@ mod tests {
     /// Protects every corner: no walk in any scene ends in a solid.
     #[test]
     fn no_walk_ends_in_a_solid() {
-        for name in echomarch::scene::BUILTIN_NAMES {
+        for name in echomarch::Scene::BUILTIN_NAMES {
             let scene = Scene::builtin(name).unwrap();
             // Users' fields are not sampled here.
             if scene.user_fields().next().is_some() {

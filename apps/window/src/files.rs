@@ -1,6 +1,6 @@
 //! Scene files that can be chosen: those seen and those in the same folders.
 
-use echomarch::scene::BUILTIN_NAMES;
+use echomarch::scene::Scene;
 use std::path::Path;
 
 /// Maximum number of files listed.
@@ -19,7 +19,7 @@ pub struct Files {
 impl Files {
     /// Adds a scene that was opened or saved; a built-in one is not a file.
     pub fn add(&mut self, name: &str) {
-        if BUILTIN_NAMES.contains(&name) {
+        if Scene::BUILTIN_NAMES.contains(&name) {
             return;
         }
         if !self.seen.iter().any(|known| known == name) {

@@ -2,7 +2,7 @@
 //! were tried.
 
 use echomarch::Error;
-use echomarch::scene::{BUILTIN_NAMES, Scene};
+use echomarch::scene::Scene;
 use echomarch::tracer::{Opening, Pass, Profile, Reloading, Settings, shader_text};
 use echomarch_walk::World;
 use std::time::Instant;
@@ -62,7 +62,7 @@ impl Coming {
     /// # Errors
     /// As [`Opening::begin`].
     pub fn begin(name: &str, settings: &Settings) -> Result<Coming, Error> {
-        let (world, opening) = if BUILTIN_NAMES.contains(&name) {
+        let (world, opening) = if Scene::BUILTIN_NAMES.contains(&name) {
             (World::load(name)?, None)
         } else {
             let opening = Opening::begin(name, settings, &PROGRAMS)?;

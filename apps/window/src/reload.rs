@@ -5,7 +5,7 @@ use super::error::sentence;
 use super::follower::{Before, Follower, PROGRAMS};
 use super::report::Reread;
 use echomarch::Error;
-use echomarch::scene::BUILTIN_NAMES;
+use echomarch::scene::Scene;
 use echomarch::tracer::{Opening, Reload, Tracer};
 use std::time::{Duration, Instant};
 
@@ -17,7 +17,7 @@ impl App {
     /// the trial of its fields, as there is no other scene to show.
     pub fn follow_first(&mut self, tracer: &mut Tracer) -> Result<(), Error> {
         let (name, settings) = (&self.world.name, &self.choices.settings);
-        if !BUILTIN_NAMES.contains(&name.as_str()) {
+        if !Scene::BUILTIN_NAMES.contains(&name.as_str()) {
             let mut opening = Opening::begin(name, settings, &PROGRAMS)?;
             opening.wait()?;
             self.world.change(opening.scene().clone());

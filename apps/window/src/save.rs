@@ -214,7 +214,7 @@ fn quoted(word: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use echomarch::scene::BUILTIN_NAMES;
+    use echomarch::scene::Scene;
     use echomarch_walk::Walker;
     use glam::Vec3;
 
@@ -258,7 +258,7 @@ mod tests {
     #[test]
     fn places_are_replaced_and_all_else_stays() {
         let folder = tempfile::tempdir().unwrap();
-        for name in BUILTIN_NAMES {
+        for name in Scene::BUILTIN_NAMES {
             let expected = Scene::builtin(name).unwrap();
             let path = folder.path().join(format!("{name}.ron"));
             let world = moved(name);

@@ -5,14 +5,14 @@ use super::error::sentence;
 use super::files::is_of;
 use super::follower::{Before, Coming};
 use echomarch::Error;
-use echomarch::scene::BUILTIN_NAMES;
+use echomarch::scene::Scene;
 use std::path::Path;
 
 impl App {
     /// Changes to another of the built-in scenes and the files seen in this run, `steps` on in the
     /// list.
     pub fn next_scene(&mut self, steps: i32) {
-        let built_in = BUILTIN_NAMES.iter().map(|name| (*name).to_owned());
+        let built_in = Scene::BUILTIN_NAMES.iter().map(|name| (*name).to_owned());
         let all: Vec<String> = built_in.chain(self.files.seen().iter().cloned()).collect();
         let from = self.coming.as_ref().map(|coming| &coming.world);
         let from = &from.unwrap_or(&self.world).name;

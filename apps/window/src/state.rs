@@ -3,7 +3,7 @@
 use super::DemoOptions;
 use echomarch::audio::PanningLaw;
 use echomarch::auralisation::Listen;
-use echomarch::tracer::{MAX_ITERATIONS, MAX_WAVES, Profile, Settings};
+use echomarch::tracer::{Profile, Settings};
 use std::collections::HashMap;
 
 /// Properties of the player in full listening; when they change another player is needed.
@@ -87,13 +87,13 @@ impl Choices {
     pub fn change_waves(&mut self, steps: i32) {
         self.adapt_waves = false;
         let waves = f64::from(self.settings.waves) * 2f64.powi(steps);
-        self.settings.waves = (waves.round() as u32).clamp(64, MAX_WAVES / 4);
+        self.settings.waves = (waves.round() as u32).clamp(64, Settings::MAX_WAVES / 4);
     }
 
     /// Adds to the iterations.
     pub fn change_iterations(&mut self, more: i32) {
         let iterations = self.settings.iterations.saturating_add_signed(more);
-        self.settings.iterations = iterations.clamp(1, MAX_ITERATIONS);
+        self.settings.iterations = iterations.clamp(1, Settings::MAX_ITERATIONS);
     }
 
     /// The law from pan to gains: the chosen one, or else the algorithm's default.

@@ -19,7 +19,7 @@ use cpal::{
 
 use super::LiveError;
 use super::link::Link;
-use crate::audio::{SAMPLE_RATE, SAMPLE_RATES};
+use crate::audio::Sound;
 
 /// An output device.
 #[derive(Debug, Clone, PartialEq)]
@@ -176,10 +176,10 @@ fn id(device: &Device) -> String {
 
 /// Chooses the device's own rate, two channels if it has them, and the finest sample format.
 fn choose(device: &Device, default: SupportedStreamConfig) -> SupportedStreamConfig {
-    let rate_hz = if SAMPLE_RATES.contains(&default.sample_rate()) {
+    let rate_hz = if Sound::SAMPLE_RATES.contains(&default.sample_rate()) {
         default.sample_rate()
     } else {
-        SAMPLE_RATE
+        Sound::SAMPLE_RATE
     };
     let rank = |range: &SupportedStreamConfigRange| {
         let channels = match range.channels() {

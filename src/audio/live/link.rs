@@ -152,10 +152,10 @@ impl Link {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::audio::{PanningLaw, SAMPLE_RATE};
+    use crate::audio::{PanningLaw, Sound};
 
     fn numbered(number: u64) -> Box<Renderer> {
-        let (mut renderer, _) = Renderer::new(None, SAMPLE_RATE, PanningLaw::Linear);
+        let (mut renderer, _) = Renderer::new(None, Sound::SAMPLE_RATE, PanningLaw::Linear);
         renderer.number = number;
         Box::new(renderer)
     }

@@ -429,14 +429,15 @@ fn spread<T: Sample + FromSample<f32>>(pair: [f32; 2], frame: &mut [T]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::audio::SAMPLE_RATE;
+    use crate::audio::Sound;
 
     /// Protects a sound that was sent after the last callback: it is heard as soon as something plays again, but not if
     /// it was made for another rate.
     #[test]
     fn a_sound_that_waited_is_heard_at_its_own_rate_alone() {
-        for (made_hz, is_heard) in [(SAMPLE_RATE, true), (44_100, false)] {
-            let (mut renderer, mut remote) = Renderer::new(None, SAMPLE_RATE, PanningLaw::Linear);
+        for (made_hz, is_heard) in [(Sound::SAMPLE_RATE, true), (44_100, false)] {
+            let (mut renderer, mut remote) =
+                Renderer::new(None, Sound::SAMPLE_RATE, PanningLaw::Linear);
             let sound = Sound::parse("noise", made_hz).unwrap();
             assert!(remote.set_sound(sound, made_hz));
             renderer.begin(None);

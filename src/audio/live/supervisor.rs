@@ -14,7 +14,7 @@ use super::recording::Recording;
 use super::renderer::{Message, Remote, Renderer, Tap};
 use super::shared::Shared;
 use super::stages::Program;
-use crate::audio::{SAMPLE_RATE, Sound, SoundSource, StereoSource};
+use crate::audio::{Sound, SoundSource, StereoSource};
 
 /// Interval at which the thread checks the stream.
 const TICK: Duration = Duration::from_millis(20);
@@ -54,7 +54,7 @@ pub(super) struct State {
 impl State {
     pub(super) fn new() -> Self {
         Self {
-            rate_hz: SAMPLE_RATE,
+            rate_hz: Sound::SAMPLE_RATE,
             ..Self::default()
         }
     }
@@ -120,7 +120,7 @@ impl Supervisor {
         buffer_frames: u32,
     ) -> Self {
         let shared = Arc::clone(&common.shared);
-        let (renderer, remote) = Renderer::with_shared(shared, None, SAMPLE_RATE);
+        let (renderer, remote) = Renderer::with_shared(shared, None, Sound::SAMPLE_RATE);
         Self {
             common,
             commands,
@@ -128,7 +128,7 @@ impl Supervisor {
             drop_queue: Arc::new(Slot::new(None)),
             remote,
             renderer: 0,
-            rate_hz: SAMPLE_RATE,
+            rate_hz: Sound::SAMPLE_RATE,
             source,
             stereo: None,
             device,

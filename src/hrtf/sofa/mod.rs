@@ -23,9 +23,9 @@ mod variables;
 
 pub use variables::{SofaError, SofaProblem};
 
-/// Maximum size of a SOFA file in bytes: [`MAX_VALUES`](super::MAX_VALUES) numbers of 64 bits, and
+/// Maximum size of a SOFA file in bytes: [`HrirSet::MAX_VALUES`](super::HrirSet::MAX_VALUES) numbers of 64 bits, and
 /// the same again for everything else.
-const LARGEST_FILE: u64 = 2 * 8 * super::MAX_VALUES;
+const LARGEST_FILE: u64 = 2 * 8 * super::HrirSet::MAX_VALUES;
 
 /// The supported convention.
 const CONVENTION: &str = "SimpleFreeFieldHRIR";
@@ -100,7 +100,7 @@ fn measurements(bytes: Vec<u8>) -> Result<(u32, Vec<MeasuredHrir>), SofaProblem>
 /// The sampling rate in hertz: a whole number, the same for all measurements.
 fn rate(file: &Variables) -> Result<u32, SofaProblem> {
     const NAME: &str = "Data.SamplingRate";
-    let rates = file.numbers(NAME, super::MAX_DIRECTIONS)?;
+    let rates = file.numbers(NAME, super::HrirSet::MAX_DIRECTIONS)?;
     let Some(rate_hz) = rates.first().copied() else {
         return Err(bad_value(NAME, "it is empty".into()));
     };
@@ -193,7 +193,7 @@ fn receivers(file: &Variables) -> Result<[usize; 2], SofaProblem> {
         [2, 3, measurements] => measurements as usize,
         _ => return Ok(FIRST_IS_LEFT),
     };
-    let most = super::MAX_DIRECTIONS * 6;
+    let most = super::HrirSet::MAX_DIRECTIONS * 6;
     let numbers = file.numbers(NAME, most)?;
     let coordinate = |receiver: usize, axis: usize| {
         let at = (3 * receiver + axis) * per_receiver;

@@ -2,7 +2,7 @@
 
 use super::{bad_shape, bad_value};
 use crate::file_input::InputError;
-use crate::hrtf::{HrirError, MAX_VALUES};
+use crate::hrtf::{HrirError, HrirSet};
 use hdf5_pure::{Dataset, Error, File, FormatError};
 use std::path::PathBuf;
 
@@ -250,7 +250,7 @@ impl Variables {
         };
         let mut values = chunk.iter().copied();
         let values = values.try_fold(1_u64, |product, size| product.checked_mul(size));
-        if values.is_none_or(|values| values > MAX_VALUES) {
+        if values.is_none_or(|values| values > HrirSet::MAX_VALUES) {
             return Err(too_large("any set"));
         }
         let chunks = dataset.chunks().map_err(failed)?;

@@ -3,7 +3,7 @@
 
 use super::echogram::MAX_BINS;
 use super::error::{bad, check_speed};
-use super::{Echogram, MAX_SECONDS, ResponseError, Tap, check_taps};
+use super::{Echogram, ImpulseSettings, ResponseError, Tap, check_taps};
 use crate::bands::BAND_COUNT;
 use crate::geometry::{ImageSource, ShoeboxEnergies};
 use decay::Decay;
@@ -265,8 +265,8 @@ impl Figures {
     ///
     /// # Errors
     /// [`ResponseError::BadLength`] for a length that is not above 0 s, or more than
-    /// [`MAX_SECONDS`](crate::response::MAX_SECONDS); [`ResponseError::BadNumber`] for a speed that is not above 0, and
-    /// for a room so small that its image sources are too many.
+    /// [`ImpulseSettings::MAX_SECONDS`](crate::response::ImpulseSettings::MAX_SECONDS); [`ResponseError::BadNumber`] for
+    /// a speed that is not above 0, and for a room so small that its image sources are too many.
     pub fn of_image_sources(
         room: &ShoeboxEnergies,
         speed_m_per_s: f64,
@@ -274,7 +274,10 @@ impl Figures {
     ) -> Result<Figures, ResponseError> {
         check_speed(speed_m_per_s)?;
         let fits = |cell_s: &&f64| seconds > 0.0 && seconds <= **cell_s * MAX_BINS as f64;
-        let cell_s = CELLS_S.iter().find(fits).filter(|_| seconds <= MAX_SECONDS);
+        let cell_s = CELLS_S
+            .iter()
+            .find(fits)
+            .filter(|_| seconds <= ImpulseSettings::MAX_SECONDS);
         let cell_s = *cell_s.ok_or(ResponseError::BadLength { seconds })?;
         let direct_s = room.direct_m() / speed_m_per_s;
         let tap = |image: &ImageSource| Tap {

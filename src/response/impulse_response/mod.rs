@@ -16,12 +16,6 @@ mod filters;
 #[cfg(test)]
 mod tests;
 
-/// The lowest and the highest rate of an impulse response, in hertz.
-pub const RATES_HZ: RangeInclusive<u32> = crate::hrtf::HRIR_RATES_HZ;
-
-/// The longest impulse response, in seconds.
-pub const MAX_SECONDS: f64 = 60.0;
-
 /// The default rate of an impulse response, in hertz.
 const DEFAULT_RATE_HZ: u32 = 48_000;
 
@@ -29,9 +23,9 @@ const DEFAULT_RATE_HZ: u32 = 48_000;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ImpulseSettings {
-    /// Samples a second, in [`RATES_HZ`].
+    /// Samples a second, in [`ImpulseSettings::RATES_HZ`].
     pub rate_hz: u32,
-    /// Length in seconds from the source's impulse on: above 0, at most [`MAX_SECONDS`].
+    /// Length in seconds from the source's impulse on: above 0, at most [`ImpulseSettings::MAX_SECONDS`].
     pub seconds: f64,
     /// Its channels.
     pub format: Format,
@@ -40,6 +34,12 @@ pub struct ImpulseSettings {
 }
 
 impl ImpulseSettings {
+    /// The lowest and the highest rate of an impulse response, in hertz.
+    pub const RATES_HZ: RangeInclusive<u32> = HrirSet::RATES_HZ;
+
+    /// The longest impulse response, in seconds.
+    pub const MAX_SECONDS: f64 = 60.0;
+
     /// One channel at 48 kHz, with seed 0.
     pub fn new(seconds: f64) -> ImpulseSettings {
         ImpulseSettings {
@@ -110,10 +110,10 @@ impl ImpulseResponse {
         let ImpulseSettings {
             rate_hz, seconds, ..
         } = *settings;
-        if !RATES_HZ.contains(&rate_hz) {
+        if !ImpulseSettings::RATES_HZ.contains(&rate_hz) {
             return Err(ResponseError::BadRate { rate_hz });
         }
-        if !(seconds > 0.0 && seconds <= MAX_SECONDS) {
+        if !(seconds > 0.0 && seconds <= ImpulseSettings::MAX_SECONDS) {
             return Err(ResponseError::BadLength { seconds });
         }
         check_taps(taps)?;

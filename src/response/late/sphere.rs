@@ -19,7 +19,8 @@
 
 use crate::bands::{BAND_COUNT, Bands};
 use crate::response::{CommonErrors, Echogram};
-use crate::scene::{Node, Scene, Surface, WALL_COUNT};
+use crate::scene::shape::Room;
+use crate::scene::{Node, Scene, Surface};
 
 /// Radius in metres. In random rooms (docs/acoustics.md) T30 is 2.5 times as exact with it as with
 /// 0.3 m, and the bias of the mean over the sphere is still below the noise; with 1.5 m it is not.
@@ -207,7 +208,7 @@ fn nearest_image_m2(scene: &Scene) -> f64 {
 
 /// Whether the material of a surface (counted from 0), or of one of its walls, scatters.
 fn scatters(scene: &Scene, surface: usize) -> bool {
-    let walls = std::iter::once(None).chain((0..WALL_COUNT).map(Some));
+    let walls = std::iter::once(None).chain((0..Room::WALL_COUNT).map(Some));
     let mut materials = walls.filter_map(|wall| scene.material(surface, wall));
     materials.any(|material| material.scatters(0..BAND_COUNT))
 }

@@ -5,9 +5,9 @@ mod tests;
 
 use super::material::{HUMIDITIES, PRESSURES, TEMPERATURES};
 use super::shape::LARGEST;
+use super::shape::Room;
 use super::{
-    Listener, Material, Motion, Node, Path, ROUNDING, Scene, SceneError, Source, Surface,
-    WALL_COUNT, WALL_NAMES, Warning,
+    Listener, Material, Motion, Node, Path, ROUNDING, Scene, SceneError, Source, Surface, Warning,
 };
 use glam::Vec3;
 use std::collections::HashSet;
@@ -403,16 +403,18 @@ impl Scene {
         for (index, surface) in self.surfaces.iter().enumerate() {
             let lacks = |wall: Option<usize>| self.material(index, wall).is_none();
             let walls: Vec<usize> = match surface.has_walls() {
-                true => (0..WALL_COUNT).filter(|wall| lacks(Some(*wall))).collect(),
+                true => (0..Room::WALL_COUNT)
+                    .filter(|wall| lacks(Some(*wall)))
+                    .collect(),
                 false => Vec::new(),
             };
-            let is_whole = !surface.has_walls() && lacks(None) || walls.len() == WALL_COUNT;
+            let is_whole = !surface.has_walls() && lacks(None) || walls.len() == Room::WALL_COUNT;
             match is_whole {
                 true => surfaces.push(surface.label(index)),
                 false => surfaces.extend(
                     walls
                         .iter()
-                        .map(|wall| format!("{}/{}", index + 1, WALL_NAMES[*wall])),
+                        .map(|wall| format!("{}/{}", index + 1, Room::WALL_NAMES[*wall])),
                 ),
             }
         }

@@ -18,7 +18,7 @@ use super::text::{Place, RawFields, Refused, place_of};
 use super::{folder_of, malformed, options, text_of};
 use crate::scene::check::twice;
 use crate::scene::notation::{Attached, FixedRadius, Name, Written};
-use crate::scene::{BUILTIN_NAMES, Named, Scene, SceneError, named};
+use crate::scene::{Named, Scene, SceneError, named};
 use glam::Vec3;
 use ron::ser::PrettyConfig;
 use ron::value::RawValue;
@@ -314,7 +314,7 @@ impl BasedScene {
             base,
             ..BasedScene::default()
         };
-        if BUILTIN_NAMES.contains(&origin) {
+        if Scene::BUILTIN_NAMES.contains(&origin) {
             return Ok(on(origin.to_owned()));
         }
         let path = Path::new(origin);
@@ -473,7 +473,7 @@ fn relative(folder: &Path, file: &Path) -> Result<String, SceneError> {
     }
     way.push(name);
     let way = way.to_str().ok_or_else(refused)?;
-    match BUILTIN_NAMES.contains(&way) {
+    match Scene::BUILTIN_NAMES.contains(&way) {
         true => Ok(format!("./{way}")),
         false => Ok(way.to_owned()),
     }

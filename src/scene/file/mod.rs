@@ -13,7 +13,7 @@ mod tests;
 mod text;
 
 use super::check::NOT_A_ROOM;
-use super::{BUILTIN_NAMES, Scene, SceneError};
+use super::{Scene, SceneError};
 use crate::file_input::{MalformedText, read_text};
 use crate::ron_error;
 use crate::scene::notation::{Attached, FixedRadius, Form, Name};
@@ -319,7 +319,7 @@ impl SceneWatch {
         name_or_file: &str,
         load: impl Fn() -> Result<Scene, SceneError> + 'static,
     ) -> Result<(SceneWatch, Scene), SceneError> {
-        let built_in = BUILTIN_NAMES.contains(&name_or_file);
+        let built_in = Scene::BUILTIN_NAMES.contains(&name_or_file);
         let own = (!built_in).then(|| PathBuf::from(name_or_file));
         let mut watch = SceneWatch {
             load: Box::new(load),

@@ -6,10 +6,10 @@
 use super::SceneFile;
 use crate::bands::BAND_COUNT;
 use crate::scene::notation::{Attached, Fields, Form, Written};
+use crate::scene::shape::Room;
 use crate::scene::shape::{form_of, numbered};
 use crate::scene::{
     Air, Driver, Listener, Material, Motion, Path, Quantity, Scene, Shape, Source, Surface,
-    WALL_NAMES,
 };
 use glam::{EulerRot, Quat, Vec3};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de, ser};
@@ -164,7 +164,7 @@ fn surface(of: &Surface) -> Written {
     let material = of.material.iter().cloned();
     fields.extend(material.map(|name| ("material", Written::Text(name))));
     if of.walls.iter().any(Option::is_some) {
-        let walls = WALL_NAMES.into_iter().zip(&of.walls);
+        let walls = Room::WALL_NAMES.into_iter().zip(&of.walls);
         let named = walls.filter_map(|(wall, name)| Some((wall, Written::Text(name.clone()?))));
         fields.push(("walls", Written::Struct("Walls", named.collect())));
     }
@@ -280,7 +280,7 @@ fn in_file(quantity: Quantity, value: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::BUILTIN_NAMES;
+    use crate::scene::Scene;
     use crate::scene::shape::tests::table::{Entry, entries, scene_of, surfaces};
     use crate::test_common::Random;
 
@@ -381,7 +381,7 @@ mod tests {
     /// Protects other formats, and the built-in scenes, whose fields are within the program.
     #[test]
     fn built_in_scenes_go_through_json() {
-        for name in BUILTIN_NAMES {
+        for name in Scene::BUILTIN_NAMES {
             let scene = Scene::builtin(name).unwrap();
             let text = serde_json::to_string(&scene).unwrap();
             let read: Scene = serde_json::from_str(&text).unwrap_or_else(|e| panic!("{name}: {e}"));

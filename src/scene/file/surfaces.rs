@@ -3,8 +3,9 @@
 use crate::bands::{BAND_COUNT, Bands};
 use crate::scene::material::{HUMIDITIES, PRESSURES, TEMPERATURES};
 use crate::scene::notation::{Angle, Attached, Metres, Name, ReadNumbers, Reader, Vector, checked};
+use crate::scene::shape::Room;
 use crate::scene::shape::ShapeFile;
-use crate::scene::{Air, BUILTIN_MATERIALS, Material, SceneError, Surface, WALL_COUNT};
+use crate::scene::{Air, Material, SceneError, Surface};
 use crate::text::nearest_or_all;
 use glam::{EulerRot, Quat, Vec3};
 use serde::Deserialize;
@@ -76,7 +77,7 @@ impl<'de> Deserialize<'de> for Base {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Base, D::Error> {
         let Name(name) = Name::deserialize(from)?;
         let material = Material::builtin(&name).ok_or_else(|| {
-            let names = BUILTIN_MATERIALS.iter().map(|known| known.name);
+            let names = Material::BUILTIN.iter().map(|known| known.name);
             let all: Vec<&str> = names.collect();
             let refused = format!("there is no built-in material {name:?}");
             D::Error::custom(nearest_or_all(&refused, &name, &all))
@@ -108,8 +109,8 @@ pub(super) struct Walls<T> {
 }
 
 impl<T> Walls<T> {
-    /// In the order of [`WALL_NAMES`](crate::scene::WALL_NAMES).
-    pub fn into_array(self) -> [Option<T>; WALL_COUNT] {
+    /// In the order of [`Room::WALL_NAMES`](crate::scene::shape::Room::WALL_NAMES).
+    pub fn into_array(self) -> [Option<T>; Room::WALL_COUNT] {
         [
             self.left,
             self.right,
@@ -123,7 +124,7 @@ impl<T> Walls<T> {
 
 impl Walls<Name> {
     /// The names of the walls' materials.
-    pub fn names(self) -> [Option<String>; WALL_COUNT] {
+    pub fn names(self) -> [Option<String>; Room::WALL_COUNT] {
         self.into_array().map(|name| name.map(|name| name.0))
     }
 }

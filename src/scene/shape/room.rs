@@ -2,6 +2,7 @@
 
 use super::part::part;
 use super::{Bounds3, Exactness, Part, Properties, Shape, SurfaceKind};
+use crate::scene::material::WALL_NAMES;
 use glam::{DVec3, Vec3};
 
 part! {
@@ -10,6 +11,15 @@ part! {
         /// Full width, height and depth of the air in metres.
         size: Vec3 as Side,
     }
+}
+
+impl Room {
+    /// The walls as a scene file names them, in the order of [`Surface::walls`](crate::Surface::walls): those at −x,
+    /// +x, −y, +y, −z and +z of the room's own axes. An unrotated listener faces the wall `front`.
+    pub const WALL_NAMES: [&str; Room::WALL_COUNT] = WALL_NAMES;
+
+    /// Number of walls of a room.
+    pub const WALL_COUNT: usize = WALL_NAMES.len();
 }
 
 impl Part for Room {

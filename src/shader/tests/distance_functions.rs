@@ -273,7 +273,7 @@ fn shaders_and_cpu_agree_on_every_shape() {
 #[test]
 fn shaders_and_cpu_name_the_same_nearest_object() {
     for_each_api(|context| {
-        for name in crate::scene::BUILTIN_NAMES {
+        for name in crate::scene::Scene::BUILTIN_NAMES {
             let scene = Scene::builtin(name).unwrap();
             // Other shapes have a table of their own, scene/shape/tests/table.rs.
             if scene.surfaces.iter().any(|s| !s.shape.is_basic()) {

@@ -1,7 +1,7 @@
 //! Settings of arrivals, the waves that are followed and how they start, and counts.
 
 use super::super::TraceError;
-use super::super::settings::MAX_ITERATIONS;
+use super::super::settings::Settings;
 use super::{ITERATIONS_IN_CHUNK, RECORDS};
 use crate::bands::{self, BAND_COUNT, Bands};
 use glam::Vec3;
@@ -16,7 +16,7 @@ pub struct ArrivalSettings {
     pub seconds: f64,
     /// Maximum reflections of an arrival that is called early: 3 by default.
     pub early_order: u32,
-    /// Maximum iterations of a wave, 1 … [`MAX_ITERATIONS`], even if it has flown less than the
+    /// Maximum iterations of a wave, 1 … [`Settings::MAX_ITERATIONS`], even if it has flown less than the
     /// time then: the upper limit by default.
     pub iterations: u32,
     /// Numbers of the octave bands that are traced: all by default. The energies of the others are 0.
@@ -38,7 +38,7 @@ impl ArrivalSettings {
         ArrivalSettings {
             seconds,
             early_order: 3,
-            iterations: MAX_ITERATIONS,
+            iterations: Settings::MAX_ITERATIONS,
             bands: 0..BAND_COUNT,
             least_energy: 0.0,
             iterations_in_chunk: ITERATIONS_IN_CHUNK,
@@ -86,8 +86,8 @@ impl ArrivalSettings {
                 self.seconds.to_string(),
             );
         }
-        if !(1..=MAX_ITERATIONS).contains(&self.iterations) {
-            let must = format!("1 to {MAX_ITERATIONS}");
+        if !(1..=Settings::MAX_ITERATIONS).contains(&self.iterations) {
+            let must = format!("1 to {}", Settings::MAX_ITERATIONS);
             return bad("iterations of arrivals", must, self.iterations.to_string());
         }
         Ok(())

@@ -11,12 +11,6 @@ pub use algorithm::{Algorithm, HybridOptions, MarchOptions, Profile, ThesisOptio
 use serde::Serialize;
 use std::fmt;
 
-/// The most waves in one frame: 2^24, a 4096 x 4096 texture pair.
-pub const MAX_WAVES: u32 = 1 << 24;
-
-/// The most iterations. A wave's two counters share one float of 24 bits, 12 each.
-pub const MAX_ITERATIONS: u32 = 4095;
-
 /// The largest distance that may be requested, in metres: its square and the square of
 /// what a wave moves on the way are still finite in `f32`.
 const MAX_DISTANCE: f32 = 1e15;
@@ -51,9 +45,9 @@ pub struct Settings {
     /// pass depend on the algorithm.
     #[serde(flatten)]
     pub algorithm: Algorithm,
-    /// Number of waves, 1 … [`MAX_WAVES`].
+    /// Number of waves, 1 … [`Settings::MAX_WAVES`].
     pub waves: u32,
-    /// Marches of each wave, 1 … [`MAX_ITERATIONS`].
+    /// Marches of each wave, 1 … [`Settings::MAX_ITERATIONS`].
     pub iterations: u32,
     /// A wave is dead beyond this distance in one iteration, in metres. By default 300 in
     /// `thesis` (section 4.2.3), 10^9 in the others.
@@ -64,7 +58,7 @@ pub struct Settings {
     pub directions: Directions,
     /// Maximum iterations in one pass; 1 as in the thesis, more save texture traffic. The loops of
     /// a scene may reduce it, since drivers silently leave loops after a number of turns. By
-    /// default 1 in `thesis`, 8 in `march`, [`MAX_ITERATIONS`] in `hybrid`.
+    /// default 1 in `thesis`, 8 in `march`, [`Settings::MAX_ITERATIONS`] in `hybrid`.
     pub iterations_per_pass: u32,
     /// Whether the panning texture is summed on the GPU and read back as one texel.
     pub sum_on_gpu: bool,
@@ -80,11 +74,17 @@ impl Default for Settings {
 }
 
 impl Settings {
+    /// The most waves in one frame: 2^24, a 4096 x 4096 texture pair.
+    pub const MAX_WAVES: u32 = 1 << 24;
+
+    /// The most iterations. A wave's two counters share one float of 24 bits, 12 each.
+    pub const MAX_ITERATIONS: u32 = 4095;
+
     /// The defaults of an algorithm: 65,536 waves and 8 iterations in random directions.
     pub fn new(algorithm: impl Into<Algorithm>) -> Settings {
         let algorithm = algorithm.into();
         let (max_distance, iterations_per_pass) = match algorithm {
-            Algorithm::Hybrid(_) => (FAR, MAX_ITERATIONS),
+            Algorithm::Hybrid(_) => (FAR, Settings::MAX_ITERATIONS),
             Algorithm::March(_) => (FAR, MARCHES_PER_PASS),
             Algorithm::Thesis(_) => (THESIS_MAX_DISTANCE, 1),
         };
@@ -188,15 +188,15 @@ impl Settings {
     /// # Errors
     /// [`TraceError::BadSetting`] with the name, the range and the value.
     pub fn validate(&self) -> Result<(), TraceError> {
-        in_range("waves", self.waves, MAX_WAVES)?;
-        in_range("iterations", self.iterations, MAX_ITERATIONS)?;
+        in_range("waves", self.waves, Settings::MAX_WAVES)?;
+        in_range("iterations", self.iterations, Settings::MAX_ITERATIONS)?;
         positive("maximum distance in metres", self.max_distance)?;
         if self.max_distance > MAX_DISTANCE {
             let must = format!("at most {MAX_DISTANCE}");
             return Err(bad("maximum distance in metres", must, self.max_distance));
         }
         let per_pass = self.iterations_per_pass;
-        in_range("iterations in a pass", per_pass, MAX_ITERATIONS)?;
+        in_range("iterations in a pass", per_pass, Settings::MAX_ITERATIONS)?;
         self.algorithm.validate(self.max_distance)
     }
 }
@@ -246,9 +246,9 @@ mod tests {
         let thesis = ThesisOptions::default();
         let wrong = [
             Settings::hybrid().with_waves(0),
-            Settings::hybrid().with_waves(MAX_WAVES + 1),
+            Settings::hybrid().with_waves(Settings::MAX_WAVES + 1),
             Settings::hybrid().with_iterations(0),
-            Settings::hybrid().with_iterations(MAX_ITERATIONS + 1),
+            Settings::hybrid().with_iterations(Settings::MAX_ITERATIONS + 1),
             Settings::hybrid().with_iterations_per_pass(0),
             Settings::hybrid().with_max_distance(f32::INFINITY),
             Settings::hybrid().with_max_distance(1e16),

@@ -4,8 +4,8 @@ use super::arrivals::{arrivals, start_directions, without_listener};
 use crate::bands::{BAND_COUNT, Bands};
 use crate::gl::{Api, Context};
 use crate::response::Arrival;
+use crate::scene::Material;
 use crate::scene::shape::{Cuboid, Plane, Room, Sphere};
-use crate::scene::{Material, WALL_COUNT};
 use crate::test_common::{builtin, for_each_api, tracer};
 use crate::tracer::{ArrivalSettings, TraceError, WavesToFollow};
 use crate::{Error, Listener, Node, Scene, Settings, Source, Surface};
@@ -32,7 +32,7 @@ fn furnished() -> Scene {
     let size = Vec3::new(12.0, 6.0, 10.0);
     let turn = Quat::from_rotation_y(0.3) * Quat::from_rotation_x(0.1);
     let mut room = Surface::new(Node::Room(Room { size })).turned(turn);
-    for wall in 0..WALL_COUNT {
+    for wall in 0..Room::WALL_COUNT {
         room = room.with_wall_material(wall, format!("m{wall}")).unwrap();
     }
     let block = Surface::new(Node::Cuboid(Cuboid { size: Vec3::ONE })).at(Vec3::new(2.0, 0.0, 2.0));
@@ -56,7 +56,7 @@ fn rooms_in_rooms() -> Scene {
         let by = number as f32;
         let turn = Quat::from_rotation_y(0.2 * by) * Quat::from_rotation_x(0.1 * by);
         let room = Surface::new(Node::Room(Room { size })).turned(turn);
-        (0..WALL_COUNT).fold(room, |room, wall| {
+        (0..Room::WALL_COUNT).fold(room, |room, wall| {
             room.with_wall_material(wall, format!("m{}", (5 * number + wall) % 23))
                 .expect("a wall")
         })

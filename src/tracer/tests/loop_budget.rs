@@ -5,7 +5,7 @@
 use crate::scene::shape::{Room, Sphere, Torus};
 use crate::scene::{Node, Shape};
 use crate::test_common::tracer;
-use crate::tracer::{Budget, MAX_ITERATIONS, Profile, Wave};
+use crate::tracer::{Budget, Profile, Wave};
 use crate::{Listener, Scene, Settings, Source, Surface};
 use glam::Vec3;
 
@@ -101,7 +101,11 @@ fn passes_of_any_length_give_the_same_bits() {
                 bits(&tracer.frame_with_waves(&scene, &settings).unwrap().1)
             };
             let by_sixteen = waves(16);
-            assert_eq!(waves(MAX_ITERATIONS), by_sixteen, "{what}, {profile}");
+            assert_eq!(
+                waves(Settings::MAX_ITERATIONS),
+                by_sixteen,
+                "{what}, {profile}"
+            );
             assert_eq!(waves(1), by_sixteen, "{what}, {profile}");
         }
     }
@@ -112,7 +116,7 @@ fn passes_of_any_length_give_the_same_bits() {
 #[test]
 fn every_loop_shortens_the_passes() {
     for profile in Profile::ALL {
-        let settings = Settings::new(profile).with_iterations_per_pass(MAX_ITERATIONS);
+        let settings = Settings::new(profile).with_iterations_per_pass(Settings::MAX_ITERATIONS);
         let alone = Budget::of(&room([]), &settings).iterations_per_pass;
         for (what, scene) in scenes() {
             // Of repeated copies that stay within their cells only one is evaluated, without a loop.

@@ -1,11 +1,11 @@
 //! Levels of what was heard, relative to the noise that was played.
 
 use crate::measures::rms;
-use echomarch::audio::NOISE_AMPLITUDE;
+use echomarch::audio::Sound;
 
 /// Left and right gains over `frames` frames each: levels divided by that of the noise.
 pub fn gains(stereo: &[f32], frames: usize) -> Vec<[f64; 2]> {
-    let full = f64::from(NOISE_AMPLITUDE) / 3f64.sqrt();
+    let full = f64::from(Sound::NOISE_AMPLITUDE) / 3f64.sqrt();
     let gain = |piece: &[f32], which| {
         let channel: Vec<f32> = piece.iter().skip(which).step_by(2).copied().collect();
         rms(&channel) / full

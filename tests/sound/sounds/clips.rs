@@ -1,14 +1,14 @@
 //! Playback of sounds from WAV files: loops, ends and resampling.
 
 use super::{amplitude_at, float, load, pull, write};
-use echomarch::audio::SAMPLE_RATE;
+use echomarch::audio::Sound;
 use std::f64::consts::TAU;
 use tempfile::TempDir;
 
 #[test]
 fn a_clip_loops_or_ends_in_silence() {
     let dir = TempDir::new().unwrap();
-    let path = write(&dir, float(1, SAMPLE_RATE), &[0.1f32, 0.2, 0.3]);
+    let path = write(&dir, float(1, Sound::SAMPLE_RATE), &[0.1f32, 0.2, 0.3]);
     let mut clip = load(&path).unwrap();
     assert_eq!(clip.length(), Some(3));
     assert_eq!(pull(&mut clip, 7), [0.1, 0.2, 0.3, 0.1, 0.2, 0.3, 0.1]);
@@ -30,7 +30,7 @@ fn a_clip_that_loops_does_not_click() {
     let hertz = 10.25 * 48_000.0 / f64::from(count - 1);
     let tone = |i: u32| 0.5 * (TAU * hertz * f64::from(i) / 48_000.0).sin() as f32;
     let samples: Vec<f32> = (0..count).map(tone).collect();
-    let path = write(&dir, float(1, SAMPLE_RATE), &samples);
+    let path = write(&dir, float(1, Sound::SAMPLE_RATE), &samples);
     let mut clip = load(&path).unwrap();
     let mut looped = Vec::new();
     for _ in 0..30 {
@@ -60,7 +60,7 @@ fn a_clip_that_fits_itself_is_looped_as_it_is() {
     let dir = TempDir::new().unwrap();
     let tone = |i: u32| 0.5 * (TAU * f64::from(i) / 100.0).sin() as f32;
     let samples: Vec<f32> = (0..4800).map(tone).collect();
-    let path = write(&dir, float(1, SAMPLE_RATE), &samples);
+    let path = write(&dir, float(1, Sound::SAMPLE_RATE), &samples);
     let looped = pull(&mut load(&path).unwrap(), 9600);
     assert_eq!(looped[4800..], samples);
 }

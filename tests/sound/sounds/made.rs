@@ -1,9 +1,7 @@
 //! Synthetic sounds: a sine, noise, speech, and a caller's own.
 
 use super::{amplitude_at, error_of, float, load, pull, write};
-use echomarch::audio::{
-    AudioError, NOISE_AMPLITUDE, SAMPLE_RATE, SINE_AMPLITUDE, Signal, Sound, SoundSource, SoundSpec,
-};
+use echomarch::audio::{AudioError, Signal, Sound, SoundSource, SoundSpec};
 use tempfile::TempDir;
 
 #[test]
@@ -44,7 +42,7 @@ fn unknown_sounds_are_refused() {
         "x.mp3",
         "tone:3",
     ] {
-        let error = error_of(Sound::parse(text, SAMPLE_RATE));
+        let error = error_of(Sound::parse(text, Sound::SAMPLE_RATE));
         assert!(matches!(error, AudioError::UnknownSound { .. }), "{error}");
         assert!(error.to_string().contains(&format!("`{text}`")), "{error}");
     }
@@ -53,7 +51,7 @@ fn unknown_sounds_are_refused() {
 #[test]
 fn bad_sines_and_rates_are_refused() {
     for text in ["sine:0", "sine:-440", "sine:24000", "sine:nan", "sine:inf"] {
-        let error = error_of(Sound::parse(text, SAMPLE_RATE));
+        let error = error_of(Sound::parse(text, Sound::SAMPLE_RATE));
         assert!(
             matches!(error, AudioError::BadSineFrequency { .. }),
             "{error}"
@@ -66,33 +64,36 @@ fn bad_sines_and_rates_are_refused() {
 
 #[test]
 fn a_sine_has_its_frequency_and_amplitude() {
-    let mut sine = Sound::parse("sine:1000", SAMPLE_RATE).unwrap();
+    let mut sine = Sound::parse("sine:1000", Sound::SAMPLE_RATE).unwrap();
     let samples = pull(&mut sine, 48_000);
     assert_eq!(samples[0], 0.0);
     let amplitude = amplitude_at(1000.0, &samples);
-    assert!((amplitude - f64::from(SINE_AMPLITUDE)).abs() < 1e-6);
+    assert!((amplitude - f64::from(Sound::SINE_AMPLITUDE)).abs() < 1e-6);
     sine.rewind();
     assert_eq!(pull(&mut sine, 480), samples[..480]);
 }
 
 #[test]
 fn noise_is_repeatable_white_and_in_range() {
-    let mut noise = Sound::parse("noise:3", SAMPLE_RATE).unwrap();
+    let mut noise = Sound::parse("noise:3", Sound::SAMPLE_RATE).unwrap();
     let whole = pull(&mut noise, 100_000);
-    let mut again = Sound::parse("noise:3", SAMPLE_RATE).unwrap();
+    let mut again = Sound::parse("noise:3", Sound::SAMPLE_RATE).unwrap();
     let mut pieces = pull(&mut again, 777);
     pieces.extend(pull(&mut again, 100_000 - 777));
     assert_eq!(whole, pieces);
 
-    let other = pull(&mut Sound::parse("noise:4", SAMPLE_RATE).unwrap(), 100_000);
+    let other = pull(
+        &mut Sound::parse("noise:4", Sound::SAMPLE_RATE).unwrap(),
+        100_000,
+    );
     let product = |a: &[f32], b: &[f32]| -> f64 {
         let sum: f64 = a.iter().zip(b).map(|(a, b)| f64::from(a * b)).sum();
         sum / a.len().min(b.len()) as f64
     };
     let power = product(&whole, &whole);
-    let uniform = f64::from(NOISE_AMPLITUDE).powi(2) / 3.0;
+    let uniform = f64::from(Sound::NOISE_AMPLITUDE).powi(2) / 3.0;
     assert!((power / uniform - 1.0).abs() < 0.02);
-    assert!(whole.iter().all(|s| s.abs() <= NOISE_AMPLITUDE));
+    assert!(whole.iter().all(|s| s.abs() <= Sound::NOISE_AMPLITUDE));
     // Five standard deviations of a correlation over 100 000 samples.
     for unlike in [product(&whole, &other), product(&whole, &whole[1..])] {
         assert!((unlike / power).abs() < 5.0 / 100_000f64.sqrt());
@@ -103,10 +104,10 @@ fn noise_is_repeatable_white_and_in_range() {
 fn any_sample_can_be_sought() {
     let dir = TempDir::new().unwrap();
     let ramp: Vec<f32> = (0..500).map(|i| i as f32 / 500.0).collect();
-    let path = write(&dir, float(1, SAMPLE_RATE), &ramp);
+    let path = write(&dir, float(1, Sound::SAMPLE_RATE), &ramp);
     for text in ["sine:997", "noise:2", "speech", path.to_str().unwrap()] {
-        let whole = pull(&mut Sound::parse(text, SAMPLE_RATE).unwrap(), 2000);
-        let mut sound = Sound::parse(text, SAMPLE_RATE).unwrap();
+        let whole = pull(&mut Sound::parse(text, Sound::SAMPLE_RATE).unwrap(), 2000);
+        let mut sound = Sound::parse(text, Sound::SAMPLE_RATE).unwrap();
         for start in [1234, 0, 777] {
             sound.seek(start as u64);
             for (a, b) in pull(&mut sound, 700).iter().zip(&whole[start..]) {
@@ -153,7 +154,7 @@ fn a_sound_of_ones_own_is_played() {
         let length = rate_hz as usize / 16_000;
         Ok(Sound::new(Ramp { next: 0, length }))
     });
-    let mut sound = source.sound(SAMPLE_RATE).unwrap();
+    let mut sound = source.sound(Sound::SAMPLE_RATE).unwrap();
     assert_eq!(sound.length(), Some(3));
     let mut out = [9.0; 2];
     sound.fill(&mut out);
@@ -170,7 +171,7 @@ fn a_sound_of_ones_own_is_played() {
 #[test]
 fn a_source_says_why_it_makes_no_sound() {
     let missing: SoundSource = "missing.wav".parse().unwrap();
-    let error = missing.sound(SAMPLE_RATE).unwrap_err();
+    let error = missing.sound(Sound::SAMPLE_RATE).unwrap_err();
     assert!(matches!(error, AudioError::OpenWav { .. }), "{error}");
     let error = "missing".parse::<SoundSource>().unwrap_err();
     assert!(matches!(error, AudioError::UnknownSound { .. }), "{error}");

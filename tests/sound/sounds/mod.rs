@@ -4,7 +4,7 @@ mod clips;
 mod made;
 mod wav_files;
 
-use echomarch::audio::{AudioError, SAMPLE_RATE, Sound, SoundSpec};
+use echomarch::audio::{AudioError, Sound, SoundSpec};
 use hound::{SampleFormat, WavSpec};
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
@@ -17,7 +17,7 @@ fn pull(sound: &mut Sound, count: usize) -> Vec<f32> {
 }
 
 fn load(path: &Path) -> Result<Sound, AudioError> {
-    Sound::load(&SoundSpec::Wav { path: path.into() }, SAMPLE_RATE)
+    Sound::load(&SoundSpec::Wav { path: path.into() }, Sound::SAMPLE_RATE)
 }
 
 fn spec(channels: u16, sample_rate: u32, bits_per_sample: u16) -> WavSpec {
@@ -56,7 +56,7 @@ fn error_of(result: Result<Sound, AudioError>) -> AudioError {
 fn amplitude_at(frequency_hz: f64, samples: &[f32]) -> f64 {
     let (mut re, mut im) = (0.0, 0.0);
     for (i, &s) in samples.iter().enumerate() {
-        let angle = TAU * frequency_hz * i as f64 / f64::from(SAMPLE_RATE);
+        let angle = TAU * frequency_hz * i as f64 / f64::from(Sound::SAMPLE_RATE);
         re += f64::from(s) * angle.cos();
         im += f64::from(s) * angle.sin();
     }

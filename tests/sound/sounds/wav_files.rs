@@ -2,7 +2,7 @@
 
 use super::{error_of, float, load, pull, spec, write};
 use crate::common::wav::wav_header;
-use echomarch::audio::{AudioError, SAMPLE_RATE, WavWriter};
+use echomarch::audio::{AudioError, Sound, WavWriter};
 use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
@@ -13,7 +13,7 @@ fn every_integer_width_keeps_its_scale() {
     for bits in [8u16, 16, 24, 32] {
         let full = 1i64 << (bits - 1);
         let samples = [0, full / 2, -full / 2, full - 1, -full].map(|s| s as i32);
-        let path = write(&dir, spec(1, SAMPLE_RATE, bits), &samples);
+        let path = write(&dir, spec(1, Sound::SAMPLE_RATE, bits), &samples);
         let read = pull(&mut load(&path).unwrap(), 5);
         let top = ((full - 1) as f64 / full as f64) as f32;
         assert_eq!(read, [0.0, 0.5, -0.5, top, -1.0], "{bits} bits");
@@ -25,11 +25,11 @@ fn channels_are_averaged() {
     let dir = TempDir::new().unwrap();
     let path = write(
         &dir,
-        float(2, SAMPLE_RATE),
+        float(2, Sound::SAMPLE_RATE),
         &[1.0f32, 0.0, 0.5, -0.5, -1.0, -0.5],
     );
     assert_eq!(pull(&mut load(&path).unwrap(), 3), [0.5, 0.0, -0.75]);
-    let path = write(&dir, float(4, SAMPLE_RATE), &[f32::MAX; 4]);
+    let path = write(&dir, float(4, Sound::SAMPLE_RATE), &[f32::MAX; 4]);
     assert_eq!(pull(&mut load(&path).unwrap(), 1), [f32::MAX]);
 }
 
@@ -51,18 +51,18 @@ fn bad_files_are_refused_each_in_its_own_words() {
         fs::write(&path, text).unwrap();
         check(|e| matches!(e, AudioError::NotWav { .. }), text);
     }
-    write(&dir, spec(2, SAMPLE_RATE, 16), &[0i16; 0]);
+    write(&dir, spec(2, Sound::SAMPLE_RATE, 16), &[0i16; 0]);
     check(|e| matches!(e, AudioError::EmptyWav { .. }), "empty");
     write(&dir, spec(1, 12, 16), &[0i16; 4]);
     check(|e| matches!(e, AudioError::UnsupportedWav { .. }), "rate");
     for bad in [f32::NAN, f32::INFINITY] {
-        write(&dir, float(2, SAMPLE_RATE), &[0.0, 0.0, 0.0, bad]);
+        write(&dir, float(2, Sound::SAMPLE_RATE), &[0.0, 0.0, 0.0, bad]);
         check(
             |e| matches!(e, AudioError::NonFiniteSample { sample: 3, .. }),
             "NaN",
         );
     }
-    write(&dir, spec(1, SAMPLE_RATE, 16), &[1i16; 100]);
+    write(&dir, spec(1, Sound::SAMPLE_RATE, 16), &[1i16; 100]);
     let whole = fs::read(&path).unwrap();
     fs::write(&path, &whole[..whole.len() - 21]).unwrap();
     check(

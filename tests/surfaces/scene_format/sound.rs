@@ -2,7 +2,7 @@
 
 use crate::common::Random;
 use echomarch::scene::shape::{Room, Sphere};
-use echomarch::scene::{Air, BUILTIN_MATERIALS, Key, Material, Path, WALL_NAMES};
+use echomarch::scene::{Air, Key, Material, Path};
 use echomarch::{Listener, Scene, Source, Surface};
 use glam::Vec3;
 
@@ -44,7 +44,7 @@ fn everything_that_is_said_is_in_the_scene() {
         absorption: [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8],
         ..Material::MIRROR
     };
-    let wall = |name| WALL_NAMES.iter().position(|known| *known == name);
+    let wall = |name| Room::WALL_NAMES.iter().position(|known| *known == name);
     assert_eq!(scene.material(0, None), Some(&brick));
     assert_eq!(scene.material(0, wall("left")), Some(&brick));
     assert_eq!(scene.material(0, wall("floor")), Some(&mat));
@@ -331,7 +331,7 @@ fn drawn(random: &mut Random) -> Scene {
         true => [share(random); 8],
         false => std::array::from_fn(|_| share(random)),
     };
-    let mut names: Vec<String> = BUILTIN_MATERIALS
+    let mut names: Vec<String> = Material::BUILTIN
         .iter()
         .map(|m| m.name.to_owned())
         .collect();

@@ -2,7 +2,8 @@
 
 use echomarch::bands::BANDS_HZ;
 use echomarch::response::{Flutter, Response, flutters};
-use echomarch::scene::{Scene, WALL_NAMES};
+use echomarch::scene::Scene;
+use echomarch::scene::shape::Room;
 
 /// Returns a sentence for each pair of walls between which sound lasts.
 pub fn notes(scene: &Scene, response: &Response) -> Vec<String> {
@@ -20,7 +21,7 @@ fn sentence(flutter: &Flutter) -> String {
         )
     });
     let figures: Vec<String> = figures.collect();
-    let [one, other] = flutter.walls.map(|wall| WALL_NAMES[wall]);
+    let [one, other] = flutter.walls.map(|wall| Room::WALL_NAMES[wall]);
     let scatters = match flutter.nothing_scatters {
         true => "nothing scatters, and built-in materials have no scattering",
         false => "too little scatters",

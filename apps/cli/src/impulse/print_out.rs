@@ -7,7 +7,8 @@ use super::pairs::Pair;
 use echomarch::bands::{self, BAND_COUNT, BANDS_HZ, Bands};
 use echomarch::response::{BandFigures, Figures, strength_db};
 use echomarch::response::{HeardPath, Response, ResponseSettings};
-use echomarch::scene::{Scene, WALL_NAMES};
+use echomarch::scene::Scene;
+use echomarch::scene::shape::Room;
 use echomarch_lab::report::{Column, Row, Table};
 use serde::Serialize;
 
@@ -197,7 +198,7 @@ fn mean_strength_db(path: &HeardPath) -> Option<f64> {
 /// The names of the walls that a path is mirrored at; `None` for other surfaces.
 fn wall_names(path: &HeardPath) -> impl Iterator<Item = Option<&'static str>> {
     let walls = path.path.walls.iter();
-    walls.map(|wall| wall.map(|wall| WALL_NAMES[usize::from(wall)]))
+    walls.map(|wall| wall.map(|wall| Room::WALL_NAMES[usize::from(wall)]))
 }
 
 /// One band of one pair, as a row of a table.

@@ -3,7 +3,7 @@
 use super::super::print;
 use super::{Job, ReportHead, sounds};
 use echomarch::Error;
-use echomarch::audio::{Mixer, SAMPLE_RATE, WavWriter};
+use echomarch::audio::{Mixer, Sound, WavWriter};
 use echomarch::offline::{self, Block};
 use echomarch_lab::stats::median;
 use serde::Serialize;
@@ -76,7 +76,7 @@ pub fn run(job: Job) -> anyhow::Result<()> {
         sound: sounds::names(&job.sounds[..1]),
         law: law.to_string(),
         seconds: timing.seconds,
-        sample_rate: SAMPLE_RATE,
+        sample_rate: Sound::SAMPLE_RATE,
         fps: timing.fps,
         frames: lines,
         median_frame_ms: median(times),

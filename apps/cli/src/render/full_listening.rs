@@ -7,10 +7,10 @@ use super::super::print;
 use super::{Job, ReportHead, sounds};
 use clap::Args;
 use echomarch::Error;
-use echomarch::audio::{SAMPLE_RATE, WavWriter};
+use echomarch::audio::{Sound, WavWriter};
 use echomarch::offline::{self, FullBlock, FullSettings};
-use echomarch::response::MAX_SECONDS;
-use echomarch::response::{HeardSource, MAX_ORDER, ResponseSettings};
+use echomarch::response::ImpulseSettings;
+use echomarch::response::{HeardSource, ResponseSettings};
 use serde::Serialize;
 
 /// Largest gain accepted, up or down, in decibels: this includes every audible gain.
@@ -127,7 +127,7 @@ pub fn run(job: Job) -> anyhow::Result<()> {
         gain_db,
         seconds: timing.seconds,
         tail_s,
-        sample_rate: SAMPLE_RATE,
+        sample_rate: Sound::SAMPLE_RATE,
         fps: timing.fps,
         peak_db: (peak > 0.0).then(|| 20.0 * f64::from(peak).log10()),
         frames: lines,
@@ -146,10 +146,20 @@ fn settings(job: &Job) -> anyhow::Result<(Vec<String>, FullSettings)> {
         check_range("--gain", gain, -MOST_GAIN_DB, MOST_GAIN_DB)?;
     }
     if let Some(order) = options.order {
-        check_range("--order", order.into(), 0.0, MAX_ORDER.into())?;
+        check_range(
+            "--order",
+            order.into(),
+            0.0,
+            ResponseSettings::MAX_ORDER.into(),
+        )?;
     }
     if let Some(tail) = options.tail {
-        check_range("--tail", tail, SHORTEST_TAIL_S, MAX_SECONDS)?;
+        check_range(
+            "--tail",
+            tail,
+            SHORTEST_TAIL_S,
+            ImpulseSettings::MAX_SECONDS,
+        )?;
     }
     let trace = job.arguments.options.settings()?;
     let seed = trace.seed;

@@ -2,7 +2,7 @@
 
 use super::super::exit::BadInput;
 use echomarch::Error;
-use echomarch::audio::{SAMPLE_RATE, Sound, SoundSpec};
+use echomarch::audio::{Sound, SoundSpec};
 use echomarch::scene::Scene;
 use std::str::FromStr;
 
@@ -58,7 +58,7 @@ pub fn of_sources(scene: &Scene, typed: &[SourceSound]) -> Result<Vec<SoundSpec>
 
 /// Loads the sounds of all sources.
 pub fn load(specs: &[SoundSpec]) -> Result<Vec<Sound>, Error> {
-    let load = |spec: &SoundSpec| Sound::load(spec, SAMPLE_RATE).map_err(Error::from);
+    let load = |spec: &SoundSpec| Sound::load(spec, Sound::SAMPLE_RATE).map_err(Error::from);
     specs.iter().map(load).collect()
 }
 

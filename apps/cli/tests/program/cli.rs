@@ -3,7 +3,7 @@
 use crate::common::cli::{argument, command, echomarch, json, stderr, stdout, succeed};
 use crate::common::wav::{read_stereo, rms};
 use crate::common::{builtin, thesis, tracer};
-use echomarch::audio::{SAMPLE_RATE, SINE_AMPLITUDE};
+use echomarch::audio::Sound;
 use std::process::Stdio;
 
 const SUBCOMMANDS: [&str; 4] = ["figures", "trace", "render", "info"];
@@ -48,7 +48,7 @@ fn every_built_in_scene_is_named_where_scenes_are_listed() {
         document.to_owned(),
     ];
     for list in lists {
-        for name in echomarch::scene::BUILTIN_NAMES {
+        for name in echomarch::Scene::BUILTIN_NAMES {
             let mut words = list.split(|c: char| !(c.is_alphanumeric() || c == '-'));
             assert!(words.any(|word| word == name), "{name}: {list}");
         }
@@ -254,7 +254,11 @@ fn a_passing_source_moves_from_left_to_right() {
     );
 
     let [left, right] = read_stereo(&first);
-    assert_eq!(left.len(), 4 * SAMPLE_RATE as usize, "the path takes 4 s");
+    assert_eq!(
+        left.len(),
+        4 * Sound::SAMPLE_RATE as usize,
+        "the path takes 4 s"
+    );
     // Half a second is 220 whole periods of 440 Hz. In each the source moves 2 m, which pans by at
     // least 0.07; with 340 hits at the far ends, one standard error of a pan is 0.03, and all
     // frames have one seed, so that most of their noise is common to them.
@@ -280,7 +284,7 @@ fn a_passing_source_moves_from_left_to_right() {
 /// |Δs| ≤ 2·0.5·sin(π·440/48000), and Δg the gain's change in a frame over its 1600 samples:
 /// half the pan's, by the linear law. Rounding of a sample in `f32` adds 2^-24 twice.
 fn steepest_step(report: &serde_json::Value) -> f64 {
-    let amplitude = f64::from(SINE_AMPLITUDE);
+    let amplitude = f64::from(Sound::SINE_AMPLITUDE);
     let sine = 2.0 * amplitude * (std::f64::consts::PI * 440.0 / 48_000.0).sin();
     let frames = report["frames"].as_array().unwrap();
     assert_eq!(frames.len(), 120);

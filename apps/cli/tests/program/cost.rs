@@ -4,7 +4,6 @@
 use crate::common::cli::{argument, command, echomarch, json, stderr, stdout, succeed};
 use crate::common::{builtin, tracer};
 use echomarch::glam::Vec3;
-use echomarch::scene::BUILTIN_NAMES;
 use echomarch::scene::shape::{Cuboid, Room, Sphere};
 use echomarch::{Listener, Node, Profile, Scene, Settings, Source, Surface};
 use echomarch_lab::experiment::cost::{
@@ -132,7 +131,7 @@ fn one_surface_silence_and_many_are_told() {
 /// few lines are called.
 #[test]
 fn no_built_in_scene_has_the_text_of_a_feature_that_it_lacks() {
-    for name in BUILTIN_NAMES {
+    for name in Scene::BUILTIN_NAMES {
         let scene = builtin(name);
         for profile in Profile::ALL {
             let settings = Settings::new(profile);

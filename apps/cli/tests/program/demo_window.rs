@@ -323,7 +323,7 @@ fn keys_do_what_the_help_says() {
         .key("bracketright");
     demo.key("period").key("F12");
     let (report, _, folder) = demo.quit();
-    let next = echomarch::scene::BUILTIN_NAMES
+    let next = echomarch::Scene::BUILTIN_NAMES
         .iter()
         .skip_while(|name| **name != "corner")
         .nth(1);

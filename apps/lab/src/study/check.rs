@@ -6,9 +6,9 @@ use super::file::{
 };
 use crate::text::check_name;
 use echomarch::bands::BANDS_HZ;
-use echomarch::response::MAX_ORDER;
-use echomarch::response::MAX_SECONDS;
-use echomarch::tracer::{MAX_ITERATIONS, MAX_WAVES};
+use echomarch::response::ImpulseSettings;
+use echomarch::response::ResponseSettings;
+use echomarch::tracer::Settings;
 use std::fmt::Display;
 
 /// Maximum number of points of a study: 10⁹ take years on one core, and numbers of points stay
@@ -27,7 +27,7 @@ const LATEST_S: f64 = 86_400.0;
 /// The shortest response in seconds: a time bin.
 const SHORTEST_S: f64 = 1e-3;
 
-/// The longest bin of an echogram in milliseconds, as in [`BINS_S`](crate::response::BINS_S).
+/// The longest bin of an echogram in milliseconds, as in [`Echogram::BINS_S`](crate::response::Echogram::BINS_S).
 const LONGEST_BIN_MS: u32 = 100;
 
 /// Reports invalid fields with the name of the file.
@@ -197,8 +197,8 @@ impl Checker<'_> {
         self.count("settings.profiles", profiles.len() as u64)?;
         self.count("settings.directions", directions.len() as u64)?;
         for (place, list, most) in [
-            ("settings.waves", waves, MAX_WAVES),
-            ("settings.iterations", iterations, MAX_ITERATIONS),
+            ("settings.waves", waves, Settings::MAX_WAVES),
+            ("settings.iterations", iterations, Settings::MAX_ITERATIONS),
         ] {
             self.count(place, list.len() as u64)?;
             for (at, number) in list.iter().enumerate() {
@@ -262,10 +262,15 @@ impl Checker<'_> {
             self.must(is_known, &place, must, band)?;
         }
         if let Some(seconds) = response.seconds {
-            self.within("keep.response.seconds", seconds, SHORTEST_S, MAX_SECONDS)?;
+            self.within(
+                "keep.response.seconds",
+                seconds,
+                SHORTEST_S,
+                ImpulseSettings::MAX_SECONDS,
+            )?;
         }
         if let Some(order) = response.order {
-            let most = f64::from(MAX_ORDER);
+            let most = f64::from(ResponseSettings::MAX_ORDER);
             self.within("keep.response.order", f64::from(order), 0.0, most)?;
         }
         if let Some(bin) = response.echogram_ms {

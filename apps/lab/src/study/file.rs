@@ -8,7 +8,7 @@ use super::StudyError;
 use crate::text::in_a_line;
 use echomarch::internals::file_input::{MalformedText, read_text};
 use echomarch::internals::ron_error::{STUDY, sentence};
-use echomarch::scene::BUILTIN_NAMES;
+use echomarch::scene::Scene;
 use echomarch::tracer::{Directions, Profile};
 use serde::de::{Error, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
@@ -356,5 +356,5 @@ impl StudyFile {
 
 /// The path of a scene file; none if the scene is built in.
 pub(super) fn scene_file(of: &str, folder: &Path) -> Option<PathBuf> {
-    (!BUILTIN_NAMES.contains(&of)).then(|| folder.join(of))
+    (!Scene::BUILTIN_NAMES.contains(&of)).then(|| folder.join(of))
 }

@@ -7,7 +7,7 @@ use super::super::state::Choices;
 use super::{HudState, materials, style};
 use echomarch::audio::PanningLaw;
 use echomarch::auralisation::Listen;
-use echomarch::scene::BUILTIN_NAMES;
+use echomarch::scene::Scene;
 use echomarch::tracer::{Algorithm, Profile};
 use echomarch_walk::ValueSlider;
 use echomarch_walk::World;
@@ -89,7 +89,7 @@ fn scenes(ui: &mut Ui, hud: &HudState, actions: &mut Vec<Action>) {
         .truncate()
         .selected_text(style::plain(&world.base.name))
         .show_ui(ui, |ui| {
-            for name in BUILTIN_NAMES {
+            for name in Scene::BUILTIN_NAMES {
                 choose(ui, name, name);
             }
             ui.separator();

@@ -2,7 +2,7 @@
 
 use super::super::keys::Action;
 use super::{HudState, style};
-use echomarch::scene::BUILTIN_MATERIALS;
+use echomarch::scene::Material;
 use egui::{ComboBox, Ui};
 
 /// Maximum number of surfaces that can be chosen from: the first ones. A longer list is impractical
@@ -42,7 +42,7 @@ fn materials(ui: &mut Ui, hud: &HudState, surface: usize, actions: &mut Vec<Acti
     let scene = &hud.world.base;
     let now = scene.surfaces[surface].material.as_deref();
     let own = scene.materials.keys().map(String::as_str);
-    let known = BUILTIN_MATERIALS.iter().map(|material| material.name);
+    let known = Material::BUILTIN.iter().map(|material| material.name);
     ComboBox::from_id_salt("material")
         .width(96.0)
         .truncate()

@@ -159,7 +159,7 @@ fn a_scene_without_surfaces_is_refused() {
 fn scenes_that_are_not_there_are_refused() {
     let folder = folder();
     let unknown = refusal(folder.path(), &["trace", "conrer"]);
-    for name in echomarch::scene::BUILTIN_NAMES {
+    for name in echomarch::Scene::BUILTIN_NAMES {
         assert!(unknown.contains(name), "{unknown}");
     }
     assert!(unknown.contains("\"conrer\""), "{unknown}");

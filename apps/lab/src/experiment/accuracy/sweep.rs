@@ -7,7 +7,7 @@
 
 use super::report::CaseReport;
 use echomarch::scene::Scene;
-use echomarch::tracer::{Algorithm, Budget, Directions, MAX_ITERATIONS, Profile, Settings};
+use echomarch::tracer::{Algorithm, Budget, Directions, Profile, Settings};
 
 /// Minimum distances in metres.
 pub const MIN_DISTANCES: [f32; 6] = [1e-4, 1e-3, 1e-2, 0.03, 0.1, 0.3];
@@ -237,7 +237,9 @@ fn options_together(base: &Case) -> Vec<Case> {
 /// default.
 fn other_passes(base: &Case) -> Case {
     match base.settings.iterations_per_pass {
-        1 => base.but("fused", |s| s.iterations_per_pass = MAX_ITERATIONS),
+        1 => base.but("fused", |s| {
+            s.iterations_per_pass = Settings::MAX_ITERATIONS
+        }),
         _ => base.but("a pass an iteration", |s| s.iterations_per_pass = 1),
     }
 }
@@ -294,11 +296,16 @@ mod tests {
             Case::new("", settings).report(scene).fused
         };
         for profile in [Profile::Thesis, Profile::March] {
-            assert!(fused(&corner, profile, 8, MAX_ITERATIONS));
-            assert!(!fused(&corner, profile, 64, MAX_ITERATIONS));
+            assert!(fused(&corner, profile, 8, Settings::MAX_ITERATIONS));
+            assert!(!fused(&corner, profile, 64, Settings::MAX_ITERATIONS));
             assert!(!fused(&corner, profile, 4, 1));
         }
-        assert!(fused(&corner, Profile::Hybrid, 16, MAX_ITERATIONS));
+        assert!(fused(
+            &corner,
+            Profile::Hybrid,
+            16,
+            Settings::MAX_ITERATIONS
+        ));
         assert!(!fused(&corner, Profile::Hybrid, 16, 8));
         let torus = Node::Torus(Torus {
             ring: 2.0,
@@ -306,7 +313,17 @@ mod tests {
         });
         let mut marched = corner;
         marched.surfaces.push(Surface::new(torus));
-        assert!(fused(&marched, Profile::Hybrid, 8, MAX_ITERATIONS));
-        assert!(!fused(&marched, Profile::Hybrid, 64, MAX_ITERATIONS));
+        assert!(fused(
+            &marched,
+            Profile::Hybrid,
+            8,
+            Settings::MAX_ITERATIONS
+        ));
+        assert!(!fused(
+            &marched,
+            Profile::Hybrid,
+            64,
+            Settings::MAX_ITERATIONS
+        ));
     }
 }

@@ -3,7 +3,7 @@
 
 use super::observer::{Levels, Observer, azimuth_deg};
 use echomarch::Error;
-use echomarch::audio::{Mixer, PanningLaw, SAMPLE_RATE, Sound, SoundSpec};
+use echomarch::audio::{Mixer, PanningLaw, Sound, SoundSpec};
 use echomarch::scene::Scene;
 use echomarch::tracer::{Settings, TraceError, Tracer};
 use glam::DVec3;
@@ -91,7 +91,7 @@ pub fn without_ground(scene: &Scene) -> Scene {
 pub struct LoadedSound {
     /// Its name as given.
     pub name: String,
-    /// Samples at [`SAMPLE_RATE`], faded in and out.
+    /// Samples at [`Sound::SAMPLE_RATE`], faded in and out.
     pub mono: Vec<f32>,
 }
 
@@ -109,8 +109,8 @@ impl LoadedSound {
                 value: seconds.to_string(),
             }));
         }
-        let mut sound = Sound::load(spec, SAMPLE_RATE)?;
-        let rate = f64::from(SAMPLE_RATE);
+        let mut sound = Sound::load(spec, Sound::SAMPLE_RATE)?;
+        let rate = f64::from(Sound::SAMPLE_RATE);
         let mut mono = vec![0.0; (seconds * rate).round().max(1.0) as usize];
         sound.fill(&mut mono);
         let fade = ((FADE_S * rate) as usize).min(mono.len() / 2);

@@ -2,7 +2,7 @@
 
 use super::Trial;
 use base64::prelude::{BASE64_STANDARD, Engine};
-use echomarch::audio::{SAMPLE_RATE, wav_to_io};
+use echomarch::audio::{Sound, wav_to_io};
 use echomarch::internals::sampling::fnv_of_bytes;
 use hound::{SampleFormat, WavSpec, WavWriter};
 use std::io::{self, Cursor};
@@ -20,7 +20,7 @@ pub fn wav_16(interleaved: &[f32]) -> io::Result<Vec<u8>> {
 fn write_wav_16(bytes: &mut Vec<u8>, interleaved: &[f32]) -> hound::Result<()> {
     let spec = WavSpec {
         channels: 2,
-        sample_rate: SAMPLE_RATE,
+        sample_rate: Sound::SAMPLE_RATE,
         bits_per_sample: 16,
         sample_format: SampleFormat::Int,
     };
@@ -66,7 +66,7 @@ mod tests {
     fn a_16_bit_wav_is_read_again() {
         let wav = wav_16(&[0.5, -0.5, 1.0, -2.0]).unwrap();
         let reader = hound::WavReader::new(wav.as_slice()).unwrap();
-        assert_eq!(reader.spec().sample_rate, SAMPLE_RATE);
+        assert_eq!(reader.spec().sample_rate, Sound::SAMPLE_RATE);
         let samples: Result<Vec<i16>, _> = reader.into_samples().collect();
         assert_eq!(samples.unwrap(), [16_384, -16_384, 32_767, -32_767]);
     }
@@ -75,8 +75,8 @@ mod tests {
     #[test]
     fn a_wav_has_the_shortest_header() {
         let mut expected = b"RIFF\x2c\0\0\0WAVEfmt \x10\0\0\0\x01\0\x02\0".to_vec();
-        expected.extend(SAMPLE_RATE.to_le_bytes());
-        expected.extend((4 * SAMPLE_RATE).to_le_bytes());
+        expected.extend(Sound::SAMPLE_RATE.to_le_bytes());
+        expected.extend((4 * Sound::SAMPLE_RATE).to_le_bytes());
         expected.extend(b"\x04\0\x10\0data\x08\0\0\0\0\x40\0\xc0\xff\x7f\x01\x80");
         assert_eq!(wav_16(&[0.5, -0.5, 1.0, -2.0]).unwrap(), expected);
         assert!(wav_16(&[0.5]).is_err());
