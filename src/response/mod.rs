@@ -2,10 +2,9 @@
 //!
 //! Waves are traced through the scene on the GPU, and every crossing of the listener's sphere is an [`Arrival`].
 //! Arrivals that were mirrored a few times and never scattered give the sequences of surfaces for which exact paths are
-//! found, from point to point ([`EarlyPaths`](crate::response::exact_paths::EarlyPaths)); each is a [`Tap`]. All other
-//! arrivals are added up in an [`Echogram`]. Both together give the [`Figures`] of ISO 3382-1 and the sampled
-//! [`ImpulseResponse`]. `docs/acoustics.md` describes the model, its sources and its
-//! limits.
+//! found, from point to point ([`SpecularPath`]); each is a [`Tap`]. All other arrivals are added up in an
+//! [`Echogram`]. Both together give the [`Figures`] of ISO 3382-1 and the sampled [`ImpulseResponse`].
+//! `docs/acoustics.md` describes the model, its sources and its limits.
 //!
 //! ```text
 //!  crossings of the listener ─▶ Echogram ─┬─▶ Figures (ISO 3382-1), with their errors
@@ -43,7 +42,7 @@ mod duration;
 mod early_part;
 mod echogram;
 mod error;
-pub mod exact_paths;
+mod exact_paths;
 mod figures;
 mod impulse_response;
 mod late;
@@ -71,7 +70,7 @@ use crate::platform::Instant;
 use crate::scene::Scene;
 use crate::tracer::{ArrivalCounts, ArrivalSettings, Settings, Tracer};
 use early_part::{Caught, EarlyPart};
-use exact_paths::Missed;
+pub use exact_paths::{Missed, SpecularPath};
 use glam::Vec3;
 use late::{Arrivals, LateSphere};
 use source_sound::Medium;

@@ -83,11 +83,6 @@ impl Candidates {
         self.spans.len()
     }
 
-    /// Whether no wave passed the listener.
-    pub fn is_empty(&self) -> bool {
-        self.spans.is_empty()
-    }
-
     /// The candidate with this index, in the order of the waves, then of their reflections.
     pub fn get(&self, index: usize) -> Option<Candidate<'_>> {
         let Span { wave, first, count } = *self.spans.get(index)?;

@@ -14,7 +14,7 @@
 use super::candidates::Candidates;
 use super::check::{Checked, flight_directions};
 use super::fermat::Chain;
-use super::paths::{Draft, FoundBy, Missed, SpecularPath, front_area, is_focus, merged};
+use super::paths::{Draft, FoundBy, SpecularPath, front_area, is_focus, merged};
 use super::sheet::Sheet;
 use super::surfaces::{Surfaces, Vertex};
 use super::{Ends, NoPath, fermat};
@@ -33,8 +33,6 @@ pub struct Found {
     pub paths: Vec<SpecularPath>,
     /// For each candidate the index of its path, or the reason why it has none.
     pub outcomes: Vec<Result<usize, NoPath>>,
-    /// Estimate of the early part that the waves have missed.
-    pub missed: Missed,
 }
 
 impl Found {
@@ -43,7 +41,6 @@ impl Found {
         Found {
             paths: Vec::new(),
             outcomes: vec![Err(why); candidates.len()],
-            missed: Missed::default(),
         }
     }
 }
@@ -92,7 +89,6 @@ pub(super) fn find(
     let paths: Vec<SpecularPath> = paths.into_iter().map(finish).collect();
     Found {
         outcomes: job_of.into_iter().map(outcome).collect(),
-        missed: Missed::of(&paths),
         paths,
     }
 }

@@ -64,21 +64,6 @@ use glam::{DVec3, Vec3};
 use surfaces::Surfaces;
 
 /// The surfaces of a scene as mirrors, to find paths among.
-///
-/// ```
-/// use echomarch::response::exact_paths::{EarlyPaths, Ends};
-/// use echomarch::{Scene, glam::Vec3};
-/// let scene = Scene::builtin("shoebox")?;
-/// let early = EarlyPaths::new(&scene)?;
-/// let ends = Ends::of(&scene);
-/// let along_axes = [Vec3::X, Vec3::Y, Vec3::Z].into_iter().flat_map(|axis| [axis, -axis]);
-/// let waves: Vec<Vec3> = along_axes.collect();
-/// let candidates = early.candidates(&ends, &waves, 1, f64::INFINITY);
-/// let found = early.find(&ends, &candidates);
-/// // The direct sound, and one echo from each wall.
-/// assert_eq!(found.paths.len(), 7);
-/// # Ok::<(), echomarch::Error>(())
-/// ```
 #[derive(Clone, Debug)]
 pub struct EarlyPaths {
     exact: ExactScene,
@@ -157,6 +142,12 @@ impl EarlyPaths {
         }
     }
 
+    /// All candidates of [`EarlyPaths::candidates_within`].
+    #[cfg(test)]
+    fn candidates(&self, ends: &Ends, directions: &[Vec3], order: u32, reach_m: f64) -> Candidates {
+        self.candidates_within(ends, directions, order, reach_m, u64::MAX)
+    }
+
     /// Follows waves from the source along `directions` (of any length except 0) through the
     /// listener, for at most `order` reflections. Each flight that comes within `reach_m` metres of
     /// the listener's centre is a candidate; the index of a wave is that of its direction.
@@ -165,23 +156,14 @@ impl EarlyPaths {
     /// estimates their energy. A greater reach finds more paths with the same waves: in a room of
     /// planes use ∞, because candidates of one sequence cost nothing there.
     ///
-    /// Runs on the threads of rayon's pool; the result does not depend on their number. Cost: as
-    /// [`ExactScene::trace_all`]. Marched fields take a thousand times as long as the basic shapes:
-    /// with them follow only waves that are known to arrive.
-    pub fn candidates(
-        &self,
-        ends: &Ends,
-        directions: &[Vec3],
-        order: u32,
-        reach_m: f64,
-    ) -> Candidates {
-        self.candidates_within(ends, directions, order, reach_m, u64::MAX)
-    }
-
-    /// Like [`EarlyPaths::candidates`], but follows no more waves once more than `most_asked` surfaces, and boxes
+    /// Follows no more waves once more than `most_asked` surfaces, and boxes
     /// around them, have been evaluated for a flight: about ten nanoseconds each, and more for marched fields.
     /// Waves that are left out ([`Candidates::left_out`]) are spread evenly between the other directions, and do
     /// not depend on timing.
+    ///
+    /// Runs on the threads of rayon's pool; the result does not depend on their number. Cost: as
+    /// [`ExactScene::trace_all`]. Marched fields take a thousand times as long as the basic shapes:
+    /// with them follow only waves that are known to arrive.
     pub(crate) fn candidates_within(
         &self,
         ends: &Ends,

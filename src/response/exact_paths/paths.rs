@@ -69,8 +69,8 @@ pub struct SpecularPath {
     /// A), where A is the area of the wave front per solid angle. At a focus it is limited, see
     /// [`SpecularPath::is_focus`].
     pub spreading: f64,
-    /// Whether 1/(4π A) is more than a sphere of the listener's radius can receive: see [`super`],
-    /// section *Foci*.
+    /// Whether 1/(4π A) is more than a sphere of the listener's radius r can receive, 3/(2π r²): at a focus A can be 0.
+    /// Its spreading is then this bound times the share of all waves that found the path.
     pub is_focus: bool,
     /// Number of waves that found it.
     pub found_by: u32,

@@ -161,7 +161,7 @@ fn any_number_of_threads_finds_the_same() {
         pool.expect("threads").install(|| {
             let candidates = early.candidates(&ends, &directions(4096), 3, 0.6);
             let found = early.find(&ends, &candidates);
-            (found.paths, found.outcomes, found.missed)
+            (found.paths, found.outcomes)
         })
     };
     let one = run(1);

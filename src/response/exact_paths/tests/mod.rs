@@ -1,6 +1,6 @@
 //! Compares early paths with closed forms, brute force, and bundles of traced rays.
 
-use super::{Candidates, EarlyPaths, Ends, Found, NoPath, SpecularPath, Vertex};
+use super::{Candidates, EarlyPaths, Ends, Found, Missed, NoPath, SpecularPath, Vertex};
 use crate::geometry::ExactScene;
 use crate::scene::UserField;
 use crate::scene::shape::{Cuboid, HalfSpace, Plane, Room, Sphere, User};
@@ -366,15 +366,12 @@ fn few_waves_say_that_they_miss_much() {
         Vec3::new(3.0, 1.0, 2.0),
         Vec3::new(-6.0, 0.2, -3.0),
     );
-    let share = |waves| found(&scene, waves, 3, 0.3).missed.energy_share();
+    let share = |waves| Missed::of(&found(&scene, waves, 3, 0.3).paths).energy_share();
     let (few, many) = (share(4000), share(400_000));
     assert!(few > Some(0.1) && many < Some(0.01), "{few:?} {many:?}");
     assert_eq!(share(0), None);
-    let missed = found(&scene, 400_000, 3, 0.3);
-    let lacking = 63.0 - missed.paths.len() as f64;
-    assert!(
-        (missed.missed.paths() - lacking).abs() < 5.0,
-        "{:?}",
-        missed.missed
-    );
+    let paths = found(&scene, 400_000, 3, 0.3).paths;
+    let missed = Missed::of(&paths);
+    let lacking = 63.0 - paths.len() as f64;
+    assert!((missed.paths() - lacking).abs() < 5.0, "{missed:?}");
 }

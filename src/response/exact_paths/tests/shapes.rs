@@ -2,7 +2,7 @@
 
 use super::{area, assert_specular, by_way_of, directions, found, scene, traced_area};
 use crate::geometry::ExactScene;
-use crate::response::exact_paths::{Candidates, EarlyPaths, Ends, SpecularPath, Vertex};
+use crate::response::exact_paths::{Candidates, EarlyPaths, Ends, Missed, SpecularPath, Vertex};
 use crate::scene::HeightImage;
 use crate::scene::shape::{
     Capsule, Cone, Cuboid, Cylinder, Ellipsoid, GeneralQuadric, HalfSpace, HeightField,
@@ -280,7 +280,7 @@ fn what_more_waves_find_was_estimated() {
     let all: f64 = many.paths.iter().map(|path| path.spreading).sum();
     let new: Vec<&SpecularPath> = many.paths.iter().filter(is_new).collect();
     let share = new.iter().map(|path| path.spreading).sum::<f64>() / all;
-    let missed = few.missed;
+    let missed = Missed::of(&few.paths);
     let estimated = missed.energy_share().expect("waves that found paths");
     assert!(
         new.len() as f64 > missed.paths(),
