@@ -115,5 +115,7 @@ const _: () = {
 
 pub use error::Error;
 pub use glam;
-pub use scene::{Listener, Node, Scene, Shape, Source, Surface};
+#[doc(hidden)]
+pub use scene::Node;
+pub use scene::{Listener, Scene, Shape, Source, Surface};
 pub use tracer::{Frame, Panning, Profile, Settings, Tracer};

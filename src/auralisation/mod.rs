@@ -74,6 +74,7 @@ const USUAL_LONGEST_S: f64 = 3.0;
 
 /// A way to listen. Names, for `FromStr` and `Display`: `full`, `balance`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[doc(hidden)]
 pub enum Listen {
     /// Loudness, delays, echoes, reverberation.
     Full,

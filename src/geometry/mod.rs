@@ -13,7 +13,7 @@
 //!   chapter 7). None of these is marched, so they need neither a minimum distance nor a start
 //!   offset. A field is marched: by plain steps of its value divided by its Lipschitz constant,
 //!   down to 10⁻¹² of its extent, and no farther than the nearest hit in closed form.
-//! - [`ShoeboxImages`] supports only an empty rectangular room and mirrors the listener instead of
+//! - `ShoeboxImages` supports only an empty rectangular room and mirrors the listener instead of
 //!   the wave (Allen & Berkley, *Image method for efficiently simulating small-room acoustics*,
 //!   JASA 65, 1979): in the unfolded room the wave is one straight line. It shares no code with
 //!   [`ExactScene`], and a test compares the two for each wave.
@@ -46,5 +46,8 @@ pub(crate) mod tests;
 pub use exact::{ExactScene, ExactWave, Hit};
 #[doc(hidden)]
 pub use exact::{PathVertex, sequence_hash};
+#[doc(hidden)]
 pub use image_source::ShoeboxImages;
-pub use shoebox_energies::{EnergiesByLength, ImageSource, ShoeboxEnergies};
+#[doc(hidden)]
+pub use shoebox_energies::EnergiesByLength;
+pub use shoebox_energies::{ImageSource, ShoeboxEnergies};

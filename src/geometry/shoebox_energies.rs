@@ -149,6 +149,7 @@ impl ShoeboxEnergies {
     /// # Errors
     /// [`TraceError::BadSetting`] for a length that is not finite, cells that are not above 0, more than a million
     /// cells, and more than 10¹² images.
+    #[doc(hidden)]
     pub fn energies_by_length(
         &self,
         cell_m: f64,

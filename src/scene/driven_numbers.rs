@@ -60,7 +60,7 @@ impl Surface {
         }
     }
 
-    /// The names of the numbers that a [`Driver`] may move: `position.x` …, `rotation.x` …, the
+    /// The names of the numbers that [`Surface::driven`] may move: `position.x` …, `rotation.x` …, the
     /// shape's own (`radius`, `size.x` …), and those of its children, each after the child's number
     /// (`0.radius` …).
     pub fn parameter_names(&self) -> HashSet<String> {
@@ -230,6 +230,7 @@ pub struct NamedValue {
 
 impl Scene {
     /// The named values of the scene in alphabetic order, each once.
+    #[doc(hidden)]
     pub fn named_values(&self) -> Vec<NamedValue> {
         let mut values: Vec<NamedValue> = Vec::new();
         for surface in &self.surfaces {

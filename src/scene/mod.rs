@@ -19,6 +19,7 @@ pub mod shape;
 mod sources_and_listeners;
 mod surface;
 
+#[doc(hidden)]
 pub use driven_numbers::NamedValue;
 pub use error::{SceneError, Warning};
 #[doc(hidden)]
@@ -27,9 +28,13 @@ pub(crate) use file::SceneWatch;
 #[doc(hidden)]
 pub use file::bases_of;
 pub use material::{Air, BuiltinMaterial, Material};
-pub use motion::{Driver, Key, Motion, Path, Quantity};
-pub use shape::{Bounds3, Exactness, HeightImage, Node, Properties, Shape, UserField};
+#[doc(hidden)]
+pub use motion::{Driver, Quantity};
+pub use motion::{Key, Motion, Path};
+pub use shape::{Bounds3, HeightImage, Shape, UserField};
 pub(crate) use shape::{Copies, UserSamples, halton};
+#[doc(hidden)]
+pub use shape::{Exactness, Node, Properties};
 pub use sources_and_listeners::{Listener, Source};
 pub use surface::{Nearest, Surface};
 

@@ -38,6 +38,7 @@ pub struct Surface {
     /// The angles of a driven rotation in radians, about x, then y, then z.
     pub angles: Vec3,
     /// The drivers of its numbers; empty when it does not move.
+    #[doc(hidden)]
     pub drivers: Vec<Driver>,
     /// The name of its material, one of the scene's or a built-in one; without one it reflects all.
     pub material: Option<String>,

@@ -53,9 +53,8 @@ use frame_steps::FrameUnderWay;
 use glam::Vec3;
 pub(crate) use gpu_scene::GpuScene;
 use gpu_scene::{OWN_UNIFORM_VECTORS, check_uniforms};
-pub use heard_paths::HeardPaths;
 #[doc(hidden)]
-pub use heard_paths::{HeardSearch, MostKept};
+pub use heard_paths::{HeardPaths, HeardSearch, MostKept};
 use prepared::{FramePrograms, PreparedFrame, set_direction_uniforms};
 #[doc(hidden)]
 pub use programs::{Pass, shader_text};
@@ -278,6 +277,7 @@ impl Tracer {
     ///
     /// # Errors
     /// As [`Tracer::frame`].
+    #[doc(hidden)]
     pub fn heard_paths(
         &mut self,
         scene: &Scene,

@@ -39,11 +39,24 @@ macro_rules! parts {
             }
         }
 
-        $($(#[$attr])* impl From<super::$part> for Node {
+        $($(#[$attr])* #[doc(hidden)] impl From<super::$part> for Node {
             fn from(part: super::$part) -> Node {
                 Node::$part(part)
             }
+        }
+
+        $(#[$attr])* impl From<super::$part> for Shape {
+            fn from(part: super::$part) -> Shape {
+                Shape::over(part, [])
+            }
         })*
+
+        #[doc(hidden)]
+        impl From<Node> for Shape {
+            fn from(node: Node) -> Shape {
+                Shape::over(node, [])
+            }
+        }
 
         /// The form of a shape or an operator in a scene file.
         pub(crate) enum ShapeFile {

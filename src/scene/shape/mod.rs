@@ -1,7 +1,7 @@
 //! Shapes: implicit surfaces as trees of shapes and operators.
 //!
 //! A [`Shape`] is a function of space whose sign separates air (positive) from solid (negative).
-//! Its leaves are shapes, its inner nodes operators, nested to any depth. The [`Properties`] of a
+//! Its leaves are shapes, its inner nodes operators, nested to any depth. The `Properties` of a
 //! tree state whether its value is the distance to the surface, a bound of it, or only Lipschitz
 //! (Hart 1996, section 3), the bounds of the solid, and whether it is convex.
 //!
@@ -56,10 +56,12 @@ pub use ellipsoid::Ellipsoid;
 pub use half_space::HalfSpace;
 pub use height_field::HeightField;
 pub use hyperboloid::Hyperboloid;
+#[doc(hidden)]
 pub use list::Node;
 #[cfg(test)]
 pub use octahedron::Octahedron;
 pub(crate) use operator::Copies;
+#[doc(hidden)]
 pub use operator::{
     Bend, Complement, Difference, Elongate, Intersection, Mirror, Morph, Offset, Repeat, Rotate,
     Scale, Shell, SmoothUnion, Translate, Twist, Union,
@@ -67,8 +69,10 @@ pub use operator::{
 pub use paraboloid::Paraboloid;
 pub use plane::Plane;
 pub use prism::Prism;
+pub use properties::Bounds3;
 pub(crate) use properties::SurfaceKind;
-pub use properties::{Bounds3, Exactness, Properties};
+#[doc(hidden)]
+pub use properties::{Exactness, Properties};
 pub use quadric::GeneralQuadric;
 pub use room::Room;
 pub use rounded_box::RoundedBox;
@@ -91,27 +95,27 @@ use std::sync::Arc;
 /// // Metres to the surface, positive in the air.
 /// assert_eq!(hollow.value(DVec3::new(0.5, 0.0, 0.0)), 1.5);
 /// ```
-#[derive(Clone, Debug, PartialEq)]
-pub struct Shape {
-    /// The shape or operator, with its own numbers.
-    pub node: Node,
-    /// The operands of an operator; empty for a shape.
-    pub children: Vec<Shape>,
-}
-
+///
+/// Operators are its methods:
+///
 /// ```
-/// use echomarch::scene::Shape;
+/// use echomarch::Shape;
+/// use echomarch::glam::{DVec3, Vec3};
 /// use echomarch::scene::shape::{Cuboid, Sphere};
-/// use glam::Vec3;
+///
 /// let ball = Shape::from(Sphere { radius: 2.0 });
 /// let slab = Shape::from(Cuboid { size: Vec3::new(9.0, 1.0, 9.0) });
 /// let bowl = ball.shell(0.2).minus([slab.translate(Vec3::Y * 2.0)]);
-/// assert!(bowl.value(glam::DVec3::ZERO) > 0.0);
+/// assert!(bowl.value(DVec3::ZERO) > 0.0);
 /// ```
-impl<N: Into<Node>> From<N> for Shape {
-    fn from(node: N) -> Shape {
-        Shape::over(node, [])
-    }
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shape {
+    /// The shape or operator, with its own numbers.
+    #[doc(hidden)]
+    pub node: Node,
+    /// The operands of an operator; empty for a shape.
+    #[doc(hidden)]
+    pub children: Vec<Shape>,
 }
 
 impl Node {
@@ -131,6 +135,7 @@ impl Node {
 
 impl Shape {
     /// An operator over several fields.
+    #[doc(hidden)]
     pub fn over(node: impl Into<Node>, children: impl IntoIterator<Item = Shape>) -> Shape {
         Shape {
             node: node.into(),
@@ -198,12 +203,13 @@ impl Shape {
     }
 
     /// Properties of the tree.
+    #[doc(hidden)]
     pub fn properties(&self) -> Properties {
         self.node.part().properties(&self.children)
     }
 
-    /// The value at a point of the tree's own axes (metres): positive in the air. Its
-    /// relation to the distance is given by [`Shape::properties`].
+    /// The value at a point of the tree's own axes (metres): positive in the air. It is the distance to the surface, or
+    /// grows with it: for most operators it is at most the distance.
     pub fn value(&self, p: DVec3) -> f64 {
         self.node.part().value(&self.children, p)
     }
