@@ -1,6 +1,7 @@
 //! Runs a target on spoilt files. What `main.rs` says of the environment holds for every test program with it.
 
 use super::mutate::Mutator;
+use super::target::Target;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 
@@ -12,16 +13,6 @@ const LONGEST: Duration = Duration::from_secs(20);
 
 /// Time between two lines of progress in a long run.
 const BETWEEN_LINES: Duration = Duration::from_secs(10);
-
-/// One kind of file.
-pub struct Target {
-    pub name: &'static str,
-    /// Valid files to start from.
-    pub corpus: Vec<Vec<u8>>,
-    /// Words and symbols with a meaning in such a file.
-    pub tokens: &'static [&'static str],
-    pub one: fn(&[u8]),
-}
 
 fn from_environment(name: &str, otherwise: u64) -> u64 {
     match std::env::var(name) {

@@ -15,6 +15,7 @@ mod mutate;
 #[path = "../common/random.rs"]
 mod random;
 mod scratch;
+mod target;
 
 mod base_scene;
 mod field_text;
@@ -28,7 +29,8 @@ mod sofa;
 mod sofa_file;
 mod wav;
 
-use driver::{Target, fuzz};
+use driver::fuzz;
+use target::Target;
 
 /// Protects from untrusted scene files: text, structure and numbers.
 #[test]

@@ -10,12 +10,15 @@ mod random;
 mod scratch;
 #[path = "../common/shard.rs"]
 mod shard_file;
+#[path = "../../../../tests/fuzz/target.rs"]
+mod target;
 
 mod answers;
 mod study;
 mod study_folder;
 
-use driver::{Target, fuzz};
+use driver::fuzz;
+use target::Target;
 
 /// Protects from untrusted study files.
 #[test]

@@ -1,0 +1,3 @@
+#![no_main]
+
+echomarch_fuzz::program!(scene);
