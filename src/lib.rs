@@ -108,7 +108,8 @@ const _: () = {
     may_move::<Frame>();
     may_move::<Error>();
     may_move::<audio::Sound>();
-    may_move::<audio::SoundSource>();
+    #[cfg(feature = "audio")]
+    may_move::<audio::live::SoundSource>();
     may_move::<audio::Mixer>();
     may_move::<audio::WavWriter>();
 };

@@ -54,7 +54,7 @@ mod wav_write;
 pub use error::AudioError;
 pub use panning::{FrameBlocks, Gains, Mixer, PanningLaw};
 pub use signals::Signal;
-pub use sound::{Sound, SoundSource, SoundSpec, StereoSignal, StereoSource};
+pub use sound::{Sound, SoundSpec, StereoSignal};
 pub use wav_write::WavWriter;
 #[doc(hidden)]
 pub use wav_write::wav_to_io;

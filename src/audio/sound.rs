@@ -4,7 +4,6 @@ use std::fmt;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
-use std::sync::Arc;
 
 use super::signals::{self, Clip, Noise, Signal, Sine};
 use super::speech::{self, Speech};
@@ -227,102 +226,10 @@ impl fmt::Display for SoundSpec {
     }
 }
 
-/// A function from a sample rate in hertz to a sound at its start.
-type Maker<T> = Arc<dyn Fn(u32) -> T + Send + Sync>;
-
-/// Makes one sound at any sample rate: live output calls it again when the device's rate changes.
-///
-/// It is made from a [`SoundSpec`], from its text, or from a caller's own function:
-///
-/// ```
-/// use echomarch::audio::{Sound, SoundSource, SoundSpec};
-///
-/// let by_text: SoundSource = "sine:440".parse()?;
-/// let by_spec = SoundSource::from(SoundSpec::Noise { seed: 7 });
-/// let own = SoundSource::new("two octaves up", |rate_hz| Sound::parse("sine:1760", rate_hz));
-/// assert!(own.sound(48_000).is_ok());
-/// # Ok::<(), echomarch::audio::AudioError>(())
-/// ```
-#[derive(Clone)]
-pub struct SoundSource {
-    name: String,
-    make: Maker<Result<Sound, AudioError>>,
-}
-
-impl SoundSource {
-    /// Creates a source of a caller's own sound: `make` gets the rate in samples per second and is
-    /// called on the thread that supervises live output.
-    pub fn new(
-        name: impl Into<String>,
-        make: impl Fn(u32) -> Result<Sound, AudioError> + Send + Sync + 'static,
-    ) -> Self {
-        Self {
-            name: name.into(),
-            make: Arc::new(make),
-        }
-    }
-
-    /// Returns the sound at `rate_hz` samples per second, at its start.
-    ///
-    /// # Errors
-    /// As [`Sound::load`], or what the caller's own function answers.
-    pub fn sound(&self, rate_hz: u32) -> Result<Sound, AudioError> {
-        (self.make)(rate_hz)
-    }
-}
-
-impl From<SoundSpec> for SoundSource {
-    fn from(spec: SoundSpec) -> Self {
-        Self::new(spec.to_string(), move |rate_hz| Sound::load(&spec, rate_hz))
-    }
-}
-
-impl FromStr for SoundSource {
-    type Err = AudioError;
-
-    /// Parses the text of a [`SoundSpec`]; opens no file.
-    fn from_str(text: &str) -> Result<Self, AudioError> {
-        text.parse::<SoundSpec>().map(Self::from)
-    }
-}
-
-impl fmt::Debug for SoundSource {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_tuple("SoundSource").field(&self.name).finish()
-    }
-}
-
 /// A caller's own stereo sound, such as the sources heard in a scene: live output plays it instead
 /// of a mono sound and its pan.
 pub trait StereoSignal: Send {
     /// Adds the next samples of both channels to `stereo` (left, right, …). Called on the thread that must not be late,
     /// so it must not allocate, lock or wait.
     fn add(&mut self, stereo: &mut [f32]);
-}
-
-/// Makes such a sound at any sample rate: live output calls it again when the device's rate changes.
-#[derive(Clone)]
-pub struct StereoSource {
-    make: Maker<Box<dyn StereoSignal>>,
-}
-
-impl StereoSource {
-    /// Creates a source: `make` gets the rate in samples per second and is called on the thread that supervises live
-    /// output.
-    pub fn new(make: impl Fn(u32) -> Box<dyn StereoSignal> + Send + Sync + 'static) -> Self {
-        Self {
-            make: Arc::new(make),
-        }
-    }
-
-    /// Returns the sound at `rate_hz` samples per second, at its start.
-    pub fn signal(&self, rate_hz: u32) -> Box<dyn StereoSignal> {
-        (self.make)(rate_hz)
-    }
-}
-
-impl fmt::Debug for StereoSource {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("StereoSource").finish_non_exhaustive()
-    }
 }

@@ -10,6 +10,8 @@ mod live_audio_server;
 #[cfg(feature = "audio")]
 mod live_player;
 #[cfg(feature = "audio")]
+mod live_sources;
+#[cfg(feature = "audio")]
 mod sound_server;
 
 mod measures;

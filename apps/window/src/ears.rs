@@ -6,7 +6,8 @@
 
 use echomarch::Error;
 #[cfg(feature = "audio")]
-use echomarch::audio::{SoundSpec, StereoSignal, StereoSource};
+use echomarch::audio::live::StereoSource;
+use echomarch::audio::{SoundSpec, StereoSignal};
 #[cfg(feature = "audio")]
 use echomarch::auralisation::{Heard, PlayerRemote};
 use echomarch::gl::{Context, ContextOptions};

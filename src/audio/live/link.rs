@@ -10,7 +10,7 @@ use crossbeam_utils::atomic::AtomicCell;
 
 use super::renderer::Renderer;
 use super::shared::Shared;
-use crate::audio::{SoundSource, StereoSource};
+use super::sources::{SoundSource, StereoSource};
 
 /// A command to the supervising thread.
 #[derive(Debug)]

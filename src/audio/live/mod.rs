@@ -26,12 +26,14 @@ pub mod probe;
 mod recording;
 mod renderer;
 mod shared;
+mod sources;
 mod stages;
 mod supervisor;
 
 pub use device::{DeviceInfo, list_devices};
 pub use error::LiveError;
 pub use renderer::{Remote, Renderer};
+pub use sources::{SoundSource, StereoSource};
 
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -42,7 +44,7 @@ use self::link::Command;
 use self::recording::Recording;
 use self::shared::Shared;
 use self::supervisor::{Common, State, Supervisor, lock};
-use super::{PanningLaw, SoundSource, StereoSource};
+use super::PanningLaw;
 use crate::tracer::Panning;
 
 /// Initial options of live output.

@@ -13,8 +13,9 @@ use super::link::{Command, Link, Slot};
 use super::recording::Recording;
 use super::renderer::{Message, Remote, Renderer, Tap};
 use super::shared::Shared;
+use super::sources::{SoundSource, StereoSource};
 use super::stages::Program;
-use crate::audio::{Sound, SoundSource, StereoSource};
+use crate::audio::Sound;
 
 /// Interval at which the thread checks the stream.
 const TICK: Duration = Duration::from_millis(20);
