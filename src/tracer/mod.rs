@@ -62,7 +62,7 @@ use programs::{Programs, ScenePass, WavePass, loops_asked, march_options, march_
 use read_back::{GpuSum, ReadBack};
 #[doc(hidden)]
 pub use reload::Opening;
-pub use reload::{Reload, Reloading};
+pub use reload::Reloading;
 #[doc(hidden)]
 pub use settings::MARCHES_PER_PASS;
 pub use settings::{Algorithm, HybridOptions, MarchOptions, Profile, Settings, ThesisOptions};

@@ -21,18 +21,6 @@ pub struct Reloading {
 /// The text of a fragment shader of a scene.
 type ProgramOf = fn(&Scene) -> String;
 
-/// The result of a look at the files.
-#[derive(Debug)]
-#[must_use]
-pub enum Reload {
-    /// Nothing new.
-    Unchanged,
-    /// There is a new scene.
-    Taken,
-    /// The files have changed, but make no scene that can be traced: the last one stays.
-    Kept(Error),
-}
-
 impl Reloading {
     /// Reads a scene, checks it with the tracer, and follows its files from now on.
     ///
@@ -80,18 +68,18 @@ impl Reloading {
     /// is checked and its programs are compiled here, so that the next frame does not wait;
     /// while its fields are tried in a [child](super::FieldTrial), nothing waits either, and
     /// nothing has changed.
-    pub fn poll(&mut self, tracer: &mut Tracer, settings: &Settings) -> Reload {
-        match self.tried(settings) {
-            Ok(None) => Reload::Unchanged,
-            Ok(Some(scene)) => match tracer.check(&scene, settings) {
-                Ok(()) => {
-                    self.scene = scene;
-                    Reload::Taken
-                }
-                Err(error) => Reload::Kept(error),
-            },
-            Err(error) => Reload::Kept(error),
-        }
+    ///
+    /// Returns whether there is a new scene.
+    ///
+    /// # Errors
+    /// As [`Reloading::open`], once after each change that makes no scene that can be traced: the last one stays.
+    pub fn poll(&mut self, tracer: &mut Tracer, settings: &Settings) -> Result<bool, Error> {
+        let Some(scene) = self.tried(settings)? else {
+            return Ok(false);
+        };
+        tracer.check(&scene, settings)?;
+        self.scene = scene;
+        Ok(true)
     }
 
     /// A new scene whose fields have been tried.

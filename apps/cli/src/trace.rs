@@ -12,7 +12,7 @@ use echomarch::audio::PanningLaw;
 use echomarch::internals::file_output::{OutputError, check_file, write_whole};
 use echomarch::response::ResponseSettings;
 use echomarch::scene::Scene;
-use echomarch::tracer::{Budget, Frame, Milliseconds, Reload, Reloading, Settings, Tracer, Wave};
+use echomarch::tracer::{Budget, Frame, Milliseconds, Reloading, Settings, Tracer, Wave};
 use serde::Serialize;
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -137,13 +137,13 @@ fn watch(arguments: &Arguments, common: &Common, settings: &Settings) -> anyhow:
     while !is_over() {
         std::thread::sleep(BETWEEN_LOOKS);
         match reloading.poll(&mut tracer, settings) {
-            Reload::Unchanged => (),
-            Reload::Taken => {
+            Ok(false) => (),
+            Ok(true) => {
                 common.warn(reloading.scene());
                 trace(arguments, common, &mut tracer, reloading.scene(), settings)?;
             }
             // Printed even with --quiet: the file just written is not in use.
-            Reload::Kept(error) => {
+            Err(error) => {
                 print::tell(&format!("echomarch: {error} (the last scene stays)"));
             }
         }

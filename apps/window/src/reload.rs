@@ -6,7 +6,7 @@ use super::follower::{Before, Follower, PROGRAMS};
 use super::report::Reread;
 use echomarch::Error;
 use echomarch::scene::Scene;
-use echomarch::tracer::{Opening, Reload, Tracer};
+use echomarch::tracer::{Opening, Tracer};
 use std::time::{Duration, Instant};
 
 /// Interval between two checks of the files.
@@ -52,8 +52,8 @@ impl App {
         follower.looked = Instant::now();
         let settings = &self.choices.settings;
         match follower.reloading.poll(&mut stage.tracer, settings) {
-            Reload::Unchanged => (),
-            Reload::Taken => {
+            Ok(false) => (),
+            Ok(true) => {
                 follower.refused = None;
                 // The picture may still fail where the waves can be traced.
                 self.previous = Some(Before {
@@ -65,7 +65,7 @@ impl App {
                 self.begins_anew = true;
                 self.has_reread(None);
             }
-            Reload::Kept(error) => self.refuse(sentence(&error)),
+            Err(error) => self.refuse(sentence(&error)),
         }
     }
 

@@ -3,18 +3,22 @@
 use super::settings;
 use crate::common::field_files::{BALL, SCENE, write};
 use crate::common::for_each_api;
-use echomarch::tracer::{Reload, Reloading};
-use echomarch::{Profile, Settings, Tracer};
+use echomarch::tracer::Reloading;
+use echomarch::{Error, Profile, Settings, Tracer};
 
 /// The first change that the next polls of the files return.
-fn settle(reloading: &mut Reloading, tracer: &mut Tracer, settings: &Settings) -> Reload {
+fn settle(
+    reloading: &mut Reloading,
+    tracer: &mut Tracer,
+    settings: &Settings,
+) -> Result<bool, Error> {
     for _ in 0..3 {
         match reloading.poll(tracer, settings) {
-            Reload::Unchanged => (),
+            Ok(false) => (),
             change => return change,
         }
     }
-    Reload::Unchanged
+    Ok(false)
 }
 
 /// Protects a running program from every broken state of the files: the last good scene stays until
@@ -47,26 +51,24 @@ fn a_scene_follows_its_files() {
         for (text, what) in broken {
             write(folder.path(), text);
             let change = settle(&mut reloading, &mut tracer, &settings);
-            let Reload::Kept(error) = change else {
-                panic!("{text}: {change:?}");
-            };
+            let error = change.expect_err(text);
             assert!(error.to_string().contains(what), "{error}");
             assert!(error.to_string().contains("my.glsl"), "{error}");
             let again = settle(&mut reloading, &mut tracer, &settings);
-            assert!(matches!(again, Reload::Unchanged), "{again:?}");
+            assert!(matches!(again, Ok(false)), "{again:?}");
             assert_eq!(*reloading.scene(), first);
             tracer.frame(reloading.scene(), &settings).unwrap();
         }
         std::fs::remove_file(folder.path().join("my.glsl")).unwrap();
         let change = settle(&mut reloading, &mut tracer, &settings);
-        assert!(matches!(change, Reload::Kept(_)), "{change:?}");
+        assert!(change.is_err(), "{change:?}");
         write(
             folder.path(),
             "float field(vec3 p) { return length(p) - 0.5; }",
         );
         let compiled = tracer.programs_compiled();
         let change = settle(&mut reloading, &mut tracer, &settings);
-        assert!(matches!(change, Reload::Taken), "{change:?}");
+        assert!(matches!(change, Ok(true)), "{change:?}");
         assert!(*reloading.scene() != first);
         // The program is compiled before the first frame needs it.
         assert_eq!(tracer.programs_compiled(), compiled + 1);

@@ -6,7 +6,7 @@ use crate::common::context;
 use echomarch::gl::Api;
 use echomarch::scene::shape::{Room, User};
 use echomarch::scene::{Node, UserField};
-use echomarch::tracer::{FieldTrial, Reload, Reloading, TraceError, TrialCommand};
+use echomarch::tracer::{FieldTrial, Reloading, TraceError, TrialCommand};
 use echomarch::{Error, Listener, Profile, Scene, Settings, Source, Surface, Tracer};
 use glam::{DVec3, Vec3};
 use std::path::Path;
@@ -304,10 +304,14 @@ fn starts(folder: &Path) -> usize {
 }
 
 /// The next change of the files, once the child has answered.
-fn settle(reloading: &mut Reloading, tracer: &mut Tracer, settings: &Settings) -> Reload {
+fn settle(
+    reloading: &mut Reloading,
+    tracer: &mut Tracer,
+    settings: &Settings,
+) -> Result<bool, Error> {
     loop {
         match reloading.poll(tracer, settings) {
-            Reload::Unchanged => std::thread::sleep(std::time::Duration::from_millis(10)),
+            Ok(false) => std::thread::sleep(std::time::Duration::from_millis(10)),
             change => return change,
         }
     }
@@ -376,19 +380,17 @@ fn a_library_chooses_how_fields_are_tried() {
     let before = starts(folder);
     while starts(folder) == before {
         let change = reloading.poll(&mut tracer, &settings);
-        assert!(matches!(change, Reload::Unchanged), "{change:?}");
+        assert!(matches!(change, Ok(false)), "{change:?}");
         tracer.frame(reloading.scene(), &settings).unwrap();
     }
     std::fs::write(folder.join("go"), "").unwrap();
     let change = settle(&mut reloading, &mut tracer, &settings);
-    let Reload::Kept(error) = change else {
-        panic!("{change:?}");
-    };
+    let error = change.unwrap_err();
     assert!(error.to_string().contains("SIGFPE"), "{error}");
     assert_eq!(*reloading.scene(), first);
     write(&BALL.replace("1.0", "0.75"));
     let change = settle(&mut reloading, &mut tracer, &settings);
-    assert!(matches!(change, Reload::Taken), "{change:?}");
+    assert!(matches!(change, Ok(true)), "{change:?}");
 
     FieldTrial::InChild(TrialCommand {
         program: folder.join("none"),
