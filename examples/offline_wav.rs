@@ -43,8 +43,8 @@ fn main() -> Result<(), Error> {
                 println!(
                     "{:4.1} s: {:4} waves heard, pan {:+.3}",
                     block.time,
-                    block.frame.counts.listener_hits,
-                    block.frame.panning.pan(),
+                    block.heard.counts.listener_hits,
+                    block.heard.panning.pan(),
                 );
             }
             Ok::<(), Error>(())

@@ -28,6 +28,7 @@ pub(crate) fn sum<'a>(all: impl IntoIterator<Item = &'a Bands>) -> Bands {
 }
 
 /// The mean over the bands, each with the same weight.
+#[doc(hidden)]
 pub fn mean(bands: &Bands) -> f64 {
     bands.iter().sum::<f64>() / BAND_COUNT as f64
 }

@@ -65,16 +65,17 @@ impl Timing {
     }
 }
 
-/// One frame's part of the sound.
+/// One frame's part of the sound. `Of` is what the samples were made from: one traced [`Frame`] ([`render`]), or each
+/// source as the listener hears it ([`render_full`]).
 #[derive(Debug)]
 #[non_exhaustive]
-pub struct Block<'a> {
+pub struct Block<'a, Of: ?Sized> {
     /// Number of the frame, from 0.
     pub index: u64,
     /// Start time in seconds.
     pub time: f64,
-    /// The traced frame.
-    pub frame: &'a Frame,
+    /// What is heard in the frame.
+    pub heard: &'a Of,
     /// Interleaved left and right samples, at [`Sound::SAMPLE_RATE`].
     pub samples: &'a [f32],
 }
@@ -92,7 +93,7 @@ pub fn render<E: From<Error>>(
     sound: &mut Sound,
     mixer: &mut Mixer,
     timing: Timing,
-    mut take: impl FnMut(Block) -> Result<(), E>,
+    mut take: impl FnMut(Block<Frame>) -> Result<(), E>,
 ) -> Result<(), E> {
     timing.check()?;
     let (longest, blocks) = timing.blocks()?;
@@ -108,7 +109,7 @@ pub fn render<E: From<Error>>(
         take(Block {
             index,
             time,
-            frame: &frame,
+            heard: &frame,
             samples: stereo,
         })?;
     }
@@ -182,20 +183,6 @@ impl FullSettings {
     }
 }
 
-/// One frame's part of the sound.
-#[derive(Debug)]
-#[non_exhaustive]
-pub struct FullBlock<'a> {
-    /// Number of the frame, from 0.
-    pub index: u64,
-    /// Start time in seconds.
-    pub time: f64,
-    /// Each source as heard by the listener, in the scene's order.
-    pub sources: &'a [HeardSource],
-    /// Interleaved left and right samples, at [`Sound::SAMPLE_RATE`].
-    pub samples: &'a [f32],
-}
-
 /// One source: its sound and its current state.
 struct Playing<'a> {
     sound: &'a mut Sound,
@@ -209,7 +196,7 @@ struct Playing<'a> {
 }
 
 /// Traces and plays `timing.seconds` of a moving scene, with one of `sounds` for each source, and passes each frame's
-/// block to `take`. Single echoes are updated with each frame, the late part every quarter of a second. While the scene
+/// block to `take`, with each source as the listener hears it, in the scene's order. Single echoes are updated with each frame, the late part every quarter of a second. While the scene
 /// stands still, it is not traced again.
 ///
 /// # Errors
@@ -222,7 +209,7 @@ pub fn render_full<E: From<Error>>(
     settings: &FullSettings,
     sounds: &mut [Sound],
     timing: Timing,
-    mut take: impl FnMut(FullBlock) -> Result<(), E>,
+    mut take: impl FnMut(Block<[HeardSource]>) -> Result<(), E>,
 ) -> Result<(), E> {
     timing.check()?;
     let (given, sources) = (sounds.len(), scene.sources().count());
@@ -257,10 +244,10 @@ pub fn render_full<E: From<Error>>(
             source.ears.add(mono, stereo).map_err(Error::from)?;
             heard.push(source.heard);
         }
-        take(FullBlock {
+        take(Block {
             index,
             time,
-            sources: &heard,
+            heard: &heard,
             samples: stereo,
         })?;
     }

@@ -57,7 +57,7 @@ pub use diagnosis::{Flutter, Gap, flutters};
 pub use echogram::{Echogram, EchogramRow};
 pub use error::ResponseError;
 pub(crate) use error::check_taps;
-pub use figures::{BandFigures, Figures, strength_db};
+pub use figures::{BandFigures, Figures};
 pub(crate) use figures::{CommonErrors, Record, uncertain_energy};
 pub(crate) use impulse_response::{Encoding, amplitude, tap_filter_gain};
 pub use impulse_response::{Format, ImpulseResponse, ImpulseSettings, ListenerAxes};

@@ -4,7 +4,7 @@
 use super::Response;
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::response::exact_paths::SpecularPath;
-use crate::response::{Arrival, Echogram, Tap, strength_db};
+use crate::response::{Arrival, Echogram, Figures, Tap};
 use crate::scene::{Listener, Material, Scene};
 use glam::{DVec3, Vec3};
 use serde::Serialize;
@@ -168,7 +168,7 @@ impl HeardSource {
     /// Summarises a response.
     pub fn of(response: &Response) -> HeardSource {
         HeardSource {
-            level_db: strength_db(bands::mean(&response.energy())),
+            level_db: Figures::strength_db(bands::mean(&response.energy())),
             paths: response.paths.len(),
             is_direct: response.direct().is_some(),
         }
@@ -199,7 +199,7 @@ impl Response {
     /// Level, delay and direction of the source's sound at `listener`, the one that was traced; `None` without
     /// arrivals.
     pub fn level(&self, listener: &Listener) -> Option<Level> {
-        let g_db = strength_db(bands::mean(&self.energy()))?;
+        let g_db = Figures::strength_db(bands::mean(&self.energy()))?;
         let delay_s = self.figures.begins_s?;
         let flow = self.flow();
         let (azimuth, elevation) = comes_from(listener, -flow);

@@ -24,13 +24,6 @@ pub(crate) use uncertainty::{CommonErrors, uncertain_energy};
 /// Distance in metres at which the direct sound in the open has a strength *G* of 0 dB.
 const STRENGTH_DISTANCE_M: f64 = 10.0;
 
-/// The strength *G* of an energy density in 1/m² for a source of power 1, in decibels relative to the
-/// same source 10 m away in the open (ISO 3382-1, A.2.1); `None` for silence.
-pub fn strength_db(energy: f64) -> Option<f64> {
-    let reference = 1.0 / (4.0 * PI * STRENGTH_DISTANCE_M.powi(2));
-    (energy > 0.0).then(|| decibels(energy / reference))
-}
-
 fn decibels(ratio: f64) -> f64 {
     10.0 * ratio.log10()
 }
@@ -161,6 +154,13 @@ impl BandFigures {
 }
 
 impl Figures {
+    /// The strength *G* of an energy density in 1/m² for a source of power 1, in decibels relative to the
+    /// same source 10 m away in the open (ISO 3382-1, A.2.1); `None` for silence.
+    pub fn strength_db(energy: f64) -> Option<f64> {
+        let reference = 1.0 / (4.0 * PI * STRENGTH_DISTANCE_M.powi(2));
+        (energy > 0.0).then(|| decibels(energy / reference))
+    }
+
     /// The figures of the arriving sound: `taps` are exact, everything else is in `echogram`, in a record that ends
     /// `ends_s` seconds after the source's impulse. `direct_s` is the arrival time of the direct sound; without it the
     /// times count from the beginning of the other sound (see *Method*). There are no figures if a tap has a time, an
@@ -246,7 +246,7 @@ fn list(decay: &Decay) -> (List, DecayEnds) {
         clarity_db(0.08),
         total.map(|total| 1.0 - decay.from(0.05) / total),
         decay.centre_s(),
-        total.and_then(strength_db),
+        total.and_then(Figures::strength_db),
     ];
     (list, lines.map(|line| line.map_or(0.0, |line| line.ends_s)))
 }

@@ -5,7 +5,7 @@ use super::super::print;
 use super::notes;
 use super::pairs::Pair;
 use echomarch::bands::{self, BAND_COUNT, BANDS_HZ, Bands};
-use echomarch::response::{BandFigures, Figures, strength_db};
+use echomarch::response::{BandFigures, Figures};
 use echomarch::response::{HeardPath, Response, ResponseSettings};
 use echomarch::scene::Scene;
 use echomarch::scene::shape::Room;
@@ -166,7 +166,7 @@ fn of_path(path: &HeardPath) -> PathReport<'_> {
         g_db_bands: path
             .energy
             .iter()
-            .map(|energy| strength_db(*energy))
+            .map(|energy| Figures::strength_db(*energy))
             .collect(),
         azimuth_deg: path.azimuth.to_degrees(),
         elevation_deg: path.elevation.to_degrees(),
@@ -192,7 +192,7 @@ impl FigureReport {
 
 /// *G* of the mean of a path's bands, in decibels; `None` for silence.
 fn mean_strength_db(path: &HeardPath) -> Option<f64> {
-    strength_db(bands::mean(&path.energy))
+    Figures::strength_db(bands::mean(&path.energy))
 }
 
 /// The names of the walls that a path is mirrored at; `None` for other surfaces.

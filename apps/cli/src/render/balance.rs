@@ -2,9 +2,9 @@
 
 use super::super::print;
 use super::{Job, ReportHead, sounds};
-use echomarch::Error;
 use echomarch::audio::{Mixer, Sound, WavWriter};
 use echomarch::offline::{self, Block};
+use echomarch::{Error, Frame};
 use echomarch_lab::stats::median;
 use serde::Serialize;
 
@@ -46,14 +46,14 @@ pub fn run(job: Job) -> anyhow::Result<()> {
     let mut mixer = Mixer::new(law);
     let bar = job.bar();
     let (mut lines, mut times) = (Vec::new(), Vec::new());
-    let take = |block: Block| {
+    let take = |block: Block<Frame>| {
         writer.write(block.samples)?;
         lines.push(FrameLine {
             time: block.time,
-            listener_hits: block.frame.counts.listener_hits,
-            pan: block.frame.panning.pan(),
+            listener_hits: block.heard.counts.listener_hits,
+            pan: block.heard.panning.pan(),
         });
-        times.push(block.frame.milliseconds.total);
+        times.push(block.heard.milliseconds.total);
         bar.inc(1);
         Ok::<(), Error>(())
     };

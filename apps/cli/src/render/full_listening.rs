@@ -8,7 +8,7 @@ use super::{Job, ReportHead, sounds};
 use clap::Args;
 use echomarch::Error;
 use echomarch::audio::{Sound, WavWriter};
-use echomarch::offline::{self, FullBlock, FullSettings};
+use echomarch::offline::{self, Block, FullSettings};
 use echomarch::response::ImpulseSettings;
 use echomarch::response::{HeardSource, ResponseSettings};
 use serde::Serialize;
@@ -101,7 +101,7 @@ pub fn run(job: Job) -> anyhow::Result<()> {
     let (mut lines, mut peak) = (Vec::new(), 0.0_f32);
     let mut samples = Vec::new();
     let tail_s = settings.tail_s(&mut tracer, scene)?;
-    let take = |block: FullBlock| {
+    let take = |block: Block<[HeardSource]>| {
         samples.clear();
         samples.extend(block.samples.iter().map(|sample| sample * gain));
         peak = samples
@@ -110,7 +110,7 @@ pub fn run(job: Job) -> anyhow::Result<()> {
         writer.write(&samples)?;
         lines.push(FrameLine {
             time: block.time,
-            sources: source_lines(&pairs, block.sources),
+            sources: source_lines(&pairs, block.heard),
         });
         bar.inc(1);
         Ok::<(), Error>(())
