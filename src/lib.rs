@@ -46,8 +46,9 @@
 //!
 //! # Untrusted scenes
 //! A scene may contain its own GLSL, which the driver compiles within this process, and which can
-//! end the process, fill its memory or never return. For untrusted scenes let fields be tried in a
-//! child process first: see [`tracer::FieldTrial`].
+//! end the process, fill its memory or never return. Such scenes are refused until the program chooses
+//! how their fields are tried: in this process for trusted texts, in a child process first for others; see
+//! [`tracer::FieldTrial`].
 //!
 //! # Features
 //! No feature is on by default.

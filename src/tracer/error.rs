@@ -116,6 +116,15 @@ pub enum TraceError {
         /// The limit of this time in seconds.
         limit: f64,
     },
+    /// A user's field, while the calling program has not chosen how fields are tried, see
+    /// [`FieldTrial`](super::FieldTrial).
+    #[error(
+        "{file}: users' fields are refused, for they are programs that can end or block this process: choose FieldTrial::InThisProcess for trusted texts, or FieldTrial::InChild for others"
+    )]
+    FieldRefused {
+        /// The field's file.
+        file: String,
+    },
     /// A user's field that ended the process in which it was tried, or took too long there: see
     /// [`FieldTrial`](super::FieldTrial).
     #[error("{file}: trying it in a child process {how}")]

@@ -2,7 +2,9 @@
 #![allow(dead_code)] // Every test program uses its own part of this.
 
 use echomarch::gl::{Api, Context, ContextOptions};
+use echomarch::tracer::FieldTrial;
 use echomarch::{Scene, Settings, Tracer};
+use std::sync::Once;
 
 /// Runs `test` once for every API, each on a thread of its own.
 pub fn on_a_thread_for_each_api(test: impl Fn(Api) + Sync) {
@@ -23,8 +25,15 @@ pub fn for_each_api(test: impl Fn(&Context) + Sync) {
     on_a_thread_for_each_api(|api| test(&context(api)));
 }
 
-/// A context of the API on the first device that gives one.
+/// Lets this process compile the tests' own fields. Once, so that a test may choose otherwise afterwards.
+pub fn trust_fields() {
+    static CHOSEN: Once = Once::new();
+    CHOSEN.call_once(|| FieldTrial::InThisProcess.set());
+}
+
+/// A context of the API on the first device that gives one. Users' fields are trusted.
 pub fn context(api: Api) -> Context {
+    trust_fields();
     Context::headless(&ContextOptions::new(api)).unwrap_or_else(|e| panic!("{e}"))
 }
 

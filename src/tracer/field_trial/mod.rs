@@ -7,7 +7,7 @@
 //! takes too long is rejected here. Accepted texts are remembered as long as the process lives.
 //!
 //! A library cannot start itself as a process. The user of this crate chooses with
-//! [`FieldTrial::set`]; the command line starts a child process.
+//! [`FieldTrial::set`]; until then users' fields are refused. The command line starts a child process.
 
 // A page in a browser has no other processes: there this process is the only choice.
 #[cfg(not(target_arch = "wasm32"))]
@@ -43,12 +43,40 @@ const MOST_MEMORY: u64 = 1 << 30;
 const STACK: usize = 4 << 20;
 
 /// The way to try users' fields before this process compiles them.
+///
+/// A program that takes fields chooses one before it traces or draws a scene:
+///
+/// ```
+/// use echomarch::gl::{Context, ContextOptions};
+/// use echomarch::scene::{UserField, shape::User};
+/// use echomarch::tracer::{FieldTrial, TraceError};
+/// use echomarch::{Error, Scene, Settings, Shape, Tracer};
+/// use glam::Vec3;
+///
+/// let ball = "float field(vec3 p) { return length(p) - 1.0; }";
+/// let field = UserField::new("ball.glsl", ball.to_owned(), Vec3::splat(4.0), 1.0);
+/// let mut scene = Scene::builtin("corner")?;
+/// scene.surfaces[0].shape = Shape::from(User { field: field.into() });
+/// let settings = Settings::default().with_waves(64);
+/// let mut tracer = Tracer::new(&Context::headless(&ContextOptions::default())?)?;
+///
+/// let refused = tracer.frame(&scene, &settings);
+/// assert!(matches!(refused, Err(Error::Trace(TraceError::FieldRefused { .. }))));
+///
+/// FieldTrial::InThisProcess.set(); // This text is trusted.
+/// tracer.frame(&scene, &settings)?;
+/// # Ok::<(), Error>(())
+/// ```
 #[derive(Clone, Debug, Default)]
+#[non_exhaustive]
 pub enum FieldTrial {
+    /// They are refused: [`TraceError::FieldRefused`](super::TraceError::FieldRefused). For programs that have made no
+    /// choice.
+    #[default]
+    Refused,
     /// Not at all: this process compiles and samples them at once. A text that the driver cannot
     /// handle ends this process by a signal, takes gigabytes of memory, or never returns. For
     /// trusted texts.
-    #[default]
     InThisProcess,
     /// In a child process that this command starts, once for each text. For untrusted texts.
     InChild(TrialCommand),
@@ -85,11 +113,11 @@ impl TrialCommand {
     }
 }
 
-static CHOSEN: RwLock<FieldTrial> = RwLock::new(FieldTrial::InThisProcess);
+static CHOSEN: RwLock<FieldTrial> = RwLock::new(FieldTrial::Refused);
 
 impl FieldTrial {
     /// Sets the choice for the whole process from now on, since a text can end the process as a
-    /// whole.
+    /// whole. A tracer keeps fields that it has accepted before.
     pub fn set(self) {
         *CHOSEN.write().unwrap_or_else(PoisonError::into_inner) = self;
     }

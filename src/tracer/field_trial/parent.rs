@@ -68,16 +68,21 @@ impl Trial {
     ///
     /// # Errors
     /// [`Error::Trace`] for a text that is rejected without being compiled, for a text that was
-    /// tried and rejected before, and if no child can be started.
+    /// tried and rejected before, if no child can be started, and for any text if fields are refused.
     pub fn begin(scene: &Scene, programs: &[&str]) -> Result<Option<Trial>, Error> {
-        let FieldTrial::InChild(command) = FieldTrial::chosen() else {
-            return Ok(None);
-        };
         let of_others = |field: &&Arc<UserField>| !field.is_own();
         let all: Vec<_> = scene.user_fields().filter(of_others).collect();
-        if all.is_empty() {
+        let Some(first) = all.first() else {
             return Ok(None);
-        }
+        };
+        let command = match FieldTrial::chosen() {
+            FieldTrial::InChild(command) => command,
+            FieldTrial::InThisProcess => return Ok(None),
+            FieldTrial::Refused => {
+                let file = first.file.display().to_string();
+                return Err(TraceError::FieldRefused { file }.into());
+            }
+        };
         let mut keys = Vec::new();
         let mut is_new = |key: u64| {
             let is_new = !known().passed.contains(&key) && !keys.contains(&key);

@@ -2,7 +2,7 @@
 //! and never ends the program, hangs it or fills its memory.
 
 use crate::common::cli::{argument, command, stderr};
-use crate::common::context;
+use crate::common::{builtin, context};
 use echomarch::gl::Api;
 use echomarch::scene::shape::{Room, User};
 use echomarch::scene::{Node, UserField};
@@ -317,9 +317,9 @@ fn settle(
     }
 }
 
-/// Protects programs that use the library: they choose how fields are tried; a child's results are
-/// the same as this process' own; no field is tried twice; and following files never blocks. One
-/// test, since the choice applies to the whole process.
+/// Protects programs that use the library: fields are refused until they choose how fields are tried, built-in
+/// scenes are not; a child's results are the same as this process' own; no field is tried twice; and following files
+/// never blocks. One test, since the choice applies to the whole process.
 #[test]
 fn a_library_chooses_how_fields_are_tried() {
     let folder = tempfile::tempdir().unwrap();
@@ -328,6 +328,20 @@ fn a_library_chooses_how_fields_are_tried() {
     let settings = Settings::new(Profile::Hybrid).with_waves(64);
     let mut tracer = Tracer::new(&context).unwrap();
     let own = scene(BALL);
+    FieldTrial::default().set();
+    let error = tracer.check(&own, &settings).unwrap_err();
+    let refused = matches!(&error, Error::Trace(TraceError::FieldRefused { .. }));
+    assert!(refused && error.is_bad_input(), "{error}");
+    let message = error.to_string();
+    for part in ["InThisProcess", "InChild", ".glsl"] {
+        assert!(message.contains(part), "{message}");
+    }
+    let error = echomarch::picture::slice(&mut tracer, &own, &Default::default()).unwrap_err();
+    assert_eq!(error.to_string(), message);
+    for name in Scene::BUILTIN_NAMES {
+        tracer.check(&builtin(name), &settings).unwrap();
+    }
+    FieldTrial::InThisProcess.set();
     tracer.check(&own, &settings).unwrap();
 
     FieldTrial::InChild(noting(folder)).set();
