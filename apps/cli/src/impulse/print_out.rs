@@ -9,6 +9,7 @@ use echomarch::response::{BandFigures, Figures};
 use echomarch::response::{HeardPath, Response, ResponseSettings};
 use echomarch::scene::Scene;
 use echomarch::scene::shape::Room;
+use echomarch_lab::columns;
 use echomarch_lab::report::{Column, Row, Table};
 use serde::Serialize;
 
@@ -240,36 +241,17 @@ pub fn text(
 
 impl Row for BandRow {
     fn columns() -> Vec<Column<BandRow>> {
-        vec![
-            Column::new("band_hz", "band", |row: &BandRow| row.band_hz)
-                .unit("Hz")
-                .fixed(0)
-                .key(),
-            Column::new("edt_s", "EDT", |row: &BandRow| row.figures.edt_s)
-                .unit("s")
-                .fixed(3),
-            Column::new("t20_s", "T20", |row: &BandRow| row.figures.t20_s)
-                .unit("s")
-                .fixed(3),
-            Column::new("t30_s", "T30", |row: &BandRow| row.figures.t30_s)
-                .unit("s")
-                .fixed(3),
-            Column::new("t30_error_s", "±", |row: &BandRow| row.errors.t30_s)
-                .unit("s")
-                .fixed(3),
-            Column::new("c80_db", "C80", |row: &BandRow| row.figures.c80_db)
-                .unit("dB")
-                .fixed(2),
-            Column::new("c80_error_db", "±", |row: &BandRow| row.errors.c80_db)
-                .unit("dB")
-                .fixed(2),
-            Column::new("g_db", "G", |row: &BandRow| row.figures.g_db)
-                .unit("dB")
-                .fixed(2),
-            Column::new("g_error_db", "±", |row: &BandRow| row.errors.g_db)
-                .unit("dB")
-                .fixed(2),
-        ]
+        columns! { row: BandRow;
+            ("band_hz", "band") => row.band_hz, unit("Hz").fixed(0);
+            ("edt_s", "EDT") => row.figures.edt_s, unit("s").fixed(3);
+            ("t20_s", "T20") => row.figures.t20_s, unit("s").fixed(3);
+            ("t30_s", "T30") => row.figures.t30_s, unit("s").fixed(3);
+            ("t30_error_s", "±") => row.errors.t30_s, unit("s").fixed(3);
+            ("c80_db", "C80") => row.figures.c80_db, unit("dB").fixed(2);
+            ("c80_error_db", "±") => row.errors.c80_db, unit("dB").fixed(2);
+            ("g_db", "G") => row.figures.g_db, unit("dB").fixed(2);
+            ("g_error_db", "±") => row.errors.g_db, unit("dB").fixed(2);
+        }
     }
 }
 

@@ -122,6 +122,7 @@ fn pieces(word: &str, most: usize) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::columns;
 
     struct Pair(&'static str, Option<f64>);
 
@@ -133,17 +134,12 @@ mod tests {
                 let rough = false;
                 Some(Cell::Interval { value, ends, rough })
             };
-            vec![
-                Column::new("name", "what", |row: &Pair| row.0).key().text(),
-                Column::new("error_deg", "error", move |row: &Pair| {
-                    interval(row).unwrap_or(Cell::None)
-                })
-                .interval()
-                .fixed(1)
-                .unit("°"),
-                Column::for_programs("answers", |_: &Pair| 3u32),
-                Column::for_people("said", |_: &Pair| "1/2").text(),
-            ]
+            columns! { row: Pair;
+                ("name", "what") => row.0, text();
+                ("error_deg", "error") => interval(row).unwrap_or(Cell::None), interval().fixed(1).unit("°");
+                ("answers") => row.1.map_or(3u32, |_| 3);
+                (_, "said") => row.1.map_or("1/2", |_| "1/2"), text();
+            }
         }
     }
 

@@ -22,8 +22,6 @@ pub struct Head {
     pub unit: &'static str,
     /// Whether its cells are text: aligned to the left, with long text wrapped.
     pub is_text: bool,
-    /// Whether it identifies a row, and is repeated where a table continues below.
-    pub is_key: bool,
     /// Whether programs get two more cells, the ends of an interval.
     pub is_interval: bool,
     /// The notation of its numbers.
@@ -55,7 +53,6 @@ impl<R> Column<R> {
                 heading: heading.map(str::to_owned),
                 unit: "",
                 is_text: false,
-                is_key: false,
                 is_interval: false,
                 notation: Notation::Plain,
             },
@@ -86,21 +83,10 @@ impl<R> Column<R> {
         Column::with(None, Some(heading), Box::new(move |row| cell(row).into()))
     }
 
-    /// Marks a column that identifies a row.
-    pub fn key(mut self) -> Column<R> {
-        self.head.is_key = true;
-        self
-    }
-
     /// Marks a column of text.
     pub fn text(mut self) -> Column<R> {
         self.head.is_text = true;
         self
-    }
-
-    /// Marks a column of text that identifies a row.
-    pub fn label(self) -> Column<R> {
-        self.key().text()
     }
 
     /// Sets the unit of the numbers.
@@ -139,6 +125,38 @@ impl<R> Column<R> {
         self.head.notation = notation;
         self
     }
+}
+
+/// The columns of rows of one type, in order, each with the cell of a row: `("name") => cell` for programs,
+/// `(_, "heading") => cell` for people, `("name", "heading") => cell` for both. After a comma follow methods of
+/// [`Column`]; `..columns` adds further columns.
+#[macro_export]
+macro_rules! columns {
+    ($row:ident: $kind:ty; $($items:tt)*) => {{
+        let mut all = Vec::new();
+        $crate::columns!(@add all, $row, $kind; $($items)*);
+        all
+    }};
+    (@add $all:ident, $row:ident, $kind:ty;) => {};
+    (@add $all:ident, $row:ident, $kind:ty; ..$more:expr; $($items:tt)*) => {
+        $all.extend($more);
+        $crate::columns!(@add $all, $row, $kind; $($items)*);
+    };
+    (@add $all:ident, $row:ident, $kind:ty;
+        $heads:tt => $cell:expr $(, $($method:ident($($argument:expr),*)).+)?; $($items:tt)*) => {
+        let column = $crate::columns!(@new $heads, move |$row: &$kind| $cell);
+        $all.push(column$($(.$method($($argument),*))+)?);
+        $crate::columns!(@add $all, $row, $kind; $($items)*);
+    };
+    (@new ($name:expr), $cell:expr) => {
+        $crate::report::Column::for_programs($name, $cell)
+    };
+    (@new (_, $heading:expr), $cell:expr) => {
+        $crate::report::Column::for_people($heading, $cell)
+    };
+    (@new ($name:expr, $heading:expr), $cell:expr) => {
+        $crate::report::Column::new($name, $heading, $cell)
+    };
 }
 
 /// Columns and rows, to be written as CSV, as JSON (by [`Serialize`]: a list of objects, keyed by

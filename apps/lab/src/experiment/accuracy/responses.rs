@@ -6,6 +6,7 @@
 //! A.1).
 
 use super::report::{AccuracyReport, ResponseRow};
+use crate::columns;
 use crate::experiment::plot::{
     HYBRID, LogAxis, MARCH, Panel, Point, Stroke, THESIS, chart, draw_legend, draw_line,
 };
@@ -126,36 +127,16 @@ fn row(
 impl Row for &ResponseRow {
     fn columns() -> Vec<Column<Self>> {
         let percent = |share: Option<f64>| share.map(|share| 100.0 * share);
-        vec![
-            Column::new("profile", "profile", |row: &&ResponseRow| &row.profile).label(),
-            Column::new("waves", "waves", |row: &&ResponseRow| row.waves).key(),
-            Column::new("milliseconds", "response", |row: &&ResponseRow| {
-                row.milliseconds
-            })
-            .unit("ms")
-            .fixed(0),
-            Column::new("t30_error", "T30 off", move |row: &&ResponseRow| {
-                percent(row.t30_error)
-            })
-            .unit("%")
-            .fixed(2),
-            Column::new("edt_error", "EDT off", move |row: &&ResponseRow| {
-                percent(row.edt_error)
-            })
-            .unit("%")
-            .fixed(2),
-            Column::new("c80_error_db", "C80 off", |row: &&ResponseRow| {
-                row.c80_error_db
-            })
-            .unit("dB")
-            .fixed(3),
-            Column::new("g_error_db", "G off", |row: &&ResponseRow| row.g_error_db)
-                .unit("dB")
-                .fixed(3),
-            Column::new("t30_bands", "bands with T30", |row: &&ResponseRow| {
-                row.t30_bands as u64
-            }),
-        ]
+        columns! { row: &ResponseRow;
+            ("profile", "profile") => &row.profile, text();
+            ("waves", "waves") => row.waves;
+            ("milliseconds", "response") => row.milliseconds, unit("ms").fixed(0);
+            ("t30_error", "T30 off") => percent(row.t30_error), unit("%").fixed(2);
+            ("edt_error", "EDT off") => percent(row.edt_error), unit("%").fixed(2);
+            ("c80_error_db", "C80 off") => row.c80_error_db, unit("dB").fixed(3);
+            ("g_error_db", "G off") => row.g_error_db, unit("dB").fixed(3);
+            ("t30_bands", "bands with T30") => row.t30_bands as u64;
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! The report: one table of all changes, and the conclusions.
 
 use super::{Change, CostReport, Noise, OptionRow, ShaderReport, SurfaceRow, Timing, Verdict};
+use crate::columns;
 use crate::report::{Cell, Column, Document, Report, Row, Table};
 
 const LEGEND: &str = "\
@@ -129,24 +130,20 @@ impl<'a> Line<'a> {
 
 impl Row for Line<'_> {
     fn columns() -> Vec<Column<Self>> {
-        let mut columns = vec![
-            Column::for_programs("scene", |line: &Line| line.scene),
-            Column::for_programs("section", |line: &Line| line.section),
-            Column::for_programs("name", |line: &Line| line.name),
-            Column::for_people("changed", Line::change).label(),
-        ];
-        columns.extend(times("march", |line: &Line| line.march.copied()));
-        columns.extend(times("total", |line: &Line| line.total.copied()));
-        columns.push(Column::for_programs("met", |line: &Line| {
-            line.met.map(|met| met.0)
-        }));
-        let met = |line: &Line| line.met.map(|met| met.1);
-        columns.push(Column::for_people("met", met).unit("%").fixed(1));
-        columns.push(Column::for_people("saves", Line::saves).unit("%"));
-        columns.extend(heard());
-        columns.push(Column::for_programs("within_noise", Line::within_noise));
-        columns.push(Column::for_people("verdict", Line::said).text());
-        columns
+        columns! { line: Line;
+            ("scene") => line.scene;
+            ("section") => line.section;
+            ("name") => line.name;
+            (_, "changed") => line.change(), text();
+            ..times("march", |line: &Line| line.march.copied());
+            ..times("total", |line: &Line| line.total.copied());
+            ("met") => line.met.map(|met| met.0);
+            (_, "met") => line.met.map(|met| met.1), unit("%").fixed(1);
+            (_, "saves") => line.saves(), unit("%");
+            ..heard();
+            ("within_noise") => line.within_noise();
+            (_, "verdict") => line.said(), text();
+        }
     }
 }
 
@@ -170,50 +167,36 @@ fn times<R>(of: &str, timing: impl Fn(&R) -> Option<Timing> + Copy + 'static) ->
 
 /// Noise has no mean.
 fn heard<'a>() -> Vec<Column<Line<'a>>> {
-    fn both(
-        line: &Line,
-        change: fn(&Change) -> Option<super::Size>,
-        noise: fn(&Noise) -> Option<f64>,
-    ) -> [Cell; 2] {
+    type OfChange = fn(&Change) -> Option<super::Size>;
+    fn both(line: &Line, change: OfChange, noise: fn(&Noise) -> Option<f64>) -> [Cell; 2] {
         match line.heard {
             Heard::Noise(of) => [Cell::None, noise(of).into()],
             Heard::Change(of) => {
                 let size = of.and_then(change);
-                [
-                    size.map(|size| size.mean).into(),
-                    size.map(|size| size.rms).into(),
-                ]
+                [size.map(|it| it.mean).into(), size.map(|it| it.rms).into()]
             }
         }
     }
-    fn percent(line: &Line) -> [Cell; 2] {
+    let percent = |line: &Line| {
         both(
             line,
-            |of| Some(of.heard_percent),
-            |of| Some(of.heard_percent),
+            |it| Some(it.heard_percent),
+            |it| Some(it.heard_percent),
         )
-    }
-    fn pan(line: &Line) -> [Cell; 2] {
-        both(line, |of| Some(of.pan), |of| Some(of.pan))
-    }
-    fn level(line: &Line) -> [Cell; 2] {
-        both(line, |of| of.level_db, |of| of.level_db)
-    }
+    };
+    let pan = |line: &Line| both(line, |it| Some(it.pan), |it| Some(it.pan));
+    let level = |line: &Line| both(line, |it| it.level_db, |it| it.level_db);
     let second = |[_, rms]: [Cell; 2]| rms;
     let first = |[mean, _]: [Cell; 2]| mean;
-    vec![
-        Column::for_programs("heard_percent", move |line: &Line| first(percent(line))),
-        Column::new("heard_percent_rms", "heard", move |line: &Line| {
-            second(percent(line))
-        })
-        .unit("%")
-        .fixed(1),
-        Column::for_programs("pan", move |line: &Line| first(pan(line))),
-        Column::new("pan_rms", "pan", move |line: &Line| second(pan(line))).fixed(3),
-        Column::for_programs("level_db", move |line: &Line| first(level(line))),
-        Column::for_programs("level_db_rms", move |line: &Line| second(level(line))),
-        Column::for_people("level", Line::level).unit("dB").fixed(2),
-    ]
+    columns! { line: Line;
+        ("heard_percent") => first(percent(line));
+        ("heard_percent_rms", "heard") => second(percent(line)), unit("%").fixed(1);
+        ("pan") => first(pan(line));
+        ("pan_rms", "pan") => second(pan(line)), fixed(3);
+        ("level_db") => first(level(line));
+        ("level_db_rms") => second(level(line));
+        (_, "level") => line.level(), unit("dB").fixed(2);
+    }
 }
 
 impl CostReport {

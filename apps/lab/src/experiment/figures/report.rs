@@ -2,6 +2,7 @@
 
 use super::plot::plot_svg;
 use super::{FigureRow, FigureTable, FiguresReport};
+use crate::columns;
 use crate::report::{Column, Document, PlotError, Report, Row, Table};
 
 const LEGEND: &str = "init to read: median times of the parts of a frame; frame: of all of it. hits: \
@@ -18,55 +19,31 @@ struct Line<'a> {
 
 impl Row for Line<'_> {
     fn columns() -> Vec<Column<Self>> {
-        fn ms<'a>(name: &str, heading: &str, of: fn(&FigureRow) -> f64) -> Column<Line<'a>> {
-            Column::new(name, heading, move |line: &Line| of(line.row))
-                .unit("ms")
-                .fixed(2)
+        columns! { line: Line;
+            ("figure") => line.table.figure;
+            ("scene") => line.table.scene;
+            ("iterations") => line.table.iterations;
+            ("profile", "profile") => &line.row.profile, text();
+            ("waves", "waves") => line.row.waves;
+            ("initialise_ms", "init") => line.row.milliseconds.initialise, unit("ms").fixed(2);
+            ("march_ms", "march") => line.row.milliseconds.march, unit("ms").fixed(2);
+            ("pan_ms", "pan") => line.row.milliseconds.pan, unit("ms").fixed(2);
+            ("read_back_ms", "read") => line.row.milliseconds.read_back, unit("ms").fixed(2);
+            ("total_ms", "frame") => line.row.milliseconds.total, unit("ms").fixed(2);
+            ("listener_hits", "hits") => line.row.counts.listener_hits;
+            ("dead", "dead") => line.row.counts.dead;
+            ("travelling", "travelling") => line.row.counts.travelling;
+            ("zero_length_passes") => line.row.counts.zero_length_passes;
+            ("zero_length_share", "not moved") => line.row.zero_length_share, percent(1);
+            ("step_limit_reached", "step limit") => line.row.counts.step_limit_reached;
+            ("pan") => line.row.pan;
+            ("thesis_mobile_ms", "printed mobile") => line.row.thesis.mobile_ms, unit("ms").fixed(2);
+            ("thesis_desktop_ms", "printed desktop") => line.row.thesis.desktop_ms, unit("ms").fixed(2);
+            ("thesis_listener_hits", "printed hits") => line.row.thesis.listener_hits;
+            ("standard_errors", "se") => line.row.standard_errors(), signed(1);
+            ("renderer") => &line.report.renderer;
+            ("clock") => &line.report.clock;
         }
-        fn count<'a>(name: &str, heading: &str, of: fn(&FigureRow) -> u64) -> Column<Line<'a>> {
-            Column::new(name, heading, move |line: &Line| of(line.row))
-        }
-        vec![
-            Column::for_programs("figure", |line: &Line| line.table.figure),
-            Column::for_programs("scene", |line: &Line| line.table.scene),
-            Column::for_programs("iterations", |line: &Line| line.table.iterations),
-            Column::new("profile", "profile", |line: &Line| &line.row.profile).label(),
-            Column::new("waves", "waves", |line: &Line| line.row.waves).key(),
-            ms("initialise_ms", "init", |row| row.milliseconds.initialise),
-            ms("march_ms", "march", |row| row.milliseconds.march),
-            ms("pan_ms", "pan", |row| row.milliseconds.pan),
-            ms("read_back_ms", "read", |row| row.milliseconds.read_back),
-            ms("total_ms", "frame", |row| row.milliseconds.total),
-            count("listener_hits", "hits", |row| row.counts.listener_hits),
-            count("dead", "dead", |row| row.counts.dead),
-            count("travelling", "travelling", |row| row.counts.travelling),
-            Column::for_programs("zero_length_passes", |line: &Line| {
-                line.row.counts.zero_length_passes
-            }),
-            Column::new("zero_length_share", "not moved", |line: &Line| {
-                line.row.zero_length_share
-            })
-            .percent(1),
-            count("step_limit_reached", "step limit", |row| {
-                row.counts.step_limit_reached
-            }),
-            Column::for_programs("pan", |line: &Line| line.row.pan),
-            ms("thesis_mobile_ms", "printed mobile", |row| {
-                row.thesis.mobile_ms
-            }),
-            ms("thesis_desktop_ms", "printed desktop", |row| {
-                row.thesis.desktop_ms
-            }),
-            count("thesis_listener_hits", "printed hits", |row| {
-                row.thesis.listener_hits
-            }),
-            Column::new("standard_errors", "se", |line: &Line| {
-                line.row.standard_errors()
-            })
-            .signed(1),
-            Column::for_programs("renderer", |line: &Line| &line.report.renderer),
-            Column::for_programs("clock", |line: &Line| &line.report.clock),
-        ]
     }
 }
 

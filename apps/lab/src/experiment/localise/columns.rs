@@ -3,6 +3,7 @@
 use super::report::{Cell as RoomCell, LocaliseReport, OpenDirection, OpenReport};
 use super::score::Group;
 use super::statistics::{ErrorFigures, Figure, Share};
+use crate::columns;
 use crate::report::{Cell, Column, Row};
 
 /// Sides of the source, and of the answers.
@@ -94,28 +95,6 @@ impl<'a> Line<'a> {
 
 impl Row for Line<'_> {
     fn columns() -> Vec<Column<Self>> {
-        let mut columns = vec![
-            Column::for_programs("kind", |line: &Line| line.kind),
-            Column::for_programs("scene", |line: &Line| line.scene),
-            Column::for_programs("sound", |line: &Line| line.sound),
-            Column::new("profile", "profile", |line: &Line| line.profile).label(),
-            Column::new("waves", "waves", |line: &Line| line.waves).key(),
-            Column::new("iterations", "it.", |line: &Line| line.iterations).key(),
-            Column::for_programs("azimuth", |line: &Line| line.azimuth),
-            Column::for_programs("elevation", |line: &Line| line.elevation),
-            Column::for_programs("trials", |line: &Line| line.trials),
-            Column::new("unheard", "unheard", |line: &Line| line.unheard).percent(0),
-            Column::new("hits", "hits", |line: &Line| line.hits).fixed(1),
-            Column::for_programs("mean_answer", |line: &Line| line.mean_answer),
-        ];
-        let source = ["error from source", "bias", "outward bias", "spread"];
-        columns.extend(errors("source", &source, |line: &Line| line.source));
-        let limit = ["error from limit", "bias"];
-        columns.extend(errors("limit", &limit, |line: &Line| line.limit));
-        columns.extend(errors("blind", &[], |line: &Line| line.blind));
-        columns.extend(confusion(SAID, "left said L/C/R/–", |line: &Line| {
-            line.confusion
-        }));
         let side_right = |line: &Line| {
             line.side_right.map(|of| Cell::Interval {
                 value: of.share,
@@ -123,15 +102,28 @@ impl Row for Line<'_> {
                 rough: false,
             })
         };
-        columns.push(
-            Column::new("side_right", "side right", side_right)
-                .interval()
-                .percent(0),
-        );
-        columns.push(Column::for_programs("renderer", |line: &Line| {
-            line.renderer
-        }));
-        columns
+        let source = ["error from source", "bias", "outward bias", "spread"];
+        let limit = ["error from limit", "bias"];
+        columns! { line: Line;
+            ("kind") => line.kind;
+            ("scene") => line.scene;
+            ("sound") => line.sound;
+            ("profile", "profile") => line.profile, text();
+            ("waves", "waves") => line.waves;
+            ("iterations", "it.") => line.iterations;
+            ("azimuth") => line.azimuth;
+            ("elevation") => line.elevation;
+            ("trials") => line.trials;
+            ("unheard", "unheard") => line.unheard, percent(0);
+            ("hits", "hits") => line.hits, fixed(1);
+            ("mean_answer") => line.mean_answer;
+            ..errors("source", &source, |line: &Line| line.source);
+            ..errors("limit", &limit, |line: &Line| line.limit);
+            ..errors("blind", &[], |line: &Line| line.blind);
+            ..confusion(SAID, "left said L/C/R/–", |line: &Line| line.confusion);
+            ("side_right", "side right") => side_right(line), interval().percent(0);
+            ("renderer") => line.renderer;
+        }
     }
 }
 
@@ -244,37 +236,27 @@ impl Row for &Group {
                 Cell::None => "silent".into(),
                 cell => cell,
             };
-            columns.push(Column::for_people(heading, cell).label());
+            columns.push(Column::for_people(heading, cell).text());
         }
-        columns.push(Column::for_programs("heard", |group: &&Group| group.heard));
-        columns.push(Column::new("answers", "answers", |group: &&Group| {
-            group.answers
-        }));
-        columns.push(Column::new("people", "people", |group: &&Group| {
-            group.people
-        }));
         let source = ["error from source", "bias", "outward bias"];
-        columns.extend(errors("source", &source, |group: &&Group| group.source));
-        columns.push(Column::for_people("spread", spread).fixed(1));
-        let observer = ["error from observer"];
-        columns.extend(errors("observer", &observer, |group: &&Group| {
-            group.observer
-        }));
-        let counts = |group: &&Group| Some(group.confusion);
-        columns.extend(confusion(SIDES, "left said L/C/R", counts));
-        columns.push(Column::for_programs("side_is_clicked", |group: &&Group| {
-            group.side_is_clicked
-        }));
-        let behind = |group: &&Group| group.clicked_behind;
-        columns.push(Column::new("clicked_behind", "clicked behind", behind).percent(0));
-        let confidence = |group: &&Group| group.confidence;
-        columns.push(Column::new("confidence", "confidence", confidence).fixed(1));
+        columns.extend(columns! { group: &Group;
+            ("heard") => group.heard;
+            ("answers", "answers") => group.answers;
+            ("people", "people") => group.people;
+            ..errors("source", &source, |group: &&Group| group.source);
+            (_, "spread") => spread(group), fixed(1);
+            ..errors("observer", &["error from observer"], |group: &&Group| group.observer);
+            ..confusion(SIDES, "left said L/C/R", |group: &&Group| Some(group.confusion));
+            ("side_is_clicked") => group.side_is_clicked;
+            ("clicked_behind", "clicked behind") => group.clicked_behind, percent(0);
+            ("confidence", "confidence") => group.confidence, fixed(1);
+        });
         columns
     }
 }
 
 /// The spread of people's answers: empty if too few answered for an interval.
-fn spread(group: &&Group) -> Cell {
+fn spread(group: &Group) -> Cell {
     let error = group.source.as_ref();
     let spread = error.and_then(|error| error.spread);
     figure(spread.filter(|spread| spread.interval_deg.is_some()), false)

@@ -9,6 +9,7 @@ use super::report_contents::{first_sound, shown_plateaus};
 use super::score::{ScoreReport, SessionLine};
 use super::statistics::{ErrorFigures, Figure, LEAST_DRAWN};
 use super::{AUDIBLE_DEG, MOST_WORK};
+use crate::columns;
 use crate::experiment::{THESIS_TABLES, ThesisTable, WAVE_COUNTS};
 use crate::report::{Cell, Column, Document, PlotError, Report, Row, Table};
 use echomarch::tracer::Profile;
@@ -111,36 +112,26 @@ impl Row for &OpenReport {
         fn error(of: Option<&ErrorFigures>, pick: Pick) -> Cell {
             of.map_or(Cell::None, |error| figure(pick(error), error.rough))
         }
-        let all = |heading: &str, pick: Pick| {
-            Column::for_people(heading, move |open: &&OpenReport| {
-                error(open.all.as_ref(), pick)
-            })
-        };
-        let blind = |heading: &str, pick: Pick| {
-            Column::for_people(heading, move |open: &&OpenReport| {
-                error(open.blind.as_ref(), pick)
-            })
-        };
-        vec![
-            Column::for_people("profile", |open: &&OpenReport| &open.profile).label(),
-            Column::for_people("waves", |open: &&OpenReport| open.waves).key(),
-            Column::for_people("it.", |open: &&OpenReport| open.iterations).key(),
-            Column::for_people("ground", |open: &&OpenReport| open.ground).key(),
-            Column::for_people("distance", |open: &&OpenReport| open.distance_m).unit("m"),
-            Column::for_people("m", |open: &&OpenReport| open.mean_side).fixed(4),
-            Column::for_people("azimuths", |open: &&OpenReport| open.azimuths.len()),
-            all("error", |of| Some(of.median_abs)).fixed(2),
-            all("outward bias", |of| of.outward_bias).signed(2),
-            all("spread", |of| of.spread).fixed(2),
-            Column::for_people("worst azimuth", worst_azimuth),
-            Column::for_people("blind m", |open: &&OpenReport| open.blind_mean_side).fixed(4),
-            blind("blind error", |of| Some(of.median_abs)).fixed(1),
-            blind("blind outward bias", |of| of.outward_bias).signed(1),
-        ]
+        columns! { open: &OpenReport;
+            (_, "profile") => &open.profile, text();
+            (_, "waves") => open.waves;
+            (_, "it.") => open.iterations;
+            (_, "ground") => open.ground;
+            (_, "distance") => open.distance_m, unit("m");
+            (_, "m") => open.mean_side, fixed(4);
+            (_, "azimuths") => open.azimuths.len();
+            (_, "error") => error(open.all.as_ref(), |of| Some(of.median_abs)), fixed(2);
+            (_, "outward bias") => error(open.all.as_ref(), |of| of.outward_bias), signed(2);
+            (_, "spread") => error(open.all.as_ref(), |of| of.spread), fixed(2);
+            (_, "worst azimuth") => worst_azimuth(open);
+            (_, "blind m") => open.blind_mean_side, fixed(4);
+            (_, "blind error") => error(open.blind.as_ref(), |of| Some(of.median_abs)), fixed(1);
+            (_, "blind outward bias") => error(open.blind.as_ref(), |of| of.outward_bias), signed(1);
+        }
     }
 }
 
-fn worst_azimuth(open: &&OpenReport) -> Option<String> {
+fn worst_azimuth(open: &OpenReport) -> Option<String> {
     let median = |at: &OpenDirection| Some((at.error?.median_abs.deg, at.azimuth_deg));
     let medians = open.azimuths.iter().filter_map(median);
     let (error, at) = medians.max_by(|a, b| a.0.total_cmp(&b.0))?;
@@ -159,16 +150,16 @@ impl Row for Alike<'_> {
             let error = alike.at.error?;
             Some(error.spread?.deg)
         };
-        vec![
-            Column::for_people("profile", |alike: &Alike| &alike.open.profile).label(),
-            Column::for_people("it.", |alike: &Alike| alike.open.iterations).key(),
-            Column::for_people("ground", |alike: &Alike| alike.open.ground).key(),
-            Column::for_people("azimuth", |alike: &Alike| alike.at.azimuth_deg).signed(0),
-            Column::for_people("height", |alike: &Alike| alike.at.elevation_deg).signed(0),
-            Column::for_people("lateral", |alike: &Alike| alike.at.lateral_deg).signed(1),
-            Column::for_people("answer", |alike: &Alike| alike.at.answer_deg).signed(1),
-            Column::for_people("spread", spread).fixed(1),
-        ]
+        columns! { alike: Alike;
+            (_, "profile") => &alike.open.profile, text();
+            (_, "it.") => alike.open.iterations;
+            (_, "ground") => alike.open.ground;
+            (_, "azimuth") => alike.at.azimuth_deg, signed(0);
+            (_, "height") => alike.at.elevation_deg, signed(0);
+            (_, "lateral") => alike.at.lateral_deg, signed(1);
+            (_, "answer") => alike.at.answer_deg, signed(1);
+            (_, "spread") => spread(alike), fixed(1);
+        }
     }
 }
 
@@ -198,24 +189,18 @@ struct FacingLimit<'a> {
 
 impl Row for FacingLimit<'_> {
     fn columns() -> Vec<Column<Self>> {
-        fn heard<'a>(heading: &str, of: fn(&LimitReport) -> f64) -> Column<FacingLimit<'a>> {
-            Column::for_people(heading, move |row: &FacingLimit| {
-                (row.limit.heard > 0.0).then(|| of(row.limit))
-            })
+        fn heard(limit: &LimitReport, value: f64) -> Option<f64> {
+            (limit.heard > 0.0).then_some(value)
         }
-        vec![
-            Column::for_people("source at", |row: &FacingLimit| row.facing.azimuth_deg)
-                .key()
-                .signed(1),
-            Column::for_people("lateral", |row: &FacingLimit| row.facing.lateral_deg)
-                .key()
-                .signed(1),
-            Column::for_people("it.", |row: &FacingLimit| row.limit.iterations).key(),
-            heard("pan", |limit| limit.pan).signed(4),
-            heard("±", |limit| limit.uncertainty).fixed(4),
-            Column::for_people("heard", |row: &FacingLimit| row.limit.heard).percent(4),
-            heard("answer", |limit| limit.lateral_deg).signed(1),
-        ]
+        columns! { row: FacingLimit;
+            (_, "source at") => row.facing.azimuth_deg, signed(1);
+            (_, "lateral") => row.facing.lateral_deg, signed(1);
+            (_, "it.") => row.limit.iterations;
+            (_, "pan") => heard(row.limit, row.limit.pan), signed(4);
+            (_, "±") => heard(row.limit, row.limit.uncertainty), fixed(4);
+            (_, "heard") => row.limit.heard, percent(4);
+            (_, "answer") => heard(row.limit, row.limit.lateral_deg), signed(1);
+        }
     }
 }
 
@@ -241,17 +226,17 @@ impl Row for &Plateau {
             "waves" => format!("{} iterations", plateau.fixed),
             _ => format!("{} waves", plateau.fixed),
         };
-        vec![
-            Column::for_people("scene", |plateau: &&Plateau| &plateau.scene).label(),
-            Column::for_people("of", of).label(),
-            Column::for_people("along", |plateau: &&Plateau| plateau.along).label(),
-            Column::for_people("with", with).label(),
-            Column::for_people("profile", |plateau: &&Plateau| &plateau.profile).label(),
-            Column::for_people("from", |plateau: &&Plateau| plateau.told()),
-            Column::for_people("least", |plateau: &&Plateau| plateau.least),
-            Column::for_people("of counts to", |plateau: &&Plateau| plateau.largest),
-            Column::for_people("there", |plateau: &&Plateau| figure(plateau.there, false)).fixed(1),
-        ]
+        columns! { plateau: &Plateau;
+            (_, "scene") => &plateau.scene, text();
+            (_, "of") => of(plateau), text();
+            (_, "along") => plateau.along, text();
+            (_, "with") => with(plateau), text();
+            (_, "profile") => &plateau.profile, text();
+            (_, "from") => plateau.told();
+            (_, "least") => plateau.least;
+            (_, "of counts to") => plateau.largest;
+            (_, "there") => figure(plateau.there, false), fixed(1);
+        }
     }
 }
 
@@ -305,12 +290,12 @@ fn arrivals(table: &'static ThesisTable, scene: &SceneReport) -> impl Iterator<I
 
 impl Row for Arrivals {
     fn columns() -> Vec<Column<Self>> {
-        let mut columns = vec![
-            Column::for_people("scene", |row: &Arrivals| row.table.scene).label(),
-            Column::for_people("it.", |row: &Arrivals| row.table.iterations).key(),
-            Column::for_people("waves", |row: &Arrivals| row.waves).key(),
-            Column::for_people("printed", |row: &Arrivals| row.printed),
-        ];
+        let mut columns = columns! { row: Arrivals;
+            (_, "scene") => row.table.scene, text();
+            (_, "it.") => row.table.iterations;
+            (_, "waves") => row.waves;
+            (_, "printed") => row.printed;
+        };
         for (index, profile) in Profile::ALL.into_iter().enumerate().rev() {
             let heard = move |row: &Arrivals| row.heard[index].clone();
             columns.push(Column::for_people(&profile.to_string(), heard));
@@ -367,12 +352,12 @@ impl Report for ScoreReport {
 
 impl Row for &SessionLine {
     fn columns() -> Vec<Column<Self>> {
-        vec![
-            Column::for_people("session", |line: &&SessionLine| &line.session).label(),
-            Column::for_people("participant", |line: &&SessionLine| &line.participant).label(),
-            Column::for_people("form", |line: &&SessionLine| &line.experiment).text(),
-            Column::for_people("answered", |line: &&SessionLine| line.answered),
-            Column::for_people("of", |line: &&SessionLine| line.trials),
-        ]
+        columns! { line: &SessionLine;
+            (_, "session") => &line.session, text();
+            (_, "participant") => &line.participant, text();
+            (_, "form") => &line.experiment, text();
+            (_, "answered") => line.answered;
+            (_, "of") => line.trials;
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! The results of the hard cases, as plain data.
 
 use super::rounding::{END_ROUNDING, LENGTH_ROUNDING, START_ROUNDING};
+use crate::columns;
 use crate::report::{Column, Document, Report, Row, Table, significant};
 use echomarch::tracer::Profile;
 use serde::Serialize;
@@ -153,12 +154,12 @@ impl Row for &CaseReport {
             })
             .text()
         };
-        let mut columns = vec![
-            Column::new("name", "case", |case: &&CaseReport| &case.name).label(),
-            Column::new("hard", "what is hard", |case: &&CaseReport| &case.hard).text(),
-            Column::new("exact", "exact", |case: &&CaseReport| &case.exact).text(),
-            Column::new("bound", "bound", |case: &&CaseReport| &case.bound).text(),
-        ];
+        let mut columns = columns! { case: &CaseReport;
+            ("name", "case") => &case.name, text();
+            ("hard", "what is hard") => &case.hard, text();
+            ("exact", "exact") => &case.exact, text();
+            ("bound", "bound") => &case.bound, text();
+        };
         columns.extend(Profile::ALL.map(verdict));
         columns
     }
