@@ -1,7 +1,7 @@
 //! A cylinder with round ends.
 
-use super::part::{half, part};
-use super::{Part, Properties, Shape, SurfaceKind};
+use super::part::{half, part, surface_kind};
+use super::{Part, Properties, Shape};
 use glam::{DVec2, DVec3};
 
 part! {
@@ -15,9 +15,7 @@ part! {
 }
 
 impl Part for Capsule {
-    fn surface_kind(&self) -> SurfaceKind {
-        SurfaceKind::SMOOTH
-    }
+    surface_kind!(SMOOTH);
 
     fn properties(&self, _: &[Shape]) -> Properties {
         Properties::round(self.radius, f64::from(self.radius) + half(self.height))

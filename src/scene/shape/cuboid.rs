@@ -1,7 +1,7 @@
 //! A box; in Rust it is called a cuboid because `Box` is taken.
 
-use super::part::part;
-use super::{Part, Properties, Shape, SurfaceKind};
+use super::part::{arguments, part, surface_kind};
+use super::{Part, Properties, Shape};
 use glam::{DVec3, Vec3};
 
 part! {
@@ -13,9 +13,7 @@ part! {
 }
 
 impl Part for Cuboid {
-    fn surface_kind(&self) -> SurfaceKind {
-        SurfaceKind::FLAT
-    }
+    surface_kind!(FLAT);
 
     fn properties(&self, _: &[Shape]) -> Properties {
         Properties::exact(0.5 * self.size.as_dvec3())
@@ -29,9 +27,7 @@ impl Part for Cuboid {
         (0.5 * self.size.as_dvec3()).to_array().to_vec()
     }
 
-    fn arguments(&self) -> &'static [usize] {
-        &[3]
-    }
+    arguments!(3);
 }
 
 /// The signed distance to a box about the origin.

@@ -1,7 +1,7 @@
 //! Cylinders: an infinite one, and one with plane ends. A scene file writes both as `Cylinder`.
 
-use super::part::{Notation, half, parameters};
-use super::{Part, Properties, Rotate, Shape, SurfaceKind};
+use super::part::{Notation, half, parameters, surface_kind};
+use super::{Part, Properties, Rotate, Shape};
 use crate::scene::SceneError;
 use crate::scene::notation::{Length, Number, Radius, Reader, checked};
 use glam::{DVec2, DVec3, Vec3};
@@ -101,9 +101,7 @@ parameters!(Cylinder {
 });
 
 impl Part for Cylinder {
-    fn surface_kind(&self) -> SurfaceKind {
-        SurfaceKind::SMOOTH
-    }
+    surface_kind!(SMOOTH);
 
     fn properties(&self, _: &[Shape]) -> Properties {
         Properties::round(self.radius, f64::INFINITY)

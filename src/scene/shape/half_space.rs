@@ -1,7 +1,7 @@
 //! A half space in any direction.
 
-use super::part::part;
-use super::{Bounds3, Part, Properties, Shape, SurfaceKind};
+use super::part::{arguments, part, surface_kind};
+use super::{Bounds3, Part, Properties, Shape};
 use glam::{DVec3, Vec3};
 
 part! {
@@ -18,9 +18,7 @@ part! {
 const SHORTEST_NORMAL: f32 = 1e-6;
 
 impl Part for HalfSpace {
-    fn surface_kind(&self) -> SurfaceKind {
-        SurfaceKind::PLANE
-    }
+    surface_kind!(PLANE);
 
     fn check(&self) -> Result<(), String> {
         if self.normal.length() < SHORTEST_NORMAL {
@@ -50,7 +48,5 @@ impl Part for HalfSpace {
         vec![normal.x, normal.y, normal.z, f64::from(self.offset)]
     }
 
-    fn arguments(&self) -> &'static [usize] {
-        &[3, 1]
-    }
+    arguments!(3, 1);
 }

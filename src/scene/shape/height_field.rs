@@ -2,7 +2,7 @@
 
 use super::asset::Asset;
 use super::cuboid::box_value;
-use super::part::{Notation, parameters};
+use super::part::{Notation, arguments, parameters};
 use super::{Bounds3, HeightImage, Part, Properties, Shape};
 use crate::scene::SceneError;
 use crate::scene::notation::{Fields, ReadNumbers, Reader, Side, Vector, Written};
@@ -73,9 +73,7 @@ impl Part for HeightField {
         vec![half.x, half.y, half.z, self.slowest()]
     }
 
-    fn arguments(&self) -> &'static [usize] {
-        &[3, 1]
-    }
+    arguments!(3, 1);
 }
 
 impl HeightField {

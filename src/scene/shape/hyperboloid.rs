@@ -1,8 +1,8 @@
 //! A hyperboloid of one or of two sheets.
 
-use super::part::part;
+use super::part::{part, surface_kind};
 use super::quadric::straight_quadric;
-use super::{Bounds3, Part, Properties, Quadric, Shape, SurfaceKind};
+use super::{Bounds3, Part, Properties, Quadric, Shape};
 use crate::scene::notation::{Fields, Written};
 use glam::DVec3;
 use serde::de::{Deserialize, Deserializer, Error};
@@ -34,9 +34,7 @@ fn two_sheets<'de, D: Deserializer<'de>>(from: D) -> Result<bool, D::Error> {
 }
 
 impl Part for Hyperboloid {
-    fn surface_kind(&self) -> SurfaceKind {
-        SurfaceKind::SMOOTH
-    }
+    surface_kind!(SMOOTH);
 
     fn words(&self) -> Fields {
         let sheets = if self.two_sheets { 2 } else { 1 };

@@ -1,8 +1,8 @@
 //! A paraboloid.
 
-use super::part::part;
+use super::part::{part, surface_kind};
 use super::quadric::straight_quadric;
-use super::{Bounds3, Part, Properties, Quadric, Shape, SurfaceKind};
+use super::{Bounds3, Part, Properties, Quadric, Shape};
 use glam::DVec3;
 
 part! {
@@ -14,9 +14,7 @@ part! {
 }
 
 impl Part for Paraboloid {
-    fn surface_kind(&self) -> SurfaceKind {
-        SurfaceKind::SMOOTH
-    }
+    surface_kind!(SMOOTH);
 
     fn properties(&self, _: &[Shape]) -> Properties {
         Properties {

@@ -100,6 +100,26 @@ pub(crate) trait Part: Parameters {
     }
 }
 
+/// States the kind of a part's surface, within its `impl Part`.
+macro_rules! surface_kind {
+    ($kind:ident) => {
+        fn surface_kind(&self) -> $crate::scene::shape::SurfaceKind {
+            $crate::scene::shape::SurfaceKind::$kind
+        }
+    };
+}
+pub(super) use surface_kind;
+
+/// States the number of components of each argument of a part's shader functions, within its `impl Part`.
+macro_rules! arguments {
+    ($($components:literal),*) => {
+        fn arguments(&self) -> &'static [usize] {
+            &[$($components),*]
+        }
+    };
+}
+pub(super) use arguments;
+
 /// Half of a full length in metres.
 pub(super) fn half(length: f32) -> f64 {
     0.5 * f64::from(length)

@@ -1,7 +1,7 @@
 //! A plane.
 
-use super::part::part;
-use super::{Bounds3, Part, Properties, Shape, SurfaceKind};
+use super::part::{part, surface_kind};
+use super::{Bounds3, Part, Properties, Shape};
 use glam::DVec3;
 
 part! {
@@ -10,9 +10,7 @@ part! {
 }
 
 impl Part for Plane {
-    fn surface_kind(&self) -> SurfaceKind {
-        SurfaceKind::PLANE
-    }
+    surface_kind!(PLANE);
 
     fn properties(&self, _: &[Shape]) -> Properties {
         let endless = f64::INFINITY;

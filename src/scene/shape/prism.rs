@@ -2,8 +2,8 @@
 
 use super::cone::segment_distance;
 use super::cylinder::corner_value;
-use super::part::{half, part};
-use super::{Bounds3, Part, Properties, Shape, SurfaceKind};
+use super::part::{arguments, half, part, surface_kind};
+use super::{Bounds3, Part, Properties, Shape};
 use glam::{DVec2, DVec3, Vec2};
 
 part! {
@@ -21,9 +21,7 @@ part! {
 const LEAST_AREA: f64 = 1e-6;
 
 impl Part for Prism {
-    fn surface_kind(&self) -> SurfaceKind {
-        SurfaceKind::FLAT
-    }
+    surface_kind!(FLAT);
 
     fn check(&self) -> Result<(), String> {
         let [a, b, c] = self.flat();
@@ -60,9 +58,7 @@ impl Part for Prism {
         vec![a.x, a.y, b.x, b.y, c.x, c.y, half(self.depth)]
     }
 
-    fn arguments(&self) -> &'static [usize] {
-        &[2, 2, 2, 1]
-    }
+    arguments!(2, 2, 2, 1);
 }
 
 impl Prism {

@@ -5,7 +5,7 @@
 //! λ |F|)) never exceeds the distance, agrees with it to first order at the surface, and is
 //! Lipschitz with constant 1, because |∇g| ≤ 2 λ.
 
-use super::part::{Notation, parameters};
+use super::part::{Notation, arguments, parameters};
 use super::{Bounds3, Part, Properties, Shape};
 use crate::scene::SceneError;
 use crate::scene::notation::{Number, Plain, Reader};
@@ -78,9 +78,7 @@ impl Part for GeneralQuadric {
         numbers
     }
 
-    fn arguments(&self) -> &'static [usize] {
-        &[3, 3, 3, 1, 1]
-    }
+    arguments!(3, 3, 3, 1, 1);
 }
 
 impl GeneralQuadric {

@@ -1,7 +1,7 @@
 //! The inside of a box.
 
-use super::part::part;
-use super::{Bounds3, Exactness, Part, Properties, Shape, SurfaceKind};
+use super::part::{arguments, part, surface_kind};
+use super::{Bounds3, Exactness, Part, Properties, Shape};
 use crate::scene::material::WALL_NAMES;
 use glam::{DVec3, Vec3};
 
@@ -23,9 +23,7 @@ impl Room {
 }
 
 impl Part for Room {
-    fn surface_kind(&self) -> SurfaceKind {
-        SurfaceKind::FLAT
-    }
+    surface_kind!(FLAT);
 
     fn properties(&self, _: &[Shape]) -> Properties {
         Properties {
@@ -47,7 +45,5 @@ impl Part for Room {
         (0.5 * self.size.as_dvec3()).to_array().to_vec()
     }
 
-    fn arguments(&self) -> &'static [usize] {
-        &[3]
-    }
+    arguments!(3);
 }

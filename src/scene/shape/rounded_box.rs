@@ -1,7 +1,7 @@
 //! A box with round edges.
 
 use super::cuboid::box_value;
-use super::part::part;
+use super::part::{arguments, part};
 use super::{Part, Properties, Shape};
 use glam::{DVec3, Vec3};
 
@@ -42,7 +42,5 @@ impl Part for RoundedBox {
         vec![core.x, core.y, core.z, rounding]
     }
 
-    fn arguments(&self) -> &'static [usize] {
-        &[3, 1]
-    }
+    arguments!(3, 1);
 }

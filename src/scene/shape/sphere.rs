@@ -1,7 +1,7 @@
 //! A ball.
 
-use super::part::part;
-use super::{Part, Properties, Shape, SurfaceKind};
+use super::part::{part, surface_kind};
+use super::{Part, Properties, Shape};
 use glam::DVec3;
 
 part! {
@@ -13,9 +13,7 @@ part! {
 }
 
 impl Part for Sphere {
-    fn surface_kind(&self) -> SurfaceKind {
-        SurfaceKind::SMOOTH
-    }
+    surface_kind!(SMOOTH);
 
     fn properties(&self, _: &[Shape]) -> Properties {
         Properties::round(self.radius, self.radius.into())

@@ -1,7 +1,7 @@
 //! A ring.
 
-use super::part::part;
-use super::{Exactness, Part, Properties, Shape, SurfaceKind};
+use super::part::{part, surface_kind};
+use super::{Exactness, Part, Properties, Shape};
 use glam::{DVec2, DVec3};
 
 part! {
@@ -15,9 +15,7 @@ part! {
 }
 
 impl Part for Torus {
-    fn surface_kind(&self) -> SurfaceKind {
-        SurfaceKind::SMOOTH
-    }
+    surface_kind!(SMOOTH);
 
     fn properties(&self, _: &[Shape]) -> Properties {
         Properties {

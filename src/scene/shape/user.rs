@@ -2,7 +2,7 @@
 
 use super::asset::{Asset, UserField};
 use super::cuboid::box_value;
-use super::part::{Notation, Numbers, Parameter, parameters};
+use super::part::{Notation, Numbers, Parameter, arguments, parameters};
 use super::{Bounds3, Part, Properties, Shape};
 use crate::scene::notation::{Fields, Lipschitz, Reader, Size, Written};
 use crate::scene::{Quantity, SceneError};
@@ -91,9 +91,7 @@ impl Part for User {
         vec![half.x, half.y, half.z, inverse_lipschitz]
     }
 
-    fn arguments(&self) -> &'static [usize] {
-        &[3, 1]
-    }
+    arguments!(3, 1);
 }
 
 impl User {

@@ -9,9 +9,9 @@ pub use repeat::Repeat;
 pub use single::{Complement, Elongate, Mirror, Offset, Rotate, Scale, Shell, Translate};
 pub use turning::{Bend, Twist};
 
-use super::part::{half, part, slowest};
+use super::part::{half, part, slowest, surface_kind};
 use super::properties::{hull, merged};
-use super::{Bounds3, Exactness, Node, Part, Properties, Shape, ShapeFile, SurfaceKind};
+use super::{Bounds3, Exactness, Node, Part, Properties, Shape, ShapeFile};
 use glam::{DVec3, Vec3};
 
 part! {
@@ -20,9 +20,7 @@ part! {
 }
 
 impl Part for Union {
-    fn surface_kind(&self) -> SurfaceKind {
-        SurfaceKind::FLAT
-    }
+    surface_kind!(FLAT);
 
     fn keeps_apart(&self, children: &[Shape]) -> bool {
         let bounds: Vec<Bounds3> = children.iter().map(|c| c.properties().bounds).collect();
@@ -57,9 +55,7 @@ part! {
 }
 
 impl Part for Intersection {
-    fn surface_kind(&self) -> SurfaceKind {
-        SurfaceKind::FLAT
-    }
+    surface_kind!(FLAT);
 
     /// Exact in the solid if all children are.
     fn properties(&self, children: &[Shape]) -> Properties {
@@ -85,9 +81,7 @@ part! {
 }
 
 impl Part for Difference {
-    fn surface_kind(&self) -> SurfaceKind {
-        SurfaceKind::FLAT
-    }
+    surface_kind!(FLAT);
 
     fn properties(&self, children: &[Shape]) -> Properties {
         let of: Vec<Properties> = children.iter().map(Shape::properties).collect();
@@ -109,9 +103,7 @@ part! {
 }
 
 impl Part for SmoothUnion {
-    fn surface_kind(&self) -> SurfaceKind {
-        SurfaceKind::SMOOTH
-    }
+    surface_kind!(SMOOTH);
 
     /// Blending mixes the gradients of two fields, so the greater Lipschitz constant still holds.
     /// The solid reaches beyond the plain union by a quarter of the radius for each field that is

@@ -10,7 +10,7 @@
 //! and would then jump where that copy stops being evaluated. So the value is capped there at the
 //! minimum value of such a copy, see [`Cap`].
 
-use super::{Bounds3, Exactness, Node, Part, Properties, Shape, ShapeFile, SurfaceKind, part};
+use super::{Bounds3, Exactness, Node, Part, Properties, Shape, ShapeFile, part, surface_kind};
 use crate::scene::notation::{Fields, Written};
 use glam::{DVec3, Vec3};
 use serde::de::{Deserialize, Deserializer};
@@ -38,9 +38,7 @@ const TOUCHING: f64 = 1e-6;
 const MOST_COUNTED: u32 = 1 << 24;
 
 impl Part for Repeat {
-    fn surface_kind(&self) -> SurfaceKind {
-        SurfaceKind::FLAT
-    }
+    surface_kind!(FLAT);
 
     fn copies(&self) -> bool {
         true

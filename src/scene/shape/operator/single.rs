@@ -1,7 +1,7 @@
 //! Operators on one field: it is moved, turned, scaled or mirrored, or its surface is moved along its normals.
 
 use super::{
-    Bounds3, Exactness, Part, Properties, Shape, ShapeFile, SurfaceKind, half, part, slowest,
+    Bounds3, Exactness, Part, Properties, Shape, ShapeFile, half, part, slowest, surface_kind,
 };
 use crate::scene::notation::{Fields, Written};
 use glam::{DMat3, DVec3, EulerRot, Vec3};
@@ -16,9 +16,7 @@ part! {
 }
 
 impl Part for Translate {
-    fn surface_kind(&self) -> SurfaceKind {
-        SurfaceKind::MOVED
-    }
+    surface_kind!(MOVED);
 
     fn properties(&self, children: &[Shape]) -> Properties {
         let of = children[0].properties();
@@ -47,9 +45,7 @@ part! {
 }
 
 impl Part for Rotate {
-    fn surface_kind(&self) -> SurfaceKind {
-        SurfaceKind::MOVED
-    }
+    surface_kind!(MOVED);
 
     fn properties(&self, children: &[Shape]) -> Properties {
         let of = children[0].properties();
@@ -95,9 +91,7 @@ part! {
 }
 
 impl Part for Scale {
-    fn surface_kind(&self) -> SurfaceKind {
-        SurfaceKind::MOVED
-    }
+    surface_kind!(MOVED);
 
     fn properties(&self, children: &[Shape]) -> Properties {
         let of = children[0].properties();
@@ -141,9 +135,7 @@ fn mirror_axes<'de, D: Deserializer<'de>>(from: D) -> Result<[bool; 3], D::Error
 }
 
 impl Part for Mirror {
-    fn surface_kind(&self) -> SurfaceKind {
-        SurfaceKind::FLAT
-    }
+    surface_kind!(FLAT);
 
     fn copies(&self) -> bool {
         true
@@ -199,9 +191,7 @@ part! {
 }
 
 impl Part for Complement {
-    fn surface_kind(&self) -> SurfaceKind {
-        SurfaceKind::TURNED_INSIDE_OUT
-    }
+    surface_kind!(TURNED_INSIDE_OUT);
 
     fn properties(&self, children: &[Shape]) -> Properties {
         let of = children[0].properties();
