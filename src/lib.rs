@@ -71,6 +71,9 @@
 //! may_move::<echomarch::Tracer>();
 //! ```
 
+#[macro_use]
+mod macros;
+
 mod arrival;
 pub mod audio;
 pub mod auralisation;

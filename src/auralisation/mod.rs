@@ -58,13 +58,10 @@ pub use prepared_sound::HeardParts;
 use crate::bands::BAND_COUNT;
 use crate::response::{ImpulseSettings, ResponseError};
 use crate::scene::Scene;
-use crate::text::there_is_no;
 use crate::tracer::Profile;
 use convolution::{BLOCK, FILTER_DELAY, FILTER_PARTITIONS, Kernel, Signal, octave_filters};
 use delay_line::REACH;
 use echoes::Echoes;
-use std::fmt;
-use std::str::FromStr;
 
 /// Left and right.
 const CHANNELS: usize = 2;
@@ -93,26 +90,7 @@ impl Listen {
     }
 }
 
-impl FromStr for Listen {
-    type Err = String;
-
-    fn from_str(name: &str) -> Result<Listen, String> {
-        match name {
-            "full" => Ok(Listen::Full),
-            "balance" => Ok(Listen::Balance),
-            _ => Err(there_is_no("way to listen", name, &["full", "balance"])),
-        }
-    }
-}
-
-impl fmt::Display for Listen {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(match self {
-            Listen::Full => "full",
-            Listen::Balance => "balance",
-        })
-    }
-}
+named_values!(Listen, "way to listen": Full = "full", Balance = "balance");
 
 /// The format that an [`Auralisation`] and its [`Heard`] are made for.
 #[derive(Clone, Copy, Debug, PartialEq)]

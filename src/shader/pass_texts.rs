@@ -7,10 +7,7 @@ use super::text::{
     join, library, link, source,
 };
 use crate::scene::Scene;
-use crate::text::there_is_no;
 use serde::Serialize;
-use std::fmt;
-use std::str::FromStr;
 
 /// How the start directions are chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
@@ -174,25 +171,4 @@ pub(crate) fn further_sum_text() -> String {
     join(&[source!("sum/further.glsl"), source!("sum/block.frag")])
 }
 
-impl fmt::Display for Directions {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(match self {
-            Directions::Random => "random",
-            Directions::Fibonacci => "fibonacci",
-        })
-    }
-}
-
-impl FromStr for Directions {
-    type Err = String;
-    fn from_str(name: &str) -> Result<Directions, String> {
-        match name {
-            "random" => Ok(Directions::Random),
-            "fibonacci" => Ok(Directions::Fibonacci),
-            _ => {
-                let known = ["random", "fibonacci"];
-                Err(there_is_no("kind of directions", name, &known))
-            }
-        }
-    }
-}
+named_values!(Directions, "kind of directions": Random = "random", Fibonacci = "fibonacci");

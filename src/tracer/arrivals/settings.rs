@@ -47,28 +47,18 @@ impl ArrivalSettings {
         }
     }
 
-    /// Sets the order up to which arrivals are early.
-    pub fn with_early_order(mut self, order: u32) -> ArrivalSettings {
-        self.early_order = order;
-        self
-    }
+    setters! {
+        /// Sets the order up to which arrivals are early.
+        pub fn with_early_order(order: u32) => early_order;
 
-    /// Sets the limit of iterations.
-    pub fn with_iterations(mut self, iterations: u32) -> ArrivalSettings {
-        self.iterations = iterations;
-        self
-    }
+        /// Sets the limit of iterations.
+        pub fn with_iterations(iterations: u32) => iterations;
 
-    /// Sets the bands that the waves carry.
-    pub(crate) fn with_bands(mut self, bands: Range<usize>) -> ArrivalSettings {
-        self.bands = bands;
-        self
-    }
+        /// Sets the bands that the waves carry.
+        pub(crate) fn with_bands(bands: Range<usize>) => bands;
 
-    /// Sets the share of their energy down to which waves are followed.
-    pub(crate) fn with_least_energy(mut self, share: f64) -> ArrivalSettings {
-        self.least_energy = share;
-        self
+        /// Sets the share of their energy down to which waves are followed.
+        pub(crate) fn with_least_energy(share: f64) => least_energy;
     }
 
     /// Checks every number against its range.

@@ -2,10 +2,7 @@
 
 use super::{TraceError, bad, positive};
 use crate::shader::MAX_STEPS;
-use crate::text::there_is_no;
 use serde::Serialize;
-use std::fmt;
-use std::str::FromStr;
 
 /// The name of an algorithm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -69,22 +66,15 @@ impl Default for ThesisOptions {
 }
 
 impl ThesisOptions {
-    /// Sets the minimum distance, in metres.
-    pub fn with_min_distance(mut self, metres: f32) -> ThesisOptions {
-        self.min_distance = metres;
-        self
-    }
+    setters! {
+        /// Sets the minimum distance, in metres.
+        pub fn with_min_distance(metres: f32) => min_distance;
 
-    /// Sets the start offset, in metres.
-    pub fn with_start_offset(mut self, metres: f32) -> ThesisOptions {
-        self.start_offset = metres;
-        self
-    }
+        /// Sets the start offset, in metres.
+        pub fn with_start_offset(metres: f32) => start_offset;
 
-    /// Sets the step of the normals, in metres.
-    pub fn with_normal_step(mut self, metres: f32) -> ThesisOptions {
-        self.normal_step = metres;
-        self
+        /// Sets the step of the normals, in metres.
+        pub fn with_normal_step(metres: f32) => normal_step;
     }
 
     /// Evaluations of the distance after which a march ends: derived from the distances, at most
@@ -166,23 +156,4 @@ impl Profile {
     pub const ALL: [Profile; 3] = [Profile::Hybrid, Profile::March, Profile::Thesis];
 }
 
-impl fmt::Display for Profile {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(match self {
-            Profile::Hybrid => "hybrid",
-            Profile::March => "march",
-            Profile::Thesis => "thesis",
-        })
-    }
-}
-
-impl FromStr for Profile {
-    type Err = String;
-    fn from_str(name: &str) -> Result<Profile, String> {
-        let known = Profile::ALL.iter().find(|p| p.to_string() == name);
-        known.copied().ok_or_else(|| {
-            let names = Profile::ALL.map(|p| p.to_string());
-            there_is_no("profile", name, &names.each_ref().map(String::as_str))
-        })
-    }
-}
+named_values!(Profile, "profile": Hybrid = "hybrid", March = "march", Thesis = "thesis");

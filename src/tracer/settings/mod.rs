@@ -135,52 +135,30 @@ impl Settings {
         }
     }
 
-    /// Sets the number of waves.
-    pub fn with_waves(mut self, waves: u32) -> Settings {
-        self.waves = waves;
-        self
-    }
+    setters! {
+        /// Sets the number of waves.
+        pub fn with_waves(waves: u32) => waves;
 
-    /// Sets the number of iterations.
-    pub fn with_iterations(mut self, iterations: u32) -> Settings {
-        self.iterations = iterations;
-        self
-    }
+        /// Sets the number of iterations.
+        pub fn with_iterations(iterations: u32) => iterations;
 
-    /// Sets the seed.
-    pub fn with_seed(mut self, seed: u32) -> Settings {
-        self.seed = seed;
-        self
-    }
+        /// Sets the seed.
+        pub fn with_seed(seed: u32) => seed;
 
-    /// Sets the maximum distance of an iteration, in metres.
-    pub fn with_max_distance(mut self, metres: f32) -> Settings {
-        self.max_distance = metres;
-        self
-    }
+        /// Sets the maximum distance of an iteration, in metres.
+        pub fn with_max_distance(metres: f32) => max_distance;
 
-    /// Sets the distribution of the start directions.
-    pub fn with_directions(mut self, directions: Directions) -> Settings {
-        self.directions = directions;
-        self
-    }
+        /// Sets the distribution of the start directions.
+        pub fn with_directions(directions: Directions) => directions;
 
-    /// Sets the maximum iterations in one pass.
-    pub fn with_iterations_per_pass(mut self, iterations: u32) -> Settings {
-        self.iterations_per_pass = iterations;
-        self
-    }
+        /// Sets the maximum iterations in one pass.
+        pub fn with_iterations_per_pass(iterations: u32) => iterations_per_pass;
 
-    /// Chooses whether the panning is summed on the GPU.
-    pub fn with_sum_on_gpu(mut self, sum_on_gpu: bool) -> Settings {
-        self.sum_on_gpu = sum_on_gpu;
-        self
-    }
+        /// Chooses whether the panning is summed on the GPU.
+        pub fn with_sum_on_gpu(sum_on_gpu: bool) => sum_on_gpu;
 
-    /// Chooses whether evaluations of the distance are counted.
-    pub fn with_count_evaluations(mut self, count_evaluations: bool) -> Settings {
-        self.count_evaluations = count_evaluations;
-        self
+        /// Chooses whether evaluations of the distance are counted.
+        pub fn with_count_evaluations(count_evaluations: bool) => count_evaluations;
     }
 
     /// Checks every number against its range.

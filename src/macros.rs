@@ -1,0 +1,36 @@
+//! Code that would stand many times, stated once.
+
+/// Setters that take the value of a field: `fn name(value: type) => field`.
+macro_rules! setters {
+    ($($(#[$doc:meta])* $see:vis fn $name:ident($value:ident: $kind:ty) => $field:ident;)*) => {
+        $($(#[$doc])* $see fn $name(mut self, $value: $kind) -> Self {
+            self.$field = $value;
+            self
+        })*
+    };
+}
+
+/// The names of the values of an enum, as they are typed and printed; `$what` says what they are, in the message for
+/// an unknown name.
+macro_rules! named_values {
+    ($kind:ident, $what:literal: $($value:ident = $name:literal),*) => {
+        impl std::fmt::Display for $kind {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.pad(match self {
+                    $($kind::$value => $name),*
+                })
+            }
+        }
+
+        impl std::str::FromStr for $kind {
+            type Err = String;
+
+            fn from_str(name: &str) -> Result<$kind, String> {
+                match name {
+                    $($name => Ok($kind::$value),)*
+                    _ => Err($crate::text::there_is_no($what, name, &[$($name),*])),
+                }
+            }
+        }
+    };
+}
