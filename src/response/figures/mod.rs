@@ -125,6 +125,12 @@ const DECAYS_DB: [(f64, f64); DECAY_TIMES] = [(0.0, -10.0), (-5.0, -25.0), (-5.0
 type List = [Option<f64>; FIGURE_COUNT];
 
 impl BandFigures {
+    /// The names of the figures in files, in the order of the list.
+    #[doc(hidden)]
+    pub const NAMES: [&str; FIGURE_COUNT] = [
+        "edt_s", "t20_s", "t30_s", "c50_db", "c80_db", "d50", "ts_s", "g_db",
+    ];
+
     fn from_list(list: List) -> BandFigures {
         let [edt_s, t20_s, t30_s, c50_db, c80_db, d50, ts_s, g_db] = list;
         BandFigures {
@@ -139,7 +145,9 @@ impl BandFigures {
         }
     }
 
-    fn list(&self) -> List {
+    /// The figures in the order of their names.
+    #[doc(hidden)]
+    pub fn list(&self) -> [Option<f64>; FIGURE_COUNT] {
         [
             self.edt_s,
             self.t20_s,

@@ -11,7 +11,7 @@ use echomarch::scene::Scene;
 use echomarch::scene::shape::Room;
 use echomarch_lab::columns;
 use echomarch_lab::report::{Column, Row, Table};
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 /// Maximum number of paths in the text; the JSON lists all.
 const PATHS_IN_TEXT: usize = 8;
@@ -44,8 +44,8 @@ struct PairReport<'a> {
     time_origin_error_s: Option<f64>,
     bands_hz: Bands,
     #[serde(flatten)]
-    figures: FigureReport,
-    error: FigureReport,
+    figures: FigureReport<'a>,
+    error: FigureReport<'a>,
     /// The share of the energy after the response's end.
     cut_off: [Option<f64>; BAND_COUNT],
     /// The share of the early energy on paths that no wave found.
@@ -63,16 +63,14 @@ struct PairReport<'a> {
 }
 
 /// Figures by band, or their errors: one standard deviation.
-#[derive(Serialize)]
-struct FigureReport {
-    edt_s: Vec<Option<f64>>,
-    t20_s: Vec<Option<f64>>,
-    t30_s: Vec<Option<f64>>,
-    c50_db: Vec<Option<f64>>,
-    c80_db: Vec<Option<f64>>,
-    d50: Vec<Option<f64>>,
-    ts_s: Vec<Option<f64>>,
-    g_db: Vec<Option<f64>>,
+struct FigureReport<'a>(&'a [BandFigures; BAND_COUNT]);
+
+impl Serialize for FigureReport<'_> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let by_band = |at: usize| self.0.iter().map(move |band| band.list()[at]);
+        let names = BandFigures::NAMES.into_iter().enumerate();
+        to.collect_map(names.map(|(at, name)| (name, by_band(at).collect::<Vec<_>>())))
+    }
 }
 
 #[derive(Serialize)]
@@ -139,8 +137,8 @@ fn of_pair<'a>(scene: &Scene, pair: &'a Pair, response: &'a Response) -> PairRep
         time_origin_s: response.figures.begins_s,
         time_origin_error_s: response.figures.begins_error_s,
         bands_hz: BANDS_HZ,
-        figures: FigureReport::of(bands),
-        error: FigureReport::of(errors),
+        figures: FigureReport(bands),
+        error: FigureReport(errors),
         cut_off: *cut_off,
         missed_early_share: response.missed.energy_share(),
         left_out_share: response.left_out_share,
@@ -172,22 +170,6 @@ fn of_path(path: &HeardPath) -> PathReport<'_> {
         azimuth_deg: path.azimuth.to_degrees(),
         elevation_deg: path.elevation.to_degrees(),
         is_focus: path.path.is_focus,
-    }
-}
-
-impl FigureReport {
-    fn of(bands: &[BandFigures; BAND_COUNT]) -> FigureReport {
-        let by_band = |figure: fn(&BandFigures) -> Option<f64>| bands.iter().map(figure).collect();
-        FigureReport {
-            edt_s: by_band(|band| band.edt_s),
-            t20_s: by_band(|band| band.t20_s),
-            t30_s: by_band(|band| band.t30_s),
-            c50_db: by_band(|band| band.c50_db),
-            c80_db: by_band(|band| band.c80_db),
-            d50: by_band(|band| band.d50),
-            ts_s: by_band(|band| band.ts_s),
-            g_db: by_band(|band| band.g_db),
-        }
     }
 }
 

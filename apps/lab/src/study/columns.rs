@@ -192,8 +192,9 @@ fn gap_column(band_hz: f64) -> String {
 pub(super) fn gap_column_of(column: &str) -> Option<String> {
     let name = column.strip_suffix("_error").unwrap_or(column);
     let (figure, band) = name.rsplit_once('_')?;
-    let is_figure = FigureName::ALL.iter().any(|known| known.column() == figure);
-    is_figure.then(|| gap_column(band.parse().unwrap_or_default()))
+    BandFigures::NAMES
+        .contains(&figure)
+        .then(|| gap_column(band.parse().unwrap_or_default()))
 }
 
 /// The energy densities of all arrivals in 1/m², each over `bins` bins of the echogram.
@@ -215,29 +216,9 @@ fn energies(response: &Response, bins: usize) -> Vec<echomarch::bands::Bands> {
 }
 
 impl FigureName {
-    const ALL: [FigureName; 8] = [
-        FigureName::Edt,
-        FigureName::T20,
-        FigureName::T30,
-        FigureName::C50,
-        FigureName::C80,
-        FigureName::D50,
-        FigureName::Ts,
-        FigureName::G,
-    ];
-
     /// Its column, without the band.
     fn column(self) -> &'static str {
-        match self {
-            FigureName::Edt => "edt_s",
-            FigureName::T20 => "t20_s",
-            FigureName::T30 => "t30_s",
-            FigureName::C50 => "c50_db",
-            FigureName::C80 => "c80_db",
-            FigureName::D50 => "d50",
-            FigureName::Ts => "ts_s",
-            FigureName::G => "g_db",
-        }
+        BandFigures::NAMES[self as usize]
     }
 
     fn range(self) -> Range {
@@ -254,16 +235,7 @@ impl FigureName {
     }
 
     fn of(self, figures: &BandFigures) -> Option<f64> {
-        match self {
-            FigureName::Edt => figures.edt_s,
-            FigureName::T20 => figures.t20_s,
-            FigureName::T30 => figures.t30_s,
-            FigureName::C50 => figures.c50_db,
-            FigureName::C80 => figures.c80_db,
-            FigureName::D50 => figures.d50,
-            FigureName::Ts => figures.ts_s,
-            FigureName::G => figures.g_db,
-        }
+        figures.list()[self as usize]
     }
 }
 

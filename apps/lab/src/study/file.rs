@@ -216,7 +216,7 @@ pub(super) struct ResponseFile {
     pub echogram_ms: Option<u32>,
 }
 
-/// A figure of ISO 3382-1.
+/// A figure of ISO 3382-1, in the order of [`BandFigures::NAMES`](echomarch::response::BandFigures).
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, Serialize)]
 #[serde(rename = "figure", rename_all = "lowercase")]
 pub(super) enum FigureName {
