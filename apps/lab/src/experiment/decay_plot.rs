@@ -77,8 +77,8 @@ pub fn svg(title: &str, response: &Response) -> Result<String, PlotError> {
         draw_legend(
             &legend,
             &[
-                ("exact paths".to_owned(), solid(PATHS)),
-                ("all else, by bin".to_owned(), solid(ENERGY)),
+                ("exact paths".to_owned(), Stroke::solid(PATHS, 2)),
+                ("all else, by bin".to_owned(), Stroke::solid(ENERGY, 2)),
                 ("direct sound".to_owned(), DIRECT),
             ],
         )?;
@@ -104,7 +104,7 @@ fn plot_decay(
         chart.draw_series(LineSeries::new(inside, style))?;
     }
     mark_direct(&mut chart, direct_s, range)?;
-    let entry = |bands: &Range<usize>| (label(bands), solid(BAND_COLOURS[bands.start]));
+    let entry = |bands: &Range<usize>| (label(bands), Stroke::solid(BAND_COLOURS[bands.start], 2));
     let mut entries: Vec<(String, Stroke)> = groups.iter().map(entry).collect();
     entries.push(("direct sound".to_owned(), DIRECT));
     draw_legend(&legend, &entries)
@@ -130,19 +130,7 @@ fn label(bands: &Range<usize>) -> String {
     }
 }
 
-const DIRECT: Stroke = Stroke {
-    colour: BLACK,
-    width: 1,
-    dash: Some((5, 4)),
-};
-
-fn solid(colour: RGBColor) -> Stroke {
-    Stroke {
-        colour,
-        width: 2,
-        dash: None,
-    }
-}
+const DIRECT: Stroke = Stroke::new(BLACK, 1, Some((5, 4)));
 
 fn empty<'a, 'b>(
     panel: &'a Panel<'b>,

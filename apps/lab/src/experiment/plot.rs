@@ -148,6 +148,21 @@ pub(super) struct Stroke {
     pub dash: Option<(i32, i32)>,
 }
 
+impl Stroke {
+    pub const fn new(colour: RGBColor, width: u32, dash: Option<(i32, i32)>) -> Stroke {
+        Stroke {
+            colour,
+            width,
+            dash,
+        }
+    }
+
+    /// A line without gaps.
+    pub const fn solid(colour: RGBColor, width: u32) -> Stroke {
+        Stroke::new(colour, width, None)
+    }
+}
+
 /// The margins, caption and room for labels that charts have.
 pub(super) fn builder<'a, 'b>(
     panel: &'a Panel<'b>,

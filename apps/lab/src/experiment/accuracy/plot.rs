@@ -25,11 +25,7 @@ const COLOURS: [(Profile, RGBColor); 3] = [
     (Profile::Hybrid, HYBRID),
 ];
 const FRONT: RGBColor = RGBColor(60, 60, 60);
-const FRONT_LINE: Stroke = Stroke {
-    colour: FRONT,
-    width: 1,
-    dash: None,
-};
+const FRONT_LINE: Stroke = Stroke::solid(FRONT, 1);
 
 /// A row's point (milliseconds and error), and the radius of its dot by its number of waves.
 type Dot = (Point, i32);
@@ -65,14 +61,8 @@ pub(super) fn plot_svg(report: &AccuracyReport) -> Result<String, PlotError> {
 
 /// The entries of the legend.
 fn entries() -> Vec<(String, Stroke)> {
-    let dot = |(profile, colour): (Profile, RGBColor)| {
-        let stroke = Stroke {
-            colour,
-            width: 0,
-            dash: None,
-        };
-        (profile.to_string(), stroke)
-    };
+    let dot =
+        |(profile, colour): (Profile, RGBColor)| (profile.to_string(), Stroke::solid(colour, 0));
     let mut all: Vec<(String, Stroke)> = COLOURS.into_iter().map(dot).collect();
     all.push(("Pareto front".to_owned(), FRONT_LINE));
     all

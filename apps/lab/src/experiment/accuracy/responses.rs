@@ -162,7 +162,7 @@ pub(super) fn plot(
     panel(left, report, share, &times, NOTICED_TIME)?;
     let decibels = "error of C80 and G, dB, hybrid";
     panel(right, report, decibels, &levels, NOTICED_DB)?;
-    let line = |name: String, colour: RGBColor| (name, stroke(colour, None));
+    let line = |name: String, colour: RGBColor| (name, Stroke::solid(colour, 2));
     let entries = [
         line("T30; C80".to_owned(), HYBRID),
         line("EDT; G".to_owned(), MARCH),
@@ -171,15 +171,7 @@ pub(super) fn plot(
     draw_legend(legend, &entries)
 }
 
-const NOTICED: Stroke = stroke(THESIS, Some((8, 6)));
-
-const fn stroke(colour: RGBColor, dash: Option<(i32, i32)>) -> Stroke {
-    Stroke {
-        colour,
-        width: 2,
-        dash,
-    }
-}
+const NOTICED: Stroke = Stroke::new(THESIS, 2, Some((8, 6)));
 
 fn panel(
     panel: &Panel,
@@ -209,7 +201,7 @@ fn panel(
     )?;
     for (_, colour, figure) in lines {
         let placed = points(*figure).into_iter().map(|p| (p.0, y.place(p.1)));
-        draw_line(&mut chart, placed.collect(), stroke(*colour, None))?;
+        draw_line(&mut chart, placed.collect(), Stroke::solid(*colour, 2))?;
     }
     Ok(())
 }

@@ -17,23 +17,15 @@ const PLOT_WIDTH: u32 = 510;
 
 /// The thesis' two machines are grey, measured profiles coloured. Later lines are drawn over
 /// earlier ones: they are thinner, or have gaps, so that the earlier ones stay visible.
-const MOBILE: Stroke = stroke(RGBColor(185, 185, 185), 7, None);
-const DESKTOP: Stroke = stroke(RGBColor(110, 110, 110), 7, None);
-const BUDGET: Stroke = stroke(RGBColor(204, 121, 167), 1, Some((12, 4)));
+const MOBILE: Stroke = Stroke::new(RGBColor(185, 185, 185), 7, None);
+const DESKTOP: Stroke = Stroke::new(RGBColor(110, 110, 110), 7, None);
+const BUDGET: Stroke = Stroke::new(RGBColor(204, 121, 167), 1, Some((12, 4)));
 const OURS: [Stroke; 4] = [
-    stroke(THESIS, 3, None),
-    stroke(MARCH, 4, None),
-    stroke(HYBRID, 2, Some((7, 7))),
-    stroke(RGBColor(230, 159, 0), 2, Some((2, 5))),
+    Stroke::new(THESIS, 3, None),
+    Stroke::new(MARCH, 4, None),
+    Stroke::new(HYBRID, 2, Some((7, 7))),
+    Stroke::new(RGBColor(230, 159, 0), 2, Some((2, 5))),
 ];
-
-const fn stroke(colour: RGBColor, width: u32, dash: Option<(i32, i32)>) -> Stroke {
-    Stroke {
-        colour,
-        width,
-        dash,
-    }
-}
 
 struct Curve {
     label: String,

@@ -229,11 +229,7 @@ fn lines(scene: &SceneReport, pick: impl Fn(&Cell) -> Option<Point>) -> Vec<Line
 fn entries(lines: &[Line]) -> Vec<(String, Stroke)> {
     let shown = lines.iter().filter(|line| !line.points.is_empty());
     let entry = |line: &Line| {
-        let stroke = Stroke {
-            colour: line.colour,
-            width: line.width,
-            dash: line.dash,
-        };
+        let stroke = Stroke::new(line.colour, line.width, line.dash);
         (line.name.clone(), stroke)
     };
     shown.map(entry).collect()
