@@ -33,7 +33,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
             // The start directions of the GPU, in f64 from here on.
             let starts: Vec<Vec3> = marched.iter().map(|wave| wave.start_direction).collect();
-            let source = scene.source.position.as_dvec3();
+            let source = scene.sources[0].position.as_dvec3();
             let exact = exact_scene.trace_all(source, &starts, iterations);
             let heard = exact.iter().filter(|wave| wave.status == 0).count();
 

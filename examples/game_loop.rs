@@ -43,7 +43,7 @@ fn main() -> Result<(), Error> {
     for picture in 0..120 {
         let began = Instant::now();
         // The game moves its objects.
-        scene.source.position.x += STEP_M;
+        scene.sources[0].position.x += STEP_M;
         // The waves: a new frame when the last one is complete, and a share of this picture's time.
         if !tracer.is_frame_pending() {
             tracer.frame_begin(&scene, &settings)?;

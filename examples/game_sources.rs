@@ -64,15 +64,15 @@ fn main() -> Result<(), Error> {
     let (mut mono, mut stereo) = ([0.0; SAMPLES], [0.0; 2 * SAMPLES]);
     for tick in 0..4 * TICKS_HZ {
         // The player walks around the wall, to the machine.
-        scene.listener.position.x = -3.0 + 7.0 * tick as f32 / (4 * TICKS_HZ) as f32;
+        scene.listeners[0].position.x = -3.0 + 7.0 * tick as f32 / (4 * TICKS_HZ) as f32;
         let is_traced = tick % TRACE_EVERY == 0;
         stereo.fill(0.0);
         for (number, source) in sources.iter_mut().enumerate() {
             if is_traced {
                 // A game would do this between pictures, and pass `Heard` on to its audio thread.
-                let pair = scene.heard_by(number, 0)?;
-                let response = Response::trace(&mut tracer, &pair, &settings)?;
-                let axes = ListenerAxes::of(&pair.listener)?;
+                let pair = scene.pair(number, 0)?;
+                let response = Response::trace(&mut tracer, pair, &settings)?;
+                let axes = ListenerAxes::of(pair.listener())?;
                 let mut heard = Heard::new(&response, &axes, spec, 1)?;
                 let glide = if tick == 0 {
                     0

@@ -37,7 +37,7 @@ fn main() -> Result<(), Error> {
     for step in 0..5_u8 {
         let share = f32::from(step) / 4.0;
         // The source moves from left to right, the door opens, the pillar shrinks.
-        scene.source.position.x = -5.0 + 10.0 * share;
+        scene.sources[0].position.x = -5.0 + 10.0 * share;
         scene.surfaces[1].rotation = Quat::from_rotation_y(90_f32.to_radians() * share);
         scene.surfaces[2].shape = Node::Cylinder(Cylinder {
             radius: 0.6 - 0.4 * share,
@@ -46,7 +46,7 @@ fn main() -> Result<(), Error> {
         let frame = tracer.frame(&scene, &settings)?;
         println!(
             "source at x = {:+.1} m: {:4} waves heard, pan {:+.3}; {} programs compiled",
-            scene.source.position.x,
+            scene.sources[0].position.x,
             frame.counts.listener_hits,
             frame.panning.pan(),
             tracer.programs_compiled(),

@@ -216,9 +216,9 @@ fn main() -> Result<(), Error> {
     for (name, eye) in SCENES.iter().filter(|(name, ..)| is_wanted(name)) {
         let mut scene = Scene::builtin(name)?.at(2.0);
         if let Some((position, yaw, pitch)) = eye {
-            scene.listener.position = *position;
-            scene.listener.yaw = yaw.to_radians();
-            scene.listener.pitch = pitch.to_radians();
+            scene.listeners[0].position = *position;
+            scene.listeners[0].yaw = yaw.to_radians();
+            scene.listeners[0].pitch = pitch.to_radians();
         }
         save(&scene, name, (400, 225))?;
     }

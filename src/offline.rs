@@ -9,7 +9,7 @@ use crate::auralisation::{Auralisation, Heard, Spec};
 use crate::error::Error;
 use crate::response::ListenerAxes;
 use crate::response::{HeardSource, Response, ResponseSettings};
-use crate::scene::Scene;
+use crate::scene::{IntoPair, Pair, Scene};
 use crate::tracer::{Frame, Settings, TraceError, Tracer};
 
 /// Duration and frame rate.
@@ -80,27 +80,31 @@ pub struct Block<'a, Of: ?Sized> {
     pub samples: &'a [f32],
 }
 
-/// Traces and mixes `timing.seconds` of `sound` in a moving scene and passes each frame's block to
-/// `take`.
+/// Traces and mixes `timing.seconds` of `sound` from a source to a listener of a moving scene, and passes each frame's
+/// block to `take`.
 ///
 /// # Errors
 /// [`Error::Trace`] for seconds that are not finite, [`Error::Audio`] for an invalid frame rate,
 /// those of [`Tracer::frame`], and any error that `take` returns.
-pub fn render<E: From<Error>>(
+pub fn render<'a, E: From<Error>>(
     tracer: &mut Tracer,
-    scene: &Scene,
+    pair: impl IntoPair<'a>,
     settings: &Settings,
     sound: &mut Sound,
     mixer: &mut Mixer,
     timing: Timing,
     mut take: impl FnMut(Block<Frame>) -> Result<(), E>,
 ) -> Result<(), E> {
+    let pair = pair.chosen().map_err(Error::from)?;
+    let (source, listener) = pair.indices();
     timing.check()?;
     let (longest, blocks) = timing.blocks()?;
     let mut mono = vec![0.0; longest];
     let mut stereo = vec![0.0; 2 * longest];
     for (index, time, length) in blocks {
-        let frame = tracer.frame(&scene.at(time), settings);
+        let now = pair.scene.at(time);
+        let pair = now.pair(source, listener).map_err(Error::from)?;
+        let frame = tracer.frame(pair, settings);
         let frame = frame.map_err(|error| error.at(time))?;
         let (mono, stereo) = (&mut mono[..length], &mut stereo[..2 * length]);
         sound.fill(mono);
@@ -137,20 +141,20 @@ pub struct FullSettings {
     /// Settings of each response. Without `seconds`, responses have the greatest length needed at the start, in the
     /// middle and at the end of the scene's path.
     pub response: ResponseSettings,
-    /// Index of the listener, from 0 in the order of [`Scene::listeners`].
+    /// Index of the listener in [`Scene::listeners`], from 0.
     pub listener: usize,
     /// Seed for the noise of the late parts.
     pub seed: u64,
 }
 
 impl FullSettings {
-    /// Settings for the first listener; responses last up to 3 seconds, or as long as `response` states if that is
+    /// Settings for a listener, by its index; responses last up to 3 seconds, or as long as `response` states if that is
     /// shorter.
-    pub fn new(response: ResponseSettings) -> FullSettings {
+    pub fn new(response: ResponseSettings, listener: usize) -> FullSettings {
         let longest_s = response.longest_s.min(LONGEST_S);
         FullSettings {
             response: response.with_longest(longest_s),
-            listener: 0,
+            listener,
             seed: 0,
         }
     }
@@ -174,9 +178,9 @@ impl FullSettings {
         for moment in 0..moments {
             let time = scene.duration() * f64::from(moment) / f64::from(MOMENTS - 1);
             let now = scene.at(time);
-            for source in 0..scene.sources().count() {
-                let pair = now.heard_by(source, self.listener)?;
-                longest = longest.max(self.response.seconds_needed(tracer, &pair)?);
+            for source in 0..scene.sources.len() {
+                let pair = now.pair(source, self.listener)?;
+                longest = longest.max(self.response.seconds_needed(tracer, pair)?);
             }
         }
         Ok(longest)
@@ -187,8 +191,6 @@ impl FullSettings {
 struct Playing<'a> {
     sound: &'a mut Sound,
     ears: Auralisation,
-    /// The last traced scene, with this source as its first.
-    scene: Option<Scene>,
     response: Option<Response>,
     /// A late part that waits for the previous fade to end.
     late: Option<Heard>,
@@ -212,7 +214,7 @@ pub fn render_full<E: From<Error>>(
     mut take: impl FnMut(Block<[HeardSource]>) -> Result<(), E>,
 ) -> Result<(), E> {
     timing.check()?;
-    let (given, sources) = (sounds.len(), scene.sources().count());
+    let (given, sources) = (sounds.len(), scene.sources.len());
     if given != sources {
         return Err(Error::from(AudioError::NotASoundEach { given, sources }).into());
     }
@@ -227,6 +229,7 @@ pub fn render_full<E: From<Error>>(
     let mut stereo = vec![0.0; 2 * longest];
     let mut mono = vec![0.0; longest];
     let mut heard = Vec::with_capacity(sources.len());
+    let mut before: Option<Scene> = None;
     for (index, time, length) in blocks {
         let late_is_due = index == 0 || is_due(time, time - 1.0 / timing.fps);
         let now = scene.at(time);
@@ -234,11 +237,14 @@ pub fn render_full<E: From<Error>>(
         stereo.fill(0.0);
         heard.clear();
         for (number, source) in sources.iter_mut().enumerate() {
-            let pair = now
-                .heard_by(number, settings.listener)
-                .map_err(Error::from)?;
+            let pair = |scene| Scene::pair(scene, number, settings.listener);
+            let before = before.as_ref().map(pair).transpose();
+            let pairs = (
+                before.map_err(Error::from)?,
+                pair(&now).map_err(Error::from)?,
+            );
             source
-                .listen(tracer, pair, &settings, late_is_due, length as u32)
+                .listen(tracer, pairs, &settings, late_is_due, length as u32)
                 .map_err(|error| error.at(time))?;
             source.sound.fill(mono);
             source.ears.add(mono, stereo).map_err(Error::from)?;
@@ -250,6 +256,7 @@ pub fn render_full<E: From<Error>>(
             heard: &heard,
             samples: stereo,
         })?;
+        before = Some(now);
     }
     Ok(())
 }
@@ -264,36 +271,33 @@ impl<'a> Playing<'a> {
         Ok(Playing {
             sound,
             ears: Auralisation::new(spec)?,
-            scene: None,
             response: None,
             late: None,
             heard: HeardSource::default(),
         })
     }
 
-    /// Glides to the responses in `pair` within the given number of samples.
+    /// Glides to the responses of a pair within the given number of samples; `before` is the pair in the frame before.
     fn listen(
         &mut self,
         tracer: &mut Tracer,
-        pair: Scene,
+        (before, pair): (Option<Pair>, Pair),
         settings: &FullSettings,
         late_is_due: bool,
         samples: u32,
     ) -> Result<(), Error> {
-        let is_first = self.scene.is_none();
-        let moves = self.scene.as_ref() != Some(&pair);
-        if moves {
-            let response = Response::trace(tracer, &pair, &settings.response)?;
+        let is_first = before.is_none();
+        let axes = ListenerAxes::of(pair.listener)?;
+        if before != Some(pair) {
+            let response = Response::trace(tracer, pair, &settings.response)?;
             self.heard = HeardSource::of(&response);
-            let axes = ListenerAxes::of(&pair.listener)?;
             let echoes = Heard::of_paths(&response.paths, &axes, self.ears.spec())?;
             self.ears
                 .glide_echoes(&echoes, if is_first { 0 } else { samples })?;
             self.response = Some(response);
-            self.scene = Some(pair);
         }
         if late_is_due {
-            self.make_late(settings)?;
+            self.make_late(&axes, settings)?;
         }
         if is_first {
             return self.begin();
@@ -302,12 +306,11 @@ impl<'a> Playing<'a> {
     }
 
     /// Computes the late part from the traces since the last one.
-    fn make_late(&mut self, settings: &FullSettings) -> Result<(), Error> {
-        let (Some(response), Some(scene)) = (self.response.take(), &self.scene) else {
+    fn make_late(&mut self, axes: &ListenerAxes, settings: &FullSettings) -> Result<(), Error> {
+        let Some(response) = self.response.take() else {
             return Ok(());
         };
-        let axes = ListenerAxes::of(&scene.listener)?;
-        let heard = Heard::new(&response, &axes, self.ears.spec(), settings.seed)?;
+        let heard = Heard::new(&response, axes, self.ears.spec(), settings.seed)?;
         self.late = Some(heard);
         Ok(())
     }

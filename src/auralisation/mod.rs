@@ -31,7 +31,7 @@
 //! let response = Response::trace(&mut tracer, &scene, &settings)?;
 //!
 //! let spec = Spec::of(&scene, 48_000);
-//! let axes = ListenerAxes::of(&scene.listener)?;
+//! let axes = ListenerAxes::of(&scene.listeners[0])?;
 //! let mut heard = Heard::new(&response, &axes, spec, 1)?;
 //! let mut ears = Auralisation::new(spec)?;
 //! ears.glide_echoes(&heard, 0)?;

@@ -13,7 +13,7 @@
 use super::closed_form::{Face, Intersection, Placed, intersect_sphere};
 use super::hierarchy::Hierarchy;
 use crate::sampling::{FNV_EMPTY, fnv_with};
-use crate::scene::{Scene, SceneError};
+use crate::scene::{IntoPair, Pair, SceneError};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -35,7 +35,7 @@ const WAVES_WORTH_A_THREAD: usize = 4096;
 /// use glam::DVec3;
 /// let scene = Scene::builtin("shoebox")?;
 /// let exact = ExactScene::new(&scene)?;
-/// let start = scene.source.position.as_dvec3();
+/// let start = scene.sources[0].position.as_dvec3();
 /// let wave = exact.trace(start, DVec3::NEG_X, 1);
 /// assert_eq!((wave.status, wave.length), (1, 2.5)); // the wall at x = -6
 /// # Ok::<(), echomarch::Error>(())
@@ -125,20 +125,31 @@ pub(super) type Left = Option<(usize, Option<Face>)>;
 pub(super) type Met = (Hit, (usize, Option<Face>));
 
 impl ExactScene {
-    /// Copies the surfaces and the listener of `scene`.
+    /// Copies the surfaces and the listener of a pair, or of a scene that has one of each.
     ///
     /// # Errors
-    /// [`SceneError`] as from [`Scene::validate`].
-    pub fn new(scene: &Scene) -> Result<ExactScene, SceneError> {
+    /// [`SceneError`] as from [`Scene::validate`](crate::Scene::validate), and for a scene of which no pair was
+    /// [chosen](crate::Scene::pair).
+    pub fn new<'a>(pair: impl IntoPair<'a>) -> Result<ExactScene, SceneError> {
+        ExactScene::of_pair(pair.chosen()?)
+    }
+
+    fn of_pair(pair: Pair) -> Result<ExactScene, SceneError> {
+        let Pair {
+            scene,
+            source,
+            listener,
+            ..
+        } = pair;
         scene.validate()?;
         let mut surfaces: Vec<Placed> = scene.surfaces.iter().map(Placed::new).collect();
-        let (sin_yaw, cos_yaw) = f64::from(scene.listener.yaw).sin_cos();
+        let (sin_yaw, cos_yaw) = f64::from(listener.yaw).sin_cos();
         let ear = Ear {
-            centre: scene.listener.position.as_dvec3(),
-            radius: scene.listener.radius.into(),
+            centre: listener.position.as_dvec3(),
+            radius: listener.radius.into(),
             right: DVec3::new(cos_yaw, 0.0, sin_yaw),
         };
-        let places = [scene.source.position, scene.listener.position];
+        let places = [source.position, listener.position];
         let extent = surfaces
             .iter()
             .map(Placed::extent)

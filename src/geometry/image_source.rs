@@ -8,7 +8,7 @@
 //! Cost: one step for each copy that the line crosses, of order + 1.
 
 use crate::scene::shape::Room;
-use crate::scene::{Node, Scene};
+use crate::scene::{IntoPair, Node, Pair};
 use crate::tracer::{Settings, TraceError};
 use glam::{DQuat, DVec3, Vec3};
 
@@ -33,9 +33,19 @@ pub struct Arrival {
 }
 
 impl ShoeboxImages {
-    /// The images of `scene` in its current state; `None` unless it is valid, its only surface is
-    /// one [`Node::Room`], and the source is in it.
-    pub fn new(scene: &Scene) -> Option<ShoeboxImages> {
+    /// The images of a pair, or of a scene that has one source and one listener, in its current state; `None` unless
+    /// the scene is valid, its only surface is one [`Node::Room`], and the source is in it.
+    pub fn new<'a>(pair: impl IntoPair<'a>) -> Option<ShoeboxImages> {
+        ShoeboxImages::of_pair(pair.chosen().ok()?)
+    }
+
+    fn of_pair(pair: Pair) -> Option<ShoeboxImages> {
+        let Pair {
+            scene,
+            source,
+            listener,
+            ..
+        } = pair;
         scene.validate().ok()?;
         let [surface] = &scene.surfaces[..] else {
             return None;
@@ -51,13 +61,13 @@ impl ShoeboxImages {
             (into_room * offset).to_array()
         };
         let half = size.to_array().map(|size| f64::from(size) / 2.0);
-        let source = seen(scene.source.position);
+        let source = seen(source.position);
         let inside = (0..3).all(|axis| source[axis].abs() <= half[axis]);
         inside.then(|| ShoeboxImages {
             half,
             source,
-            listener: seen(scene.listener.position),
-            radius: scene.listener.radius.into(),
+            listener: seen(listener.position),
+            radius: listener.radius.into(),
             into_room,
         })
     }
@@ -165,7 +175,7 @@ impl ShoeboxImages {
 mod tests {
     use super::*;
     use crate::scene::shape::Plane;
-    use crate::scene::{Listener, Source, Surface};
+    use crate::scene::{Listener, Scene, Source, Surface};
 
     fn scene(listener: Vec3) -> Scene {
         Scene::new(
@@ -205,9 +215,9 @@ mod tests {
     #[test]
     fn other_scenes_have_no_images() {
         let mut other = scene(Vec3::ZERO);
-        other.source.position.x = 5.5;
+        other.sources[0].position.x = 5.5;
         assert!(ShoeboxImages::new(&other).is_none());
-        other.source.position.x = 1.0;
+        other.sources[0].position.x = 1.0;
         other.surfaces.push(Surface::new(Node::Plane(Plane)));
         assert!(ShoeboxImages::new(&other).is_none());
         other.surfaces.remove(0);

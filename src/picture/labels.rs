@@ -95,13 +95,13 @@ const LONGEST_NAME: usize = 24;
 /// Writes the names of the sources if there are several, and those of the listeners likewise.
 pub(super) fn draw_names(canvas: &mut PixmapMut, plan: &Plan, scene: &Scene) {
     let unit = plan.stroke();
-    if !scene.further_sources.is_empty() {
-        for (source, name) in scene.sources().zip(scene.source_labels()) {
+    if scene.sources.len() > 1 {
+        for (source, name) in scene.sources.iter().zip(scene.source_labels()) {
             write_beside(canvas, plan, source.position, 12.0 * unit, &name);
         }
     }
-    if !scene.further_listeners.is_empty() {
-        for (listener, name) in scene.listeners().zip(scene.listener_labels()) {
+    if scene.listeners.len() > 1 {
+        for (listener, name) in scene.listeners.iter().zip(scene.listener_labels()) {
             let right = plan.pixels(listener.radius) + 6.0 * unit;
             write_beside(canvas, plan, listener.position, right, &name);
         }

@@ -7,7 +7,7 @@ use super::plan::{Bounds, Plan};
 use super::slice::{check_size, cut};
 use crate::error::Error;
 use crate::gl::Context;
-use crate::scene::Scene;
+use crate::scene::{Listener, Pair, Scene};
 use glam::{Vec2, Vec3};
 use image::{Rgba, RgbaImage};
 use tiny_skia::{BlendMode, PathBuilder, PixmapMut, Rect};
@@ -51,18 +51,20 @@ pub struct MapOptions<'a> {
 
 /// Draws a map: places are coloured rectangles, solids are pale as in a plan, the source is marked. The listener is
 /// not: it was at every place.
-pub fn map(context: &Context, scene: &Scene, options: &MapOptions) -> Result<RgbaImage, Error> {
+pub fn map(context: &Context, pair: Pair, options: &MapOptions) -> Result<RgbaImage, Error> {
+    let scene = pair.scene;
     check_size(context, options.width, 1)?;
     let [from, to] = options.ends;
-    let mut shown = scene.clone();
-    // The plan covers the lattice and the source, wherever the scene's own listener is.
-    shown.listener.position = from.lerp(to, 0.5);
-    shown.further_listeners.clear();
+    // The plan covers the lattice and the sources, wherever the scene's own listeners are.
+    let in_middle = Listener {
+        position: from.lerp(to, 0.5),
+        ..pair.listener.clone()
+    };
     let lattice = Bounds {
         min: Vec2::new(from.x.min(to.x), from.z.min(to.z)),
         max: Vec2::new(from.x.max(to.x), from.z.max(to.z)),
     };
-    let mut bounds = Bounds::of(&shown, options.height);
+    let mut bounds = Bounds::with_listeners(scene, &[in_middle], options.height);
     bounds.min = bounds.min.min(lattice.min);
     bounds.max = bounds.max.max(lattice.max);
     let plan = Plan::new(bounds, options.width)?;
@@ -75,7 +77,7 @@ pub fn map(context: &Context, scene: &Scene, options: &MapOptions) -> Result<Rgb
     };
     if let Some(mut canvas) = PixmapMut::from_bytes(&mut picture, plan.width, plan.height) {
         draw_places(&mut canvas, &plan, options, &places, ends);
-        draw_source_mark(&mut canvas, &plan, scene.source.position, 1.0);
+        draw_source_mark(&mut canvas, &plan, pair.source.position, 1.0);
         draw_scale_bar(&mut canvas, &plan);
     }
     with_colour_bar(&picture, &plan, options, ends)

@@ -3,9 +3,10 @@
 //! The colours are those of Okabe and Ito, which are distinguishable with any colour vision.
 
 use super::plan::{Plan, flat};
-use crate::scene::{Listener, Path as KeyPath, Scene, Source};
+use crate::scene::{Listener, Path as KeyPath, Source, Viewpoint};
 use crate::tracer::{Fate, Wave};
 use glam::{Vec2, Vec3};
+use std::ptr;
 use tiny_skia::{
     Color, FillRule, GradientStop, LineCap, LineJoin, LinearGradient, Paint, Path, PathBuilder,
     PixmapMut, Point, Rect, SpreadMode, Stroke, StrokeDash, Transform,
@@ -24,19 +25,25 @@ pub(super) const PLATE: f32 = 0.82;
 /// Outlines, the gaze direction and letters.
 pub(super) const INK: [u8; 3] = [38, 42, 46];
 
-/// Opacity of the marks of further sources and listeners, whose waves are not drawn.
-const FURTHER: f32 = 0.4;
+/// Opacity of the marks of other sources and listeners than those of the pair, whose waves are not drawn.
+const OTHERS: f32 = 0.4;
 
-/// Draws the marks of `scene`, with the first source and the first listener on top.
-pub(super) fn draw(canvas: &mut PixmapMut, plan: &Plan, scene: &Scene) {
-    for listener in scene.further_listeners.iter().rev() {
-        draw_listener(canvas, plan, listener, FURTHER);
+/// Draws the marks of all sources and listeners, with those of the pair on top.
+pub(super) fn draw(canvas: &mut PixmapMut, plan: &Plan, seen: Viewpoint) {
+    let is_other = |listener: &&Listener| !seen.listener.is_some_and(|own| ptr::eq(own, *listener));
+    for listener in seen.scene.listeners.iter().rev().filter(is_other) {
+        draw_listener(canvas, plan, listener, OTHERS);
     }
-    for source in scene.further_sources.iter().rev() {
-        draw_source(canvas, plan, source, FURTHER);
+    let is_other = |source: &&Source| !seen.source.is_some_and(|own| ptr::eq(own, *source));
+    for source in seen.scene.sources.iter().rev().filter(is_other) {
+        draw_source(canvas, plan, source, OTHERS);
     }
-    draw_listener(canvas, plan, &scene.listener, 1.0);
-    draw_source(canvas, plan, &scene.source, 1.0);
+    if let Some(listener) = seen.listener {
+        draw_listener(canvas, plan, listener, 1.0);
+    }
+    if let Some(source) = seen.source {
+        draw_source(canvas, plan, source, 1.0);
+    }
 }
 
 fn draw_key_path(
@@ -212,18 +219,18 @@ pub(super) const STYLES: [Style; 3] = [
     },
 ];
 
-/// Draws the waves of [`crate::Tracer::paths`], those that reached the listener on top. Returns their fates.
+/// Draws the waves of [`crate::Tracer::paths`] from a source, those that reached the listener on top. Returns their fates.
 pub(super) fn draw_wave_paths(
     canvas: &mut PixmapMut,
     plan: &Plan,
-    scene: &Scene,
+    source: Vec3,
     states: &[Vec<Wave>],
 ) -> Vec<Fate> {
     let waves = states.first().map_or(0, Vec::len);
     // A source in a solid sends no waves: all are dead from the start.
     let lines: Vec<Line> = (0..waves)
         .filter(|&wave| states[0][wave].fate() != Fate::Dead)
-        .map(|wave| follow(plan, scene.source.position, states, wave))
+        .map(|wave| follow(plan, source, states, wave))
         .collect();
     let unit = plan.stroke();
     for style in &STYLES {

@@ -2,7 +2,7 @@
 
 use super::PictureError;
 use crate::scene::shape::{Cuboid, Cylinder, Room, Sphere};
-use crate::scene::{Node, Path, Scene, Surface};
+use crate::scene::{Listener, Node, Path, Scene, Surface};
 use glam::{DMat3, Vec2, Vec3};
 use std::f32::consts::TAU;
 
@@ -34,14 +34,21 @@ pub struct Bounds {
 impl Bounds {
     /// The part that contains everything bounded that a cut at `height` (world y, metres) meets,
     /// the sources, the listeners and their paths, with a margin; for an endless field, such as
-    /// rock around a cave, also the walls that the listener sees around it.
+    /// rock around a cave, also the walls that the listeners see around them. A square metre about the
+    /// origin if there is nothing of all that.
     pub fn of(scene: &Scene, height: f32) -> Bounds {
-        let mut bounds = Bounds::around(scene.listener.position, scene.listener.radius);
-        for source in scene.sources() {
-            let room_for_a_mark = 0.5 * scene.listener.radius;
+        Bounds::with_listeners(scene, &scene.listeners, height)
+    }
+
+    /// The same for other listeners than those of the scene.
+    pub(super) fn with_listeners(scene: &Scene, listeners: &[Listener], height: f32) -> Bounds {
+        let mut bounds = Bounds::NOTHING;
+        let radii = listeners.iter().map(|listener| listener.radius);
+        let room_for_a_mark = 0.5 * radii.fold(0.0, f32::max);
+        for source in &scene.sources {
             bounds.add_moving(source.position, &source.path, room_for_a_mark);
         }
-        for listener in scene.listeners() {
+        for listener in listeners {
             bounds.add_moving(listener.position, &listener.path, listener.radius);
         }
         for surface in &scene.surfaces {
@@ -50,12 +57,24 @@ impl Bounds {
             }
         }
         if scene.surfaces.iter().any(is_endless_field) {
-            for wall in walls_about(scene, height) {
+            let walls = listeners
+                .iter()
+                .flat_map(|of| walls_about(scene, of, height));
+            for wall in walls {
                 bounds.add(Bounds::around(wall, 0.0));
             }
         }
+        if bounds == Bounds::NOTHING {
+            bounds = Bounds::around(Vec3::ZERO, 0.5);
+        }
         bounds.with_margin()
     }
+
+    /// Contains nothing; a part added to it is the whole.
+    const NOTHING: Bounds = Bounds {
+        min: Vec2::INFINITY,
+        max: Vec2::NEG_INFINITY,
+    };
 
     fn around(point: Vec3, radius: f32) -> Bounds {
         let centre = flat(point);
@@ -161,10 +180,10 @@ fn is_endless_field(surface: &Surface) -> bool {
     !(bounds.min.is_finite() && bounds.max.is_finite())
 }
 
-/// The points where the listener's sight meets surfaces, all around at `height`.
-fn walls_about(scene: &Scene, height: f32) -> Vec<Vec3> {
-    let eye = scene.listener.position.with_y(height);
-    let far = SIGHT * scene.listener.radius;
+/// The points where a listener's sight meets surfaces, all around at `height`.
+fn walls_about(scene: &Scene, listener: &Listener, height: f32) -> Vec<Vec3> {
+    let eye = listener.position.with_y(height);
+    let far = SIGHT * listener.radius;
     let sight = |index: u32| {
         let (sin, cos) = (index as f32 / SIGHTS as f32 * TAU).sin_cos();
         let ray = Vec3::new(cos, 0.0, sin);
@@ -246,7 +265,7 @@ impl Plan {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Listener, Source};
+    use crate::scene::Source;
     use glam::Quat;
     use std::f32::consts::FRAC_PI_4;
 
@@ -285,7 +304,7 @@ mod tests {
     fn the_walls_of_a_hollow_are_shown() {
         for name in ["cave", "whispering-gallery", "morphing-room"] {
             let scene = Scene::builtin(name).unwrap();
-            let eye = scene.listener.position;
+            let eye = scene.listeners[0].position;
             let bounds = Bounds::of(&scene, eye.y);
             for ahead in [Vec3::X, -Vec3::X, Vec3::Z, -Vec3::Z] {
                 let at = |step: i32| eye + 0.02 * step as f32 * ahead;

@@ -4,7 +4,7 @@ use super::plan::{Bounds, Plan};
 use super::{PictureError, labels, marks};
 use crate::error::Error;
 use crate::gl::{Context, Picture, Program, full_screen_pass_rows};
-use crate::scene::Scene;
+use crate::scene::{IntoPair, Scene, Viewpoint};
 use crate::shader::{self, Structure};
 use crate::tracer::{GpuScene, Settings, Tracer, Wave};
 use image::RgbaImage;
@@ -28,24 +28,11 @@ pub(super) fn prepare(context: &Context, scene: &Scene, kind: Kind) -> Result<Sh
     let text = || text(scene, &structure, kind);
     let program = GpuScene::picture_program(context, scene, &structure, &label, text)?;
     let mut on_gpu = GpuScene::new(context)?;
-    set_scene(&program, &mut on_gpu, scene, structure)?;
+    on_gpu.set_picture(scene, structure, &program)?;
     Ok(Shader {
         program,
         scene: on_gpu,
     })
-}
-
-/// Sets the surfaces and the listener of `scene` in a picture's program.
-pub(super) fn set_scene(
-    program: &Program,
-    on_gpu: &mut GpuScene,
-    scene: &Scene,
-    structure: Structure,
-) -> Result<(), Error> {
-    on_gpu.set_picture(scene, structure, program)?;
-    let listener = &scene.listener;
-    program.set_vec4("uListener", listener.position.extend(listener.radius));
-    Ok(())
 }
 
 /// A kind of picture.
@@ -107,7 +94,7 @@ pub(super) fn draw(
 pub struct SliceOptions {
     /// Width in pixels; the height follows from the bounds.
     pub width: u32,
-    /// World y of the cut in metres; `None` for the listener's.
+    /// World y of the cut in metres; `None` for that of the pair's listener.
     pub height: Option<f32>,
     /// The part shown; `None` for [`Bounds::of`] the scene.
     pub bounds: Option<Bounds>,
@@ -137,20 +124,32 @@ impl Default for SliceOptions {
 }
 
 /// The scene cut at a height and seen from above: x to the right, z downwards. Listeners, sources, their key-framed
-/// paths and the paths of waves are drawn on top, whatever their height. Waves are those of the first source and the
-/// first listener; further sources and listeners are paler.
+/// paths and the paths of waves are drawn on top, whatever their height. Waves are those of the pair; the scene's other
+/// sources and listeners are paler.
 ///
 /// # Errors
 /// [`Error::Picture`] for an impossible size or bounds, [`Error::Scene`] and [`Error::Trace`] for
 /// input that cannot be traced, [`Error::Gpu`] when the renderer fails.
-pub fn slice(
+pub fn slice<'a>(
     tracer: &mut Tracer,
-    scene: &Scene,
+    pair: impl IntoPair<'a>,
+    options: &SliceOptions,
+) -> Result<RgbaImage, Error> {
+    slice_of(tracer, pair.viewpoint()?, options)
+}
+
+fn slice_of(
+    tracer: &mut Tracer,
+    seen: Viewpoint,
     options: &SliceOptions,
 ) -> Result<RgbaImage, Error> {
     let context = tracer.context().clone();
+    let scene = seen.scene;
     scene.validate()?;
-    let height = options.height.unwrap_or(scene.listener.position.y);
+    let height = match options.height {
+        Some(height) => height,
+        None => seen.listener()?.position.y,
+    };
     if !height.is_finite() {
         let what = format!("a height of {height}");
         return Err(PictureError::Bounds { what }.into());
@@ -161,18 +160,18 @@ pub fn slice(
     let mut picture = cut(&context, scene, height, &plan)?;
     let paths = match options.paths {
         0 => Vec::new(),
-        waves => tracer.paths(scene, &options.settings.clone().with_waves(waves))?,
+        waves => tracer.paths(seen.pair()?, &options.settings.clone().with_waves(waves))?,
     };
     // Opaque pixels are the same with and without premultiplied opacity.
     if let Some(mut canvas) = PixmapMut::from_bytes(&mut picture, plan.width, plan.height) {
-        let mut fates = marks::draw_wave_paths(&mut canvas, &plan, scene, &paths);
-        fates.extend(marks::draw_wave_paths(
-            &mut canvas,
-            &plan,
-            scene,
-            &options.also,
-        ));
-        marks::draw(&mut canvas, &plan, scene);
+        let mut fates = Vec::new();
+        if let Some(source) = seen.source {
+            for paths in [&paths, &options.also] {
+                let from = source.position;
+                fates.extend(marks::draw_wave_paths(&mut canvas, &plan, from, paths));
+            }
+        }
+        marks::draw(&mut canvas, &plan, seen);
         labels::draw_names(&mut canvas, &plan, scene);
         if options.scale_bar {
             labels::draw_scale_bar(&mut canvas, &plan);

@@ -4,14 +4,14 @@
 //! is shown again; after some frames without movement it is drawn once more at full size, some rows per frame.
 
 use super::PictureError;
-use super::slice::{Kind, check_size, draw, prepare, set_scene};
+use super::slice::{Kind, check_size, draw, prepare};
 use crate::error::Error;
 use crate::gl::{Context, GpuTimer, Picture, Program, ProgramCache, full_screen_pass_rows};
 use crate::platform;
-use crate::scene::Scene;
+use crate::scene::{IntoPair, Listener, Path, Scene, SceneError, Surface, Viewpoint};
 use crate::shader::{self, Structure, StructureKey};
 use crate::tracer::GpuScene;
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use image::RgbaImage;
 use std::num::NonZeroUsize;
 use std::rc::Rc;
@@ -42,17 +42,19 @@ impl Default for ViewOptions {
     }
 }
 
-/// The scene as seen from the listener's position along its gaze direction. The listener is not
+/// The scene as seen from a listener's position along its gaze direction, with a source. The listener is not
 /// drawn; the source is a glowing ball that lights everything it can reach.
 ///
 /// # Errors
 /// [`Error::Picture`] for an impossible size or field of view, [`Error::Scene`] and
 /// [`Error::Trace`] for a scene that cannot be drawn, [`Error::Gpu`] when the renderer fails.
-pub fn first_person(
+pub fn first_person<'a>(
     context: &Context,
-    scene: &Scene,
+    pair: impl IntoPair<'a>,
     options: &ViewOptions,
 ) -> Result<RgbaImage, Error> {
+    let seen = pair.viewpoint()?;
+    let eye = Eye::of(seen)?;
     let (width, height) = (options.width, options.height);
     check_size(context, width, height)?;
     let half_height = (0.5 * options.field_of_view).tan();
@@ -61,9 +63,14 @@ pub fn first_person(
         let degrees = options.field_of_view.to_degrees();
         return Err(PictureError::FieldOfView { degrees }.into());
     }
-    let shader = prepare(context, scene, Kind::View)?;
-    let ball = SOURCE_SHARE * scene.listener.radius;
-    aim(&shader.program, scene, ball, [width, height], half_height);
+    let shader = prepare(context, seen.scene, Kind::View)?;
+    aim(
+        &shader.program,
+        &eye,
+        eye.ball_m(),
+        [width, height],
+        half_height,
+    );
     draw(context, &shader, width, height)
 }
 
@@ -100,7 +107,8 @@ const PROGRAMS_KEPT: NonZeroUsize = NonZeroUsize::new(4).unwrap();
 
 /// The inputs of the picture: it is drawn again only when they change.
 struct Shown {
-    scene: Scene,
+    eye: Eye,
+    surfaces: Vec<Surface>,
     /// Pixels of the coarse picture, and of the window.
     size: [u32; 2],
     full: [u32; 2],
@@ -176,14 +184,25 @@ impl View {
         self.program(scene).map(drop)
     }
 
-    /// Draws the scene as its listener sees it, at `scale` of the window's size, into the window; `refines` allows a
+    /// Draws the scene as a listener sees it, with a source, at `scale` of the window's size, into the window; `refines` allows a
     /// finer picture while nothing moves.
     ///
     /// # Errors
     /// [`Error::Trace`] for a scene that does not fit, [`Error::Gpu`] when the renderer fails.
-    pub fn draw(
+    pub fn draw<'a>(
+        &mut self,
+        pair: impl IntoPair<'a>,
+        size: [u32; 2],
+        scale: (f32, bool),
+    ) -> Result<Drawn, Error> {
+        let seen = pair.viewpoint()?;
+        self.draw_seen(seen.scene, Eye::of(seen)?, size, scale)
+    }
+
+    fn draw_seen(
         &mut self,
         scene: &Scene,
+        eye: Eye,
         [width, height]: [u32; 2],
         (scale, refines): (f32, bool),
     ) -> Result<Drawn, Error> {
@@ -194,7 +213,9 @@ impl View {
         let size = [side(width), side(height)];
         let full = [width, height];
         let same = |shown: &Shown| {
-            (shown.size, shown.full) == (size, full) && is_seen_alike(&shown.scene, scene)
+            (shown.size, shown.full) == (size, full)
+                && shown.eye == eye
+                && shown.surfaces == scene.surfaces
         };
         let anew = !self.shown.as_ref().is_some_and(same);
         let mut drawn = Drawn {
@@ -205,7 +226,7 @@ impl View {
         if anew {
             let program = self.program(scene)?;
             let picture = sized(&self.context, &mut self.coarse, size)?;
-            aim_in_window(&program, scene, size);
+            aim_in_window(&program, &eye, size);
             self.timer.restart()?;
             full_screen_pass_rows(
                 &self.context,
@@ -217,7 +238,8 @@ impl View {
             )?;
             self.mark_end(Marked::Coarse)?;
             self.shown = Some(Shown {
-                scene: scene.clone(),
+                eye: eye.clone(),
+                surfaces: scene.surfaces.clone(),
                 size,
                 full,
             });
@@ -228,7 +250,7 @@ impl View {
         let bears = pixels_foreseen(scene, REFINED) >= f64::from(LEAST_ROWS * width);
         let refines = refines && bears && self.still > STILL && scale < 1.0;
         if refines && self.refined < height {
-            self.refine(scene, full)?;
+            self.refine(scene, &eye, full)?;
         }
         let is_fine = refines && self.refined >= height;
         let picture = if is_fine { &self.fine } else { &self.coarse };
@@ -245,10 +267,10 @@ impl View {
     }
 
     /// Draws the next rows at full size.
-    fn refine(&mut self, scene: &Scene, full: [u32; 2]) -> Result<(), Error> {
+    fn refine(&mut self, scene: &Scene, eye: &Eye, full: [u32; 2]) -> Result<(), Error> {
         let program = self.program(scene)?;
         let picture = sized(&self.context, &mut self.fine, full)?;
-        aim_in_window(&program, scene, full);
+        aim_in_window(&program, eye, full);
         let rows = match platform::CAN_WAIT_FOR_GL {
             true => ((REFINING * self.rows_per_ms) as u32).max(LEAST_ROWS),
             // The time of a row is unknown.
@@ -295,7 +317,7 @@ impl View {
         };
         let key = Rc::clone(&structure.key);
         let program = self.programs.get_or_compile(key, compile)?;
-        set_scene(&program, &mut self.scene, scene, structure)?;
+        self.scene.set_picture(scene, structure, &program)?;
         Ok(program)
     }
 
@@ -331,21 +353,6 @@ fn foreseen_scale(scene: &Scene, [width, height]: [u32; 2]) -> f32 {
         .min(1.0) as f32
 }
 
-/// Whether two scenes look the same: names and motion paths do not matter.
-fn is_seen_alike(a: &Scene, b: &Scene) -> bool {
-    let pose = |scene: &Scene| {
-        let listener = &scene.listener;
-        (
-            scene.source.position,
-            listener.position,
-            listener.yaw,
-            listener.pitch,
-            listener.radius,
-        )
-    };
-    pose(a) == pose(b) && a.surfaces == b.surfaces
-}
-
 /// The picture of the given size, created if it does not exist.
 fn sized<'a>(
     context: &Context,
@@ -362,27 +369,57 @@ fn sized<'a>(
     }
 }
 
+/// What a picture is seen by, and the position of the source that it shows.
+#[derive(Clone, Debug, PartialEq)]
+struct Eye {
+    /// The listener without name and path, which cannot be seen.
+    listener: Listener,
+    source: Option<Vec3>,
+}
+
+impl Eye {
+    fn of(seen: Viewpoint) -> Result<Eye, SceneError> {
+        Ok(Eye {
+            listener: Listener {
+                name: None,
+                path: Path::default(),
+                ..seen.listener()?.clone()
+            },
+            source: seen.source.map(|source| source.position),
+        })
+    }
+
+    /// Radius of the source's ball in metres; 0 without a source.
+    fn ball_m(&self) -> f32 {
+        self.source
+            .map_or(0.0, |_| SOURCE_SHARE * self.listener.radius)
+    }
+}
+
 /// Sets gaze, source and size in the program. The source is a ball of `ball` metres, and the picture's upper half is
 /// `half_height` high at a distance of 1.
-fn aim(program: &Program, scene: &Scene, ball: f32, [width, height]: [u32; 2], half_height: f32) {
-    let listener = &scene.listener;
+fn aim(program: &Program, eye: &Eye, ball: f32, [width, height]: [u32; 2], half_height: f32) {
+    let listener = &eye.listener;
+    program.set_vec4("uListener", listener.position.extend(listener.radius));
     program.set_vec3("uRight", listener.right());
     program.set_vec3("uUp", listener.up());
     program.set_vec3("uForward", listener.forward());
-    program.set_vec4("uSource", scene.source.position.extend(ball));
+    let source = eye.source.unwrap_or(listener.position);
+    program.set_vec4("uSource", source.extend(ball));
     program.set_vec2("uSize", Vec2::new(width as f32, height as f32));
     program.set_f32("uPixel", 2.0 * half_height / height as f32);
 }
 
 /// Aims the picture of a window.
-fn aim_in_window(program: &Program, scene: &Scene, size: [u32; 2]) {
-    let radius = SOURCE_SHARE * scene.listener.radius;
-    let distance = scene.source.position.distance(scene.listener.position);
+fn aim_in_window(program: &Program, eye: &Eye, size: [u32; 2]) {
+    let radius = eye.ball_m();
+    let place = eye.listener.position;
+    let distance = eye.source.map_or(0.0, |source| source.distance(place));
     // From within the ball, or close to it, it would fill the picture.
     let ball = if distance < NEAREST * radius {
         0.0
     } else {
         radius
     };
-    aim(program, scene, ball, size, (0.5 * FIELD_OF_VIEW).tan());
+    aim(program, eye, ball, size, (0.5 * FIELD_OF_VIEW).tan());
 }

@@ -5,7 +5,7 @@ use super::source_sound::Medium;
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
 use crate::response::ImpulseSettings;
-use crate::scene::Scene;
+use crate::scene::Pair;
 use crate::tracer::{ArrivalCounts, ArrivalSettings, Settings, Tracer};
 
 /// Number of waves that estimate the decay: its end is determined by their energies, not by their
@@ -50,12 +50,13 @@ const BIN_S: f64 = 0.01;
 /// `longest_s`, but at least the time of the direct sound.
 pub(super) fn needed(
     tracer: &mut Tracer,
-    scene: &Scene,
+    pair: Pair,
     settings: &Settings,
     longest_s: f64,
 ) -> Result<f64, Error> {
-    let medium = Medium::of(scene);
-    let (mut decay, counts) = Decay::trace(tracer, scene, settings, (WAVES, longest_s))?;
+    let medium = Medium::of(pair);
+    let scene = pair.scene;
+    let (mut decay, counts) = Decay::trace(tracer, pair, settings, (WAVES, longest_s))?;
     if counts.gone == 0 && scene.air.is_none() && !scene.has_materials() {
         let end_s = medium.direct_s + WITHOUT_DECAY_S;
         return Ok(end_s
@@ -68,7 +69,7 @@ pub(super) fn needed(
             true => WAVES_OUTDOORS,
             false => WAVES_BETWEEN,
         };
-        (decay, _) = Decay::trace(tracer, scene, settings, (more, longest_s))?;
+        (decay, _) = Decay::trace(tracer, pair, settings, (more, longest_s))?;
     }
     let end_s = match decay.is_end_known() {
         true => decay.end_s(),
@@ -98,16 +99,16 @@ struct Decay {
 impl Decay {
     fn trace(
         tracer: &mut Tracer,
-        scene: &Scene,
+        pair: Pair,
         settings: &Settings,
         (waves, longest_s): (u32, f64),
     ) -> Result<(Decay, ArrivalCounts), Error> {
-        let medium = Medium::of(scene);
+        let medium = Medium::of(pair);
         // The larger sphere is crossed by more of the few waves that carry the end of the decay.
-        let wide = LateSphere::of(scene, LEAST_ORDER).widened(scene);
+        let wide = LateSphere::of(pair, LEAST_ORDER).widened(pair.listener);
         let mut decay = Decay::default();
         let counts = tracer.arrivals(
-            &wide,
+            pair.with_listener(&wide),
             &settings.clone().with_waves(waves),
             &ArrivalSettings::new(longest_s).with_least_energy(LEAST_ENERGY),
             &mut |arrival| {
@@ -163,6 +164,7 @@ impl Decay {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Scene;
     use crate::gl::{Context, ContextOptions};
     use crate::response::{Response, ResponseSettings};
 
@@ -212,7 +214,7 @@ mod tests {
             settings.seconds_needed(&mut tracer, scene).unwrap()
         };
         let closed = Scene::builtin("corner").unwrap();
-        let direct_s = Medium::of(&closed).direct_s;
+        let direct_s = Medium::of(closed.only_pair().unwrap()).direct_s;
         assert!((needed(&closed, 10.0) - direct_s - WITHOUT_DECAY_S).abs() < 1e-9);
         assert_eq!(needed(&closed, 1.5), 1.5);
         let mut absorbing = closed.clone();

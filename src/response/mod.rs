@@ -67,7 +67,7 @@ pub use source_sound::{HeardPath, HeardSource, Level};
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
 use crate::platform::Instant;
-use crate::scene::Scene;
+use crate::scene::{IntoPair, Pair};
 use crate::tracer::{ArrivalCounts, ArrivalSettings, Settings, Tracer};
 use early_part::{Caught, EarlyPart};
 pub use exact_paths::{Missed, SpecularPath};
@@ -124,21 +124,28 @@ pub struct Response {
 }
 
 impl Response {
-    /// Traces the sound of the first source of `scene` at its first listener, in the scene's current state (other
-    /// pairs: [`Scene::heard_by`]).
+    /// Traces the sound of a source at a listener, or of a scene that has one of each, in the scene's current state.
     ///
     /// # Errors
     /// As [`Tracer::arrivals`]; [`Error::Acoustics`] for bins out of range.
-    pub fn trace(
+    pub fn trace<'a>(
         tracer: &mut Tracer,
-        scene: &Scene,
+        pair: impl IntoPair<'a>,
+        settings: &ResponseSettings,
+    ) -> Result<Response, Error> {
+        Response::of_pair(tracer, pair.chosen()?, settings)
+    }
+
+    fn of_pair(
+        tracer: &mut Tracer,
+        pair: Pair,
         settings: &ResponseSettings,
     ) -> Result<Response, Error> {
         let began = Instant::now();
-        let seconds = settings.seconds_needed(tracer, scene)?;
-        let order = settings.order_in(scene);
-        let medium = Medium::of(scene);
-        let late = LateSphere::of(scene, order);
+        let seconds = settings.seconds_needed(tracer, pair)?;
+        let order = settings.order_in(pair.scene);
+        let medium = Medium::of(pair);
+        let late = LateSphere::of(pair, order);
         // Bins begin at the earliest possible arrival, so that 50 and 80 ms after it lie on borders of bins.
         let first_s = medium.direct_s;
         let echogram = Echogram::with_edge_at(first_s, settings.bin_s, settings.batches)?;
@@ -149,12 +156,12 @@ impl Response {
             counts,
             early,
             travel_on,
-        } = late::arrivals(tracer, (scene, &medium, late), settings, &how, echogram)?;
+        } = late::arrivals(tracer, (pair, &medium, late), settings, &how, echogram)?;
         let starts = start_directions(tracer, &settings.trace, &early)?;
-        let part = EarlyPart::find(scene, &starts, settings.trace.waves, order, early)?;
+        let part = EarlyPart::find(pair, &starts, settings.trace.waves, order, early)?;
         part.left_over()
             .for_each(|arrival| medium.add(&mut echogram, arrival));
-        let all_paths = part.heard(scene, &medium);
+        let all_paths = part.heard(pair, &medium);
         let mut paths = all_paths.clone();
         let is_heard = |path: &HeardPath| path.energy.iter().any(|energy| *energy > 0.0);
         paths.retain(|path| path.delay_s <= seconds && is_heard(path));
@@ -174,13 +181,13 @@ impl Response {
             figures = figures.with_differences(Record::new(&taps, &biased, ends_s), &bands::ALL);
         }
         let caught = Caught {
-            scene,
+            pair,
             medium: &medium,
             part: &part,
             paths: &all_paths,
         };
         let figures = caught.in_errors(figures, &echogram, ends_s);
-        let heard_in = (scene, &medium);
+        let heard_in = (pair, &medium);
         let further =
             late::further_arrival(tracer, heard_in, settings, &how, &echogram, travel_on)?;
         let figures = figures.with_further_arrival(Record::new(&taps, &echogram, ends_s), &further);

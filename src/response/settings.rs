@@ -3,7 +3,7 @@
 use super::duration;
 use crate::error::Error;
 use crate::response::{Echogram, ImpulseSettings, ResponseError};
-use crate::scene::{Scene, Surface};
+use crate::scene::{IntoPair, Scene, Surface};
 use crate::tracer::{ArrivalSettings, Profile, Settings, TraceError, Tracer};
 
 /// Settings of a [`Response`](super::Response).
@@ -98,17 +98,22 @@ impl ResponseSettings {
         self
     }
 
-    /// The length of a response in this scene: `seconds`, or the time until the energy of every band has fallen by 60
+    /// The length of a response of this pair: `seconds`, or the time until the energy of every band has fallen by 60
     /// dB as a few waves estimate it within `longest_s`, and at most that; but never less than the time of the direct
     /// sound.
     ///
     /// # Errors
     /// As [`Response::trace`](super::Response::trace).
-    pub fn seconds_needed(&self, tracer: &mut Tracer, scene: &Scene) -> Result<f64, Error> {
+    pub fn seconds_needed<'a>(
+        &self,
+        tracer: &mut Tracer,
+        pair: impl IntoPair<'a>,
+    ) -> Result<f64, Error> {
+        let pair = pair.chosen()?;
         self.validate()?;
         match self.seconds {
             Some(seconds) => Ok(seconds),
-            None => duration::needed(tracer, scene, &self.trace, self.longest_s),
+            None => duration::needed(tracer, pair, &self.trace, self.longest_s),
         }
     }
 

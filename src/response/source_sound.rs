@@ -5,7 +5,7 @@ use super::Response;
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::response::exact_paths::SpecularPath;
 use crate::response::{Arrival, Echogram, Figures, Tap};
-use crate::scene::{Listener, Material, Scene};
+use crate::scene::{Listener, Material, Pair, Scene};
 use glam::{DVec3, Vec3};
 use serde::Serialize;
 use std::f64::consts::PI;
@@ -23,13 +23,13 @@ pub(super) struct Medium {
 }
 
 impl Medium {
-    pub fn of(scene: &Scene) -> Medium {
-        let speed = scene.speed_of_sound();
-        let apart = scene.source.position.as_dvec3() - scene.listener.position.as_dvec3();
+    pub fn of(pair: Pair) -> Medium {
+        let speed = pair.scene.speed_of_sound();
+        let apart = pair.source.position.as_dvec3() - pair.listener.position.as_dvec3();
         Medium {
             speed,
-            air: scene.air_attenuation(),
-            level: 10_f64.powf(f64::from(scene.source.level_db) / 10.0),
+            air: pair.scene.air_attenuation(),
+            level: 10_f64.powf(f64::from(pair.source.level_db) / 10.0),
             direct_s: apart.length() / speed,
         }
     }

@@ -120,6 +120,21 @@ pub enum SceneError {
         /// Number of existing ones.
         count: usize,
     },
+    /// One source and one listener are needed, and the scene has none or several. [`Scene::pair`](super::Scene::pair)
+    /// chooses among several.
+    #[error(
+        "scene {scene:?} has {} and {}: one of each must be chosen",
+        counted(*sources, "source"),
+        counted(*listeners, "listener")
+    )]
+    NotOnePair {
+        /// The scene's name.
+        scene: String,
+        /// Number of its sources.
+        sources: usize,
+        /// Number of its listeners.
+        listeners: usize,
+    },
     /// A room has no wall of this number.
     #[error(
         "a room has no wall number {wall}: they are counted from 0, {}",
@@ -254,6 +269,14 @@ pub enum Warning {
         /// Whether it is solid at every sample; otherwise it is air at every sample.
         solid: bool,
     },
+}
+
+/// `1 source`, `2 sources`.
+fn counted(count: usize, what: &str) -> String {
+    match count {
+        1 => format!("1 {what}"),
+        _ => format!("{count} {what}s"),
+    }
 }
 
 /// Metres rounded to millimetres.

@@ -15,6 +15,7 @@ mod file;
 mod material;
 mod motion;
 mod notation;
+mod pair;
 pub mod shape;
 mod sources_and_listeners;
 mod surface;
@@ -31,6 +32,9 @@ pub use material::{Air, BuiltinMaterial, Material};
 #[doc(hidden)]
 pub use motion::{Driver, Quantity};
 pub use motion::{Key, Motion, Path};
+#[cfg(feature = "picture")]
+pub(crate) use pair::sealed::Viewpoint;
+pub use pair::{IntoPair, Pair};
 pub use shape::{Bounds3, HeightImage, Shape, UserField};
 pub(crate) use shape::{Copies, UserSamples, halton};
 #[doc(hidden)]
@@ -82,18 +86,14 @@ pub struct Scene {
     pub materials: BTreeMap<String, Material>,
     /// The air; without it the speed of sound is 343 m/s, and it does not absorb.
     pub air: Option<Air>,
-    /// The first source.
-    pub source: Source,
-    /// The first listener.
-    pub listener: Listener,
-    /// Sources after the first one. Callers that need one source use the first.
-    pub further_sources: Vec<Source>,
-    /// Listeners after the first one.
-    pub further_listeners: Vec<Listener>,
+    /// The sources; a file has at least one. What needs one of them takes a [`Pair`].
+    pub sources: Vec<Source>,
+    /// The listeners; a file has at least one.
+    pub listeners: Vec<Listener>,
 }
 
 impl Scene {
-    /// A scene of these surfaces, numbered from 1 in this order.
+    /// A scene of these surfaces, numbered from 1 in this order, with one source and one listener.
     pub fn new(
         name: impl Into<String>,
         surfaces: Vec<Surface>,
@@ -105,10 +105,8 @@ impl Scene {
             surfaces,
             materials: BTreeMap::new(),
             air: None,
-            source,
-            listener,
-            further_sources: Vec::new(),
-            further_listeners: Vec::new(),
+            sources: vec![source],
+            listeners: vec![listener],
         }
     }
 
@@ -149,12 +147,12 @@ impl Scene {
     /// The scene at `seconds` on its key-framed paths.
     pub fn at(&self, seconds: f64) -> Scene {
         let mut posed = self.clone();
-        for source in posed.sources_mut() {
+        for source in &mut posed.sources {
             if let Some(key) = source.path.at(seconds) {
                 source.position = key.position;
             }
         }
-        for listener in posed.listeners_mut() {
+        for listener in &mut posed.listeners {
             if let Some(key) = listener.path.at(seconds) {
                 listener.position = key.position;
                 (listener.yaw, listener.pitch) = (key.yaw, key.pitch);
@@ -168,8 +166,11 @@ impl Scene {
     pub fn duration(&self) -> f64 {
         let drivers = self.surfaces.iter().flat_map(|s| &s.drivers);
         let driven = drivers.map(|driver| driver.motion.duration());
-        let sources = self.sources().map(|source| source.path.duration());
-        let listeners = self.listeners().map(|listener| listener.path.duration());
+        let sources = self.sources.iter().map(|source| source.path.duration());
+        let listeners = self
+            .listeners
+            .iter()
+            .map(|listener| listener.path.duration());
         driven.chain(sources).chain(listeners).fold(0.0, f64::max)
     }
 }

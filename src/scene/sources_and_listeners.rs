@@ -1,10 +1,9 @@
 //! Sources and listeners; all of them in a scene, and what affects the sound between them.
 
-use super::{Air, Material, Path, Scene, SceneError};
+use super::{Air, Material, Path, Scene};
 use crate::bands::{BAND_COUNT, Bands};
 use crate::text::nearest_or_all;
 use glam::Vec3;
-use std::iter::once;
 
 /// A point that sends waves in all directions.
 #[derive(Clone, Debug, PartialEq)]
@@ -95,82 +94,30 @@ impl Listener {
 }
 
 impl Scene {
-    /// All sources in order, [`Scene::source`] first.
-    pub fn sources(&self) -> impl Iterator<Item = &Source> {
-        once(&self.source).chain(&self.further_sources)
-    }
-
-    /// All listeners in order, [`Scene::listener`] first.
-    pub fn listeners(&self) -> impl Iterator<Item = &Listener> {
-        once(&self.listener).chain(&self.further_listeners)
-    }
-
     /// The names of the sources in reports, in order: each by its name, or by its number from 1.
     pub fn source_labels(&self) -> Vec<String> {
-        labels(self.sources().map(|source| source.name.as_deref()))
+        labels(self.sources.iter().map(|source| source.name.as_deref()))
     }
 
     /// The names of the listeners in reports, in order: each by its name, or by its number from 1.
     pub fn listener_labels(&self) -> Vec<String> {
-        labels(self.listeners().map(|listener| listener.name.as_deref()))
+        labels(
+            self.listeners
+                .iter()
+                .map(|listener| listener.name.as_deref()),
+        )
     }
 
     /// The name of the source with this index (from 0) in messages.
     pub(super) fn source_label(&self, index: usize) -> String {
-        let count = 1 + self.further_sources.len();
-        let name = self.sources().nth(index).and_then(|s| s.name.as_deref());
-        label("source", index, count, name)
+        let name = self.sources.get(index).and_then(|s| s.name.as_deref());
+        label("source", index, self.sources.len(), name)
     }
 
     /// The name of the listener with this index (from 0) in messages.
     pub(super) fn listener_label(&self, index: usize) -> String {
-        let count = 1 + self.further_listeners.len();
-        let name = self.listeners().nth(index).and_then(|l| l.name.as_deref());
-        label("listener", index, count, name)
-    }
-
-    pub(super) fn sources_mut(&mut self) -> impl Iterator<Item = &mut Source> {
-        once(&mut self.source).chain(&mut self.further_sources)
-    }
-
-    pub(super) fn listeners_mut(&mut self) -> impl Iterator<Item = &mut Listener> {
-        once(&mut self.listener).chain(&mut self.further_listeners)
-    }
-
-    /// The scene with a single source and a single listener, given by their indices (from 0) in
-    /// [`Scene::sources`] and [`Scene::listeners`].
-    ///
-    /// ```
-    /// use echomarch::{Listener, Scene, Source};
-    /// # use echomarch::glam::Vec3;
-    /// let mut scene = Scene::builtin("corner")?;
-    /// scene.further_sources.push(Source::at(Vec3::Y).named("flute"));
-    /// let flute = scene.heard_by(1, 0)?;
-    /// assert_eq!(flute.source.name.as_deref(), Some("flute"));
-    /// assert_eq!(flute.sources().count(), 1);
-    /// # Ok::<(), echomarch::Error>(())
-    /// ```
-    ///
-    /// # Errors
-    /// [`SceneError::NoSuchNumber`] if a number is out of range.
-    pub fn heard_by(&self, source: usize, listener: usize) -> Result<Scene, SceneError> {
-        let none = |what, number, count| SceneError::NoSuchNumber {
-            scene: self.name.clone(),
-            what,
-            number,
-            count,
-        };
-        let from = self.sources().nth(source);
-        let from = from.ok_or_else(|| none("source", source, self.sources().count()))?;
-        let to = self.listeners().nth(listener);
-        let to = to.ok_or_else(|| none("listener", listener, self.listeners().count()))?;
-        Ok(Scene {
-            source: from.clone(),
-            listener: to.clone(),
-            further_sources: Vec::new(),
-            further_listeners: Vec::new(),
-            ..self.clone()
-        })
+        let name = self.listeners.get(index).and_then(|l| l.name.as_deref());
+        label("listener", index, self.listeners.len(), name)
     }
 
     /// The material of a surface (counted from 0), or of one of its walls in the order of
@@ -254,7 +201,7 @@ fn labels<'a>(names: impl Iterator<Item = Option<&'a str>>) -> Vec<String> {
 mod tests {
     use super::*;
     use crate::scene::shape::{Room, Sphere};
-    use crate::scene::{Air, Key, Surface};
+    use crate::scene::{Air, Key, SceneError, Surface};
     use std::f32::consts::FRAC_PI_2;
 
     /// Protects the sign of yaw and pitch: right and up are positive.
@@ -310,34 +257,6 @@ mod tests {
         assert!(scene.has_materials() && !scene.has_bands());
     }
 
-    /// Protects pairs: each source and each listener by its number, with everything else unchanged.
-    #[test]
-    fn a_pair_is_a_scene_of_its_own() {
-        let mut scene = hall();
-        scene.air = Some(Air::default());
-        scene.further_sources.push(Source::at(Vec3::Z).named("b"));
-        scene
-            .further_listeners
-            .push(Listener::at(Vec3::Z * 2.0, 0.2));
-        assert_eq!(scene.sources().count(), 2);
-        let pair = scene.heard_by(1, 0).unwrap();
-        assert_eq!(pair.source, scene.further_sources[0]);
-        assert_eq!(pair.listener, scene.listener);
-        assert_eq!(
-            scene.heard_by(0, 1).unwrap().listener,
-            scene.further_listeners[0]
-        );
-        assert_eq!(
-            (pair.sources().count(), pair.listeners().count()),
-            (1, 1),
-            "none further"
-        );
-        assert_eq!((pair.air, &pair.surfaces), (scene.air, &scene.surfaces));
-        scene.further_sources.clear();
-        scene.further_listeners.clear();
-        assert_eq!(scene.heard_by(0, 0).unwrap(), scene);
-    }
-
     /// Protects motion: every listener or source with a path moves, and the longest path counts.
     #[test]
     fn all_sources_and_listeners_follow_their_paths() {
@@ -353,12 +272,12 @@ mod tests {
         source.path = path(2.0);
         let mut listener = Listener::at(Vec3::ZERO, 0.2);
         listener.path = path(8.0);
-        scene.further_sources.push(source);
-        scene.further_listeners.push(listener);
+        scene.sources.push(source);
+        scene.listeners.push(listener);
         assert_eq!(scene.duration(), 8.0);
         let posed = scene.at(1.0);
-        assert_eq!(posed.further_sources[0].position.x, 2.0);
-        let listener = &posed.further_listeners[0];
+        assert_eq!(posed.sources[1].position.x, 2.0);
+        let listener = &posed.listeners[1];
         assert_eq!((listener.position.x, listener.yaw), (0.5, 0.5));
     }
 
@@ -377,19 +296,9 @@ mod tests {
         assert_eq!(scene.air_attenuation(), air.attenuation());
     }
 
-    /// Protects callers from numbers out of range: a source, a listener, a wall.
+    /// Protects callers from a wall's number out of range.
     #[test]
     fn numbers_that_nobody_has_are_refused() {
-        let scene = hall();
-        let (sources, listeners) = (scene.sources().count(), scene.listeners().count());
-        let told = |refused: Result<Scene, SceneError>| refused.unwrap_err().to_string();
-        let text = told(scene.heard_by(sources, 0));
-        assert!(
-            text.contains(&format!("no source number {sources}")),
-            "{text}"
-        );
-        let text = told(scene.heard_by(0, usize::MAX));
-        assert!(text.contains(&format!("it has {listeners}")), "{text}");
         let room = Surface::new(Room { size: Vec3::ONE });
         for wall in [6, 9, usize::MAX] {
             let refused = room.clone().with_wall_material(wall, "brick");

@@ -185,17 +185,7 @@ impl Scene {
         self.nearest_surface(point, nothing)
     }
 
-    /// Signed distance to the nearest surface or to the listener's sphere: the function that the
-    /// march in the thesis evaluates (figure 9).
-    pub fn distance(&self, point: Vec3) -> Nearest {
-        let listener = Nearest {
-            distance: self.listener.distance(point),
-            object: 0,
-        };
-        self.nearest_surface(point, listener)
-    }
-
-    fn nearest_surface(&self, point: Vec3, mut nearest: Nearest) -> Nearest {
+    pub(super) fn nearest_surface(&self, point: Vec3, mut nearest: Nearest) -> Nearest {
         for (index, surface) in self.surfaces.iter().enumerate() {
             let distance = surface.distance(point);
             if distance < nearest.distance {
@@ -289,9 +279,10 @@ mod tests {
             Source::at(Vec3::Y * 9.0),
             Listener::at(Vec3::ZERO, 1.0),
         );
-        assert_eq!(scene.distance(Vec3::X * 3.5).object, 1);
-        assert_eq!(scene.distance(Vec3::X * -3.5).object, 2);
-        assert_eq!(scene.distance(Vec3::X * 1.5).object, 0);
+        let pair = scene.only_pair().unwrap();
+        assert_eq!(pair.distance(Vec3::X * 3.5).object, 1);
+        assert_eq!(pair.distance(Vec3::X * -3.5).object, 2);
+        assert_eq!(pair.distance(Vec3::X * 1.5).object, 0);
         assert_eq!(scene.surface_distance(Vec3::X * 1.5).object, 1);
     }
 }

@@ -25,7 +25,7 @@ use super::scene_data::{self, CellData};
 use super::structure::Structure;
 use super::text::Text;
 use super::turn_budget::{Budget, LoopsAsked, StructureTurns};
-use crate::scene::Scene;
+use crate::scene::{Listener, Scene};
 use glam::{Vec3, Vec4};
 
 /// A scene as the shaders of one algorithm receive it. See the table of this module.
@@ -53,24 +53,24 @@ impl AlgorithmText {
         Structure::of(scene, self.lists())
     }
 
-    /// The thesis' profile, and pictures, get world coordinates as they are.
-    fn rebasing(self, scene: &Scene) -> OriginRebasing {
+    /// The coordinates of this algorithm: the thesis' profile gets those of the world.
+    pub fn rebasing(self, listener: &Listener) -> OriginRebasing {
         match self {
             AlgorithmText::Thesis => OriginRebasing::world(),
-            AlgorithmText::March | AlgorithmText::Hybrid => OriginRebasing::at_listener(scene),
+            AlgorithmText::March | AlgorithmText::Hybrid => OriginRebasing::at(listener),
         }
     }
 }
 
 impl CompiledScene {
-    /// Makes it this scene in its current state, for the shaders of an algorithm, with the numbers of its
-    /// surfaces' materials for shaders that read them. `structure` is the
-    /// [structure](AlgorithmText::structure) of this scene for this algorithm. If it is the same as before,
-    /// turns, heights and the cells of surfaces that did not move are kept.
+    /// Makes it this scene in its current state, in these coordinates, with the numbers of its surfaces'
+    /// materials for shaders that read them. `structure` is the [structure](AlgorithmText::structure) of
+    /// this scene for the algorithm of the shaders. If it is the same as before, turns, heights and the
+    /// cells of surfaces that did not move are kept.
     pub fn update(
         &mut self,
         scene: &Scene,
-        algorithm: AlgorithmText,
+        rebasing: OriginRebasing,
         structure: Structure,
         materials: &Materials,
     ) {
@@ -82,13 +82,13 @@ impl CompiledScene {
             self.data = scene_data::heights(&self.structure.assets);
             self.heights = self.data.len();
         }
-        self.place(scene, algorithm, materials);
+        self.place(scene, rebasing, materials);
     }
 
     /// Derives what depends on positions, sizes and materials.
-    fn place(&mut self, scene: &Scene, algorithm: AlgorithmText, materials: &Materials) {
+    fn place(&mut self, scene: &Scene, rebasing: OriginRebasing, materials: &Materials) {
         let Structure { lists, layout, .. } = &self.structure;
-        self.surfaces = algorithm.rebasing(scene).apply(scene);
+        self.surfaces = rebasing.apply(scene);
         self.values = self.surfaces.uniform_values(layout);
         let known = self.cells.as_mut();
         if !known.is_some_and(|cells| cells.update(scene, layout, *lists)) {
@@ -163,7 +163,7 @@ mod tests {
                 _ => Surface::new(Torus { ring, tube }),
             };
             let material = if index < 40 { "hard" } else { "soft" };
-            let at = scene.listener.position + 0.5 * (grid - 1.4);
+            let at = scene.listeners[0].position + 0.5 * (grid - 1.4);
             scene.surfaces.push(surface.at(at).with_material(material));
         }
         for (name, absorption) in [("hard", 0.1), ("soft", 0.6)] {
@@ -225,7 +225,7 @@ mod tests {
         let mut scene = crowd();
         let mut scenes = vec![scene.clone()];
         scene.surfaces[2].position.x += 0.3;
-        scene.listener.position.z += 0.1;
+        scene.listeners[0].position.z += 0.1;
         scenes.push(scene.clone());
         scene.surfaces[3].rotation = Quat::from_rotation_x(0.4);
         scenes.push(scene.clone());
@@ -242,13 +242,15 @@ mod tests {
                 let materials = Materials::of(scene, 0..BAND_COUNT);
                 let structure = algorithm.structure(scene);
                 let mut compiled = CompiledScene::default();
-                compiled.update(scene, algorithm, structure, &materials);
+                let rebasing = algorithm.rebasing(&scene.listeners[0]);
+                compiled.update(scene, rebasing, structure, &materials);
                 compiled
             };
             let mut updated = compile(&scenes[0]);
             for scene in &scenes {
                 let materials = Materials::of(scene, 0..BAND_COUNT);
-                updated.update(scene, algorithm, algorithm.structure(scene), &materials);
+                let rebasing = algorithm.rebasing(&scene.listeners[0]);
+                updated.update(scene, rebasing, algorithm.structure(scene), &materials);
                 let new = compile(scene);
                 assert_eq!(updated.structure.key, new.structure.key);
                 assert_eq!(updated.values, new.values);

@@ -41,6 +41,7 @@ pub(crate) use compiled_scene::CompiledScene;
 pub use layout::Layout;
 pub use materials::Materials;
 pub(crate) use materials::band_groups;
+pub(crate) use origin_rebasing::OriginRebasing;
 pub use pass_texts::Directions;
 #[cfg(feature = "picture")]
 pub(crate) use pass_texts::first_person;

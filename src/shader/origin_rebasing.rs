@@ -8,7 +8,7 @@
 use super::covered_faces::extend_covered_faces;
 use super::layout::Layout;
 use crate::scene::shape::{Cuboid, Cylinder, Room, Sphere};
-use crate::scene::{Node, ROUNDING, Scene, Shape, Surface};
+use crate::scene::{Listener, Node, ROUNDING, Scene, Shape, Surface};
 use glam::{Quat, Vec3, Vec4};
 
 /// How world coordinates become a shader's.
@@ -37,10 +37,10 @@ impl OriginRebasing {
         }
     }
 
-    /// Relative to the scene's listener, with covered faces extended.
-    pub fn at_listener(scene: &Scene) -> OriginRebasing {
+    /// Relative to a listener, with covered faces extended.
+    pub fn at(listener: &Listener) -> OriginRebasing {
         OriginRebasing {
-            origin: scene.listener.position,
+            origin: listener.position,
             extends_covered_faces: true,
         }
     }

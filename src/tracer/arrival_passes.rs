@@ -15,7 +15,7 @@ use crate::bands::{BAND_COUNT, Bands};
 use crate::error::Error;
 use crate::gl::{Context, Program, RenderTarget};
 use crate::platform::Instant;
-use crate::scene::Scene;
+use crate::scene::{IntoPair, Pair, Scene};
 use crate::shader::{self, ArrivalsText, Materials, Structure};
 use glam::Vec4;
 use std::ops::Range;
@@ -102,18 +102,19 @@ impl Tracer {
     /// # Errors
     /// As [`Tracer::frame`]; [`TraceError::NoArrivals`] in the profile `thesis`,
     /// [`TraceError::BadSetting`] for numbers of `how` out of their range.
-    pub fn arrivals(
+    pub fn arrivals<'a>(
         &mut self,
-        scene: &Scene,
+        pair: impl IntoPair<'a>,
         settings: &Settings,
         how: &ArrivalSettings,
         take: &mut dyn FnMut(Arrival),
     ) -> Result<ArrivalCounts, Error> {
+        let pair = pair.chosen()?;
         let all = WavesToFollow::Numbers(0..settings.waves);
         let mut counts = ArrivalCounts::of_none();
-        for bands in shader::band_groups(scene) {
+        for bands in shader::band_groups(pair.scene) {
             let how = how.clone().with_bands(bands);
-            let followed = self.arrivals_of(scene, settings, &how, &all, take)?;
+            let followed = self.arrivals_of(pair, settings, &how, &all, take)?;
             counts = counts.and(followed.counts());
         }
         Ok(counts)
@@ -122,7 +123,7 @@ impl Tracer {
     /// Follows some of the waves, or waves whose starts are given, that carry `how.bands` together.
     pub(crate) fn arrivals_of(
         &mut self,
-        scene: &Scene,
+        pair: Pair,
         settings: &Settings,
         how: &ArrivalSettings,
         waves: &WavesToFollow,
@@ -134,7 +135,7 @@ impl Tracer {
         };
         let _entered = self.context.enter()?;
         self.aside(|tracer| {
-            let run = tracer.prepare_arrivals(scene, &settings, how)?;
+            let run = tracer.prepare_arrivals(pair, &settings, how)?;
             let mut counts = ArrivalCounts {
                 open_volume_m3: run.open_volume_m3,
                 ..ArrivalCounts::default()
@@ -154,10 +155,11 @@ impl Tracer {
 
     fn prepare_arrivals(
         &mut self,
-        scene: &Scene,
+        pair: Pair,
         settings: &Settings,
         how: &ArrivalSettings,
     ) -> Result<Run, Error> {
+        let scene = pair.scene;
         let profile = settings.profile();
         if profile == Profile::Thesis {
             let profile = profile.to_string();
@@ -179,9 +181,9 @@ impl Tracer {
         check_materials(&self.context, scene, &structure, (&materials, &values))?;
         // The scene's data are of this scene now.
         self.give_up_marching();
-        self.scene
-            .set(scene, asked.algorithm, structure, &materials)?;
-        let open_volume_m3 = open_volume(scene);
+        let rebasing = asked.algorithm.rebasing(pair.listener);
+        self.scene.set(scene, rebasing, structure, &materials)?;
+        let open_volume_m3 = open_volume(pair);
         let compiled = &self.scene.compiled;
         let program = {
             let programs = &mut self.shared.borrow_mut().programs;
@@ -190,12 +192,12 @@ impl Tracer {
         };
         let programs = FramePrograms::WholeFrame(Rc::clone(&program));
         let (budget, now) = (compiled.budget(&asked), Instant::now());
-        let frame = PreparedFrame::new(scene, &settings, compiled, budget, programs, now);
+        let frame = PreparedFrame::new(pair, &settings, compiled, budget, programs, now);
         self.provide_arrival_targets(&settings, &text)?;
         Ok(Run {
             iterations_in_chunk: iterations_in_chunk(&frame, &text),
             materials: values,
-            replay: replay(scene, &settings, how, (materials, open_volume_m3)),
+            replay: replay(pair, &settings, how, (materials, open_volume_m3)),
             open_volume_m3,
             iterations: how.iterations,
             least_energy: how.least_energy,
@@ -410,7 +412,7 @@ fn check_materials(
 }
 
 fn replay(
-    scene: &Scene,
+    pair: Pair,
     settings: &Settings,
     how: &ArrivalSettings,
     (of, volume): (Materials, f64),
@@ -421,8 +423,8 @@ fn replay(
     };
     Replay {
         early_order: how.early_order,
-        length_limit: how.seconds * scene.speed_of_sound(),
-        chord_unit: 4.0 * f64::from(scene.listener.radius),
+        length_limit: how.seconds * pair.scene.speed_of_sound(),
+        chord_unit: 4.0 * f64::from(pair.listener.radius),
         density,
         events: EventTable::of(of),
     }

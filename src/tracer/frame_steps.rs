@@ -17,7 +17,7 @@ use super::{Tracer, Waves};
 use crate::error::Error;
 use crate::gl::glow;
 use crate::platform::Instant;
-use crate::scene::Scene;
+use crate::scene::{IntoPair, Pair};
 
 /// A frame begun and not yet collected.
 pub(super) struct FrameUnderWay {
@@ -57,7 +57,7 @@ pub struct FrameTexture {
 
 /// Frames in steps.
 impl Tracer {
-    /// Begins a frame of the scene in its current state. [`frame_advance`](Tracer::frame_advance)
+    /// Begins a frame of the pair in its current state. [`frame_advance`](Tracer::frame_advance)
     /// traces its waves, [`frame_poll`](Tracer::frame_poll) or
     /// [`frame_wait`](Tracer::frame_wait) gives its result, so that drawing in between is never
     /// blocked. On a graphics card nothing here waits for the card.
@@ -75,7 +75,7 @@ impl Tracer {
     /// let settings = Settings::default().with_waves(4096);
     /// for _picture in 0..3 {
     ///     if !tracer.is_frame_pending() {
-    ///         scene.source.position.x += 0.1;
+    ///         scene.sources[0].position.x += 0.1;
     ///         tracer.frame_begin(&scene, &settings)?;
     ///     }
     ///     // For 4 ms of each picture.
@@ -93,9 +93,14 @@ impl Tracer {
     ///
     /// # Errors
     /// As [`Tracer::frame`].
-    pub fn frame_begin(&mut self, scene: &Scene, settings: &Settings) -> Result<(), Error> {
+    pub fn frame_begin<'a>(
+        &mut self,
+        pair: impl IntoPair<'a>,
+        settings: &Settings,
+    ) -> Result<(), Error> {
+        let pair = pair.chosen()?;
         let _entered = self.context.enter()?;
-        self.begin(scene, settings, Waves::Dropped)
+        self.begin(pair, settings, Waves::Dropped)
     }
 
     /// Traces the frame begun for about this time in milliseconds, at least one row of waves;
@@ -171,14 +176,22 @@ impl Tracer {
     ///
     /// # Errors
     /// As [`Tracer::frame`].
-    pub fn frame_to_texture(
+    pub fn frame_to_texture<'a>(
         &mut self,
-        scene: &Scene,
+        pair: impl IntoPair<'a>,
+        settings: &Settings,
+    ) -> Result<FrameTexture, Error> {
+        self.frame_to_texture_of(pair.chosen()?, settings)
+    }
+
+    fn frame_to_texture_of(
+        &mut self,
+        pair: Pair,
         settings: &Settings,
     ) -> Result<FrameTexture, Error> {
         let _entered = self.context.enter()?;
         self.aside(|tracer| {
-            tracer.begin(scene, settings, Waves::Dropped)?;
+            tracer.begin(pair, settings, Waves::Dropped)?;
             let drawn = tracer.draw_to_its_end();
             tracer.give_up();
             drawn?;
@@ -196,10 +209,10 @@ impl Tracer {
     /// collected afterwards.
     pub(super) fn frame_at_once(
         &mut self,
-        scene: &Scene,
+        pair: Pair,
         settings: &Settings,
     ) -> Result<Frame, Error> {
-        self.begin(scene, settings, Waves::Dropped)?;
+        self.begin(pair, settings, Waves::Dropped)?;
         self.frame_to_its_end()
     }
 
@@ -237,11 +250,11 @@ impl Tracer {
 
     pub(super) fn begin(
         &mut self,
-        scene: &Scene,
+        pair: Pair,
         settings: &Settings,
         keep: Waves,
     ) -> Result<(), Error> {
-        let prepared = self.prepare(scene, settings, keep)?;
+        let prepared = self.prepare(pair, settings, keep)?;
         self.give_up();
         let mut read_back = match self.spare.take() {
             Some(read_back) => read_back,
@@ -389,6 +402,7 @@ impl Tracer {
 mod tests {
     use super::super::throughput::Throughput;
     use super::*;
+    use crate::Scene;
     use crate::gl::{Context, ContextOptions, GpuTimer};
 
     /// Protects graphics cards, whose timers do not wait, on machines without one: a frame in one

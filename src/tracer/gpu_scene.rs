@@ -11,7 +11,9 @@ use super::user_fields::UserFields;
 use crate::error::Error;
 use crate::gl::{Context, DataList, Program};
 use crate::scene::Scene;
-use crate::shader::{AlgorithmText, CompiledScene, DATA_WIDTH, Materials, Structure};
+#[cfg(feature = "picture")]
+use crate::shader::AlgorithmText;
+use crate::shader::{CompiledScene, DATA_WIDTH, Materials, OriginRebasing, Structure};
 
 /// Uniform vectors of any of the shaders beside those of the surfaces, at most.
 pub(super) const OWN_UNIFORM_VECTORS: usize = 16;
@@ -47,11 +49,11 @@ impl GpuScene {
     pub fn set(
         &mut self,
         scene: &Scene,
-        algorithm: AlgorithmText,
+        rebasing: OriginRebasing,
         structure: Structure,
         materials: &Materials,
     ) -> Result<(), Error> {
-        self.compiled.update(scene, algorithm, structure, materials);
+        self.compiled.update(scene, rebasing, structure, materials);
         Ok(self.list.set(&self.compiled.data)?)
     }
 
@@ -118,7 +120,8 @@ impl GpuScene {
         structure: Structure,
         program: &Program,
     ) -> Result<(), Error> {
-        self.set(scene, OF_PICTURES, structure, &Materials::default())?;
+        let world = OriginRebasing::world();
+        self.set(scene, world, structure, &Materials::default())?;
         self.set_uniforms(program);
         self.bind(program, 0);
         Ok(())

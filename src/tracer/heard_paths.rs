@@ -3,7 +3,7 @@
 use super::Tracer;
 use super::{Fate, Settings, Wave};
 use crate::error::Error;
-use crate::scene::Scene;
+use crate::scene::Pair;
 use glam::Vec3;
 
 /// Traces waves with one seed after another, and keeps the start directions of those searched
@@ -34,7 +34,7 @@ impl HeardSearch {
     pub fn search(
         &mut self,
         tracer: &mut Tracer,
-        scene: &Scene,
+        pair: Pair,
         settings: &Settings,
         most: MostKept,
     ) -> Result<(), Error> {
@@ -43,7 +43,7 @@ impl HeardSearch {
             ..settings.clone()
         };
         self.searches += 1;
-        let (_, waves) = tracer.frame_with_waves(scene, &settings)?;
+        let (_, waves) = tracer.frame_with_waves(pair, &settings)?;
         for wave in waves {
             let (kept, most) = match wave.fate() {
                 Fate::Listener => (&mut self.heard, most.heard),
@@ -88,7 +88,7 @@ impl HeardPaths {
     /// Implements [`Tracer::heard_paths`].
     pub(super) fn search(
         tracer: &mut Tracer,
-        scene: &Scene,
+        pair: Pair,
         settings: &Settings,
         wanted: usize,
         most: u64,
@@ -101,11 +101,11 @@ impl HeardPaths {
                 heard: wanted - found.count(),
                 others: 0,
             };
-            search.search(tracer, scene, &settings, most)?;
+            search.search(tracer, pair, &settings, most)?;
             found.traced += u64::from(settings.waves);
             let starts = std::mem::take(&mut search.heard);
             if !starts.is_empty() {
-                let states = tracer.trace_directions(scene, &settings, &starts)?;
+                let states = tracer.trace_directions(pair, &settings, &starts)?;
                 // Made a unit vector once more a direction may differ by a rounding.
                 let heard = (0..starts.len()).filter(|&wave| reaches_listener(&states, wave));
                 heard.for_each(|wave| found.add(&states, wave));

@@ -34,7 +34,7 @@ mod waves;
 use crate::error::Error;
 use crate::gl::{Context, GpuTimer};
 use crate::platform::Instant;
-use crate::scene::Scene;
+use crate::scene::{IntoPair, Pair, Scene};
 #[doc(hidden)]
 pub use crate::shader::Budget;
 pub use crate::shader::Directions;
@@ -97,7 +97,7 @@ use waves::{unit_directions, waves};
 /// let ahead = tracer.frame(&scene, &settings)?;
 /// let compiled = tracer.programs_compiled();
 ///
-/// scene.listener.yaw = 1.5; // to the right, in radians
+/// scene.listeners[0].yaw = 1.5; // to the right, in radians
 /// let turned = tracer.frame(&scene, &settings)?;
 /// assert_ne!(ahead.panning, turned.panning);
 /// assert_eq!(tracer.programs_compiled(), compiled);
@@ -197,17 +197,22 @@ impl Tracer {
         Ok(())
     }
 
-    /// Traces one frame of the scene in its current state.
+    /// Traces one frame of a source and a listener, or of a scene that has one of each, in their current state.
     ///
     /// The first frame of a scene's structure compiles its programs, and the first of a count
     /// of waves makes its textures; neither is in the frame's times.
     ///
     /// # Errors
-    /// [`Error::Scene`] and [`Error::Trace`] for input that cannot be traced,
-    /// [`Error::Gpu`] when the renderer fails.
-    pub fn frame(&mut self, scene: &Scene, settings: &Settings) -> Result<Frame, Error> {
+    /// [`Error::Scene`] and [`Error::Trace`] for input that cannot be traced, such as a scene with several sources of
+    /// which none was [chosen](Scene::pair); [`Error::Gpu`] when the renderer fails.
+    pub fn frame<'a>(
+        &mut self,
+        pair: impl IntoPair<'a>,
+        settings: &Settings,
+    ) -> Result<Frame, Error> {
+        let pair = pair.chosen()?;
         let _entered = self.context.enter()?;
-        self.aside(|tracer| tracer.frame_at_once(scene, settings))
+        self.aside(|tracer| tracer.frame_at_once(pair, settings))
     }
 
     /// Traces one frame and reads back every wave, in order. The frame's times are without
@@ -215,14 +220,22 @@ impl Tracer {
     ///
     /// # Errors
     /// As [`Tracer::frame`].
-    pub fn frame_with_waves(
+    pub fn frame_with_waves<'a>(
         &mut self,
-        scene: &Scene,
+        pair: impl IntoPair<'a>,
+        settings: &Settings,
+    ) -> Result<(Frame, Vec<Wave>), Error> {
+        self.frame_with_waves_of(pair.chosen()?, settings)
+    }
+
+    fn frame_with_waves_of(
+        &mut self,
+        pair: Pair,
         settings: &Settings,
     ) -> Result<(Frame, Vec<Wave>), Error> {
         let _entered = self.context.enter()?;
         self.aside(|tracer| {
-            tracer.begin(scene, settings, Waves::Kept)?;
+            tracer.begin(pair, settings, Waves::Kept)?;
             let origin = tracer.scene.compiled.origin();
             let (starts, reading) = timed(|| tracer.targets()?.read_pair())?;
             let mut frame = tracer.frame_to_its_end()?;
@@ -239,14 +252,19 @@ impl Tracer {
     ///
     /// # Errors
     /// As [`Tracer::frame`].
-    pub fn paths(&mut self, scene: &Scene, settings: &Settings) -> Result<Vec<Vec<Wave>>, Error> {
+    pub fn paths<'a>(
+        &mut self,
+        pair: impl IntoPair<'a>,
+        settings: &Settings,
+    ) -> Result<Vec<Vec<Wave>>, Error> {
+        let pair = pair.chosen()?;
         let _entered = self.context.enter()?;
-        let frame = self.prepare(scene, settings, Waves::Kept)?;
+        let frame = self.prepare(pair, settings, Waves::Kept)?;
         self.targets()?.initialise(&frame)?;
         self.follow(&frame)
     }
 
-    /// Follows one wave for each of `directions`, which leave the scene's source along
+    /// Follows one wave for each of `directions`, which leave the source along
     /// them: as [`Tracer::paths`], except for the start. `settings.waves`, `seed` and
     /// `directions` do not matter.
     ///
@@ -255,17 +273,18 @@ impl Tracer {
     /// # Errors
     /// As [`Tracer::frame`]; [`BadSetting`](TraceError::BadSetting) for a direction that
     /// is 0 or not finite, and for none at all.
-    pub fn trace_directions(
+    pub fn trace_directions<'a>(
         &mut self,
-        scene: &Scene,
+        pair: impl IntoPair<'a>,
         settings: &Settings,
         directions: &[Vec3],
     ) -> Result<Vec<Vec<Wave>>, Error> {
+        let pair = pair.chosen()?;
         let _entered = self.context.enter()?;
         let units = unit_directions(directions)?;
         let waves = u32::try_from(units.len()).unwrap_or(u32::MAX);
         let settings = settings.clone().with_waves(waves);
-        let frame = self.prepare(scene, &settings, Waves::Kept)?;
+        let frame = self.prepare(pair, &settings, Waves::Kept)?;
         self.targets()?.upload_starts(&frame, &units)?;
         self.follow(&frame)
     }
@@ -278,14 +297,14 @@ impl Tracer {
     /// # Errors
     /// As [`Tracer::frame`].
     #[doc(hidden)]
-    pub fn heard_paths(
+    pub fn heard_paths<'a>(
         &mut self,
-        scene: &Scene,
+        pair: impl IntoPair<'a>,
         settings: &Settings,
         wanted: usize,
         most: u64,
     ) -> Result<HeardPaths, Error> {
-        HeardPaths::search(self, scene, settings, wanted, most)
+        HeardPaths::search(self, pair.chosen()?, settings, wanted, most)
     }
 
     /// The start directions of the waves, in order: unit vectors, world axes. Of `settings` the
@@ -317,17 +336,19 @@ impl Tracer {
     /// Checks the input, compiles the scene, and provides the programs and the textures.
     fn prepare(
         &mut self,
-        scene: &Scene,
+        pair: Pair,
         settings: &Settings,
         keep: Waves,
     ) -> Result<PreparedFrame, Error> {
+        let scene = pair.scene;
         let structure = self.check_input(scene, settings)?;
         // The textures are this frame's now.
         self.give_up_marching();
         let asked = loops_asked(settings);
         let (budget, setup) = timed(|| {
             let none = Materials::default();
-            self.scene.set(scene, asked.algorithm, structure, &none)?;
+            let rebasing = asked.algorithm.rebasing(pair.listener);
+            self.scene.set(scene, rebasing, structure, &none)?;
             Ok(self.scene.compiled.budget(&asked))
         })?;
         let as_one = keep == Waves::Dropped && fits_one_pass(scene, settings, || budget);
@@ -340,7 +361,7 @@ impl Tracer {
         let began = now.checked_sub(setup).unwrap_or(now);
         let compiled = &self.scene.compiled;
         Ok(PreparedFrame::new(
-            scene, settings, compiled, budget, programs, began,
+            pair, settings, compiled, budget, programs, began,
         ))
     }
 

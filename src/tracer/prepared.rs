@@ -4,7 +4,7 @@ use super::waves::{STATUS_DEAD, STATUS_STARTED, random_turn};
 use super::{Algorithm, Grid, Settings};
 use crate::gl::{Context, Program};
 use crate::platform::Instant;
-use crate::scene::Scene;
+use crate::scene::Pair;
 use crate::shader::{Budget, CompiledScene};
 use glam::{Vec3, Vec4};
 use std::rc::Rc;
@@ -75,19 +75,19 @@ struct Uniforms {
 }
 
 impl PreparedFrame {
-    /// A frame of a scene that is compiled in its current state.
+    /// A frame of a pair whose scene is compiled in its current state.
     pub fn new(
-        scene: &Scene,
+        pair: Pair,
         settings: &Settings,
         compiled: &CompiledScene,
         budget: Budget,
         programs: FramePrograms,
         began: Instant,
     ) -> PreparedFrame {
-        let listener = &scene.listener;
+        let listener = pair.listener;
         let uniforms = Uniforms {
-            source: compiled.local(scene.source.position),
-            start_status: start_status(scene, settings, compiled),
+            source: compiled.local(pair.source.position),
+            start_status: start_status(pair, settings, compiled),
             listener: compiled.local(listener.position).extend(listener.radius),
             listener_right: listener.right(),
         };
@@ -99,7 +99,7 @@ impl PreparedFrame {
             began,
             origin: compiled.origin(),
             uniforms,
-            evaluation_seconds: scene.evaluation_seconds(),
+            evaluation_seconds: pair.scene.evaluation_seconds(),
         }
     }
 
@@ -179,11 +179,11 @@ impl PreparedFrame {
 }
 
 /// The thesis marches waves even out of a solid; elsewhere a source in a solid sends none.
-fn start_status(scene: &Scene, settings: &Settings, compiled: &CompiledScene) -> f32 {
+fn start_status(pair: Pair, settings: &Settings, compiled: &CompiledScene) -> f32 {
     if matches!(settings.algorithm, Algorithm::Thesis(_)) {
         return STATUS_STARTED;
     }
-    let nearest = scene.surface_distance(scene.source.position);
+    let nearest = pair.scene.surface_distance(pair.source.position);
     match -nearest.distance > compiled.error_bound(nearest.object) {
         true => STATUS_DEAD,
         false => STATUS_STARTED,

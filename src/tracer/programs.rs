@@ -7,7 +7,7 @@ use crate::gl::{Context, GpuError, Program, ProgramCache, log_errors};
 use crate::scene::{Scene, UserField};
 use crate::shader::{
     self, AlgorithmText, ArrivalsText, Budget, CompiledScene, LoopsAsked, MarchText, Materials,
-    Structure, StructureKey,
+    OriginRebasing, Structure, StructureKey,
 };
 use std::num::NonZeroUsize;
 use std::rc::Rc;
@@ -158,7 +158,8 @@ impl Budget {
         let asked = loops_asked(settings);
         let none = Materials::default();
         let mut compiled = CompiledScene::default();
-        compiled.update(scene, asked.algorithm, of, &none);
+        // Turns do not depend on the origin.
+        compiled.update(scene, OriginRebasing::world(), of, &none);
         compiled.budget(&asked)
     }
 }

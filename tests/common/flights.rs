@@ -12,7 +12,7 @@ const ROUNDINGS: f64 = 8.0;
 
 /// Offset of a ray that rounding can cause: a wave may also end where a ray this far aside ends.
 fn rounding(scene: &Scene) -> f64 {
-    let far = |place: Vec3| f64::from((place - scene.listener.position).abs().max_element());
+    let far = |place: Vec3| f64::from((place - scene.listeners[0].position).abs().max_element());
     let places = scene.surfaces.iter().map(|surface| {
         let extent = match surface.shape.is_basic() {
             true => 0.0,
@@ -20,15 +20,15 @@ fn rounding(scene: &Scene) -> f64 {
         };
         far(surface.position) + if extent.is_finite() { extent } else { 0.0 }
     });
-    let largest = places.fold(far(scene.source.position), f64::max);
+    let largest = places.fold(far(scene.sources[0].position), f64::max);
     ROUNDINGS * f64::from(f32::EPSILON) * largest
 }
 
 /// Traces one flight in each profile and compares it with the exact flight.
 pub fn compare(scene: &Scene, directions: &[Vec3], profiles: &[Profile]) {
     let exact = ExactScene::new(scene).unwrap();
-    let start = scene.source.position.as_dvec3();
-    let ear = scene.listener.position.as_dvec3();
+    let start = scene.sources[0].position.as_dvec3();
+    let ear = scene.listeners[0].position.as_dvec3();
     let mut tracer = tracer();
     for &profile in profiles {
         let settings = Settings::new(profile).with_iterations(1);

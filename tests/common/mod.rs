@@ -20,9 +20,9 @@ use glam::{Quat, Vec3};
 pub fn mirrored(scene: &Scene) -> Scene {
     let mirror = |v: Vec3| v * Vec3::new(-1.0, 1.0, 1.0);
     let mut mirrored = scene.clone();
-    mirrored.source.position = mirror(scene.source.position);
-    mirrored.listener.position = mirror(scene.listener.position);
-    mirrored.listener.yaw = -scene.listener.yaw;
+    mirrored.sources[0].position = mirror(scene.sources[0].position);
+    mirrored.listeners[0].position = mirror(scene.listeners[0].position);
+    mirrored.listeners[0].yaw = -scene.listeners[0].yaw;
     for surface in &mut mirrored.surfaces {
         surface.position = mirror(surface.position);
         let [x, y, z, w] = surface.rotation.to_array();

@@ -187,12 +187,8 @@ pub fn one(data: &[u8]) {
         drop(ron::to_string(&scene));
         let losses = scene.air_attenuation();
         assert!(losses.iter().all(|m| m.is_finite()) && scene.speed_of_sound() > 0.0);
-        for source in 0..scene.sources().count() {
-            drop(
-                scene
-                    .heard_by(source, scene.listeners().count() - 1)
-                    .unwrap(),
-            );
+        for source in 0..scene.sources.len() {
+            scene.pair(source, scene.listeners.len() - 1).unwrap();
         }
         for name in scene.value_names() {
             let _ = scene.set_value(&name, 0.5);
@@ -201,7 +197,8 @@ pub fn one(data: &[u8]) {
             let posed = scene.at(seconds);
             if posed.validate().is_ok() {
                 let _ = posed.warnings();
-                let _ = posed.distance(echomarch::glam::Vec3::splat(0.25));
+                let pair = posed.pair(0, 0).unwrap();
+                let _ = pair.distance(echomarch::glam::Vec3::splat(0.25));
             }
         }
     });

@@ -120,10 +120,10 @@ fn the_callback_plays_sources_in_full_and_allocates_nothing() {
     let mut tracer = tracer();
     let near = Response::trace(&mut tracer, &scene, &settings).unwrap();
     let mut further = scene.clone();
-    further.source.position.x += 0.1;
+    further.sources[0].position.x += 0.1;
     let far = Response::trace(&mut tracer, &further, &settings).unwrap();
     let spec = Spec::of(&scene, Sound::SAMPLE_RATE).with_longest(0.2);
-    let axes = ListenerAxes::of(&scene.listener).unwrap();
+    let axes = ListenerAxes::of(&scene.listeners[0]).unwrap();
     let (mut renderer, mut remote) = renderer("sine:440");
     let sounds = vec![sound("sine:300"), sound("sine:500")];
     let (player, mut told) = Player::new(sounds, spec, 0.2).unwrap();

@@ -17,13 +17,14 @@ fn truth(scene: &Scene, origin: Vec3, direction: Vec3) -> Option<f32> {
     const TOUCH: f32 = 2e-5;
     const CLOSE: f32 = 5e-3;
     const FAR: f32 = 600.0;
+    let pair = scene.only_pair().unwrap();
     let mut t = 0.0;
     let mut receding = None;
     for _ in 0..20_000 {
-        let nearest = scene.distance(origin + t * direction);
+        let nearest = pair.distance(origin + t * direction);
         if nearest.distance < TOUCH {
             // A line must enter what it touches, otherwise it may pass by within `TOUCH`.
-            let beyond = scene.distance(origin + (t + CLOSE) * direction);
+            let beyond = pair.distance(origin + (t + CLOSE) * direction);
             return (beyond.distance < 0.0).then_some(nearest.object as f32);
         }
         if nearest.distance < CLOSE {
@@ -66,7 +67,7 @@ fn compare(tracer: &mut Tracer, what: &str, scene: &Scene) {
         assert_eq!(frame.counts.step_limit_reached, 0, "{what}, {profile}");
         let mut hits = 0;
         for wave in &waves {
-            let Some(object) = truth(scene, scene.source.position, wave.start_direction) else {
+            let Some(object) = truth(scene, scene.sources[0].position, wave.start_direction) else {
                 continue;
             };
             hits += u32::from(object > 0.0);
@@ -195,7 +196,7 @@ fn moved_surfaces_are_met_where_they_are() {
 fn alone_and_twice(surfaces: &[Surface]) -> [Scene; 2] {
     let source = Vec3::new(-3.0, 0.1, 0.2);
     let mut alone = scene(surfaces.to_vec(), source);
-    alone.listener = Listener::at(Vec3::new(0.0, 3.0, 0.0), 0.5);
+    alone.listeners = vec![Listener::at(Vec3::new(0.0, 3.0, 0.0), 0.5)];
     let mut twice = alone.clone();
     twice.surfaces.extend_from_slice(surfaces);
     [alone, twice]

@@ -137,11 +137,11 @@ fn waves_meet_what_the_exact_reference_meets() {
         while tried < 4 {
             let place = (4.0 * random.unit() * random.direction()).as_vec3();
             let free = exact.surface_distance(place.as_dvec3());
-            if free < 0.05 || place.distance(scene.listener.position) < 0.4 {
+            if free < 0.05 || place.distance(scene.listeners[0].position) < 0.4 {
                 continue;
             }
             tried += 1;
-            scene.source.position = place;
+            scene.sources[0].position = place;
             flights::compare(&scene, &random.directions(500), &[Profile::Hybrid]);
         }
     }
@@ -160,7 +160,7 @@ fn no_wave_gets_into_a_copy() {
         );
         let exact = ExactScene::new(&scene).unwrap();
         assert!(
-            exact.surface_distance(scene.source.position.as_dvec3()) > 0.0,
+            exact.surface_distance(scene.sources[0].position.as_dvec3()) > 0.0,
             "{name}"
         );
         let settings = Settings::hybrid().with_waves(2000).with_iterations(8);
@@ -168,7 +168,7 @@ fn no_wave_gets_into_a_copy() {
         assert_eq!(frame.counts.step_limit_reached, 0, "{name}");
         for wave in waves.iter().filter(|wave| wave.status > 0.0) {
             let place = wave.position.as_dvec3();
-            let from = (place - scene.listener.position.as_dvec3())
+            let from = (place - scene.listeners[0].position.as_dvec3())
                 .abs()
                 .max_element();
             let rounding = 16.0 * f64::from(f32::EPSILON) * from.max(300.0);

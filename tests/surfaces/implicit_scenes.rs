@@ -24,9 +24,9 @@ fn miss(wave: &Wave, point: DVec3) -> f64 {
 #[test]
 fn waves_from_one_focus_meet_at_the_other() {
     let mut scene = builtin("whispering-gallery");
-    let other = scene.listener.position.as_dvec3();
+    let other = scene.listeners[0].position.as_dvec3();
     // Out of the way, so that every wave is reflected.
-    scene.listener.radius = 1e-4;
+    scene.listeners[0].radius = 1e-4;
     let mut tracer = tracer();
     for profile in PROFILES {
         let settings = Settings::new(profile).with_waves(65_536).with_iterations(1);

@@ -258,6 +258,6 @@ fn edges_and_parallel_planes_take_few_steps() {
 fn a_step_that_leaves_its_cell_passes_nothing() {
     let mut scene = crate::common::builtin("glasshouse");
     let direction = Vec3::new(0.751_490_8, -0.065_449_245, -0.656_489_25);
-    scene.source = Source::at(Vec3::new(0.115_575_79, -0.637_445_1, 8.0) + 0.01 * direction);
+    scene.sources[0] = Source::at(Vec3::new(0.115_575_79, -0.637_445_1, 8.0) + 0.01 * direction);
     compare(&scene, &aims(direction, 0.02, 8192));
 }

@@ -130,22 +130,22 @@ impl Planted {
 
 /// Largest distance from the listener that the scene's coordinates reach.
 fn extent(planted: &Planted, scene: &Scene) -> f64 {
-    let ear = scene.listener.position.as_dvec3();
+    let ear = scene.listeners[0].position.as_dvec3();
     let place = planted.surface.position.as_dvec3();
-    place.distance(ear) + 1.8 * planted.size + scene.source.position.as_dvec3().distance(ear)
+    place.distance(ear) + 1.8 * planted.size + scene.sources[0].position.as_dvec3().distance(ear)
 }
 
 /// A unit in the last place of world coordinates: half of it is lost when a place is given as
 /// `f32`, half when it is read back.
 fn world_rounding(scene: &Scene, extent: f64) -> f64 {
-    let world = scene.listener.position.as_dvec3().abs().max_element() + extent;
+    let world = scene.listeners[0].position.as_dvec3().abs().max_element() + extent;
     world * f64::from(f32::EPSILON)
 }
 
 /// Checks what must hold in every state, whatever a wave hits.
 fn assert_sane(states: &[Vec<Wave>], scene: &Scene, extent: f64, context: &str) {
     let exact = ExactScene::new(scene).unwrap();
-    let ear = scene.listener.position;
+    let ear = scene.listeners[0].position;
     for wave in states.iter().flatten() {
         assert!(
             wave.position.is_finite() && wave.direction.is_finite(),
@@ -260,7 +260,7 @@ proptest! {
         };
         let source = planted.point + away * distance;
         let scene = planted.scene(source);
-        let from = scene.source.position.as_dvec3();
+        let from = scene.sources[0].position.as_dvec3();
         let aim = (planted.point - from).normalize();
         let extent = extent(&planted, &scene);
         let slant = -aim.dot(planted.normal);

@@ -125,7 +125,7 @@ fn check(scene: &Scene, cores: &ExactScene, before: &Wave, after: &Wave, what: &
         );
     }
     let off = match after.status {
-        0.0 => to.distance(scene.listener.position.as_dvec3()) - 1.7,
+        0.0 => to.distance(scene.listeners[0].position.as_dvec3()) - 1.7,
         n => distance(&scene.surfaces[n as usize - 1], to),
     };
     assert!(off.abs() <= error_bound, "{what}: {after:?} is {off} m off");
@@ -194,7 +194,7 @@ fn a_sealed_face_gives_no_hits_away() {
     let blocks = vec![(size, Vec3::ZERO), (size, 2.0 * Vec3::X)];
     let scene = room(blocks, Quat::IDENTITY, 0.0);
     let exact = ExactScene::new(&scene).unwrap();
-    let start = scene.source.position.as_dvec3();
+    let start = scene.sources[0].position.as_dvec3();
     let mut tracer = tracer();
     for settings in [Settings::march(), Settings::hybrid()] {
         let settings = settings.with_waves(65_536).with_iterations(1);

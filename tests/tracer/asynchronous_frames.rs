@@ -77,7 +77,7 @@ fn a_frame_in_parts_is_the_frame_in_one_piece() {
                 let mut scene = builtin("corner");
                 let whole = tracer.frame(&scene, &settings).unwrap();
                 tracer.frame_begin(&scene, &settings).unwrap();
-                scene.source.position.x += 1.0;
+                scene.sources[0].position.x += 1.0;
                 loop {
                     assert!(tracer.is_frame_pending() && tracer.frame_marching_for().is_some());
                     assert!(tracer.frame_poll().unwrap().is_none());

@@ -43,7 +43,7 @@ fn parabolic_mirrors_gather_one_half_of_all_waves() {
     // Along the axis: 2 m back to the vertex, 30 m to the other one, 2 m to the focus.
     let focus = path(&response, &[2, 3], 34.0);
     assert!(focus.path.is_focus);
-    let radius = f64::from(scene.listener.radius);
+    let radius = f64::from(scene.listeners[0].radius);
     let caught = 0.5 * 3.0 / (2.0 * PI * radius * radius);
     for (band, energy) in focus.energy.iter().enumerate() {
         let absorption = Material::builtin("concrete").unwrap().absorption[band];

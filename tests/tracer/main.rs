@@ -7,6 +7,7 @@ mod asynchronous_frames;
 mod curved_responses;
 mod gpu_contexts;
 mod options;
+mod pairs;
 mod panning;
 mod pictures;
 mod responses;

@@ -73,7 +73,7 @@ fn turning_the_listener_turns_what_it_hears() {
     let mut tracer = tracer();
     let mut turned = |yaw: f32, source| {
         let mut scene = field(source);
-        scene.listener.yaw = yaw;
+        scene.listeners[0].yaw = yaw;
         pan(&mut tracer, &scene)
     };
     assert!(turned(FRAC_PI_2, AHEAD) < -0.5);
@@ -89,8 +89,8 @@ fn turning_the_listener_turns_what_it_hears() {
 fn mirrored_scenes_are_heard_mirrored() {
     let mut tracer = tracer();
     let mut turned = builtin("open-pillars");
-    turned.listener.yaw = 0.5;
-    turned.source.position = Vec3::new(5.0, 2.0, 3.0);
+    turned.listeners[0].yaw = 0.5;
+    turned.sources[0].position = Vec3::new(5.0, 2.0, 3.0);
     for scene in [field(Vec3::new(3.0, 1.0, -4.0)), turned, builtin("corner")] {
         let settings = settings().with_waves(262_144);
         let here = tracer.frame(&scene, &settings).unwrap();
@@ -129,8 +129,8 @@ fn a_listener_at_the_origin_hears_dead_waves() {
     let mut tracer = tracer();
     let apart = tracer.frame(&scene, &thesis(4096, 4)).unwrap();
     assert!(apart.counts.dead > 1000, "{:?}", apart.counts);
-    scene.source.position -= STAND;
-    scene.listener.position = Vec3::ZERO;
+    scene.sources[0].position -= STAND;
+    scene.listeners[0].position = Vec3::ZERO;
     let here = tracer.frame(&scene, &thesis(4096, 4)).unwrap();
     // Waves that died in the last iteration are not marched again.
     let dead = apart.counts.dead - here.counts.dead;

@@ -62,8 +62,8 @@ fn pictures_match_the_golden_ones_on_every_api() {
 fn the_source_is_seen_only_where_nothing_is_before_it() {
     let context = tracer(Api::Gl).context().clone();
     let mut scene = Scene::builtin("corner").unwrap();
-    let ahead = scene.source.position - scene.listener.position;
-    scene.listener.yaw = ahead.x.atan2(-ahead.z);
+    let ahead = scene.sources[0].position - scene.listeners[0].position;
+    scene.listeners[0].yaw = ahead.x.atan2(-ahead.z);
     let options = ViewOptions {
         width: 60,
         height: 60,
@@ -79,7 +79,7 @@ fn the_source_is_seen_only_where_nothing_is_before_it() {
     scene.surfaces.truncate(1);
     assert!(glows(&scene));
     // After the turn it is behind the eye.
-    scene.listener.yaw += std::f32::consts::PI;
+    scene.listeners[0].yaw += std::f32::consts::PI;
     assert!(!glows(&scene));
 }
 
@@ -122,7 +122,7 @@ fn a_slice_is_filled_where_the_scene_is_solid() {
 fn a_mirrored_scene_gives_a_mirrored_slice() {
     let mut tracer = tracer(Api::Gl);
     let mut scene = Scene::builtin("open-pillars").unwrap();
-    scene.listener.yaw = 0.7;
+    scene.listeners[0].yaw = 0.7;
     let options = SliceOptions {
         width: 200,
         bounds: Some(square(15.0)),
@@ -149,11 +149,10 @@ fn a_slice_shows_all_sources_and_listeners() {
     };
     let alone = slice(&mut tracer, &scene, &options).unwrap();
     let [source, listener] = [Vec3::new(-3.1, 0.0, 6.3), Vec3::new(4.3, 0.0, -6.1)];
-    scene
-        .further_sources
-        .push(Source::at(source).named("flute"));
-    scene.further_listeners.push(Listener::at(listener, 0.5));
-    let all = slice(&mut tracer, &scene, &options).unwrap();
+    scene.sources.push(Source::at(source).named("flute"));
+    scene.listeners.push(Listener::at(listener, 0.5));
+    let first = scene.pair(0, 0).unwrap();
+    let all = slice(&mut tracer, first, &options).unwrap();
     let pixel = |place: Vec3| ((place.x + 8.0) * 25.0, (place.z + 8.0) * 25.0);
     let changed = |place: Vec3, right: f32, half: f32| {
         let (x, y) = pixel(place);
@@ -174,8 +173,8 @@ fn a_slice_shows_all_sources_and_listeners() {
     let [red, green, blue, _] = all.get_pixel(x as u32, y as u32).0;
     assert!(red > green && green > blue, "a source is orange");
     // Without bounds, they are in the picture as well.
-    scene.further_sources[0].position.x = 40.0;
-    let shown = Bounds::of(&scene, scene.listener.position.y);
+    scene.sources[1].position.x = 40.0;
+    let shown = Bounds::of(&scene, scene.listeners[0].position.y);
     assert!(shown.max.x > 40.0, "{shown:?}");
 }
 
@@ -264,10 +263,10 @@ fn square(half: f32) -> Bounds {
 }
 
 fn near_a_mark(scene: &Scene, place: Vec3) -> bool {
-    let listener = &scene.listener;
+    let listener = &scene.listeners[0];
     let path = (0..=50).filter_map(|step| listener.path.at(f64::from(step) * 0.1));
     let mut marks = vec![(listener.position, listener.radius + 2.0)];
-    marks.push((scene.source.position, 0.8));
+    marks.push((scene.sources[0].position, 0.8));
     marks.extend(path.map(|key| (key.position, 0.5)));
     let level = |p: Vec3| Vec2::new(p.x, p.z);
     let is_near = |&(mark, radius): &(Vec3, f32)| level(mark).distance(level(place)) < radius;
@@ -286,11 +285,11 @@ fn mirrored(scene: &Scene) -> Scene {
         KeyPath::new(path.keys().iter().map(key).collect()).unwrap()
     };
     let mut mirrored = scene.clone();
-    mirrored.source.position = place(scene.source.position);
-    mirrored.source.path = path(&scene.source.path);
-    mirrored.listener.position = place(scene.listener.position);
-    mirrored.listener.yaw = -scene.listener.yaw;
-    mirrored.listener.path = path(&scene.listener.path);
+    mirrored.sources[0].position = place(scene.sources[0].position);
+    mirrored.sources[0].path = path(&scene.sources[0].path);
+    mirrored.listeners[0].position = place(scene.listeners[0].position);
+    mirrored.listeners[0].yaw = -scene.listeners[0].yaw;
+    mirrored.listeners[0].path = path(&scene.listeners[0].path);
     for surface in &mut mirrored.surfaces {
         surface.position = place(surface.position);
         let [x, y, z, w] = surface.rotation.to_array();

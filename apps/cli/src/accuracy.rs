@@ -6,6 +6,7 @@ use super::report;
 use clap::Args;
 use echomarch::scene::Scene;
 use echomarch_lab::experiment::accuracy::{self, AccuracyOptions, DEFAULT_SCENES, ROOMS};
+use echomarch_lab::of_first_pair;
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -63,7 +64,8 @@ fn options(arguments: &Arguments, common: &Common) -> anyhow::Result<AccuracyOpt
         (true, true) => with_a_truth(),
         (true, false) => DEFAULT_SCENES.to_vec(),
     };
-    let scenes: Result<Vec<_>, _> = names.iter().map(|name| common.scene(name)).collect();
+    let scene = |name: &&str| common.scene(name).map(of_first_pair);
+    let scenes: Result<Vec<_>, _> = names.iter().map(scene).collect();
     let options = match arguments.full {
         true => AccuracyOptions::full(scenes?),
         false => AccuracyOptions::quick(scenes?),

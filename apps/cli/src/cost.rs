@@ -8,6 +8,7 @@ use super::scene::SceneArguments;
 use clap::Args;
 use echomarch::internals::file_output::{check_file, write_whole};
 use echomarch_lab::experiment::cost::{self, CostOptions};
+use echomarch_lab::of_first_pair;
 use echomarch_lab::report::Report;
 use std::path::PathBuf;
 
@@ -44,7 +45,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     if let Some(path) = &arguments.output {
         check_ending(path, "csv")?;
     }
-    let scene = common.scene_with_values(&arguments.scene)?;
+    let scene = of_first_pair(common.scene_with_values(&arguments.scene)?);
     if let Some(path) = &arguments.output {
         check_file(path)?;
     }

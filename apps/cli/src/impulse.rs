@@ -20,7 +20,7 @@ use echomarch::internals::file_output::check_file;
 use echomarch::response::{Format, ImpulseSettings, ResponseError};
 use echomarch::response::{Response, ResponseSettings};
 use echomarch::tracer::{Algorithm, Directions, Profile, Settings};
-use pairs::Pair;
+use pairs::NamedPair;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -122,16 +122,16 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     let mut tracer = common.tracer()?;
     notes::tell_first(common, &scene);
     let bar = print::progress(common.quiet, pairs.len() as u64, "pairs");
-    let mut heard: Vec<(Pair, Response)> = Vec::new();
+    let mut heard: Vec<(NamedPair, Response)> = Vec::new();
     for pair in pairs {
-        let response = Response::trace(&mut tracer, &pair.scene, &settings)?;
+        let response = Response::trace(&mut tracer, pair.pair, &settings)?;
         files::write(arguments, &format, &pair, &response)?;
         heard.push((pair, response));
         bar.inc(1);
     }
     bar.finish_and_clear();
     common.warn_checked(&scene);
-    notes::tell(common, &scene, &heard);
+    notes::tell(common, &heard);
     if common.json {
         let renderer = tracer.context().renderer();
         return print::json(&print_out::report(&scene, renderer, &settings, &heard));

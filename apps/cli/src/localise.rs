@@ -15,6 +15,7 @@ use echomarch_lab::experiment::localise::score::{ScoreReport, score};
 use echomarch_lab::experiment::localise::{
     self, LocaliseOptions, MOST_TRIALS, MOST_WORK, OpenCase,
 };
+use echomarch_lab::of_first_pair;
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -213,7 +214,8 @@ fn check_work(arguments: &RunArguments, options: &LocaliseOptions) -> anyhow::Re
 
 fn stimuli(from: &Stimuli, common: &Common) -> anyhow::Result<(Vec<Scene>, Vec<SoundSpec>)> {
     let scenes = distinct(&from.scenes);
-    let scenes: Result<Vec<Scene>, Error> = scenes.iter().map(|name| common.scene(name)).collect();
+    let scene = |name: &String| common.scene(name).map(of_first_pair);
+    let scenes: Result<Vec<Scene>, Error> = scenes.iter().map(scene).collect();
     let mut sounds = Vec::new();
     for name in distinct(&from.sounds) {
         let spec: SoundSpec = name.parse().map_err(Error::from)?;

@@ -1,5 +1,6 @@
 //! `echomarch slice`: the plan from above.
 
+use super::impulse::pairs::first;
 use super::numbers::{count, real};
 use super::options::{Common, TraceOptions, check_ending, check_range};
 use super::print;
@@ -74,7 +75,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     let wanted = arguments.heard_paths as usize;
     let mut searched = settings.clone();
     searched.waves = searched.waves.max(LEAST_SEARCHED);
-    let found = tracer.heard_paths(&scene, &searched, wanted, MOST_TRACED)?;
+    let found = tracer.heard_paths(first(&scene)?, &searched, wanted, MOST_TRACED)?;
     tell_missing(&found, wanted, common);
     let counts = (found.count(), found.traced);
     let options = SliceOptions {
@@ -85,7 +86,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
         settings,
         ..SliceOptions::default()
     };
-    let picture = slice(&mut tracer, &scene, &options)?;
+    let picture = slice(&mut tracer, first(&scene)?, &options)?;
     common.warn_checked(&scene);
     save_png(&arguments.output, &picture)?;
     let output = arguments.output.display().to_string();

@@ -3,6 +3,7 @@
 mod levels;
 
 use super::exit::BadInput;
+use super::impulse::pairs::first;
 use super::numbers::{count, real};
 use super::options::{Common, LawOption, TraceOptions, check_ending, check_range};
 use super::print;
@@ -160,9 +161,9 @@ fn trace(
     settings: &Settings,
 ) -> anyhow::Result<()> {
     let mut frame = match &arguments.dump_waves {
-        None => tracer.frame(scene, settings)?,
+        None => tracer.frame(first(scene)?, settings)?,
         Some(path) => {
-            let (frame, waves) = tracer.frame_with_waves(scene, settings)?;
+            let (frame, waves) = tracer.frame_with_waves(first(scene)?, settings)?;
             write_whole(path, |out| dump(&waves, out))?;
             frame
         }
@@ -212,7 +213,7 @@ fn repeated(
     settings: &Settings,
     count: u32,
 ) -> Result<Milliseconds, echomarch::Error> {
-    let frames = (0..count).map(|_| Ok(tracer.frame(scene, settings)?.milliseconds));
+    let frames = (0..count).map(|_| Ok(tracer.frame(first(scene)?, settings)?.milliseconds));
     let frames = frames.collect::<Result<Vec<_>, echomarch::Error>>()?;
     Ok(Milliseconds::medians(&frames))
 }

@@ -1,5 +1,6 @@
 //! `echomarch view`: a picture of what the listener sees.
 
+use super::impulse::pairs::first;
 use super::numbers::{count, real};
 use super::options::{Common, check_ending};
 use super::print;
@@ -52,7 +53,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
         height: arguments.image_height,
         field_of_view: arguments.fov.to_radians(),
     };
-    let picture = first_person(&context, &scene, &options)?;
+    let picture = first_person(&context, first(&scene)?, &options)?;
     common.warn_checked(&scene);
     save_png(&arguments.output, &picture)?;
     let output = arguments.output.display().to_string();

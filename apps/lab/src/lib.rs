@@ -12,6 +12,13 @@ pub mod report;
 pub mod study;
 pub mod text;
 
+/// The scene with its first source and its first listener alone: experiments and studies are of one pair.
+pub fn of_first_pair(mut scene: echomarch::Scene) -> echomarch::Scene {
+    scene.sources.truncate(1);
+    scene.listeners.truncate(1);
+    scene
+}
+
 /// Mean, median and quantiles: one definition for every report.
 pub mod stats {
     pub use echomarch::internals::sampling::{mean, median, quantiles};

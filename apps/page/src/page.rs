@@ -101,9 +101,11 @@ impl Page {
 
     /// The listener's position in metres and gaze in radians: x, y, z, yaw, pitch.
     pub fn listener(&self) -> Vec<f32> {
-        let listener = &self.visit.scene().listener;
-        let [x, y, z] = listener.position.to_array();
-        vec![x, y, z, listener.yaw, listener.pitch]
+        let Some(walker) = self.visit.scene().listeners.first() else {
+            return Vec::new();
+        };
+        let [x, y, z] = walker.position.to_array();
+        vec![x, y, z, walker.yaw, walker.pitch]
     }
 
     /// Whether the listener has moved or turned away from the scene's own position.
@@ -113,7 +115,8 @@ impl Page {
 
     /// Radius of the listener's sphere in metres.
     pub fn radius(&self) -> f32 {
-        self.visit.scene().listener.radius
+        let walker = self.visit.scene().listeners.first();
+        walker.map_or(0.0, |walker| walker.radius)
     }
 
     /// Puts the listener at a position.
@@ -131,8 +134,9 @@ impl Page {
 
     /// The positions of the sources in metres, three numbers each.
     pub fn sources(&self) -> Vec<f32> {
-        let sources = self.visit.scene().sources();
+        let sources = &self.visit.scene().sources;
         sources
+            .iter()
             .flat_map(|source| source.position.to_array())
             .collect()
     }

@@ -76,7 +76,7 @@ mod tests {
         let context = Context::headless(&ContextOptions::default()).unwrap();
         let scene = Scene::builtin("open-field").unwrap();
         let left = scene.at(0.0);
-        assert!(left.source.position.x < left.listener.position.x);
+        assert!(left.sources[0].position.x < left.listeners[0].position.x);
         let settings = Settings::default().with_waves(4096);
         let mut ears = Ears::new(&context).unwrap();
         let messages = ears.hear(&left, &settings, RATE_HZ, true).unwrap();

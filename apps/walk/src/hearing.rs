@@ -65,6 +65,9 @@ pub struct EarsStatus {
     pub error: Option<String>,
 }
 
+/// The listener who hears: the walker is the first one.
+const LISTENER: usize = 0;
+
 /// Traces a scene for full listening, with a renderer of its own.
 pub struct Hearing {
     tracer: Tracer,
@@ -127,7 +130,7 @@ impl Hearing {
         self.last_late.is_none_or(since)
     }
 
-    /// Traces every source, and passes each result to the closure.
+    /// Traces every source at the first listener, and passes each result to the closure.
     ///
     /// # Errors
     /// As [`Response::trace`], and those of the closure.
@@ -147,16 +150,17 @@ impl Hearing {
             .with_seconds(seconds)
             .with_late_waves(self.late_waves);
         let tracing = Instant::now();
-        let axes = ListenerAxes::of(&scene.listener)?;
+        let listener = scene.pair(0, LISTENER)?.listener();
+        let axes = ListenerAxes::of(listener)?;
         let mut status = EarsStatus {
             curve_s: seconds,
             ..EarsStatus::default()
         };
         let mut curve = vec![0.0; CURVE_POINTS];
         let mut on_late = Duration::ZERO;
-        for source in 0..scene.sources().count() {
-            let pair = scene.heard_by(source, 0)?;
-            let response = Response::trace(&mut self.tracer, &pair, &how)?;
+        for source in 0..scene.sources.len() {
+            let pair = scene.pair(source, LISTENER)?;
+            let response = Response::trace(&mut self.tracer, pair, &how)?;
             status.sources.push(HeardSource::of(&response));
             add_to_curve(&mut curve, &response, seconds);
             let making = Instant::now();
@@ -201,9 +205,9 @@ impl Hearing {
         let few = settings.clone().with_waves(waves);
         let settings = response_settings(&few).with_longest(LONGEST_S);
         let mut longest: f64 = 0.0;
-        for source in 0..scene.sources().count() {
-            let pair = scene.heard_by(source, 0)?;
-            longest = longest.max(settings.seconds_needed(&mut self.tracer, &pair)?);
+        for source in 0..scene.sources.len() {
+            let pair = scene.pair(source, LISTENER)?;
+            longest = longest.max(settings.seconds_needed(&mut self.tracer, pair)?);
         }
         let seconds = longest.min(LONGEST_S);
         self.length = Some((seconds, Instant::now()));

@@ -30,7 +30,7 @@ pub fn player(
         let sound = Sound::load(&own_voice(spec, source as u64), rate_hz);
         sound.unwrap_or_else(|_| Sound::new(Silence))
     };
-    let sounds = (0..scene.sources().count()).map(load).collect();
+    let sounds = (0..scene.sources.len()).map(load).collect();
     Player::new(sounds, played(scene, rate_hz), 10_f32.powf(GAIN_DB / 20.0))
 }
 

@@ -1,8 +1,9 @@
 //! The waves whose paths the plan shows: first those that are heard, then some others.
 
 use echomarch::Error;
+use echomarch::glam::Vec3;
 use echomarch::internals::platform::Instant;
-use echomarch::scene::Scene;
+use echomarch::scene::{Pair, Surface};
 use echomarch::tracer::{HeardSearch, MostKept, Profile, Settings, Tracer, Wave};
 use std::time::Duration;
 
@@ -26,9 +27,35 @@ const AT_MOST: Duration = Duration::from_millis(2);
 #[derive(Default)]
 pub struct Paths {
     states: Vec<Vec<Wave>>,
-    /// The scene and settings that they were traced with.
-    of: Option<(Scene, Settings)>,
+    /// What they were traced with.
+    of: Option<(Traced, Settings)>,
     search: HeardSearch,
+}
+
+/// What the paths of waves depend on: not on the gaze.
+struct Traced {
+    surfaces: Vec<Surface>,
+    source: Vec3,
+    listener: Vec3,
+    radius: f32,
+}
+
+impl Traced {
+    fn of(pair: Pair) -> Traced {
+        Traced {
+            surfaces: pair.scene().surfaces.clone(),
+            source: pair.source().position,
+            listener: pair.listener().position,
+            radius: pair.listener().radius,
+        }
+    }
+
+    fn is_of(&self, pair: Pair) -> bool {
+        self.source == pair.source().position
+            && self.listener == pair.listener().position
+            && self.radius == pair.listener().radius
+            && self.surfaces == pair.scene().surfaces
+    }
 }
 
 impl Paths {
@@ -56,7 +83,7 @@ impl Paths {
         *self = Paths::default();
     }
 
-    /// Searches for waves that are heard in the scene, and follows them and some others. The first
+    /// Searches for waves from the source that the listener hears, and follows them and some others. The first
     /// search is always completed, whatever its duration.
     ///
     /// # Errors
@@ -64,7 +91,7 @@ impl Paths {
     pub fn follow(
         &mut self,
         tracer: &mut Tracer,
-        scene: &Scene,
+        pair: Pair,
         settings: &Settings,
     ) -> Result<(), Error> {
         let settings = settings.clone().with_waves(match settings.profile() {
@@ -74,9 +101,9 @@ impl Paths {
         let same = self
             .of
             .as_ref()
-            .is_some_and(|(known, how)| *how == settings && sounds_alike(known, scene));
+            .is_some_and(|(known, how)| *how == settings && known.is_of(pair));
         if !same {
-            self.of = Some((scene.clone(), settings.clone()));
+            self.of = Some((Traced::of(pair), settings.clone()));
             self.search = HeardSearch::default();
         }
         if !self.is_searching() {
@@ -84,25 +111,17 @@ impl Paths {
         }
         let began = Instant::now();
         while self.is_searching() {
-            self.search.search(tracer, scene, &settings, SHOWN)?;
+            self.search.search(tracer, pair, &settings, SHOWN)?;
             if began.elapsed() > AT_MOST {
                 break;
             }
         }
         let directions = [self.search.heard.as_slice(), &self.search.others].concat();
-        self.states = tracer.trace_directions(scene, &settings, &directions)?;
+        self.states = tracer.trace_directions(pair, &settings, &directions)?;
         Ok(())
     }
 
     fn is_searching(&self) -> bool {
         self.search.heard.len() < SHOWN.heard && self.search.searches < SEARCHES
     }
-}
-
-/// Whether waves take the same paths in two scenes: the gaze does not matter.
-fn sounds_alike(a: &Scene, b: &Scene) -> bool {
-    a.source.position == b.source.position
-        && a.listener.position == b.listener.position
-        && a.listener.radius == b.listener.radius
-        && a.surfaces == b.surfaces
 }

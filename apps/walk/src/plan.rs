@@ -65,10 +65,13 @@ impl Cut {
         self.of.as_ref().map_or(nothing, |of| of.bounds)
     }
 
-    /// Cuts the scene with the given name again if it has changed; returns whether it has.
+    /// Cuts the scene with the given name at the height of the first listener again if it has changed; returns whether it has.
     pub fn refresh(&mut self, name: &str, scene: &Scene) -> bool {
+        let Some(walker) = scene.listeners.first() else {
+            return false;
+        };
         let old = self.of.as_ref().filter(|cut| cut.scene == name);
-        let height = scene.listener.position.y;
+        let height = walker.position.y;
         let level = (height / LEVEL).round() as i32;
         // The part shown only grows, so that the plan does not move during a walk.
         let bounds = match old {
@@ -95,8 +98,8 @@ impl Cut {
 
 /// Whether all sources and listeners lie within the bounds.
 fn holds(bounds: Bounds, scene: &Scene) -> bool {
-    let sources = scene.sources().map(|source| source.position);
-    let listeners = scene.listeners().map(|listener| listener.position);
+    let sources = scene.sources.iter().map(|source| source.position);
+    let listeners = scene.listeners.iter().map(|listener| listener.position);
     sources.chain(listeners).all(|p| {
         (bounds.min.x..=bounds.max.x).contains(&p.x) && (bounds.min.y..=bounds.max.y).contains(&p.z)
     })
@@ -193,7 +196,7 @@ mod tests {
         let mut scene = Scene::builtin("corner").unwrap();
         let mut cut = Cut::default();
         assert!(cut.refresh("corner", &scene));
-        scene.listener.position.x += 0.5;
+        scene.listeners[0].position.x += 0.5;
         assert!(!cut.refresh("corner", &scene));
         scene.surfaces[1].position.x += 0.5;
         assert!(cut.refresh("corner", &scene));

@@ -34,7 +34,11 @@ pub fn value_sliders(scene: &Scene) -> Vec<ValueSlider> {
     if values.is_empty() {
         return Vec::new();
     }
-    let shown = Bounds::of(scene, scene.listener.position.y);
+    let height = scene
+        .listeners
+        .first()
+        .map_or(0.0, |first| first.position.y);
+    let shown = Bounds::of(scene, height);
     let reach = 0.5 * (shown.max - shown.min).max_element();
     let slider = |value: NamedValue| {
         let (name, start, quantity) = (value.name, value.value, value.quantity);
@@ -107,7 +111,7 @@ mod tests {
             way.range.contains(&-10.0) && way.range.contains(&5.0),
             "{way:?}"
         );
-        let mut world = super::super::World::of(scene);
+        let mut world = super::super::World::of(scene).unwrap();
         for slider in &sliders {
             for end in [*slider.range.start(), *slider.range.end()] {
                 world.set(&slider.name, end).unwrap();

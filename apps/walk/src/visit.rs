@@ -62,10 +62,10 @@ pub struct Way {
 }
 
 impl Visit {
-    /// Begins a walk at the scene's listener.
+    /// Begins a walk at the scene's first listener.
     ///
     /// # Errors
-    /// [`Error::Gpu`] when the renderer fails; as [`set_scene`](Visit::set_scene).
+    /// [`Error::Gpu`] when the renderer fails; [`Error::Scene`] for a scene without a source or a listener; as [`set_scene`](Visit::set_scene).
     pub fn new(context: &Context, scene: Scene) -> Result<Visit, Error> {
         let mut tracer = Tracer::new(context)?;
         let settings = Settings::default();
@@ -73,7 +73,7 @@ impl Visit {
         tracer.check(&scene, &settings)?;
         view.check(&scene)?;
         Ok(Visit {
-            world: World::of(scene),
+            world: World::of(scene)?,
             path_tracer: tracer.with_shared_programs()?,
             tracer,
             view,
@@ -95,7 +95,7 @@ impl Visit {
             return self.open_scene(scene);
         }
         self.check_scene(&scene)?;
-        self.world.change(scene);
+        self.world.change(scene)?;
         self.forget();
         Ok(())
     }
@@ -106,13 +106,14 @@ impl Visit {
     /// As [`set_scene`](Visit::set_scene); then all stays as it was.
     pub fn open_scene(&mut self, scene: Scene) -> Result<(), Error> {
         self.check_scene(&scene)?;
-        self.world = World::of(scene);
+        self.world = World::of(scene)?;
         self.forget();
         Ok(())
     }
 
     /// Checks that waves can be traced in a scene, and that its picture can be drawn.
     fn check_scene(&mut self, scene: &Scene) -> Result<(), Error> {
+        scene.pair(0, 0)?;
         self.tracer.check(scene, &self.settings)?;
         self.view.check(scene)
     }
@@ -172,8 +173,7 @@ impl Visit {
 
     /// Sets the source's position, in world metres.
     pub fn put_source(&mut self, position: Vec3) {
-        self.world.source = Some(position);
-        self.world.now.source.position = position;
+        self.world.put_source(position);
     }
 
     /// The position the source was put or carried to, in world metres; none while it is on its own path.
@@ -239,7 +239,8 @@ impl Visit {
             self.heard = Some(frame.clone());
         }
         if self.is_frame_due() {
-            self.tracer.frame_begin(&self.world.now, &self.settings)?;
+            self.tracer
+                .frame_begin(self.world.pair()?, &self.settings)?;
             self.traced = Some((self.world.now.clone(), self.settings.clone()));
         }
         if self.tracer.is_frame_pending() {
@@ -264,7 +265,7 @@ impl Visit {
     /// # Errors
     /// [`Error::Trace`] for a scene that does not fit, [`Error::Gpu`] when the renderer fails.
     pub fn draw(&mut self, size: [u32; 2], scale: f32) -> Result<bool, Error> {
-        let drawn = self.view.draw(&self.world.now, size, (scale, true))?;
+        let drawn = self.view.draw(self.world.pair()?, size, (scale, true))?;
         Ok(drawn.anew)
     }
 
@@ -284,13 +285,13 @@ impl Visit {
     pub fn ways(&mut self) -> Result<Vec<Way>, Error> {
         let iterations = self.settings.iterations.min(PATH_ITERATIONS);
         let settings = self.settings.clone().with_iterations(iterations);
-        let scene = &self.world.now;
-        self.paths.follow(&mut self.path_tracer, scene, &settings)?;
+        let pair = self.world.pair()?;
+        self.paths.follow(&mut self.path_tracer, pair, &settings)?;
         let bounds = self.cut.bounds();
         let stub = STUB * (bounds.max.x - bounds.min.x);
         let states = self.paths.states();
         let waves = states.first().map_or(0, Vec::len);
-        let follow = |wave| way(states, wave, scene.source.position, stub);
+        let follow = |wave| way(states, wave, pair.source().position, stub);
         let ways = (0..waves).map(follow);
         Ok(ways.map(|(fate, points)| Way { fate, points }).collect())
     }
@@ -349,7 +350,7 @@ mod tests {
         assert!(visit.set_settings(too_many).is_err());
         assert_eq!(*visit.settings(), before);
         let mut empty = Scene::builtin("cave").unwrap();
-        empty.listener.radius = f32::NAN;
+        empty.listeners[0].radius = f32::NAN;
         assert!(visit.set_scene(empty).is_err());
         assert_eq!(visit.scene().name, "corner");
         assert!(next_frame(&mut visit).is_some());
@@ -370,8 +371,8 @@ mod tests {
         assert!(visit.walker().is_none() && visit.placed_source().is_none());
         visit.pass(&MoveInput::default(), 0.0);
         assert_eq!(
-            visit.scene().listener,
-            Scene::builtin("corner").unwrap().listener
+            visit.scene().listeners[0],
+            Scene::builtin("corner").unwrap().listeners[0]
         );
     }
 }

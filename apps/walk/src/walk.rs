@@ -167,9 +167,8 @@ fn outwards(scene: &Scene, point: Vec3) -> Vec3 {
     Vec3::new(along(Vec3::X), along(Vec3::Y), along(Vec3::Z)).normalize_or_zero()
 }
 
-/// The position of an object that the walker carries: ahead, beyond the listener's sphere if the walls allow.
-pub fn carried(scene: &Scene) -> Vec3 {
-    let listener = &scene.listener;
+/// The position of an object that a listener carries: ahead, beyond the listener's sphere if the walls allow.
+pub fn carried(scene: &Scene, listener: &Listener) -> Vec3 {
     let gaze = listener.forward();
     let reach = listener.radius + 0.8;
     let mut gone = 0.0;
@@ -192,7 +191,7 @@ mod tests {
 
     fn walked(input: MoveInput, yaw: f32, seconds: f32) -> Walker {
         let scene = Scene::builtin("corner").unwrap();
-        let mut walker = Walker::of(&scene.listener);
+        let mut walker = Walker::of(&scene.listeners[0]);
         walker.yaw = yaw;
         for _ in 0..(seconds * 30.0) as usize {
             walker.walk(&scene, &input, 1.0 / 30.0);
@@ -244,7 +243,7 @@ mod tests {
                 continue;
             }
             for heading in 0..12 {
-                let mut walker = Walker::of(&scene.listener);
+                let mut walker = Walker::of(&scene.listeners[0]);
                 walker.yaw = heading as f32 * 0.53;
                 let input = MoveInput {
                     forward: 1.0,
@@ -269,7 +268,7 @@ mod tests {
     fn leaning_against_a_field_brings_nobody_through() {
         let scene = Scene::builtin("cave").unwrap();
         for heading in 0..4 {
-            let mut walker = Walker::of(&scene.listener);
+            let mut walker = Walker::of(&scene.listeners[0]);
             walker.yaw = heading as f32 * 1.6;
             let input = MoveInput {
                 forward: 1.0,
@@ -302,16 +301,24 @@ mod tests {
     #[test]
     fn what_is_carried_stays_in_the_air() {
         let mut scene = Scene::builtin("corner").unwrap();
-        assert!((carried(&scene) - scene.listener.position).length() > scene.listener.radius);
-        scene.listener.position.z = 0.5;
-        assert!(scene.surface_distance(carried(&scene)).distance > 0.0);
+        assert!(
+            (carried(&scene, &scene.listeners[0]) - scene.listeners[0].position).length()
+                > scene.listeners[0].radius
+        );
+        scene.listeners[0].position.z = 0.5;
+        assert!(
+            scene
+                .surface_distance(carried(&scene, &scene.listeners[0]))
+                .distance
+                > 0.0
+        );
     }
 
     /// Protects a walk from inputs that are not finite: the walker does not move.
     #[test]
     fn what_is_no_number_moves_nobody() {
         let scene = Scene::builtin("corner").unwrap();
-        let start = Walker::of(&scene.listener);
+        let start = Walker::of(&scene.listeners[0]);
         for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
             let input = MoveInput {
                 forward: bad,

@@ -2,7 +2,8 @@
 
 use super::values::{ValueSlider, value_sliders};
 use super::walk::{MoveInput, Walker, carried};
-use echomarch::scene::{Scene, SceneError};
+use echomarch::Error;
+use echomarch::scene::{Pair, Scene, SceneError};
 use glam::Vec3;
 
 /// A scene during a walk.
@@ -57,17 +58,17 @@ impl WalkState {
     }
 }
 
-/// The scene at a time, with the listener and the first source at the positions they were moved to.
+/// The scene at a time, with the first listener and the first source at the positions they were moved to.
 fn placed(base: &Scene, seconds: f64, walker: Option<Walker>, source: Option<Vec3>) -> Scene {
     let mut scene = match base.duration() > 0.0 {
         true => base.at(seconds),
         false => base.clone(),
     };
-    if let Some(walker) = walker {
-        walker.place(&mut scene.listener);
+    if let (Some(walker), Some(first)) = (walker, scene.listeners.first_mut()) {
+        walker.place(first);
     }
-    if let Some(source) = source {
-        scene.source.position = source;
+    if let (Some(position), Some(first)) = (source, scene.sources.first_mut()) {
+        first.position = position;
     }
     scene
 }
@@ -78,20 +79,27 @@ impl World {
     /// # Errors
     /// As [`Scene::load`].
     pub fn load(name: &str) -> Result<World, SceneError> {
-        Ok(World::named(name, Scene::load(name)?))
+        World::named(name, Scene::load(name)?)
     }
 
     /// Creates a world from a scene loaded by the given name.
-    pub fn named(name: &str, base: Scene) -> World {
-        World {
+    ///
+    /// # Errors
+    /// As [`World::of`].
+    pub fn named(name: &str, base: Scene) -> Result<World, SceneError> {
+        Ok(World {
             name: name.to_owned(),
-            ..World::of(base)
-        }
+            ..World::of(base)?
+        })
     }
 
-    /// Creates a world from a scene without a file.
-    pub fn of(base: Scene) -> World {
-        World {
+    /// Creates a world from a scene without a file. The walker is its first listener, and can carry its first source.
+    ///
+    /// # Errors
+    /// [`SceneError::NoSuchNumber`] for a scene without a source or without a listener.
+    pub fn of(base: Scene) -> Result<World, SceneError> {
+        base.pair(0, 0)?;
+        Ok(World {
             name: base.name.clone(),
             sliders: value_sliders(&base),
             values: Vec::new(),
@@ -102,12 +110,24 @@ impl World {
             walker: None,
             source: None,
             carrying: false,
-        }
+        })
+    }
+
+    /// The walker, and the source that can be carried.
+    ///
+    /// # Errors
+    /// [`SceneError::NoSuchNumber`] if one of them was removed.
+    pub fn pair(&self) -> Result<Pair<'_>, Error> {
+        Ok(self.now.pair(0, 0)?)
     }
 
     /// Changes to another scene with the same name: time, walker, a source that was moved and
     /// values that were set stay; a value that the new scene rejects is replaced by the file's.
-    pub fn change(&mut self, base: Scene) {
+    ///
+    /// # Errors
+    /// As [`World::of`]; then all stays as it was.
+    pub fn change(&mut self, base: Scene) -> Result<(), SceneError> {
+        base.pair(0, 0)?;
         self.sliders = value_sliders(&base);
         self.now = base.clone();
         self.base = base;
@@ -115,6 +135,7 @@ impl World {
             // If this fails, the slider shows the file's value.
             let _ = self.set(&name, value);
         }
+        Ok(())
     }
 
     /// Sets a named value, in the unit of its file.
@@ -173,15 +194,30 @@ impl World {
         }
         self.now = placed(&self.base, self.looped(), self.walker, self.source);
         if !input.is_rest() {
-            let mut walker = Walker::of(&self.now.listener);
-            walker.walk(&self.now, input, seconds as f32);
+            self.step(|walker, scene| walker.walk(scene, input, seconds as f32));
+        }
+        if self.carrying
+            && let Some(walker) = self.now.listeners.first()
+        {
+            self.put_source(carried(&self.now, walker));
+        }
+    }
+
+    /// Changes the walker's place or gaze.
+    fn step(&mut self, change: impl FnOnce(&mut Walker, &Scene)) {
+        if let Some(listener) = self.now.listeners.first() {
+            let mut walker = Walker::of(listener);
+            change(&mut walker, &self.now);
             self.stand(walker);
         }
-        if self.carrying {
-            let source = carried(&self.now);
-            self.now.source.position = source;
-            self.source = Some(source);
+    }
+
+    /// Sets the position of the source that can be carried, in world metres.
+    pub fn put_source(&mut self, position: Vec3) {
+        if let Some(source) = self.now.sources.first_mut() {
+            source.position = position;
         }
+        self.source = Some(position);
     }
 
     /// Whether anything moves by itself.
@@ -196,14 +232,14 @@ impl World {
 
     /// Turns the gaze by radians.
     pub fn look(&mut self, right: f32, up: f32) {
-        let mut walker = Walker::of(&self.now.listener);
-        walker.look(right, up);
-        self.stand(walker);
+        self.step(|walker, _| walker.look(right, up));
     }
 
     /// Moves the listener to the walker's place.
     pub fn stand(&mut self, walker: Walker) {
-        walker.place(&mut self.now.listener);
+        if let Some(listener) = self.now.listeners.first_mut() {
+            walker.place(listener);
+        }
         self.walker = Some(walker);
     }
 
@@ -228,23 +264,23 @@ mod tests {
     /// Protects moving scenes: paths continue until paused, and sources moved by hand stay.
     #[test]
     fn a_moving_source_moves_until_it_is_picked_up() {
-        let mut world = World::of(Scene::builtin("open-field").unwrap());
+        let mut world = World::of(Scene::builtin("open-field").unwrap()).unwrap();
         world.pass(&MoveInput::default(), 2.0);
-        assert!(world.now.source.position.x.abs() < 1e-4);
+        assert!(world.now.sources[0].position.x.abs() < 1e-4);
         world.paused = true;
         world.pass(&MoveInput::default(), 1.0);
-        assert!(world.now.source.position.x.abs() < 1e-4);
+        assert!(world.now.sources[0].position.x.abs() < 1e-4);
         assert!(world.source.is_none() && world.walker.is_none());
         world.paused = false;
         world.pick_up_or_put_down();
         world.pass(&MoveInput::default(), 0.1);
-        let held = world.now.source.position;
+        let held = world.now.sources[0].position;
         world.pick_up_or_put_down();
         world.pass(&MoveInput::default(), 1.0);
-        assert_eq!(world.now.source.position, held);
-        assert!((held - world.now.listener.position).z < -2.0);
+        assert_eq!(world.now.sources[0].position, held);
+        assert!((held - world.now.listeners[0].position).z < -2.0);
         world.start_over();
         world.pass(&MoveInput::default(), 0.0);
-        assert_eq!(world.now.source.position.x, -8.0);
+        assert_eq!(world.now.sources[0].position.x, -8.0);
     }
 }

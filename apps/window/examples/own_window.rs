@@ -75,7 +75,7 @@ impl Game {
 
     /// Draws one picture: the waves get their share of its time, the game the rest.
     fn picture(&mut self) -> Result<(), Box<dyn Error>> {
-        self.scene.source.position.x += STEP_M;
+        self.scene.sources[0].position.x += STEP_M;
         if !self.tracer.is_frame_pending() {
             self.tracer.frame_begin(&self.scene, &self.settings)?;
         }

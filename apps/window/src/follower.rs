@@ -66,7 +66,7 @@ impl Coming {
             (World::load(name)?, None)
         } else {
             let opening = Opening::begin(name, settings, &PROGRAMS)?;
-            (World::named(name, opening.scene().clone()), Some(opening))
+            (World::named(name, opening.scene().clone())?, Some(opening))
         };
         Ok(Coming {
             world,

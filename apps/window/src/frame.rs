@@ -120,7 +120,7 @@ impl App {
             None => (SCALES[self.scale_step], true),
         };
         let drawing = Instant::now();
-        self.drawn = stage.view.draw(&self.world.now, size, scale)?;
+        self.drawn = stage.view.draw(self.world.pair()?, size, scale)?;
         // On a graphics card the call returns long before the picture is drawn.
         times.picture = if stage.window.gl.context().is_software() {
             milliseconds(drawing)
@@ -172,7 +172,7 @@ impl App {
         if is_due && !is_marching || is_marching && is_stale {
             self.latency.trace_begins(tracing);
             let settings = &self.choices.settings;
-            stage.tracer.frame_begin(&self.world.now, settings)?;
+            stage.tracer.frame_begin(self.world.pair()?, settings)?;
             if self.begins_anew || self.under_way != *settings {
                 // The time of these waves is not measured yet.
                 self.on_waves = 0.0;
@@ -243,14 +243,13 @@ impl App {
     }
 
     fn follow_paths(&mut self, stage: &mut Stage) -> Result<(), DemoError> {
-        let scene = &self.world.now;
+        let pair = self.world.pair()?;
         let chosen = &self.choices.settings;
         let iterations = chosen.iterations.min(PATH_ITERATIONS);
         let settings = chosen.clone().with_iterations(iterations);
         let is_due = self.recorder.frames.is_multiple_of(PATHS_EVERY);
         if is_due || self.paths.are_none() {
-            self.paths
-                .follow(&mut stage.path_tracer, scene, &settings)?;
+            self.paths.follow(&mut stage.path_tracer, pair, &settings)?;
         }
         Ok(())
     }

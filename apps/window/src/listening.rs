@@ -29,7 +29,7 @@ impl App {
         ears.hear(scene, &self.choices.settings);
         let wanted = InFull {
             sound: self.choices.sound.clone(),
-            sources: scene.sources().count(),
+            sources: scene.sources.len(),
             has_bands: scene.has_bands(),
         };
         if self.in_full.as_ref() != Some(&wanted) {

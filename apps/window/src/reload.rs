@@ -20,7 +20,7 @@ impl App {
         if !Scene::BUILTIN_NAMES.contains(&name.as_str()) {
             let mut opening = Opening::begin(name, settings, &PROGRAMS)?;
             opening.wait()?;
-            self.world.change(opening.scene().clone());
+            self.world.change(opening.scene().clone())?;
             self.follower = Some(Follower::of(opening.follow()));
         }
         tracer.check(&self.world.base, settings)
@@ -60,7 +60,10 @@ impl App {
                     world: self.world.clone(),
                     other: None,
                 });
-                self.world.change(follower.reloading.scene().clone());
+                let scene = follower.reloading.scene().clone();
+                if let Err(error) = self.world.change(scene) {
+                    return self.refuse(sentence(&error));
+                }
                 self.paths.forget();
                 self.begins_anew = true;
                 self.has_reread(None);

@@ -91,25 +91,25 @@ fn expected(world: &World) -> Result<Scene, SaveError> {
     if scene.surfaces != world.base.surfaces {
         return Err(SaveError::Differs);
     }
-    if let Some(position) = world.source {
-        scene.source.position = position;
-        scene.source.path = KeyPath::default();
+    if let (Some(position), Some(source)) = (world.source, scene.sources.first_mut()) {
+        source.position = position;
+        source.path = KeyPath::default();
     }
-    if let Some(walker) = &world.walker {
-        walker.place(&mut scene.listener);
-        scene.listener.path = KeyPath::default();
+    if let (Some(walker), Some(listener)) = (&world.walker, scene.listeners.first_mut()) {
+        walker.place(listener);
+        listener.path = KeyPath::default();
     }
     Ok(scene)
 }
 
 /// Whether two scenes agree in everything except their surfaces, up to the rounding of degrees.
 fn stands_as(read: &Scene, expected: &Scene) -> bool {
-    let listeners = || read.listeners().zip(expected.listeners());
+    let listeners = || read.listeners.iter().zip(&expected.listeners);
     read.name == expected.name
         && read.materials == expected.materials
         && read.air == expected.air
-        && read.sources().eq(expected.sources())
-        && read.listeners().count() == expected.listeners().count()
+        && read.sources == expected.sources
+        && read.listeners.len() == expected.listeners.len()
         && listeners().all(|(read, expected)| is_heard_as(read, expected))
 }
 
@@ -265,12 +265,12 @@ mod tests {
             save(&world, &Settings::default(), Some(&path)).unwrap();
             let read = Scene::from_file(&path).unwrap();
             assert_eq!(read.surfaces, expected.surfaces);
-            assert_eq!(read.source, echomarch::Source::at(world.source.unwrap()));
-            assert!(read.listener.path.is_empty());
-            assert_eq!(read.listener.position, world.walker.unwrap().position);
-            assert!((read.listener.yaw - 0.5).abs() < 1e-6);
-            assert!((read.listener.pitch + 0.25).abs() < 1e-6);
-            assert_eq!(read.listener.radius, expected.listener.radius);
+            assert_eq!(read.sources, [echomarch::Source::at(world.source.unwrap())]);
+            assert!(read.listeners[0].path.is_empty());
+            assert_eq!(read.listeners[0].position, world.walker.unwrap().position);
+            assert!((read.listeners[0].yaw - 0.5).abs() < 1e-6);
+            assert!((read.listeners[0].pitch + 0.25).abs() < 1e-6);
+            assert_eq!(read.listeners[0].radius, expected.listeners[0].radius);
             let world = World::load(name).unwrap();
             save(&world, &Settings::default(), Some(&path)).unwrap();
             assert_eq!(Scene::from_file(&path).unwrap(), expected);
@@ -303,7 +303,7 @@ mod tests {
         assert_eq!(first, folder.path().join("mine-1.ron"));
         let read = Scene::from_file(&first).unwrap();
         assert_eq!(read.surfaces, world.base.surfaces);
-        assert_eq!(read.source, world.base.source);
+        assert_eq!(read.sources, world.base.sources);
         assert_eq!(read.name, "mine");
 
         let mut world = moved(first.to_str().unwrap());
@@ -314,8 +314,8 @@ mod tests {
         assert!(text.contains("base: \"mine.ron\""), "{text}");
         let read = Scene::from_file(&second).unwrap();
         assert_eq!(read.surfaces, world.base.surfaces);
-        assert_eq!(read.source, world.base.source);
-        assert_eq!(read.listener.position, world.walker.unwrap().position);
+        assert_eq!(read.sources, world.base.sources);
+        assert_eq!(read.listeners[0].position, world.walker.unwrap().position);
 
         let third = save(
             &World::load(second.to_str().unwrap()).unwrap(),
@@ -354,13 +354,16 @@ mod tests {
             save(&world, &Settings::default(), Some(&path)).unwrap();
             let read = Scene::from_file(&path).unwrap();
             assert!(stands_as(&read, &expected(&world).unwrap()), "{said}");
-            assert_eq!(read.source.position, world.source.unwrap());
+            assert_eq!(read.sources[0].position, world.source.unwrap());
             let opened = &world.base;
-            assert_eq!(read.source.name, opened.source.name, "{said}");
-            assert_eq!(read.source.level_db, opened.source.level_db, "{said}");
-            assert_eq!(read.listener.name, opened.listener.name, "{said}");
-            assert_eq!(read.further_sources, opened.further_sources, "{said}");
-            assert_eq!(read.further_listeners, opened.further_listeners, "{said}");
+            assert_eq!(read.sources[0].name, opened.sources[0].name, "{said}");
+            assert_eq!(
+                read.sources[0].level_db, opened.sources[0].level_db,
+                "{said}"
+            );
+            assert_eq!(read.listeners[0].name, opened.listeners[0].name, "{said}");
+            assert_eq!(read.sources[1..], opened.sources[1..], "{said}");
+            assert_eq!(read.listeners[1..], opened.listeners[1..], "{said}");
             assert_eq!((&read.materials, read.air), (&opened.materials, opened.air));
             assert_eq!(read.surfaces, opened.surfaces);
         }

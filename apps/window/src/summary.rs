@@ -3,6 +3,7 @@
 use super::app::App;
 use super::report::{EndPose, FrameLine, InFullReport, Report};
 use super::save::trace_call;
+use echomarch::glam::Vec3;
 use echomarch::scene::{Listener, Scene, Surface};
 use echomarch_walk::World;
 use std::time::SystemTime;
@@ -27,7 +28,7 @@ impl App {
             values: &self.world.values,
             mouse_looks: self.mouse_looks,
             paths_heard: self.paths.heard(),
-            listener: self.world.now.listener.position.to_array(),
+            listener: place(self.world.now.listeners.first().map(|first| first.position)),
             sound: self.sound.is_heard,
             sources: self.in_full.as_ref().map(|_| &self.ears_status.sources[..]),
         };
@@ -38,7 +39,7 @@ impl App {
 
     /// Returns the report of the run.
     pub fn report(&mut self) -> Report {
-        let listener = &self.world.now.listener;
+        let walker = self.world.now.listeners.first();
         let mut report = Report {
             scene: self.world.base.name.clone(),
             profile: self.choices.settings.profile().to_string(),
@@ -57,11 +58,11 @@ impl App {
             latency_ms: self.latency.parts(),
             counts: self.heard.as_ref().map(|f| f.counts).unwrap_or_default(),
             listener: EndPose {
-                position: listener.position.to_array(),
-                yaw: listener.yaw.to_degrees(),
-                pitch: listener.pitch.to_degrees(),
+                position: place(walker.map(|walker| walker.position)),
+                yaw: walker.map_or(0.0, |walker| walker.yaw.to_degrees()),
+                pitch: walker.map_or(0.0, |walker| walker.pitch.to_degrees()),
             },
-            source: self.world.now.source.position.to_array(),
+            source: place(self.world.now.sources.first().map(|first| first.position)),
             gl_errors: self.gl_errors(),
             help: self.choices.help,
             mouse_looks: self.mouse_looks,
@@ -100,12 +101,18 @@ impl App {
     }
 }
 
+/// A place in the report; the origin where there is none.
+fn place(position: Option<Vec3>) -> [f32; 3] {
+    position.unwrap_or_default().to_array()
+}
+
 /// Whether two scenes agree in air, sources and listeners, up to the rounding of degrees, and have equal surfaces
 /// wherever their files lie: a saved scene may name them from another folder.
 fn stands_as(a: &Scene, b: &Scene) -> bool {
     let places = |scene: &Scene| {
         scene
-            .sources()
+            .sources
+            .iter()
             .map(|s| (s.position, s.level_db))
             .collect::<Vec<_>>()
     };
@@ -117,8 +124,8 @@ fn stands_as(a: &Scene, b: &Scene) -> bool {
     };
     let is_alike = |(a, b): (&Surface, &Surface)| a.is_alike(b);
     places(a) == places(b)
-        && a.listeners().count() == b.listeners().count()
-        && a.listeners().zip(b.listeners()).all(is_heard_as)
+        && a.listeners.len() == b.listeners.len()
+        && a.listeners.iter().zip(&b.listeners).all(is_heard_as)
         && (&a.materials, a.air) == (&b.materials, b.air)
         && a.surfaces.len() == b.surfaces.len()
         && a.surfaces.iter().zip(&b.surfaces).all(is_alike)
@@ -160,7 +167,7 @@ mod tests {
         warm.air = Some(echomarch::scene::Air::default());
         assert!(!stands_as(&one, &warm));
         let mut two = other;
-        two.further_sources.push(two.source.clone());
+        two.sources.push(two.sources[0].clone());
         assert!(!stands_as(&one, &two));
     }
 }

@@ -73,7 +73,7 @@ pub fn march(scene: &Scene, settings: &Settings, directions: &[Vec3]) -> Option<
 impl March<'_> {
     fn follow(&self, direction: Vec3, iterations: u32) -> MarchedWave {
         let mut wave = MarchedWave {
-            position: self.scene.source.position,
+            position: self.scene.sources[0].position,
             direction,
             status: STATUS_STARTED,
             zero_length_passes: 0,
@@ -152,7 +152,7 @@ fn tie_margin(scene: &Scene, point: Vec3) -> f32 {
         let surfaces = scene.surfaces.iter();
         surfaces.map(|s| of_surface(s, point)).collect()
     };
-    distances.push(scene.listener.distance(point));
+    distances.push(scene.listeners[0].distance(point));
     distances.sort_by(f32::total_cmp);
     distances[1] - distances[0]
 }
@@ -194,7 +194,7 @@ fn mix_bits(v: UVec3) -> UVec3 {
 /// Signed distance to the nearest surface or to the listener's sphere (figure 9).
 pub(super) fn distance(scene: &Scene, point: Vec3) -> Nearest {
     let mut nearest = Nearest {
-        distance: scene.listener.distance(point),
+        distance: scene.listeners[0].distance(point),
         object: 0,
     };
     for (surface, object) in scene.surfaces.iter().zip(1..) {

@@ -25,7 +25,7 @@ fn exact(scene: &Scene) -> ExactScene {
 }
 
 fn start(scene: &Scene) -> DVec3 {
-    scene.source.position.as_dvec3()
+    scene.sources[0].position.as_dvec3()
 }
 
 /// A listener too far away to be met.

@@ -11,7 +11,7 @@ use crate::bands::{self, BAND_COUNT, Bands};
 use crate::response::exact_paths::SpecularPath;
 use crate::response::source_sound::{HeardPath, Medium, passing};
 use crate::response::{Arrival, Echogram, Figures, Record, Tap};
-use crate::scene::Scene;
+use crate::scene::Pair;
 
 /// Standard deviations of the waves' energy beyond which a difference counts.
 const BEYOND_NOISE: f64 = 3.0;
@@ -21,7 +21,7 @@ const CHORD_SPREAD: f64 = 9.0 / 8.0;
 
 /// The early part of a response: its exact paths, and the waves that they replace.
 pub(in crate::response) struct Caught<'a> {
-    pub scene: &'a Scene,
+    pub pair: Pair<'a>,
     pub medium: &'a Medium,
     pub part: &'a EarlyPart,
     /// The sound along all exact paths.
@@ -38,7 +38,7 @@ impl Caught<'_> {
         let is_left_out = |path: &SpecularPath| path.is_focus || is_gathered(path);
         let means = self
             .part
-            .mean_taps(self.scene, self.medium, self.paths, &is_left_out);
+            .mean_taps(self.pair, self.medium, self.paths, &is_left_out);
         let left_out = self.taps(&is_left_out);
         let by_means = [&means[..], &left_out].concat();
         let mut figures =
@@ -78,7 +78,7 @@ impl Caught<'_> {
 
     /// For each surface, whether it gathers sound.
     fn gathering_surfaces(&self) -> Vec<bool> {
-        let surfaces = self.scene.surfaces.iter();
+        let surfaces = self.pair.scene.surfaces.iter();
         surfaces
             .map(|surface| surface.shape.gathers_sound())
             .collect()
@@ -105,10 +105,10 @@ impl Caught<'_> {
             }
         }
         let mut variance = [0.0; BAND_COUNT];
-        let radius_m = f64::from(self.scene.listener.radius);
+        let radius_m = f64::from(self.pair.listener.radius);
         let compared = self.paths.iter().filter(|heard| heard.delay_s <= ends_s);
         for heard in compared.filter(|heard| !is_left_out(&heard.path)) {
-            let passing = passing(self.scene, &heard.path, radius_m, self.part.waves());
+            let passing = passing(self.pair.scene, &heard.path, radius_m, self.part.waves());
             let of_path = heard.energy.map(|e| CHORD_SPREAD * e * e / passing);
             bands::add(&mut variance, &of_path);
         }

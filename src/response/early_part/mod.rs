@@ -16,7 +16,7 @@ use crate::response::exact_paths::{
 };
 use crate::response::{Arrival, Tap};
 use crate::sampling::lattice;
-use crate::scene::{Scene, Shape};
+use crate::scene::{Pair, Scene, Shape};
 use glam::Vec3;
 use sphere_mean::{Replaced, unhidden_taps};
 use std::f64::consts::PI;
@@ -59,14 +59,15 @@ impl EarlyPart {
     /// Finds the paths of these arrivals, which are in the order of their waves; `starts` are these waves, each once,
     /// out of `waves` in total.
     pub fn find(
-        scene: &Scene,
+        pair: Pair,
         starts: &[(u32, Vec3)],
         waves: u32,
         order: u32,
         arrivals: Vec<Arrival>,
     ) -> Result<EarlyPart, Error> {
-        let paths = EarlyPaths::new(scene)?;
-        let ends = paths.ends(scene);
+        let scene = pair.scene;
+        let paths = EarlyPaths::new(pair)?;
+        let ends = paths.ends(pair);
         let directions: Vec<Vec3> = starts.iter().map(|(_, direction)| *direction).collect();
         let candidates =
             paths.candidates_within(&ends, &directions, order, ends.radius_m, MOST_ASKED);
@@ -192,15 +193,15 @@ impl EarlyPart {
     }
 
     /// The sound along each path. At a focus the energy is that of the waves that found it.
-    pub fn heard(&self, scene: &Scene, medium: &Medium) -> Vec<HeardPath> {
+    pub fn heard(&self, pair: Pair, medium: &Medium) -> Vec<HeardPath> {
         let paths = self.paths.iter().enumerate();
         let heard = |(index, path): (usize, &SpecularPath)| {
             let at_listener = match path.is_focus {
                 true => self.energy_of_waves(index),
-                false => reflectance_of(scene, path).map(|share| share * path.spreading),
+                false => reflectance_of(pair.scene, path).map(|share| share * path.spreading),
             };
             let emitted = at_listener.map(|energy| energy * medium.level);
-            let (azimuth, elevation) = comes_from(&scene.listener, -path.arrival_direction);
+            let (azimuth, elevation) = comes_from(pair.listener, -path.arrival_direction);
             HeardPath {
                 path: path.clone(),
                 delay_s: path.length_m / medium.speed,
@@ -216,14 +217,14 @@ impl EarlyPart {
     /// `heard` is the sound [along all paths](Self::heard).
     pub fn mean_taps(
         &self,
-        scene: &Scene,
+        pair: Pair,
         medium: &Medium,
         heard: &[HeardPath],
         is_left_out: &dyn Fn(&SpecularPath) -> bool,
     ) -> Vec<Tap> {
         match &self.replaced {
-            Some(replaced) => replaced.mean_taps(scene, medium, heard, is_left_out),
-            None => unhidden_taps(heard, scene.listener.radius.into(), is_left_out),
+            Some(replaced) => replaced.mean_taps(pair.scene, medium, heard, is_left_out),
+            None => unhidden_taps(heard, pair.listener.radius.into(), is_left_out),
         }
     }
 

@@ -407,7 +407,7 @@ mod tests {
         surfaces.extend((0..256).map(block));
         let scene = scene(surfaces, Vec3::splat(-4.0), Vec3::splat(4.0));
         let early = EarlyPaths::new(&scene).expect("a valid scene");
-        let (ends, waves) = (Ends::of(&scene), directions(2000));
+        let (ends, waves) = (Ends::of(scene.only_pair().unwrap()), directions(2000));
         let found = |threads, most_asked| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
             let follow = || early.candidates_within(&ends, &waves, 3, 2.0, most_asked);

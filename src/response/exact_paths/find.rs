@@ -358,7 +358,7 @@ mod tests {
         let scene = scene(vec![Surface::new(gallery)], Vec3::X * -8.0, Vec3::X * 8.0);
         let early = EarlyPaths::new(&scene).expect("a valid scene");
         let waves = directions(2000);
-        let candidates = early.candidates(&Ends::of(&scene), &waves, 3, 0.3);
+        let candidates = early.candidates(&Ends::of(scene.only_pair().unwrap()), &waves, 3, 0.3);
         assert!(candidates.len() > 3 * SOLVED_OF_A_SEQUENCE);
         let jobs = Jobs::new(&early.surfaces, &candidates);
         let sequences = 3;

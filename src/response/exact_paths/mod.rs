@@ -57,7 +57,7 @@ pub use paths::{Missed, SpecularPath};
 pub use surfaces::Vertex;
 
 use crate::geometry::ExactScene;
-use crate::scene::{Scene, SceneError};
+use crate::scene::{IntoPair, Pair, SceneError};
 use candidates::Follow;
 use check::EdgeStart;
 use glam::{DVec3, Vec3};
@@ -109,32 +109,33 @@ pub enum NoPath {
 }
 
 impl Ends {
-    /// The source and the listener of a scene.
-    pub fn of(scene: &Scene) -> Ends {
+    /// The source and the listener of a pair.
+    pub fn of(pair: Pair) -> Ends {
         Ends {
-            source: scene.source.position.as_dvec3(),
-            listener: scene.listener.position.as_dvec3(),
-            radius_m: scene.listener.radius.into(),
+            source: pair.source.position.as_dvec3(),
+            listener: pair.listener.position.as_dvec3(),
+            radius_m: pair.listener.radius.into(),
         }
     }
 }
 
 impl EarlyPaths {
-    /// Uses the surfaces of `scene` in its current state (paths are not followed: see
-    /// [`Scene::at`]).
+    /// Uses the surfaces of the pair's scene in its current state (motion is not followed: see
+    /// [`Scene::at`](crate::Scene::at)).
     ///
     /// # Errors
-    /// [`SceneError`] as from [`Scene::validate`].
-    pub fn new(scene: &Scene) -> Result<EarlyPaths, SceneError> {
-        let exact = ExactScene::new(scene)?;
-        let surfaces = Surfaces::new(scene, exact.rounding());
+    /// [`SceneError`] as from [`ExactScene::new`].
+    pub fn new<'a>(pair: impl IntoPair<'a>) -> Result<EarlyPaths, SceneError> {
+        let pair = pair.chosen()?;
+        let exact = ExactScene::new(pair)?;
+        let surfaces = Surfaces::new(pair, exact.rounding());
         Ok(EarlyPaths { exact, surfaces })
     }
 
-    /// The ends of paths in `scene`: its source and listener, moved onto the surface if they lie in a solid only by the
+    /// The ends of paths: the pair's source and listener, moved onto the surface if they lie in a solid only by the
     /// rounding of coordinates to `f32`.
-    pub(crate) fn ends(&self, scene: &Scene) -> Ends {
-        let ends = Ends::of(scene);
+    pub(crate) fn ends(&self, pair: Pair) -> Ends {
+        let ends = Ends::of(pair);
         Ends {
             source: self.surfaces.out_of_rounding(ends.source),
             listener: self.surfaces.out_of_rounding(ends.listener),

@@ -1,7 +1,7 @@
 //! The surfaces of a scene, and the sheets of them at a point.
 
 use super::sheet::{Differenced, Frame, Search, Sheet, Way};
-use crate::scene::{ROUNDING, Scene, Shape, Surface};
+use crate::scene::{Pair, ROUNDING, Shape, Surface};
 use glam::{DMat3, DQuat, DVec3};
 use std::collections::HashSet;
 
@@ -41,11 +41,12 @@ const MOST_SOLIDS: usize = 8;
 const SETTLED: f64 = 1e-2;
 
 impl Surfaces {
-    /// The surfaces of `scene`, in which `rounding` metres count as rounding.
-    pub fn new(scene: &Scene, rounding: f64) -> Surfaces {
+    /// The surfaces of the pair's scene, in which `rounding` metres count as rounding.
+    pub fn new(pair: Pair, rounding: f64) -> Surfaces {
+        let scene = pair.scene;
         let placed = |surface: &Surface| (surface.shape.clone(), frame(surface));
         let surfaces: Vec<_> = scene.surfaces.iter().map(placed).collect();
-        let ends = [scene.source.position, scene.listener.position];
+        let ends = [pair.source.position, pair.listener.position];
         let reach = |surface: &Surface| {
             surface.position.as_dvec3().abs().max_element() + surface.shape.extent()
         };

@@ -18,7 +18,7 @@ use super::source_sound::Medium;
 use crate::bands::{BAND_COUNT, Bands};
 use crate::error::Error;
 use crate::response::{Arrival, Echogram, uncertain_energy};
-use crate::scene::Scene;
+use crate::scene::Pair;
 use crate::tracer::{ArrivalCounts, ArrivalSettings, Followed, Settings, Tracer, WavesToFollow};
 use crate::{bands, shader};
 use glam::Vec3;
@@ -58,7 +58,7 @@ pub(super) struct Arrivals {
 /// Traces the waves; `echogram` defines the bins.
 pub(super) fn arrivals(
     tracer: &mut Tracer,
-    heard_in: (&Scene, &Medium, LateSphere),
+    heard_in: (Pair, &Medium, LateSphere),
     settings: &ResponseSettings,
     how: &ArrivalSettings,
     echogram: Echogram,
@@ -70,7 +70,7 @@ pub(super) fn arrivals(
         early: Vec::new(),
         travel_on: None,
     };
-    for bands in shader::band_groups(heard_in.0) {
+    for bands in shader::band_groups(heard_in.0.scene) {
         let how = how
             .clone()
             .with_bands(bands)
@@ -106,39 +106,39 @@ fn is_added(first: &mut Arrival, second: &Arrival) -> bool {
 fn add_arrivals(
     found: &mut Arrivals,
     tracer: &mut Tracer,
-    (scene, medium, late): (&Scene, &Medium, LateSphere),
+    (pair, medium, late): (Pair, &Medium, LateSphere),
     settings: &ResponseSettings,
     how: &ArrivalSettings,
 ) -> Result<ArrivalCounts, Error> {
     let (echogram, early) = (&mut found.echogram, &mut found.early);
     let all = WavesToFollow::Numbers(0..settings.trace.waves);
-    let share = (scene.listener.radius / late.radius_m).powi(2);
+    let share = (pair.listener.radius / late.radius_m).powi(2);
     let trace = settings.late_trace();
     if share >= 1.0 && trace == settings.trace {
         let mut sort = |arrival: Arrival| match arrival.is_early {
             true => early.push(arrival),
             false => medium.add(echogram, &arrival),
         };
-        let followed = tracer.arrivals_of(scene, &settings.trace, how, &all, &mut sort)?;
+        let followed = tracer.arrivals_of(pair, &settings.trace, how, &all, &mut sort)?;
         return Ok(followed.counts());
     }
     let few = how.clone().with_iterations(how.early_order + 1);
     let few = few.with_least_energy(0.0);
-    let mut near = NearScattering::new(scene, &late, echogram);
+    let mut near = NearScattering::new(pair, &late, echogram);
     let mut sort = |arrival: Arrival| match arrival.is_early {
         true => early.push(arrival),
         false => medium.add(&mut near.own, &arrival),
     };
     let counts = tracer
-        .arrivals_of(scene, &settings.trace, &few, &all, &mut sort)?
+        .arrivals_of(pair, &settings.trace, &few, &all, &mut sort)?
         .counts;
-    let wide = late.widened(scene);
+    let wide = late.widened(pair.listener);
     let mut how = how.clone();
     let crossings = f64::from(1.0 / share) * crossings_an_iteration(&counts);
     how.iterations_in_chunk = iterations_in_chunk(crossings, how.iterations_in_chunk);
     let late = LateWaves {
         tracer,
-        scene: &wide,
+        pair: pair.with_listener(&wide),
         how: &how,
         medium,
         echogram,
@@ -146,20 +146,20 @@ fn add_arrivals(
     };
     // Surfaces that gather sound spread waves of one direction, so pilot waves predict little there.
     let pilot_waves = match share < 1.0 {
-        true => importance::pilot_waves(scene, &how.bands, &trace),
+        true => importance::pilot_waves(pair.scene, &how.bands, &trace),
         false => 0,
     };
     let followed = late.follow_all(&trace, pilot_waves, settings.batches)?;
     near.add_to(echogram, &mut found.bias);
     // With scattering, sound is late after fewer reflections.
-    found.travel_on = (!scene.scatters()).then_some(counts.cut_off > 0);
+    found.travel_on = (!pair.scene.scatters()).then_some(counts.cut_off > 0);
     Ok(followed.counts())
 }
 
 /// Waves whose late arrivals are added to an echogram.
 struct LateWaves<'a> {
     tracer: &'a mut Tracer,
-    scene: &'a Scene,
+    pair: Pair<'a>,
     how: &'a ArrivalSettings,
     medium: &'a Medium,
     echogram: &'a mut Echogram,
@@ -245,7 +245,7 @@ impl LateWaves<'_> {
             }
         };
         self.tracer
-            .arrivals_of(self.scene, trace, self.how, waves, &mut take)
+            .arrivals_of(self.pair, trace, self.how, waves, &mut take)
     }
 }
 
@@ -268,7 +268,7 @@ const FEW_WAVES: u32 = 64;
 /// 0. `travel_on` is [`Arrivals::travel_on`]; waves are traced again only if it is unknown.
 pub(super) fn further_arrival(
     tracer: &mut Tracer,
-    (scene, medium): (&Scene, &Medium),
+    (pair, medium): (Pair, &Medium),
     settings: &ResponseSettings,
     how: &ArrivalSettings,
     echogram: &Echogram,
@@ -286,12 +286,12 @@ pub(super) fn further_arrival(
     }
     let may_arrive = match travel_on {
         Some(travel_on) => travel_on,
-        None => may_arrive(tracer, scene, settings, how)?,
+        None => may_arrive(tracer, pair, settings, how)?,
     };
     if !may_arrive {
         return Ok(further);
     }
-    let cross_section_m2 = PI * f64::from(scene.listener.radius).powi(2);
+    let cross_section_m2 = PI * f64::from(pair.listener.radius).powi(2);
     let whole = medium.level / (cross_section_m2 * f64::from(waves));
     Ok(further.map(|energy| match energy > 0.0 && !are_few {
         true => energy,
@@ -302,18 +302,18 @@ pub(super) fn further_arrival(
 /// Whether waves travel on after the maximum number of reflections of exact paths, or after scattering before that.
 fn may_arrive(
     tracer: &mut Tracer,
-    scene: &Scene,
+    pair: Pair,
     settings: &ResponseSettings,
     how: &ArrivalSettings,
 ) -> Result<bool, Error> {
-    let reflections = match scene.scatters() {
+    let reflections = match pair.scene.scatters() {
         true => 1,
         false => how.early_order + 1,
     };
     let few = how.clone().with_iterations(reflections);
     let all = WavesToFollow::Numbers(0..settings.trace.waves);
     let counts = tracer
-        .arrivals_of(scene, &settings.trace, &few, &all, &mut |_| ())?
+        .arrivals_of(pair, &settings.trace, &few, &all, &mut |_| ())?
         .counts;
     // The other waves have left the scene, or have flown until the end of the record.
     Ok(counts.cut_off > 0)

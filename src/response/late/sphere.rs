@@ -20,7 +20,7 @@
 use crate::bands::{BAND_COUNT, Bands};
 use crate::response::{CommonErrors, Echogram};
 use crate::scene::shape::Room;
-use crate::scene::{Node, Scene, Surface};
+use crate::scene::{Listener, Node, Pair, Scene, Surface};
 
 /// Radius in metres. In random rooms (docs/acoustics.md) T30 is 2.5 times as exact with it as with
 /// 0.3 m, and the bias of the mean over the sphere is still below the noise; with 1.5 m it is not.
@@ -61,7 +61,7 @@ const SCATTERED_CENTRE_S: f64 = 2e-4;
 /// Reach of the sphere in distances of a room's wall.
 const BEHIND_WALLS: f32 = 2.0;
 
-/// The sphere of a scene's listener.
+/// The sphere of a listener.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::response) struct LateSphere {
     /// Radius in metres, at least that of the listener.
@@ -75,16 +75,17 @@ pub(in crate::response) struct LateSphere {
 pub(in crate::response) const LEAST_ORDER: u32 = 3;
 
 impl LateSphere {
-    /// The sphere of a scene's listener, after exact paths of up to `order` reflections.
-    pub fn of(scene: &Scene, order: u32) -> LateSphere {
+    /// The sphere of a pair's listener, after exact paths of up to `order` reflections.
+    pub fn of(pair: Pair, order: u32) -> LateSphere {
+        let scene = pair.scene;
         let (most_m, errors) = match casts_shadows(scene) {
             true => (RADIUS_IN_SHADOWS_M, ERRORS_IN_SHADOWS),
             false => (RADIUS_M, ERRORS),
         };
-        let own_m = scene.listener.radius;
+        let own_m = pair.listener.radius;
         let radius_m = match order < LEAST_ORDER {
             true => own_m,
-            false => reach_m(scene).min(most_m).max(own_m),
+            false => reach_m(pair).min(most_m).max(own_m),
         };
         LateSphere {
             radius_m,
@@ -95,11 +96,12 @@ impl LateSphere {
         }
     }
 
-    /// The scene with the sphere as its listener.
-    pub fn widened(&self, scene: &Scene) -> Scene {
-        let mut wide = scene.clone();
-        wide.listener.radius = self.radius_m;
-        wide
+    /// The listener with this sphere.
+    pub fn widened(&self, listener: &Listener) -> Listener {
+        Listener {
+            radius: self.radius_m,
+            ..listener.clone()
+        }
     }
 }
 
@@ -122,16 +124,16 @@ pub(in crate::response) fn casts_shadows(scene: &Scene) -> bool {
 }
 
 /// Distance from the listener's centre within which no surface changes the sound, in metres.
-fn reach_m(scene: &Scene) -> f32 {
+fn reach_m(pair: Pair) -> f32 {
     let reach = |surface: &Surface| {
-        let distance = surface.distance(scene.listener.position);
+        let distance = surface.distance(pair.listener.position);
         match surface.shape.node {
             Node::Room(_) => BEHIND_WALLS * distance,
             _ if surface.shape.gathers_sound() => 0.0,
             _ => distance,
         }
     };
-    let reaches = scene.surfaces.iter().map(reach);
+    let reaches = pair.scene.surfaces.iter().map(reach);
     reaches.fold(f32::INFINITY, f32::min)
 }
 
@@ -152,9 +154,9 @@ pub(super) struct NearScattering {
 
 impl NearScattering {
     /// Empty echograms with the bins of `like`.
-    pub fn new(scene: &Scene, late: &LateSphere, like: &Echogram) -> NearScattering {
-        let square = f64::from(late.radius_m).powi(2) / nearest_image_m2(scene);
-        let is_wider = late.radius_m > scene.listener.radius;
+    pub fn new(pair: Pair, late: &LateSphere, like: &Echogram) -> NearScattering {
+        let square = f64::from(late.radius_m).powi(2) / nearest_image_m2(pair);
+        let is_wider = late.radius_m > pair.listener.radius;
         NearScattering {
             own: like.without_arrivals(),
             wide: like.without_arrivals(),
@@ -193,8 +195,9 @@ impl NearScattering {
 /// The squared distance in m² from the listener to the nearest image of the source in a scattering surface, from
 /// distances only: for a plane, (distance between both)² + 4 · (distance of the source) · (distance of the listener). ∞
 /// without scattering.
-fn nearest_image_m2(scene: &Scene) -> f64 {
-    let (source, listener) = (scene.source.position, scene.listener.position);
+fn nearest_image_m2(pair: Pair) -> f64 {
+    let scene = pair.scene;
+    let (source, listener) = (pair.source.position, pair.listener.position);
     let apart = f64::from(source.distance_squared(listener));
     let image = |index: usize| {
         let surface = &scene.surfaces[index];
@@ -241,7 +244,10 @@ mod tests {
         let hollow = Surface::new(crate::Shape::from(Sphere { radius: 9.0 }).complement());
         let size = Vec3::new(10.0, 4.0, 6.0);
         let hollow_box = Surface::new(crate::Shape::from(Cuboid { size }).complement());
-        let radius = |surfaces, listener| LateSphere::of(&scene(surfaces, listener), 3).radius_m;
+        let radius = |surfaces, listener| {
+            let scene = scene(surfaces, listener);
+            LateSphere::of(scene.only_pair().unwrap(), 3).radius_m
+        };
         assert_eq!(radius(vec![room()], Vec3::ZERO), RADIUS_M);
         assert!((radius(vec![room()], Vec3::X * 4.6) - 0.8).abs() < 1e-5);
         assert_eq!(radius(vec![room()], Vec3::X * 4.9), 0.3);
@@ -261,15 +267,15 @@ mod tests {
         let ball = Surface::new(Sphere { radius: 0.5 }).at(Vec3::X * 3.0);
         let mut scene = scene(vec![room(), ball], Vec3::ZERO);
         let of = |scene: &Scene| {
-            let sphere = LateSphere::of(scene, 3);
+            let sphere = LateSphere::of(scene.only_pair().unwrap(), 3);
             (sphere.radius_m, sphere.errors.map(|e| e.decay_share))
         };
         assert_eq!(of(&scene), (RADIUS_IN_SHADOWS_M, Some(0.005)));
-        scene.listener.radius = 0.6;
+        scene.listeners[0].radius = 0.6;
         assert_eq!(of(&scene), (0.6, None));
         scene.surfaces.truncate(1);
         assert_eq!(of(&scene), (RADIUS_M, Some(0.003)));
-        assert_eq!(LateSphere::of(&scene, 2).radius_m, 0.6);
+        assert_eq!(LateSphere::of(scene.only_pair().unwrap(), 2).radius_m, 0.6);
     }
 
     fn corner(scattering: f64) -> Scene {
@@ -301,9 +307,12 @@ mod tests {
     /// Protects the distance of the source's image in a wall: 0.1 m and 0.4 m from it, 0.3 m and 0.4 m apart.
     #[test]
     fn the_nearest_image_is_that_of_the_source_in_its_wall() {
-        let square = nearest_image_m2(&corner(0.5));
+        let square = nearest_image_m2(corner(0.5).only_pair().unwrap());
         assert!((square - (0.5 * 0.5 + 0.4 * 0.4)).abs() < 1e-5, "{square}");
-        assert_eq!(nearest_image_m2(&corner(0.0)), f64::INFINITY);
+        assert_eq!(
+            nearest_image_m2(corner(0.0).only_pair().unwrap()),
+            f64::INFINITY
+        );
     }
 
     /// Protects figures next to scattering walls: the larger sphere gets no weight if its bias is above the noise of

@@ -215,16 +215,16 @@ impl Surface {
 impl Scene {
     /// Checks everything except the surfaces' shapes and positions.
     fn validate_sound(&self) -> Result<(), SceneError> {
-        self.few_enough("sources", 1 + self.further_sources.len())?;
-        self.few_enough("listeners", 1 + self.further_listeners.len())?;
-        for (index, source) in self.sources().enumerate() {
+        self.few_enough("sources", self.sources.len())?;
+        self.few_enough("listeners", self.listeners.len())?;
+        for (index, source) in self.sources.iter().enumerate() {
             self.validate_source(&self.source_label(index), source)?;
         }
-        for (index, listener) in self.listeners().enumerate() {
+        for (index, listener) in self.listeners.iter().enumerate() {
             self.validate_listener(&self.listener_label(index), listener)?;
         }
-        self.validate_names("sources", self.sources().map(|source| &source.name))?;
-        let listeners = self.listeners().map(|listener| &listener.name);
+        self.validate_names("sources", self.sources.iter().map(|source| &source.name))?;
+        let listeners = self.listeners.iter().map(|listener| &listener.name);
         self.validate_names("listeners", listeners)?;
         self.validate_air()?;
         for (name, material) in &self.materials {
@@ -370,7 +370,7 @@ impl Scene {
     /// Returns warnings about the scene in its current state; it can still be traced.
     pub fn warnings(&self) -> Vec<Warning> {
         let mut warnings = self.odd_sources();
-        for (index, listener) in self.listeners().enumerate() {
+        for (index, listener) in self.listeners.iter().enumerate() {
             if let Some((surface, depth)) = self.solid_at(listener.position) {
                 let listener = self.listener_label(index);
                 warnings.push(Warning::ListenerInsideSurface {
@@ -424,7 +424,7 @@ impl Scene {
     /// Warns of sources in solids and in listeners.
     fn odd_sources(&self) -> Vec<Warning> {
         let mut warnings = Vec::new();
-        for (index, from) in self.sources().enumerate() {
+        for (index, from) in self.sources.iter().enumerate() {
             let source = self.source_label(index);
             if let Some((surface, depth)) = self.solid_at(from.position) {
                 warnings.push(Warning::SourceInsideSurface {
@@ -434,7 +434,7 @@ impl Scene {
                 });
                 continue;
             }
-            for (index, at) in self.listeners().enumerate() {
+            for (index, at) in self.listeners.iter().enumerate() {
                 let distance = from.position.distance(at.position);
                 if distance < at.radius {
                     warnings.push(Warning::SourceInsideListener {

@@ -27,9 +27,9 @@ fn bad_numbers_are_refused() {
         },
         |s| s.surfaces[0].shape = Node::Sphere(Sphere { radius: f32::NAN }).into(),
         |s| s.surfaces[0].position.x = f32::INFINITY,
-        |s| s.source.position.y = f32::NAN,
-        |s| s.listener.radius = 0.0,
-        |s| s.listener.yaw = f32::INFINITY,
+        |s| s.sources[0].position.y = f32::NAN,
+        |s| s.listeners[0].radius = 0.0,
+        |s| s.listeners[0].yaw = f32::INFINITY,
     ];
     for (index, spoil) in spoil.iter().enumerate() {
         let mut scene = room();
@@ -46,8 +46,8 @@ fn hall() -> Scene {
     let mut scene = Scene::new("hall", vec![room.with_material("own")], source, listener);
     let own = Material::absorbing(0.5);
     scene.materials.insert("own".into(), own);
-    scene.further_sources.push(Source::at(Vec3::Z));
-    scene.further_listeners.push(Listener::at(-Vec3::Z, 0.3));
+    scene.sources.push(Source::at(Vec3::Z));
+    scene.listeners.push(Listener::at(-Vec3::Z, 0.3));
     scene.air = Some(Air::default());
     scene
 }
@@ -56,12 +56,12 @@ fn hall() -> Scene {
 #[test]
 fn one_of_several_is_called_by_its_number() {
     let mut scene = hall();
-    scene.further_listeners[0].name = Some("seat".to_owned());
+    scene.listeners[1].name = Some("seat".to_owned());
     let labels = |scene: &Scene| [scene.source_label(0), scene.listener_label(0)];
     assert_eq!(labels(&scene), ["source 1", "listener 1"]);
     assert_eq!(scene.listener_label(1), "listener 2 (seat)");
-    scene.further_sources.clear();
-    scene.further_listeners.clear();
+    scene.sources.pop();
+    scene.listeners.pop();
     assert_eq!(labels(&scene), ["the source", "the listener"]);
 }
 
@@ -70,8 +70,8 @@ fn one_of_several_is_called_by_its_number() {
 fn no_name_is_the_number_of_another() {
     let named = |first: Option<&str>, second: Option<&str>| {
         let mut scene = hall();
-        scene.source.name = first.map(str::to_owned);
-        scene.further_sources[0].name = second.map(str::to_owned);
+        scene.sources[0].name = first.map(str::to_owned);
+        scene.sources[1].name = second.map(str::to_owned);
         scene.validate().map_err(|refused| refused.to_string())
     };
     for (first, second) in [(Some("2"), None), (None, Some("1"))] {
@@ -95,19 +95,19 @@ fn bad_sound_is_refused_by_its_name() {
     type Spoil = fn(&mut Scene);
     let cases: [(Spoil, &str); 13] = [
         (
-            |s| s.further_sources = vec![Source::at(Vec3::Z); 256],
+            |s| s.sources = vec![Source::at(Vec3::Z); 257],
             "the number of its sources must be at most 256, not 257",
         ),
         (
-            |s| s.further_sources[0].position.x = f32::NAN,
+            |s| s.sources[1].position.x = f32::NAN,
             "source 2's position must be finite",
         ),
         (
-            |s| s.source.level_db = 121.0,
+            |s| s.sources[0].level_db = 121.0,
             "source 1's level in decibels must be -120 to 120, not 121",
         ),
         (
-            |s| s.further_listeners[0].radius = 0.0,
+            |s| s.listeners[1].radius = 0.0,
             "listener 2's radius in metres must be greater than 0",
         ),
         (
@@ -167,8 +167,8 @@ fn bad_sound_is_refused_by_its_name() {
         ),
         (
             |s| {
-                s.source.name = Some("flute".into());
-                s.further_sources[0].name = Some("flute".into());
+                s.sources[0].name = Some("flute".into());
+                s.sources[1].name = Some("flute".into());
             },
             "scene \"hall\": two of the sources are called \"flute\"",
         ),
@@ -225,14 +225,14 @@ fn what_has_no_material_is_told() {
 fn odd_places_are_warned_of() {
     let mut scene = room();
     assert_eq!(scene.warnings(), vec![]);
-    scene.source.position.x = 6.0;
+    scene.sources[0].position.x = 6.0;
     assert!(matches!(&scene.warnings()[..],
         [Warning::SourceInsideSurface { surface, depth, .. }] if surface == "the solid around surface 1 (Room)" && *depth == 1.0));
     // Inside both solids no wave arrives: only the solid is reported.
-    scene.listener.position.x = 5.5;
+    scene.listeners[0].position.x = 5.5;
     assert_eq!(scene.warnings().len(), 2);
-    scene.listener.position.x = 0.0;
-    scene.source.position.x = 0.5;
+    scene.listeners[0].position.x = 0.0;
+    scene.sources[0].position.x = 0.5;
     assert!(matches!(
         scene.warnings()[..],
         [Warning::SourceInsideListener { .. }]

@@ -147,22 +147,22 @@ impl BasedFile<'_> {
             scene.air = Some(air.change(scene.air));
         }
         one_form::<SourceFile>(self.source.is_some(), self.sources.is_some())?;
-        if let Some(source) = &self.source {
-            source.change(&mut scene.source);
-            let names = scene.sources().map(|source| &source.name);
+        if let (Some(source), Some(first)) = (&self.source, scene.sources.first_mut()) {
+            source.change(first);
+            let names = scene.sources.iter().map(|source| &source.name);
             once_each::<SourceFile>(names)?;
         }
         if let Some(sources) = &self.sources {
-            (scene.source, scene.further_sources) = sources.read(SourceFile::read);
+            scene.sources = sources.read(SourceFile::read);
         }
         one_form::<ListenerFile<FixedRadius>>(self.listener.is_some(), self.listeners.is_some())?;
-        if let Some(listener) = &self.listener {
-            listener.change(&mut scene.listener);
-            let names = scene.listeners().map(|listener| &listener.name);
+        if let (Some(listener), Some(first)) = (&self.listener, scene.listeners.first_mut()) {
+            listener.change(first);
+            let names = scene.listeners.iter().map(|listener| &listener.name);
             once_each::<ListenerFile<FixedRadius>>(names)?;
         }
         if let Some(listeners) = &self.listeners {
-            (scene.listener, scene.further_listeners) = listeners.read(ListenerFile::read);
+            scene.listeners = listeners.read(ListenerFile::read);
         }
         Ok(())
     }
@@ -354,9 +354,12 @@ impl BasedScene {
             *list = in_ron(&sources(scene));
             return;
         }
+        let Some(first) = scene.sources.first() else {
+            return;
+        };
         let kept: KeptSource = self.said("source");
         let kept = again([("name", kept.name), ("level_db", kept.level_db)]);
-        let position = point(scene.source.position);
+        let position = point(first.position);
         let text = format!("Source({kept}position: {position})");
         self.fields.insert("source", text);
     }
@@ -368,9 +371,11 @@ impl BasedScene {
             *list = in_ron(&listeners(scene));
             return;
         }
+        let Some(listener) = scene.listeners.first() else {
+            return;
+        };
         let kept: KeptListener = self.said("listener");
         let kept = again([("name", kept.name)]);
-        let listener = &scene.listener;
         let text = format!(
             "Listener({kept}position: {}, yaw: {}, pitch: {}, radius: {})",
             point(listener.position),

@@ -197,13 +197,14 @@ impl SceneFile {
         let listeners = Several::needed(self.listener, self.listeners)?;
         let surfaces = self.surfaces.into_iter();
         let surfaces: Result<_, SceneError> = surfaces.map(|s| s.read(files)).collect();
-        let (source, further_sources) = sources.read(SourceFile::read);
-        let (listener, further_listeners) = listeners.read(ListenerFile::read);
-        let mut scene = Scene::new(self.name.0, surfaces?, source, listener);
-        scene.further_sources = further_sources;
-        scene.further_listeners = further_listeners;
-        scene.materials = self.materials.0;
-        scene.air = self.air.map(|air| air.change(None));
+        let scene = Scene {
+            name: self.name.0,
+            surfaces: surfaces?,
+            materials: self.materials.0,
+            air: self.air.map(|air| air.change(None)),
+            sources: sources.read(SourceFile::read),
+            listeners: listeners.read(ListenerFile::read),
+        };
         check_materials(&scene)?;
         Ok(scene)
     }

@@ -28,8 +28,8 @@ use std::collections::BTreeMap;
 /// ```
 ///
 /// Rotations are written as three angles in degrees, so the last places of what is read may differ.
-/// A scene is read in its state at time 0. A scene that [`Scene::check`] rejects is neither written
-/// nor read.
+/// A scene is read in its state at time 0. A scene that [`Scene::check`] rejects, or without a source
+/// or a listener, is neither written nor read.
 impl Serialize for Scene {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         self.check().map_err(ser::Error::custom)?;
@@ -45,16 +45,22 @@ impl Serialize for Scene {
             fields.push(("materials", Written::Map(materials.collect())));
         }
         fields.extend(self.air.map(|of| ("air", air(of))));
-        fields.push(match self.further_sources.is_empty() {
-            true => ("source", source(&self.source)),
-            false => ("sources", sources(self)),
+        fields.push(match &self.sources[..] {
+            [] => return Err(ser::Error::custom(none_of(self, "source"))),
+            [only] => ("source", source(only)),
+            _ => ("sources", sources(self)),
         });
-        fields.push(match self.further_listeners.is_empty() {
-            true => ("listener", listener(&self.listener)),
-            false => ("listeners", listeners(self)),
+        fields.push(match &self.listeners[..] {
+            [] => return Err(ser::Error::custom(none_of(self, "listener"))),
+            [only] => ("listener", listener(only)),
+            _ => ("listeners", listeners(self)),
         });
         Written::Struct("Scene", fields).serialize(serializer)
     }
+}
+
+fn none_of(scene: &Scene, what: &str) -> String {
+    format!("scene {:?} has no {what}, and a file needs one", scene.name)
 }
 
 /// Files that the scene names are relative to the current folder.
@@ -71,12 +77,12 @@ impl<'de> Deserialize<'de> for Scene {
 
 /// All sources, in order.
 pub(super) fn sources(of: &Scene) -> Written {
-    Written::List(of.sources().map(source).collect())
+    Written::List(of.sources.iter().map(source).collect())
 }
 
 /// All listeners, in order.
 pub(super) fn listeners(of: &Scene) -> Written {
-    Written::List(of.listeners().map(listener).collect())
+    Written::List(of.listeners.iter().map(listener).collect())
 }
 
 fn material(of: &Material) -> Written {
@@ -393,8 +399,18 @@ mod tests {
     #[test]
     fn an_unsound_scene_is_not_written() {
         let mut scene = Scene::builtin("corner").unwrap();
-        scene.listener.radius = f32::NAN;
+        scene.listeners[0].radius = f32::NAN;
         assert!(ron::to_string(&scene).is_err());
+        for clear in [
+            |scene: &mut Scene| scene.sources.clear(),
+            |scene: &mut Scene| scene.listeners.clear(),
+        ] {
+            let mut scene = Scene::builtin("corner").unwrap();
+            clear(&mut scene);
+            scene.check().unwrap();
+            let refused = ron::to_string(&scene).unwrap_err().to_string();
+            assert!(refused.contains("and a file needs one"), "{refused}");
+        }
         assert!(serde_json::from_str::<Scene>("{}").is_err());
     }
 }

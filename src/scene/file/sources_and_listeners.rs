@@ -179,10 +179,7 @@ impl<R> Placed for ListenerFile<R> {
 }
 
 /// A list of at least one element, with distinct names.
-pub(super) struct Several<T> {
-    first: T,
-    further: Vec<T>,
-}
+pub(super) struct Several<T>(Vec<T>);
 
 /// Rejects a scene that uses both forms, `source: …` and `sources: […]`.
 pub(super) fn one_form<T: Placed>(one: bool, several: bool) -> Result<(), Refused> {
@@ -197,10 +194,7 @@ impl<T: Placed> Several<T> {
     /// The values of a scene in whichever of the two forms it uses.
     pub fn needed(one: Option<T>, several: Option<Several<T>>) -> Result<Several<T>, Refused> {
         one_form::<T>(one.is_some(), several.is_some())?;
-        let alone = |first| Several {
-            first,
-            further: Vec::new(),
-        };
+        let alone = |only| Several(vec![only]);
         one.map(alone).or(several).ok_or_else(|| {
             let (one, several, notation) = (T::ONE, T::SEVERAL, T::NOTATION);
             let why = format!(
@@ -210,9 +204,9 @@ impl<T: Placed> Several<T> {
         })
     }
 
-    /// Converts the first and the further ones.
-    pub fn read<U>(&self, read: impl Fn(&T) -> U) -> (U, Vec<U>) {
-        (read(&self.first), self.further.iter().map(&read).collect())
+    /// Converts all of them.
+    pub fn read<U>(&self, read: impl Fn(&T) -> U) -> Vec<U> {
+        self.0.iter().map(read).collect()
     }
 }
 
@@ -233,16 +227,7 @@ impl<'de, T: Placed + Deserialize<'de>> Visitor<'de> for OneAtLeast<T> {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Several<T>, A::Error> {
-        let Some(first) = list.next_element::<T>()? else {
-            let why = format!("{} need at least one", T::SEVERAL);
-            return Err(A::Error::custom(why));
-        };
-        let mut known: HashSet<String> = first
-            .name()
-            .map(|name| name.0.clone())
-            .into_iter()
-            .collect();
-        let mut further = Vec::new();
+        let (mut all, mut known) = (Vec::new(), HashSet::new());
         while let Some(next) = list.next_element::<T>()? {
             if let Some(Name(name)) = next.name()
                 && !known.insert(name.clone())
@@ -250,12 +235,16 @@ impl<'de, T: Placed + Deserialize<'de>> Visitor<'de> for OneAtLeast<T> {
                 let why = format!("two of the {} are called {name:?}", T::SEVERAL);
                 return Err(A::Error::custom(why));
             }
-            further.push(next);
-            if further.len() == MOST_PLACED {
+            if all.len() == MOST_PLACED {
                 let why = format!("a scene has at most {MOST_PLACED} {}", T::SEVERAL);
                 return Err(A::Error::custom(why));
             }
+            all.push(next);
         }
-        Ok(Several { first, further })
+        if all.is_empty() {
+            let why = format!("{} need at least one", T::SEVERAL);
+            return Err(A::Error::custom(why));
+        }
+        Ok(Several(all))
     }
 }

@@ -56,7 +56,7 @@ fn only_what_is_named_differs_from_the_base() {
 
     let mut expected = hall.clone();
     expected.name = "small".into();
-    expected.source = Source::at(Vec3::Y);
+    expected.sources[0] = Source::at(Vec3::Y);
     expected.set_value("door", 60.0).unwrap();
     let text = r#"// The base may stand anywhere.
         (values: [Value("door", 60)], source: (position: (0, 1, 0)), name: "small", base: "hall.ron")"#;
@@ -65,14 +65,14 @@ fn only_what_is_named_differs_from_the_base() {
     // A listener with a given position has no path; a radius alone does not move it.
     let listener = |said: &str| {
         let text = format!(r#"Scene(base: "hall.ron", listener: Listener({said}))"#);
-        folder.read(&text).unwrap().listener
+        folder.read(&text).unwrap().listeners.remove(0)
     };
-    let mut turned = hall.listener.clone();
+    let mut turned = hall.listeners[0].clone();
     turned.yaw = 0.5f32.to_degrees().to_radians();
     turned.path = KeyPath::default();
     let read = listener(&format!("yaw: {}", 0.5f32.to_degrees()));
     assert_eq!(read, turned);
-    let mut wide = hall.listener.clone();
+    let mut wide = hall.listeners[0].clone();
     wide.radius = 2.5;
     assert_eq!(listener("radius: 2.5"), wide);
     let walks = listener("path: [Key(time: 0, position: (3, 0, 0), yaw: 90)]");
@@ -96,7 +96,7 @@ fn a_base_is_a_built_in_scene_or_a_file_beside() {
     let text = r#"Scene(base: "menger", listener: Listener(radius: 0.5))"#;
     let menger = Scene::from_ron(text, "text").unwrap();
     assert_eq!(menger.user_fields().count(), 1);
-    assert_eq!(menger.listener.radius, 0.5);
+    assert_eq!(menger.listeners[0].radius, 0.5);
 }
 
 /// Each error names the file that it is in, and the line there.
@@ -230,7 +230,7 @@ fn a_base_is_watched_and_never_replaced() {
     assert!(crate::file_input::is_input(&folder.path("hall.ron")));
     let mut settled = || (0..3).find_map(|_| watch.poll());
     folder.write("hall.ron", &HALL.replace("radius: 1,", "radius: 1.5,"));
-    assert_eq!(settled().unwrap().unwrap().listener.radius, 1.5);
+    assert_eq!(settled().unwrap().unwrap().listeners[0].radius, 1.5);
     folder.write("hall.ron", "Scene(");
     assert!(settled().unwrap().is_err());
     folder.write("hall.ron", HALL);

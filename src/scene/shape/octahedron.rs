@@ -55,7 +55,7 @@ mod tests {
         for profile in [Profile::Hybrid, Profile::March] {
             let settings = Settings::new(profile).with_waves(4096).with_iterations(1);
             let (_, waves) = tracer.frame_with_waves(&scene, &settings).unwrap();
-            let start = scene.source.position.as_dvec3();
+            let start = scene.sources[0].position.as_dvec3();
             let (mut met, mut differ) = ([0; 2], 0);
             for wave in &waves {
                 let hit = exact.closest_hit(start, wave.start_direction.as_dvec3());

@@ -53,7 +53,9 @@ void main() {
         data.set(&heights(&assets)).unwrap();
         let values = world_values(scene, Lists::Lines);
         program.set_vec4_array("uSurfaces", &values);
-        let listener = scene.listener.position.extend(scene.listener.radius);
+        let listener = scene.listeners[0]
+            .position
+            .extend(scene.listeners[0].radius);
         program.set_vec4("uListener", listener);
         program.set_i32("uCopySteps", MAX_COPY_STEPS as i32);
         Asked {

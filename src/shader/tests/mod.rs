@@ -77,8 +77,8 @@ fn only_the_shapes_of_the_scene_are_in_its_text() {
 fn moving_and_resizing_leaves_the_text_alone() {
     let scene = Scene::builtin("open-pillars").unwrap();
     let mut moved = scene.clone();
-    moved.source.position.x += 1.0;
-    moved.listener.radius *= 2.0;
+    moved.sources[0].position.x += 1.0;
+    moved.listeners[0].radius *= 2.0;
     for surface in &mut moved.surfaces {
         surface.position.z -= 1.0;
     }

@@ -43,7 +43,7 @@ pub fn arrivals(
 /// The scene with the listener at a place that waves never reach.
 pub fn without_listener(scene: &Scene, nowhere: Vec3) -> ExactScene {
     let mut scene = scene.clone();
-    scene.listener = Listener::at(nowhere, 1e-3);
+    scene.listeners[0] = Listener::at(nowhere, 1e-3);
     ExactScene::new(&scene).unwrap()
 }
 
@@ -54,7 +54,7 @@ fn crossings(
     direction: DVec3,
     iterations: u32,
 ) -> Vec<Crossing> {
-    let start = scene.source.position.as_dvec3();
+    let start = scene.sources[0].position.as_dvec3();
     let end = exact.trace(start, direction, iterations);
     let path = exact.trace_path(start, direction, iterations);
     let mut places: Vec<DVec3> = path.iter().map(|vertex| vertex.point).collect();
@@ -67,7 +67,7 @@ fn crossings(
     for (reflections, flight) in places.windows(2).enumerate() {
         let way = flight[1] - flight[0];
         let t = way.length();
-        if let Some((enters, leaves, depth)) = through(&scene.listener, flight[0], way / t, t) {
+        if let Some((enters, leaves, depth)) = through(&scene.listeners[0], flight[0], way / t, t) {
             all.push(Crossing {
                 length: length + 0.5 * (enters + leaves),
                 chord: leaves - enters,
@@ -122,7 +122,7 @@ fn is_same(
     let off = (allowed.off)(exact.reflections);
     let chord = arrival.energy[0] / unit;
     // A record rounds the chord to 2^-16 of four radii at 64 iterations.
-    let radius = f64::from(scene.listener.radius);
+    let radius = f64::from(scene.listeners[0].radius);
     let chord_off = chord_error(radius, exact.depth, off) + radius * 2f64.powi(-14);
     (arrival.length_m - exact.length).abs() <= off + chord_off
         && (chord - exact.chord).abs() <= chord_off
@@ -324,10 +324,11 @@ fn parts_and_given_starts_are_the_same_waves() {
                 surface.material = Some("wall".to_owned());
             }
             let (all, counts) = arrivals(&mut tracer, &scene, &settings, &how);
+            let pair = scene.only_pair().unwrap();
             let mut of = |waves: &WavesToFollow| {
                 let mut some = Vec::new();
                 let mut take = |arrival: Arrival| some.push(arrival);
-                let followed = tracer.arrivals_of(&scene, &settings, &how, waves, &mut take);
+                let followed = tracer.arrivals_of(pair, &settings, &how, waves, &mut take);
                 some.sort_by_key(|arrival| arrival.wave);
                 (some, followed.unwrap())
             };
@@ -389,7 +390,13 @@ fn given_starts_go_on_from_block_to_block() {
     let mut given = Vec::new();
     let mut take = |arrival: Arrival| given.push(arrival);
     tracer
-        .arrivals_of(&scene, &settings, &how, &waves, &mut take)
+        .arrivals_of(
+            scene.only_pair().unwrap(),
+            &settings,
+            &how,
+            &waves,
+            &mut take,
+        )
         .unwrap();
     given.sort_by_key(|arrival| arrival.wave);
     assert!(all.iter().any(|arrival| arrival.wave >= WAVES_IN_BLOCK));

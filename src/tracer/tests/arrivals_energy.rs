@@ -104,7 +104,7 @@ fn reflections_take(context: &Context, scene: &Scene) {
         let (all, _) = arrivals(&mut tracer, scene, &settings, &how);
         assert_eq!(all.len(), mirrored.len());
         let exact = without_listener(scene, Vec3::new(0.0, 0.0, 100.0));
-        let from = scene.source.position.as_dvec3();
+        let from = scene.sources[0].position.as_dvec3();
         let mut compared = 0;
         for (arrival, bare) in all.iter().zip(&mirrored) {
             assert!((arrival.length_m - bare.length_m).abs() < 1e-4);
@@ -193,8 +193,12 @@ fn what_takes_all_silences() {
     let settings = Settings::hybrid().with_waves(20_000);
     let (all, counts) = arrivals(&mut tracer(), &scene, &settings, &ArrivalSettings::new(0.5));
     assert_eq!(counts.energy_under_way, [0.0; BAND_COUNT]);
-    let apart = f64::from(scene.source.position.distance(scene.listener.position));
-    let radius = f64::from(scene.listener.radius);
+    let apart = f64::from(
+        scene.sources[0]
+            .position
+            .distance(scene.listeners[0].position),
+    );
+    let radius = f64::from(scene.listeners[0].radius);
     assert!(!all.is_empty());
     for arrival in &all {
         // The middle of the chord is on the sphere whose diameter is the line from source to listener.
@@ -301,8 +305,15 @@ fn scattering_takes_its_share() {
             assert!((energy / whole - part).abs() < 1e-9, "{arrival:?}");
         }
     };
+    let scene = room(material);
     tracer()
-        .arrivals_of(&room(material), &settings, &how, &together, &mut is_part)
+        .arrivals_of(
+            scene.only_pair().unwrap(),
+            &settings,
+            &how,
+            &together,
+            &mut is_part,
+        )
         .unwrap();
     assert!(mirrored > 20 && scattered > 20, "{mirrored} {scattered}");
     let (all, _) = arrivals(

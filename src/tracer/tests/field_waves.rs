@@ -45,8 +45,8 @@ fn scene(entry: &Entry) -> Option<Scene> {
     }
     let from = *places.first()?;
     let far = |p: &&Vec3| p.distance(from) > 0.02 * room;
-    scene.source = Source::at(from);
-    scene.listener = Listener::at(*places.iter().find(far)?, 0.005 * room);
+    scene.sources[0] = Source::at(from);
+    scene.listeners[0] = Listener::at(*places.iter().find(far)?, 0.005 * room);
     Some(scene)
 }
 
@@ -87,7 +87,7 @@ fn waves_in_a_room_with_each_field_end_as_in_the_reference() {
             let profile = settings.profile();
             let settings = settings.with_waves(WAVES).with_iterations(2);
             let (_, waves) = tracer.frame_with_waves(&scene, &settings).unwrap();
-            let start = scene.source.position.as_dvec3();
+            let start = scene.sources[0].position.as_dvec3();
             let mut told = false;
             for wave in &waves {
                 let direction = wave.start_direction.as_dvec3();

@@ -15,7 +15,7 @@ fn gpu_frames_do_not_mind_what_others_make_current() {
         let settings = Settings::hybrid().with_waves(4096);
         let near = Scene::builtin("corner").unwrap();
         let mut far = near.clone();
-        far.listener.position.x -= 4.0;
+        far.listeners[0].position.x -= 4.0;
         let mut alone = Tracer::new(&context(Api::Gl)).unwrap();
         let [of_near, of_far] = [&near, &far].map(|s| alone.frame(s, &settings).unwrap().counts);
         assert_ne!(of_near, of_far);

@@ -200,8 +200,8 @@ fn waves_without_a_normal_die() {
         surfaces: vec![room],
         ..builtin("corner")
     };
-    scene.source.position = Vec3::ZERO;
-    scene.listener.position = Vec3::new(5.0, 0.0, 0.0);
+    scene.sources[0].position = Vec3::ZERO;
+    scene.listeners[0].position = Vec3::new(5.0, 0.0, 0.0);
     let options = ThesisOptions::default().with_start_offset(0.0);
     let settings = Settings::new(options).with_waves(64).with_iterations(1);
     for_each_api(|context| {
@@ -210,7 +210,7 @@ fn waves_without_a_normal_die() {
         assert_eq!((counts.dead, counts.not_finite), (64, 0));
         assert!(pairs.iter().all(Pair::is_same));
         let mut heard = scene.clone();
-        heard.listener.position = Vec3::ZERO;
+        heard.listeners[0].position = Vec3::ZERO;
         let (frame, pairs) = trace_both(context, &heard, &settings);
         assert_eq!(frame.counts.listener_hits, 64);
         assert!(pairs.iter().all(Pair::is_same));

@@ -58,7 +58,7 @@ fn everything_that_is_said_is_in_the_scene() {
         pressure: 101.325,
     };
     assert_eq!(scene.air, Some(air));
-    let sources: Vec<&Source> = scene.sources().collect();
+    let sources: Vec<&Source> = scene.sources.iter().collect();
     assert_eq!(sources[0].name.as_deref(), Some("flute"));
     assert_eq!((sources[0].position.x, sources[0].level_db), (3.0, -6.0));
     assert_eq!(
@@ -66,9 +66,13 @@ fn everything_that_is_said_is_in_the_scene() {
         (None, 0.0)
     );
     assert_eq!((sources[1].position, scene.duration()), (Vec3::Y, 3.0));
-    let radii: Vec<f32> = scene.listeners().map(|listener| listener.radius).collect();
+    let radii: Vec<f32> = scene
+        .listeners
+        .iter()
+        .map(|listener| listener.radius)
+        .collect();
     assert_eq!(radii, [0.1, 0.2]);
-    assert_eq!(scene.listener.yaw, 30f32.to_radians());
+    assert_eq!(scene.listeners[0].yaw, 30f32.to_radians());
 }
 
 /// Protects the two forms: a list of one source or listener equals the short form.
@@ -254,7 +258,7 @@ fn a_scene_has_so_many_sources_and_listeners_at_the_most() {
         );
         Scene::from_ron(&text, "text").map_err(|error| error.to_string())
     };
-    assert_eq!(read(256).unwrap().listeners().count(), 256);
+    assert_eq!(read(256).unwrap().listeners.len(), 256);
     let said = read(257).unwrap_err();
     assert!(said.starts_with("text:2:"), "{said}");
     assert!(said.ends_with("a scene has at most 256 sources"), "{said}");
@@ -283,19 +287,19 @@ fn sound_of_a_base_stays_unless_it_is_named() {
         humidity: 20.0,
         ..hall.air.unwrap()
     });
-    expected.source.level_db = 3.0;
-    expected.listener.name = Some("seat".into());
+    expected.sources[0].level_db = 3.0;
+    expected.listeners[0].name = Some("seat".into());
     let said = "materials: {\"mat\": Material(absorption: 0.5)}, air: Air(humidity: 20), \
                 source: Source(level_db: 3), listener: Listener(name: \"seat\")";
     assert_eq!(changed(said).unwrap(), expected);
 
     let alone = changed("sources: [Source(position: (0, 1, 0))]").unwrap();
-    assert_eq!(alone.sources().count(), 1);
+    assert_eq!(alone.sources.len(), 1);
     assert_eq!(
-        (alone.source.position, &alone.source.name),
+        (alone.sources[0].position, &alone.sources[0].name),
         (Vec3::Y, &None)
     );
-    assert_eq!(alone.listeners().count(), 2);
+    assert_eq!(alone.listeners.len(), 2);
 
     for (said, told) in [
         (
@@ -395,16 +399,16 @@ fn drawn(random: &mut Random) -> Scene {
         pressure: 100.0 + (1024.0 * random.unit()).round() / 1024.0,
     });
     let count = |random: &mut Random| 1 + (3.0 * random.unit()) as i32;
-    scene.further_sources = (1..count(random)).map(|i| source(i, random)).collect();
-    scene.further_listeners = (1..count(random)).map(|i| listener(i, random)).collect();
+    let sources = (1..count(random)).map(|i| source(i, random));
+    scene.sources.extend(sources);
+    let listeners = (1..count(random)).map(|i| listener(i, random));
+    scene.listeners.extend(listeners);
     scene
 }
 
 /// The scene with angles set to 0: they are converted through degrees; everything else is the same to the bit.
 fn without_angles(mut scene: Scene) -> Scene {
-    let mut listeners = vec![&mut scene.listener];
-    listeners.extend(&mut scene.further_listeners);
-    for listener in listeners {
+    for listener in &mut scene.listeners {
         (listener.yaw, listener.pitch) = (0.0, 0.0);
         let keys = listener.path.keys().iter().map(|key| Key {
             yaw: 0.0,
@@ -413,9 +417,7 @@ fn without_angles(mut scene: Scene) -> Scene {
         });
         listener.path = Path::new(keys.collect()).unwrap();
     }
-    let mut sources = vec![&mut scene.source];
-    sources.extend(&mut scene.further_sources);
-    for source in sources {
+    for source in &mut scene.sources {
         let keys = source.path.keys().iter().map(|key| Key {
             yaw: 0.0,
             pitch: 0.0,
@@ -437,7 +439,7 @@ fn a_scene_is_read_as_it_was_written() {
             serde_json::from_str(&json).unwrap_or_else(|e| panic!("{e}\n{json}"));
         for read in [read(&ron), from_json] {
             // Within a rounding of degrees: angles are at most 9.
-            let pairs = read.listeners().zip(scene.listeners());
+            let pairs = read.listeners.iter().zip(&scene.listeners);
             let turned = pairs.map(|(a, b)| (a.yaw - b.yaw).abs().max((a.pitch - b.pitch).abs()));
             assert!(
                 turned.fold(0.0, f32::max) <= 9.0 * f32::EPSILON,

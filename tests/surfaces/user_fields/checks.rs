@@ -158,7 +158,7 @@ fn a_checked_field_has_its_distance_on_the_cpu() {
         // The second, identical field uses the samples of the first.
         let second = scene.surfaces[2].position;
         assert!(scene.surface_distance(second).distance < -0.9);
-        scene.source.position = second;
+        scene.sources[0].position = second;
         let frame = tracer.frame(&scene, &settings(Profile::Hybrid)).unwrap();
         assert_eq!((frame.counts.dead, frame.counts.listener_hits), (4096, 0));
     });

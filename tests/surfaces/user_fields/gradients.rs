@@ -217,7 +217,7 @@ fn a_wave_that_meets_a_tip_is_mirrored() {
         }";
     let mut scene = scene(&[user(text, 1.0)]);
     scene.surfaces[1].position = Vec3::ZERO;
-    scene.source = Source::at(Vec3::new(0.0, 4.0, 0.0));
+    scene.sources[0] = Source::at(Vec3::new(0.0, 4.0, 0.0));
     let mut tracer = Tracer::new(&context(Api::Gl)).unwrap();
     for profile in [Profile::Hybrid, Profile::March] {
         let settings = Settings::new(profile).with_iterations(1);

@@ -1,7 +1,7 @@
 //! The files of `echomarch impulse`.
 
 use super::Arguments;
-use super::pairs::Pair;
+use super::pairs::NamedPair;
 use anyhow::anyhow;
 use echomarch::Error;
 use echomarch::audio::WavWriter;
@@ -18,7 +18,7 @@ use std::path::Path;
 pub fn write(
     arguments: &Arguments,
     format: &Format,
-    pair: &Pair,
+    pair: &NamedPair,
     response: &Response,
 ) -> anyhow::Result<()> {
     if let Some(file) = &arguments.output {
@@ -30,7 +30,9 @@ pub fn write(
     if let Some(file) = &arguments.plot {
         let title = format!(
             "{}: source {}, listener {}",
-            pair.scene.name, pair.source, pair.listener
+            pair.pair.scene().name,
+            pair.source,
+            pair.listener
         );
         let svg = decay_plot::svg(&title, response);
         let svg = svg.map_err(|error| anyhow!("cannot draw the plot: {error}"))?;
@@ -43,10 +45,10 @@ fn write_wav(
     arguments: &Arguments,
     file: &Path,
     format: &Format,
-    pair: &Pair,
+    pair: &NamedPair,
     response: &Response,
 ) -> anyhow::Result<()> {
-    let axes = ListenerAxes::of(&pair.scene.listener).map_err(Error::from)?;
+    let axes = ListenerAxes::of(pair.pair.listener()).map_err(Error::from)?;
     let mut settings = ImpulseSettings::new(response.seconds);
     settings.rate_hz = arguments.rate;
     settings.format = format.clone();

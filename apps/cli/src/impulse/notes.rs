@@ -3,9 +3,9 @@
 use super::super::options::Common;
 use super::flutter;
 use super::missing;
-use super::pairs::Pair;
+use super::pairs::NamedPair;
 use echomarch::response::{HeardPath, Response};
-use echomarch::scene::{Scene, Surface, Warning};
+use echomarch::scene::{Pair, Scene, Surface, Warning};
 
 /// Printed before waves are traced, because tracing takes long where sound does not decay.
 const NOTHING_ABSORBS: &str = "note: no surface absorbs in this scene: where sound cannot leave it, it does not decay, and figures will be missing; give its surfaces a material (docs/scene-format.md)";
@@ -23,9 +23,9 @@ struct Note {
 
 /// Returns the sentences about a response for the JSON, including the one about surfaces without a material, which the
 /// text output prints when the scene is loaded.
-pub fn texts(scene: &Scene, response: &Response) -> Vec<String> {
-    let notes = all(scene, response).into_iter().map(|note| note.text);
-    let of_scene = scene.warnings().into_iter();
+pub fn texts(pair: Pair, response: &Response) -> Vec<String> {
+    let notes = all(pair, response).into_iter().map(|note| note.text);
+    let of_scene = pair.scene().warnings().into_iter();
     let of_decay = of_scene.filter(|warning| matches!(warning, Warning::NoMaterial { .. }));
     notes.chain(of_decay.map(|w| w.to_string())).collect()
 }
@@ -41,11 +41,11 @@ pub fn tell_first(common: &Common, scene: &Scene) {
 }
 
 /// Prints what the responses lack: each sentence once, with the pairs it applies to.
-pub fn tell(common: &Common, scene: &Scene, heard: &[(Pair, Response)]) {
+pub fn tell(common: &Common, heard: &[(NamedPair, Response)]) {
     let mut told: Vec<(Note, Vec<String>)> = Vec::new();
     for (pair, response) in heard {
         let name = format!("source {}, listener {}", pair.source, pair.listener);
-        for note in all(scene, response) {
+        for note in all(pair.pair, response) {
             match told.iter_mut().find(|(known, _)| *known == note) {
                 Some((_, pairs)) => pairs.push(name.clone()),
                 None => told.push((note, vec![name.clone()])),
@@ -62,7 +62,8 @@ pub fn tell(common: &Common, scene: &Scene, heard: &[(Pair, Response)]) {
     }
 }
 
-fn all(scene: &Scene, response: &Response) -> Vec<Note> {
+fn all(pair: Pair, response: &Response) -> Vec<Note> {
+    let scene = pair.scene();
     let note = |text: String| Note {
         is_warning: false,
         text,
@@ -86,7 +87,7 @@ fn all(scene: &Scene, response: &Response) -> Vec<Note> {
     if response.direct().is_some_and(|direct| direct.path.is_focus) {
         notes.push(note(format!(
             "the source is so near that the size of the listener's sphere ({} m) limits the direct sound: its level is that of the sphere, not that of a point",
-            scene.listener.radius
+            pair.listener().radius
         )));
     }
     let gathered = |heard: &HeardPath| heard.path.is_focus && !heard.is_direct();

@@ -1,24 +1,31 @@
 //! The choice of sources and listeners.
 
 use super::super::exit::BadInput;
-use echomarch::scene::Scene;
+use echomarch::scene::{Pair, Scene, SceneError};
 
-/// A source and a listener of a scene.
-pub struct Pair {
+/// A source and a listener of a scene, with their names.
+pub struct NamedPair<'a> {
     /// Their names, or their numbers from 1.
     pub source: String,
     pub listener: String,
-    /// The scene with this source and this listener as the first.
-    pub scene: Scene,
+    pub pair: Pair<'a>,
+}
+
+/// The first source and the first listener, for commands without a choice (docs/scene-format.md).
+///
+/// # Errors
+/// [`SceneError::NoSuchNumber`] without one.
+pub fn first(scene: &Scene) -> Result<Pair<'_>, SceneError> {
+    scene.pair(0, 0)
 }
 
 /// Returns the pairs of the sources and listeners chosen by name or number; all pairs without a
 /// choice.
-pub fn chosen(
-    scene: &Scene,
+pub fn chosen<'a>(
+    scene: &'a Scene,
     source: Option<&str>,
     listener: Option<&str>,
-) -> Result<Vec<Pair>, BadInput> {
+) -> Result<Vec<NamedPair<'a>>, BadInput> {
     let (sources, listeners) = (scene.source_labels(), scene.listener_labels());
     let from = choose("source", &sources, source)?;
     let to = choose("listener", &listeners, listener)?;
@@ -26,11 +33,11 @@ pub fn chosen(
         .iter()
         .flat_map(|from| to.iter().map(move |to| (*from, *to)));
     let pair = |(from, to): (usize, usize)| {
-        let scene = scene.heard_by(from, to);
-        Ok(Pair {
+        let pair = scene.pair(from, to);
+        Ok(NamedPair {
             source: sources[from].clone(),
             listener: listeners[to].clone(),
-            scene: scene.map_err(|error| BadInput(error.to_string()))?,
+            pair: pair.map_err(|error| BadInput(error.to_string()))?,
         })
     };
     both.map(pair).collect()

@@ -3,7 +3,7 @@
 use super::super::numbers::tenths;
 use super::super::print;
 use super::notes;
-use super::pairs::Pair;
+use super::pairs::NamedPair;
 use echomarch::bands::{self, BAND_COUNT, BANDS_HZ, Bands};
 use echomarch::response::{BandFigures, Figures};
 use echomarch::response::{HeardPath, Response, ResponseSettings};
@@ -101,7 +101,7 @@ pub fn report<'a>(
     scene: &'a Scene,
     renderer: &'a str,
     settings: &ResponseSettings,
-    heard: &'a [(Pair, Response)],
+    heard: &'a [(NamedPair, Response)],
 ) -> Report<'a> {
     let responses = || heard.iter().map(|(_, response)| response);
     Report {
@@ -116,12 +116,12 @@ pub fn report<'a>(
         milliseconds: responses().map(|r| r.milliseconds).sum(),
         pairs: heard
             .iter()
-            .map(|(pair, response)| of_pair(scene, pair, response))
+            .map(|(pair, response)| of_pair(pair, response))
             .collect(),
     }
 }
 
-fn of_pair<'a>(scene: &Scene, pair: &'a Pair, response: &'a Response) -> PairReport<'a> {
+fn of_pair<'a>(pair: &'a NamedPair, response: &'a Response) -> PairReport<'a> {
     let Figures {
         bands,
         errors,
@@ -144,7 +144,7 @@ fn of_pair<'a>(scene: &Scene, pair: &'a Pair, response: &'a Response) -> PairRep
         left_out_share: response.left_out_share,
         search_left_out_share: response.search_left_out_share,
         followed_s: response.followed_s,
-        notes: notes::texts(scene, response),
+        notes: notes::texts(pair.pair, response),
         direct: response.direct().map(|path| DirectReport {
             delay_s: path.delay_s,
             g_db: mean_strength_db(path),
@@ -195,7 +195,7 @@ struct BandRow {
 pub fn text(
     scene: &Scene,
     settings: &ResponseSettings,
-    heard: &[(Pair, Response)],
+    heard: &[(NamedPair, Response)],
 ) -> anyhow::Result<()> {
     for (pair, response) in heard {
         print::line(&format!(

@@ -1,5 +1,6 @@
 //! Rendering as in the thesis: only the balance between left and right.
 
+use super::super::impulse::pairs::first;
 use super::super::print;
 use super::{Job, ReportHead, sounds};
 use echomarch::audio::{Mixer, Sound, WavWriter};
@@ -59,7 +60,7 @@ pub fn run(job: Job) -> anyhow::Result<()> {
     };
     offline::render(
         &mut tracer,
-        scene,
+        first(scene)?,
         &settings,
         &mut sounds[0],
         &mut mixer,

@@ -167,8 +167,8 @@ fn settings(job: &Job) -> anyhow::Result<(Vec<String>, FullSettings)> {
     response.order = options.order;
     response.seconds = options.tail;
     response.validate()?;
-    let mut settings = FullSettings::new(response);
-    settings.listener = pairs::listener(&job.scene, options.listener.as_deref())?;
+    let listener = pairs::listener(&job.scene, options.listener.as_deref())?;
+    let mut settings = FullSettings::new(response, listener);
     settings.seed = seed.into();
     Ok((job.scene.source_labels(), settings))
 }

@@ -86,7 +86,7 @@ mod tests {
 
     fn sounds(typed: &[&str]) -> Result<String, String> {
         let mut scene = Scene::builtin("open-field").expect("a built-in scene");
-        scene.further_sources = vec![Source::at(Vec3::ZERO).named("flute")];
+        scene.sources.push(Source::at(Vec3::ZERO).named("flute"));
         let typed: Result<Vec<SourceSound>, String> =
             typed.iter().map(|text| text.parse()).collect();
         let specs = of_sources(&scene, &typed?).map_err(|refused| refused.0)?;

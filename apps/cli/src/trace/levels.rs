@@ -35,8 +35,8 @@ pub fn heard(
     let how = ResponseSettings::default().with_trace_of_frames(settings);
     let mut all = Vec::new();
     for pair in chosen(scene, None, None)? {
-        let response = Response::trace(tracer, &pair.scene, &how)?;
-        let level = response.level(&pair.scene.listener);
+        let response = Response::trace(tracer, pair.pair, &how)?;
+        let level = response.level(pair.pair.listener());
         all.push(Heard {
             source: pair.source,
             listener: pair.listener,

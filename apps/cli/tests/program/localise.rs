@@ -139,7 +139,7 @@ fn the_converged_panning_is_that_of_exact_waves() {
         let exact = ExactScene::new(&scene).unwrap();
         let mut random = Random(1958);
         let directions = random.directions(waves);
-        let start = scene.source.position.as_dvec3();
+        let start = scene.sources[0].position.as_dvec3();
         let waves = exact.trace_all(start, &directions, ITERATIONS);
         let sides = waves.iter().filter_map(|wave| exact.arrival_side(wave));
         let sides: Vec<f64> = sides.collect();

@@ -5,6 +5,7 @@ use super::columns::ResponseColumns;
 use super::file::{Keep, ResponseFile, SceneFile, SettingsFile, StudyFile, Sweep};
 use super::{Case, Kept, SceneAxis, Study, StudyError, hash};
 use crate::experiment::accuracy;
+use crate::of_first_pair;
 use crate::text::in_a_line;
 use echomarch::response::ResponseSettings;
 use echomarch::scene::{Scene, SceneError};
@@ -87,7 +88,7 @@ fn scenes(
 }
 
 fn load(said: &SceneFile, folder: &Path) -> Result<Scene, SceneError> {
-    Scene::load_in(&said.of, folder)?.heard_by(0, 0)
+    Ok(of_first_pair(Scene::load_in(&said.of, folder)?))
 }
 
 /// Maximum number of values of an axis that are tried before work begins; of longer axes the ends

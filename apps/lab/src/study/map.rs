@@ -121,7 +121,7 @@ fn draw(
     let mut draw = || -> Result<(), Error> {
         let mut scene = study.posed(point.variant, point.time)?;
         if let Some(position) = study.source_of(&point) {
-            scene.source.position = position;
+            scene.sources[0].position = position;
         }
         let options = MapOptions {
             width: WIDTH,
@@ -137,7 +137,7 @@ fn draw(
                 false => viridis,
             },
         };
-        let picture = map(worker.tracer().context(), &scene, &options)?;
+        let picture = map(worker.tracer().context(), scene.only_pair()?, &options)?;
         Ok(save_png_inside(file, &picture)?)
     };
     draw().map_err(|source| StudyError::Point {

@@ -81,8 +81,10 @@ impl Study {
         cells.push(Cell::text(case.settings.directions.to_string()));
         cells.push(case.settings.waves.into());
         cells.push(case.settings.iterations.into());
-        let source = self.source_of(point).unwrap_or(posed.source.position);
-        let listener = self.listener_of(point).unwrap_or(posed.listener.position);
+        let source = self.source_of(point).unwrap_or(posed.sources[0].position);
+        let listener = self
+            .listener_of(point)
+            .unwrap_or(posed.listeners[0].position);
         for position in [source, listener] {
             cells.extend(position.to_array().map(Cell::from));
         }
@@ -102,7 +104,7 @@ impl Study {
             scene.check()?;
         }
         if let Some(radius) = self.listener_radius {
-            scene.listener.radius = radius;
+            scene.listeners[0].radius = radius;
         }
         match &self.times {
             None => Ok(scene),

@@ -58,10 +58,10 @@ impl<'a> Worker<'a> {
         let (_, scene) = self.posed.insert((key, scene));
         // Replaces the positions of the last point: an axis sets them in all points or in none.
         if let Some(position) = study.source_of(point) {
-            scene.source.position = position;
+            scene.sources[0].position = position;
         }
         if let Some(position) = study.listener_of(point) {
-            scene.listener.position = position;
+            scene.listeners[0].position = position;
         }
         let scene = &*scene;
         let settings = &study.settings[point.case].settings;

@@ -17,7 +17,7 @@ pub fn draw(ui: &mut Ui, hud: &HudState) {
         return;
     };
     style::heading(ui, "HEARD IN FULL");
-    let sources = hud.world.now.sources().enumerate();
+    let sources = hud.world.now.sources.iter().enumerate();
     for (number, source) in sources.take(MOST_SOURCES) {
         let name = match &source.name {
             Some(name) => style::plain(name),

@@ -41,9 +41,9 @@ impl Plan {
             let offset = glam::Vec2::new(p.x, p.z) - bounds.min;
             rect.min + scale * Vec2::new(offset.x, offset.y)
         };
-        if paths {
+        if let Some(source) = scene.sources.first().filter(|_| paths) {
             let stub = STUB * size.x;
-            painter.extend(path_shapes(hud.paths, scene.source.position, stub, place));
+            painter.extend(path_shapes(hud.paths, source.position, stub, place));
         }
         marks(&painter, scene, scale, place);
         let corner = rect.left_bottom() + Vec2::new(5.0, -2.0);
@@ -72,18 +72,14 @@ const FURTHER: f32 = 0.4;
 
 /// Draws the sources, the hearing listener, and the others paler; with names where there are several of a kind.
 fn marks(painter: &egui::Painter, scene: &Scene, scale: f32, place: impl Fn(Vec3) -> Pos2) {
-    for listener in &scene.further_listeners {
-        let at = place(listener.position);
-        listener_mark(painter, listener, at, scale, FURTHER);
+    if let Some((walker, others)) = scene.listeners.split_first() {
+        for listener in others {
+            let at = place(listener.position);
+            listener_mark(painter, listener, at, scale, FURTHER);
+        }
+        listener_mark(painter, walker, place(walker.position), scale, 1.0);
     }
-    listener_mark(
-        painter,
-        &scene.listener,
-        place(scene.listener.position),
-        scale,
-        1.0,
-    );
-    for source in scene.sources() {
+    for source in &scene.sources {
         let at = place(source.position);
         painter.circle_filled(at, 6.5, style::SOURCE.gamma_multiply(0.3));
         painter.circle(at, 3.5, style::SOURCE, Stroke::new(1.0, Color32::BLACK));
@@ -93,13 +89,13 @@ fn marks(painter: &egui::Painter, scene: &Scene, scale: f32, place: impl Fn(Vec3
         let font = egui::FontId::proportional(9.0);
         painter.text(at, egui::Align2::LEFT_CENTER, name, font, style::TEXT);
     };
-    if !scene.further_sources.is_empty() {
-        for (source, label) in scene.sources().zip(scene.source_labels()) {
+    if scene.sources.len() > 1 {
+        for (source, label) in scene.sources.iter().zip(scene.source_labels()) {
             name(source.position, 6.5, label);
         }
     }
-    if !scene.further_listeners.is_empty() {
-        for (listener, label) in scene.listeners().zip(scene.listener_labels()) {
+    if scene.listeners.len() > 1 {
+        for (listener, label) in scene.listeners.iter().zip(scene.listener_labels()) {
             name(listener.position, radius_of(listener, scale), label);
         }
     }

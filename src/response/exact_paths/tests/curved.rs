@@ -115,7 +115,7 @@ fn a_ball_mirrors_the_energy_that_it_intercepts() {
         let listener = DVec3::new(angle.cos(), angle.sin(), 0.0) * far;
         let ends = Ends {
             listener,
-            ..Ends::of(&scene)
+            ..Ends::of(scene.only_pair().unwrap())
         };
         // Half way between both ends, seen from the ball.
         let normal = (listener.normalize() + DVec3::X + DVec3::Y * 1e-9).normalize();
@@ -155,7 +155,7 @@ fn any_number_of_threads_finds_the_same() {
         Vec3::new(-1.0, 1.0, 0.0),
     );
     let early = EarlyPaths::new(&scene).expect("a valid scene");
-    let ends = Ends::of(&scene);
+    let ends = Ends::of(scene.only_pair().unwrap());
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         pool.expect("threads").install(|| {
@@ -243,7 +243,7 @@ fn two_pillars_and_a_floor_mirror_in_turn() {
         let error = area(path) / traced_area(&way, path, 1e-7) - 1.0;
         assert!(error.abs() < 1e-5, "{error} at {path:?}");
     }
-    std::mem::swap(&mut way.source.position, &mut way.listener.position);
+    std::mem::swap(&mut way.sources[0].position, &mut way.listeners[0].position);
     let back = found(&way, 60_000, 3, 2.0);
     assert_eq!(there.paths.len(), back.paths.len());
     for (path, other) in there.paths.iter().zip(&back.paths) {
@@ -354,7 +354,7 @@ fn a_listener_in_the_source_hears_finitely() {
     let ground = Surface::new(crate::scene::shape::Plane).at(Vec3::Y * -1.0);
     let scene = scene(vec![ground], Vec3::ZERO, Vec3::ZERO);
     let early = EarlyPaths::new(&scene).expect("a valid scene");
-    let ends = Ends::of(&scene);
+    let ends = Ends::of(scene.only_pair().unwrap());
     let candidates = early.candidates(&ends, &[Vec3::NEG_Y], 1, 0.3);
     let found = early.find(&ends, &candidates);
     assert_eq!(found.paths.len(), 2);

@@ -41,7 +41,7 @@ pub fn directions(count: usize) -> Vec<Vec3> {
 /// The paths found by `waves` waves that come within `reach` metres of the listener.
 pub fn found(scene: &Scene, waves: usize, order: u32, reach: f64) -> Found {
     let early = EarlyPaths::new(scene).expect("a valid scene");
-    let ends = Ends::of(scene);
+    let ends = Ends::of(scene.only_pair().unwrap());
     let candidates = early.candidates(&ends, &directions(waves), order, reach);
     early.find(&ends, &candidates)
 }
@@ -61,7 +61,7 @@ pub fn area(path: &SpecularPath) -> f64 {
 /// using curvatures. The rays are `angle` radians off, and twice that.
 pub fn traced_area(scene: &Scene, path: &SpecularPath, angle: f64) -> f64 {
     let exact = ExactScene::new(scene).expect("a valid scene");
-    let ends = Ends::of(scene);
+    let ends = Ends::of(scene.only_pair().unwrap());
     let order = path.surfaces.len() as u32;
     let arrival = |offset: DVec3| {
         let direction = (path.departure + offset).normalize();
@@ -97,7 +97,7 @@ pub fn roots(steps: usize, value: impl Fn(f64) -> f64) -> Vec<f64> {
 
 /// Asserts that every reflection is specular, to `most` radians.
 pub fn assert_specular(scene: &Scene, path: &SpecularPath, most: f64) {
-    let ends = Ends::of(scene);
+    let ends = Ends::of(scene.only_pair().unwrap());
     let mut all = vec![ends.source];
     all.extend(&path.points);
     all.push(ends.listener);
@@ -195,8 +195,8 @@ fn a_turned_shoebox_has_them_too() {
     let room = Surface::new(Room { size: SIZE }).at(place).turned(turn);
     let mut scene = scene(vec![room], Vec3::ZERO, Vec3::ZERO);
     // Positions are f32: when converted to the room's axes they are off by 1e-6 m.
-    scene.source.position = place + turn * SOURCE;
-    scene.listener.position = place + turn * LISTENER;
+    scene.sources[0].position = place + turn * SOURCE;
+    scene.listeners[0].position = place + turn * LISTENER;
     let paths = found(&scene, 16_384, 3, f64::INFINITY).paths;
     assert_eq!(paths.len(), 63);
     for (path, (image, _)) in paths.iter().zip(images(3)) {
@@ -334,7 +334,7 @@ fn a_reflection_comes_from_the_air() {
     let mut candidates = Candidates::new(2);
     candidates.add(0, &[vertex(1, DVec3::NEG_X, DVec3::NEG_X)]);
     candidates.add(1, &[vertex(1, DVec3::X, DVec3::X)]);
-    let found = early.find(&Ends::of(&scene), &candidates);
+    let found = early.find(&Ends::of(scene.only_pair().unwrap()), &candidates);
     assert_eq!(found.outcomes, [Err(NoPath::NotFromTheAir), Ok(1)]);
 }
 
@@ -351,7 +351,7 @@ fn users_fields_are_not_exact() {
     let normal = DVec3::new(1.0, 1.0, 0.0).normalize();
     let mut candidates = Candidates::new(1);
     candidates.add(0, &[vertex(1, normal, normal)]);
-    let found = early.find(&Ends::of(&scene), &candidates);
+    let found = early.find(&Ends::of(scene.only_pair().unwrap()), &candidates);
     assert_eq!(found.outcomes, [Err(NoPath::NotExact)]);
 }
 

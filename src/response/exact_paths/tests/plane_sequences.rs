@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 /// are tried.
 fn by_planes(scene: &Scene, order: u32) -> (Vec<SpecularPath>, u32) {
     let early = EarlyPaths::new(scene).expect("a valid scene");
-    let ends = Ends::of(scene);
+    let ends = Ends::of(scene.only_pair().unwrap());
     let mut candidates = Candidates::new(0);
     let known = early.add_planes(&ends, order, &mut candidates);
     (early.find(&ends, &candidates).paths, known)
@@ -61,7 +61,7 @@ fn paths_among_boxes_are_all_known() {
     let (paths, known) = by_planes(&scene, 16);
     assert!((4..16).contains(&known), "{known}");
     let early = EarlyPaths::new(&scene).expect("a valid scene");
-    let ends = Ends::of(&scene);
+    let ends = Ends::of(scene.only_pair().unwrap());
     let searched = early.candidates(&ends, &directions(1 << 17), 3, f64::INFINITY);
     let searched = early.find(&ends, &searched).paths;
     let of_three = |path: &&SpecularPath| path.surfaces.len() <= 3;
@@ -179,7 +179,12 @@ fn waves_leave_the_edges_of_a_hollow_box_as_those_of_a_room() {
         let waves = |shape: Shape| {
             let scene = scene(vec![Surface::new(shape)], source, Vec3::new(3.0, -0.3, 1.2));
             let early = EarlyPaths::new(&scene).expect("a valid scene");
-            let found = early.candidates(&Ends::of(&scene), &directions(4096), 5, 0.3);
+            let found = early.candidates(
+                &Ends::of(scene.only_pair().unwrap()),
+                &directions(4096),
+                5,
+                0.3,
+            );
             let all = found.iter().map(|wave| (wave.wave, wave.vertices.len()));
             all.collect::<Vec<(u32, usize)>>()
         };
@@ -297,7 +302,7 @@ fn a_source_within_rounding_of_a_wall_is_on_it() {
         inside += u32::from(room.distance(source) < 0.0);
         let scene = scene(vec![room], source, turn * Vec3::new(3.0, -0.3, 1.2));
         let early = EarlyPaths::new(&scene).expect("a valid scene");
-        let ends = early.ends(&scene);
+        let ends = early.ends(scene.only_pair().unwrap());
         let mut candidates = Candidates::new(0);
         early.add_planes(&ends, 2, &mut candidates);
         assert_eq!(early.find(&ends, &candidates).paths.len(), 25, "{degrees}");

@@ -161,7 +161,7 @@ fn shapes_mirror_as_rays_do() {
 /// Directions from the source that are mirrored once and are then free for 3 m.
 fn mirrored(scene: &Scene) -> Vec<DVec3> {
     let exact = ExactScene::new(scene).expect("a valid scene");
-    let start = scene.source.position.as_dvec3();
+    let start = scene.sources[0].position.as_dvec3();
     let is_mirrored = |unit: &DVec3| {
         let mut hits = 0;
         let flight = exact.follow(start, *unit, 2, |hit| {
@@ -177,11 +177,11 @@ fn mirrored(scene: &Scene) -> Vec<DVec3> {
 /// The path that departs along `unit` to a listener on that wave, solved for from a wave at
 /// `beside`.
 fn path_along(scene: &mut Scene, unit: DVec3, beside: DVec3) -> Option<SpecularPath> {
-    let exact = ExactScene::new(scene).expect("a valid scene");
-    let flight = exact.follow(Ends::of(scene).source, unit, 1, |_| ())?;
-    scene.listener.position = (flight.origin + 3.0 * flight.direction).as_vec3();
-    let early = EarlyPaths::new(scene).expect("a valid scene");
-    let ends = Ends::of(scene);
+    let exact = ExactScene::new(&*scene).expect("a valid scene");
+    let flight = exact.follow(Ends::of(scene.only_pair().unwrap()).source, unit, 1, |_| ())?;
+    scene.listeners[0].position = (flight.origin + 3.0 * flight.direction).as_vec3();
+    let early = EarlyPaths::new(&*scene).expect("a valid scene");
+    let ends = Ends::of(scene.only_pair().unwrap());
     let candidates = early.candidates(&ends, &[beside.as_vec3()], 1, f64::INFINITY);
     let found = early.find(&ends, &candidates);
     let echoes = by_way_of(&found, &[1]).into_iter();
@@ -242,7 +242,7 @@ fn every_path_goes_back() {
     let found = found(&there, 40_000, 3, 1.0);
     assert!(found.paths.len() > 100, "{}", found.paths.len());
     let early = EarlyPaths::new(&there).expect("a valid scene");
-    let ends = Ends::of(&there);
+    let ends = Ends::of(there.only_pair().unwrap());
     let back = Ends {
         source: ends.listener,
         listener: ends.source,

@@ -43,7 +43,7 @@ struct Sums {
 
 /// Follows a pair for each of `directions` from the scene's source.
 pub fn measure(scene: &Scene, exact: &ExactScene, directions: &[Vec3], iterations: u32) -> Chaos {
-    let start = scene.source.position.as_dvec3();
+    let start = scene.sources[0].position.as_dvec3();
     let mut sums = vec![Sums::default(); iterations as usize];
     let mut same_sequence = 0;
     for (index, direction) in directions.iter().enumerate() {

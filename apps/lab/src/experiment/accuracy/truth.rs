@@ -58,7 +58,7 @@ impl<'a> Truth<'a> {
 
     /// Exact waves from the source along `directions`.
     pub fn waves(&self, directions: &[Vec3], iterations: u32) -> Vec<ExactWave> {
-        let start = self.scene.source.position.as_dvec3();
+        let start = self.scene.sources[0].position.as_dvec3();
         self.exact.trace_all(start, directions, iterations)
     }
 

@@ -7,7 +7,6 @@ use echomarch::audio::{Mixer, PanningLaw, Sound, SoundSpec};
 use echomarch::scene::Scene;
 use echomarch::tracer::{Settings, TraceError, Tracer};
 use glam::DVec3;
-use std::iter::once;
 
 /// Angle from the middle, in degrees, in scenes whose own source is close to the middle.
 const BESIDE_DEG: f64 = 45.0;
@@ -29,11 +28,11 @@ pub fn facings(scene: &Scene) -> Vec<Scene> {
         _ => BESIDE_DEG,
     };
     let still = standing(scene);
-    let own_yaw = scene.listener.yaw;
+    let own_yaw = scene.listeners[0].yaw;
     let turned = |wanted: f64| {
         let mut turned = still.clone();
         if (wanted - own).abs() > 1e-9 {
-            turned.listener.yaw = own_yaw + (own - wanted).to_radians() as f32;
+            turned.listeners[0].yaw = own_yaw + (own - wanted).to_radians() as f32;
         }
         turned
     };
@@ -43,10 +42,10 @@ pub fn facings(scene: &Scene) -> Vec<Scene> {
 /// The scene without its motion.
 pub fn standing(scene: &Scene) -> Scene {
     let mut still = scene.clone();
-    for source in once(&mut still.source).chain(&mut still.further_sources) {
+    for source in &mut still.sources {
         source.path = Default::default();
     }
-    for listener in once(&mut still.listener).chain(&mut still.further_listeners) {
+    for listener in &mut still.listeners {
         listener.path = Default::default();
     }
     for surface in &mut still.surfaces {
@@ -68,11 +67,11 @@ pub fn source_towards(
     metres: f64,
 ) -> Scene {
     let mut placed = standing(scene);
-    let angle = f64::from(scene.listener.yaw) + azimuth_deg.to_radians();
+    let angle = f64::from(scene.listeners[0].yaw) + azimuth_deg.to_radians();
     let (sin, cos) = angle.sin_cos();
     let (up, level) = elevation_deg.to_radians().sin_cos();
     let unit = DVec3::new(sin * level, up, -cos * level);
-    placed.source.position = scene.listener.position + (metres * unit).as_vec3();
+    placed.sources[0].position = scene.listeners[0].position + (metres * unit).as_vec3();
     placed
 }
 
@@ -247,7 +246,7 @@ mod tests {
         for wanted in [-80.0, 0.0, 30.0] {
             let placed = source_at(&scene, wanted, 5.0);
             assert!((azimuth_deg(&placed) - wanted).abs() < 1e-3);
-            let away = (placed.source.position - scene.listener.position).length();
+            let away = (placed.sources[0].position - scene.listeners[0].position).length();
             assert!((away - 5.0).abs() < 1e-5, "{away}");
         }
         // Raised, with the same lateral angle as 30 degrees ahead.

@@ -126,7 +126,7 @@ pub struct Observer {
 impl Observer {
     /// An observer in `scene` that hears by `law`.
     pub fn new(scene: &Scene, law: PanningLaw) -> Observer {
-        let ratio = f64::from(scene.listener.radius) / direct_distance(scene);
+        let ratio = f64::from(scene.listeners[0].radius) / direct_distance(scene);
         Observer {
             mean_side: mean_side(ratio),
             law,
@@ -207,12 +207,12 @@ pub fn folded_deg(azimuth_deg: f64) -> f64 {
 
 /// The directions right and ahead of the listener, without its pitch.
 pub fn horizontal_axes(scene: &Scene) -> (DVec3, DVec3) {
-    let (sin, cos) = f64::from(scene.listener.yaw).sin_cos();
+    let (sin, cos) = f64::from(scene.listeners[0].yaw).sin_cos();
     (DVec3::new(cos, 0.0, sin), DVec3::new(sin, 0.0, -cos))
 }
 
 fn to_source(scene: &Scene) -> DVec3 {
-    scene.source.position.as_dvec3() - scene.listener.position.as_dvec3()
+    scene.sources[0].position.as_dvec3() - scene.listeners[0].position.as_dvec3()
 }
 
 #[cfg(test)]

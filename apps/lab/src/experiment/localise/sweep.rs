@@ -144,7 +144,7 @@ impl Run<'_> {
         Ok(SceneReport {
             scene: scene.name.clone(),
             distance_m: direct_distance(scene),
-            radius_m: scene.listener.radius.into(),
+            radius_m: scene.listeners[0].radius.into(),
             mean_side: Observer::new(scene, self.options.law).mean_side(),
             facings: reports,
             cells,
@@ -166,7 +166,7 @@ impl Run<'_> {
         }
         self.step();
         Ok(FacingReport {
-            yaw_deg: f64::from(scene.listener.yaw).to_degrees(),
+            yaw_deg: f64::from(scene.listeners[0].yaw).to_degrees(),
             azimuth_deg: azimuth_deg(scene),
             lateral_deg: lateral_deg(scene),
             limits,

@@ -44,17 +44,17 @@ impl Judge {
     /// # Errors
     /// An invalid scene.
     pub fn new(scene: &Scene, iterations: u32) -> Result<Judge, echomarch::Error> {
-        let ear = scene.listener.position.as_dvec3();
+        let ear = scene.listeners[0].position.as_dvec3();
         let reach = |surface: &echomarch::Surface| {
             let away = (surface.position.as_dvec3() - ear).abs().max_element();
             away + surface.shape.extent()
         };
-        let start = scene.source.position.as_dvec3();
+        let start = scene.sources[0].position.as_dvec3();
         let extent = scene
             .surfaces
             .iter()
             .map(reach)
-            .chain([(start - ear).length(), f64::from(scene.listener.radius)])
+            .chain([(start - ear).length(), f64::from(scene.listeners[0].radius)])
             .fold(0.0, f64::max);
         let world = ear.abs().max_element() + extent;
         Ok(Judge {

@@ -187,7 +187,7 @@ fn stimuli_of(
     let observer = Observer::new(room, law);
     let stimulus = |sound: &LoadedSound| StimulusInfo {
         scene: room.name.clone(),
-        yaw_deg: f64::from(room.listener.yaw).to_degrees(),
+        yaw_deg: f64::from(room.listeners[0].yaw).to_degrees(),
         sound: sound.name.clone(),
         law: law.to_string(),
         profile: settings.profile().to_string(),

@@ -44,12 +44,12 @@ impl Plan {
     /// # Errors
     /// [`Error::Picture`], [`Error::Gpu`] and [`Error::Scene`].
     pub fn new(context: &Context, scene: &Scene) -> Result<Plan, Error> {
-        let listener = &scene.listener;
+        let listener = &scene.listeners[0];
         let mut seen = unlit(scene);
         // The bounds must not depend on the source, as they would reveal it.
-        let lamp = std::mem::replace(&mut seen.source, Source::at(listener.position));
+        let lamp = std::mem::replace(&mut seen.sources[0], Source::at(listener.position));
         let bounds = Bounds::of(&seen, listener.position.y);
-        seen.source = lamp;
+        seen.sources[0] = lamp;
         let (min, max) = seen_by(scene, bounds);
         let plan = draw(scene, bounds, min, max);
         let options = ViewOptions {
@@ -71,17 +71,17 @@ impl Plan {
 /// The scene without its source: a lamp over the listener's shoulder lights it, so that the light
 /// does not reveal the source.
 fn unlit(scene: &Scene) -> Scene {
-    let listener = &scene.listener;
+    let listener = &scene.listeners[0];
     let behind = listener.up() - listener.forward();
     let mut unlit = scene.clone();
-    unlit.source = Source::at(listener.position + 0.5 * listener.radius * behind);
+    unlit.sources[0] = Source::at(listener.position + 0.5 * listener.radius * behind);
     unlit
 }
 
 /// The part of the listener's plane that contains these bounds of the world.
 fn seen_by(scene: &Scene, bounds: Bounds) -> (DVec2, DVec2) {
     let (right, ahead) = horizontal_axes(scene);
-    let listener = scene.listener.position.as_dvec3();
+    let listener = scene.listeners[0].position.as_dvec3();
     let corner = |x: f32, z: f32| {
         let offset = DVec3::new(x.into(), listener.y, z.into()) - listener;
         DVec2::new(offset.dot(right), offset.dot(ahead))
@@ -101,7 +101,7 @@ fn seen_by(scene: &Scene, bounds: Bounds) -> (DVec2, DVec2) {
 /// The cut through the scene; the area outside the world's `bounds` is grey.
 fn draw(scene: &Scene, bounds: Bounds, min: DVec2, max: DVec2) -> RgbaImage {
     let (right, ahead) = horizontal_axes(scene);
-    let listener = scene.listener.position.as_dvec3();
+    let listener = scene.listeners[0].position.as_dvec3();
     let metres = (max.x - min.x) / f64::from(WIDTH);
     let height = ((max.y - min.y) / metres).round().clamp(1.0, 4096.0) as u32;
     RgbaImage::from_fn(WIDTH, height, |column, row| {

@@ -12,7 +12,7 @@ pub fn cases() -> Vec<Case> {
 
 fn shoebox() -> Case {
     let mut scene = builtin("shoebox");
-    scene.listener = Listener::at(Vec3::new(5.9, 2.9, 7.9), 0.05);
+    scene.listeners = vec![Listener::at(Vec3::new(5.9, 2.9, 7.9), 0.05)];
     Case::spread(
         "shoebox-200",
         "200 reflections: directions lose their length, ends drift",

@@ -86,15 +86,15 @@ fn unfolded(source: Vec3, directions: &[Vec3], flights: usize) -> Vec<Planted> {
 
 fn flush_edge() -> Case {
     let mut scene = builtin("corner");
-    scene.source.position = Vec3::new(7.0, 0.0, 9.0);
-    scene.listener.position = Vec3::new(-10.0, 0.0, -10.0);
+    scene.sources[0].position = Vec3::new(7.0, 0.0, 9.0);
+    scene.listeners[0].position = Vec3::new(-10.0, 0.0, -10.0);
     let heights = [-10.0, -3.0, 0.0, 4.0, 10.0];
     let points: Vec<Vec3> = heights
         .into_iter()
         .flat_map(|y| [Vec3::new(15.0, y, 0.0), Vec3::new(0.0, y, -15.0)])
         .chain(heights.map(|y| Vec3::new(0.0, y, 0.0)))
         .collect();
-    let directions = aims(scene.source.position, &points);
+    let directions = aims(scene.sources[0].position, &points);
     Case::spread(
         "flush-edge",
         "a block stands against a wall: a ray into the seam must not slip in between",

@@ -159,8 +159,8 @@ fn silenced(tracer: &mut Tracer, settings: &Settings) -> Result<Verdict, Error> 
     let heard = heard(tracer, &scene, settings, CONSERVED)?;
     let Listener {
         position, radius, ..
-    } = scene.listener;
-    let direct_m = f64::from(scene.source.position.distance(position) + radius);
+    } = scene.listeners[0];
+    let direct_m = f64::from(scene.sources[0].position.distance(position) + radius);
     let counts = &heard.counts;
     Ok(Verdict {
         passed: counts.arrivals > 0 && heard.longest_m <= direct_m,
@@ -218,8 +218,9 @@ fn reciprocal(tracer: &mut Tracer, settings: &Settings) -> Result<Verdict, Error
     const ITERATIONS: u32 = 60;
     let there = furnished(Material::absorbing(0.3));
     let mut back = there.clone();
-    back.source = Source::at(there.listener.position);
-    back.listener = Listener::at(there.source.position, there.listener.radius);
+    back.sources = vec![Source::at(there.listeners[0].position)];
+    let radius = there.listeners[0].radius;
+    back.listeners = vec![Listener::at(there.sources[0].position, radius)];
     let there = heard(tracer, &there, settings, ITERATIONS)?;
     let back = heard(tracer, &back, settings, ITERATIONS)?;
     let deviation = (1.0 / there.effective + 1.0 / back.effective).sqrt();

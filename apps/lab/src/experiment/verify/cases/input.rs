@@ -23,7 +23,7 @@ const ZERO_VOLUME: [Spoil<Scene>; 5] = [
     ("a cylinder of negative radius", |s| {
         s.surfaces[1].shape = Node::Cylinder(Cylinder { radius: -1.0 }).into();
     }),
-    ("a listener of radius 0", |s| s.listener.radius = 0.0),
+    ("a listener of radius 0", |s| s.listeners[0].radius = 0.0),
 ];
 
 const NOT_FINITE: [Spoil<Scene>; 6] = [
@@ -36,10 +36,14 @@ const NOT_FINITE: [Spoil<Scene>; 6] = [
         s.surfaces[1].rotation = Quat::from_xyzw(f32::NAN, 0.0, 0.0, 1.0);
     }),
     ("a source at infinity", |s| {
-        s.source.position.y = f32::NEG_INFINITY;
+        s.sources[0].position.y = f32::NEG_INFINITY;
     }),
-    ("a listener at NaN", |s| s.listener.position.z = f32::NAN),
-    ("a listener turned by NaN", |s| s.listener.yaw = f32::NAN),
+    ("a listener at NaN", |s| {
+        s.listeners[0].position.z = f32::NAN
+    }),
+    ("a listener turned by NaN", |s| {
+        s.listeners[0].yaw = f32::NAN
+    }),
 ];
 
 const SHARED: [Spoil<Settings>; 4] = [

@@ -24,9 +24,9 @@ pub fn cases() -> Vec<Case> {
 fn scaled(name: &str, exponent: i32) -> Case {
     let factor = 10_f32.powi(exponent);
     let mut scene = builtin(name);
-    scene.source.position *= factor;
-    scene.listener.position *= factor;
-    scene.listener.radius *= factor;
+    scene.sources[0].position *= factor;
+    scene.listeners[0].position *= factor;
+    scene.listeners[0].radius *= factor;
     for surface in &mut scene.surfaces {
         surface.position *= factor;
         match &mut surface.shape.node {
@@ -46,8 +46,8 @@ fn moved(name: &str, exponent: i32) -> Case {
     // Whole multiples of the coarsest unit in the last place, so that the scene stays exact.
     let by = Vec3::new(1.0, -1.0, 1.0) * 10_f32.powi(exponent);
     let mut scene = builtin(name);
-    scene.source.position += by;
-    scene.listener.position += by;
+    scene.sources[0].position += by;
+    scene.listeners[0].position += by;
     for surface in &mut scene.surfaces {
         surface.position += by;
     }
