@@ -1,11 +1,14 @@
-//! The error type of all public functions.
+//! The error type of all public functions: each returns [`Error`], or one of the types in it.
 
 pub use crate::file_input::{InputError, MalformedText};
 #[cfg(feature = "picture")]
 pub use crate::file_output::OutputError;
 
 use crate::audio::AudioError;
+#[cfg(feature = "audio")]
+use crate::audio::live::LiveError;
 use crate::gl::GpuError;
+use crate::hrtf::HrirError;
 #[cfg(feature = "sofa")]
 use crate::hrtf::SofaError;
 use crate::response::ResponseError;
@@ -31,6 +34,18 @@ pub enum Error {
     /// Echograms or impulse responses that cannot be computed.
     #[error(transparent)]
     Acoustics(#[from] ResponseError),
+    /// A name that stands for nothing: of a profile, or of a way to choose directions.
+    #[error("{message}")]
+    UnknownName {
+        /// The given name.
+        name: String,
+        /// What was named, and what there is.
+        message: String,
+    },
+    /// Live sound that cannot be played or recorded.
+    #[cfg(feature = "audio")]
+    #[error(transparent)]
+    Live(#[from] LiveError),
     /// A SOFA file whose head-related impulse responses cannot be read.
     #[cfg(feature = "sofa")]
     #[error(transparent)]
@@ -62,11 +77,68 @@ impl Error {
             ),
             Error::Gpu(error) => error.is_bad_input(),
             Error::Audio(error) => error.is_bad_input(),
-            Error::Acoustics(_) => true,
+            Error::Acoustics(_) | Error::UnknownName { .. } => true,
+            #[cfg(feature = "audio")]
+            Error::Live(error) => error.is_bad_input(),
             #[cfg(feature = "sofa")]
             Error::Sofa(_) => true,
             #[cfg(feature = "picture")]
             Error::Picture(error) => error.is_bad_input(),
         }
+    }
+}
+
+impl From<HrirError> for Error {
+    fn from(error: HrirError) -> Error {
+        ResponseError::from(error).into()
+    }
+}
+
+#[cfg(feature = "picture")]
+impl From<OutputError> for Error {
+    fn from(error: OutputError) -> Error {
+        crate::picture::PictureError::from(error).into()
+    }
+}
+
+/// Protects callers that keep errors, and send them between threads.
+const _: () = {
+    const fn may_be_kept<T: std::error::Error + Send + Sync + 'static>() {}
+    may_be_kept::<Error>();
+    may_be_kept::<InputError>();
+    may_be_kept::<MalformedText>();
+    may_be_kept::<HrirError>();
+};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Scene;
+    use crate::gl::Api;
+    use crate::scene::HeightImage;
+    use crate::tracer::{Directions, Profile};
+    use glam::UVec2;
+
+    /// Protects callers with one error type: what any module refuses converts into it, in the same words, and names bad
+    /// input.
+    #[test]
+    fn refusals_of_all_modules_convert_and_name_bad_input() {
+        fn refused<T, E: Into<Error> + ToString>(result: Result<T, E>) {
+            let error = result.err().expect("it is refused");
+            let words = error.to_string();
+            let error: Error = error.into();
+            assert_eq!(error.to_string(), words);
+            assert!(error.is_bad_input(), "{error}");
+        }
+        refused("vulkan".parse::<Api>());
+        refused("fast".parse::<Profile>());
+        refused("spiral".parse::<Directions>());
+        refused(Scene::builtin("nowhere"));
+        refused(HeightImage::new("h", UVec2::ONE, vec![0.5]));
+        refused("hum".parse::<crate::audio::SoundSpec>());
+        refused(crate::hrtf::HrirSet::new(48_000, Vec::new()));
+        refused(crate::response::Echogram::new(-1.0, 1));
+        #[cfg(feature = "audio")]
+        refused(Err::<(), _>(LiveError::NotRecording));
     }
 }

@@ -23,12 +23,15 @@ macro_rules! named_values {
         }
 
         impl std::str::FromStr for $kind {
-            type Err = String;
+            type Err = $crate::error::Error;
 
-            fn from_str(name: &str) -> Result<$kind, String> {
+            fn from_str(name: &str) -> Result<$kind, Self::Err> {
                 match name {
                     $($name => Ok($kind::$value),)*
-                    _ => Err($crate::text::there_is_no($what, name, &[$($name),*])),
+                    _ => Err($crate::error::Error::UnknownName {
+                        message: $crate::text::there_is_no($what, name, &[$($name),*]),
+                        name: name.to_owned(),
+                    }),
                 }
             }
         }

@@ -31,13 +31,13 @@ impl fmt::Display for Api {
 }
 
 impl FromStr for Api {
-    type Err = String;
+    type Err = GpuError;
 
-    fn from_str(name: &str) -> Result<Self, Self::Err> {
-        Api::ALL
-            .into_iter()
-            .find(|api| api.to_string() == name)
-            .ok_or_else(|| format!("there is no GL API \"{name}\": use gl, gles or osmesa"))
+    fn from_str(name: &str) -> Result<Self, GpuError> {
+        let known = Api::ALL.into_iter().find(|api| api.to_string() == name);
+        known.ok_or_else(|| GpuError::UnknownApi {
+            name: name.to_owned(),
+        })
     }
 }
 
@@ -45,6 +45,12 @@ impl FromStr for Api {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum GpuError {
+    /// A name that no [`Api`] has.
+    #[error("there is no GL API \"{name}\": use gl, gles or osmesa")]
+    UnknownApi {
+        /// The given name.
+        name: String,
+    },
     /// libEGL could not be loaded.
     #[error(
         "libEGL was not found: install it (on Debian the packages libegl1, libegl-mesa0 and libgl1-mesa-dri) or use the API osmesa"
@@ -222,12 +228,15 @@ impl GpuError {
         }
     }
 
-    /// Whether the cause is the user's request rather than the machine or the program: a GPU that does not exist, or a
+    /// Whether the cause is the user's request rather than the machine or the program: a GPU or an API that does not exist, or a
     /// texture of an impossible size.
     pub fn is_bad_input(&self) -> bool {
         matches!(
             self,
-            Self::NoSuchGpu { .. } | Self::TextureTooLarge { .. } | Self::TextureEmpty { .. }
+            Self::UnknownApi { .. }
+                | Self::NoSuchGpu { .. }
+                | Self::TextureTooLarge { .. }
+                | Self::TextureEmpty { .. }
         )
     }
 }
@@ -258,8 +267,9 @@ mod tests {
     #[test]
     fn names_read_back() {
         for api in Api::ALL {
-            assert_eq!(api.to_string().parse(), Ok(api));
+            assert_eq!(api.to_string().parse::<Api>().ok(), Some(api));
         }
-        assert!("vulkan".parse::<Api>().unwrap_err().contains("osmesa"));
+        let error = "vulkan".parse::<Api>().unwrap_err();
+        assert!(error.is_bad_input() && error.to_string().contains("osmesa"));
     }
 }

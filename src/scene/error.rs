@@ -135,6 +135,12 @@ pub enum SceneError {
         /// Number of its listeners.
         listeners: usize,
     },
+    /// A height image that cannot be used.
+    #[error("{why}")]
+    BadHeightImage {
+        /// Its name or file, and the requirement.
+        why: String,
+    },
     /// A room has no wall of this number.
     #[error(
         "a room has no wall number {wall}: they are counted from 0, {}",

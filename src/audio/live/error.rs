@@ -80,3 +80,14 @@ pub enum LiveError {
         source: std::io::Error,
     },
 }
+
+impl LiveError {
+    /// Whether the request is at fault: the sound, the named device, or the order of recordings.
+    pub fn is_bad_input(&self) -> bool {
+        match self {
+            Self::Audio(error) => error.is_bad_input(),
+            Self::UnknownDevice { .. } | Self::AlreadyRecording | Self::NotRecording => true,
+            _ => false,
+        }
+    }
+}

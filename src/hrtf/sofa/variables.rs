@@ -9,6 +9,7 @@ use std::path::PathBuf;
 /// The reason why head-related impulse responses cannot be read from a SOFA file.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot use head-related impulse responses from {}: {problem}", path.display())]
+#[non_exhaustive]
 pub struct SofaError {
     /// The requested file.
     pub path: PathBuf,

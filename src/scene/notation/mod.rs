@@ -316,7 +316,8 @@ impl Attached {
             return Ok(image.clone());
         }
         drop(known);
-        let image = HeightImage::from_file(&self.path(name)).map_err(|why| self.refused(why))?;
+        let image = HeightImage::from_file(&self.path(name))
+            .map_err(|error| self.refused(error.to_string()))?;
         let image = Arc::new(image);
         let read = (name.to_owned(), image.clone());
         self.images.borrow_mut().push(read);

@@ -6,6 +6,7 @@
 
 use super::user_glsl;
 use crate::file_input::read;
+use crate::scene::SceneError;
 use glam::{DVec2, DVec3, UVec2, Vec3};
 use png::{BitDepth, ColorType, DecodingError};
 use std::io::Cursor;
@@ -60,21 +61,21 @@ impl HeightImage {
     /// A grid of heights, row by row; `name` is its name in reports.
     ///
     /// # Errors
-    /// A message if the grid is smaller than 2 × 2 or larger than 1024 × 1024, or a height is not
+    /// [`SceneError::BadHeightImage`] if the grid is smaller than 2 × 2 or larger than 1024 × 1024, or a height is not
     /// within 0 to 1.
-    pub fn new(name: &str, size: UVec2, heights: Vec<f32>) -> Result<HeightImage, String> {
+    pub fn new(name: &str, size: UVec2, heights: Vec<f32>) -> Result<HeightImage, SceneError> {
         if size.min_element() < 2 || size.max_element() > LARGEST_SIDE {
-            return Err(wrong_size(name, size));
+            return Err(bad(wrong_size(name, size)));
         }
         if heights.len() != (size.x * size.y) as usize {
-            return Err(format!(
+            return Err(bad(format!(
                 "the height image {name} has not a height for each pixel"
-            ));
+            )));
         }
         if !heights.iter().all(|h| (0.0..=1.0).contains(h)) {
-            return Err(format!(
+            return Err(bad(format!(
                 "the height image {name} has heights outside of 0 to 1"
-            ));
+            )));
         }
         let name = name.to_owned();
         Ok(HeightImage {
@@ -88,14 +89,14 @@ impl HeightImage {
     /// Reads an 8- or 16-bit grey (or coloured: its luma) PNG file.
     ///
     /// # Errors
-    /// A message with the file if it cannot be read or is too large: more than 32 MiB, or more than
+    /// [`SceneError::BadHeightImage`] with the file if it cannot be read or is too large: more than 32 MiB, or more than
     /// 1024 pixels along a side, which is checked before decoding.
-    pub fn from_file(path: &Path) -> Result<HeightImage, String> {
+    pub fn from_file(path: &Path) -> Result<HeightImage, SceneError> {
         let shown = path.display().to_string();
-        let refused = |why: String| format!("cannot read the height image {shown}: {why}");
+        let refused = |why: String| bad(format!("cannot read the height image {shown}: {why}"));
         let bytes = read(path, LARGEST_FILE).map_err(|error| refused(error.to_string()))?;
         let (size, lumas) = luma(&bytes).map_err(|error| match error {
-            PngError::Side(size) => wrong_size(&shown, size),
+            PngError::Side(size) => bad(wrong_size(&shown, size)),
             PngError::Refused(why) => refused(why),
         })?;
         let heights = lumas.into_iter().map(|luma| f32::from(luma) / 65535.0);
@@ -178,6 +179,10 @@ impl HeightImage {
         }
         steepest
     }
+}
+
+fn bad(why: String) -> SceneError {
+    SceneError::BadHeightImage { why }
 }
 
 fn wrong_size(name: &str, size: UVec2) -> String {

@@ -311,7 +311,7 @@ impl Shape {
     ///
     /// # Errors
     /// A message that names the node and states the requirement.
-    pub fn validate(&self) -> Result<(), String> {
+    pub(crate) fn validate(&self) -> Result<(), String> {
         let nodes = self.nodes();
         if nodes.len() > MOST_NODES {
             let count = nodes.len();
@@ -338,7 +338,7 @@ impl Shape {
     ///
     /// # Errors
     /// A message that names the node and states the requirement.
-    pub fn check(&self) -> Result<(), String> {
+    pub(crate) fn check(&self) -> Result<(), String> {
         self.validate()?;
         for field in self.nodes() {
             field
