@@ -9,6 +9,36 @@ pub const BANDS_HZ: [f64; BAND_COUNT] = [63.0, 125.0, 250.0, 500.0, 1e3, 2e3, 4e
 /// One number per octave band.
 pub type Bands = [f64; BAND_COUNT];
 
+/// One number for all octave bands, or one for each.
+pub trait PerBand {
+    /// The number of each band.
+    fn per_band(self) -> Bands;
+}
+
+impl PerBand for f64 {
+    fn per_band(self) -> Bands {
+        [self; BAND_COUNT]
+    }
+}
+
+impl PerBand for f32 {
+    fn per_band(self) -> Bands {
+        f64::from(self).per_band()
+    }
+}
+
+impl PerBand for Bands {
+    fn per_band(self) -> Bands {
+        self
+    }
+}
+
+impl PerBand for [f32; BAND_COUNT] {
+    fn per_band(self) -> Bands {
+        self.map(f64::from)
+    }
+}
+
 /// The weight 1 in each band.
 pub(crate) const ALL: Bands = [1.0; BAND_COUNT];
 

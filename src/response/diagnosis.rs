@@ -281,7 +281,7 @@ mod tests {
             Listener::at(Vec3::ZERO, 0.2),
         );
         let mut add = |name: &str, share: f64| {
-            let material = Material::absorbing(share).scattering_by(scattering.into());
+            let material = Material::absorbing(share).scattering_by(scattering);
             scene.materials.insert(name.to_owned(), material);
         };
         add("soft", 0.5);

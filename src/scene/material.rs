@@ -1,7 +1,7 @@
 //! Materials of surfaces (the share of a sound's energy that each reflection keeps, and the share of that which is
 //! scattered), and the air between them: its speed of sound, and the energy that it absorbs.
 
-use crate::bands::{BAND_COUNT, Bands};
+use crate::bands::{BAND_COUNT, Bands, PerBand};
 use std::ops::{Range, RangeInclusive};
 
 /// See [`Room::WALL_NAMES`](super::shape::Room::WALL_NAMES).
@@ -14,6 +14,9 @@ pub(super) const WALL_NAMES: [&str; 6] = ["left", "right", "floor", "ceiling", "
 /// let curtain = Material::absorbing(0.5).scattering_by(0.2);
 /// assert_eq!(curtain.reflectance(), [0.5; 8]);
 /// assert!(Material::MIRROR.is_mirror() && !curtain.is_mirror());
+/// // 63 Hz to 8 kHz, as data sheets have them.
+/// let panel = Material::absorbing([0.18, 0.18, 0.12, 0.10, 0.09, 0.08, 0.07, 0.07]);
+/// assert_eq!(panel.absorption[4], 0.09);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
@@ -38,18 +41,22 @@ impl Material {
         scattering: [0.0; BAND_COUNT],
     };
 
-    /// A mirror that absorbs the same share (0 to 1) in every band.
-    pub fn absorbing(share: f64) -> Material {
+    /// A mirror that absorbs a share (0 to 1) in every band: one number, or one for each. [`Scene::validate`] refuses
+    /// other numbers.
+    ///
+    /// [`Scene::validate`]: super::Scene::validate
+    pub fn absorbing(share: impl PerBand) -> Material {
         Material {
-            absorption: [share; BAND_COUNT],
+            absorption: share.per_band(),
             ..Material::MIRROR
         }
     }
 
-    /// The same material, scattering this share (0 to 1) of the reflected energy in every band.
-    pub fn scattering_by(self, share: f64) -> Material {
+    /// The same material, scattering a share (0 to 1) of the reflected energy in every band: one number, or one for
+    /// each.
+    pub fn scattering_by(self, share: impl PerBand) -> Material {
         Material {
-            scattering: [share; BAND_COUNT],
+            scattering: share.per_band(),
             ..self
         }
     }
@@ -341,6 +348,23 @@ mod tests {
             assert_eq!(Material::builtin(known.name), Some(&known.material));
         }
         assert_eq!(Material::builtin("bricks"), None);
+    }
+
+    /// Protects materials from one number or eight, in either precision: all bands, in their order.
+    #[test]
+    fn materials_take_one_number_or_one_for_each_band() {
+        let each: Bands = std::array::from_fn(|band| band as f64 / 8.0);
+        assert_eq!(Material::absorbing(each).absorption, each);
+        assert_eq!(
+            Material::absorbing(each.map(|share| share as f32)).absorption,
+            each
+        );
+        assert_eq!(Material::absorbing(0.25_f32), Material::absorbing(0.25));
+        let rough = Material::absorbing(0.25).scattering_by(each);
+        assert_eq!(
+            (rough.absorption, rough.scattering),
+            ([0.25; BAND_COUNT], each)
+        );
     }
 
     /// Protects the order of bands: low ones first, 63 Hz as 125 Hz.

@@ -151,6 +151,15 @@ fn bad_sound_is_refused_by_its_name() {
             "the scattering of the material \"own\" must be 0 to 1, not NaN",
         ),
         (
+            |s| {
+                let mut shares = [0.25_f32; 8];
+                shares[6] = -0.5;
+                s.materials
+                    .insert("own".into(), Material::absorbing(shares));
+            },
+            "the absorption of the material \"own\" must be 0 to 1, not -0.5",
+        ),
+        (
             |s| s.surfaces[0].material = Some("carpt".into()),
             "surface 1 (Room): there is no material \"carpt\"; did you mean carpet?",
         ),
