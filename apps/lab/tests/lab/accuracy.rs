@@ -140,10 +140,8 @@ fn a_report_becomes_csv_and_svg() {
     let lines: Vec<&str> = csv.lines().collect();
     assert_eq!(lines.len(), 3);
     assert_eq!(lines[0], report.table().names().join(","));
-    assert!(
-        lines[1].starts_with("corner,thesis,thesis,0.1,8,1024,random,false,false,false,false,")
-    );
-    assert!(lines[2].starts_with("corner,hybrid,hybrid,,8,1024,random,true,true,true,true,"));
+    assert!(lines[1].starts_with("corner,thesis,thesis,0.1,8,1024,random,false,false,"));
+    assert!(lines[2].starts_with("corner,hybrid,hybrid,,8,1024,random,true,true,"));
     let svg = report.plot_svg().unwrap();
     assert!(svg.starts_with("<svg") && svg.contains("Pareto front"));
     let sum_errors = rows(&report).iter().map(|row| row.panning.sum_error);
