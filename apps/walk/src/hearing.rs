@@ -3,14 +3,12 @@
 //! Echoes are those of the last trace and glide to the next; the late part is computed again at most four times a
 //! second.
 
-use echomarch::Error;
-use echomarch::bands;
 use echomarch::gl::Context;
 use echomarch::internals::platform::Instant;
-use echomarch::response::ListenerAxes;
-use echomarch::response::{HeardSource, Response, ResponseSettings};
+use echomarch::response::{HeardSource, ListenerAxes, Response, ResponseSettings};
 use echomarch::scene::Scene;
 use echomarch::tracer::{Profile, Settings, Tracer};
+use echomarch::{Error, bands};
 use std::time::Duration;
 
 /// Maximum number of waves of a response: echoes are exact, and a late part that lasts a quarter of a second needs no
@@ -47,21 +45,24 @@ pub const QUIETEST_DB: f64 = -80.0;
 /// Number of points of the curve of energy against time.
 const CURVE_POINTS: usize = 120;
 
-/// The results of a trace.
-#[derive(Clone, Debug, Default)]
+/// The results of a trace. Serialised without the curve and the error.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 pub struct EarsStatus {
     /// The level of each source; none before the first trace.
     pub sources: Vec<HeardSource>,
-    /// Energy against time of all sources, in decibels against its largest, in equal parts of
-    /// `curve_s` seconds.
-    pub curve: Vec<f32>,
-    pub curve_s: f64,
+    /// Number of traces.
+    pub looks: u64,
     /// Milliseconds of the last trace, and of making its late part.
     pub trace_ms: f64,
     pub late_ms: f64,
-    /// Number of traces.
-    pub looks: u64,
+    /// Energy against time of all sources, in decibels against its largest, in equal parts of
+    /// `curve_s` seconds.
+    #[serde(skip)]
+    pub curve: Vec<f32>,
+    #[serde(skip)]
+    pub curve_s: f64,
     /// The reason why full listening failed.
+    #[serde(skip)]
     pub error: Option<String>,
 }
 

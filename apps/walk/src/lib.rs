@@ -31,5 +31,4 @@ pub use plan::{Cut, STUB, way};
 pub use values::ValueSlider;
 pub use visit::{Plan, Visit, Way};
 pub use walk::{BODY, MoveInput, Walker};
-pub use world::WalkState;
-pub use world::World;
+pub use world::{WalkState, World};

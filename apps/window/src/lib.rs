@@ -50,11 +50,11 @@ mod state;
 mod summary;
 mod window;
 
-pub use echomarch_walk::{BODY, MoveInput, Walker};
+pub use echomarch_walk::{BODY, EarsStatus, MoveInput, Walker};
 pub use error::DemoError;
 pub use latency::Parts as Latency;
 pub use options::{DemoOptions, OPENING_SCENE};
-pub use report::{EndPose, FrameTimes, InFullReport, Memory, PanAt, Report, Reread};
+pub use report::{EndPose, FrameTimes, Memory, PanAt, Report, Reread};
 pub use sound::SoundStatus;
 
 /// Opens the window and returns when it is closed.

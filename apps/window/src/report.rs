@@ -161,7 +161,7 @@ pub struct Report {
     /// The listening mode at the end: full, or balance.
     pub listen: String,
     /// The report of full listening; none with the balance.
-    pub in_full: Option<InFullReport>,
+    pub in_full: Option<EarsStatus>,
     /// From a key to the ear, in milliseconds.
     pub latency_ms: Parts,
     /// The waves of the last frame.
@@ -188,30 +188,6 @@ pub struct Report {
     pub reread: Vec<Reread>,
     /// The pans heard.
     pub pans: Vec<PanAt>,
-}
-
-/// The report of full listening.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct InFullReport {
-    /// The level of each source at the end.
-    pub sources: Vec<HeardSource>,
-    /// How often all sources were traced.
-    pub looks: u64,
-    /// Milliseconds of the last trace, with the computation of the late parts.
-    pub trace_ms: f64,
-    pub late_ms: f64,
-}
-
-impl InFullReport {
-    /// Converts the present status.
-    pub(super) fn of(status: &EarsStatus) -> InFullReport {
-        InFullReport {
-            sources: status.sources.clone(),
-            looks: status.looks,
-            trace_ms: status.trace_ms,
-            late_ms: status.late_ms,
-        }
-    }
 }
 
 /// Collects the measurements while the window is open.

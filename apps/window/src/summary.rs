@@ -1,7 +1,7 @@
 //! The record of each frame, and the report at the end of a run.
 
 use super::app::App;
-use super::report::{EndPose, FrameLine, InFullReport, Report};
+use super::report::{EndPose, FrameLine, Report};
 use super::save::trace_call;
 use echomarch::glam::Vec3;
 use echomarch::scene::{Listener, Scene, Surface};
@@ -51,10 +51,7 @@ impl App {
             picture: self.drawn.size,
             sound: self.speaker.status(),
             listen: self.choices.listen().to_string(),
-            in_full: self
-                .in_full
-                .as_ref()
-                .map(|_| InFullReport::of(&self.ears_status)),
+            in_full: self.in_full.as_ref().map(|_| self.ears_status.clone()),
             latency_ms: self.latency.parts(),
             counts: self.heard.as_ref().map(|f| f.counts).unwrap_or_default(),
             listener: EndPose {

@@ -9,8 +9,7 @@ use echomarch::audio::PanningLaw;
 use echomarch::auralisation::Listen;
 use echomarch::scene::Scene;
 use echomarch::tracer::{Algorithm, Profile};
-use echomarch_walk::ValueSlider;
-use echomarch_walk::World;
+use echomarch_walk::{ValueSlider, World};
 use egui::{Button, ComboBox, RichText, Slider, SliderClamping, Ui, Vec2};
 
 /// Draws all controls.

@@ -21,8 +21,7 @@ use super::sound::SoundStatus;
 use super::state::Choices;
 use echomarch::picture::Drawn;
 use echomarch::tracer::{Frame, Wave};
-use echomarch_walk::EarsStatus;
-use echomarch_walk::World;
+use echomarch_walk::{EarsStatus, World};
 use egui::{Align2, RichText, Ui, Vec2};
 
 /// Space between panels and the window's edge, in points.
