@@ -1,7 +1,6 @@
 //! Converts an error to one sentence and an exit code.
 
-use super::option_hints;
-use super::print;
+use super::{option_hints, print};
 use clap::error::ErrorKind;
 use echomarch::Error;
 use echomarch::internals::file_output::OutputError;

@@ -23,16 +23,11 @@ The picture: solid filled, air white with faint lines of equal distance; the sou
 listener a circle with an arrow along its gaze, key-framed paths dashed, a scale bar. Paths of
 waves: orange heard, grey travelling, green dead (a fading stub).
 They are drawn wherever they are in height, so one may end inside the circle: above or below
-the cut.
-
-Examples:
-  echomarch slice obstacles -o plan.png
-  echomarch slice corner -o paths.png --paths 300 --iterations 4
-  echomarch slice cave -o heard.png --heard-paths 20";
+the cut.";
 
 /// Arguments of `slice`.
 #[derive(Args, Debug)]
-#[command(after_help = EXAMPLES, after_long_help = LEGEND)]
+#[command(after_help = EXAMPLES, after_long_help = format!("{LEGEND}\n\n{EXAMPLES}"))]
 pub struct Arguments {
     #[command(flatten)]
     scene: SceneAtTime,

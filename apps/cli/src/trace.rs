@@ -13,7 +13,7 @@ use echomarch::audio::PanningLaw;
 use echomarch::internals::file_output::{OutputError, check_file, write_whole};
 use echomarch::response::ResponseSettings;
 use echomarch::scene::Scene;
-use echomarch::tracer::{Budget, Frame, Milliseconds, Reloading, Settings, Tracer, Wave};
+use echomarch::tracer::{Budget, Counts, Frame, Milliseconds, Reloading, Settings, Tracer, Wave};
 use serde::Serialize;
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -71,12 +71,8 @@ struct Report<'a> {
     settings: &'a Settings,
     renderer: &'a str,
     clock: &'a str,
-    listener_hits: u64,
-    dead: u64,
-    travelling: u64,
-    not_finite: u64,
-    zero_length_passes: u64,
-    step_limit_reached: u64,
+    #[serde(flatten)]
+    counts: Counts,
     left: f64,
     right: f64,
     pan: f64,
@@ -252,12 +248,7 @@ fn report<'a>(
         settings,
         renderer,
         clock,
-        listener_hits: frame.counts.listener_hits,
-        dead: frame.counts.dead,
-        travelling: frame.counts.travelling,
-        not_finite: frame.counts.not_finite,
-        zero_length_passes: frame.counts.zero_length_passes,
-        step_limit_reached: frame.counts.step_limit_reached,
+        counts: frame.counts,
         left: frame.panning.left,
         right: frame.panning.right,
         pan: frame.panning.pan(),
@@ -272,7 +263,7 @@ fn report<'a>(
 fn print_text(report: &Report) -> anyhow::Result<()> {
     let settings = report.settings;
     let iterations = u64::from(settings.waves) * u64::from(settings.iterations);
-    let share = 100.0 * report.zero_length_passes as f64 / iterations as f64;
+    let share = 100.0 * report.counts.zero_length_passes as f64 / iterations as f64;
     let time = &report.milliseconds;
     print::line(&format!(
         "{}: {} waves, {} iterations, profile {}, seed {}",
@@ -284,11 +275,11 @@ fn print_text(report: &Report) -> anyhow::Result<()> {
     ))?;
     print::line(&format!(
         "  listener hits {:>10}\n  dead          {:>10}\n  travelling    {:>10}",
-        report.listener_hits, report.dead, report.travelling
+        report.counts.listener_hits, report.counts.dead, report.counts.travelling
     ))?;
     print::line(&format!(
         "  iterations in which the wave did not move {} of {iterations} ({share:.1} %), step limit reached {}",
-        report.zero_length_passes, report.step_limit_reached
+        report.counts.zero_length_passes, report.counts.step_limit_reached
     ))?;
     print::line(&format!(
         "  left {:.1}, right {:.1}: pan {:+.4}; gains {:.3} and {:.3} ({})",

@@ -93,7 +93,7 @@ fn no_name_is_the_number_of_another() {
 fn bad_sound_is_refused_by_its_name() {
     hall().validate().unwrap();
     type Spoil = fn(&mut Scene);
-    let cases: [(Spoil, &str); 13] = [
+    let cases: [(Spoil, &str); 14] = [
         (
             |s| s.sources = vec![Source::at(Vec3::Z); 257],
             "the number of its sources must be at most 256, not 257",

@@ -6,9 +6,8 @@ use anyhow::anyhow;
 use echomarch::Error;
 use echomarch::audio::WavWriter;
 use echomarch::internals::file_output::write_whole;
-use echomarch::response::Response;
 use echomarch::response::{
-    Echogram, EchogramRow, Format, ImpulseResponse, ImpulseSettings, ListenerAxes,
+    Echogram, EchogramRow, Format, ImpulseResponse, ImpulseSettings, ListenerAxes, Response,
 };
 use echomarch_lab::experiment::decay_plot;
 use std::io::{self, Write};

@@ -1,8 +1,7 @@
 //! Why figures are missing from a response, and what helps.
 
 use echomarch::bands::{BAND_COUNT, BANDS_HZ};
-use echomarch::response::BandFigures;
-use echomarch::response::{Gap, Response};
+use echomarch::response::{BandFigures, Gap, Response};
 use echomarch::scene::Scene;
 
 /// Returns a sentence for each reason why figures are missing, with the bands that it applies to.
