@@ -1,27 +1,15 @@
 //! Documents and tables as Markdown.
 
+use super::Document;
 use super::table::Table;
-use super::{Block, Document, wrapped};
 use crate::text::markdown as escaped;
 
 impl Document {
     /// The document as Markdown. Its text is escaped, so that it cannot make a tag, a link or a
     /// column.
     pub fn markdown(&self) -> String {
-        let blocks: Vec<String> = self.blocks.iter().map(block).collect();
-        blocks.join("\n\n") + "\n"
-    }
-}
-
-fn block(block: &Block) -> String {
-    match block {
-        Block::Heading(level, text) => format!("{} {}", "#".repeat(*level), escaped(text)),
-        Block::Paragraph(text) => wrapped(&escaped(text), ""),
-        Block::List(items) => {
-            let items = items.iter().map(|item| wrapped(&escaped(item), "- "));
-            items.collect::<Vec<_>>().join("\n")
-        }
-        Block::Table(table) => table.markdown(),
+        let heading = |marks: &str, text: &str| format!("{marks} {}", escaped(text));
+        self.written(escaped, heading, Table::markdown) + "\n"
     }
 }
 

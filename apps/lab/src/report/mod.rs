@@ -12,8 +12,7 @@ mod table;
 mod terminal;
 
 pub use cell::{Cell, significant};
-pub use table::Table;
-pub use table::{Column, Row};
+pub use table::{Column, Row, Table};
 
 use serde::Serialize;
 
@@ -82,6 +81,26 @@ impl Document {
     /// Adds a table of the given rows.
     pub fn table<R: Row>(&mut self, rows: impl IntoIterator<Item = R>) {
         self.blocks.push(Block::Table(Table::of(rows)));
+    }
+
+    /// The document as text; `heading` takes the marks of a heading's level, and its text.
+    fn written(
+        &self,
+        escaped: fn(&str) -> String,
+        heading: fn(&str, &str) -> String,
+        table: fn(&Table) -> String,
+    ) -> String {
+        let block = |block: &Block| match block {
+            Block::Heading(level, text) => heading(&"#".repeat(*level), text),
+            Block::Paragraph(text) => wrapped(&escaped(text), ""),
+            Block::List(items) => {
+                let items = items.iter().map(|item| wrapped(&escaped(item), "- "));
+                items.collect::<Vec<_>>().join("\n")
+            }
+            Block::Table(of) => table(of),
+        };
+        let blocks: Vec<String> = self.blocks.iter().map(block).collect();
+        blocks.join("\n\n")
     }
 }
 

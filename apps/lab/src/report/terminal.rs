@@ -1,7 +1,7 @@
 //! Documents and tables for a terminal: texts in lines of [`WIDTH`](super::WIDTH) characters, tables as wide as they are.
 
 use super::table::Table;
-use super::{Block, Document, wrapped};
+use super::{Document, wrapped};
 use comfy_table::{CellAlignment, ColumnConstraint, Width, presets};
 
 /// Maximum width of a column of text in characters; longer text is broken into lines.
@@ -10,20 +10,8 @@ const WIDEST_TEXT: u16 = 40;
 impl Document {
     /// The document for a terminal.
     pub fn terminal(&self) -> String {
-        let blocks: Vec<String> = self.blocks.iter().map(block).collect();
-        blocks.join("\n\n")
-    }
-}
-
-fn block(block: &Block) -> String {
-    match block {
-        Block::Heading(level, text) => wrapped(text, &format!("{} ", "#".repeat(*level))),
-        Block::Paragraph(text) => wrapped(text, ""),
-        Block::List(items) => {
-            let items = items.iter().map(|item| wrapped(item, "- "));
-            items.collect::<Vec<_>>().join("\n")
-        }
-        Block::Table(table) => table.terminal(),
+        let heading = |marks: &str, text: &str| wrapped(text, &format!("{marks} "));
+        self.written(str::to_owned, heading, Table::terminal)
     }
 }
 

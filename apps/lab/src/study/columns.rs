@@ -4,8 +4,7 @@ use super::file::{FigureName, ResponseFile};
 use super::{Kept, Study};
 use crate::report::Cell;
 use echomarch::bands::BANDS_HZ;
-use echomarch::response::BandFigures;
-use echomarch::response::{Gap, Response};
+use echomarch::response::{BandFigures, Gap, Response};
 
 /// Maximum of all times in the results, in seconds: a record has at most 60 s, and a decay time is three times the part
 /// that it is evaluated from.
@@ -311,6 +310,11 @@ impl Study {
             columns.push(Column::new(name, kind));
         }
         columns
+    }
+
+    /// All columns, in order.
+    pub(super) fn columns(&self) -> Vec<Column> {
+        [self.point_columns(), self.found_columns()].concat()
     }
 
     /// The columns of the results.

@@ -46,7 +46,7 @@ pub fn draw_map(
     let rows = plain_file::open(&table, File::options().read(true)).map_err(failed)?;
     let mut rows = csv::Reader::from_reader(rows);
     let mut rows = rows.records();
-    let columns = [study.point_columns(), study.found_columns()].concat();
+    let columns = study.columns();
     let reasons = EmptyCount::new(columns);
     for (number, file) in pictures.iter().enumerate() {
         let mut values = Vec::new();

@@ -10,6 +10,7 @@ use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::{Type, TypePtr};
+use std::convert::Infallible;
 use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -135,33 +136,30 @@ impl Values {
 
     /// Adds a cell; returns false if it does not fit this column.
     fn push(&mut self, cell: String) -> bool {
-        fn add<T>(values: &mut Vec<T>, there: &mut Vec<i16>, value: Option<Option<T>>) -> bool {
-            let Some(value) = value else {
+        fn add<T, E>(
+            values: &mut Vec<T>,
+            there: &mut Vec<i16>,
+            cell: Option<Result<T, E>>,
+        ) -> bool {
+            let Ok(value) = cell.transpose() else {
                 return false;
             };
             there.push(i16::from(value.is_some()));
             values.extend(value);
             true
         }
-        let is_empty = cell.is_empty();
+        let cell = (!cell.is_empty()).then_some(cell);
         match self {
-            _ if is_empty => {
-                let (Values::Whole(_, there) | Values::Real(_, there) | Values::Text(_, there)) =
-                    self;
-                there.push(0);
-                true
-            }
-            Values::Whole(values, there) => add(values, there, cell.parse().ok().map(Some)),
-            Values::Real(values, there) => add(values, there, cell.parse().ok().map(Some)),
+            Values::Whole(values, there) => add(values, there, cell.map(|it| it.parse())),
+            Values::Real(values, there) => add(values, there, cell.map(|it| it.parse())),
             Values::Text(values, there) => add(
                 values,
                 there,
-                Some(Some(ByteArray::from(cell.into_bytes()))),
+                cell.map(|it| Ok::<_, Infallible>(it.into_bytes().into())),
             ),
         }
     }
 
-    /// Writes the values, and clears them.
     fn write(&mut self, column: &mut SerializedColumnWriter) -> Result<(), ParquetError> {
         match self {
             Values::Whole(values, there) => write::<Int64Type>(column, values, there),

@@ -24,11 +24,7 @@ pub(super) fn verify(
     progress: &mut dyn FnMut(u64),
 ) -> Result<Header, String> {
     let file = InputFile::open(path, LARGEST_FILE).map_err(|error| error.to_string())?;
-    let mut lines = Lines {
-        reader: BufReader::new(file),
-        number: 0,
-        bytes: Vec::new(),
-    };
+    let mut lines = Lines::of(file);
     let mut hash = Sha256::new();
     let first = lines.next()?.ok_or("it is empty")?;
     let header = Header::parse(first).ok_or("it is not a shard of a study")?;
@@ -68,6 +64,16 @@ struct Lines<R> {
     number: u64,
     /// The line, with its end.
     bytes: Vec<u8>,
+}
+
+impl Lines<BufReader<InputFile>> {
+    fn of(file: InputFile) -> Self {
+        Lines {
+            reader: BufReader::new(file),
+            number: 0,
+            bytes: Vec::new(),
+        }
+    }
 }
 
 impl<R: BufRead> Lines<R> {
@@ -132,11 +138,7 @@ impl Rows {
     fn read(&mut self) -> io::Result<()> {
         let mut file = InputFile::open(&self.path, LARGEST_FILE).map_err(io::Error::other)?;
         file.skip_to(self.offset)?;
-        let mut lines = Lines {
-            reader: BufReader::new(file),
-            number: 0,
-            bytes: Vec::new(),
-        };
+        let mut lines = Lines::of(file);
         let is_first = self.offset == 0;
         for at in 0..ROWS_AT_A_TIME {
             let text = match lines.next().map_err(io::Error::other)? {

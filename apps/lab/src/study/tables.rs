@@ -40,8 +40,7 @@ impl<'a> Tables<'a> {
         let failed = |source| StudyError::output(&csv_path, source);
         let csv_part = temporary_beside(&csv_path).map_err(failed)?;
         let mut csv = csv::Writer::from_writer(csv_part.writer().map_err(failed)?);
-        let mut columns = study.point_columns();
-        columns.extend(study.found_columns());
+        let columns = study.columns();
         let names = columns.iter().map(|column| column.name.as_str());
         csv.write_record(names)
             .map_err(|error| StudyError::output(&csv_path, error.into()))?;
@@ -94,11 +93,8 @@ impl<'a> Tables<'a> {
         #[cfg(feature = "parquet")]
         files.push(self.parquet.finish()?);
         let note = self.folder.join(NOTE);
-        let columns: Vec<String> = {
-            let mut columns = self.study.point_columns();
-            columns.extend(self.study.found_columns());
-            columns.into_iter().map(|column| column.name).collect()
-        };
+        let columns = self.study.columns().into_iter();
+        let columns: Vec<String> = columns.map(|column| column.name).collect();
         let mut says = serde_json::Map::from_iter(
             about(self.study, self.renderer)
                 .into_iter()

@@ -99,38 +99,40 @@ fn single_waves(tracer: &mut Tracer, corner: &Scene) -> Result<Vec<Target>, Erro
     let hybrid = errors_of(Settings::hybrid())?;
     let march = errors_of(Settings::march())?;
     let not_finite = (hybrid.not_finite + march.not_finite) as f64;
-    Ok(vec![
-        Target::at_most(
+    let bounds = [
+        (
             "hybrid, corner: waves of another status, %",
             100.0 * hybrid.status_differs,
             0.05,
         ),
-        Target::at_most(
+        (
             "hybrid, corner: median end-point error, m",
             hybrid.end.median,
             1e-5,
         ),
-        Target::at_most(
+        (
             "hybrid, corner: p99 of the end-point error, m",
             hybrid.end.p99,
             1e-2,
         ),
-        Target::at_most(
+        (
             "march, corner: waves of another status, %",
             100.0 * march.status_differs,
             0.1,
         ),
-        Target::at_most(
+        (
             "march, corner: median end-point error, m",
             march.end.median,
             1e-5,
         ),
-        Target::at_most(
+        (
             "hybrid and march, corner: waves that end nowhere (NaN)",
             not_finite,
             0.0,
         ),
-    ])
+    ];
+    let targets = bounds.map(|(what, measured, bound)| Target::at_most(what, measured, bound));
+    Ok(targets.into())
 }
 
 /// Times whole frames in turns, compared with the thesis' algorithm at its careful distance.

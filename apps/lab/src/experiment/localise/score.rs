@@ -6,7 +6,6 @@
 //! was heard are a group of their own: they are in the middle, wherever their source is. Several files of one session
 //! count as one session: answers are locked once given, so later files only add to earlier ones; two that contradict
 //! each other are rejected.
-//! later files only add to earlier ones; two that contradict each other are rejected.
 
 use super::answers::{Answer, AnswersError, Session, StimulusInfo, TrialAnswer};
 use super::observer::{Side, folded_deg};

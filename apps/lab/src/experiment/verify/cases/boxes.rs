@@ -10,6 +10,8 @@ use glam::{EulerRot, Quat, Vec3};
 pub fn cases() -> Vec<Case> {
     let cube = || block(2.0, 2.0, 2.0);
     let slab = || block(2.0, 1.0, 2.0);
+    let ball = || Node::Sphere(Sphere { radius: 0.3 });
+    let size = Vec3::splat(0.5);
     let two = vec![cube(), slab().at(1.5 * Vec3::Y)];
     let three = vec![slab().at(-Vec3::Y), slab(), slab().at(Vec3::Y)];
     let corner = vec![cube(), cube().at(2.0 * Vec3::X), slab().at(1.5 * Vec3::Y)];
@@ -21,19 +23,9 @@ pub fn cases() -> Vec<Case> {
         touching("boxes-corner", corner, 0.0),
         touching("boxes-bricks", bricks(), 0.0),
         touching("boxes-bricks-far", bricks(), 1000.0),
-        cells("cells-balls", Node::Sphere(Sphere { radius: 0.3 }), 0.0),
-        cells(
-            "cells-balls-far",
-            Node::Sphere(Sphere { radius: 0.3 }),
-            1000.0,
-        ),
-        cells(
-            "cells-boxes",
-            Node::Cuboid(Cuboid {
-                size: Vec3::splat(0.5),
-            }),
-            0.0,
-        ),
+        cells("cells-balls", ball(), 0.0),
+        cells("cells-balls-far", ball(), 1000.0),
+        cells("cells-boxes", Node::Cuboid(Cuboid { size }), 0.0),
     ]
 }
 
