@@ -1,4 +1,4 @@
-// In a frame that counts evaluations of the distance, this file replaces counters.glsl.
+// Replaces counters.glsl in a frame that counts evaluations of the distance.
 float evaluations = 0.0;
 float countPass(float counters, bool zeroLength, bool limitReached) {
     return counters;

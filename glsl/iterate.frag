@@ -1,5 +1,5 @@
-// A march pass: reads each wave, takes it through one iteration (as in the thesis) or several, and writes
-// it to the other texture pair.
+// A march pass: reads each wave, traces it through one iteration (as in the thesis) or several, and
+// writes it to the other texture pair.
 
 uniform highp sampler2D uOrigins;
 uniform highp sampler2D uDirections;

@@ -1,9 +1,9 @@
-// One iteration in closed form where there is one: profile `hybrid`.
+// One iteration of profile `hybrid`: in closed form where a surface has one.
 //
-// The intersection of the wave's line with every surface that has a closed form is solved for; the nearest
-// wins. These surfaces need no march, so they have neither a minimum distance nor a start offset, and no
-// step limit except for traversals of copies without end (operator/repeat.glsl). Fields without a closed
-// form are marched, no further than to the nearest of those hits.
+// The ray is intersected with every surface that has a closed form, and the nearest hit wins. These
+// surfaces need no march, and so no minimum distance, no start offset, and no step limit except for
+// traversals of endless copies (operator/repeat.glsl). Fields without a closed form are marched, at most
+// to the nearest of those hits.
 
 uniform float uMaxDistance;   // a wave counts as dead beyond this, metres; far below NO_HIT
 
@@ -32,8 +32,8 @@ void iterate(inout vec4 origin, inout vec4 direction) {
 #endif
     bool met = !limitReached && t < maxDistance;
     bool reflects = met && object != STATUS_LISTENER;
-    // Waves of every fate execute the same code, each with its own values: waves that are drawn together
-    // wait for each other at every branch.
+    // All waves execute the same code, whatever their fate: waves that run in lockstep wait for each
+    // other at every branch.
     vec3 p = origin.xyz;
     vec3 d = direction.xyz;
     reflectWave(object, t, p, d);

@@ -1,15 +1,15 @@
-// One iteration of accurate sphere tracing: profile `march`.
+// One iteration of profile `march`: accurate sphere tracing.
 //
-// Theory. The gradient of the one surface met gives a Newton step along the ray,
-// distance / -(direction . gradient); beyond REACH the step is the distance (Hart 1996). The distance to a
-// convex solid is convex along a line, so its tangent never overshoots; the step is also limited by the
-// distance to every other object, so no object is jumped over. A convex surface that the wave moves away
-// from is never met on this line, and is skipped (directedDistance): where several faces lie in one plane,
-// none of them slows down a wave that leaves one of them. The wave has reached the surface when its
-// distance is within rounding, so a wide shell does not cost accuracy.
+// Theory. The gradient of the nearest surface gives a Newton step along the ray, distance / -(direction .
+// gradient); beyond REACH the step is the distance itself (Hart 1996). The distance to a convex solid is
+// convex along a line, so a Newton step never overshoots; the step is also limited by the distance to
+// every other object, so no object is jumped over. A convex surface that the wave moves away from cannot
+// be hit and is skipped (directedDistance): where several faces lie in one plane, none of them slows down
+// a wave that leaves one of them. The wave has reached the surface when its distance is within rounding,
+// so hits are accurate, without a wide shell around the surface.
 //
-// Departures from the thesis: no start offset (the status names the surface that the wave left, which
-// cannot be met next); the stored point lies on the surface; the normal is that of the surface met; dead
+// Departures from the thesis: no start offset (the status names the surface that the wave left, which it
+// cannot hit next); the stored point lies on the surface; the normal is that of the surface hit; dead
 // waves stop; directions are kept at length 1.
 
 uniform float uMaxDistance;     // a wave counts as dead beyond this, metres
@@ -27,10 +27,10 @@ bool finished(float status) {
     return status < 0.1;
 }
 
-const float REACH = 1e8;     // distance in metres from which Newton's steps are taken; farther, nothing is ahead
-const float GLANCE = 16.0;   // roundings along the ray that make a projection inexact
+const float REACH = 1e8;     // metres; no surface is ahead beyond this distance, and steps are not Newton's
+const float GLANCE = 16.0;   // roundings along the ray beyond which a projection is inexact
 
-// Distance that the wave flies along its direction, or -1.
+// Returns the distance along the ray to the first hit, or -1.
 float traceWave(vec3 origin, vec3 direction, float last, out float object, out bool limitReached) {
     float t = 0.0;
     bool refined = false;
@@ -47,24 +47,25 @@ float traceWave(vec3 origin, vec3 direction, float last, out float object, out b
             }
             float errorBound;
             float closing = -dot(direction, directedGradient(p, direction, object, errorBound));
-            // The point is as coarse as the largest number it was computed from.
+            // The point has the rounding error of the largest number that it was computed from.
             float rounding = roundingAt(p, max(errorBound, coarseness));
-            // A wave cannot go back beyond its start: a solid that contains the start is met at once.
+            // A wave cannot go back beyond its start: a solid that contains the start is hit at once.
             bool within = nearest <= rounding && (nearest >= -rounding || t <= 0.0);
             if (closing > 0.0 && within) {
                 // At a grazing angle a rounding of the distance is a long way along the ray: one more full
-                // Newton step is taken there, unless another object is as near.
+                // Newton step is then taken, unless another object is as near.
                 if (refined || nearest <= GLANCE * closing * rounding || second <= rounding) {
                     return t;
                 }
                 refined = nearest <= second * closing;
             }
-            // The surface ahead comes nearer, within rounding; otherwise only the other objects can be met.
+            // A surface ahead gets nearer, within rounding; otherwise only the other objects can be hit.
             float step = closing > 0.0 ? min(nearest / closing, second) : second;
             // The march always advances, whatever the rounding.
             t = max(t + step, closing > 0.0 && nearest < 0.0 ? 0.0 : t + 0.5 * rounding);
         } else {
-            // The second nearest is never nearer, but a step must not leave the cell.
+            // `second` is less than `nearest` only at the end of the cell, which a step must not
+            // leave.
             t += min(nearest, second);
         }
         if (!(t < maxDistance)) {
@@ -80,7 +81,7 @@ void iterate(inout vec4 origin, inout vec4 direction) {
     bool limitReached;
     float t = traceWave(origin.xyz, direction.xyz, origin.w, object, limitReached);
 #if MARCHES_FIELDS
-    // If the march of the basic shapes was given up, the fields cannot be decided either.
+    // If the march of the basic shapes reached its step limit, a field's hit may not be the first.
     float fieldMet;
     bool fieldLimitReached = false;
     float limit = t < 0.0 ? maxDistance : t;

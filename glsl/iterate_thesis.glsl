@@ -5,7 +5,7 @@
 // with direction 0. Departures: the march has a step limit, counters are stored in the direction's last
 // component, and a wave dies where all differences are 0, because normalize(0) depends on the driver.
 
-uniform float uMinDistance;   // a surface counts as met below this distance, metres
+uniform float uMinDistance;   // a surface counts as hit below this distance, metres
 uniform float uMaxDistance;   // a wave counts as dead beyond this, metres
 uniform float uStartOffset;   // along the direction, metres
 uniform float uNormalStep;    // of the central differences, metres
@@ -26,7 +26,7 @@ bool finished(float status) {
     return reachedListener(status);
 }
 
-// Figure 9: distance that the wave flies along its direction, or -1.
+// Figure 9: returns the distance along the ray to the first hit, or -1.
 float traceWave(vec3 origin, vec3 direction, out float object, out bool limitReached) {
     float t = 0.0;
     limitReached = false;
@@ -46,7 +46,7 @@ float traceWave(vec3 origin, vec3 direction, out float object, out bool limitRea
     return -1.0;
 }
 
-// Hart 1996: the gradient by central differences, whatever the surface; 0 where the normal is
+// The gradient of the scene's distance by central differences (Hart 1996); 0 where the normal is
 // undefined.
 vec3 traceGradient(vec3 p) {
     vec2 e = vec2(uNormalStep, 0.0);

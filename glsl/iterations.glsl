@@ -1,4 +1,4 @@
-// Takes a wave through some iterations.
+// Traces a wave through `iterations` iterations, or until it has finished.
 void traceIterations(int iterations, inout vec4 origin, inout vec4 direction) {
     for (int i = 0; i < iterations; ++i) {
         if (finished(origin.w)) {

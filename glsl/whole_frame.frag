@@ -1,5 +1,6 @@
-// All passes of a frame in one: starts each wave, takes it through all iterations, and writes its contribution
-// to the left and the right. If the caller does not read the waves themselves, no texture pair is written or
+// All passes of a frame in one: starts each wave, traces it through all iterations, and writes its
+// contribution to the left and the right. If the caller does not read the waves themselves, no texture pair is
+// written or
 // read.
 
 uniform int uIterationsInPass;

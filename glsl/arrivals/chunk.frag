@@ -1,5 +1,5 @@
-// A pass over the waves of a block: takes each wave through a chunk of iterations, and writes its new
-// state, a tally, and records of its crossings of the listener.
+// A pass over the waves of a block: traces each wave through a chunk of iterations, and writes the
+// wave's new state, a tally, and a record of each crossing of the listener.
 //
 //   first texture:   position x, y, z in metres, status
 //   second texture:  direction x, y, z, metres flown from the source (rounded)
@@ -14,9 +14,9 @@
 
 uniform highp sampler2D uOrigins;      // the waves at the chunk's start
 uniform highp sampler2D uDirections;
-uniform highp sampler2D uList;         // number in the block or -1, crossings to skip
+uniform highp sampler2D uList;         // each entry: number in the block (-1: unused), crossings to skip
 uniform bool uIsListed;
-uniform bool uIsStart;                 // the waves are at the source
+uniform bool uIsStart;                 // whether the waves begin at the source
 uniform uint uFirstWave;               // number of the block's first wave
 uniform int uIterationsInChunk;
 
@@ -31,8 +31,8 @@ float fate(float status) {
 }
 
 #if EVENT_BITS > 0
-// 30 bits in a float that is neither NaN nor subnormal, since drivers may change those: bits 29 and 30
-// of its exponent are 1 and 0, and the sign is one bit of the word.
+// Packs 30 bits into a float that is never NaN or subnormal, because drivers may change such values:
+// bit 29 is 1, bit 30 is 0, and the sign bit holds the highest of the 30 bits.
 float inFloat(uint bits) {
     return uintBitsToFloat(0x20000000u | (bits & 0x1FFFFFFFu) | ((bits & 0x20000000u) << 2u));
 }
@@ -41,7 +41,7 @@ void prepareEvents(uint wave) {
     copyMaterials();
 #if SCATTERS
     waveNumber = wave;
-    // Differs from the numbers of the start directions.
+    // Differs from the seed of the start directions.
     scatterSeed = uSeed ^ 0x5CA77E2Du;
     startIteration = uStartIteration;
     materialCount = uMaterialCount;

@@ -1,4 +1,4 @@
-// One iteration of a wave that the listener does not stop, and the record of its crossing.
+// One iteration of a wave that passes through the listener, and the record of its crossing.
 
 const float STATUS_GIVEN_UP = -2.0;   // a march reached its step limit; the wave is not followed further
 const float STATUS_OVER = -3.0;       // has flown the requested length
@@ -9,7 +9,7 @@ uniform float uChordScale;    // 1 / (4 listener radii): scales a chord to at mo
 float lengthLimit = 0.0;
 float chordScale = 0.0;
 float startLength = 0.0;   // metres flown before the chunk, rounded
-float passedOver = 0.0;    // crossings that are recorded elsewhere
+float passedOver = 0.0;    // crossings already recorded, to be skipped
 #if SCATTERS
 uniform uint uStartIteration;   // iterations before the chunk
 uniform float uMaterialCount;
@@ -20,9 +20,9 @@ uint startIteration = 0u;
 float materialCount = 0.0;
 #endif
 
-// Metres flown in the chunk: whole sixteenths, and the remainders. Sixteenths add up exactly (to 2^20 m),
-// and the sum of remainders stays so small that rounding costs at most 1e-7 m per flight. (A single sum in
-// floats would lose 3e-5 m per flight beyond 512 m.)
+// Metres flown in the chunk: the sum of whole sixteenths, and the sum of the remainders. Sixteenths add up
+// exactly (to 2^20 m), and the sum of remainders stays so small that rounding costs at most 1e-7 m per
+// flight. (A single sum in floats would lose 3e-5 m per flight beyond 512 m.)
 float sixteenths = 0.0;
 float rest = 0.0;
 float crossings = 0.0;   // in the chunk
@@ -33,8 +33,8 @@ void addLength(float t) {
     rest += t - whole;
 }
 
-// Records the crossing of the listener by the flight from p along d over t metres. The listener's centre is
-// the origin of the coordinates. (A wave that begins or ends inside crosses only the part that it flies through.)
+// If the flight of t metres from p along d crosses the listener, whose centre is the origin of the coordinates,
+// records the crossing. (If the flight begins or ends inside, only the part of the chord that it covers counts.)
 void crossListener(vec3 p, vec3 d, float t, float iteration) {
     float along = dot(p, d);
     vec3 aside = p - along * d;
@@ -50,8 +50,8 @@ void crossListener(vec3 p, vec3 d, float t, float iteration) {
     crossings += crosses ? 1.0 : 0.0;
 }
 
-// Takes the wave to the next surface and mirrors or scatters it there. The returned event describes
-// the change of its energy (src/shader/materials.rs).
+// Moves the wave to the next surface and reflects it there, specularly or diffusely. Returns the
+// event, which determines the change of the wave's energy (src/shader/materials.rs).
 uint flyOn(float iteration, inout vec3 p, inout vec3 d, inout float status) {
     float object;
     float t = fly(p, d, status, object);

@@ -1,8 +1,8 @@
 // Flight of a wave to the next surface past a transparent listener: profile `hybrid`
 // (theory: iterate_hybrid.glsl).
 
-// Distance that the wave at p flies along d to the next surface, and the surface's number; at least
-// maxDistance if it meets none, and -1 if a step limit left open which comes first.
+// Returns the distance from p along d to the next surface, and the surface's number in `object`: at
+// least maxDistance without a hit, -1 if a step limit left the first hit undecided.
 float fly(vec3 p, vec3 d, float last, out float object) {
     float t = closestHit(p, d, last, maxDistance, object);
 #if MARCHES_FIELDS

@@ -1,9 +1,11 @@
-// Diffuse reflection by Lambert's law: the density in a direction is proportional to its cosine with the normal.
+// Diffuse reflection by Lambert's law: the density in a direction is proportional to the cosine of its angle to
+// the normal.
 
-// A random direction about the normal of a reflection that turned the wave by `turned`: the sum of the unit
-// normal and a random point of the unit sphere has this distribution.
+// Returns a random direction about the surface normal, which is parallel to `turned`, the change of
+// direction by specular reflection. The sum of the unit normal and a random point on the unit sphere has
+// this distribution.
 vec3 scattered(vec3 turned, vec3 mirrored, uvec3 bits) {
-    const float LEAST = 1e-5;   // a shorter turn gives no normal, a shorter sum no direction
+    const float LEAST = 1e-5;   // a shorter vector cannot be normalised
     float size = length(turned);
     vec3 normal = turned / max(size, LEAST);
     float share = unitInterval(bits.y);

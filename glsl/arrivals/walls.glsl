@@ -1,5 +1,6 @@
-// Material of the wall of a room that turned a wave, from the turn in the room's own axes. Each pair is
-// the wall with the lower coordinate, then the other one.
+// Returns the material of the room's wall that changed a wave's direction by `turned`, in the room's
+// own axes. Each of x, y and z holds the materials of the walls with the lower and the upper
+// coordinate.
 float materialOfWall(vec3 turned, vec2 x, vec2 y, vec2 z) {
     vec3 size = abs(turned);
     float ofX = turned.x > 0.0 ? x.x : x.y;

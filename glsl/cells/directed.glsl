@@ -1,4 +1,5 @@
-// The nearest surface in the cell of p, and the distance ahead within which no other can be met.
+// Updates the nearest surface with those in the cell of p, and lowers `second` to the distance
+// ahead within which no other surface can be hit.
 void directedInCells(vec3 p, vec3 d, float last, inout float nearest, inout float object, inout float second) {
     vec4 cell;
     float reach;

@@ -1,5 +1,5 @@
-// The least distance to the surfaces in cells. Of several at exactly the same distance the first
-// one counts, as with unrolled surfaces.
+// The least distance to the surfaces in cells. Among surfaces at exactly the same distance the
+// lowest number wins, as with unrolled surfaces.
 
 uniform int uGroups;       // index of the first group in the scene's data
 uniform int uGroupCount;
@@ -15,9 +15,9 @@ void nearestListed(int first, int count, vec3 p, inout float nearest, inout floa
     }
 }
 
-// Inside the grid: the surfaces that can be nearest in the cell of p. Outside: those of each group whose
-// box is nearer than the least distance found. A group is two vectors: the least coordinates of its box
-// and the start of its list, the greatest coordinates and the list's length.
+// Inside the grid, tests the surfaces that can be the nearest in the cell of p; outside, the surfaces of
+// each group whose box is nearer than the least distance found. A group is two vectors: (least
+// coordinates of its box, start of its list) and (greatest coordinates, length of the list).
 void distanceInCells(vec3 p, inout float nearest, inout float object) {
     const float ROUNDED_DOWN = 0.999999;   // eight roundings of a length
     vec3 place;

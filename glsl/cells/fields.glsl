@@ -1,5 +1,6 @@
-// The least value of the marched fields in the cell of p, how far ahead it holds, and how far the
-// same fields are evaluated.
+// Updates the least value of the marched fields with those in the cell of p. `reach` is the
+// distance along d to the end of the cell, or to the grid; `within` is the distance that certainly
+// stays in the cell.
 void fieldsInCells(vec3 p, vec3 d, float last, inout float nearest, inout float object, inout float reach, inout float within) {
     vec4 cell;
     if (cellAhead(p, d, cell, reach, within)) {

@@ -1,4 +1,4 @@
-// Distance along d from p that is free of the marched fields in its cell.
+// Lowers `way` to the distance along d from p that is free of the marched fields in the cell of p.
 void fieldsFreeInCells(vec3 p, vec3 d, float last, float errorBound, inout float way) {
     vec4 cell;
     float reach;

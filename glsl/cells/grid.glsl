@@ -1,7 +1,7 @@
-// Cells of space (docs/architecture.md): the surfaces that matter in each place. In the scene's data a
-// cell is a vector (first of its list, length of the list); an entry of a list is (number of the
-// surface, its kind, index of its values, its material). The directory has such an entry for each
-// surface, by its number.
+// The grid of cells (docs/architecture.md): each cell lists the surfaces that can be hit or be nearest
+// in it. In the scene's data a cell is a vector (index of its first entry, number of entries), and an
+// entry is (number of the surface, its kind, index of its values, its material). The directory holds
+// one such entry for each surface, in the order of their numbers.
 
 uniform vec3 uCellOrigin;   // corner with the least coordinates, metres
 uniform vec3 uCellSize;     // metres
@@ -22,7 +22,7 @@ vec4 entryOf(float object) {
     return sceneData(uDirectory + int(object) - 1);
 }
 
-// Whether p is in the grid, and in which cell.
+// Returns whether p is in the grid, and the indices of its cell.
 bool cellOf(vec3 p, out vec3 place) {
     place = floor((p - uCellOrigin) / uCellSize);
     return all(greaterThanEqual(place, vec3(0.0))) && all(lessThan(place, uCellCount));

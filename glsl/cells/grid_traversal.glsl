@@ -1,17 +1,18 @@
-// Grid traversal by a line (DDA; Amanatides and Woo 1987). The next crossings of faces are computed
-// from the faces' numbers each time, because sums would drift.
+// Grid traversal (DDA; Amanatides and Woo 1987). The distances to the next faces are computed from
+// the cell's indices each time, because running sums would drift.
 vec3 nextCrossings(vec3 p, vec3 inverse, vec3 place) {
     vec3 ahead = vec3(inverse.x > 0.0 ? 1.0 : 0.0, inverse.y > 0.0 ? 1.0 : 0.0, inverse.z > 0.0 ? 1.0 : 0.0);
     return (uCellOrigin + (place + ahead) * uCellSize - p) * inverse;
 }
 
-// Metres along the line at which it enters the grid, `over` of the face that it enters by, and at which it leaves.
+// Returns the distance to the line's entry into the grid, the component of `over` for the entry face, and the
+// distance to the exit.
 vec3 throughGrid(vec3 p, vec3 inverse, vec3 over) {
     vec3 a = (uCellOrigin - p) * inverse;
     vec3 b = (uCellOrigin + uCellCount * uCellSize - p) * inverse;
     vec3 enters = min(a, b);
     vec3 leaves = max(a, b);
-    // The line enters by the face that it reaches last.
+    // The entry face is the one that the line reaches last.
     float beyond = enters.x >= enters.y && enters.x >= enters.z ? over.x : enters.y >= enters.z ? over.y : over.z;
     return vec3(
         max(max(enters.x, max(enters.y, enters.z)), 0.0),
@@ -19,13 +20,12 @@ vec3 throughGrid(vec3 p, vec3 inverse, vec3 over) {
         min(leaves.x, min(leaves.y, leaves.z)));
 }
 
-// How far a step goes beyond a face, as a share of a cell: enough that even a line nearly parallel to the
-// face has certainly crossed it, and half the margin with which the lists are made.
+// Distance that a step goes beyond a face, as a share of a cell: enough that even a line nearly parallel
+// to the face has certainly crossed it, and half the margin with which the lists are built.
 const float BEYOND = 5e-4;
 
-// The cell ahead of p along d if p is in the grid; the distance to its end, or to the grid (`reach`); and the
-// distance along d that is certainly still within it (`within`). Values at two places within `within` are of the
-// same surfaces; beyond it another list applies.
+// Returns whether p is in the grid, and its cell. `reach` is the distance along d to just beyond the end of the
+// cell, or to the grid for a p outside. Up to the distance `within` along d the same list certainly applies.
 bool cellAhead(vec3 p, vec3 d, out vec4 cell, out float reach, out float within) {
     vec3 inverse = safeInverse(d);
     vec3 over = BEYOND * uCellSize * abs(inverse);

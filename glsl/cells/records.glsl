@@ -1,14 +1,14 @@
-// Lines through the cells of one kind (docs/architecture.md, src/shader/scene_data.rs): the text for a
-// kind goes from record to record in one straight loop. CELL_VECTOR and CELL_AXES are of the axes
-// along which cells have ends.
+// Traversal of the cells of one kind (docs/architecture.md, src/shader/scene_data.rs), in a single
+// loop from record to record. CELL_VECTOR and CELL_AXES are the vector type and the components of the
+// axes along which cells have ends.
 
-// A line through a grid (Amanatides and Woo 1987). The line crosses face n of an axis at
-// n * between + offset metres: a product does not drift as sums do.
+// A line through a grid (Amanatides and Woo 1987). The line crosses face n of an axis at n *
+// between + offset metres: unlike a running sum, a product does not drift.
 struct GridLine {
     CELL_VECTOR offset;
     CELL_VECTOR between;
-    CELL_VECTOR ahead;   // 1 where the line goes up along the axis: the face ahead of a cell is the next one
-    CELL_VECTOR onward;  // 1 where the line goes up, else -1
+    CELL_VECTOR ahead;   // 1 where the direction is positive: the next face of a cell is its upper one; else 0
+    CELL_VECTOR onward;  // 1 where the direction is positive, else -1
     CELL_VECTOR place;   // the first cell
     float enters;        // metres along the line at which it enters and leaves the region of the cells
     float leaves;
@@ -28,8 +28,8 @@ GridLine gridLine(CELL_VECTOR p, CELL_VECTOR d, CELL_VECTOR inverse, CELL_VECTOR
     return line;
 }
 
-// The cell behind the face that the line crosses next. Every turn advances along at least one axis, however
-// a driver rounds faces that are equally near.
+// Returns the cell beyond the face that the line crosses next. Each call advances along at least one axis,
+// however a driver rounds equal distances.
 CELL_VECTOR nextCell(CELL_VECTOR place, GridLine line, CELL_VECTOR faces) {
     return place + line.onward * atLeast(faces);
 }

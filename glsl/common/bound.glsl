@@ -2,13 +2,13 @@
 // t from 0 to reach, as the vector (value, slope, bend, reach); t and reach in metres.
 //
 // Theory. Where the second derivative along every line is at least -bend, Taylor's formula gives
-// such a bound. The distance to a convex solid has bend 0 from outside, and its complement is
-// concave within: there a chord that ends in the air bounds it.
+// such a bound. From outside, the distance to a convex solid has bend 0. Inside the solid, the
+// distance to its surface is concave along the line, and the chord to the exit is a lower bound.
 
 const float NO_END = 1e20;   // beyond every length here, and does not overflow when scaled
 
-// Length along the line within which the bound is greater than 0, for a start that rounding may have put
-// into the solid.
+// Length along the line over which the bound stays greater than 0. The start may lie up to errorBound
+// inside the solid.
 float freeAlong(vec4 bound, float errorBound) {
     if (bound.x < -errorBound) {
         return 0.0;
@@ -24,17 +24,18 @@ float freeAlong(vec4 bound, float errorBound) {
     return min(way, bound.w);
 }
 
-// The bound of every field: its value falls by at most one metre per metre.
+// The bound that holds for every field: its value falls by at most one metre per metre.
 vec4 plainAlong(float value) {
     return vec4(value, -1.0, 0.0, NO_END);
 }
 
-// Replaces a bound that reaches no further than the value alone.
+// Uses the plain bound instead where it reaches further.
 vec4 orPlain(vec4 bound, float errorBound) {
     return freeAlong(bound, errorBound) < bound.x ? plainAlong(bound.x) : bound;
 }
 
-// Bound of the lesser of two values: that of the lesser while it stays below, or one below both.
+// Bound of the minimum of two values: that of the lower one while it stays below the other, or a
+// bound below both, whichever reaches further.
 vec4 lowerAlong(vec4 a, vec4 b, float errorBound) {
     vec4 low = a.x < b.x ? a : b;
     vec4 high = a.x < b.x ? b : a;
@@ -45,12 +46,13 @@ vec4 lowerAlong(vec4 a, vec4 b, float errorBound) {
     return freeAlong(apart, errorBound) > freeAlong(below, errorBound) ? apart : below;
 }
 
-// Bound of the greater of two values: either is valid, and the longer one is taken.
+// Bound of the maximum of two values: both bounds are valid, and the one that reaches further is
+// used.
 vec4 upperAlong(vec4 a, vec4 b, float errorBound) {
     return freeAlong(a, errorBound) >= freeAlong(b, errorBound) ? a : b;
 }
 
-// Bound of a value that is concave up to a place in the air `way` ahead.
+// Bound of a value that is concave along the line up to a point in the air `way` metres ahead.
 vec4 concaveAlong(float value, float way) {
     float end = max(way, 0.0);
     return vec4(value, -max(value, 0.0) / max(end, 1e-30), 0.0, end);

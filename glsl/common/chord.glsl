@@ -1,5 +1,5 @@
-// Clips a chord to the slab between -halfHeight and halfHeight; where the line misses the slab the chord
-// ends before it begins.
+// Clips a chord to the slab between -halfHeight and halfHeight; if the line misses the slab, the chord
+// is empty (leave < enter).
 void clipToSlab(float y, float d, float halfHeight, inout float enter, inout float leave) {
     if (abs(d) > 1e-12) {
         float middle = -y / d;
@@ -11,8 +11,9 @@ void clipToSlab(float y, float d, float halfHeight, inout float enter, inout flo
     }
 }
 
-// A convex solid is met where the ray enters it, if the ray leaves it later and the exit is further ahead than
-// the entry is behind: a point that rounding put inside is either on its way in or on its way out.
+// Returns the hit of a convex solid from the distances at which the ray enters and leaves it. The exit must
+// lie ahead by more than rounding, and further ahead than the entry lies behind: a start that rounding put
+// inside the solid may be on its way in or out.
 float hitChord(float enter, float leave, float errorBound) {
     float ahead = max(enter, 0.0);
     return leave > ahead + errorBound + ROUNDING * ahead && leave + enter > 0.0 ? ahead : NO_HIT;

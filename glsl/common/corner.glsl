@@ -1,5 +1,5 @@
-// Distance to a quarter plane from the distances to the lines of its edges, and the weights of their two
-// gradients.
+// Signed distance to a quarter plane, from the distances to its two edge lines; and the weights of the
+// gradients of these distances.
 float sdCorner(vec2 beyond) {
     return length(max(beyond, 0.0)) + min(max(beyond.x, beyond.y), 0.0);
 }

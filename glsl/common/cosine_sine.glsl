@@ -1,7 +1,9 @@
-// Cosine and sine of the same accuracy on every driver: GLSL does not specify that of its own.
+// Cosine and sine with the same accuracy on every driver: GLSL leaves the accuracy of its own
+// functions open.
 //
-// Within an eighth of a turn either side of 0 by the polynomials of Cephes (Moshier 1989, sinf.c and
-// cosf.c), which are correct to a rounding there; other angles are reduced by quarter turns.
+// Within an eighth of a turn on either side of 0 they are the polynomials of Cephes (Moshier 1989,
+// sinf.c and cosf.c), which are correct to one rounding there; other angles are reduced by quarter
+// turns.
 
 // Cosine and sine of a whole number of quarter turns plus an angle of at most an eighth of a turn, in
 // radians.
@@ -14,16 +16,17 @@ vec2 cosineSineNear(int quarters, float angle) {
     return (quarters & 2) != 0 ? -turned : turned;
 }
 
-// From a share of a turn, 0 to 1. The remainder after the quarters is exact.
+// Cosine and sine of an angle given as a share of a turn, 0 to 1. Subtracting the quarters is
+// exact.
 vec2 cosineSineOfTurn(float share) {
     const float TWO_PI = 6.28318530718;
     float quarters = floor(4.0 * share + 0.5);
     return cosineSineNear(int(quarters), TWO_PI * (share - 0.25 * quarters));
 }
 
-// From an angle in radians. A quarter turn is subtracted in three parts; the first two have so few bits
-// that their multiples are exact (Cody and Waite 1980), which is correct to a few roundings of the angle up to
-// 16384 quarters. For greater angles rounding destroys the direction, but the length stays 1.
+// Cosine and sine of an angle in radians. Each quarter turn is subtracted in three parts, the first two with
+// so few bits that their multiples are exact (Cody and Waite 1980). The result is correct to a few roundings
+// of the angle up to 16384 quarters; beyond, rounding destroys the direction, but the length stays 1.
 vec2 cosineSine(float angle) {
     const float MOST_LEFT = 0.8;   // an eighth of a turn, 0.785, plus roundings
     const float QUARTERS_A_RADIAN = 0.6366197723675814;

@@ -7,7 +7,7 @@ float greatest(float v) { return v; }
 float greatest(vec2 v) { return max(v.x, v.y); }
 float greatest(vec3 v) { return max(v.x, max(v.y, v.z)); }
 
-// 1 along the axis of the least component (the first of several), else 0.
+// Returns 1 for the axis of the least component (the first of equal ones), and 0 for the others.
 float atLeast(float v) { return 1.0; }
 vec2 atLeast(vec2 v) { return v.x <= v.y ? vec2(1.0, 0.0) : vec2(0.0, 1.0); }
 vec3 atLeast(vec3 v) {

@@ -1,40 +1,41 @@
-// Sphere tracing of fields: surfaces without a closed form, or whose solid is not convex, so that a
-// tangent may overshoot.
+// Sphere tracing of fields: surfaces without a closed-form intersection, or with a solid that is
+// not convex, where a Newton step may overshoot.
 //
 // Theory. fieldsAhead never exceeds the distance (Hart 1996). Where it changes along the ray by s per
-// metre, a step of 2 f / (1 - s) ends where the free balls of both its ends just touch; if they turn out
-// not to touch, the step is taken back to the first ball's radius (Keinert et al. 2014, "Enhanced sphere
-// tracing"; Balint and Valasek 2018 for the step from the slope). Next to a surface, and in a long march,
-// each field's bound along the line takes over (`along…` in glsl/shape/): it ends where a tangent or a
-// parabola below the field's value meets 0, which is far beyond the ball where the wave glances off, and
-// never beyond a surface. No step is longer than the distance that is free of every field.
+// metre, a step of 2 f / (1 - s) ends where the empty balls around its two ends just touch; if they turn
+// out not to touch, the step is cut back to the first ball's radius (Keinert et al. 2014, "Enhanced
+// sphere tracing"; Balint and Valasek 2018 for the step from the slope). Near a surface, and in a long
+// march, each field's lower bound along the line is used instead (`along…` in glsl/shape/): the step ends
+// where the tangent or parabola below the field's value reaches 0, which is far beyond the ball for a
+// grazing wave, and never beyond a surface. No step is longer than the distance that is free of every
+// field.
 
 uniform int uFieldSteps;   // maximum number of evaluations in one march
 
-const float NEAR = 64.0;      // roundings from the surface within which the bounds are evaluated
-const int PLAIN_STEPS = 12;   // steps in a row after which they are evaluated everywhere
-const float RELAXED = 0.95;   // share of the step for which the balls would just touch
-const float PLACE = 0.25;     // share of ROUNDING: its effect on a place, and on a distance from it
+const float NEAR = 64.0;      // distance to the surface, in roundings, below which the line bounds are evaluated
+const int PLAIN_STEPS = 12;   // consecutive steps after which the line bounds are evaluated anyway
+const float RELAXED = 0.95;   // share of the step at which the balls would just touch
+const float PLACE = 0.25;     // share of ROUNDING: the error of a position, and of a distance from it
 const float SHALLOW = 64.0;   // maximum length of the last step, in roundings along the ray
-const float FLAT = 0.0625;    // the slowest growth at which a value still locates the surface
-const int LOOKS = 4;          // tries at a surface that is a rounding away
+const float FLAT = 0.0625;    // least length of a gradient with which a value still locates the surface
+const int LOOKS = 4;          // steps in which a march tries to reach a surface one rounding away
 
-// Step from a place that has no surface within `ball`, or none within `radius` ahead.
+// Step from a point with no surface within `ball` in any direction, or none within `radius` ahead.
 float fieldStep(float radius, float ball, float slope, float reach, float within) {
     float relaxed = max(radius, RELAXED * 2.0 * ball / (1.0 - clamp(slope, -1.0, 0.9)));
-    // The ball may contain surfaces of other cells, which this cell does not list, and a ball there would miss
-    // those of this one: no relaxed step leaves the cell.
+    // The ball may contain surfaces of other cells, which this cell does not list, and the next ball would
+    // miss surfaces of this cell: no relaxed step may leave the cell.
     return relaxed < within ? relaxed : min(radius, reach);
 }
 
-// Distance that a wave flies along its direction before limit, or -1.
+// Returns the distance along the ray to the first hit before limit, or -1.
 float marchFields(vec3 origin, vec3 d, float last, float limit, out float object, out bool limitReached) {
     float t = 0.0;
     float radius = 0.0;   // radius of the previous ball, or a longer free distance
-    float taken = 0.0;    // the step from there
-    float before = 0.0;   // the value there
-    float air = -1.0;     // the last place in the air, if any
-    float solid = -1.0;   // a place in a solid beyond it
+    float taken = 0.0;    // length of the previous step
+    float before = 0.0;   // value before the previous step
+    float air = -1.0;     // distance to the last point in the air, or -1
+    float solid = -1.0;   // distance to a point beyond it in a solid, or -1
     int looks = LOOKS;
     limitReached = false;
     int steps = 0;
@@ -47,8 +48,8 @@ float marchFields(vec3 origin, vec3 d, float last, float limit, out float object
         float slope;
         float rounding;
         bool near;
-        // By the value alone, until next to a surface. (Waves that are drawn together stay together: none
-        // evaluates more while another still needs only the value.)
+        // Steps by the value alone until near a surface. (Waves of one group run in lockstep on a GPU:
+        // none evaluates more while another still needs only the value.)
         for (int plain = 0; ; ++plain) {
             p = origin + t * d;
             f = fieldsAhead(p, d, last, object, reach, within);
@@ -84,10 +85,10 @@ float marchFields(vec3 origin, vec3 d, float last, float limit, out float object
             vec3 gradient = fieldGradient(p, object, errorBound);
             float closing = -dot(d, gradient);
             rounding = max(rounding, PLACE * errorBound);
-            // A value that grows slowly is smaller at the same distance.
+            // Where the gradient is short, the value at the same distance is smaller.
             float touch = rounding * clamp(length(gradient), FLAT, 1.0);
-            // The wave entered the solid on the way here, whatever gradients say (they are coarse at edges):
-            // from now on the interval is bisected.
+            // The last step entered the solid, whatever the gradient says (it is inaccurate at edges): from
+            // now on the interval is bisected.
             solid = f < -4.0 * touch && air >= 0.0 ? t : solid;
             if (solid >= 0.0) {
                 solid = f <= 0.0 ? t : solid;
@@ -100,7 +101,7 @@ float marchFields(vec3 origin, vec3 d, float last, float limit, out float object
                 continue;
             }
             if (closing > 0.0 && f <= touch) {
-                // Beyond a very near edge there may be air: the march ends in the solid.
+                // There may be air just beyond an edge: the march prefers to end in the solid.
                 if (f <= 0.0 || (looks == 0 && f <= SHALLOW * rounding * closing)) {
                     t = max(t + clamp(f / closing, -SHALLOW * rounding, SHALLOW * rounding), 0.0);
                     return t < limit ? t : -1.0;

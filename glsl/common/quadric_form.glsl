@@ -7,7 +7,8 @@ float quadricDistance(float value, float g, float norm) {
     return 2.0 * value / max(g + sqrt(g * g + 4.0 * norm * abs(value)), 1e-30);
 }
 
-// The gradient of this bound, from that of the function and the form times that.
+// The gradient of this bound, and its value, from the function's gradient and the form times that
+// gradient.
 vec4 quadricGradient(float value, vec3 gradient, vec3 formGradient, float norm) {
     float g = length(gradient);
     float off = quadricDistance(value, g, norm);
@@ -15,9 +16,8 @@ vec4 quadricGradient(float value, vec3 gradient, vec3 formGradient, float norm) 
     return vec4(growth / max(2.0 * norm * abs(off) + g, 1e-30), off);
 }
 
-// The t at which a t^2 + 2 b t + c goes from positive to negative, or NO_HIT: its one root with
-// negative growth, which is never the one that a wave leaves. The form of that root without
-// cancellation is used. It may lie behind.
+// The t at which a t^2 + 2 b t + c changes from positive to negative, or NO_HIT. A wave that leaves
+// the surface starts at the other root. The formula avoids cancellation; t may be negative.
 float fallingRoot(float a, float b, float c) {
     float under = b * b - a * c;
     if (under <= 0.0) {
@@ -30,14 +30,14 @@ float fallingRoot(float a, float b, float c) {
     return a != 0.0 ? (b + root) / -a : NO_HIT;
 }
 
-// The distance from p along d to the point nearest to the origin: measured from there the numbers above
-// are small, however far away p is, and their difference keeps its digits.
+// The distance from p along d to the point nearest to the origin. For t measured from that point the
+// coefficients above are small, however far away p is, and their difference keeps its digits.
 float wayToOrigin(vec3 p, vec3 d) {
     return max(-dot(p, d), 0.0);
 }
 
-// A root measured from that point. A root behind the start does not count, unless rounding put the start
-// into the solid (value) and the ray goes further in (growth).
+// The hit for a root measured from that point. A root behind the start is no hit, unless rounding put
+// the start into the solid (value < 0) and the ray goes further in (growth < 0).
 float rootFrom(float way, float root, float value, float growth) {
     float t = way + root;
     if (t >= 0.0) {

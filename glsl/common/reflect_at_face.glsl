@@ -1,10 +1,9 @@
-// Reflection at a face of an axis-aligned box, met t ahead: p, from where the wave flies along d, becomes
-// the point on the face, and d is mirrored. From inside (side 1) the face is the first of the three ahead
-// whose plane the line crosses, from outside (side -1) the last of the three facing the wave whose plane
-// it crosses.
+// Reflects a wave at a face of an axis-aligned box, hit t metres ahead: moves p along d onto the face,
+// and mirrors d. From inside (side 1) the face is the first of the three ahead whose plane the ray
+// crosses; from outside (side -1), the last of the three that face the wave.
 //
-// The mirrored direction is an exact change of sign. A component of 0 becomes tiny: a wave that flies in
-// the plane of a wall meets the wall once, and then leaves it.
+// Mirroring is an exact change of sign. A component of 0 becomes tiny, so that a wave in the plane of a
+// wall hits the wall once and then leaves it.
 void reflectAtFace(inout vec3 p, inout vec3 d, float t, vec3 centre, vec3 halfSize, float side) {
     vec3 heading = headingSigns(d);
     vec3 extent = side * halfSize;

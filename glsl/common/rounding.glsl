@@ -1,6 +1,6 @@
-// Possible rounding error of a distance, in metres: some units in the last place of the largest number
-// that entered it, either the wave's position or the surface's own position and size (its error
-// bound).
+// Possible rounding error of a distance, in metres: a few units in the last place of the largest
+// number in its computation, which is in the wave's position or in the surface's own position and size
+// (the surface's error bound).
 
 const float ROUNDING = 9.5367432e-7;   // 8 * 2^-23
 

@@ -1,5 +1,5 @@
-// The scene's data: a list of vectors. In OpenGL a buffer of texels, addressed by the index alone; ES 3.0
-// has none, and the data are rows of 1024 texels of a texture.
+// The scene's data: an array of vectors. OpenGL has it in a buffer texture; ES 3.0, which has no buffer
+// textures, in a 2D texture with rows of 1024 texels.
 #ifdef GL_ES
 uniform highp sampler2D uSceneData;
 #else

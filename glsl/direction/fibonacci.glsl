@@ -1,10 +1,10 @@
 // Start directions: a spherical Fibonacci lattice, rotated as a whole by the seed.
 //
-// Heights in equal steps, azimuths by the golden ratio (Swinbank and Purser 2006; Hannay and Nye 2004):
-// each wave stands for the same share of the sphere, and neighbours keep apart. The phase is taken modulo 1
-// in integers, so that it is as exact for the 16-millionth wave as for the first; in floats it would
-// collapse onto few azimuths. The rotation is uniform over all rotations, so that each single direction is
-// uniform over the sphere.
+// Heights advance in equal steps, azimuths by the golden ratio (Swinbank and Purser 2006; Hannay and Nye
+// 2004): each wave represents the same share of the sphere, and neighbouring directions keep apart. The
+// azimuth is computed modulo 1 in integers, so that it is as exact for the 16-millionth wave as for the
+// first; in floats the azimuths would collapse onto a few values. The rotation is drawn uniformly from all
+// rotations, so that each single direction is uniform over the sphere.
 
 const uint GOLDEN_RATIO = 2654435769u;   // 2^32 times 0.6180339887
 

@@ -1,9 +1,9 @@
-// Speed of a coordinate q after the part between -by and by is cut out; its own speed is d.
+// Speed of a coordinate q, itself moving at speed d, after the interval from -by to by is cut out.
 float cutSpeed(float q, float d, float by) {
     return by == 0.0 || abs(q) > by || (abs(q) == by && q * d > 0.0) ? d : 0.0;
 }
 
-// Distance over which that speed holds, to the border of the part cut out.
+// Distance over which this speed holds, to an end of the interval.
 float cutReach(float q, float d, float by) {
     float side = d < 0.0 ? -by : by;
     float toFar = (side - q) / d;

@@ -1,18 +1,18 @@
-// A coordinate relative to one of the copies along an axis, which are numbered first to last: the copy
-// in whose cell it lies, moved on by a step and clamped.
+// The coordinate q relative to the middle of a copy: that of the cell of q, plus step_, limited to the
+// copies first to last.
 float repeatCopy(float q, float period, float first, float last, float step_) {
     float own = clamp(floor(q / period + 0.5), first, last);
     return q - period * clamp(own + step_, first, last);
 }
 
-// The direction of the nearer neighbouring cell.
+// The direction from the middle of the cell of q to the nearer neighbouring cell.
 float repeatSide(float q, float period, float first, float last) {
     return q >= period * clamp(floor(q / period + 0.5), first, last) ? 1.0 : -1.0;
 }
 
-// Lower limit of the value of a repeated bound, so that it does not jump where another copy is evaluated:
-// near among the copies; beyond the box around all of them the distance to that box, divided by the value's
-// least growth.
+// Upper limit of the value of a repeated bound, so that it does not jump where another copy is evaluated:
+// `near` among the copies; outside the box around all of them, the distance to that box divided by the
+// value's least growth.
 float sdRepeatCap(vec3 p, vec3 halfSize, float near, float inverse) {
     vec3 beyond = abs(p) - halfSize;
     return max(near, inverse * max(beyond.x, max(beyond.y, beyond.z)));
@@ -30,7 +30,8 @@ vec4 gdRepeatCap(vec3 p, vec3 halfSize, float near, float inverse) {
     return inverse * vec4(side * axis, most);
 }
 
-// Distance over which a coordinate q stays in the cell of its copy; the first and last cells have no end.
+// Distance over which a coordinate q stays in the cell of its copy; the first and last cells extend
+// without end.
 float copyReach(float q, float d, float period, float first, float last) {
     float own = clamp(floor(q / period + 0.5), first, last);
     if (d == 0.0 || (d > 0.0 ? own >= last : own <= first)) {
@@ -39,48 +40,47 @@ float copyReach(float q, float d, float period, float first, float last) {
     return max(((own + (d > 0.0 ? 0.5 : -0.5)) * period - q) / d, 0.0);
 }
 
-// A line past repeated copies that keep apart, each within a box about its middle.
+// Traversal of a line past repeated copies that do not overlap, each in a box about its middle.
 //
-// Theory. The usual cell by cell traversal (Amanatides and Woo 1987) takes a line past every copy. This one
-// goes from box to box: along each axis it keeps the next copy whose box the line will be level with, and
-// the distances at which the line enters and leaves that level. Where the line is level with a box along all
-// three axes, it enters the box; otherwise every axis whose box ends first advances to the copy at that
-// place, however many copies lie between. So a line between two layers of copies reaches their next
-// crossing in one turn.
+// Theory. The usual traversal (Amanatides and Woo 1987) visits every cell on the line. This one goes from
+// box to box: along each axis it keeps the next copy whose slab (the box's extent along this axis) the line
+// has not left, and the distances at which the line enters and leaves this slab. Where the line is in the
+// slabs of all three axes, it enters the box; otherwise every axis whose slab ends first advances to the
+// copy at that point, however many copies lie between. So a line between two layers of copies reaches its
+// next crossing of a layer in one turn.
 //
-// Every axis is seen in the direction of the line: numbers and places are mirrored where the line goes
-// down it. Numbers are whole, and exact in a float up to 2^24; boxes are enlarged by the possible rounding
-// of places there, so that no box is missed.
+// Along each axis, copy numbers and coordinates are mirrored where the line runs in the negative
+// direction. Copy numbers are integers, exact in a float up to 2^24; boxes are enlarged by the possible
+// rounding error of positions there, so that no box is missed.
 
 struct CopyTraversal {
-    vec3 side;      // 1, or -1 where the line goes down an axis
+    vec3 side;      // 1, or -1 where the direction is negative
     vec3 start;     // start of the line, metres
     vec3 speed;     // metres along each axis per metre of the line
     vec3 inverse;   // 1 / speed
     vec3 period;    // from one copy to the next, metres; arbitrary along an axis without repetition
-    vec3 front;     // of the box about a copy's middle: where the line becomes level with it
-    vec3 back;      // where the line leaves that level
+    vec3 front;     // where the line enters a copy's slab, relative to its middle
+    vec3 back;      // where the line leaves the slab
     vec3 last;      // the number of the last copy
     float errorBound;    // possible rounding error of the start, metres
-    vec3 copy;      // the copies whose boxes the line is level with next
-    vec3 met;       // the copy whose box the line has entered, numbered along the axes
-    float at;       // metres along the line at which it entered
+    vec3 copy;      // the next copy along each axis
+    vec3 met;       // the copy whose box the line has entered, in numbers that are not mirrored
+    float at;       // metres along the line to this box
     bool ended;     // whether all copies are behind
 };
 
-// Possible rounding errors of places at that distance.
+// Possible rounding errors of coordinates at `place`.
 vec3 copyErrorBound(CopyTraversal traversal, vec3 place) {
     return traversal.errorBound + ROUNDING * (abs(traversal.start) + abs(place));
 }
 
-// The first copies that the line has not left behind along each axis, after `way` metres.
+// For each axis, the first copy whose slab the line has not left after `way` metres.
 vec3 copiesAhead(CopyTraversal traversal, float way) {
     vec3 place = traversal.start + way * traversal.speed;
     return ceil((place - traversal.back - copyErrorBound(traversal, place)) / traversal.period);
 }
 
-// The traversal of the line q + t d past copies from number first to number last, in boxes from least to
-// most.
+// The traversal of the line q + t d past the copies first to last, each in a box from least to most.
 CopyTraversal traverseCopies(vec3 q, vec3 d, float errorBound, vec3 period, vec3 least, vec3 most, vec3 first, vec3 last) {
     CopyTraversal traversal;
     traversal.inverse = safeInverse(d);
@@ -102,7 +102,7 @@ CopyTraversal traverseCopies(vec3 q, vec3 d, float errorBound, vec3 period, vec3
     return traversal;
 }
 
-// Advances to the next place where the line may be level with boxes along all axes. Returns whether it
+// Advances to the next point at which the line may be in the slabs of all axes. Returns whether it
 // enters the box of the copy traversal.met there.
 bool comesIntoBox(inout CopyTraversal traversal, float limit) {
     vec3 middle = traversal.period * traversal.copy;
@@ -122,8 +122,8 @@ bool comesIntoBox(inout CopyTraversal traversal, float limit) {
     return traversal.at <= leave && !traversal.ended;
 }
 
-// One turn: sets whether the line enters a box. Returns false if no copies are left before limit. Most
-// boxes are found within three tries, and a loop has few turns.
+// One turn of the traversal. Sets whether the line enters a box; returns false if no copies are left
+// before limit. Most boxes are found within three tries, so that a loop takes few turns.
 bool nextCopy(inout CopyTraversal traversal, float limit, out bool comes) {
     comes = comesIntoBox(traversal, limit);
     if (!comes && !traversal.ended) {
@@ -135,9 +135,9 @@ bool nextCopy(inout CopyTraversal traversal, float limit, out bool comes) {
     return !traversal.ended;
 }
 
-const int LEAPS = 4;   // turns of a traversal of copies that a bound is worth
+const int LEAPS = 4;   // maximum turns of a traversal of copies for a bound
 
-// Distance over which a line is free of the boxes of all copies, found within LEAPS turns.
+// A distance over which a line is free of the boxes of all copies, found within LEAPS turns.
 float freeOfCopies(CopyTraversal traversal) {
     bool comes = false;
     for (int i = 0; i < LEAPS && !comes; ++i) {
@@ -148,14 +148,14 @@ float freeOfCopies(CopyTraversal traversal) {
     return traversal.at;
 }
 
-// "The step limit was reached": the first hit is unknown. Less than every hit.
+// A result below every hit distance: the step limit was reached, and the first hit is unknown.
 const float GIVEN_UP = -1.0;
 
 uniform int uCopySteps;   // maximum turns of all traversals of long rows of copies in one flight
 
-int copySteps;   // turns left of these
+int copySteps;   // remaining turns
 
-// Uses up one of them. Returns whether there was one.
+// Takes one of the remaining turns. Returns whether one was left.
 bool takeCopyStep() {
     --copySteps;
     return copySteps >= 0;

@@ -1,4 +1,5 @@
-// The polynomial smooth minimum (Quilez): a quarter of the radius lower where both are equal.
+// The polynomial smooth minimum (Quilez), a quarter of the radius below the minimum where both
+// values are equal.
 float opSmoothUnion(float a, float b, float radius) {
     float blend = max(radius - abs(a - b), 0.0);
     return min(a, b) - 0.25 * blend * blend / radius;
@@ -22,7 +23,8 @@ vec4 blendAlong(vec4 a, vec4 b, float radius) {
     return vec4(min(a.x, b.x) - 0.25 * blend * blend / radius, slope, max(a.z, b.z) + 2.0 / radius, reach);
 }
 
-// Bound of its complement, from those of the complements: a smooth maximum, which bends upwards.
+// Bound of the smooth union's complement, from the bounds of the complements: a smooth maximum,
+// whose blend curves upwards.
 vec4 blendSolidAlong(vec4 a, vec4 b, float radius) {
     float blend = max(radius - abs(a.x - b.x), 0.0);
     float share = 0.5 * blend / radius;

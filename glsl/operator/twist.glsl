@@ -1,5 +1,5 @@
-// The point turned back about y by rate radians per metre of y, so that the shape evaluated there is turned
-// right-handedly; clamped to the greatest radius.
+// The point rotated backwards about y by `rate` radians per metre of y, so that a shape evaluated there is
+// twisted right-handedly. The point is clamped to the radius `most`.
 vec3 twist(vec3 p, float rate, float most, out float beyond) {
     float radius = length(p.xz);
     beyond = max(radius - most, 0.0);
@@ -8,13 +8,13 @@ vec3 twist(vec3 p, float rate, float most, out float beyond) {
     return vec3(turn.x * held.x - turn.y * held.y, p.y, turn.y * held.x + turn.x * held.y);
 }
 
-// The gradient in the outer axes, from that at the turned point q.
+// The gradient in the outer axes, from the gradient g at the rotated point q.
 vec4 untwist(vec4 g, vec3 p, vec3 q, float rate, float beyond, float lipschitz) {
     vec2 turn = cosineSine(rate * p.y);
     float turning = rate * (q.x * g.z - q.z * g.x);
     vec4 held = vec4(turn.x * g.x + turn.y * g.z, g.y + turning, turn.x * g.z - turn.y * g.x, g.w);
     if (beyond > 0.0) {
-        // The clamped point changes around the axis and along it, not away from it.
+        // The clamped point varies around the axis and along it, but not with the radius.
         float radius = length(p.xz);
         vec2 outward = p.xz / radius;
         float value = max(g.w, 0.0);

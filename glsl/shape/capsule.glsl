@@ -12,7 +12,8 @@ vec4 gdCapsule(vec3 p, float radius, float halfHeight) {
     return vec4(p / max(apart, 1e-30), apart - radius);
 }
 
-// Hit of a ray with a cylinder about y with round ends: the side between the ends, or a ball.
+// Hit of a ray with a cylinder about y with round ends: with its side or with the ball at either
+// end.
 float hitCapsule(vec3 p, vec3 d, float radius, float halfHeight, float errorBound) {
     float nearest = NO_HIT;
     float speed = length(d.xz);
@@ -29,7 +30,7 @@ float hitCapsule(vec3 p, vec3 d, float radius, float halfHeight, float errorBoun
         }
     }
     vec3 up = vec3(0.0, halfHeight, 0.0);
-    // From outside, the inner half of a ball is never met before the side.
+    // From outside, the inner half of a ball is never hit before the side.
     return min(nearest, min(hitSphere(p - up, d, radius), hitSphere(p + up, d, radius)));
 }
 

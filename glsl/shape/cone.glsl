@@ -1,7 +1,7 @@
 // A finite cone about y.
 
-// A cone about y: base at -halfHeight, tip at halfHeight. Exact: from the nearest point of its
-// side or of its base, in the half plane through the axis.
+// A cone about y with its base at -halfHeight and its tip at halfHeight. Exact. Returns the vector
+// from the nearest point of the side or the base, in the half plane through the axis.
 vec2 fromCone(vec2 q, float radius, float halfHeight, out float side) {
     vec2 rim = vec2(radius, -halfHeight);
     vec2 fromSide = fromSegment(q, vec2(0.0, halfHeight), rim);
@@ -17,8 +17,8 @@ float sdCone(vec3 p, float radius, float halfHeight) {
     return side * length(q);
 }
 
-// The normal is that of the region in which the point lies, which rounding cannot turn next to the surface;
-// the direction from the nearest point is used only beyond the tip and the rim.
+// The normal is constant within each region of the half plane, so that rounding near the surface cannot
+// tilt it; the direction from the nearest point is used only beyond the tip and the rim.
 vec4 gdCone(vec3 p, float radius, float halfHeight) {
     float side;
     float apart = length(p.xz);
@@ -69,7 +69,7 @@ float hitCone(vec3 p, vec3 d, float radius, float halfHeight, float errorBound) 
         dot(q.xz, q.xz) - narrowing * aside * aside);
     float b = dot(p.xz, d.xz) - narrowing * tip * d.y;
     float c = dot(p.xz, p.xz) - narrowing * tip * tip;
-    // A wave that leaves the base is inside the side's cone, and not on its way into it.
+    // A wave that leaves the base starts inside the side's cone and does not enter it.
     float beyond = length(p.xz) + slope * tip;
     if (b < 0.0 && beyond < -2.0 * errorBound * (1.0 + slope)) {
         return nearest;
@@ -79,7 +79,7 @@ float hitCone(vec3 p, vec3 d, float radius, float halfHeight, float errorBound) 
     return t < nearest && abs(y) <= halfHeight ? t : nearest;
 }
 
-// The side is met where slope * (distance down from the tip) = distance from the axis.
+// The line leaves by the side where slope * (distance down from the tip) = distance from the axis.
 float exitCone(vec3 p, vec3 d, float radius, float halfHeight) {
     float slope = radius / (2.0 * halfHeight);
     float down = slope * (halfHeight - p.y);

@@ -6,7 +6,7 @@ float sdBox(vec3 p, vec3 halfSize) {
     return length(max(beyond, 0.0)) + min(max(beyond.x, max(beyond.y, beyond.z)), 0.0);
 }
 
-// Direction from the nearest point of the box, seen from outside; on a face its normal.
+// Outside, the direction from the nearest point of the box; else the normal of the nearest face.
 vec3 gradientBox(vec3 p, vec3 halfSize) {
     vec3 side = vec3(p.x < 0.0 ? -1.0 : 1.0, p.y < 0.0 ? -1.0 : 1.0, p.z < 0.0 ? -1.0 : 1.0);
     vec3 beyond = abs(p) - halfSize;
@@ -25,15 +25,15 @@ vec4 gdBox(vec3 p, vec3 halfSize) {
     return vec4(gradientBox(p, halfSize), sdBox(p, halfSize));
 }
 
-// Hit of a ray from outside with a solid box: the slab method (Kay and Kajiya 1986).
-// A point that rounding put into the box lies on the nearer of the two faces along the line: on its way in
-// it meets the box at once, on its way out not at all. A chord shorter than the error bound (the box's own,
-// and that of the distance to it) is rounding and does not count.
+// Hit of a ray from outside with a solid box: the slab method (Kay and Kajiya 1986). A start that rounding
+// put into the box lies on the nearer end of the chord: at the entry the ray hits the box at once, at the
+// exit not at all. A chord shorter than the error bound (of the box, and of the distance to it) is due to
+// rounding and no hit.
 float hitBox(vec3 p, vec3 d, vec4 halfSizeAndErrorBound) {
     return enterBox(p, headingSigns(d), inverseSpeeds(d), halfSizeAndErrorBound);
 }
 
-// The same, from the signs and the inverse speeds of the direction.
+// The same hit, from the direction's signs and inverse speeds.
 float enterBox(vec3 p, vec3 heading, vec3 inverse, vec4 halfSizeAndErrorBound) {
     vec3 ahead = heading * p;
     vec3 enters = (-halfSizeAndErrorBound.xyz - ahead) * inverse;
@@ -43,9 +43,9 @@ float enterBox(vec3 p, vec3 heading, vec3 inverse, vec4 halfSizeAndErrorBound) {
     return hitChord(enter, leave, halfSizeAndErrorBound.w);
 }
 
-// Puts a hit point onto the box, and returns the normal there: of the faces that face the direction d,
-// that of the face the point is furthest outside of. An edge or a vertex belongs to one of its faces, so a
-// normal never points along d.
+// Projects a hit point onto the box, and returns the normal there: among the faces that face the direction
+// d, that of the face that the point is furthest outside. A point on an edge or a vertex belongs to one of
+// these faces, so the normal never points along d.
 void projectBox(inout vec3 p, vec3 d, vec3 halfSize, out vec3 normal) {
     vec3 side = vec3(p.x < 0.0 ? -1.0 : 1.0, p.y < 0.0 ? -1.0 : 1.0, p.z < 0.0 ? -1.0 : 1.0);
     vec3 beyond = abs(p) - halfSize;
@@ -67,9 +67,9 @@ void projectBox(inout vec3 p, vec3 d, vec3 halfSize, out vec3 normal) {
     }
 }
 
-// Distance to a box that a wave along d can still meet, or NEVER. A wave that is beyond a face and does not
-// come nearer to its plane never meets the box. If rounding decides on which side of a face it is, it counts
-// as beyond; a wave deeper in the box counts as beyond the nearest face.
+// Distance to the box, or NEVER if a wave along d cannot hit it. A wave that is beyond the plane of a face
+// and does not approach this plane never hits the box. A wave within the error bound of a face counts as
+// beyond it, and a wave deeper in the box as beyond the nearest face.
 float sdBoxDirected(vec3 p, vec3 d, vec4 halfSizeAndErrorBound) {
     const float NEVER = 1e30;
     vec3 away = vec3(p.x < 0.0 ? -d.x : d.x, p.y < 0.0 ? -d.y : d.y, p.z < 0.0 ? -d.z : d.z);

@@ -22,8 +22,8 @@ float hitCircle(vec3 p, vec3 d, float squaredRadius) {
     return enterCircle(p.xz, heading.xy, heading.z, squaredRadius);
 }
 
-// The direction of a line in the plane of x and z, and its length there per metre. A line that is practically
-// parallel to the axis has the direction 0, and meets no circle.
+// The direction of a line in the xz plane, and the inverse of its speed in that plane. A line practically
+// parallel to the axis has the direction 0 and hits no circle.
 vec3 planeHeading(vec3 d) {
     const float SLOWEST = 1e-12;
     float speed = length(d.xz);
@@ -43,14 +43,14 @@ float hitCylinder(vec3 p, vec3 d, float radius) {
     return hitCircle(p, d, radius * radius);
 }
 
-// Puts a hit point onto the cylinder, and returns the normal there.
+// Projects a hit point onto the cylinder, and returns the normal there.
 void projectCylinder(inout vec3 p, float radius, out vec3 normal) {
     vec2 outward = normalize(p.xz);
     normal = vec3(outward.x, 0.0, outward.y);
     p.xz = normal.xz * radius;
 }
 
-// Distance to a cylinder that a wave along d can still meet: a wave that moves away never meets it.
+// Distance to the cylinder, or NEVER for a wave along d that moves away from it.
 float sdCylinderDirected(vec3 p, vec3 d, float radius) {
     const float NEVER = 1e30;
     return dot(p.xz, d.xz) >= 0.0 ? NEVER : length(p.xz) - radius;

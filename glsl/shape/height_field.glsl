@@ -1,13 +1,14 @@
-// Ground under an image of heights.
+// Ground given by an image of heights.
 
-// Ground under an image of heights, within a box. The image is in the scene's data: pixels from `first` on,
-// row by row, size.x in each row, interpolated bilinearly. The height above the ground is divided by the
-// greatest growth possible: a bound.
+// Ground given by an image of heights, within a box. The image is in the scene's data: pixels from index
+// `first`, row by row, size.x per row, interpolated bilinearly. The height above the ground, divided by its
+// greatest possible growth, is a bound. Returns the ground's slopes along x and z, and its height.
 vec3 groundAt(vec3 p, vec3 halfSize, int first, ivec2 size) {
     vec2 cells = vec2(size - 1);
     vec2 place = clamp((p.xz / (2.0 * halfSize.xz) + 0.5) * cells, vec2(0.0), cells);
     vec2 cell = min(floor(place), cells - 1.0);
-    // Relative to the cell's own corner: a share of the whole image has lost digits.
+    // Relative to the cell's own corner: a coordinate relative to the whole image would lose
+    // digits.
     vec2 metres = 2.0 * halfSize.xz / cells;
     vec2 within = clamp((p.xz - (cell * metres - halfSize.xz)) / metres, 0.0, 1.0);
     int at = first + int(cell.y) * size.x + int(cell.x);
@@ -39,14 +40,14 @@ vec4 gdHeightField(vec3 p, vec3 halfSize, float inverseGrowth, int first, ivec2 
     return vec4(growth * inverseGrowth, above);
 }
 
-// Over one cell of its image the height above the ground is a quadratic function along a line. Beyond its
-// box the ground is constant: there the box alone counts.
+// Within one cell of the image the height above the ground is a quadratic function along a line. Beyond
+// the box the ground is constant, and only the distance to the box counts.
 vec4 aboveGroundAlong(float side, vec3 p, vec3 d, vec3 halfSize, float inverseGrowth, int first, ivec2 size, float errorBound) {
     vec3 held = clamp(p, -halfSize, halfSize);
     vec2 cells = vec2(size - 1);
     vec2 metres = 2.0 * halfSize.xz / cells;
     vec2 place = clamp((held.xz / (2.0 * halfSize.xz) + 0.5) * cells, vec2(0.0), cells);
-    // On the border of two cells the one ahead is used.
+    // On the border between two cells, the cell ahead is used.
     vec2 cell = vec2(d.x < 0.0 ? ceil(place.x) - 1.0 : floor(place.x), d.z < 0.0 ? ceil(place.y) - 1.0 : floor(place.y));
     cell = clamp(cell, vec2(0.0), cells - 1.0);
     int at = first + int(cell.y) * size.x + int(cell.x);

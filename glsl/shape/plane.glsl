@@ -18,13 +18,13 @@ float hitPlane(vec3 p, vec3 d) {
     return d.y < 0.0 ? max(p.y / -d.y, 0.0) : NO_HIT;
 }
 
-// Puts a hit point onto the plane, and returns the normal there.
+// Projects a hit point onto the plane, and returns the normal there.
 void projectPlane(inout vec3 p, out vec3 normal) {
     p.y = 0.0;
     normal = vec3(0.0, 1.0, 0.0);
 }
 
-// Distance to the plane if a wave along d can still meet it: a wave that moves away never does.
+// Distance to the plane, or NEVER for a wave along d that moves away from it.
 float sdPlaneDirected(vec3 p, vec3 d) {
     const float NEVER = 1e30;
     return d.y >= 0.0 ? NEVER : p.y;

@@ -18,7 +18,8 @@ vec3 triangleDistance(vec2 p, vec2 a, vec2 b, vec2 c) {
     if (most <= 0.0) {
         return vec3(face, most);
     }
-    // Beside an edge the direction is the edge's normal, which rounding cannot turn next to the surface.
+    // Beside an edge the direction is the edge's normal, so that rounding near the surface cannot tilt
+    // it.
     if (beyond.x > 0.0 && isBeside(p, a, b)) {
         return vec3(outAb, beyond.x);
     }
@@ -46,8 +47,8 @@ vec4 gdPrism(vec3 p, vec2 a, vec2 b, vec2 c, float halfDepth) {
     return vec4(shares.x * triangle.xy, p.z < 0.0 ? -shares.y : shares.y, sdCorner(beyond));
 }
 
-// Clips a chord to the part behind the plane of an edge; a line beside it gets a chord that ends before
-// it begins.
+// Clips a chord to the half plane behind an edge; for a parallel line outside it, the chord is empty
+// (leave < enter).
 void clipToEdge(vec2 p, vec2 d, vec2 from, vec2 to, inout float enter, inout float leave) {
     vec2 outward = normalize(vec2(to.y - from.y, from.x - to.x));
     float beyond = dot(outward, p - from);

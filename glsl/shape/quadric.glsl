@@ -1,6 +1,6 @@
 // A general quadric.
 
-// A general quadric: the form of diagonal and mixed numbers (yz, zx, xy), linear, constant. A bound
+// A general quadric: with diagonal, mixed (yz, zx, xy), linear and constant coefficients. A bound
 // of the distance, exact to first order.
 vec3 quadricForm(vec3 p, vec3 diagonal, vec3 mixed) {
     return diagonal * p + mixed.zxy * p.yzx + mixed.yzx * p.zxy;

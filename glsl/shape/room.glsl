@@ -1,13 +1,13 @@
 // The inside of a box.
 
 // Signed distance to the walls of a box from its inside. Exact in the air; in the surrounding solid the
-// magnitude is that of the plane passed furthest.
+// magnitude is the largest distance beyond the plane of a wall.
 float sdRoom(vec3 p, vec3 halfSize) {
     vec3 within = halfSize - abs(p);
     return min(within.x, min(within.y, within.z));
 }
 
-// Distance to the three walls ahead along d, and its gradient: a wall behind cannot be met, and so the wall
+// Distance to the three walls ahead along d, and its gradient. A wall behind cannot be hit, so the wall
 // that a wave leaves is skipped.
 float sdRoomDirected(vec3 p, vec3 d, vec3 halfSize) {
     vec3 ahead = vec3(d.x < 0.0 ? -p.x : p.x, d.y < 0.0 ? -p.y : p.y, d.z < 0.0 ? -p.z : p.z);
@@ -24,7 +24,7 @@ vec3 gradientRoomDirected(vec3 p, vec3 d, vec3 halfSize) {
     return normal;
 }
 
-// Towards the middle, away from the nearest wall.
+// Gradient and distance. The gradient points towards the middle, away from the nearest wall.
 vec4 gdRoom(vec3 p, vec3 halfSize) {
     vec3 side = vec3(p.x < 0.0 ? 1.0 : -1.0, p.y < 0.0 ? 1.0 : -1.0, p.z < 0.0 ? 1.0 : -1.0);
     vec3 within = halfSize - abs(p);
@@ -34,20 +34,20 @@ vec4 gdRoom(vec3 p, vec3 halfSize) {
     return within.y <= within.z ? vec4(0.0, side.y, 0.0, within.y) : vec4(0.0, 0.0, side.z, within.z);
 }
 
-// Hit of a ray with the walls of a box from its inside: the nearest of the three walls ahead. It always
-// meets one, so a wave cannot leak; a wall behind is never met, so a wave cannot meet the wall it
-// leaves.
+// Hit of a ray with the walls of a box from the inside: the nearest of the three walls ahead. The ray
+// always hits one, so no wave can leak; a wall behind is never hit, so a wave cannot hit the wall that
+// it leaves.
 float hitRoom(vec3 p, vec3 d, vec3 halfSize) {
     vec3 t = (halfSize - headingSigns(d) * p) * inverseSpeeds(d);
     return max(min(t.x, min(t.y, t.z)), 0.0);
 }
 
-// Puts a hit point onto the nearest of the three walls ahead along d, and returns the normal there, which
-// points into the room.
+// Projects a hit point onto the nearest of the three walls ahead along d, and returns the normal there,
+// which points into the room.
 void projectRoom(inout vec3 p, vec3 d, vec3 halfSize, out vec3 normal) {
     vec3 ahead = vec3(d.x < 0.0 ? -1.0 : 1.0, d.y < 0.0 ? -1.0 : 1.0, d.z < 0.0 ? -1.0 : 1.0);
     vec3 within = halfSize - ahead * p;
-    // A wall parallel to the wave is not ahead.
+    // A wall parallel to the wave cannot be hit.
     const float NEVER = 1e30;
     within = vec3(d.x == 0.0 ? NEVER : within.x, d.y == 0.0 ? NEVER : within.y, d.z == 0.0 ? NEVER : within.z);
     if (within.x <= within.y && within.x <= within.z) {

@@ -18,13 +18,13 @@ float hitSphere(vec3 p, vec3 d, float radius) {
     return hitBall(p, d, radius * radius);
 }
 
-// Puts a hit point onto the ball, and returns the normal there.
+// Projects a hit point onto the ball, and returns the normal there.
 void projectSphere(inout vec3 p, float radius, out vec3 normal) {
     normal = normalize(p);
     p = normal * radius;
 }
 
-// Distance to a ball that a wave along d can still meet: a wave that moves away never meets it.
+// Distance to the ball, or NEVER for a wave along d that moves away from it.
 float sdSphereDirected(vec3 p, vec3 d, float radius) {
     const float NEVER = 1e30;
     return dot(p, d) >= 0.0 ? NEVER : length(p) - radius;

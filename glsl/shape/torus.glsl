@@ -1,6 +1,6 @@
-// A ring about y.
+// A torus about y.
 
-// A ring about y. Exact.
+// A torus about y. Exact.
 float sdTorus(vec3 p, float ring, float tube) {
     return length(vec2(length(p.xz) - ring, p.y)) - tube;
 }
@@ -14,8 +14,9 @@ vec4 gdTorus(vec3 p, float ring, float tube) {
     return vec4(outward.x, q.y, outward.y, off - tube);
 }
 
-// The second derivative of the distance to the ring's centre line is at least -1 over the distance from the
-// axis, and at most 1 over itself; both distances keep at least half their value along the reach.
+// The second derivative of the distance to the ring's centre line is at least -1 / (distance from the
+// axis), and at most 1 / (distance to the centre line); both distances keep at least half their value over
+// the reach.
 vec4 alongTorus(vec4 gradient, vec3 p, vec3 d, float ring, float tube) {
     float fromAxis = length(p.xz);
     return vec4(gradient.w, dot(gradient.xyz, d), 2.0 / max(fromAxis, 1e-30), 0.5 * fromAxis);

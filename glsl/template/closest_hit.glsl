@@ -1,7 +1,7 @@
-// How far from p along d the next object is, and its number. A convex surface is
-// not met by the wave that leaves it (last). Where nothing is met before limit the
-// distance is limit and the number means nothing; it is GIVEN_UP where a step limit
-// left open what comes first.
+// Returns the distance from p along d to the first object hit, and its number. The wave that leaves
+// a convex surface (last) cannot hit it again. Without a hit before limit the distance is limit,
+// and the number is meaningless; if a step limit left the first hit undecided, the distance is
+// GIVEN_UP.
 float closestHit(vec3 p, vec3 d, float last, float limit, out float object) {
     float nearest = @first@;
     object = 0.0;

@@ -1,9 +1,9 @@
-// The nearest surface of @label@ that the line intersects, if it is nearer than what is known.
+// Finds the line's nearest hit with @label@, if it is nearer than `nearest`.
 void closestOfKind@kind@(vec3 p, vec3 d, float last, inout float nearest, inout float object) {
     vec4 origin = uGrids[@grid@];
     vec4 size = uGrids[@grid@ + 1];
     CELL_VECTOR strides = uGrids[@grid@ + 4].CELL_AXES;
-    int turns = int(uGrids[@grid@ + 4].w);   // no line has as many
+    int turns = int(uGrids[@grid@ + 4].w);   // more than any line takes
     int first = int(origin.w);
     int most = int(size.w);
     vec3 inverse = safeInverse(d);

@@ -1,5 +1,5 @@
 @declared@
-// Keeps a word of events at its place.
+// Stores a word of events by its index.
 void keepWord(int place, float word) {
 @keep@
 }

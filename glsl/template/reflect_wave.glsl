@@ -1,5 +1,5 @@
-// Reflects a wave at the object that it meets t ahead: p, from where it flies along d,
-// becomes the point on the surface, and d is mirrored.
+// Reflects a wave at the object that it hits t metres ahead: moves p along d onto the surface, and
+// mirrors d.
 void reflectWave(float object, float t, inout vec3 p, inout vec3 d) {
     vec3 from = p;
     vec3 along = d;

@@ -1,5 +1,5 @@
 @outputs@
-// Keeps the record at its place, if it has that place.
+// Stores the record by its index, if there is an output for this index.
 void keepRecord(float place, vec4 record) {
 @keep@
 }

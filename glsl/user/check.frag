@@ -1,4 +1,4 @@
-// A user's field by itself: its value at each point of a list, and its stated gradient.
+// Evaluates only a user's field: its value and its stated gradient at each point of a list.
 
 uniform highp sampler2D uPoints;   // metres, in the axes of the field's box
 

@@ -1,6 +1,7 @@
-// First and second derivative of the text's value along an axis at p, where it is `value`: from places at
-// distance h to either side, or next to a face of the box at h and 2 h away from the face, which gives no
-// second derivative (0). The error of either is of order h², so that differences of them estimate it.
+// First and second derivative of the user's function along an axis at p, where its value is `value`, from
+// values at distance h on either side. Next to a face of the box, values at h and 2 h away from the face
+// are used, which give no second derivative (0). The errors are of order h², so that differences between
+// steps estimate them.
 vec2 growthOfUser0(vec3 p, float value, vec3 axis, float h, vec3 halfSize) {
     float along = dot(p, axis);
     float end = dot(halfSize, axis);
@@ -14,7 +15,7 @@ vec2 growthOfUser0(vec3 p, float value, vec3 axis, float h, vec3 halfSize) {
     float toOne = dot(one - p, axis);
     float toOther = dot(other - p, axis);
     float apart = dot(one - other, axis);
-    // At a face: the slope at p of the parabola through all three.
+    // At a face: the slope at p of the parabola through the three values.
     float slope = isAtFace
         ? ((atOther - value) / toOther * toOne - (atOne - value) / toOne * toOther) / apart
         : (atOne - atOther) / apart;
@@ -22,7 +23,7 @@ vec2 growthOfUser0(vec3 p, float value, vec3 axis, float h, vec3 halfSize) {
     return vec2(slope, bend);
 }
 
-// Along an axis on which p is beyond the box, the value does not change.
+// Along an axis on which p is beyond the box, the value is constant.
 vec3 quotientsOfUser0(
     vec3 p, float value, float h, vec3 halfSize, float inverseLipschitz, out vec3 bends
 ) {
@@ -37,8 +38,8 @@ vec3 quotientsOfUser0(
     return scale * vec3(x.x, y.x, z.x);
 }
 
-// The power of 2 next to the largest coordinate, which determines the rounding of the text's value. Taken
-// from the bits, since GLSL's exp2 may not give a power of 2.
+// The power of 2 next to the largest coordinate, which determines the rounding error of the user's value.
+// It is computed from the float's bits, because GLSL's exp2 may not give an exact power of 2.
 float scaleOfUser0(vec3 p, vec3 halfSize) {
     const float ROOT_OF_2 = 1.41421356237;
     const uint EXPONENT = 0x7f800000u;
@@ -46,7 +47,7 @@ float scaleOfUser0(vec3 p, vec3 halfSize) {
     return uintBitsToFloat(floatBitsToUint(ROOT_OF_2 * size) & EXPONENT);
 }
 
-// Gradient and value for a march: correct next to edges, and elsewhere to some 1e-4.
+// Gradient and value for a march: correct next to edges, and elsewhere to about 1e-4.
 vec4 gdUser0(vec3 p, vec3 halfSize, float inverseLipschitz) {
     float value = sdUser0(p, halfSize, inverseLipschitz);
     float outside = sdBox(p, halfSize);
@@ -59,15 +60,15 @@ vec4 gdUser0(vec3 p, vec3 halfSize, float inverseLipschitz) {
 }
 
 // Gradient for a normal: differences of sixth order over h, 2 h and 4 h (Richardson's extrapolation). Wide
-// steps have the least rounding, but are wrong where the surface bends or breaks within them. So they are
-// halved until the fourth order agrees within half a rounding of the value; where it never does, next to an
-// edge, the narrowest step is used. An edge 16/9 h away adds nothing to that difference, but it does to the
-// differences of the second derivatives, which must therefore agree as well.
+// steps have the least rounding error, but are wrong where the surface bends or breaks within them. So the
+// step is halved until the fourth order agrees within half a rounding of the value; if it never does, next
+// to an edge, the narrowest step is used. An edge 16/9 h away does not change that difference, but it
+// changes the differences of the second derivatives, which must therefore agree as well.
 vec4 gnUser0(vec3 p, vec3 halfSize, float inverseLipschitz) {
     const float WIDEST = 0.25;            // share of the scale, to either side
     const float NARROWEST = 9.765625e-4;
     const float AGREE = 5.9604645e-8;     // half of 2^-23
-    const float BENDS = 0.5;              // three values round a second derivative more than two round a slope
+    const float BENDS = 0.5;              // weight of second derivatives: three values have more rounding than two
     float value = sdUser0(p, halfSize, inverseLipschitz);
     float outside = sdBox(p, halfSize);
     if (outside >= value) {

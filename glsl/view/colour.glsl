@@ -17,7 +17,7 @@ vec3 oklch(float lightness, float chroma, float hue) {
         -0.0041960863 * lms.x - 0.7034186147 * lms.y + 1.7076147010 * lms.z));
 }
 
-// Neighbouring numbers lie a golden angle apart, so that near ones differ clearly.
+// Consecutive numbers are a golden angle of hue apart, so that their colours differ clearly.
 vec3 surfaceColour(float object, float lightness, float chroma) {
     return oklch(lightness, chroma, 1.25 + GOLDEN_ANGLE * (object - 1.0));
 }

@@ -11,7 +11,7 @@ const vec3 SUN = vec3(-0.48, 0.62, 0.62);
 const vec3 SUN_LIGHT = vec3(1.0, 0.93, 0.80);
 const vec3 SOURCE_LIGHT = vec3(1.0, 0.72, 0.38);
 
-// The gradient by differences over a tetrahedron's corners.
+// The surface normal, by differences over the corners of a tetrahedron.
 vec3 viewNormal(vec3 p, float e) {
     const vec2 k = vec2(1.0, -1.0);
     float object;

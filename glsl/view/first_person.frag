@@ -8,7 +8,7 @@ vec3 sky(vec3 direction) {
     return mix(vec3(0.74, 0.83, 0.88), vec3(0.14, 0.36, 0.66), pow(height, 0.55));
 }
 
-// Distance that the ray flies before it meets a surface, or -1.
+// Returns the distance along the ray to the first hit, or -1.
 float traceView(vec3 eye, vec3 direction, out float object) {
     float t = 0.0;
     for (int i = 0; i < VIEW_STEPS; ++i) {

@@ -1,15 +1,15 @@
 // The shading of a still picture: a lamp at the eye, a sky, a low sun, and the source itself; the last two cast soft
-// shadows. In a closed room the walls block the sun and the rest remains.
+// shadows. In a closed room the walls block the sun, and the other lights remain.
 
 const float FAR = 1000.0;           // metres; the sky lies beyond
 const int VIEW_STEPS = 384;         // maximum number of evaluations for one ray
 const int SHADOW_STEPS = 64;        // maximum number of evaluations for one shadow
-const float CLOSE = 0.0005;         // least distance in metres from a surface at which a ray has met it
-const float CLOSE_PIXELS = 0.25;    // the same as a share of a pixel there
+const float CLOSE = 0.0005;         // distance in metres below which a ray has hit a surface
+const float CLOSE_PIXELS = 0.25;    // the same as a share of a pixel's size at that distance
 const int SAMPLES_PER_SIDE = 2;     // rays along each side of a pixel
 
-// 1 where a light at that distance is in full sight, 0 where it is blocked; in between, by how closely the
-// ray passes a surface.
+// Visibility of a light at distance `far`: 1 in full sight, 0 if it is blocked; in between, by how closely
+// the ray passes a surface.
 float inSight(vec3 p, vec3 direction, float far, float sharpness) {
     float seen = 1.0;
     float t = 0.03;
@@ -29,7 +29,8 @@ float inSight(vec3 p, vec3 direction, float far, float sharpness) {
     return seen * seen * (3.0 - 2.0 * seen);
 }
 
-// Ambient occlusion: by how much the surfaces are nearer than the distance moved from this one.
+// Ambient occlusion: for points along the normal, by how much the nearest surface is closer than
+// this one.
 float openness(vec3 p, vec3 normal) {
     float blocked = 0.0;
     float weight = 0.5;
@@ -43,8 +44,8 @@ float openness(vec3 p, vec3 normal) {
     return clamp(1.0 - 0.62 * blocked, 0.0, 1.0);
 }
 
-// Coverage by lines of the given half width, one at every multiple of `spacing`, of a pixel of width w about x:
-// an exact box filter, so that far lines blend instead of flickering.
+// Coverage of a pixel of width w about x by lines of the given half width, one at every multiple of `spacing`:
+// an exact box filter, so that distant lines blend instead of flickering.
 vec3 lines(vec3 x, vec3 w, float spacing, float halfWidth) {
     vec3 width = max(w, vec3(1e-4)) / spacing;
     vec3 centre = x / spacing + halfWidth / spacing;
@@ -54,7 +55,7 @@ vec3 lines(vec3 x, vec3 w, float spacing, float halfWidth) {
     return (floor(to) + min(fract(to) * n, 1.0) - floor(from) - min(fract(from) * n, 1.0)) / (n * width);
 }
 
-// Grid of metres on the surface at p, every fifth line stronger: 0 ... 1.
+// Strength (0 ... 1) of a grid of metres on the surface at p, with every fifth line stronger.
 float grid(vec3 p, vec3 normal, vec3 direction, float t) {
     float slant = dot(normal, direction);
     slant = slant < 0.0 ? min(slant, -0.02) : max(slant, 0.02);
@@ -78,7 +79,7 @@ vec3 shade(vec3 p, vec3 direction, float t, float object) {
     float open = openness(start, normal);
 
     vec3 light = mix(vec3(0.26, 0.25, 0.25), vec3(0.46, 0.50, 0.54), 0.5 + 0.5 * normal.y);
-    // Some difference between walls that are lit alike.
+    // A slight difference between walls that receive the same light.
     light *= 1.0 - 0.20 * normal.x + 0.10 * normal.z;
     float lamp = max(-dot(normal, direction), 0.0);
     float beam = dot(direction, uForward);

@@ -1,11 +1,11 @@
 // The shading while walking: one ray per pixel, one short shadow and two steps along the normal for corners, so that a
-// processor draws it thirty times a second without a graphics card. Lights as in shading.glsl, so that both look alike.
+// processor without a graphics card draws thirty pictures per second. The lights are those of shading.glsl.
 
 const float FAR = 400.0;            // metres; the sky lies beyond
 const int VIEW_STEPS = 96;          // maximum number of evaluations for one ray
 const int SHADOW_STEPS = 20;        // maximum number of evaluations for the shadow
-const float CLOSE = 0.001;          // least distance in metres from a surface at which a ray has met it
-const float CLOSE_PIXELS = 0.4;     // the same as a share of a pixel there
+const float CLOSE = 0.001;          // distance in metres below which a ray has hit a surface
+const float CLOSE_PIXELS = 0.4;     // the same as a share of a pixel's size at that distance
 const int SAMPLES_PER_SIDE = 1;     // rays along each side of a pixel
 
 // 1 where the source is in full sight, 0 where it is blocked.
@@ -27,7 +27,7 @@ float inSight(vec3 p, vec3 direction, float far) {
     return clamp(seen, 0.0, 1.0);
 }
 
-// A grid of metres, every fifth line stronger, that fades with distance: 0 ... 1.
+// Strength (0 ... 1) of a grid of metres that fades with distance, with every fifth line stronger.
 float grid(vec3 p, vec3 normal, float t) {
     float width = clamp(1.6 * uPixel * t / max(0.08, abs(dot(normal, uForward))), 0.012, 4.0);
     vec3 along = step(vec3(0.3), sqrt(max(vec3(0.0), 1.0 - normal * normal)));

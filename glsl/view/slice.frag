@@ -1,6 +1,6 @@
-// A level cut through the scene, seen from above: x to the right, z downwards. Solids are filled in their
-// surface's hue and outlined; in the air a faint line at every metre of distance shows the field that waves
-// march through.
+// A horizontal cut through the scene, seen from above: x to the right, z downwards. Solids are filled in
+// their surface's hue and outlined; in the air a faint line at every metre of distance shows the field that
+// waves march through.
 
 uniform vec2 uCorner;         // world x and z of the picture's upper left, metres
 uniform float uMetres;        // metres in a pixel
@@ -15,8 +15,8 @@ float field(vec2 place, out float object) {
     return surfaceDistance(vec3(place.x, uHeight, place.y), object);
 }
 
-// Growth of the distance per metre in the plane, at most 1: less where floor, ceiling or a slanting surface
-// is the nearest.
+// Growth of the distance per metre in the plane: at most 1, and less where the nearest surface is the
+// floor, the ceiling or slanted.
 float slope(vec2 place) {
     vec2 e = vec2(0.5 * uMetres, 0.0);
     float object;

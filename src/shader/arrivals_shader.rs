@@ -1,4 +1,4 @@
-//! The fragment shader that takes waves past a transparent listener and records their crossings.
+//! The fragment shader that traces waves past a transparent listener and records their crossings.
 
 use super::materials::Materials;
 use super::pass_texts::{AlgorithmText, Directions, start};
@@ -11,38 +11,38 @@ use crate::scene::Scene;
 use crate::scene::shape::Room;
 use std::fmt::Write;
 
-/// Bits of a word, as which events are written: what a float holds without harm.
+/// Bits of a word of events: those that a float can hold without a driver changing them.
 pub(crate) const WORD_BITS: u32 = 30;
 
-/// Words of events in a texture of their own, beside the one in the tally.
+/// Words of events in the additional texture, beside the one in the tally.
 const WORDS_IN_TEXTURE: u32 = 4;
 
-/// Parameters of the text beside the structure of the scene.
+/// Parameters of the text in addition to the structure of the scene.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct ArrivalsText {
-    /// How a wave finds the next surface. `thesis` has no such text.
+    /// How a wave finds the next surface. There is no such text for `thesis`.
     pub algorithm: AlgorithmText,
     /// How waves start.
     pub directions: Directions,
-    /// Crossings that a pass records of a wave.
+    /// Crossings of a wave that a pass records.
     pub records: u32,
     /// Bits of an event; 0 where no surface absorbs or scatters.
     pub event_bits: u32,
-    /// Whether events have a texture.
+    /// Whether events have an additional texture.
     pub has_words: bool,
     /// Whether surfaces scatter.
     pub scatters: bool,
-    /// Rooms whose walls are of different materials, by index.
+    /// Rooms whose walls have different materials, by index.
     pub rooms: Vec<usize>,
 }
 
 impl ArrivalsText {
-    /// The output that is the tally, behind two of the wave's state; then come the words, if there
-    /// are any, then the records.
+    /// The index of the tally's output: it follows the two outputs of the wave's state. The words
+    /// come next, if there are any, and then the records.
     pub const TALLY: u32 = 2;
 
-    /// For a scene of these materials, with `records` at most, on a driver that allows `outputs`, four
-    /// at least.
+    /// The parameters for a scene of these materials, with at most `records` records, on a driver that
+    /// allows `outputs` outputs, at least four.
     pub fn new(
         (algorithm, directions): (AlgorithmText, Directions),
         materials: &Materials,
@@ -66,7 +66,7 @@ impl ArrivalsText {
         }
     }
 
-    /// The first output that is a record.
+    /// The index of the first output that is a record.
     pub fn first_record(&self) -> u32 {
         ArrivalsText::TALLY + 1 + u32::from(self.has_words)
     }
@@ -85,7 +85,7 @@ impl ArrivalsText {
         }
     }
 
-    /// Iterations of a pass for whose events there is room; `None` without events.
+    /// Maximum iterations of a pass whose events fit in its words; `None` without events.
     pub fn most_iterations(&self) -> Option<u32> {
         (self.event_bits > 0).then(|| self.words() * self.events_in_word())
     }
@@ -116,7 +116,7 @@ pub(crate) fn arrivals_text(scene: &Scene, structure: &Structure, text: &Arrival
     if text.scatters {
         library.extend(parts(source!("arrivals/scatter.glsl")));
     }
-    library.extend(parts(Source::new("what is written", written(text))));
+    library.extend(parts(Source::new("outputs", written(text))));
     let mut roots = vec![source!("wave.glsl"), Source::new("options", options), fly];
     roots.extend(start(text.directions));
     roots.extend([
@@ -126,7 +126,8 @@ pub(crate) fn arrivals_text(scene: &Scene, structure: &Structure, text: &Arrival
     join(&link(roots, library))
 }
 
-/// The source that finds the next surface, whether it marches fields, and the parts that it calls.
+/// The source that finds the next surface, whether that source marches fields, and the parts that
+/// it calls.
 fn flight(scene: &Text, algorithm: AlgorithmText) -> (Source, bool, Vec<Part>) {
     let listener = ListenerText::Transparent;
     match algorithm {
@@ -195,9 +196,9 @@ fn words(text: &ArrivalsText) -> String {
     fill(&source!("template/keep_word.glsl"), &texts)
 }
 
-/// `copyMaterials()` and `materialAt(object, turned)`: the number of the material
-/// ([`Materials`]) of the object that changes a wave's direction by `turned`. `rooms` are
-/// the rooms whose walls differ.
+/// The parts of `copyMaterials()` and `materialAt(object, turned)`: the number ([`Materials`]) of
+/// the material of the object that changes a wave's direction by `turned`. `rooms` are the rooms
+/// whose walls differ.
 fn materials_parts(text: &Text, rooms: &[usize]) -> Vec<Part> {
     let written = match Materials::fit_uniforms(text.unrolled.len(), rooms.len()) {
         true => by_uniforms(text, rooms),
@@ -208,7 +209,8 @@ fn materials_parts(text: &Text, rooms: &[usize]) -> Vec<Part> {
     parts
 }
 
-/// The numbers of unrolled surfaces as uniforms, those of others in the directory.
+/// The text if the numbers of unrolled surfaces are uniforms, and those of others are in the
+/// directory.
 fn by_uniforms(text: &Text, rooms: &[usize]) -> String {
     let is_room = |tag: &str| rooms.iter().any(|room| (room + 1).to_string() == tag);
     let count = |tag: &str| if is_room(tag) { Room::WALL_COUNT } else { 1 };
@@ -266,8 +268,8 @@ fn by_uniforms(text: &Text, rooms: &[usize]) -> String {
     fill(&source!("template/material_by_uniforms.glsl"), &texts)
 }
 
-/// All numbers in a table of the scene's data ([`Materials::table`]). What is met is a surface, or nothing, of which the
-/// number is not used.
+/// The text if all numbers are in a table of the scene's data ([`Materials::table`]). Without a hit, a number is looked
+/// up that is not used.
 fn by_table(text: &Text, rooms: &[usize]) -> String {
     let is_room = |tag: &str| rooms.iter().any(|room| (room + 1).to_string() == tag);
     let mut own_axes = String::new();

@@ -1,19 +1,20 @@
-//! Cells of space, each with the surfaces that matter in it.
+//! A grid of cells, each with lists of the surfaces that can be hit or be nearest in it.
 //!
-//! Each cell has two lists. *Overlapping*: the surfaces whose solid reaches into it; a line through
-//! the cell can only meet these. *Nearest candidates*: the surfaces that are the nearest one to
-//! some point of it; a distance there only needs these. With the centre c of a cell and its half
-//! diagonal r, the distance d of a surface and the least such distance u obey d(x) ≥ d(c) − r and
-//! min d(x) ≤ u + r, so only surfaces with d(c) ≤ u + 2 r are candidates.
+//! Each cell has two lists. *Overlapping*: the surfaces whose solid reaches into the cell; a line
+//! through the cell can hit only these. *Nearest candidates*: the surfaces that are the nearest one
+//! to some point of the cell; a distance in the cell depends only on these. With the centre c of a
+//! cell, its half diagonal r, the distance d of a surface, and the least distance u of any surface
+//! from c, the inequalities d(x) ≥ d(c) − r and min d(x) ≤ u + r hold, so only surfaces with d(c) ≤
+//! u + 2 r are candidates.
 //!
 //! A distance from outside the grid uses *groups* of surfaces instead (`members.rs`).
 //!
 //! Lines are intersected with each kind separately if it has a closed form (`kinds.rs`).
 //!
-//! Measurements decided for uniform cells over a list of all surfaces (the same code with one cell) and over unrolled
-//! text: see docs/benchmarks/surfaces-llvmpipe.md. Lists are kept from frame to frame: moved surfaces are removed and
-//! inserted again, and only the cells near their old or new positions are rebuilt. Lists are built on all cores; their
-//! order is that of the surfaces, regardless of the number of threads.
+//! Uniform cells were chosen by measurement over a list of all surfaces (the same code with one cell) and over
+//! unrolled text: see docs/benchmarks/surfaces-llvmpipe.md. Lists are kept from frame to frame: moved surfaces are
+//! removed and inserted again, and only the cells near their old or new positions are rebuilt. Lists are built on all
+//! cores; their order is that of the surfaces, regardless of the number of threads.
 
 mod grid;
 mod kinds;
@@ -45,7 +46,8 @@ pub struct Cells {
     groups: Vec<Group>,
 }
 
-/// A cell's list of near surfaces (indices into the members), and the numbers that decided it.
+/// A cell's list of near surfaces (indices into the members), and the distances from which it was
+/// chosen.
 #[derive(Clone, Debug, Default)]
 struct Candidates {
     members: Vec<u32>,
@@ -55,12 +57,12 @@ struct Candidates {
 /// The requested kind of lists.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Lists {
-    /// Surfaces that a line through the cell can meet, with separate cells for each kind that has a closed form.
+    /// Surfaces that a line through the cell can hit, with separate cells for each kind that has a closed form.
     #[default]
     Lines,
-    /// Surfaces that a line through the cell can meet.
+    /// Surfaces that a line through the cell can hit.
     Overlapping,
-    /// Surfaces that a distance in the cell needs.
+    /// Surfaces on which a distance in the cell depends.
     NearestCandidates,
 }
 
@@ -97,7 +99,7 @@ impl Cells {
         if moved.is_empty() {
             return;
         }
-        // If many have moved, a new build is equally fast, and its grid fits.
+        // If many have moved, rebuilding is equally fast, and fits the grid to the surfaces.
         if 4 * moved.len() > self.known.len() {
             return self.renew(scene);
         }
@@ -130,26 +132,26 @@ impl Cells {
         &self.grid
     }
 
-    /// Groups of all surfaces in cells. Lists of nearest candidates must be prepared before.
+    /// Groups of all surfaces in cells. Lists of nearest candidates must have been prepared before.
     pub fn groups(&self) -> &[Group] {
         &self.groups
     }
 
-    /// The length of the longest list. Lists of nearest candidates must be prepared before.
+    /// The length of the longest list. Lists of nearest candidates must have been prepared before.
     pub fn longest(&self, which: Lists) -> usize {
         let mut longest = 0;
         self.for_each_list(which, |_, list| longest = longest.max(list.len()));
         longest
     }
 
-    /// Maximum number of records that a line passes: for each cell that it crosses, the cell's own record and those of
+    /// Maximum number of records that a line visits: for each cell that it crosses, the cell's own record and those of
     /// its list.
     pub fn records_on_line(&self, which: Lists) -> u64 {
         let crossed = u64::from(self.grid.count.element_sum());
         crossed * (1 + self.longest(which) as u64)
     }
 
-    /// Builds the lists that are only built on request.
+    /// Builds the lists that are built only on request.
     pub fn prepare(&mut self, which: Lists) {
         if which == Lists::NearestCandidates && self.near.is_none() {
             self.make_near();
@@ -157,7 +159,7 @@ impl Cells {
     }
 
     /// Calls `visit` with each cell (x runs fastest, then y, then z) and the indices of its
-    /// surfaces in the scene. Lists of nearest candidates must be prepared before.
+    /// surfaces in the scene. Lists of nearest candidates must have been prepared before.
     pub fn for_each_list(&self, which: Lists, mut visit: impl FnMut(usize, &[u32])) {
         let near = self.near.as_deref().unwrap_or_default();
         let mut list = Vec::new();
@@ -235,7 +237,7 @@ impl Cells {
         self.groups = groups(&self.known);
     }
 
-    /// Rebuilds the lists of nearest candidates that a moved surface leaves or enters.
+    /// Rebuilds the lists of nearest candidates that a moved surface has left or entered.
     fn renew_near(&mut self, moved: &[usize]) {
         let Some(near) = &self.near else {
             return;
@@ -265,7 +267,7 @@ impl Cells {
         self.groups = groups(&self.known);
     }
 
-    /// The candidates that are the nearest to some point of a box.
+    /// Those of the candidates that can be the nearest to some point of a box.
     fn near_to(&self, bounds: Bounds3, candidates: &[u32]) -> Candidates {
         let unbounded_axes = self.unbounded_axes;
         let mut least = f64::INFINITY;

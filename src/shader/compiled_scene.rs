@@ -1,7 +1,7 @@
 //! The one value between a scene and the GPU.
 //!
 //! A frame, a picture and the arrivals of a response pass their scene to [`CompiledScene::update`],
-//! and take from it all that depends on the scene:
+//! and take everything that depends on the scene from the result:
 //!
 //! | part | derived from | derived again |
 //! | --- | --- | --- |
@@ -13,9 +13,9 @@
 //! | cells ([`SceneCells`]) | positions, sizes | for the surfaces that moved |
 //! | the rest of the data: directory, records, lists, materials | all of the above | once a frame |
 //!
-//! The text itself is written only when no program has the key (`passes.rs`, `arrivals_shader.rs`); it
-//! takes the same structure. The structure is derived before the rest, because users' fields, which
-//! have no known distance until they are checked, are checked with the text.
+//! The text itself is written only if no program has the key (`passes.rs`, `arrivals_shader.rs`); it
+//! is written from the same structure. The structure is derived before the rest, because users' fields
+//! have no known distance until they are checked, and they are checked with the text.
 
 use super::cells::SceneCells;
 use super::materials::Materials;
@@ -39,16 +39,16 @@ pub(crate) struct CompiledScene {
     cells: Option<SceneCells>,
     /// The vectors that `sceneData(index)` reads.
     pub data: Vec<Vec4>,
-    /// Vectors of the data that are heights of images.
+    /// Number of vectors of the data that hold heights of images.
     heights: usize,
-    /// The places of the cells in the data, if the scene has cells.
+    /// The positions of the cells in the data, if the scene has cells.
     pub cell_data: Option<CellData>,
     /// Index of the table of materials in the data, if there is one.
     pub material_table: Option<usize>,
 }
 
 impl AlgorithmText {
-    /// The structure of a scene as this algorithm reads it.
+    /// The structure of a scene for the shaders of this algorithm.
     pub fn structure(self, scene: &Scene) -> Structure {
         Structure::of(scene, self.lists())
     }
@@ -116,12 +116,12 @@ impl CompiledScene {
         self.surfaces.rebasing().place(point)
     }
 
-    /// Rounding error of the distance to a surface (numbered from 1), in metres, at most.
+    /// Maximum rounding error of the distance to a surface (numbered from 1), in metres.
     pub fn error_bound(&self, object: u32) -> f32 {
         self.surfaces.error_bound(object)
     }
 
-    /// Turns that the passes may take.
+    /// The limits of the passes' loops.
     pub fn budget(&self, asked: &LoopsAsked) -> Budget {
         let loops = self.turns.loops(self.cells.as_ref(), self.structure.lists);
         Budget::new(asked, &loops)
@@ -139,7 +139,7 @@ mod tests {
     use crate::tracer::{ArrivalSettings, Profile, Settings, Tracer};
     use glam::Quat;
 
-    /// How often a call derives a layout.
+    /// Number of layouts that a call derives.
     fn derivations<T, E: std::fmt::Debug>(call: impl FnOnce() -> Result<T, E>) -> usize {
         let before = layouts_derived();
         call().unwrap();
@@ -173,8 +173,8 @@ mod tests {
         scene
     }
 
-    /// Protects frames from deriving the layout of their scene more than once: the first frame, which
-    /// compiles, and every further one, with a surface that moves.
+    /// Protects frames from deriving the layout of their scene more than once: both the first frame,
+    /// which compiles, and every further one with a surface that moves.
     #[test]
     fn a_frame_derives_one_layout() {
         let context = Context::headless(&ContextOptions::default()).unwrap();
@@ -193,8 +193,8 @@ mod tests {
         }
     }
 
-    /// Protects arrivals, by which responses are traced, from deriving it more than once, and pictures
-    /// as well.
+    /// Protects arrivals, from which responses are made, and pictures from deriving the layout more
+    /// than once.
     #[test]
     fn arrivals_and_pictures_derive_one_layout() {
         let context = Context::headless(&ContextOptions::default()).unwrap();
@@ -218,8 +218,8 @@ mod tests {
         }
     }
 
-    /// Protects frames from parts of an earlier scene: a compiled scene that was updated, by surfaces that
-    /// moved, turned or came, and by other materials, is the one that is made anew.
+    /// Protects frames from parts of an earlier scene: a compiled scene that is updated after surfaces
+    /// moved, turned or were added, and materials changed, equals a newly compiled one.
     #[test]
     fn an_updated_scene_is_the_same_as_a_new_one() {
         let mut scene = crowd();

@@ -1,19 +1,19 @@
-//! Extends the covered faces of boxes into what covers them.
+//! Extends the covered faces of boxes into the solids that cover them.
 //!
-//! A block that stands against a wall shares a plane with it. Where the two meet, rounding
-//! may let a ray enter the block by the face that lies in the wall, although no wave can
-//! reach that face. Such a face is extended into the solid that
-//! covers it: the air keeps its shape, and the seam is gone.
+//! A block that stands against a wall shares a plane with it. Where block and wall meet, rounding
+//! may let a ray enter the block through the face that lies in the wall, although no wave can reach
+//! that face. Such a face is extended into the solid that covers it: the air keeps its shape, and
+//! the seam disappears.
 //!
-//! What an extension adds to a box is a slab between two parallel faces. It is added only when
-//! one convex solid holds all eight corners of the slab, and so all of it: no air is lost.
-//! The slab is that of the box with its earlier extensions. Walls of rooms and planes come
-//! first, so that a box that stands between floor and ceiling and against another such box
-//! finds it grown as tall.
+//! An extension adds a slab between two parallel faces to a box. It is made only if one convex
+//! solid contains all eight corners of the slab, and so the whole slab: no air is lost. The slab
+//! has the cross-section of the box with its earlier extensions. Walls of rooms and planes come
+//! first as covers, so that a box between floor and ceiling has its full height when it is extended
+//! into another such box.
 //!
-//! If boxes of one width stand on each other, the slab's sides would lie in the faces of
-//! its cover: waves that hit the cover there would be reported as hits of the box. So a long
-//! extension has to end deep inside of its cover; any other is only as long as rounding requires.
+//! If boxes of the same width stand on each other, the slab's sides would lie in the faces of the
+//! cover: waves that hit the cover there would be reported as hits of the box. So a long extension
+//! must end deep inside the cover; any other is only as long as rounding requires.
 
 use crate::scene::shape::{Cuboid, Room};
 use crate::scene::{Bounds3, Node, Shape, Surface};
@@ -22,7 +22,7 @@ use glam::{DVec3, Vec3};
 /// A face of a box: its axis, and −1 or 1 for the lower and the upper one.
 type Face = (usize, f32);
 
-/// The same surfaces, with the covered faces of boxes extended into what covers them.
+/// Returns the same surfaces, with the covered faces of boxes extended into the covers.
 /// `error_bounds` is the rounding error of each surface, in metres.
 pub(super) fn extend_covered_faces(surfaces: &[Surface], error_bounds: &[f32]) -> Vec<Surface> {
     let is_half_space = |shape: &Shape| matches!(shape.node, Node::Plane(_) | Node::Room(_));
@@ -31,7 +31,7 @@ pub(super) fn extend_covered_faces(surfaces: &[Surface], error_bounds: &[f32]) -
     round(&against_walls, error_bounds, is_solid)
 }
 
-/// Extends every box into those of the surfaces whose shape is `wanted`.
+/// Extends every box into the surfaces whose shape is `wanted`.
 fn round(
     surfaces: &[Surface],
     error_bounds: &[f32],
@@ -58,13 +58,13 @@ fn round(
     grown
 }
 
-/// Which of the possible covers touch a box: found along x, so that many boxes that stand
-/// apart cost no more than sorting them.
+/// Finds the covers that touch a box: sorted along x, so that many boxes that stand apart cost no
+/// more than sorting them.
 struct Neighbours {
     bounds: Vec<Bounds3>,
     /// Covers by their least x.
     by_start: Vec<usize>,
-    /// Covers without a least x: walls and what has no end.
+    /// Covers without a least x: walls and endless surfaces.
     endless: Vec<usize>,
     /// The greatest width of a cover along x.
     widest: f64,
@@ -117,14 +117,14 @@ impl Neighbours {
     }
 }
 
-/// How far a face of a box can be extended into one solid, in metres: as far as the box is
-/// long, or a power of two less, if the solid holds what that adds with something to spare;
-/// else just past rounding, if the solid holds that; else not at all.
+/// Length in metres by which a face of a box can be extended into one solid: the length of the box,
+/// or that divided by a power of two, if the solid contains the extension with a margin; else just
+/// past rounding, if the solid contains that; else 0.
 fn extension(surface: &Surface, face: Face, cover: &Surface, error_bound: f32) -> f32 {
-    /// The last try is 2^-12 of the box's length: less hardly helps more than a short extension.
+    /// The last try is 2^-12 of the box's length: less is hardly better than a short extension.
     const TRIES: i32 = 13;
-    /// Length of a short extension in error bounds: the face is then well out of the reach of a wave
-    /// that rounding put to the wrong side of the seam.
+    /// Length of a short extension in error bounds: the face is then out of reach of a wave that
+    /// rounding put on the wrong side of the seam.
     const SHORT: f32 = 4.0;
     let Node::Cuboid(Cuboid { size }) = surface.shape.node else {
         return 0.0;
@@ -175,8 +175,8 @@ fn corners(surface: &Surface, size: Vec3, (axis, side): Face, by: f32) -> [Vec3;
     })
 }
 
-/// Whether one convex solid holds all points: the near ones within `error_bound`, the far ones
-/// with a distance of `most` at most. Each wall of a room is a solid of its own.
+/// Whether one convex solid contains all points: the near ones within `error_bound`, the far ones
+/// with a distance of at most `most`. Each wall of a room is a solid of its own.
 fn holds_all(solid: &Surface, near: &[Vec3], far: &[Vec3], error_bound: f32, most: f32) -> bool {
     let held_by = |distance: &dyn Fn(Vec3) -> f32| {
         near.iter().all(|&point| distance(point) <= error_bound)
@@ -210,7 +210,7 @@ mod tests {
         all.fold(f32::INFINITY, f32::min)
     }
 
-    /// Protects the seams of the thesis' scenes: what is covered is extended into its cover.
+    /// Protects the seams of the thesis' scenes: covered faces are extended into their covers.
     #[test]
     fn covered_faces_move_and_others_do_not() {
         let corner = Scene::builtin("corner").unwrap();
@@ -237,8 +237,8 @@ mod tests {
     }
 
     proptest! {
-        /// Protects the air: of boxes on a grid, which cover each other in all ways, extending faces
-        /// turns no point of air into solid and none of solid into air.
+        /// Protects the air: extending the faces of boxes on a grid, which cover each other in all
+        /// ways, turns no point of air into solid and no point of a solid into air.
         #[test]
         fn extending_keeps_the_shape_of_the_air(
             boxes in prop::collection::vec((0..3i32, 0..3i32, 0..3i32, 1..3i32, 1..3i32, 1..3i32), 1..6),

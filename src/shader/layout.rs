@@ -1,13 +1,14 @@
-//! Which surfaces are unrolled in the shader's text, and which are in cells.
+//! The division of a scene's surfaces into those unrolled in the shader's text and those in cells.
 //!
 //! A few surfaces are unrolled: each has its own lines of text. If there are many of a *kind* (a shape,
-//! turned or not) only the kind is in the text, and its surfaces are data; cells list which of
-//! them can be met where. What has no end cannot lie in a cell, but along an axis along which
-//! most have none (a hall of endless pillars) the cells have no end, either.
+//! rotated or not), only the kind is in the text, and its surfaces are data; each cell lists the
+//! surfaces that can be hit in it. An endless surface cannot lie in a cell, unless most surfaces are
+//! endless along the same axis (a hall of endless pillars): then the cells are endless along that axis,
+//! too.
 //!
-//! The choice is one of cost, kind by kind. Unrolled, each surface costs the same in every
-//! evaluation. In cells a kind costs about as much as so many unrolled surfaces, however many
-//! it has ([`Layout::of`], docs/benchmarks/surfaces-llvmpipe.md).
+//! The choice is made by cost, for each kind. An unrolled surface costs the same in every
+//! evaluation. A kind in cells costs about as much as a certain number of unrolled surfaces,
+//! however many surfaces it has ([`Layout::of`], docs/benchmarks/surfaces-llvmpipe.md).
 
 use super::cells::Lists;
 use crate::scene::shape::{Asset, Hyperboloid, MOST_NODES, Mirror, Repeat};
@@ -15,22 +16,22 @@ use crate::scene::{Copies, HeightImage, Node, Scene, Shape, Surface, UserField};
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
-/// Surfaces of a kind from which on lines find them sooner in cells than unrolled.
+/// Least number of surfaces of a kind for which lines find hits faster in cells than unrolled.
 const LINES_FROM: usize = 10;
 
-/// Surfaces of a kind from which on distances are found sooner in cells.
+/// Least number of surfaces of a kind for which distances are found faster in cells.
 const DISTANCES_FROM: usize = 24;
 
 /// Vectors that describe the grid of a kind with its own cells to the shader.
 pub const GRID_VECTORS: usize = 5;
 
-/// Surfaces that could lie in cells and are unrolled at most: more take long to compile,
+/// Maximum unrolled surfaces out of those that could lie in cells: more take long to compile,
 /// however few there are of each kind.
 const UNROLLED_AT_MOST: usize = 23;
 
-/// Surfaces that are unrolled, kinds, and nodes of their fields, at most: with the time that
-/// it takes to compile their text, which grows faster than they do. 500 planes took llvmpipe 8 s
-/// and 0.5 GB, 1,000 took more than 30 s and 1.7 GB, and a field of 4,000 nodes more than 7 GB.
+/// Maximum number of unrolled surfaces, kinds, and nodes of their fields. It limits the time of
+/// compiling their text, which grows faster than their number. 500 planes took llvmpipe 8 s and 0.5
+/// GB, 1,000 took more than 30 s and 1.7 GB, and a field of 4,000 nodes more than 7 GB.
 pub const MOST_UNROLLED: usize = MOST_NODES;
 
 #[cfg(test)]
@@ -38,7 +39,7 @@ thread_local! {
     static DERIVED: std::cell::Cell<usize> = const { std::cell::Cell::new(0) };
 }
 
-/// Layouts that this thread has derived.
+/// Number of layouts that this thread has derived.
 #[cfg(test)]
 pub(super) fn layouts_derived() -> usize {
     DERIVED.get()
@@ -51,7 +52,7 @@ pub struct Layout {
     pub unrolled: Vec<usize>,
     /// For each kind the index of its first surface.
     pub instanced: Vec<usize>,
-    /// For each surface the kind that it is of, if it lies in cells.
+    /// For each surface in cells, its kind.
     pub kind_of: Vec<Option<u32>>,
     /// Axes along which cells have no end.
     pub unbounded_axes: [bool; 3],
@@ -64,8 +65,8 @@ struct Kind {
 }
 
 impl Layout {
-    /// The division of surfaces for the readers of these lists; it depends on what their text depends
-    /// on, and on no position.
+    /// The layout of surfaces for the readers of these lists. It depends on the same properties of
+    /// the surfaces as their text, and on no position.
     pub fn of(surfaces: &[Surface], lists: Lists) -> Layout {
         #[cfg(test)]
         DERIVED.set(DERIVED.get() + 1);
@@ -110,21 +111,22 @@ impl Layout {
         !self.instanced.is_empty()
     }
 
-    /// Surfaces that are unrolled, kinds, and nodes of their fields.
+    /// Number of unrolled surfaces, kinds, and nodes of their fields.
     pub(super) fn pieces(&self, scene: &Scene) -> usize {
         let with_text = self.unrolled.iter().chain(&self.instanced);
         let nodes = |&index: &usize| scene.surfaces[index].shape.nodes().len();
         with_text.map(nodes).sum()
     }
 
-    /// The surfaces in cells whose kind is wanted, in their order.
+    /// The surfaces in cells of the wanted kinds, in their order.
     pub fn surfaces_of(&self, wanted: impl Fn(usize) -> bool) -> Vec<usize> {
         let of = |index: &usize| self.kind_of[*index].is_some_and(|kind| wanted(kind as usize));
         (0..self.kind_of.len()).filter(of).collect()
     }
 }
 
-/// The axes along which most surfaces have no end, of those that have ends along any.
+/// The axes along which most surfaces are endless, counting only surfaces that are bounded along
+/// some axis.
 fn mostly_endless(endless: &[[bool; 3]]) -> [bool; 3] {
     let candidates = endless.iter().filter(|axes| **axes != [true; 3]);
     let count = candidates.clone().count();
@@ -136,7 +138,8 @@ fn kinds(surfaces: &[Surface], wanted: impl Iterator<Item = usize>) -> Vec<Kind>
     let mut kinds: Vec<Kind> = Vec::new();
     for index in wanted {
         let structure = SurfaceStructure::as_data(&surfaces[index]);
-        // More kinds than may be there are refused, and are not distinguished any more.
+        // More kinds than the limit allows are rejected, so further kinds need not be
+        // distinguished.
         let known = match kinds.len() {
             ..=MOST_UNROLLED => kinds.iter().position(|kind| kind.structure == structure),
             _ => None,
@@ -152,7 +155,8 @@ fn kinds(surfaces: &[Surface], wanted: impl Iterator<Item = usize>) -> Vec<Kind>
     kinds
 }
 
-/// The kinds of `from` surfaces or more; and the largest of the others, until few are left.
+/// The kinds of at least `from` surfaces, and the largest of the other kinds until few surfaces are
+/// left.
 fn in_cells(kinds: Vec<Kind>, from: usize) -> Vec<Kind> {
     let mut sizes: Vec<usize> = kinds.iter().map(|kind| kind.surfaces.len()).collect();
     sizes.sort_unstable_by(|a, b| b.cmp(a));
@@ -169,7 +173,7 @@ fn in_cells(kinds: Vec<Kind>, from: usize) -> Vec<Kind> {
     kinds.into_iter().filter(is_in).collect()
 }
 
-/// The axes along which a surface has no end, on either side.
+/// The axes along which a surface is endless on either side.
 fn endless_axes(surface: &Surface) -> [bool; 3] {
     let bounds = surface.bounds();
     [0, 1, 2].map(|axis| !(bounds.min[axis].is_finite() && bounds.max[axis].is_finite()))
@@ -180,9 +184,9 @@ fn endless_axes(surface: &Surface) -> [bool; 3] {
 pub(super) struct SurfaceStructure {
     name: &'static str,
     has_rotation: bool,
-    /// Whether a wave that leaves it passes it over: a driven number may change that.
+    /// Whether the wave that leaves it cannot hit it again: a driven number may change that.
     convex: bool,
-    /// Whether a reflection looks for further sheets: the same.
+    /// Whether a reflection looks for further sheets: a driven number may change that, too.
     hollow_edges: bool,
     field: Option<Signature>,
 }
@@ -227,7 +231,7 @@ struct NodeSignature {
     asset: Option<OwnAsset>,
 }
 
-/// A large thing that the text depends on.
+/// A large asset that the text depends on.
 #[derive(Clone, Debug)]
 enum OwnAsset {
     Image(Arc<HeightImage>),
@@ -310,8 +314,8 @@ mod tests {
     use super::*;
     use crate::scene::SceneError;
 
-    /// Protects results from what was traced before: where numbers that move close an edge between two boxes, the shader
-    /// is another one, and it is the same as long as none closes.
+    /// Protects results from dependence on what was traced before: if moving numbers close an edge between two boxes,
+    /// the shader differs, and as long as none closes, it stays the same.
     #[test]
     fn boxes_that_come_to_touch_have_another_structure() -> Result<(), SceneError> {
         let scene = Scene::from_ron(

@@ -1,18 +1,19 @@
-//! The materials of a scene as shaders and replays of waves know them: by numbers.
+//! The materials of a scene as numbers, for shaders and for replays of waves.
 //!
-//! A reflection is an *event*: 0 where nothing is lost or scattered, then one for each distinct
-//! material, then one more for each that scatters. A wave carries no energies: a shader writes down
-//! its events, and what they leave of the energy is multiplied up on the CPU, in `f64`.
+//! A reflection is an *event*: number 0 for one without loss or scattering, then one number for
+//! each distinct material, then one more for each material that scatters. A wave carries no
+//! energies: a shader records its events, and their effects on the energy are multiplied on the
+//! CPU, in `f64`.
 //!
-//! The shader reads one float of a surface: its event, and as the fraction half of the share that
-//! is scattered, one for all bands that are traced together. Where these scatter by different shares,
-//! the mean decides where the wave goes, and the energy factor of the event compensates for it. The energies of a band
-//! spread by this factor with each reflection: after many of them few waves would carry nearly all of the band's energy.
+//! For each surface the shader reads one float: the whole part is the event, and the fraction is half the share that is
+//! scattered, common to all bands that are traced together. If these bands scatter by different shares, the mean share
+//! decides the direction of the wave, and the energy factor of the event compensates for it. With each reflection this
+//! factor spreads the energies in a band: after many reflections few waves would carry nearly all of the band's energy.
 //! Such bands are traced with separate waves ([`band_groups`]).
 //!
-//! A few numbers are uniforms, those of surfaces in cells stand in the directory (`data.rs`). More than
-//! [`MOST_IN_UNIFORMS`] are a table in the scene's data: else a scene could have fewer surfaces with materials than
-//! without.
+//! A few numbers are uniforms; those of surfaces in cells are in the directory (`data.rs`). More than
+//! [`MOST_IN_UNIFORMS`] numbers are a table in the scene's data: otherwise a scene could have fewer surfaces with
+//! materials than without.
 
 use crate::bands::{BAND_COUNT, Bands};
 use crate::scene::shape::Room;
@@ -21,11 +22,11 @@ use glam::Vec4;
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
-/// Bits of an event at most: whole numbers that a float represents with a fraction behind them.
+/// Maximum bits of an event: whole numbers that a float can represent together with a fraction.
 const MOST_BITS: u32 = 14;
 
-/// Numbers that are uniforms at most: 16 vectors of the 224 that OpenGL ES 3.0 guarantees. (A shader chooses among them
-/// by comparing one after another, which takes as long as a look-up from some dozen on.)
+/// Maximum numbers in uniforms: 16 vectors of the 224 that OpenGL ES 3.0 guarantees. (A shader compares the object with
+/// one number after another, which takes as long as a table from some dozen numbers on.)
 const MOST_IN_UNIFORMS: usize = 64;
 
 /// The distinct materials of a scene's surfaces.
@@ -33,9 +34,9 @@ const MOST_IN_UNIFORMS: usize = 64;
 pub struct Materials {
     /// The bands that are traced together.
     bands: Range<usize>,
-    /// The materials that scatter come first.
+    /// The distinct materials; those that scatter come first.
     distinct: Vec<Material>,
-    /// How many scatter.
+    /// Number of materials that scatter.
     scattering: usize,
     /// The number that the shader reads for each surface.
     of_surfaces: Vec<f32>,
@@ -95,17 +96,17 @@ impl Materials {
             .collect()
     }
 
-    /// Whether there are any.
+    /// Whether no surface absorbs or scatters.
     pub fn is_empty(&self) -> bool {
         self.distinct.is_empty()
     }
 
-    /// Whether any scatters.
+    /// Whether any material scatters.
     pub fn scatter(&self) -> bool {
         self.scattering > 0
     }
 
-    /// How many there are: what is added to the number of an event where the wave is scattered.
+    /// Number of distinct materials: added to the number of an event if the wave is scattered.
     pub fn count(&self) -> usize {
         self.distinct.len()
     }
@@ -116,7 +117,7 @@ impl Materials {
         usize::BITS - events.leading_zeros()
     }
 
-    /// Bits of an event at most.
+    /// Maximum bits of an event.
     pub const MOST_BITS: u32 = MOST_BITS;
 
     /// The rooms whose walls differ, by index.
@@ -142,13 +143,14 @@ impl Materials {
         table
     }
 
-    /// Whether the numbers of `unrolled` surfaces are uniforms, where `rooms` of these have walls that differ.
+    /// Whether the numbers of `unrolled` surfaces fit in uniforms, if `rooms` of these surfaces have walls
+    /// that differ.
     pub fn fit_uniforms(unrolled: usize, rooms: usize) -> bool {
         unrolled + (Room::WALL_COUNT - 1) * rooms <= MOST_IN_UNIFORMS
     }
 
-    /// The numbers of some surfaces, those of all walls where these differ, in vectors of four; none if they are too
-    /// many.
+    /// The numbers of some surfaces, or of all their walls where these differ, in vectors of four; empty if there
+    /// are too many.
     pub fn uniform_values(&self, surfaces: &[usize]) -> Vec<Vec4> {
         if !Materials::fit_uniforms(surfaces.len(), self.walls.len()) {
             return Vec::new();
@@ -167,7 +169,8 @@ impl Materials {
         numbers.chunks(4).map(four).collect()
     }
 
-    /// The share of the energy that each event leaves, by its number; without meaning for bands that other waves carry.
+    /// The share of the energy that remains after each event, by its number; meaningless for bands that other waves
+    /// carry.
     pub fn left(&self) -> Vec<Bands> {
         let mirrored = self.distinct.iter().map(|material| {
             self.left_of(material, |scattered, share| match share < 1.0 {
@@ -182,28 +185,28 @@ impl Materials {
         nothing_lost.chain(mirrored).chain(scattered).collect()
     }
 
-    /// A part of the energy that a material reflects in each band goes the way that was chosen; in the
-    /// mean over both ways `of_way(scattering, share)` is 1.
+    /// The energy that a material reflects in each band, multiplied by the factor of the chosen way,
+    /// mirrored or scattered; `of_way(scattering, share)` averages to 1 over both ways.
     fn left_of(&self, material: &Material, of_way: impl Fn(f64, f64) -> f64) -> Bands {
         let share = f64::from(self.share(material));
         let reflectance = material.reflectance();
         std::array::from_fn(|band| reflectance[band] * of_way(material.scattering[band], share))
     }
 
-    /// The share of reflections that are diffuse: the mean over the bands that are traced together, as a multiple of a
-    /// step of which a half stands exactly behind an event of these bits in a float.
+    /// The share of reflections that are diffuse: the mean over the bands that are traced together, rounded to a step
+    /// such that half the share is exact in a float behind an event of these bits.
     fn share(&self, material: &Material) -> f32 {
         let steps = f64::from(1u32 << (22 - self.bits().min(MOST_BITS)));
         let mean = mean_scattering(material, &self.bands);
         if mean == 0.0 {
             return 0.0;
         }
-        // Neither way is left out where a part of the energy goes it.
+        // Each way that carries energy keeps a probability above 0.
         let most = if mean < 1.0 { steps - 1.0 } else { steps };
         ((mean * steps).round().clamp(1.0, most) / steps) as f32
     }
 
-    /// Whether the wave is scattered in an event.
+    /// Whether an event scatters the wave.
     pub fn is_scattered(&self, event: usize) -> bool {
         event > self.distinct.len()
     }
@@ -217,7 +220,7 @@ fn bits_of(material: &Material) -> MaterialBits {
     [&material.absorption, &material.scattering].map(|bands| bands.map(|of| (of + 0.0).to_bits()))
 }
 
-/// The materials that differ, in the order in which surfaces have them; no mirror.
+/// The distinct materials, in the order in which surfaces have them, without mirrors.
 fn distinct(scene: &Scene) -> Vec<Material> {
     let mut known = HashSet::new();
     let met = materials_met(scene).filter(|material| !material.is_mirror());
@@ -226,15 +229,15 @@ fn distinct(scene: &Scene) -> Vec<Material> {
         .collect()
 }
 
-/// The materials that waves meet, of surfaces and walls: one that many have as many times, and none of a room all of
-/// whose walls have another.
+/// The materials of all surfaces and walls, with repetitions; a room's own material is left out if all of its walls
+/// have another.
 pub(super) fn materials_met(scene: &Scene) -> impl Iterator<Item = &Material> {
     let of_surface = |index| walls(scene, index).map(move |wall| (index, wall));
     let all = (0..scene.surfaces.len()).flat_map(of_surface);
     all.map(|(index, wall)| scene.material(index, wall).unwrap_or(&Material::MIRROR))
 }
 
-/// No wall for the surface as a whole; all walls of a room.
+/// `None` for the surface as a whole, and the walls of a room.
 fn walls(scene: &Scene, index: usize) -> impl Iterator<Item = Option<usize>> {
     let is_room = matches!(scene.surfaces[index].shape.node, Node::Room(_));
     let walls = (0..Room::WALL_COUNT).filter(move |_| is_room).map(Some);
@@ -251,10 +254,10 @@ pub(super) fn mean_scattering(material: &Material, bands: &Range<usize>) -> f64 
 /// Evaluated range of a decay, as a share of the energy: 30 dB.
 const DECAYED: f64 = 1e-3;
 
-/// Growth of the mean square of energies over such a decay, at most: to twice, as if half the waves were left.
+/// Maximum growth of the mean square of energies over such a decay: to twice, as if half the waves were left.
 const MOST_GROWTH: f64 = 2.0;
 
-/// Groups of bands, each of which is traced by waves of its own: one where all scatter alike.
+/// Groups of bands, each traced by its own waves; a single group if all bands scatter alike.
 pub fn band_groups(scene: &Scene) -> Vec<Range<usize>> {
     let materials: Vec<&Material> = materials_met(scene).collect();
     let fit = |bands: &Range<usize>| materials.iter().all(|m| scatters_alike(m, bands));
@@ -280,14 +283,16 @@ fn scatters_alike(material: &Material, bands: &Range<usize>) -> bool {
     }
     let share = mean_scattering(material, bands);
     let is_alike = |band: usize| {
-        // The mean over both ways of the squared energies, (1 − s)² / (1 − p) + s² / p, is 1 and this.
+        // The mean over both ways of the squared energies, (1 − s)² / (1 − p) + s² / p, is 1 plus this
+        // growth.
         let growth = (scattering[band] - share).powi(2) / (share * (1.0 - share));
         reflections(&material.absorption, band) * growth.ln_1p() <= MOST_GROWTH.ln()
     };
     bands.clone().all(is_alike)
 }
 
-/// Reflections after which so little is left; infinitely many where all is reflected.
+/// Reflections after which only [`DECAYED`] of the energy is left; infinite if all of it is
+/// reflected.
 fn reflections(absorption: &Bands, band: usize) -> f64 {
     DECAYED.ln() / (-absorption[band]).ln_1p()
 }
@@ -331,8 +336,8 @@ mod tests {
         scene
     }
 
-    /// Protects energy: in the mean over both ways of a reflection each band keeps what the
-    /// material reflects of it, whatever a float makes of the share that is scattered.
+    /// Protects energy: averaged over both ways of a reflection, each band keeps exactly the energy
+    /// that the material reflects, however a float rounds the scattered share.
     #[test]
     fn both_ways_together_keep_what_is_reflected() {
         let scene = scene();
@@ -355,7 +360,7 @@ mod tests {
         }
     }
 
-    /// Protects the numbers of walls, and of what is alike: equal materials are one event.
+    /// Protects the numbers of walls, and that equal materials are the same event.
     #[test]
     fn walls_that_differ_have_numbers_of_their_own() {
         let materials = Materials::of(&scene(), 0..BAND_COUNT);
@@ -364,13 +369,13 @@ mod tests {
         let numbers: Vec<f32> = values.iter().flat_map(|v| v.to_array()).collect();
         assert_eq!(numbers[0], numbers[5]);
         assert_ne!(numbers[0], numbers[3]);
-        // Surface 1 is of m0, which is a mirror; surface 2 is of m1, as the walls.
+        // Surface 1 has m0, which is a mirror; surface 2 has m1, like the walls.
         assert_eq!(numbers[6..], [0.0, numbers[0]]);
         assert!(Materials::of(&Scene::builtin("corner").unwrap(), 0..BAND_COUNT).is_empty());
     }
 
-    /// Protects the table of many materials: each surface has its number there, and walls that differ have theirs in the
-    /// order of the walls, where the surface says.
+    /// Protects the table of many materials: it has the number of each surface, and the numbers of differing walls in
+    /// the order of the walls, at the index that the surface states.
     #[test]
     fn a_table_has_what_uniforms_have() {
         let materials = Materials::of(&scene(), 0..BAND_COUNT);
@@ -414,7 +419,8 @@ mod tests {
         band_groups(&scene)
     }
 
-    /// Protects bands from waves whose energies spread, and time from being spent where they do not.
+    /// Protects bands from waves whose energies spread, and time from being spent where energies do
+    /// not spread.
     #[test]
     fn bands_that_scatter_alike_are_traced_together() {
         let rising: Bands = std::array::from_fn(|band| band as f64 / 7.0);
@@ -425,12 +431,12 @@ mod tests {
         assert_eq!(groups(&[]), whole(0..8));
         assert_eq!(groups(&[(0.1, [0.3; BAND_COUNT])]), whole(0..8));
         assert_eq!(groups(&[(0.1, rising)]).len(), 8);
-        // A material that absorbs everything scatters nothing, and one that absorbs little is met often.
+        // A material that absorbs everything scatters nothing, and one that absorbs little is hit often.
         assert_eq!(groups(&[(1.0, rising)]), whole(0..8));
         assert_eq!(groups(&[(0.2, slightly)]), whole(0..8));
         assert!(groups(&[(0.0, slightly)]).len() > 1);
         assert_eq!(groups(&[(0.1, stepped)]), [0..3, 3..8]);
-        // A material that no wave meets has no influence: here that of a room whose walls all have another.
+        // A material that no wave hits has no influence: here that of a room whose walls all have another.
         let mut scene = Scene::builtin("shoebox").expect("a built-in scene");
         let rising = Material {
             scattering: rising,

@@ -13,14 +13,14 @@
 //!
 //! It knows no OpenGL: [`crate::tracer`] compiles the texts and sends the numbers.
 //!
-//! Whatever the shader reads relative to the listener is a uniform, because it changes with every step
-//! of the listener: the positions of surfaces and listener, and, because they lie in the same vectors
-//! and are extended into each other, the sizes of basic shapes. The numbers of fields are
-//! literals, except those that a driver moves. So the text depends on the [`StructureKey`] alone,
-//! and moving things never compiles a shader again.
+//! Everything that the shader reads relative to the listener is a uniform, because it changes with
+//! every step of the listener: the positions of surfaces and listener, and also the sizes of basic
+//! shapes, which are in the same vectors and change when covered faces are extended. The numbers of
+//! fields are literals, except those that a driver moves. So the text depends only on the
+//! [`StructureKey`], and moving things never recompiles a shader.
 //!
-//! If there are many surfaces only their kinds are in the text (`layout`): they lie in cells, whose
-//! lists, like the surfaces' values, are in the scene's data.
+//! If there are many surfaces, only their kinds are in the text (`layout`). The surfaces are in
+//! cells, and the lists of cells and the values of surfaces are in the scene's data.
 
 mod arrivals_shader;
 mod cells;

@@ -1,8 +1,8 @@
-//! Origin rebasing: positions as passed to the shader.
+//! Origin rebasing: the coordinates in which the shader gets positions.
 //!
-//! The thesis' profile gets world coordinates as they are. The others get them relative
-//! to an origin of their own (the listener), so that a scene far from the world's origin
-//! loses no bits. Box faces that another solid covers are extended into that solid, so that
+//! The thesis' profile gets unchanged world coordinates. The other profiles get coordinates
+//! relative to an origin of their own (the listener), so that a scene far from the world's origin
+//! loses no precision. Box faces that another solid covers are extended into that solid, so that
 //! rounding at the seam cannot open a gap between the two (`covered_faces.rs`).
 
 use super::covered_faces::extend_covered_faces;
@@ -11,7 +11,7 @@ use crate::scene::shape::{Cuboid, Cylinder, Room, Sphere};
 use crate::scene::{Listener, Node, ROUNDING, Scene, Shape, Surface};
 use glam::{Quat, Vec3, Vec4};
 
-/// How world coordinates become a shader's.
+/// The conversion from world coordinates to a shader's coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OriginRebasing {
     /// World position of the shader's origin in metres.
@@ -29,7 +29,7 @@ pub struct RebasedScene {
 }
 
 impl OriginRebasing {
-    /// World coordinates as they are.
+    /// Unchanged world coordinates.
     pub fn world() -> OriginRebasing {
         OriginRebasing {
             origin: Vec3::ZERO,
@@ -50,9 +50,9 @@ impl OriginRebasing {
         (point.as_dvec3() - self.origin.as_dvec3()).as_vec3()
     }
 
-    /// The place of a surface in the shader's coordinates. What repeats without end is moved by
-    /// whole periods, so that places near the listener are near the surface's origin, too, and
-    /// lose no bits to how far that is; but not where world coordinates stay as they are.
+    /// The position of a surface in the shader's coordinates. An endless repetition is moved by
+    /// whole periods, so that positions near the listener are also near the surface's origin and
+    /// lose no precision to its distance; world coordinates are never moved.
     fn place_surface(&self, surface: &Surface) -> Vec3 {
         let field = surface.shape.field().filter(|_| self.extends_covered_faces);
         let periods = field.map(Shape::periods).unwrap_or_default();
@@ -69,7 +69,8 @@ impl OriginRebasing {
     pub fn apply(&self, scene: &Scene) -> RebasedScene {
         let place = |surface: &Surface| surface.clone().at(self.place_surface(surface));
         let surfaces: Vec<Surface> = scene.surfaces.iter().map(place).collect();
-        // Derived from the surfaces before: an extension adds size where no wave comes.
+        // Derived from the surfaces before the extension, which adds size only where no wave can
+        // be.
         let error_bounds: Vec<f32> = surfaces.iter().map(error_bound).collect();
         let surfaces = if self.extends_covered_faces {
             extend_covered_faces(&surfaces, &error_bounds)
@@ -90,9 +91,9 @@ impl RebasedScene {
         &self.rebasing
     }
 
-    /// The values of `uSurfaces`: for each unrolled surface its position (and radius, or
-    /// error bound), then its half size and error bound if it has one, then the inverse of
-    /// its rotation if it has one, then the numbers of its field that move.
+    /// The values of `uSurfaces`: for each unrolled surface its position (and radius, or error
+    /// bound), then its half size and error bound, the inverse of its rotation, and the moving
+    /// numbers of its field, if it has these.
     pub fn uniform_values(&self, layout: &Layout) -> Vec<Vec4> {
         let mut all = Vec::new();
         for &index in &layout.unrolled {
@@ -102,7 +103,7 @@ impl RebasedScene {
         all
     }
 
-    /// A surface by its index.
+    /// A surface by index.
     pub(super) fn surface(&self, index: usize) -> &Surface {
         &self.surfaces[index]
     }
@@ -117,7 +118,7 @@ impl RebasedScene {
         );
     }
 
-    /// Rounding error of the distance to a surface (numbered from 1), in metres, at most.
+    /// Maximum rounding error of the distance to a surface (numbered from 1), in metres.
     pub fn error_bound(&self, object: u32) -> f32 {
         let index = (object as usize).checked_sub(1);
         index
@@ -126,13 +127,13 @@ impl RebasedScene {
     }
 }
 
-/// Rounding error of a distance that is computed with a position, in metres, at most.
+/// Maximum rounding error of a distance computed with a position, in metres.
 pub(super) fn rounding_of(place: Vec3) -> f32 {
     ROUNDING * place.abs().max_element()
 }
 
-/// Rounding error of the distance to a surface, in metres, at most; limited for a box or a room, so
-/// that a thin one does not vanish in it.
+/// Maximum rounding error of the distance to a surface, in metres; limited for a box or a room, so
+/// that a thin one is not smaller than its error bound.
 fn error_bound(surface: &Surface) -> f32 {
     const SHARE_OF_THICKNESS: f32 = 0.25;
     let place = surface.position.abs().max_element();
@@ -154,7 +155,7 @@ pub(super) fn value_count(surface: &Surface, is_data: bool) -> usize {
     values.len()
 }
 
-/// The values of one surface; of a field that is data all numbers move.
+/// The values of one surface; if a field is data, all of its numbers move.
 pub(super) fn push_values(
     surface: &Surface,
     error_bound: f32,
@@ -192,13 +193,13 @@ fn inverse(rotation: Quat) -> Vec4 {
     Vec4::from(rotation.conjugate())
 }
 
-/// Whether a node of it may make its value grow faster than the distance.
+/// Whether a node of the field may make its value grow faster than the distance.
 pub(super) fn divides(field: &Shape) -> bool {
     let turns = |f: &&Shape| matches!(f.node, Node::Twist(_) | Node::Bend(_));
     field.nodes().iter().any(turns)
 }
 
-/// The numbers that move, as they stand: in the order of [`Shape::nodes`].
+/// The current values of the moving numbers, in the order of [`Shape::nodes`].
 fn moving_values(field: &Shape, moving: &[bool]) -> Vec<f32> {
     let nodes = field.nodes();
     let of_moving = nodes.iter().zip(moving).filter(|(_, moves)| **moves);
@@ -216,7 +217,7 @@ fn moving_values(field: &Shape, moving: &[bool]) -> Vec<f32> {
 mod tests {
     use super::ROUNDING;
 
-    /// Protects the one idea of rounding that Rust and GLSL share.
+    /// Protects the rounding constant that Rust and GLSL share.
     #[test]
     fn rounding_is_the_same_in_the_shader() {
         let text = include_str!(concat!(

@@ -13,9 +13,9 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Directions {
-    /// Independent and uniform over the sphere, as the thesis has them.
+    /// Independent and uniform over the sphere, as in the thesis.
     Random,
-    /// A spherical Fibonacci lattice, turned at random as a whole.
+    /// A spherical Fibonacci lattice, randomly rotated as a whole.
     Fibonacci,
 }
 
@@ -23,11 +23,11 @@ pub enum Directions {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct MarchText {
     pub algorithm: AlgorithmText,
-    /// Whether evaluations are counted in place of what the counters hold otherwise.
+    /// Whether the counters count evaluations instead of their usual contents.
     pub count_evaluations: bool,
 }
 
-/// How a wave finds what it meets.
+/// How a wave finds its next hit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum AlgorithmText {
     Thesis,
@@ -36,7 +36,7 @@ pub(crate) enum AlgorithmText {
 }
 
 impl AlgorithmText {
-    /// The name of its profile.
+    /// The name of the profile.
     pub fn name(self) -> &'static str {
         match self {
             AlgorithmText::Thesis => "thesis",
@@ -45,8 +45,8 @@ impl AlgorithmText {
         }
     }
 
-    /// The lists of cells that it reads. Lists of nearest candidates hold what lines need too, but
-    /// in cells that lie within a solid.
+    /// The lists of cells that the text reads. Lists of nearest candidates contain everything that
+    /// lines need, except in cells that lie within a solid.
     pub fn lists(self) -> Lists {
         match self {
             AlgorithmText::Hybrid => Lists::Lines,
@@ -64,7 +64,7 @@ pub(crate) fn initialise_text(directions: Directions) -> String {
     join(&link(sources, library()))
 }
 
-/// How a wave starts.
+/// The sources that start a wave.
 pub(super) fn start(directions: Directions) -> [Source; 2] {
     let direction = match directions {
         Directions::Random => source!("direction/random.glsl"),
@@ -93,7 +93,7 @@ pub(crate) fn whole_frame_text(
     join(&link(roots, parts))
 }
 
-/// The sources that take a wave through iterations, and the parts that they call.
+/// The sources that trace a wave through iterations, and the parts that they call.
 fn iterations(scene: &Text, text: MarchText) -> (Vec<Source>, Vec<Part>) {
     let counters = match text.count_evaluations {
         true => source!("counters_evaluations.glsl"),
@@ -120,13 +120,13 @@ fn iterations(scene: &Text, text: MarchText) -> (Vec<Source>, Vec<Part>) {
     (roots, parts)
 }
 
-/// States whether fields are marched.
+/// The option that states whether fields are marched.
 fn options(marches_fields: bool) -> Source {
     let defines = format!("#define MARCHES_FIELDS {}\n", u8::from(marches_fields));
     Source::new("options", defines)
 }
 
-/// The text of a picture of a scene, from the sources that draw it.
+/// The text of a picture of a scene, from the sources that draw the picture.
 #[cfg(feature = "picture")]
 pub(crate) fn picture_text(
     scene: &Scene,
@@ -138,7 +138,7 @@ pub(crate) fn picture_text(
     join(&link(roots, distance_parts(&Text::new(scene, structure))))
 }
 
-/// The sources of a picture of what the listener sees, with this shading.
+/// The sources of a picture of the listener's view, with this shading.
 #[cfg(feature = "picture")]
 pub(crate) fn first_person(shading: Source) -> [Source; 3] {
     [
@@ -166,7 +166,7 @@ pub(crate) fn first_sum_text() -> String {
     ])
 }
 
-/// The text of its further passes.
+/// The text of the further passes of the sum.
 pub(crate) fn further_sum_text() -> String {
     join(&[source!("sum/further.glsl"), source!("sum/block.frag")])
 }

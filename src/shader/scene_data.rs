@@ -1,27 +1,27 @@
-//! The scene's data: what is too much for uniforms.
+//! The scene's data: everything that is too large for uniforms.
 //!
-//! A list of vectors: the heights of images first, at places that the text knows; then, for
-//! surfaces in cells, a directory (a vector for each surface of the scene: its number, its
-//! kind, where its values lie, its material) and the values; then, for lines, the cells of each kind with records
-//! of its surfaces; then, for all else, the cells (a vector each: where its list
-//! begins, how long it is) and the lists, whose entries are those of the directory; then, for
-//! distances, the groups (two vectors each: the least coordinates of a box and where its list
-//! begins, the greatest ones and how long the list is) and their lists.
+//! An array of vectors in this order. First the heights of images, at indices that the text contains. For
+//! surfaces in cells: a directory (a vector for each surface of the scene: its number, its kind, the index of its
+//! values, its material), and the values. For lines: the cells of each kind, with records of its surfaces. For
+//! everything else: the cells (a vector each: index and length of the list), and the lists, whose entries are
+//! those of the directory. For distances: the groups (two vectors each: the least coordinates of a box and the
+//! index of the list, the greatest coordinates and the length of the list), and their lists.
 //!
 //! # Records
-//! For lines, a cell of a kind is one *record*: all vectors that the test of the surface in it needs. One number
-//! of its first vector is the *tag*:
+//! For lines, a cell of a kind is one *record*: all vectors that are needed to test the cell's surface. One
+//! number of its first vector is the *tag*:
 //!
 //! | tag | what the record is |
 //! | --- | --- |
-//! | the number of a surface | that surface, the last of its list: next is the next cell |
-//! | the number times −1 | that surface; the next of the list lies behind it |
-//! | 0, and the first component is not 0 | where the cell's list begins, of several surfaces |
-//! | 0 | an empty cell, or none |
+//! | the number of a surface | that surface, the last of its list; the next cell follows |
+//! | the number times −1 | that surface; the next record of the list follows |
+//! | 0, and the first component is not 0 | the index of the cell's list of several surfaces |
+//! | 0 | an empty cell, or no cell |
 //!
-//! The values of a surface are in its record as elsewhere, after a vector for the tag
-//! (with the first component for the place of a list), unless they leave a component of their
-//! first vector free: a box does, and an endless pillar, whose height means nothing.
+//! The values of a surface are in its record in the usual layout, after a vector for the tag (and,
+//! in its first component, the index of a list). This vector is omitted if the first vector of the
+//! values has an unused component: for a box, and for an endless pillar, whose height has no
+//! meaning.
 
 use super::cells::{Cells, ENDLESS, Group, Lists, SceneCells};
 use super::layout::{GRID_VECTORS, Layout};
@@ -33,7 +33,7 @@ use glam::{DVec3, UVec3, Vec3, Vec4};
 /// Vectors in a row of the texture `uSceneData`.
 pub const DATA_WIDTH: usize = 1024;
 
-/// The heights of the scene's images, one a vector, in its first component.
+/// The heights of the scene's images, one per vector, in its first component.
 pub(super) fn heights(assets: &Assets) -> Vec<Vec4> {
     let mut data = Vec::with_capacity(assets.data_length());
     for (image, _) in &assets.images {
@@ -42,7 +42,7 @@ pub(super) fn heights(assets: &Assets) -> Vec<Vec4> {
     data
 }
 
-/// The places of the surfaces in cells, as passed to the shader.
+/// The indices and grids of the cells, as passed to the shader.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CellData {
     /// Index of the directory.
@@ -56,13 +56,14 @@ pub struct CellData {
     pub count: Vec3,
     /// Index of the first cell in the scene's data.
     pub cells: i32,
-    /// Index of the first group; groups come with lists of nearest candidates alone.
+    /// Index of the first group; only lists of nearest candidates have groups.
     pub groups: i32,
-    /// How many groups there are.
+    /// Number of groups.
     pub group_count: i32,
-    /// The grids of the kinds that have cells of their own, [`GRID_VECTORS`] each: origin and
-    /// index of the first record; size of a cell and number of the last one; corners of what
-    /// holds all surfaces; what each axis adds to a cell's number, and the records on a line at most.
+    /// The grids of the kinds that have their own cells, [`GRID_VECTORS`] vectors each: origin and
+    /// index of the first record; size of a cell and number of the last cell; the corners of the box
+    /// around all surfaces; the step of the cell number along each axis, and the maximum records on a
+    /// line.
     pub grids: Vec<Vec4>,
 }
 
@@ -75,8 +76,8 @@ struct Writer<'a> {
 }
 
 impl CellData {
-    /// Appends what the surfaces in cells need to the scene's data: with the numbers of their
-    /// materials (`materials.rs`), of a scene that has any.
+    /// Appends the data of the surfaces in cells to the scene's data, with the numbers of their
+    /// materials (`materials.rs`) if the scene has any.
     pub fn append(
         data: &mut Vec<Vec4>,
         layout: &Layout,
@@ -114,7 +115,7 @@ impl Writer<'_> {
         (place - self.origin).as_vec3()
     }
 
-    /// The directory, and the values behind it.
+    /// Appends the directory, and the values after it.
     fn directory(&mut self, layout: &Layout, materials: &[f32]) {
         let mut values = Vec::new();
         let first = self.directory + layout.kind_of.len();
@@ -133,7 +134,7 @@ impl Writer<'_> {
         self.data.append(&mut values);
     }
 
-    /// The records of a kind's cells, and its grid.
+    /// Appends the records of a kind's cells, and returns its grid.
     fn records(&mut self, record: Record, cells: &Cells) -> [Vec4; GRID_VECTORS] {
         let grid = cells.grid();
         let first = self.data.len();
@@ -164,7 +165,7 @@ impl Writer<'_> {
                 }
             }
         });
-        // The box that holds all surfaces; the lists reach further, because the border is wider.
+        // The box around all surfaces; the lists reach further, because their margin is wider.
         let inner = grid.inner.grown(0.01 * grid.cell);
         let (low, high) = (self.local(inner.min), self.local(inner.max));
         let spare = spare(low, high);
@@ -180,7 +181,7 @@ impl Writer<'_> {
         ]
     }
 
-    /// Cells with lists of entries of the directory.
+    /// Appends cells with lists of entries of the directory.
     fn lists(&mut self, cells: &Cells, which: Lists, told: &mut CellData) {
         let grid = cells.grid();
         let first_cell = self.data.len();
@@ -210,7 +211,7 @@ impl Writer<'_> {
         told.group_count = groups.len() as i32;
     }
 
-    /// Entries of the directory, by the indices of their surfaces.
+    /// Appends entries of the directory, by the indices of their surfaces.
     fn entries(&mut self, list: &[u32]) {
         let directory = self.directory;
         for &index in list {
@@ -219,15 +220,15 @@ impl Writer<'_> {
     }
 }
 
-/// Rounding error of the sides of a box, at most.
+/// Maximum rounding error of the sides of a box.
 fn spare(low: Vec3, high: Vec3) -> Vec3 {
-    // A coordinate that stands for no end is not used in any computation.
+    // A coordinate that represents an endless extent is not used in any computation.
     let places = low.abs().max(high.abs());
     let ends = places.cmplt(Vec3::splat(0.5 * ENDLESS as f32));
     Vec3::splat(rounding_of(Vec3::select(ends, places, Vec3::ZERO)))
 }
 
-/// The number by which a shader knows a surface.
+/// The number of a surface in the shader.
 fn number(index: usize) -> f32 {
     (index + 1) as f32
 }
@@ -235,7 +236,7 @@ fn number(index: usize) -> f32 {
 /// The places of the tag and of the values in a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Record {
-    /// Whether a vector of its own holds the tag.
+    /// Whether the tag has a vector of its own.
     pub has_head: bool,
     /// The component of the first vector that is the tag.
     pub tag: usize,
@@ -264,7 +265,7 @@ impl Record {
         ["x", "y", "z", "w"][self.tag]
     }
 
-    /// The record of a surface with these values.
+    /// Appends the record of a surface with these values.
     pub fn push(&self, tag: f32, values: &[Vec4], records: &mut Vec<Vec4>) {
         let first = records.len();
         if self.has_head {

@@ -1,9 +1,9 @@
 //! The structure of a scene: layout and assets, from which its shader text is written, and the key of its
 //! programs.
 //!
-//! A [`Structure`] is derived once a frame and passed to all that ask for it: the checks of the
-//! renderer's limits, the texts, their keys and the [compiled scene](super::CompiledScene). It holds no
-//! position: two scenes with equal [keys](StructureKey) have the same text.
+//! A [`Structure`] is derived once per frame and passed to all that need it: the checks of the
+//! renderer's limits, the texts, their keys and the [compiled scene](super::CompiledScene). It contains
+//! no position: two scenes with equal [keys](StructureKey) have the same text.
 
 use super::cells::Lists;
 use super::layout::{GRID_VECTORS, Layout, MOST_UNROLLED, SurfaceStructure};
@@ -13,7 +13,7 @@ use crate::scene::{HeightImage, Scene, SceneError, Shape, UserField};
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// The structure of a scene as the readers of some lists of cells see it.
+/// The structure of a scene for shaders that read certain lists of cells.
 #[derive(Clone, Debug, Default)]
 pub struct Structure {
     /// The lists of cells that the text reads.
@@ -26,21 +26,21 @@ pub struct Structure {
     pub key: Rc<StructureKey>,
 }
 
-/// The parameters of the shader text of a scene: each surface's shape, whether it has a
-/// rotation, and the fixed part of its field; of surfaces in cells only their kinds, and the axes
-/// along which cells have no end. Two scenes with equal keys share their programs.
+/// The parameters of the shader text of a scene: for each unrolled surface its shape, whether it
+/// has a rotation, and the fixed part of its field; for surfaces in cells only their kinds, and the
+/// axes along which cells are endless. Two scenes with equal keys share their programs.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub(crate) struct StructureKey {
-    /// Unrolled surfaces by their index.
+    /// Unrolled surfaces with their indices.
     unrolled: Vec<(usize, SurfaceStructure)>,
     instanced: Vec<SurfaceStructure>,
     unbounded_axes: [bool; 3],
-    /// Indices of the heights of the images, in the order of the text.
+    /// Indices of the first heights of the images, in the order of the text.
     images: Vec<usize>,
 }
 
 impl Structure {
-    /// The structure of a scene for the readers of these lists.
+    /// The structure of a scene for shaders that read these lists.
     pub fn of(scene: &Scene, lists: Lists) -> Structure {
         let layout = Layout::of(&scene.surfaces, lists);
         let assets = Assets::of(scene);
@@ -60,15 +60,15 @@ impl Structure {
         }
     }
 
-    /// Uniform vectors of the scene's surfaces and grids, at most.
+    /// Maximum uniform vectors of the scene's surfaces and grids.
     pub fn uniform_count(&self, scene: &Scene) -> usize {
         let unrolled = self.layout.unrolled.iter();
         let values = unrolled.map(|&index| value_count(&scene.surfaces[index], false));
         values.sum::<usize>() + GRID_VECTORS * self.layout.instanced.len()
     }
 
-    /// Checks the scene once before its text is compiled: its fields, and that the text compiles in
-    /// seconds.
+    /// Checks the scene once before its text is compiled: its fields, and that the text can be
+    /// compiled within seconds.
     ///
     /// # Errors
     /// The errors of [`Scene::check`], and [`SceneError::BadNumber`] for more than [`MOST_UNROLLED`]
@@ -95,12 +95,12 @@ impl Structure {
     }
 }
 
-/// Things of a scene that its text refers to by number, each once.
+/// Assets of a scene that its text refers to by number, without duplicates.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Assets {
     /// Index of the first height of each image in the scene's data.
     pub images: Vec<(Arc<HeightImage>, usize)>,
-    /// Users' fields of different texts, numbered by their place.
+    /// Users' fields with different texts, numbered by their index.
     pub users: Vec<Arc<UserField>>,
 }
 
@@ -129,14 +129,14 @@ impl Assets {
         }
     }
 
-    /// Vectors of scene data that the images take.
+    /// Number of scene data vectors that the images take.
     pub fn data_length(&self) -> usize {
         self.images
             .last()
             .map_or(0, |(image, first)| first + image.heights().len())
     }
 
-    /// The indices of the heights of the images that the text names, in its order.
+    /// The indices of the first heights of the images that the text uses, in the order of the text.
     pub fn places(&self, layout: &Layout, scene: &Scene) -> Vec<usize> {
         if self.images.is_empty() {
             return Vec::new();
@@ -159,7 +159,7 @@ impl Assets {
     }
 
     pub fn user(&self, field: &UserField) -> Option<usize> {
-        // Size and growth are arguments of its functions.
+        // Size and growth are arguments of the field's functions.
         let same = |known: &UserField| known.file == field.file && known.text == field.text;
         self.users.iter().position(|known| same(known))
     }

@@ -1,14 +1,15 @@
-//! How much one pass and one march may do: turns of loops, counted and limited.
+//! The limits of one pass and one march: turns of loops, counted and limited.
 //!
-//! Mesa's llvmpipe leaves a loop of a shader without a report once all loops of the shader together
-//! have taken 65,536 turns, nested ones included. So the turns that an iteration of a scene may
-//! take at most are counted here, and nowhere else: over the iterations of a pass, the steps
-//! of a march, the lists of cells, the cells that a line crosses, the copies of repetitions and the
-//! cells of copies. Where one loop stands in another the turns of both count. The turns of loops in
-//! users' texts are not known: a call of a text with loops counts as [`USER_TURNS`].
+//! Mesa's llvmpipe leaves a shader's loop without a report once all loops of the shader together
+//! have taken 65,536 turns, nested ones included. So the maximum turns of an iteration in a scene
+//! are counted here, and nowhere else: over the iterations of a pass, the steps of a march, the
+//! lists of cells, the cells that a line crosses, the copies of repetitions and the cells of
+//! copies. If one loop contains another, the turns of both count. The turns of loops in users'
+//! texts are unknown: a call of a text with loops counts as [`USER_TURNS`].
 //!
-//! The [`Budget`] follows from the count: the iterations of a pass and, where a single march could
-//! take more, its steps. Waves that are given up at the step limit are counted and reported.
+//! The [`Budget`] follows from the count: the iterations of a pass and, if a single march could
+//! take more turns than allowed, the steps of a march. Waves that reach the step limit are counted
+//! and reported.
 
 use super::cells::{Lists, SceneCells};
 use super::pass_texts::AlgorithmText;
@@ -17,50 +18,50 @@ use super::text::{Marched, Named, Text};
 use crate::scene::shape::User;
 use crate::scene::{Copies, Node, Shape, UserField};
 
-/// Evaluations of the distance in one march, at most.
+/// Maximum evaluations of the distance in one march.
 ///
 /// Every step of the thesis' march is at least the minimum distance long, so at its
 /// own constants no wave takes more than 300 / 0.1 = 3000 of them. The bound lies
 /// above that and keeps any other setting from hanging the GPU.
 pub(crate) const MAX_STEPS: u32 = 4096;
 
-/// Evaluations of the fields in one march, at most. Relaxed steps and Newton's at the end
-/// take some tens of them; what takes more grazes a surface.
+/// Maximum evaluations of the fields in one march. Relaxed steps, and Newton's at the end, take
+/// some tens of evaluations; a march that takes more grazes a surface.
 const MAX_FIELD_STEPS: u32 = 1024;
 
-/// Turns that `hybrid` takes a line past the copies of repetitions without end, or of more than
-/// 1,024 cells, in one flight at most. Two flights of this length fit a pass on llvmpipe.
-/// Among turned boxes 3 m to 4 m apart 10 of 524,288 waves reach it, and others still meet a box
-/// after hundreds of kilometres, where a float resolves positions to some centimetres.
+/// Maximum turns in which `hybrid` traces a line past copies in one flight, for repetitions that
+/// are endless or have more than 1,024 cells. Two flights of this length fit a pass on llvmpipe.
+/// Among rotated boxes 3 m to 4 m apart, 10 of 524,288 waves reach the limit, and others still hit
+/// a box after hundreds of kilometres, where a float resolves positions to some centimetres.
 pub(crate) const MAX_COPY_STEPS: u32 = 32_000;
 
-/// Turns that a call of a user's field with loops in it is taken for. Compilers unroll loops of
-/// a few dozen turns whose number is known, so that few texts have that many left.
+/// Number of turns for which a call of a user's field with loops counts. Compilers unroll loops of
+/// a few dozen turns if their number is known, so that few texts have as many turns left.
 const USER_TURNS: u64 = 60;
 
-/// Calls of a user's text in one projection at most, where normals are differences: seven for
-/// the gradient, and for the normal a value and six over each of nine distances
+/// Maximum calls of a user's text in one projection if normals are computed by differences: seven
+/// for the gradient, and for the normal one value and six over each of nine distances
 /// (`glsl/user/differences.glsl`).
 const CALLS_OF_DIFFERENCES: u64 = 62;
 
 /// Turns of the loop over these distances.
 const TURNS_OF_DIFFERENCES: u64 = 7;
 
-/// Calls in one projection where the text states its gradient: value and gradient, twice, and once
-/// more where there is none (`glsl/user/gradient.glsl`).
+/// Maximum calls in one projection if the text states its gradient: value and gradient, twice, and
+/// once more where the gradient is undefined (`glsl/user/gradient.glsl`).
 const CALLS_OF_GRADIENT: u64 = 6;
 
-/// Turns at most of the loops within one evaluation, by what is evaluated; 0 where there is
-/// no loop.
+/// Maximum turns of the loops in one evaluation, by the evaluated function; 0 without loops.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Loops {
-    /// The distance to everything.
+    /// The distance to all objects.
     pub distance: u64,
     /// The distance to the basic shapes ahead.
     pub directed: u64,
     /// The values of all fields, and the gradient of one; `None` without fields.
     pub all_fields: Option<u64>,
-    /// The same of the fields without a closed form.
+    /// The values of the fields without a closed form, and the gradient of one; `None` without such
+    /// fields.
     pub other_fields: Option<u64>,
     /// Intersecting a line with closed forms, except traversals with a step limit.
     pub line: u64,
@@ -72,7 +73,7 @@ pub(super) struct Loops {
     pub unrolled: u64,
 }
 
-/// Turns that follow from the structure of a scene alone; the lists of its cells add theirs.
+/// Turns that follow from the structure of a scene alone; the lists of its cells add further turns.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct StructureTurns {
     /// Values of all unrolled surfaces, and the largest of a kind.
@@ -88,7 +89,7 @@ pub(super) struct StructureTurns {
     unrolled: u64,
 }
 
-/// Turns of fields that are marched.
+/// Turns of marched fields.
 #[derive(Clone, Debug, PartialEq)]
 struct FieldTurns {
     unrolled: u64,
@@ -119,7 +120,7 @@ impl StructureTurns {
         }
     }
 
-    /// The loops of the text over these lists of cells, of a scene that has cells.
+    /// The turns of the text with the lists of these cells, if the scene has cells.
     pub fn loops(&self, cells: Option<&SceneCells>, lists: Lists) -> Loops {
         let listed_cells = cells.and_then(SceneCells::lists);
         let in_list = listed_cells.map_or(0, |cells| cells.longest(lists) as u64);
@@ -131,7 +132,8 @@ impl StructureTurns {
             let surfaces: usize = cells.groups().iter().map(|g| g.surfaces.len()).sum();
             cells.groups().len() as u64 + surfaces as u64 * (1 + self.kind_values)
         });
-        // A turn of the traversal is a record: of a cell, or of the list that it refers to.
+        // A turn of the traversal visits a record: of a cell, or of the list that the cell refers
+        // to.
         let kind_hits = cells
             .map_or(&[][..], SceneCells::kinds)
             .iter()
@@ -150,10 +152,10 @@ impl StructureTurns {
 }
 
 impl FieldTurns {
-    /// The turns of the fields that a march has to take, if there are any.
+    /// The turns of the marched fields, if there are any.
     fn of(text: &Text, marched: Marched) -> Option<FieldTurns> {
         let value = |named: &Named| named.field().map_or(0, of_value);
-        // A march asks for the value or for the bound along the line.
+        // A step of a march evaluates the value or the bound along the line.
         let step = |named: &Named| {
             let bounds = named.field().filter(|field| is_bounded(field));
             value(named) + bounds.map_or(0, leaps)
@@ -178,7 +180,7 @@ fn of_value(field: &Shape) -> u64 {
     of_copies(field, &of_call)
 }
 
-/// Turns in projecting onto a field: of its gradient, and of its normal.
+/// Turns of the projection onto a field: of its gradient, and of its normal.
 fn of_projection(field: &Shape) -> u64 {
     of_copies(field, &|user| match user.states_gradient() {
         true => CALLS_OF_GRADIENT * of_call(user),
@@ -191,7 +193,7 @@ fn of_call(user: &UserField) -> u64 {
     if user.has_loops() { USER_TURNS } else { 0 }
 }
 
-/// Turns over the copies of repetitions, and over what `of_user` gives for users' fields.
+/// Turns over the copies of repetitions, and the turns that `of_user` returns for users' fields.
 fn of_copies(field: &Shape, of_user: &dyn Fn(&UserField) -> u64) -> u64 {
     let below: u64 = field
         .children
@@ -200,7 +202,7 @@ fn of_copies(field: &Shape, of_user: &dyn Fn(&UserField) -> u64) -> u64 {
         .sum();
     match &field.node {
         Node::Repeat(_) => {
-            // Shapes that cannot be repeated were refused before.
+            // Shapes that cannot be repeated were rejected before.
             let copies = field.copies().unwrap_or([Copies::None; 3]);
             let along = copies.iter().map(|copies| u64::from(copies.count()));
             let nested = |turns: u64, count: u64| match count {
@@ -214,8 +216,8 @@ fn of_copies(field: &Shape, of_user: &dyn Fn(&UserField) -> u64) -> u64 {
     }
 }
 
-/// Turns in finding where a line intersects a field that has a closed form, except traversals
-/// with a step limit.
+/// Turns of the intersection of a line with a field that has a closed form, except traversals with
+/// a step limit.
 fn of_hit(field: &Shape) -> u64 {
     let below: u64 = field.children.iter().map(of_hit).sum();
     match &field.node {
@@ -225,7 +227,7 @@ fn of_hit(field: &Shape) -> u64 {
     }
 }
 
-/// Turns in one step of a traversal that has a step limit; 0 where there is none.
+/// Turns of one step of a traversal that has a step limit; 0 without such a traversal.
 fn of_copy_step(field: &Shape) -> u64 {
     if !has_closed_form(field) {
         return 0;
@@ -237,40 +239,40 @@ fn of_copy_step(field: &Shape) -> u64 {
     }
 }
 
-/// Turns of all loops of a shader together at most.
+/// Maximum turns of all loops of a shader together.
 const MOST_TURNS: u64 = 65_535;
 
 /// Turns of the loops in `marchFields` for one step: an inner and an outer one.
 const FIELD_TURNS: u64 = 2;
 
-/// Steps that a march is left with, however long the lists of its cells are: what takes more
-/// grazes a surface. A single march of such a scene may run out of turns.
+/// Least step limit of a march, however long the lists of its cells are: a march that takes more
+/// steps grazes a surface. A single march in such a scene may run out of turns.
 const LEAST_STEPS: u64 = 128;
 
 /// The settings that limit the loops in a pass.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LoopsAsked {
-    /// How a wave finds what it meets.
+    /// How a wave finds its next hit.
     pub algorithm: AlgorithmText,
-    /// Steps of a march in `thesis`: as many as its distances require.
+    /// Steps of a march in `thesis`, as required by its distances.
     pub thesis_steps: u32,
-    /// Iterations in a pass, at most.
+    /// Maximum iterations in a pass.
     pub iterations_per_pass: u32,
 }
 
-/// The limits of a frame's passes: the same on every renderer, so that results do not depend on
-/// it.
+/// The limits of a frame's passes: the same on every renderer, so that results do not depend on the
+/// renderer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Budget {
     /// Iterations in one pass.
     pub iterations_per_pass: u32,
-    /// Steps of one march among the basic shapes, or in `thesis` among all.
+    /// Steps of one march among the basic shapes, or in `thesis` among all surfaces.
     pub steps: u32,
     /// Steps of one march of the fields.
     pub field_steps: u32,
     /// Turns of all traversals of long rows of copies in one flight.
     pub copy_steps: u32,
-    /// Evaluations of a surface that a wave may take in an iteration.
+    /// Maximum evaluations of a surface by a wave in an iteration.
     pub evaluations: u64,
 }
 
@@ -285,7 +287,7 @@ impl Budget {
     }
 }
 
-/// Differences that a normal of the thesis is taken from.
+/// Differences from which a normal of the thesis is computed.
 const DIFFERENCES: u64 = 6;
 
 fn thesis(asked: &LoopsAsked, loops: &Loops) -> Budget {
@@ -331,7 +333,7 @@ fn hybrid(loops: &Loops, asked: u32) -> Budget {
     work.budget(asked, [0, field_steps, copy_steps])
 }
 
-/// Steps of a march of the fields that fit the turns that are left, and the turns of a step; 0 without
+/// Steps of a march of the fields that fit the remaining turns, and the turns of a step; 0 without
 /// fields.
 fn field_steps(turns: Option<u64>, left: u64) -> (u64, u64) {
     match turns {
@@ -340,21 +342,21 @@ fn field_steps(turns: Option<u64>, left: u64) -> (u64, u64) {
     }
 }
 
-/// Steps of `turns` turns each that fit the turns that are left, `most` at most.
+/// Steps of `turns` turns each that fit the remaining turns, at most `most`.
 fn held(most: u32, left: u64, turns: u64) -> u64 {
     (left / turns).max(LEAST_STEPS).min(most.into())
 }
 
-/// The largest cost of one iteration.
+/// The maximum work in one iteration.
 struct Work {
-    /// Turns of the loops in it.
+    /// Turns of the loops in an iteration.
     turns: u64,
     evaluations: u64,
 }
 
 impl Work {
-    /// The budget of `asked` iterations in a pass, or of as many as fit, with these steps: of a march, of
-    /// the fields, past copies.
+    /// The budget of `asked` iterations in a pass, or of the number that fits, with these step limits: of
+    /// a march, of a march of the fields, of traversals of copies.
     fn budget(&self, asked: u32, steps: [u64; 3]) -> Budget {
         let [steps, field_steps, copy_steps] = steps.map(|steps| steps as u32);
         // The iteration itself is a turn.
@@ -378,7 +380,7 @@ mod tests {
     use crate::tracer::{Profile, Settings};
     use glam::Vec3;
 
-    /// A profile with the most iterations in a pass that may be requested.
+    /// Settings of a profile with the maximum iterations in a pass.
     fn asked(profile: Profile) -> Settings {
         Settings::new(profile).with_iterations_per_pass(Settings::MAX_ITERATIONS)
     }
@@ -391,7 +393,8 @@ mod tests {
         scene
     }
 
-    /// Protects the defaults of the built-in rooms: their passes are as long as they ever were.
+    /// Protects the defaults of the built-in rooms: their passes keep their full number of
+    /// iterations.
     #[test]
     fn the_rooms_of_the_thesis_run_as_they_did() {
         let corner = Scene::builtin("corner").unwrap();
@@ -406,8 +409,8 @@ mod tests {
         assert_eq!(closed.iterations_per_pass, Settings::MAX_ITERATIONS);
     }
 
-    /// Protects slow fields from being given up early in `march`: what the few steps of the basic
-    /// shapes leave is theirs, and all loops together still keep to the limit.
+    /// Protects slow fields from reaching the step limit early in `march`: they get all turns that
+    /// the few steps of the basic shapes leave, and all loops together still keep to the limit.
     #[test]
     fn fields_have_what_the_basic_shapes_leave() {
         let menger = Scene::builtin("menger").unwrap();
@@ -425,7 +428,7 @@ mod tests {
         assert!(turns + loops.projection < MOST_TURNS, "{turns} turns");
     }
 
-    /// Protects traversals of copies without end from more turns than a driver takes, whatever is
+    /// Protects traversals of endless copies from more turns than a driver allows, whatever is
     /// repeated, and two flights of them in a pass.
     #[test]
     fn traversals_without_end_fit_a_pass() {

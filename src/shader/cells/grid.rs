@@ -4,12 +4,12 @@ use super::ENDLESS;
 use crate::scene::Bounds3;
 use glam::{DVec3, UVec3};
 
-/// Approximate number of cells per surface, so that most hold one surface or none. From 2 to 5 the
-/// rates of `hybrid` differ by less than a tenth; fewer cells make lists longer, more make paths
-/// through the grid longer.
+/// Approximate number of cells per surface, so that most cells hold one surface or none. From 2 to
+/// 5 the rates of `hybrid` differ by less than a tenth; fewer cells make lists longer, more make
+/// paths through the grid longer.
 const CELLS_A_SURFACE: f64 = 2.0;
 
-/// Maximum cells along an axis: rounding then puts a face of the last one a quarter of [`PAD`] off.
+/// Maximum cells along an axis: rounding then moves a face of the last one by a quarter of [`PAD`].
 const MOST_CELLS: f64 = 1024.0;
 
 /// Extension of every cell when lists are built, as a share of its size: a point that rounding puts
@@ -28,7 +28,7 @@ pub struct Grid {
     pub cell: DVec3,
     /// Cells along each axis.
     pub count: UVec3,
-    /// Bounds of all its surfaces: smaller than the grid.
+    /// Bounds of all surfaces in the grid: smaller than the grid.
     pub inner: Bounds3,
 }
 
@@ -104,7 +104,7 @@ impl Grid {
         (held(padded.min), held(padded.max))
     }
 
-    /// Blocks of neighbouring cells, for which most surfaces are ruled out together.
+    /// Blocks of neighbouring cells: most surfaces are ruled out for a whole block at once.
     pub fn blocks(&self) -> Vec<Vec<usize>> {
         const SIDE: u32 = 4;
         let blocks = (self.count + (SIDE - 1)) / SIDE;

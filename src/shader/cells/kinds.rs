@@ -1,7 +1,8 @@
 //! All cells of a scene, as the passes of a profile read them.
 //!
-//! If lines are intersected in closed form, each kind has separate cells: a loop over them tests
-//! only one shape, and their size suits the density of that kind. All other surfaces share cells.
+//! Where lines are intersected in closed form, each kind has separate cells: a loop over them tests
+//! only one shape, and the size of the cells suits the density of that kind. All other surfaces
+//! share cells.
 
 use super::{Cells, Lists};
 use crate::scene::Scene;
@@ -20,7 +21,7 @@ pub struct SceneCells {
 }
 
 impl SceneCells {
-    /// The cells of a scene with the requested lists, or `None` for a scene without.
+    /// The cells of a scene with the requested lists, or `None` for a scene without cells.
     pub fn new(scene: &Scene, layout: &Layout, which: Lists) -> Option<SceneCells> {
         if !layout.has_cells() {
             return None;
@@ -42,7 +43,8 @@ impl SceneCells {
         })
     }
 
-    /// Follows the scene and returns true if its layout is unchanged; otherwise returns false.
+    /// Updates the cells to the scene and returns true if its layout is unchanged; otherwise
+    /// returns false.
     pub fn update(&mut self, scene: &Scene, layout: &Layout, which: Lists) -> bool {
         if *layout != self.layout || which != self.which {
             return false;

@@ -1,9 +1,9 @@
 //! Surfaces in the grid, their distances from a cell, and their groups.
 //!
-//! Outside the grid any surface can be the nearest. A group whose box is further away than the
-//! least distance yet found is skipped as a whole; about √n groups of √n surfaces each are
-//! tested, and few of them need their surfaces tested. The result is the least distance itself, not
-//! a bound.
+//! Outside the grid any surface can be the nearest. A group whose box is farther away than the
+//! least distance found before is skipped as a whole. About √n groups of √n surfaces each are
+//! tested, and only in few groups every surface. The result is the least distance itself, not a
+//! bound.
 
 use super::ENDLESS;
 use crate::scene::{Bounds3, Exactness, Node, Surface};
@@ -31,8 +31,8 @@ impl Member {
         }
     }
 
-    /// Whether its value at the centre of a box is the distance there: always without unbounded
-    /// axes; with one, only for a cylinder that is endless along it.
+    /// Whether its value at the centre of a box is its distance there: always without unbounded
+    /// axes; with one, only for a cylinder that is endless along this axis.
     fn is_told_by_value(&self, unbounded_axes: [bool; 3]) -> bool {
         let column = (0..3).find(|&axis| unbounded_axes[axis]);
         column.is_none_or(|axis| {
@@ -46,7 +46,7 @@ impl Member {
         self.least_distance(bounds, unbounded_axes) <= radius(bounds, unbounded_axes)
     }
 
-    /// A lower bound of its distance from the centre of a box.
+    /// A lower bound of the surface's distance from the centre of a box.
     fn least_distance(&self, bounds: Bounds3, unbounded_axes: [bool; 3]) -> f64 {
         let middle = middle(bounds, unbounded_axes);
         if self.is_told_by_value(unbounded_axes) {
@@ -60,7 +60,8 @@ impl Member {
         flat.distance(middle)
     }
 
-    /// A lower bound of its value there, which for a bound may be less than the distance.
+    /// A lower bound of the surface's value at the centre of a box: for a bound, the value may be
+    /// less than the distance.
     pub fn least_value(&self, bounds: Bounds3, unbounded_axes: [bool; 3]) -> f64 {
         match self.exact || self.is_told_by_value(unbounded_axes) {
             true => self.least_distance(bounds, unbounded_axes),
@@ -68,7 +69,7 @@ impl Member {
         }
     }
 
-    /// An upper bound of that distance.
+    /// An upper bound of the surface's distance from the centre of a box.
     pub fn most_distance(&self, bounds: Bounds3, unbounded_axes: [bool; 3]) -> f64 {
         if !self.is_told_by_value(unbounded_axes) {
             return f64::INFINITY;
@@ -112,7 +113,7 @@ pub fn hull(members: &[Member], unbounded_axes: [bool; 3]) -> Bounds3 {
 /// A group of nearby surfaces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Group {
-    /// Box that no surface of the group is nearer than (world metres); ±1e9 m represents an endless extent.
+    /// Bounds of the surfaces in world metres; ±1e9 m represents an endless extent.
     pub bounds: Bounds3,
     /// Indices of the surfaces in the scene, in their order.
     pub surfaces: Vec<u32>,

@@ -13,8 +13,8 @@ use std::rc::Rc;
 
 /// Maximum difference between shader and CPU, in units in the last place of the largest number in
 /// an evaluation. Without a rotation there are about five operations (the offset, squares, a sum, a
-/// root, the radius), each off by half a unit here and perhaps by more in a shader, whose root
-/// OpenGL hardly bounds. (llvmpipe: at most 0.9.)
+/// root, the radius), each off by half a unit on the CPU and perhaps by more in a shader, because
+/// OpenGL hardly limits the error of its root. (llvmpipe: at most 0.9.)
 const PLAIN_ULPS: f32 = 4.0;
 
 /// A rotation adds two cross products, about ten more operations. (llvmpipe: at most 3.3.)
@@ -58,7 +58,7 @@ fn shapes() -> Vec<Node> {
     ]
 }
 
-/// Every shape unchanged, displaced, rotated, and both; and one that is to be rotated later.
+/// Every shape unchanged, displaced, rotated, and both; and one that is rotated later.
 fn surfaces() -> Vec<Surface> {
     let place = Vec3::new(3.5, -7.25, 11.125);
     let turn = Quat::from_euler(EulerRot::XYZEx, 0.4, -1.1, 2.3);
@@ -80,7 +80,7 @@ fn surfaces() -> Vec<Surface> {
 }
 
 /// Points in a surface's own axes, transformed to the world: the origin, a shell of directions at
-/// distances from tiny to 300 m (so inside, near and far), and points on the surface itself.
+/// distances from tiny to 300 m (inside, near and far), and points on the surface itself.
 fn points(surface: &Surface) -> Vec<Vec3> {
     let mut local = vec![Vec3::ZERO];
     for direction in directions() {
@@ -203,8 +203,9 @@ fn unit(surface: &Surface, point: Vec3) -> f32 {
     f32::EPSILON * (point.length() + surface.position.length() + size)
 }
 
-/// Protects the list above: it contains each kind of shape unchanged, displaced, and rotated. A
-/// shape that only exists in Rust, or whose twins were never compared, fails here.
+/// Protects the list above: it contains each kind of shape unchanged, displaced, and rotated. The
+/// test fails for a shape that exists only in Rust, or whose two implementations were never
+/// compared.
 #[test]
 fn every_shape_is_in_the_list() {
     type Form = fn(&Surface) -> bool;
@@ -229,8 +230,8 @@ fn every_shape_is_in_the_list() {
     }
 }
 
-/// Protects each shape's shader: it computes the same function as the CPU, in the solid, on the
-/// surface and in the air, wherever the surface is placed.
+/// Protects each shape's shader: in the solid, on the surface and in the air, it computes the same
+/// function as the CPU, wherever the surface is placed.
 #[test]
 fn shaders_and_cpu_agree_on_every_shape() {
     for_each_api(|context| {

@@ -50,7 +50,7 @@ fn no_wave_rests_on_an_inexact_function() {
     assert!(files > 50, "{files}");
 }
 
-/// One texel for each value: the result of `expression` of `float value`.
+/// One texel for each value: the result of `expression`, which contains `float value`.
 fn asked(context: &Context, expression: &str, values: &[f32]) -> Vec<[f32; 4]> {
     let root = format!(
         "uniform highp sampler2D uValues;\nlayout(location = 0) out vec4 outAnswer;\n\
@@ -71,7 +71,8 @@ fn asked(context: &Context, expression: &str, values: &[f32]) -> Vec<[f32; 4]> {
 }
 
 /// Protects start directions, twists and bends: cosine and sine are correct to three roundings of 1
-/// (the angle, the polynomial, its last sum), plus the rounding of the angle itself beyond a turn.
+/// (of the angle, the polynomial, and its last sum), plus the rounding of the angle itself beyond
+/// one turn.
 #[test]
 fn cosine_and_sine_are_right_on_every_driver() {
     const ROUNDING: f64 = f32::EPSILON as f64 / 2.0;
@@ -103,8 +104,8 @@ fn cosine_and_sine_are_right_on_every_driver() {
     });
 }
 
-/// Protects reports from waves that a driver broke: they are counted, and add to neither ear,
-/// whether summed on the GPU or on the CPU.
+/// Protects reports from waves that a driver made invalid: they are counted, and contribute to
+/// neither ear, whether summed on the GPU or on the CPU.
 #[test]
 fn waves_that_are_not_finite_are_counted() {
     let nan = f32::NAN;

@@ -17,7 +17,7 @@ use glam::{DVec3, Vec3};
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::TestRunner;
 
-/// Number of fields in one shader: few programs to compile, each of them small.
+/// Number of fields in one shader: there are few programs to compile, each of them small.
 const IN_ONE: usize = 8;
 
 /// Runs a shader with `vec4 answer(int which, vec3 p, vec3 d)` at points.
@@ -94,8 +94,8 @@ pub fn unit(entry: &Entry, surface: &Surface, p: Vec3) -> f64 {
     f64::from(f32::EPSILON) * (f64::from(size) + entry.reach()) * awkwardness(entry)
 }
 
-/// The factor by which a node amplifies preceding roundings: a quadric's terms cancel (as the
-/// square of the stretch of an ellipsoid), a rotation multiplies an angle's rounding by the radius.
+/// The factor by which a node amplifies earlier roundings: a quadric's terms cancel (by the square
+/// of an ellipsoid's stretch), a rotation multiplies an angle's rounding by the radius.
 fn awkwardness(entry: &Entry) -> f64 {
     let of_node = |node: &Node| match node {
         Node::Ellipsoid(Ellipsoid { radii }) => {
@@ -119,7 +119,7 @@ pub fn points(entry: &Entry, random: &mut Random) -> Vec<DVec3> {
         }
     }
     for _ in 0..40 {
-        // Towards the surface by Newton's steps with the CPU's value.
+        // Newton's steps towards the surface, with the CPU's value.
         let mut p = 0.9 * reach * random.direction() * random.unit();
         for _ in 0..6 {
             p -= gradient(entry, p) * entry.distance(p);
@@ -139,7 +139,7 @@ pub fn gradient(entry: &Entry, p: DVec3) -> DVec3 {
     DVec3::new(along(DVec3::X), along(DVec3::Y), along(DVec3::Z))
 }
 
-/// Whether the differences to both sides agree along several lines, within some metres.
+/// Whether the differences to both sides agree along several lines within `within` metres.
 fn is_smooth(entry: &Entry, p: DVec3, within: f64) -> bool {
     let here = gradient(entry, p);
     let mut random = Random(1);
@@ -251,11 +251,11 @@ fn check_batch(context: &Context, batch: &[(Entry, Surface)], worst: &mut Worst)
 }
 
 /// Maximum difference of values in units: about four operations per node, at most eight nested
-/// nodes, and a rotation of the whole. (llvmpipe: at most 2.2.)
+/// nodes, and a rotation of the whole field. (llvmpipe: at most 2.2.)
 const VALUE_ULPS: f64 = 16.0;
 
-/// Maximum difference of gradients: a place where the CPU's own differences change by 0.01 within
-/// rounding does not count as an edge yet. (llvmpipe: at most 1.1e-3; the longest is 1.016.)
+/// Maximum difference of gradients: a point where the CPU's own differences change by up to 0.01
+/// within rounding does not yet count as an edge. (llvmpipe: at most 1.1e-3; the longest is 1.016.)
 const GRADIENT: f64 = 0.03;
 
 /// The same surface with every number of the field in uniforms instead of literals.
@@ -297,7 +297,7 @@ fn shaders_and_cpu_agree_on_values_and_gradients() {
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
-/// Protects the same for random trees.
+/// Protects the shaders' values and gradients for random trees, too.
 #[test]
 fn shaders_and_cpu_agree_on_random_trees() {
     let context = context(Api::Gl);
@@ -328,14 +328,13 @@ fn shaders_and_cpu_agree_on_random_trees() {
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
-/// Maximum difference of hits in units of the position, over the cosine of the incidence: those of
-/// the value, through a discriminant whose terms cancel. (llvmpipe: at most 26 if the cosine is
-/// above 0.1.)
+/// Maximum difference of hits in units of the position, divided by the cosine of the incidence: the
+/// error of the value, through a discriminant whose terms cancel. (llvmpipe: at most 26 if the
+/// cosine is above 0.1.)
 const HIT_ULPS: f64 = 64.0;
 
-/// Protects closed forms: a line intersects a field where the march in f64 meets it, from the air
-/// and when leaving the surface; lines whose slightly shifted twins have another result are left
-/// out.
+/// Protects closed forms: a line hits a field where the march in f64 hits it, from the air and when
+/// leaving the surface. Lines are left out if slightly shifted lines give another result.
 #[test]
 fn closed_forms_meet_what_a_march_meets() {
     let context = context(Api::Gl);

@@ -1,5 +1,5 @@
-//! Lines: the bounds of fields along them, by which a march goes further than by values, and lines exactly parallel to
-//! faces, where a closed form would divide by 0.
+//! Lines: the bounds of fields along them, which let a march take longer steps than values do, and lines exactly
+//! parallel to faces, for which a closed form would divide by 0.
 
 use super::field_shaders::{Asked, gradient, points, unit};
 use super::{has_marched_fields, parts_of};
@@ -22,7 +22,8 @@ const LINES: usize = 4;
 /// Points on each line at which the field is evaluated, denser towards its end.
 const PLACES: usize = 64;
 
-/// Maximum depth of a line in the solid, in units of the position: the rounding of its start and of the bound.
+/// Maximum depth of a line in the solid, in units of the position: the rounding error of its start and of the
+/// bound.
 const SOLID_ULPS: f64 = 64.0;
 
 /// Shader for the free length along d from p for all fields, called as the march calls it.
@@ -54,7 +55,7 @@ fn lines(entry: &Entry, surface: &Surface) -> Vec<(DVec3, DVec3)> {
     all
 }
 
-/// Newton's steps from p to where the value equals `value`.
+/// Newton's steps from p to a point where the field's value equals `value`.
 fn towards(entry: &Entry, mut p: DVec3, value: f64) -> DVec3 {
     for _ in 0..6 {
         p += gradient(entry, p) * (value - entry.distance(p));
@@ -71,7 +72,7 @@ fn solid_within(
 ) -> Option<f64> {
     let place = |index: usize| {
         let share = (index as f64 + 0.5) / PLACES as f64;
-        // Most bounds would be wrong at their end first.
+        // Most wrong bounds would first be wrong at their end.
         free * share * (2.0 - share)
     };
     (0..PLACES)
@@ -79,7 +80,8 @@ fn solid_within(
         .find(|t| entry.distance(from + *t * direction) < -bound)
 }
 
-/// Adds to `worth`, for each line that begins next to the surface, the free length over the value.
+/// Adds to `worth`, for each line that begins next to the surface, the ratio of the free length to
+/// the value.
 fn check(
     context: &Context,
     entry: &Entry,
@@ -122,7 +124,8 @@ fn check(
     Ok(())
 }
 
-/// All entries that the CPU knows, and their complements: bounds in the air and in the solid have separate texts.
+/// All entries that the CPU can evaluate, and their complements: bounds in the air and in the solid have separate
+/// texts.
 fn both_sides() -> Vec<Entry> {
     let other = |entry: &Entry| Entry {
         name: format!("complement of {}", entry.name),
@@ -134,9 +137,8 @@ fn both_sides() -> Vec<Entry> {
     entries.into_iter().chain(others).collect()
 }
 
-/// Protects waves from passing through surfaces: a line is free at most as far as the field is. Also protects the
-/// usefulness of bounds: next to a surface half of all lines are free for a fifth more than the value, for nearly all
-/// fields.
+/// Protects waves from passing through surfaces: no free length reaches into the field. Also protects the usefulness
+/// of bounds: for nearly all fields, half of all lines next to a surface are free for a fifth more than the value.
 #[test]
 fn lines_are_free_as_far_as_bounds_say() {
     let context = context(Api::Gl);
@@ -168,7 +170,7 @@ vec4 answer(int which, vec3 p, vec3 d) {
 /// Maximum distance in metres between a hit and its twin in f64.
 const CLOSE: f64 = 1e-5;
 
-/// Shapes of 2 m with faces along the axes, or with an axis.
+/// Shapes of 2 m with faces or an axis along the coordinate axes.
 fn shapes() -> Vec<Shape> {
     let right_angle = [
         Vec2::new(-1.0, -1.0),
@@ -217,7 +219,7 @@ fn parallel_lines() -> Vec<(Vec3, Vec3)> {
     all
 }
 
-/// Protects misses: a line beside a face and parallel to it passes by, and one within meets the same hit as the
+/// Protects misses: a line beside a face and parallel to it misses, and one within has the same hit as the
 /// reference.
 #[test]
 fn lines_parallel_to_faces_meet_what_they_should() {

@@ -1,7 +1,8 @@
-//! Intersections of a line with each surface, without a march except for fields without a closed form.
+//! Intersections of a line with each surface in closed form; only fields without a closed form are
+//! marched.
 //!
-//! Unrolled surfaces have a line of text each. A kind with cells of its own has a loop over their
-//! records (`shader/scene_data.rs`).
+//! Each unrolled surface has its own lines of text. Each kind with its own cells has a loop over
+//! their records (`shader/scene_data.rs`).
 
 use super::field::{gradient_text, hit_text, normal_text, value_text};
 use super::fields_ahead::fields_ahead;
@@ -15,8 +16,9 @@ use crate::shader::layout::GRID_VECTORS;
 use crate::shader::scene_data::Record;
 use std::fmt::Write;
 
-/// `closestHit(p, d, last, limit, object)` and `reflectWave(object, t, p, d)` of a scene; where
-/// fields have no closed form `marchFields(p, d, last, limit, object, limitReached)` for these.
+/// The parts of `closestHit(p, d, last, limit, object)` and `reflectWave(object, t, p, d)` for a
+/// scene, and of `marchFields(p, d, last, limit, object, limitReached)` for its fields without a
+/// closed form.
 pub fn closed_form_parts(text: &Text, listener: ListenerText) -> Vec<Part> {
     let marched = |named: &Named| Marched::Others.takes(named);
     let mut parts = text.parts();
@@ -54,7 +56,7 @@ fn closest_hit(text: &Text, listener: ListenerText) -> String {
         surfaces += &candidate(named);
     }
     surfaces += &kind_calls(text);
-    // A step limit counts only where nothing else is met before.
+    // A step limit counts only if nothing else is hit before.
     for named in limited {
         surfaces += &candidate(named);
     }
@@ -81,7 +83,7 @@ fn candidate(named: &Named) -> String {
     out
 }
 
-/// The grids of the kinds, and the axes of these.
+/// The grids of the kinds, and the axes of their cells.
 fn grids_text(text: &Text) -> String {
     let kinds = own_kinds(text).count();
     if kinds == 0 {
@@ -101,20 +103,20 @@ fn grids_text(text: &Text) -> String {
     )
 }
 
-/// The kinds that have cells of their own, with the numbers of their kinds.
+/// The kinds that have their own cells, with the numbers of the kinds.
 fn own_kinds<'a>(text: &'a Text) -> impl Iterator<Item = (usize, &'a Named<'a>)> {
     let kinds = text.instanced.iter().enumerate();
     kinds.filter(|(_, named)| named.has_closed_form())
 }
 
-/// The calls for all kinds, nearest hit by nearest hit.
+/// The calls for all kinds; each call only looks for a hit nearer than those before.
 fn kind_calls(text: &Text) -> String {
     own_kinds(text)
         .map(|(kind, _)| format!("    closestOfKind{kind}(p, d, last, nearest, object);\n"))
         .collect()
 }
 
-/// `closestOfKindN(p, d, last, nearest, object)` for each kind.
+/// The parts of `closestOfKindN(p, d, last, nearest, object)` for each kind.
 fn closest_of_kinds(text: &Text) -> String {
     let kinds = own_kinds(text).enumerate();
     kinds
@@ -145,7 +147,8 @@ fn closest_of_kind(named: &Named, kind: usize, grid: usize) -> String {
     fill(&source!("template/closest_of_kind.glsl"), &texts)
 }
 
-/// The values that are computed once a line, and the intersection of the line with the surface of a record.
+/// The values that are computed once per line, and the intersection of the line with the surface of a
+/// record.
 fn record_candidate(named: &Named) -> (&'static str, String) {
     let turned = named.surface.has_rotation();
     match named.surface.shape.node {

@@ -1,5 +1,5 @@
-//! Distances of a scene: to everything, for the thesis' march and pictures, and to what can be met
-//! ahead with its gradient, for the march of `march`.
+//! The distances of a scene: to all objects, for the thesis' march and for pictures; and to the
+//! objects that can be hit ahead, with the gradient, for the march of `march`.
 
 use super::field::{gradient_text, normal_text, value_text};
 use super::fields_ahead::fields_ahead;
@@ -10,8 +10,8 @@ use super::surface_names::{Marched, Named};
 use crate::scene::Node;
 use std::fmt::Write;
 
-/// The distance functions of a scene: `surfaceDistance(p, object)` over the surfaces
-/// and `distanceFunction(p, object)` over surfaces and listener, in world metres.
+/// The parts of the distance functions of a scene: `surfaceDistance(p, object)` over the surfaces
+/// and `distanceFunction(p, object)` over the surfaces and the listener, in world metres.
 pub fn distance_parts(text: &Text) -> Vec<Part> {
     let mut parts = text.parts();
     text.add_fields(&mut parts, |_| true, value_text);
@@ -20,7 +20,7 @@ pub fn distance_parts(text: &Text) -> Vec<Part> {
     parts
 }
 
-/// `surfaceDistance(p, object)`, and what it calls for the surfaces in cells.
+/// `surfaceDistance(p, object)`, and the functions that it calls for surfaces in cells.
 fn surface_distances(text: &Text) -> String {
     distance_of_kind(text) + &surface_distance(text)
 }
@@ -28,7 +28,7 @@ fn surface_distances(text: &Text) -> String {
 fn distance_of_kind(text: &Text) -> String {
     of_kind(
         text,
-        "// Signed distance to a surface in cells, by its kind and the place of its values.\n\
+        "// Signed distance to a surface in cells, by its kind and the index of its values.\n\
          float surfaceOfKind(float kind, int data, vec3 p) {\n",
         |_| true,
         |named| format!("return {};", named.distance("p")),
@@ -80,9 +80,9 @@ float distanceFunction(vec3 p, out float object) {
 }
 ";
 
-/// `directedDistance(p, d, last, object, second)`, `directedGradient(p, d, object, errorBound)`,
-/// `reflectWave(object, t, p, d)` of a scene, and `marchFields(p, d, last, limit, object, limitReached)` where
-/// there are fields.
+/// The parts of `directedDistance(p, d, last, object, second)`, `directedGradient(p, d, object, errorBound)`
+/// and `reflectWave(object, t, p, d)` for a scene, and of `marchFields(p, d, last, limit, object,
+/// limitReached)` if it has fields.
 pub fn directed_parts(text: &Text, listener: ListenerText) -> Vec<Part> {
     let mut parts = text.parts();
     text.add_fields(&mut parts, |_| true, value_text);
@@ -94,12 +94,12 @@ pub fn directed_parts(text: &Text, listener: ListenerText) -> Vec<Part> {
     parts
 }
 
-/// The functions over kinds that the functions below call for surfaces in cells.
+/// The functions of kinds that the functions below call for surfaces in cells.
 fn of_kinds(text: &Text) -> String {
     let basic = |named: &Named| named.field().is_none();
     let distance = of_kind(
         text,
-        "// The distance to a basic shape in cells, by its kind and the place of its values.\n\
+        "// The distance to a basic shape in cells, by its kind and the index of its values.\n\
          float distanceOfKind(float kind, int data, vec3 p, vec3 d, bool left) {\n",
         basic,
         |named| {
@@ -110,7 +110,7 @@ fn of_kinds(text: &Text) -> String {
     );
     let gradient = of_kind(
         text,
-        "// Its gradient, and what rounding may do to it.\n\
+        "// The gradient of this distance, and the distance's error bound.\n\
          vec3 gradientOfKind(float kind, int data, vec3 p, vec3 d, out float errorBound) {\n    \
          errorBound = 0.0;\n",
         basic,
@@ -126,10 +126,10 @@ fn directed_distance(text: &Text, listener: ListenerText) -> String {
         ListenerText::Transparent => "1e30",
     };
     let mut out = format!(
-        "// Distance to the nearest object that a wave at p along d can meet, its number, and\n\
-         // the distance to the second nearest. What the wave leaves (last) is out of its way\n\
-         // when it is convex, and so is all that it recedes from; of a room only the walls\n\
-         // ahead count.\n\
+        "// Distance to the nearest object that a wave at p along d can hit, its number, and\n\
+         // the distance to the second nearest. A convex surface that the wave\n\
+         // leaves (last) or moves away from cannot be hit; of a room, only the walls ahead\n\
+         // can be hit.\n\
          float directedDistance(vec3 p, vec3 d, float last, out float object, out float second) {{\n    \
          float nearest = {first};\n    object = 0.0;\n    second = 1e30;\n    \
          float candidate;\n",
@@ -153,7 +153,7 @@ fn directed_distance(text: &Text, listener: ListenerText) -> String {
 
 fn directed_gradient(text: &Text) -> String {
     let mut out = String::from(
-        "// The gradient of the distance to one object, and what rounding may do to it.\n\
+        "// The gradient of the distance to one object, and the distance's error bound.\n\
          vec3 directedGradient(vec3 p, vec3 d, float object, out float errorBound) {\n",
     );
     let closed_forms = text.unrolled.iter().filter(|named| named.field().is_none());

@@ -6,9 +6,9 @@ use super::scene_text::{Text, by_object, of_kind};
 use super::surface_names::{Marched, Named};
 use std::fmt::Write;
 
-/// `fieldsAhead(p, d, last, object, reach, within)`, `fieldsFree(p, d, last, errorBound)`,
-/// `fieldGradient(p, object, errorBound)` and the march that calls them; empty if no field is
-/// marched.
+/// The parts of `fieldsAhead(p, d, last, object, reach, within)`, `fieldsFree(p, d, last,
+/// errorBound)`, `fieldGradient(p, object, errorBound)` and the march that calls them; empty if no
+/// field is marched.
 pub(super) fn fields_ahead(text: &Text, marched: Marched) -> Vec<Part> {
     if !text.marches(marched) {
         return Vec::new();
@@ -31,7 +31,7 @@ pub(super) fn fields_ahead(text: &Text, marched: Marched) -> Vec<Part> {
     all
 }
 
-/// Whether anything is known of one of the fields but its value.
+/// Whether one of the fields has a bound along lines in addition to its value.
 fn any_is_bounded(text: &Text, marched: Marched) -> bool {
     text.all()
         .any(|named| marched.takes(named) && named.field().is_some_and(is_bounded))
@@ -40,7 +40,7 @@ fn any_is_bounded(text: &Text, marched: Marched) -> bool {
 fn field_of_kind(text: &Text, marched: Marched) -> String {
     of_kind(
         text,
-        "// The value of a field in cells, by its kind and the place of its numbers.\n\
+        "// The value of a field in cells, by its kind and the index of its numbers.\n\
          float fieldOfKind(float kind, int data, vec3 p, bool left) {\n",
         |named| marched.takes(named),
         |named| {
@@ -54,7 +54,7 @@ fn field_of_kind(text: &Text, marched: Marched) -> String {
 fn free_of_kind(text: &Text, marched: Marched) -> String {
     of_kind(
         text,
-        "// How far along d from p it leaves the way free.\n\
+        "// Distance along d from p that is free of a field in cells.\n\
          float freeOfKind(float kind, int data, vec3 p, vec3 d, float errorBound) {\n",
         |named| marched.takes(named),
         |named| format!("return {};", named.free("p", "d", "errorBound")),
@@ -65,7 +65,7 @@ fn free_of_kind(text: &Text, marched: Marched) -> String {
 fn gradient_of_kind(text: &Text, marched: Marched) -> String {
     of_kind(
         text,
-        "// Its gradient, and what rounding may do to its value.\n\
+        "// The gradient of a field in cells, and the error bound of its value.\n\
          vec3 fieldGradientOfKind(float kind, int data, vec3 p, out float errorBound) {\n    \
          errorBound = 0.0;\n",
         |named| marched.takes(named),
@@ -85,9 +85,9 @@ fn gradient_statement(named: &Named) -> String {
 
 fn value(text: &Text, marched: Marched, in_cells: bool) -> String {
     let mut out = String::from(
-        "// The least value of the fields that a wave at p along d can meet, and whose it is. It\n\
-         // holds as far as reach along d; as far as within the same fields are asked. A convex one\n\
-         // that the wave leaves is out of its way.\n\
+        "// The least value of the fields that a wave at p along d can hit, and that field's\n\
+         // number. The value is valid up to reach along d; the same fields are evaluated up to within.\n\
+         // A convex field that the wave leaves (last) cannot be hit.\n\
          float fieldsAhead(vec3 p, vec3 d, float last, out float object, out float reach, out float within) {\n    \
          float nearest = 1e30;\n    reach = 1e30;\n    within = 1e30;\n    object = -1.0;\n    float candidate;\n",
     );
@@ -109,13 +109,13 @@ fn value(text: &Text, marched: Marched, in_cells: bool) -> String {
 fn free(text: &Text, marched: Marched, in_cells: bool) -> String {
     if !any_is_bounded(text, marched) {
         return String::from(
-            "// Nothing is known of the fields but their values.\n\
+            "// The fields have no bound along lines.\n\
              float fieldsFree(vec3 p, vec3 d, float last, float errorBound) { return 0.0; }\n\n",
         );
     }
     let mut out = String::from(
-        "// How far along d from p no field is met for sure, where errorBound is what rounding may do\n\
-         // to their values.\n\
+        "// Distance along d from p that is certainly free of every field; errorBound is the rounding\n\
+         // error of their values.\n\
          float fieldsFree(vec3 p, vec3 d, float last, float errorBound) {\n    \
          float way = NO_END;\n    float candidate;\n",
     );
@@ -137,7 +137,7 @@ fn free(text: &Text, marched: Marched, in_cells: bool) -> String {
 
 fn gradient(text: &Text, marched: Marched, in_cells: bool) -> String {
     let mut out = String::from(
-        "// The gradient of one of them, and what rounding may do to its value.\n\
+        "// The gradient of one field, and the error bound of its value.\n\
          vec3 fieldGradient(vec3 p, float object, out float errorBound) {\n    errorBound = 0.0;\n",
     );
     let taken = text.unrolled.iter().filter(|named| marched.takes(named));

@@ -1,8 +1,9 @@
 //! Pieces of shader text, and a linker: a program gets the functions that it calls, and no others.
 //!
-//! A file under `glsl/` is a list of definitions, of a function, a constant, a uniform, each with the comment before it: a
-//! [`Part`]. [`link`] takes some sources whole and puts before each the parts that it names, callees first. GLSL has no recursion, so that there always is such an order. [`join`] makes one
-//! text of the sources, with the file and the line of each for the driver's messages.
+//! A file under `glsl/` is a list of definitions of functions, constants and uniforms, each with the comment before it:
+//! a [`Part`]. [`link`] includes some sources as a whole, and puts before each of them the parts that it uses, callees
+//! first. GLSL has no recursion, so there is always such an order. [`join`] makes one text of the sources, with the
+//! file and line of each source for the driver's messages.
 
 use crate::scene::shape::every_part;
 use std::borrow::Cow;
@@ -10,10 +11,10 @@ use std::collections::{HashMap, HashSet};
 use std::fmt::Write;
 use std::sync::LazyLock;
 
-/// A piece of shader text: its file, and its first line.
+/// A piece of shader text, with its file and the number of its first line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Source {
-    /// The file under the repository's root, or what the piece is about.
+    /// The file under the repository's root, or a description of the piece.
     pub name: Cow<'static, str>,
     /// Number of its first line in that file, from 1.
     pub line: usize,
@@ -32,8 +33,8 @@ impl Source {
     }
 }
 
-/// A [`Source`] out of a file under `glsl/`. `scripts/mutate.sh` builds the tests with
-/// `--cfg glsl_at_run_time`: it changes the files and builds nothing again.
+/// A [`Source`] with the text of a file under `glsl/`. `scripts/mutate.sh` builds the tests with
+/// `--cfg glsl_at_run_time`, so that it can change the files without rebuilding.
 macro_rules! source {
     ($file:expr) => {{
         #[cfg(not(glsl_at_run_time))]
@@ -53,15 +54,15 @@ pub(crate) fn read_at_run_time(file: &str) -> String {
     std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// Empty lines for which a text does not state its line anew.
+/// Maximum empty lines between two sources before the text states the line number again.
 const MOST_EMPTY_LINES: usize = 2;
 
-/// Joins sources to one text. Each file has a number by which the driver's messages name it:
-/// in the order in which the files come first, from 1.
+/// Joins sources into one text. Driver messages name each file by a number, counted from 1 in the
+/// order in which the files first occur.
 pub fn join(sources: &[Source]) -> String {
     let mut files: Vec<&str> = Vec::new();
     let mut text = String::new();
-    // The file of the source before, and the number of the line behind it.
+    // The file of the previous source, and the number of the line after it.
     let mut before = ("", 0);
     for Source {
         name,
@@ -95,7 +96,7 @@ pub fn file_name(text: &str, number: u32) -> Option<&str> {
     text.lines().find_map(|line| line.strip_prefix(&start))
 }
 
-/// A definition, which is taken only if something names it.
+/// A definition, which is linked only if another text uses its name.
 #[derive(Clone, Debug)]
 pub struct Part {
     pub(super) sources: Vec<Source>,
@@ -108,7 +109,8 @@ const TYPES: [&str; 11] = [
     "float", "int", "uint", "bool", "void", "vec2", "vec3", "vec4", "uvec3", "mat3", "ivec2",
 ];
 
-/// The definitions of a source, each with the comment before it. What lies between `#if` and its `#endif` stays together.
+/// Splits a source into its definitions, each with the comment before it. Text between `#if` and its `#endif` stays
+/// together.
 pub fn parts(source: Source) -> Vec<Part> {
     let mut all = Vec::new();
     let mut lines: Vec<&str> = Vec::new();
@@ -118,7 +120,7 @@ pub fn parts(source: Source) -> Vec<Part> {
         let code = code(line).trim_end();
         let is_outside = braces == 0 && conditions == 0;
         if code.is_empty() && line.is_empty() && is_outside && defines.is_empty() {
-            // A comment that belongs to no definition.
+            // A comment without a definition after it.
             lines.clear();
             continue;
         }
@@ -136,7 +138,7 @@ pub fn parts(source: Source) -> Vec<Part> {
         }
         let text = lines.join("\n") + "\n";
         all.push(Part {
-            // Not its own name: functions of one name come in the order of the file.
+            // Without its own name: functions of the same name keep the order of the file.
             uses: words(&text)
                 .filter(|word| !defines.iter().any(|name| name == word))
                 .map(str::to_owned)
@@ -158,7 +160,7 @@ fn code(line: &str) -> &str {
     line.split("//").next().unwrap_or_default()
 }
 
-/// The roots in their order, each after the parts that it calls for.
+/// Returns the roots in their order, each after the parts that it uses.
 pub fn link(roots: Vec<Source>, parts: Vec<Part>) -> Vec<Source> {
     let mut defined_in: HashMap<&str, Vec<usize>> = HashMap::new();
     for (index, part) in parts.iter().enumerate() {
@@ -187,7 +189,7 @@ struct Linker<'a> {
 }
 
 impl Linker<'_> {
-    /// Takes what defines a name, after what that names itself.
+    /// Adds the definitions of a name, after the definitions that they use.
     fn take(&mut self, name: &str) {
         let parts = self.parts;
         for index in self.defined_in.get(name).cloned().unwrap_or_default() {
@@ -218,7 +220,7 @@ fn defined(line: &str) -> Option<String> {
         // An output: `layout(location = 0) out vec4 name;`.
         "layout(location" => rest.nth(4)?,
         kind if TYPES.contains(&kind) => rest.next()?,
-        // A function that gives a structure.
+        // A function that returns a structure.
         kind if kind.starts_with(|c: char| c.is_ascii_alphabetic()) => {
             rest.next().filter(|name| name.contains('('))?
         }
@@ -227,8 +229,8 @@ fn defined(line: &str) -> Option<String> {
     words(name).next().map(str::to_owned)
 }
 
-/// The names in a text, its comments left out; that of a function with its bracket, so that a
-/// variable of the same name is another word.
+/// The names in a text, without its comments. The name of a function includes the bracket, so that
+/// a variable of the same name is a different word.
 fn words(text: &str) -> impl Iterator<Item = &str> {
     text.lines().map(code).flat_map(|line| {
         let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
@@ -266,7 +268,7 @@ macro_rules! files_of_parts {
     };
 }
 
-/// Every function of the files, cut into parts once.
+/// All functions of the files, split into parts once.
 static LIBRARY: LazyLock<Vec<Part>> = LazyLock::new(|| {
     let shared = files!(
         "common": ball beyond_turning bound chord corner cosine_sine exit_distance hash least_component listener mirror_direction
@@ -278,12 +280,12 @@ static LIBRARY: LazyLock<Vec<Part>> = LazyLock::new(|| {
     all.into_iter().flat_map(parts).collect()
 });
 
-/// Every function, to be linked where it is called.
+/// All functions, to be linked where they are called.
 pub(in crate::shader) fn library() -> Vec<Part> {
     LIBRARY.clone()
 }
 
-/// Whether the library has a function of this name: the use of a shape depends on the
+/// Whether the library has a function of this name: the generated text for a shape depends on the
 /// functions in its file.
 pub(super) fn has_function(name: &str) -> bool {
     static DEFINED: LazyLock<HashSet<&str>> = LazyLock::new(|| {
@@ -293,8 +295,8 @@ pub(super) fn has_function(name: &str) -> bool {
     DEFINED.contains(format!("{name}(").as_str())
 }
 
-/// Whether a character must not be in a comment: GLSL's character set is ASCII, and a backslash would
-/// carry the comment on to the next line.
+/// Whether a character is not allowed in a comment: GLSL's character set is ASCII, and a backslash
+/// would continue the comment on the next line.
 pub(super) fn no_comment(character: char) -> bool {
     character == '\\' || !(character.is_ascii_graphic() || character == ' ')
 }
@@ -311,8 +313,8 @@ mod tests {
         sources.iter().map(|source| &*source.text).collect()
     }
 
-    /// Protects the order and the choice: callees come first, what nothing calls is left out,
-    /// a name in a comment calls nothing.
+    /// Protects the order and the selection: callees come first, uncalled functions are left out,
+    /// and a name in a comment is no call.
     #[test]
     fn what_is_called_comes_first_and_nothing_else() {
         let library = "// A file.\n\nfloat outer(float x) {\n    return inner(x) + SIZE;\n}\n\n\
@@ -326,8 +328,8 @@ mod tests {
         assert_eq!(place("float unused("), None);
     }
 
-    /// Protects the lines that a driver's messages name, and definitions: next to each other, with an empty line
-    /// inside, between `#if` and `#endif`.
+    /// Protects the lines in driver messages, and the splitting into definitions: next to each other, with an
+    /// empty line inside, between `#if` and `#endif`.
     #[test]
     fn each_part_knows_its_line() {
         let text = "// A file.\n\nuniform float uSize;\nconst float A = 1.0;  // {\n\n// f.\nfloat f() {\n    return \
@@ -339,8 +341,8 @@ mod tests {
         assert_eq!(lines, [3, 4, 6, 11, 16]);
     }
 
-    /// Protects structures, the functions that give one, and variables: each comes where it is
-    /// named.
+    /// Protects structures, functions that return one, and variables: each is linked where its name
+    /// is used.
     #[test]
     fn structures_and_what_gives_them_come_too() {
         let library = "struct Way {\n    float end;\n};\n\nint turns;\n\n\
@@ -354,7 +356,7 @@ mod tests {
         assert_eq!(place("struct Other"), None);
     }
 
-    /// Protects what is not called: a variable may have a function's name.
+    /// Protects from linking uncalled functions: a variable may have a function's name.
     #[test]
     fn a_variable_is_no_call() {
         let library = "float bend(float x) { return x; }\n\nconst float SIZE = 2.0;\n";
@@ -362,7 +364,7 @@ mod tests {
         assert!(text.contains("const float SIZE") && !text.contains("float bend(float x)"));
     }
 
-    /// Protects overloads: a name brings all functions of that name.
+    /// Protects overloads: a name links all functions of that name.
     #[test]
     fn functions_of_one_name_come_together() {
         let text = linked(

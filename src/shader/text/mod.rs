@@ -1,12 +1,12 @@
 //! A scene as shader text.
 //!
-//! Only the shapes and operators that occur in the scene are in the text: one evaluation a
-//! surface, unrolled, or for many surfaces one a kind. Three texts can be had, by what a wave
-//! needs to know:
+//! Only the shapes and operators that occur in the scene are in the text: one evaluation per
+//! surface if surfaces are unrolled, or one per kind if there are many. There are three texts, by
+//! the information that a wave needs:
 //!
-//! - [`distance_parts`]: the signed distance to everything (the thesis' march, pictures);
-//! - [`directed_parts`]: the distance to what can be met ahead, and its gradient;
-//! - [`closed_form_parts`]: where a line intersects each surface, without a march.
+//! - [`distance_parts`]: the signed distance to all objects (the thesis' march, pictures);
+//! - [`directed_parts`]: the distance to the objects that can be hit ahead, and its gradient;
+//! - [`closed_form_parts`]: the intersection of a line with each surface, without a march.
 
 mod closed_form;
 mod distance;

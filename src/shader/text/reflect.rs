@@ -1,8 +1,8 @@
-//! The reflection of a wave at the surface that it meets: the point on it, and the mirrored
+//! The reflection of a wave at the surface that it hits: the point on the surface, and the mirrored
 //! direction.
 //!
-//! Surfaces of a kind are one piece of text: the values of the one that is met are selected, then
-//! one box, one cylinder is computed. Waves that are drawn together meet different surfaces, and
+//! Surfaces of a kind share one piece of text: it selects the values of the surface that was hit,
+//! then computes one box or one cylinder. Waves that are drawn together hit different surfaces, and
 //! a renderer that draws them in lockstep would compute every branch for all of them.
 
 use super::link::source;
@@ -12,7 +12,7 @@ use super::surface_names::Named;
 use crate::scene::Node;
 use std::fmt::Write;
 
-/// Surfaces that are reflected at by one piece of text.
+/// Surfaces that share one piece of text for the reflection.
 enum Group<'a> {
     /// Rooms and boxes along the axes.
     Faces(Vec<&'a Named<'a>>),
@@ -28,7 +28,7 @@ pub(super) fn reflect_text(text: &Text) -> String {
     if !text.instanced.is_empty() {
         out += &of_kind(
             text,
-            "// Puts p, met along d, onto a surface in cells; the normal there.\n\
+            "// Projects p, hit along d, onto a surface in cells, and returns the normal there.\n\
              void projectOntoKind(float kind, int data, vec3 d, inout vec3 p, out vec3 normal) {\n    \
              vec3 q;\n    normal = -d;\n",
             |_| true,
@@ -120,10 +120,11 @@ fn at_kind(members: &[&Named]) -> String {
     block(members, &select(members, values), &reflection)
 }
 
-/// Declarations of the values of the surface that is met: a basic shape has three at most.
+/// Declarations of the values of the surface that was hit: a basic shape has at most three.
 const SELECTED: [&str; 3] = ["vec4 selected0", "vec4 selected1", "vec4 selected2"];
 
-/// Declares the values of the first of some surfaces, and selects those of the one that is met.
+/// Declares the values of the first of some surfaces, and selects those of the surface that was
+/// hit.
 fn select(members: &[&Named], values: impl Fn(&Named) -> Vec<(&'static str, String)>) -> String {
     let mut out = String::new();
     for (declaration, value) in values(members[0]) {
@@ -139,7 +140,7 @@ fn select(members: &[&Named], values: impl Fn(&Named) -> Vec<(&'static str, Stri
     out
 }
 
-/// The reflection of those waves that meet one of some surfaces.
+/// The reflection of the waves that hit one of some surfaces.
 fn block(members: &[&Named], values: &str, reflection: &str) -> String {
     let labels: Vec<&str> = members.iter().map(|named| named.label.as_str()).collect();
     let met: Vec<String> = members.iter().map(|named| named.is_met()).collect();
@@ -167,7 +168,7 @@ fn at_field(named: &Named) -> String {
     fill(&source!("template/reflect_field.glsl"), &texts)
 }
 
-/// Puts the point `p`, met along `d`, onto a surface, and computes the normal there.
+/// Projects the point `p`, hit along `d`, onto a surface, and computes the normal there.
 fn projection(named: &Named, p: &str, d: &str) -> Vec<String> {
     let mut statements = vec![format!("q = {};", named.point(p))];
     let vector = named.vector(d);
@@ -189,15 +190,15 @@ fn projection(named: &Named, p: &str, d: &str) -> Vec<String> {
     statements
 }
 
-/// The normal of a field's sheet that a wave at `q`, flying along `vector`, meets; 0 where it meets none.
+/// The normal of the sheet of a field that a wave at `q`, flying along `vector`, hits; 0 if it hits none.
 fn facing_normal(named: &Named, p: &str, vector: &str) -> Vec<String> {
     let shape = &named.surface.shape;
     if !shape.may_have_hollow_edges() {
         let normal = named.field_normal("q");
         return vec![format!("normal = facing({normal}.xyz, {vector});")];
     }
-    // In an edge or a corner the gradient is that of one sheet, and the wave may fly against another
-    // one: that one is the nearest a little off the first.
+    // At an edge or a corner the gradient is that of one sheet, and the wave may hit another sheet:
+    // this one is the nearest at a small offset from the first.
     let apart = format!("APART * roundingAt({p}, {})", named.error_bound());
     let gradient = named.field_normal("at");
     vec![

@@ -1,4 +1,4 @@
-//! The names from which the text of a scene is written, and the parts of every such text.
+//! The names used in the text of a scene, and the parts of every such text.
 
 use super::field;
 use super::link::{self, Part, Source, library};
@@ -8,16 +8,16 @@ use crate::shader::structure::{Assets, Structure};
 use std::borrow::Cow;
 use std::fmt::Write;
 
-/// Whether waves meet the listener.
+/// Whether the listener stops waves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ListenerText {
-    /// A wave that comes to its sphere has arrived, and stops.
+    /// A wave that reaches the listener's sphere has arrived, and stops.
     Solid,
-    /// Waves fly through it: it is in no text about what lies ahead.
+    /// Waves fly through the listener: no text about the objects ahead contains it.
     Transparent,
 }
 
-/// The surfaces of a scene by the names that its text has for them.
+/// The surfaces of a scene, with their names in the text.
 pub(crate) struct Text<'a> {
     /// Unrolled surfaces.
     pub unrolled: Vec<Named<'a>>,
@@ -55,7 +55,7 @@ impl<'a> Text<'a> {
         self.unrolled.iter().chain(&self.instanced)
     }
 
-    /// Whether a march has to take fields.
+    /// Whether fields are marched.
     pub fn marches(&self, marched: Marched) -> bool {
         self.all().any(|named| marched.takes(named))
     }
@@ -78,7 +78,7 @@ impl<'a> Text<'a> {
         parts.extend(link::parts(Source::new(name, text)));
     }
 
-    /// `&& object != …` for each unrolled surface.
+    /// `&& object != …` for every unrolled surface.
     pub fn not_unrolled(&self) -> String {
         let unrolled = self.unrolled.iter();
         unrolled
@@ -86,7 +86,7 @@ impl<'a> Text<'a> {
             .collect()
     }
 
-    /// Adds a function of each field that is wanted.
+    /// Adds a function for each wanted field.
     pub fn add_fields(
         &self,
         parts: &mut Vec<Part>,
@@ -100,10 +100,10 @@ impl<'a> Text<'a> {
         self.add(parts, "the surfaces", text);
     }
 
-    /// The declaration of `uSurfaces`, a variable for each vector of it, and the function that
-    /// every main function calls first, `copyUniforms`.
-    ///
-    /// Some drivers load a uniform again at each use. In loops over iterations and steps that took
+    /// The declaration of `uSurfaces`, a variable for each of its vectors, and the function
+    /// `copyUniforms`, which every main function calls first.
+    /// Some drivers load a uniform again at each use, which took up to half of the time in loops
+    /// over iterations and steps (docs/cost.md).
     /// up to half of the time (docs/cost.md).
     fn uniforms(&self) -> String {
         let count: usize = self.unrolled.iter().map(|named| named.value_count()).sum();
@@ -126,13 +126,13 @@ impl<'a> Text<'a> {
             let _ = writeln!(copies, "    {name} = {value}.w * {value}.w;");
         }
         format!(
-            "{declarations}\n// Copies for the loops: a uniform may be loaded again at each use.\n\
+            "{declarations}\n// Copies for the loops: a driver may load a uniform again at each use.\n\
              void copyUniforms() {{\n{copies}}}\n\n"
         )
     }
 }
 
-/// A line for each of these surfaces: its statement where it is the object.
+/// A line for each of these surfaces: its statement, executed if the surface is the object.
 pub(super) fn by_object<'a>(
     surfaces: impl Iterator<Item = &'a Named<'a>>,
     statement: impl Fn(&Named) -> String,
@@ -144,8 +144,8 @@ pub(super) fn by_object<'a>(
     surfaces.map(line).collect()
 }
 
-/// A function over the kinds that are wanted: `head` up to its brace, a statement a kind,
-/// and what is returned for none of them.
+/// A function over the wanted kinds: `head` up to its brace, a statement for each kind, and the
+/// result for any other kind.
 pub(super) fn of_kind(
     text: &Text,
     head: &str,

@@ -1,13 +1,14 @@
-//! Skeletons of functions: files under `glsl/template/` with places that a scene fills.
+//! Skeletons of functions: files under `glsl/template/` with placeholders that a scene fills.
 //!
-//! A place is a name between two `@`, a sign that GLSL does not have. A place that is alone on its line is filled with
-//! whole lines, or with none.
+//! A placeholder is a name between two `@`, a character that GLSL does not use. A placeholder alone on its line is
+//! replaced by whole lines, or by none.
 
 use super::link::Source;
 
-/// The text of a skeleton with its places filled: each name with its text, which is not searched for places again.
+/// The text of a skeleton with its placeholders replaced: each name by its text, in which further placeholders are
+/// not replaced.
 ///
-/// A name without a text, which is a mistake of the caller, stays as it is, and no driver compiles it.
+/// A name without a text is a mistake of the caller: it stays in the text, and no driver compiles it.
 pub(crate) fn fill(skeleton: &Source, texts: &[(&str, &str)]) -> String {
     let mut out = String::with_capacity(skeleton.text.len());
     let mut pieces = skeleton.text.split('@').peekable();
@@ -29,7 +30,8 @@ pub(crate) fn fill(skeleton: &Source, texts: &[(&str, &str)]) -> String {
 mod tests {
     use super::*;
 
-    /// Protects the places of skeletons: within a line, and alone on one; texts with the sign of places.
+    /// Protects the placeholders of skeletons, within a line and alone on one, and texts that contain
+    /// `@`.
     #[test]
     fn places_are_filled_once() {
         let filled = |skeleton: &'static str| {

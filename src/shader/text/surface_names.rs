@@ -1,4 +1,4 @@
-//! The names by which generated text calls a surface, or a kind of surfaces.
+//! The names of a surface, or of a kind of surfaces, in generated text.
 
 use super::field::{self, has_closed_form};
 use super::link::no_comment;
@@ -9,14 +9,14 @@ use crate::shader::structure::Assets;
 /// A surface that is unrolled, or a kind of surfaces that are data.
 pub(in crate::shader) struct Named<'a> {
     pub surface: &'a Surface,
-    /// The end of the names of its functions: the surface's number, or `Kind` and a number.
+    /// The suffix of the names of its functions: the surface's number, or `Kind` and a number.
     pub tag: String,
     /// Its name in comments.
     pub label: String,
     values: Values,
 }
 
-/// Which fields of a scene a march has to take.
+/// The fields of a scene that are marched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::shader) enum Marched {
     /// All of them.
@@ -25,7 +25,7 @@ pub(in crate::shader) enum Marched {
     Others,
 }
 
-/// Whether every profile has to march to a surface: a field without a closed form.
+/// Whether every profile has to march to a surface: whether it is a field without a closed form.
 pub fn is_marched(surface: &Surface) -> bool {
     let field = surface.shape.field();
     field.is_some_and(|field| !has_closed_form(field))
@@ -40,26 +40,26 @@ impl Marched {
 /// The storage of the values of a surface.
 #[derive(Clone, Copy)]
 enum Values {
-    /// In variables that are copied from `uSurfaces`, from this vector on.
+    /// In variables that are copies of `uSurfaces`, from this vector on.
     Uniforms(usize),
     /// In the scene's data, from the vector `data` on.
     Data,
-    /// In variables, those of the surface that a wave meets.
+    /// In variables that hold the values of the surface that a wave hits.
     Selected,
 }
 
-/// The variable that is a copy of a vector of `uSurfaces`.
+/// The variable that holds a copy of a vector of `uSurfaces`.
 pub(in crate::shader) fn value_name(place: usize) -> String {
     format!("surfaceValue{place}")
 }
 
-/// The variable of a surface's squared radius, by the place of its first value.
+/// The variable of a surface's squared radius, by the index of its first value.
 fn squared_radius_name(place: usize) -> String {
     format!("squaredRadius{place}")
 }
 
 impl<'a> Named<'a> {
-    /// The surface with this index, whose first value is that vector of `uSurfaces`.
+    /// The surface with this index, whose values begin at vector `first` of `uSurfaces`.
     pub fn surface(scene: &'a Scene, index: usize, first: usize) -> Named<'a> {
         let surface = &scene.surfaces[index];
         Named {
@@ -70,7 +70,7 @@ impl<'a> Named<'a> {
         }
     }
 
-    /// A kind, by one surface of it.
+    /// A kind, given by one of its surfaces.
     pub fn kind(scene: &'a Scene, index: usize, kind: usize) -> Named<'a> {
         let surface = &scene.surfaces[index];
         Named {
@@ -81,7 +81,7 @@ impl<'a> Named<'a> {
         }
     }
 
-    /// The same surface, its values those that are selected among some of its kind.
+    /// The same surface, with the values that are selected among surfaces of its kind.
     pub fn selected(&self) -> Named<'a> {
         Named {
             surface: self.surface,
@@ -95,17 +95,17 @@ impl<'a> Named<'a> {
         self.surface.shape.field()
     }
 
-    /// Whether a line intersects it in closed form.
+    /// Whether a line is intersected with the surface in closed form.
     pub fn has_closed_form(&self) -> bool {
         self.field().is_none_or(has_closed_form)
     }
 
-    /// Whether finding that has a step limit.
+    /// Whether this intersection has a step limit.
     pub fn has_step_limit(&self) -> bool {
         self.has_closed_form() && self.field().is_some_and(field::has_step_limit)
     }
 
-    /// Vectors of values that it takes.
+    /// Number of vectors of its values.
     pub fn value_count(&self) -> usize {
         value_count(self.surface, self.is_data())
     }
@@ -114,7 +114,7 @@ impl<'a> Named<'a> {
         matches!(self.values, Values::Data)
     }
 
-    /// The parameter of the functions of a kind beside the point: the place of its values.
+    /// The parameter of the functions of a kind in addition to the point: the index of its values.
     pub fn data_parameter(&self) -> &'static str {
         if self.is_data() { ", int data" } else { "" }
     }
@@ -145,7 +145,7 @@ impl<'a> Named<'a> {
         }
     }
 
-    /// A direction of the surface's own axes in the world's.
+    /// A direction in the surface's own axes as a world direction.
     pub fn outward(&self, v: &str) -> String {
         match self.rotation() {
             Some(rotation) => format!("turn({rotation} * vec4(-1, -1, -1, 1), {v})"),
@@ -161,12 +161,12 @@ impl<'a> Named<'a> {
         self.surface.has_rotation().then(|| self.value(place))
     }
 
-    /// The first vector of a field's moving numbers.
+    /// The index of the first vector of a field's moving numbers.
     pub fn first_number(&self) -> usize {
         1 + usize::from(self.surface.has_rotation())
     }
 
-    /// Which nodes of its field have numbers that move: all of them where they are data.
+    /// Whether the numbers of each node of the field move: if they are data, all of them do.
     pub fn moving_nodes(&self, field: &Shape) -> Vec<bool> {
         match self.values {
             Values::Uniforms(_) | Values::Selected => self.surface.moving_nodes(field),
@@ -174,7 +174,7 @@ impl<'a> Named<'a> {
         }
     }
 
-    /// The size that the shape's functions take last, with a comma before it.
+    /// The size, which is the last argument of the shape's functions, with a comma before it.
     pub fn size(&self) -> String {
         match self.surface.shape.node {
             Node::Cuboid(_) | Node::Room(_) => format!(", {}.xyz", self.value(1)),
@@ -192,7 +192,7 @@ impl<'a> Named<'a> {
         }
     }
 
-    /// The variable of [`Named::squared_radius`], and the value that it is a copy of.
+    /// The variable of [`Named::squared_radius`], and the expression of its value.
     pub fn squared_radius_of(&self) -> Option<(String, String)> {
         let is_round = matches!(self.surface.shape.node, Node::Sphere(_) | Node::Cylinder(_));
         match self.values {
@@ -203,7 +203,7 @@ impl<'a> Named<'a> {
         }
     }
 
-    /// Rounding error of the distance to it, in metres, at most.
+    /// Maximum rounding error of the distance to the surface, in metres.
     pub fn error_bound(&self) -> String {
         match self.surface.shape.node {
             Node::Cuboid(_) | Node::Room(_) => format!("{}.w", self.value(1)),
@@ -218,7 +218,7 @@ impl<'a> Named<'a> {
         self.surface.shape.name()
     }
 
-    /// The signed distance at a world point; of a field, its value.
+    /// The signed distance at a world point, or the value of a field.
     pub fn distance(&self, p: &str) -> String {
         let point = self.point(p);
         match self.field() {
@@ -227,23 +227,23 @@ impl<'a> Named<'a> {
         }
     }
 
-    /// The distance to a basic shape that a wave at `p` along `d` can still meet.
+    /// The distance to a basic shape that a wave at `p` along `d` can still hit.
     pub fn directed_distance(&self, p: &str, d: &str) -> String {
         let (shape, point, vector) = (self.shape(), self.point(p), self.vector(d));
         let size = match self.surface.shape.node {
-            // With the error bound within which rounding decides on the side of a face.
+            // With the error bound, within which rounding decides on the side of a face.
             Node::Cuboid(_) => format!(", {}", self.value(1)),
             _ => self.size(),
         };
         format!("sd{shape}Directed({point}, {vector}{size})")
     }
 
-    /// The gradient of a field at a point of its own axes, with the value last.
+    /// The gradient of a field at a point in its own axes, with the value as the last component.
     pub fn field_gradient(&self, q: &str) -> String {
         format!("gradient{}({q}{})", self.tag, self.data_argument())
     }
 
-    /// The same for its direction, which is the normal's.
+    /// The same gradient for callers that need its direction, the normal's.
     pub fn field_normal(&self, q: &str) -> String {
         match self.field().is_some_and(field::has_differences) {
             true => format!("normal{}({q}{})", self.tag, self.data_argument()),
@@ -251,8 +251,8 @@ impl<'a> Named<'a> {
         }
     }
 
-    /// Where the line of a wave meets it, for what has a closed form. What lies beyond `limit`
-    /// need not be found.
+    /// The distance to the hit of a wave's line with the surface, if it has a closed form. Hits
+    /// beyond `limit` need not be found.
     pub fn hit(&self, p: &str, d: &str, limit: &str) -> String {
         let (point, vector) = (self.point(p), self.vector(d));
         if let Some(field) = self.field() {
@@ -273,7 +273,7 @@ impl<'a> Named<'a> {
         }
     }
 
-    /// How far the line of a wave is free of a field that is marched.
+    /// The length over which the line of a wave is free of a marched field.
     pub fn free(&self, p: &str, d: &str, error_bound: &str) -> String {
         let (point, vector) = (self.point(p), self.vector(d));
         let error_bound = format!("max({error_bound}, {})", self.error_bound());
@@ -284,7 +284,7 @@ impl<'a> Named<'a> {
         )
     }
 
-    /// The expression, or `none` for the wave that leaves a convex surface.
+    /// The expression, or `none` if the wave leaves this surface and the surface is convex.
     pub fn unless_left(&self, left: &str, none: &str, expression: &str) -> String {
         match self.surface.shape.is_convex() {
             true => format!("{left} ? {none} : {expression}"),
@@ -292,17 +292,17 @@ impl<'a> Named<'a> {
         }
     }
 
-    /// The condition that a wave meets this very surface.
+    /// The condition that a wave hits this surface.
     pub fn is_met(&self) -> String {
         format!("object == {}.0", self.tag)
     }
 
-    /// The condition that a wave leaves this very surface.
+    /// The condition that a wave leaves this surface.
     pub fn left(&self) -> String {
         format!("last == {}.0", self.tag)
     }
 
-    /// The text of its field's functions; nothing for a basic shape.
+    /// The text of the functions of its field; empty for a basic shape.
     pub fn field_functions(&self, write: field::Write, assets: &Assets) -> String {
         let Some(field) = self.field() else {
             return String::new();

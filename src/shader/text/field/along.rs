@@ -1,8 +1,9 @@
-//! How far a line is free of a field: a lower bound of its value along the line.
+//! The length over which a line is free of a field: a lower bound of the field's value along the
+//! line.
 //!
-//! A bound is a vector (value, slope, bend, reach), see `glsl/common/bound.glsl`. It is written
-//! for the air and for the solid (of the value with its sign changed), for a complement, a
-//! difference or a shell turns the one into the other.
+//! A bound is a vector (value, slope, bend, reach), see `glsl/common/bound.glsl`. It is written for
+//! the air, and for the solid (of the value with its sign changed), because a complement, a
+//! difference or a shell exchanges air and solid.
 
 use super::value::{Axis, arguments, mirrored};
 use super::{CopyAxes, keep_to_cells};
@@ -12,10 +13,10 @@ use crate::scene::{Copies, Node, Shape};
 use crate::shader::structure::Assets;
 use crate::shader::text::link::has_function;
 
-/// Shells within each other that are bounded at most: each doubles the text.
+/// Maximum nesting of shells with a bound: each shell doubles the text.
 const MOST_SHELLS: usize = 3;
 
-/// Which side of a surface the wave is on.
+/// The side of a surface on which the wave is.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Side {
     Air,
@@ -38,19 +39,19 @@ impl Side {
     }
 }
 
-/// The names of a line, and of what rounding may do to its start, in some axes.
+/// The names of a line, and of the rounding error of its start, in some axes.
 #[derive(Clone, Copy)]
 struct Line<'a> {
     p: &'a str,
     d: &'a str,
     error_bound: &'a str,
-    /// Whether only the sign of the value counts, and none of its levels: then a bound need
-    /// only be greater than 0 where the value is.
+    /// Whether only the sign of the value matters: then a bound need only be greater than 0 where
+    /// the value is greater than 0.
     sign_alone: bool,
 }
 
-/// `float free<number>(vec3 p, vec3 d, float errorBound)`: how many metres along the unit vector d
-/// from p, which is in the air except for `error_bound`, are free of the field for sure.
+/// `float free<number>(vec3 p, vec3 d, float errorBound)`: the metres along the unit vector d from
+/// p that are certainly free of the field. p is in the air, or up to `errorBound` in the solid.
 pub(in crate::shader) fn free_text(field: &Shape, place: &Place, assets: &Assets) -> String {
     let head = format!(
         "float free{}(vec3 p, vec3 d, float errorBound{}) {{\n",
@@ -73,7 +74,7 @@ pub(in crate::shader) fn free_text(field: &Shape, place: &Place, assets: &Assets
     )
 }
 
-/// Turns of the traversals of copies in one evaluation of its bound.
+/// Maximum turns of the traversals of copies in one evaluation of the field's bound.
 pub(in crate::shader) fn leaps(field: &Shape) -> u64 {
     // As in glsl/operator/repeat.glsl.
     const LEAPS: u64 = 4;
@@ -82,7 +83,7 @@ pub(in crate::shader) fn leaps(field: &Shape) -> u64 {
     LEAPS * repetitions.count() as u64
 }
 
-/// Whether a bound along lines is known of the field, beside its value: not of a user's text.
+/// Whether a field has a bound along lines in addition to its value: a user's text has none.
 pub(in crate::shader) fn is_bounded(field: &Shape) -> bool {
     let known = |node: &Shape| match node.node {
         Node::Twist(_) | Node::Bend(_) => false,
@@ -100,7 +101,7 @@ fn shells(field: &Shape) -> usize {
 }
 
 impl Writer<'_> {
-    /// Writes what the bound of a node needs; the name of the bound.
+    /// Writes the statements for the bound of a node, and returns the name of the bound.
     fn along(&mut self, field: &Shape, line: Line, side: Side) -> String {
         if let Node::Shell(_) = field.node {
             return self.shell_along(field, line, side);
@@ -170,7 +171,8 @@ impl Writer<'_> {
         result
     }
 
-    /// |value| - half the thickness: of the side that the wave is on, or of both.
+    /// The bound of a shell, |value| - half the thickness: from the side on which the wave is, or
+    /// from both sides.
     fn shell_along(&mut self, field: &Shape, line: Line, side: Side) -> String {
         let half = self.numbers.next(field)[0].clone();
         let child = &field.children[0];
@@ -247,7 +249,7 @@ impl Writer<'_> {
                 | Node::GeneralQuadric(_),
                 _,
             ) => return self.quadric_along(&field.node, line, side, n, &gradient),
-            // Only the value of the shape is known.
+            // Only the value of the shape can be bounded.
             _ if !has_function(&format!("exit{name}")) => {
                 format!("plainAlong({sign} * {gradient}.w)")
             }
@@ -257,7 +259,8 @@ impl Writer<'_> {
         self.bound(&format!("orPlain({bound}, {error_bound})"))
     }
 
-    /// A quadric, whose gradient and value are `gradient`: as far as the line is free, where the sign alone counts.
+    /// The bound of a quadric, whose gradient and value are `gradient`; if only the sign matters, the bound is the
+    /// length up to the hit.
     fn quadric_along(
         &mut self,
         node: &Node,
@@ -277,7 +280,7 @@ impl Writer<'_> {
         if !line.sign_alone {
             return self.bound(&near);
         }
-        // Right before the surface rounding may put the root behind the wave.
+        // Just before the surface, rounding may put the root behind the wave.
         let numbers = arguments(node, &n[..n.len() - 1]);
         let falling = format!("{sign} * dot({gradient}.xyz, {d}) < 0.0");
         let free = format!("hit{name}({p}, {d}, {sign}{numbers})");
@@ -287,7 +290,8 @@ impl Writer<'_> {
         ))
     }
 
-    /// Operators on space: the line in the inner axes, and as far as it stays straight there.
+    /// The bound of an operator on space: along the line in the inner axes, up to where the line
+    /// bends there.
     fn moved_along(&mut self, field: &Shape, line: Line, side: Side, n: &[String]) -> String {
         let Line {
             p, d, error_bound, ..
@@ -368,8 +372,8 @@ impl Writer<'_> {
         self.within_reach(child, inner, side, reaches)
     }
 
-    /// Of copies that keep to their cells: as far as no box about a copy is met, or where there
-    /// is nothing else in the cell, as far as the bound of what is repeated allows.
+    /// The bound of copies that keep to their cells: up to the first box around a copy; or, if each
+    /// copy is alone in its cell, the bound of the repeated shape.
     fn copy_along(&mut self, field: &Shape, line: Line, side: Side, n: &[String]) -> String {
         let free = match (side, line.sign_alone) {
             (Air, true) => self.free_of_copies(field, line, n),
@@ -387,11 +391,11 @@ impl Writer<'_> {
             ));
         }
         self.numbers.skip(&field.children[0]);
-        // Next to a copy, and of its levels, only the value is known.
+        // Next to a copy, and where more than the sign matters, only the value is a bound.
         self.bound(&free.map_or_else(|| free_bound("0.0"), |free| free_bound(&free)))
     }
 
-    /// How far a line is free of the boxes about the copies.
+    /// The length over which a line is free of the boxes around the copies.
     fn free_of_copies(&mut self, field: &Shape, line: Line, n: &[String]) -> Option<String> {
         let axes = CopyAxes::new(field, n)?;
         let q = self.point(&format!("{} - {}", line.p, axes.shift));
@@ -401,7 +405,7 @@ impl Writer<'_> {
         Some(free)
     }
 
-    /// Of copies of which each one is alone in its cell.
+    /// The bound of copies that are each alone in their cell.
     fn own_copy_along(&mut self, field: &Shape, line: Line, side: Side, n: &[String]) -> String {
         let copies = field.copies().unwrap_or([Copies::Own; 3]);
         let Node::Repeat(Repeat { count, .. }) = field.node else {
@@ -444,7 +448,7 @@ impl Writer<'_> {
     }
 }
 
-/// Outside of the boxes about copies their value is greater than 0.
+/// The bound outside the boxes around copies, where the value is greater than 0.
 fn free_bound(free: &str) -> String {
     format!("vec4(0.0, 0.0, 0.0, {free})")
 }

@@ -1,12 +1,13 @@
 //! Intersections of a line with fields that have a closed form.
 //!
-//! A quadric's value along a line, A t² + 2 B t + C, goes from air to solid at no more than
-//! one place: where its growth 2 (A t + B) is negative, t = (−B − √(B² − A C)) / A. That one
-//! formula serves outside and inside, convex or not, and never finds the place that a wave
-//! leaves. Moving, turning and scaling carry the line along; a union is met at the nearest.
-//! Of copies that keep to their cells the line is taken past one after another: the first that
-//! it meets is the nearest. Where there may be too many for one flight the traversal has a step limit;
-//! it ends at what else the wave meets, so that the limit counts only where nothing else does.
+//! A quadric's value along a line, A t² + 2 B t + C, changes from air to solid at one t at most, where
+//! its growth 2 (A t + B) is negative: t = (−B − √(B² − A C)) / A. This formula holds outside and
+//! inside, for convex and other quadrics, and never gives the point that a wave leaves. To move,
+//! rotate or scale a shape, the line is transformed; the hit of a union is the nearest of its
+//! operands' hits. A line is taken past copies that keep to their cells one after another: the first
+//! copy hit is the nearest. If there may be too many copies for one flight, the traversal has a step
+//! limit. The traversal also ends at the nearest hit of the other surfaces, so that the limit counts
+//! only if the wave hits no other surface.
 
 use super::value::arguments;
 use super::{CopyAxes, cells_crossed, has_step_limit, keep_to_cells};
@@ -15,7 +16,7 @@ use crate::scene::{Node, Shape};
 use crate::shader::structure::Assets;
 use crate::shader::text::link::has_function;
 
-/// Whether [`hit_text`] can be written for it.
+/// Whether [`hit_text`] can be written for a field.
 pub(in crate::shader) fn has_closed_form(field: &Shape) -> bool {
     match &field.node {
         Node::Translate(_) | Node::Rotate(_) | Node::Scale(_) => {
@@ -28,18 +29,18 @@ pub(in crate::shader) fn has_closed_form(field: &Shape) -> bool {
     }
 }
 
-/// Whether a shape has a function that computes where a line intersects it.
+/// Whether a shape has a function for its intersection with a line.
 fn has_hit_function(node: &Node) -> bool {
     node.part().operands() == (0, 0) && has_function(&format!("hit{}", node.name()))
 }
 
-/// Whether its hit takes how far a line is looked at.
+/// Whether the function for the field's hit takes a limit of the distance.
 pub(in crate::shader) fn takes_limit(field: &Shape) -> bool {
     let repeats = |node: &&Shape| matches!(node.node, Node::Repeat(_));
     field.nodes().iter().any(repeats)
 }
 
-/// The field whose complement has a closed form, seen through moves.
+/// The field whose complement has a closed form, possibly moved.
 fn inside_out(field: &Shape) -> Option<&'static str> {
     match &field.node {
         Node::Translate(_) | Node::Rotate(_) | Node::Scale(_) => inside_out(&field.children[0]),
@@ -52,18 +53,18 @@ fn inside_out(field: &Shape) -> Option<&'static str> {
     }
 }
 
-/// `float hit<number>(vec3 p, vec3 d, float errorBound)`: metres along the unit vector d from p,
-/// which is in the air, or NO_HIT. `error_bound` is what rounding may do to p. Of copies
-/// `hit<number>(p, d, errorBound, limit)`: what lies beyond `limit` metres need not be found, and
-/// where a traversal has a step limit the answer may be GIVEN_UP.
+/// `float hit<number>(vec3 p, vec3 d, float errorBound)`: the metres along the unit vector d from
+/// p, which is in the air, to the hit, or NO_HIT. `errorBound` is the rounding error of p. For
+/// copies, `hit<number>(p, d, errorBound, limit)`: hits beyond `limit` metres need not be found,
+/// and if a traversal has a step limit, the result may be GIVEN_UP.
 pub(in crate::shader) fn hit_text(field: &Shape, place: &Place, assets: &Assets) -> String {
     let mut writer = Writer::new(place, assets);
     let text = writer.hit_function(field, &format!("hit{}", place.tag));
     writer.functions + &text
 }
 
-/// The names of a line, of what rounding may do to its start, and of how far it is looked at, in
-/// some axes.
+/// The names of a line, of the rounding error of its start, and of its maximum length, in some
+/// axes.
 #[derive(Clone, Copy)]
 struct Line<'a> {
     p: &'a str,
@@ -73,7 +74,7 @@ struct Line<'a> {
 }
 
 impl Writer<'_> {
-    /// The hit of a field as a function of its own.
+    /// Writes the hit of a field as a separate function.
     fn hit_function(&mut self, field: &Shape, name: &str) -> String {
         let outer = std::mem::take(&mut self.body);
         let line = Line {
@@ -137,7 +138,8 @@ impl Writer<'_> {
         }
     }
 
-    /// The nearest of several; those with a step limit last, no further than the others.
+    /// The nearest hit of several fields; those with a step limit come last and are traversed no
+    /// further than the other hits.
     fn hit_union(&mut self, field: &Shape, line: Line, inside_out: bool) -> String {
         let start = self.numbers.mark();
         let mut nearest: Option<String> = None;
@@ -169,7 +171,7 @@ impl Writer<'_> {
 
     /// The first of the copies that the line intersects.
     fn hit_copies(&mut self, field: &Shape, line: Line, numbers: &[String]) -> String {
-        // Only repetitions come here.
+        // This function is called only for repetitions.
         let Some(axes) = CopyAxes::new(field, numbers) else {
             return "NO_HIT".to_owned();
         };

@@ -1,14 +1,14 @@
-//! A field as shader text: its value, its gradient, and where a line intersects it.
+//! A field as shader text: its value, its gradient, and its intersection with a line.
 //!
-//! Each tree becomes straight-line code, one statement a node, in functions that are named
-//! after the surface's number: `field3(p)`, `gradient3(p)` (the gradient, and in its last
-//! component the value), where there is a closed form `hit3(p, d, errorBound)`, of copies
-//! `hit3(p, d, errorBound, limit)`, and for the march `free3(p, d, errorBound)`. Value and
-//! gradient are the same text over two types: `float`, and `vec4` for a value with its gradient,
-//! which the operators take along (forward differentiation).
+//! Each tree becomes straight-line code, one statement per node, in functions named after the
+//! surface's number: `field3(p)`; `gradient3(p)` (the gradient, and the value as the last
+//! component); for a closed form `hit3(p, d, errorBound)`, or for copies `hit3(p, d, errorBound,
+//! limit)`; and for the march `free3(p, d, errorBound)`. Value and gradient are the same text over
+//! two types: `float`, and `vec4` for a value with its gradient, which the operators propagate
+//! (forward differentiation).
 //!
-//! Numbers are literals. Those of a node that something moves are uniforms instead, all of
-//! them at once, because several follow from one parameter (a rotation's nine).
+//! Numbers are literals. If something moves a node, all numbers of the node are uniforms instead,
+//! because several of them follow from one parameter (a rotation's nine).
 
 mod along;
 mod hit;
@@ -25,20 +25,20 @@ use crate::shader::origin_rebasing::divides;
 use crate::shader::structure::Assets;
 use std::fmt::Write as _;
 
-/// Writes a function of a field.
+/// A function that writes a function of a field.
 pub(in crate::shader) type Write = fn(&Shape, &Place, &Assets) -> String;
 
 /// The surface, or the kind of surfaces, that has a field.
 pub(in crate::shader) struct Place<'a> {
     /// The end of the names of its functions.
     pub tag: &'a str,
-    /// The parameter of its functions beside the point, with a comma before it.
+    /// The parameter of its functions in addition to the point, with a comma before it.
     pub parameter: &'a str,
     /// The argument for this parameter.
     pub argument: &'a str,
     /// Nodes whose numbers move, in the order of [`Shape::nodes`].
     pub moving: &'a [bool],
-    /// The n-th vector of the numbers that move.
+    /// The n-th vector of the moving numbers.
     pub value: &'a dyn Fn(usize) -> String,
 }
 
@@ -46,10 +46,10 @@ pub(in crate::shader) struct Place<'a> {
 pub(super) struct Writer<'a> {
     numbers: Numbers<'a>,
     place: &'a Place<'a>,
-    /// The places of height images and users' fields of the scene.
+    /// The indices of height images and users' fields of the scene.
     assets: &'a Assets,
     next_name: usize,
-    /// Functions that the one being written calls.
+    /// Other functions that the function being written calls.
     functions: String,
     body: String,
 }
@@ -57,7 +57,7 @@ pub(super) struct Writer<'a> {
 /// The numbers of a tree, node by node in the order of [`Shape::nodes`].
 pub(super) struct Numbers<'a> {
     place: &'a Place<'a>,
-    /// Moving numbers taken.
+    /// Number of moving numbers already taken.
     taken: usize,
     node: usize,
 }
@@ -83,14 +83,14 @@ impl<'a> Numbers<'a> {
         taken.collect()
     }
 
-    /// Passes by the field that comes next.
+    /// Skips the numbers of the next field.
     pub fn skip(&mut self, field: &Shape) {
         for node in field.nodes() {
             self.next(node);
         }
     }
 
-    /// The place in the tree, for callers that write a part of it more than once.
+    /// The position in the tree, for callers that write a part of it more than once.
     pub fn mark(&self) -> (usize, usize) {
         (self.taken, self.node)
     }
@@ -100,7 +100,7 @@ impl<'a> Numbers<'a> {
         (self.taken, self.node) = (taken, node);
     }
 
-    /// The factor of the whole value, or `None` where that is 1.
+    /// The factor of the whole value, or `None` if it is 1.
     pub fn lipschitz(&mut self, field: &Shape) -> Option<String> {
         let lipschitz = field.properties().lipschitz;
         if self.place.moving.contains(&true) && divides(field) {
@@ -117,25 +117,24 @@ impl<'a> Numbers<'a> {
     }
 }
 
-/// A number as GLSL reads it back to the same bits.
+/// A number as a literal that GLSL reads back to the same bits.
 pub(super) fn literal(number: f64) -> String {
     let number = number as f32;
-    // An endless size stands for itself within what GLSL can write.
+    // An endless size is limited to a number that GLSL can write.
     let held = number.clamp(-1e30, 1e30);
     format!("{held:?}")
 }
 
-/// Cells of a repetition that a line is always taken past; of more, or without end, as far as
-/// the step limit.
+/// Maximum cells of a repetition that a line may cross without a step limit.
 const MOST_CELLS: u64 = 1024;
 
-/// Whether each copy keeps to its own cell, so that a line intersects them in the order of the cells.
+/// Whether each copy keeps to its own cell, so that a line hits the copies in the order of the cells.
 pub(super) fn keep_to_cells(field: &Shape) -> bool {
     let within = |copies: &Copies| !matches!(copies, Copies::Around(_));
     field.copies().is_ok_and(|c| c.iter().all(within))
 }
 
-/// Cells that a line crosses at most on its way past all copies; `None` where there are too many, so that a
+/// Maximum cells that a line crosses on its way past all copies; `None` if there are so many that a
 /// traversal has a step limit.
 pub(in crate::shader) fn cells_crossed(field: &Shape) -> Option<u64> {
     let Node::Repeat(Repeat { period, count }) = &field.node else {
@@ -150,19 +149,19 @@ pub(in crate::shader) fn cells_crossed(field: &Shape) -> Option<u64> {
     cells.filter(|cells| *cells <= MOST_CELLS)
 }
 
-/// Whether a traversal of copies of it has a step limit.
+/// Whether a traversal of the field's copies has a step limit.
 pub(in crate::shader) fn has_step_limit(field: &Shape) -> bool {
     let unlimited = |node: &&Shape| cells_crossed(node).is_none();
     field.nodes().iter().any(unlimited)
 }
 
-/// A repetition as the traversal takes it: vectors of expressions.
+/// A repetition in the form that the traversal takes: vectors of expressions.
 pub(super) struct CopyAxes {
-    /// From the origin to the middle of copy 0.
+    /// From the origin to the middle of copy number 0.
     pub shift: String,
     /// From one copy to the next; 1 along an axis without repetition.
     pub period: String,
-    /// The box about a copy's middle.
+    /// The box around a copy's middle.
     least: String,
     most: String,
     /// Numbers of the copies.
@@ -209,7 +208,7 @@ impl CopyAxes {
     }
 }
 
-/// One axis of it.
+/// One axis of a repetition.
 struct Along {
     shift: String,
     period: String,
@@ -230,7 +229,7 @@ impl Along {
                 (first, first + f64::from(count - 1))
             }
         };
-        // Copies of an even number lie about the origin, none at it.
+        // An even number of copies is centred on the origin, with none at the origin itself.
         let even = count.is_some_and(|count| count > 0 && count.is_multiple_of(2));
         Along {
             shift: if even {
@@ -258,7 +257,7 @@ pub(in crate::shader) fn user_parts(assets: &Assets) -> Vec<Part> {
             defines: ["field", "fieldGradient"]
                 .map(|name| format!("user{index}_{name}("))
                 .to_vec(),
-            // It has nothing but what is its own.
+            // The user's text uses only its own definitions.
             uses: Vec::new(),
         });
         all.extend(user_functions(user, index).into_iter().flat_map(parts));
@@ -266,8 +265,8 @@ pub(in crate::shader) fn user_parts(assets: &Assets) -> Vec<Part> {
     all
 }
 
-/// A user's text between what renames its names and what takes that back: its `field` is
-/// `user<index>_field` then. The text itself is the second of the three.
+/// A user's text between the text that renames its names and the text that restores them: its
+/// `field` becomes `user<index>_field`. The text itself is the second of the three.
 pub(in crate::shader) fn user_text(user: &UserField, index: usize) -> [Source; 3] {
     let mut before = String::new();
     let mut after = String::new();
@@ -283,7 +282,7 @@ pub(in crate::shader) fn user_text(user: &UserField, index: usize) -> [Source; 3
     ]
 }
 
-/// What a name of a user's text is called in the shader. GLSL reserves two underscores in a row.
+/// The name in the shader of a name in a user's text. GLSL reserves two underscores in a row.
 fn name_in_shader(index: usize, name: &str) -> String {
     match name.starts_with('_') {
         true => format!("users{index}{name}"),
@@ -291,12 +290,12 @@ fn name_in_shader(index: usize, name: &str) -> String {
     }
 }
 
-/// The file's name as it may stand in a comment.
+/// The file's name in the form allowed in a comment.
 pub(crate) fn shown_name(user: &UserField) -> String {
     user.file.display().to_string().replace(no_comment, "?")
 }
 
-/// The functions that call the text of a user's field, in the files called `User0`.
+/// The functions that call the text of a user's field; in the files their names contain `User0`.
 fn user_functions(user: &UserField, index: usize) -> Vec<Source> {
     let gradient = match user.states_gradient() {
         true => source!("user/gradient.glsl"),
@@ -316,7 +315,7 @@ fn user_functions(user: &UserField, index: usize) -> Vec<Source> {
 /// The number by which a driver's messages name the user's own text in [`user_sources`].
 pub(crate) const USER_FILE: u32 = 2;
 
-/// A fragment shader with the field alone: its values, and the gradients that it states, at the
+/// A fragment shader with only the field: it evaluates the values and the stated gradients at the
 /// points in `uPoints`.
 pub(crate) fn user_sources(user: &UserField) -> Vec<Source> {
     let mut sources = Vec::from(user_text(user, 0));

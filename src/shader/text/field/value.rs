@@ -11,7 +11,7 @@ use std::fmt::Write;
 enum Kind {
     Value,
     Gradient,
-    /// A gradient whose direction is as exact as can be.
+    /// A gradient whose direction is as exact as possible.
     Normal,
 }
 
@@ -40,7 +40,7 @@ impl Kind {
     }
 }
 
-/// `float field<number>(vec3 p)`: what a march may step by.
+/// `float field<number>(vec3 p)`: the value, by which a march may step.
 pub(in crate::shader) fn value_text(field: &Shape, place: &Place, assets: &Assets) -> String {
     Writer::new(place, assets).whole(field, Kind::Value)
 }
@@ -50,8 +50,8 @@ pub(in crate::shader) fn gradient_text(field: &Shape, place: &Place, assets: &As
     Writer::new(place, assets).whole(field, Kind::Gradient)
 }
 
-/// `vec4 normal<number>(vec3 p)`: the same for callers that need its direction, of a field whose
-/// gradient is one of differences; nothing for another.
+/// `vec4 normal<number>(vec3 p)`: the same gradient with a more exact direction, for a field whose
+/// gradient is computed by differences; empty for any other field.
 pub(in crate::shader) fn normal_text(field: &Shape, place: &Place, assets: &Assets) -> String {
     if !has_differences(field) {
         return String::new();
@@ -59,13 +59,13 @@ pub(in crate::shader) fn normal_text(field: &Shape, place: &Place, assets: &Asse
     Writer::new(place, assets).whole(field, Kind::Normal)
 }
 
-/// Whether its gradient is one of differences somewhere.
+/// Whether some part of the field's gradient is computed by differences.
 pub(in crate::shader) fn has_differences(field: &Shape) -> bool {
     let mut nodes = field.nodes().into_iter();
     nodes.any(|node| takes_differences(&node.node))
 }
 
-/// Whether a node is a user's field that states no gradient.
+/// Whether a node is a user's field without a stated gradient.
 fn takes_differences(node: &Node) -> bool {
     node.user().is_some_and(|user| !user.states_gradient())
 }
@@ -99,7 +99,7 @@ impl<'a> Writer<'a> {
         )
     }
 
-    /// A name that this function has not yet used.
+    /// A name that the function being written has not used yet.
     pub(super) fn name(&mut self, stem: &str) -> String {
         self.next_name += 1;
         format!("{stem}{}", self.next_name)
@@ -109,7 +109,7 @@ impl<'a> Writer<'a> {
         let _ = writeln!(self.body, "    {line}");
     }
 
-    /// Writes what a node needs; the name of its result.
+    /// Writes the statements for a node, and returns the name of the result.
     fn node(&mut self, field: &Shape, kind: Kind, p: &str) -> String {
         let numbers = self.numbers.next(field);
         if field.children.is_empty() {
@@ -139,7 +139,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Writes the value of a node; its name.
+    /// Writes the statements for the value of a node, and returns its name.
     pub(super) fn value(&mut self, field: &Shape, p: &str) -> String {
         self.node(field, Kind::Value, p)
     }
@@ -188,7 +188,7 @@ impl<'a> Writer<'a> {
         result
     }
 
-    /// Operators on space whose gradient is that of the child, taken back.
+    /// Operators on space, whose gradient is the child's gradient transformed back.
     fn moved(&mut self, field: &Shape, kind: Kind, p: &str, n: &[String]) -> String {
         let vector = |n: &[String]| format!("vec3({}, {}, {})", n[0], n[1], n[2]);
         let (inner, outward) = match &field.node {
@@ -248,7 +248,7 @@ impl<'a> Writer<'a> {
     }
 
     fn repeated(&mut self, field: &Shape, kind: Kind, p: &str, numbers: &[String]) -> String {
-        // A repetition that is refused never comes here.
+        // A rejected repetition never gets here.
         let copies = field.copies().unwrap_or([Copies::Own; 3]);
         let Node::Repeat(Repeat { count, .. }) = &field.node else {
             return String::new();
@@ -286,7 +286,7 @@ impl<'a> Writer<'a> {
         )
     }
 
-    /// One call of the child for each copy.
+    /// A loop with one call of the child for each copy.
     fn copies_loop(&mut self, axes: &[Axis], child: &str, result: &str) {
         let mut coordinates = Vec::new();
         for axis in axes {
@@ -315,7 +315,7 @@ impl<'a> Writer<'a> {
 
     /// A field as a separate function, for callers that need it more than once.
     fn child_function(&mut self, field: &Shape, kind: Kind) -> String {
-        // Two repetitions right after each other have used no name in between.
+        // Two directly nested repetitions have used no name in between.
         let name = self.name(&format!("{}{}_", kind.function(), self.place.tag));
         let outer = std::mem::take(&mut self.body);
         let result = self.node(field, kind, "p");
@@ -339,11 +339,11 @@ pub(super) struct Axis {
 }
 
 impl Axis {
-    /// The coordinate, and the copies' period and range, as the GLSL functions take them.
+    /// The coordinate, and the period and range of the copies, as arguments of the GLSL functions.
     pub fn range(&self) -> (String, String) {
         let even = self.count > 0 && self.count.is_multiple_of(2);
         let (coordinate, period) = (&self.coordinate, &self.period);
-        // Copies of an even number lie about the origin, none at it.
+        // An even number of copies is centred on the origin, with none at the origin itself.
         let q = if even {
             format!("{coordinate} - 0.5 * {period}")
         } else {
@@ -409,7 +409,7 @@ pub(super) fn mirrored(p: &str, axes: [bool; 3]) -> (String, Option<String>) {
     )
 }
 
-/// A shape's numbers as its functions take them, each with a comma before it.
+/// A shape's numbers as arguments of its functions, each with a comma before it.
 pub(super) fn arguments(node: &Node, numbers: &[String]) -> String {
     let mut text = String::new();
     let mut left = numbers;
