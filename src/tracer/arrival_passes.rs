@@ -1,4 +1,4 @@
-//! Arrivals: the passes that take waves past a transparent listener.
+//! Arrivals: the passes that trace waves past a transparent listener.
 
 use super::Tracer;
 use super::arrivals::{
@@ -21,12 +21,12 @@ use glam::Vec4;
 use std::ops::Range;
 use std::rc::Rc;
 
-/// By how much farther than requested waves are followed, as a share: the GPU adds up in `f32`,
-/// which rounds by 6e-8 in each chunk, and there are 4,095 at most; what is too much is left
-/// out on the CPU.
+/// Relative excess of the distance for which waves are followed over the requested one: the GPU
+/// sums in `f32`, which rounds by 6e-8 in each of at most 4,095 chunks; arrivals beyond the
+/// requested distance are left out on the CPU.
 const FARTHER: f64 = 3e-4;
 
-/// Uniform vectors of the shader beside those of surfaces and materials, at most.
+/// Maximum uniform vectors of the shader besides those of surfaces and materials.
 const OWN_VECTORS: usize = 40;
 
 /// The constants of one call of [`Tracer::arrivals`].
@@ -38,20 +38,22 @@ struct Run {
     materials: Vec<Vec4>,
     /// The open volume of the listener's sphere.
     open_volume_m3: f64,
-    /// Iterations of a wave at most.
+    /// Maximum iterations of a wave.
     iterations: u32,
     /// Iterations of a chunk.
     iterations_in_chunk: u32,
     /// Bands that the waves carry.
     bands: Range<usize>,
-    /// The waves of a block are followed while they have more than this share of their energy.
+    /// The waves of a block are followed while they have more than this share of their initial
+    /// energy.
     least_energy: f64,
 }
 
 /// A chunk to be drawn.
 struct Part {
     first_wave: u32,
-    /// Whether the waves' starts are in the textures from which a chunk starts.
+    /// Whether the starts of the waves have been uploaded to the textures from which a chunk
+    /// starts.
     is_uploaded: bool,
     first_iteration: u32,
     iterations: u32,
@@ -59,7 +61,7 @@ struct Part {
 }
 
 impl Part {
-    /// The next chunk, if waves are to be followed in some rows.
+    /// The next chunk, if waves in some rows must be followed further.
     fn next(&self, run: &Run, rows: Range<u32>) -> Option<Part> {
         let first_iteration = self.first_iteration + self.iterations;
         let left = run.iterations - first_iteration;
@@ -74,14 +76,14 @@ impl Part {
 }
 
 impl Tracer {
-    /// Follows waves past the listener, which stops none of them, and gives every crossing of its
-    /// sphere to `take`: in the order of the waves, for 262,144 waves and some iterations
-    /// at a time. The same input gives the same arrivals, bit for bit on one renderer. Where bands scatter
-    /// differently, the waves are followed once for each group of bands that scatter alike; the energies of
-    /// other bands are 0 then.
+    /// Follows waves past the listener, which stops none of them, and passes every crossing of the
+    /// listener's sphere to `take`: in the order of the waves, for 262,144 waves and some iterations at a
+    /// time. The same input gives the same arrivals, bit for bit on one renderer. If bands scatter
+    /// differently, the waves are followed once for each group of bands that scatter alike, with energies
+    /// of 0 in all other bands.
     ///
-    /// Of `settings` the algorithm, the waves, the seed, the directions and the maximum distance
-    /// count; how far waves are followed is in `how`. `take` must use no GL.
+    /// From `settings`, only the algorithm, the waves, the seed, the directions and the maximum
+    /// distance are used; `how` determines how far waves are followed. `take` must use no GL.
     ///
     /// ```
     /// use echomarch::gl::Context;
@@ -120,7 +122,7 @@ impl Tracer {
         Ok(counts)
     }
 
-    /// Follows some of the waves, or waves whose starts are given, that carry `how.bands` together.
+    /// Follows some of the waves, or waves with given starts, which all carry `how.bands`.
     pub(crate) fn arrivals_of(
         &mut self,
         pair: Pair,
@@ -179,7 +181,7 @@ impl Tracer {
         let structure = self.check_input(scene, &settings)?;
         let values = materials.uniform_values(&structure.layout.unrolled);
         check_materials(&self.context, scene, &structure, (&materials, &values))?;
-        // The scene's data are of this scene now.
+        // The scene's data now belong to this scene.
         self.give_up_marching();
         let rebasing = asked.algorithm.rebasing(pair.listener);
         self.scene.set(scene, rebasing, structure, &materials)?;
@@ -207,7 +209,7 @@ impl Tracer {
         })
     }
 
-    /// Makes the textures where there are none of that kind for these waves.
+    /// Creates the textures unless matching ones exist for these waves.
     fn provide_arrival_targets(
         &mut self,
         settings: &Settings,
@@ -216,7 +218,7 @@ impl Tracer {
         let grid = Grid::new(settings.waves.min(WAVES_IN_BLOCK));
         let will_do = |known: &ArrivalTargets| known.grid.waves >= grid.waves && known.is_for(text);
         if !self.arrival_targets.as_ref().is_some_and(will_do) {
-            // The old textures have gone before the new ones come.
+            // The old textures are dropped before the new ones are created.
             self.arrival_targets = None;
             let targets = ArrivalTargets::new(&self.context, grid, text.clone())?;
             self.arrival_targets = Some(targets);
@@ -224,8 +226,8 @@ impl Tracer {
         Ok(())
     }
 
-    /// Follows the waves of a block through all their chunks. While a chunk is drawn the one before
-    /// is added up.
+    /// Follows the waves of a block through all their chunks. While a chunk is drawn, the previous
+    /// one is summed.
     fn arrivals_of_block(
         &mut self,
         run: &Run,
@@ -268,7 +270,7 @@ impl Tracer {
             let chunk = targets.chunk(&listed, part.iterations);
             counts.arrivals += block.replay(&run.replay, &chunk, take);
             match next {
-                // Without energy, the chunk that is being drawn is not read.
+                // If no energy is left, the chunk that is being drawn is not read.
                 Some(next) if block.has_energy(run.least_energy) => part = next,
                 Some(_) => {
                     block.end_flights();
@@ -311,7 +313,7 @@ impl Tracer {
         )
     }
 
-    /// Draws the waves that were listed, and reads their records back.
+    /// Draws the listed waves, and reads their records back.
     fn draw_lists(
         &self,
         run: &Run,
@@ -362,7 +364,7 @@ impl Tracer {
     }
 }
 
-/// The energies of waves at the source, where they do not all stay 1.
+/// The energies of waves at the source, unless all of them stay 1.
 fn start_energies(run: &Run, starts: Option<&[Start]>, waves: usize) -> Vec<Bands> {
     let of_weight = |weight: f64| {
         std::array::from_fn(|band| match run.bands.contains(&band) {
@@ -381,15 +383,15 @@ fn start_energies(run: &Run, starts: Option<&[Start]>, waves: usize) -> Vec<Band
     }
 }
 
-/// Iterations of a chunk. Where the turns of loops limit them, the loop over words has its turns
-/// as well: there are fewer than an iteration has.
+/// Iterations of a chunk. If the turns of loops limit them, the loop over words takes turns as
+/// well: fewer than an iteration does.
 fn iterations_in_chunk(frame: &PreparedFrame, text: &ArrivalsText) -> u32 {
     let fit = frame.budget.iterations_per_pass;
     let is_limited = fit < frame.settings.iterations_per_pass && text.event_bits > 0;
     if is_limited { (fit - 1).max(1) } else { fit }
 }
 
-/// Materials that cannot be distinguished, or do not fit in the uniforms, are reported before anything is
+/// Rejects materials that cannot be distinguished, or do not fit in the uniforms, before anything is
 /// compiled.
 fn check_materials(
     context: &Context,
@@ -401,7 +403,7 @@ fn check_materials(
     if bits > Materials::MOST_BITS {
         return Err(TraceError::BadSetting {
             what: "materials of the scene",
-            must: format!("{} at the most", 1 << (Materials::MOST_BITS - 1)),
+            must: format!("at most {}", 1 << (Materials::MOST_BITS - 1)),
             value: materials.count().to_string(),
         });
     }

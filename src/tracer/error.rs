@@ -4,7 +4,7 @@ use crate::scene::UserField;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-/// A frame that cannot be traced, and why.
+/// The reason why a frame cannot be traced.
 #[derive(Clone, Debug, Deserialize, Serialize, thiserror::Error)]
 #[non_exhaustive]
 pub enum TraceError {
@@ -12,10 +12,10 @@ pub enum TraceError {
     #[serde(skip)]
     #[error("{what} must be {must}, not {value}")]
     BadSetting {
-        /// Which setting, with its unit.
+        /// The setting, with its unit.
         #[serde(skip)]
         what: &'static str,
-        /// Its range.
+        /// The range of the setting.
         must: String,
         /// The requested value.
         value: String,
@@ -27,11 +27,11 @@ pub enum TraceError {
     TooManyWaves {
         /// Waves requested.
         waves: u32,
-        /// Side of the texture that they need.
+        /// Side of the texture that the waves need.
         side: u32,
         /// The renderer's limit.
         limit: u32,
-        /// Waves that fit.
+        /// Maximum waves that fit.
         most: u64,
         /// The renderer's name.
         renderer: String,
@@ -43,24 +43,24 @@ pub enum TraceError {
     TooManySurfaces {
         /// Surfaces in the scene.
         surfaces: usize,
-        /// Uniform vectors that they need.
+        /// Uniform vectors that the surfaces need.
         needed: usize,
         /// Uniform vectors that the renderer has.
         limit: usize,
         /// The renderer's name.
         renderer: String,
     },
-    /// A user's field that is none, or does not compile.
+    /// A user's field whose text is no field, or does not compile.
     #[error("{}: {message}", located(file, *line))]
     FieldDoesNotCompile {
         /// The field's file.
         file: String,
-        /// The line, counted from 1, where there is one.
+        /// The line, counted from 1, if known.
         line: Option<u32>,
-        /// The driver's message, or what is missing.
+        /// The driver's message, or what the text lacks.
         message: String,
     },
-    /// A user's field whose value is not a number somewhere.
+    /// A user's field whose value is not finite at some point.
     #[error(
         "{file}: the value at ({:.3}, {:.3}, {:.3}) is {value}: it must be finite everywhere in its box",
         place.x, place.y, place.z
@@ -68,12 +68,12 @@ pub enum TraceError {
     FieldNotFinite {
         /// The field's file.
         file: String,
-        /// Where, in metres, in the field's own axes.
+        /// The point, in metres, in the field's own axes.
         place: Vec3,
-        /// The value there.
+        /// The value at this point.
         value: f32,
     },
-    /// A user's field that grows faster than it promises.
+    /// A user's field that grows faster than stated.
     #[error(
         "{file}: the value grows by {growth:.3} a metre at ({:.3}, {:.3}, {:.3}), more than the stated lipschitz of {stated}: {}",
         place.x, place.y, place.z, remedy(*growth, *stated)
@@ -81,14 +81,14 @@ pub enum TraceError {
     FieldGrows {
         /// The field's file.
         file: String,
-        /// Where, in metres, in the field's own axes.
+        /// The point, in metres, in the field's own axes.
         place: Vec3,
-        /// The growth found there, in metres a metre.
+        /// The growth found at this point, per metre.
         growth: f32,
-        /// The growth stated.
+        /// The stated growth.
         stated: f32,
     },
-    /// A user's field whose stated gradient is not that of its value.
+    /// A user's field whose stated gradient differs from the gradient of its value.
     #[error(
         "{file}: fieldGradient is ({:.4}, {:.4}, {:.4}) at ({:.3}, {:.3}, {:.3}), where the value grows by ({:.4}, {:.4}, {:.4}) a metre along x, y and z",
         stated.x, stated.y, stated.z, place.x, place.y, place.z, found.x, found.y, found.z
@@ -96,11 +96,11 @@ pub enum TraceError {
     FieldGradientOff {
         /// The field's file.
         file: String,
-        /// Where, in metres, in the field's own axes.
+        /// The point, in metres, in the field's own axes.
         place: Vec3,
-        /// The gradient stated, in units of the value a metre.
+        /// The stated gradient, per metre.
         stated: Vec3,
-        /// The gradient by differences of the value.
+        /// The gradient computed from differences of the value.
         found: Vec3,
     },
     /// A user's field that is evaluated too slowly.
@@ -111,9 +111,9 @@ pub enum TraceError {
     FieldTooSlow {
         /// The field's file.
         file: String,
-        /// The time of an evaluation in seconds, many of them side by side.
+        /// Time per evaluation in seconds, with many evaluations in parallel.
         seconds: f64,
-        /// The limit of this time in seconds.
+        /// The limit of this time, in seconds.
         limit: f64,
     },
     /// A user's field, while the calling program has not chosen how fields are tried, see
@@ -129,15 +129,15 @@ pub enum TraceError {
     /// [`FieldTrial`](super::FieldTrial).
     #[error("{file}: trying it in a child process {how}")]
     FieldDies {
-        /// The field's file; where several were tried, all of them.
+        /// The field's file, or the files of all fields if several were tried.
         file: String,
         /// How the process ended.
         how: String,
     },
-    /// The process in which users' fields are tried cannot be started, or gave no answer.
+    /// The process that tries users' fields cannot be started, or gave no answer.
     #[error("the child process that tries fields {why}")]
     NoFieldTrial {
-        /// What the process did.
+        /// A clause that describes the failure, with the process as its subject.
         why: String,
     },
     /// Arrivals were requested in a profile whose waves stop at the listener.
@@ -145,19 +145,19 @@ pub enum TraceError {
         "arrivals cannot be traced by the profile {profile}, whose waves stop at the listener: use hybrid or march"
     )]
     NoArrivals {
-        /// Its name.
+        /// The name of the profile.
         profile: String,
     },
-    /// A frame was to be advanced that was not begun, or was collected or given up since.
+    /// There is no frame to advance: none was begun, or the frame was collected or dropped.
     #[error("there is no frame to advance: begin one first")]
     NoFrameBegun,
-    /// Waves were requested before any frame was traced.
+    /// Waves were requested before a frame was traced.
     #[error("no frame was traced yet")]
     NothingTraced,
 }
 
 impl TraceError {
-    /// Rejects the text of a field that cannot be one, before it is compiled.
+    /// Rejects a text that cannot be a field, before it is compiled.
     pub(super) fn check_text(field: &UserField) -> Result<(), TraceError> {
         let refused = |(line, message)| TraceError::FieldDoesNotCompile {
             file: field.file.display().to_string(),
@@ -175,7 +175,7 @@ fn located(file: &str, line: Option<u32>) -> String {
     }
 }
 
-/// Beyond this growth in multiples of the stated one a jump is likelier than a steep slope.
+/// If the growth exceeds this multiple of the stated growth, a jump is likelier than a steep slope.
 const JUMP: f32 = 100.0;
 
 fn remedy(growth: f32, stated: f32) -> String {

@@ -34,21 +34,21 @@ pub struct Frame {
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 #[non_exhaustive]
 pub struct Milliseconds {
-    /// The initialise pass; 0 where all passes of the frame are one.
+    /// The initialise pass; 0 if all passes of the frame are drawn as one.
     pub initialise: f64,
-    /// All march passes together, or the one pass of the frame.
+    /// All march passes together, or the single pass of the frame.
     pub march: f64,
-    /// The panning pass; 0 where all passes of the frame are one.
+    /// The panning pass; 0 if all passes of the frame are drawn as one.
     pub pan: f64,
     /// Reading the panning texture back, and summing it on the CPU.
     pub read_back: f64,
-    /// The whole frame by the wall clock, setup included; without compiling shaders and making
-    /// textures, which only a first frame does.
+    /// The whole frame in elapsed time, including setup, but without compiling shaders and creating
+    /// textures, which happens only in a first frame.
     pub total: f64,
 }
 
 impl Milliseconds {
-    /// The median of each part over several frames, each by itself; zeros for none.
+    /// The median of each part over several frames, computed part by part; zeros without frames.
     #[doc(hidden)]
     pub fn medians(frames: &[Milliseconds]) -> Milliseconds {
         let part = |of: fn(&Milliseconds) -> f64| crate::sampling::median(frames.iter().map(of));
@@ -62,8 +62,8 @@ impl Milliseconds {
     }
 }
 
-/// The sound at the two ears: the summed contributions of all waves that reached
-/// the listener (thesis, section 3.2.4). Each such wave gives 1, split in two.
+/// The sound at the two ears: the summed contributions of all waves that reached the listener
+/// (thesis, section 3.2.4). Each such wave contributes 1, split between the ears.
 ///
 /// ```
 /// use echomarch::Panning;
@@ -97,25 +97,26 @@ impl Panning {
     }
 }
 
-/// How many waves ended how, and what happened to them on the way. Summed on the GPU, the
-/// counts of marches and evaluations are exact up to 2^24 and rounded above.
+/// Counts of waves by fate, and of events during their march. When summed on the GPU, the counts of
+/// marches and evaluations are exact up to 2^24 and rounded above.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 #[non_exhaustive]
 pub struct Counts {
     /// Waves that reached the listener.
     pub listener_hits: u64,
-    /// Dead waves: they met nothing within the maximum distance, or their march reached the step limit.
+    /// Dead waves: they hit no surface within the maximum distance, or their march reached the step
+    /// limit.
     pub dead: u64,
     /// Waves that are neither heard nor dead after the last iteration.
     pub travelling: u64,
-    /// Waves whose position or direction is not a number, as an incorrect shader or driver leaves
-    /// them. They contribute to neither ear and count as nothing else.
+    /// Waves whose position or direction is not a number, because of an incorrect shader or driver.
+    /// They contribute to neither ear and are in no other count.
     pub not_finite: u64,
-    /// Marches (a wave in an iteration) that ended at distance 0.
+    /// Marches (of a wave in an iteration) that ended at distance 0.
     pub zero_length_passes: u64,
     /// Marches that reached the step limit.
     pub step_limit_reached: u64,
-    /// Evaluations of the distance, where they were counted; the two before are then 0.
+    /// Evaluations of the distance, if they were counted; the two previous counts are then 0.
     #[serde(skip_serializing_if = "is_zero")]
     pub evaluations: u64,
 }
@@ -145,7 +146,7 @@ pub(super) fn sum(contributions: &[f32], are_evaluations: bool) -> (Panning, Cou
     let mut counts = Counts::default();
     for &[left, right, status, counters] in contributions.as_chunks::<4>().0 {
         match Fate::of(status) {
-            // All others give 0.
+            // All other waves contribute 0.
             Fate::Listener => {
                 counts.listener_hits += 1;
                 panning.left += f64::from(left);
@@ -166,7 +167,7 @@ pub(super) fn in_milliseconds(duration: Duration) -> f64 {
     duration.as_secs_f64() * 1e3
 }
 
-/// A result, and the milliseconds that it took.
+/// A result, and the time in milliseconds to compute it.
 pub(super) fn timed<T>(work: impl FnOnce() -> Result<T, Error>) -> Result<(T, f64), Error> {
     let began = Instant::now();
     let result = work()?;
@@ -185,7 +186,7 @@ mod tests {
         assert_eq!(pan(2.0, 2.0), 0.0);
         assert_eq!(pan(1.0, 3.0), 0.5);
         assert_eq!(pan(0.0, 0.0), 0.0);
-        // Sums that waves cannot have.
+        // Sums that cannot result from waves.
         assert_eq!(pan(-1.0, 3.0), 1.0);
         assert_eq!(pan(f64::NAN, 2.0), 1.0);
         assert_eq!(pan(f64::INFINITY, f64::INFINITY), 0.0);

@@ -1,12 +1,12 @@
 //! A frame in steps: begin, advance, and poll or wait.
 //!
-//! *Begin* checks the input and draws the waves at the source. *Advance* traces them for about
-//! the time that it is given: the rows of a pass that fit, in the order of the passes. After
-//! the last one it draws the panning pass, and requests a copy of the result in a pixel buffer.
-//! *Poll* and *wait* take the copy, when a fence signals that it is complete, and sum it.
+//! *Begin* checks the input and draws the waves at the source. *Advance* traces the waves for about
+//! the given time: as many rows of each pass as fit, in the order of the passes. After the last
+//! pass it draws the panning pass, and requests a copy of the result in a pixel buffer. *Poll* and
+//! *wait* take the copy, when a fence signals that it is complete, and sum it.
 //!
-//! [`Tracer::frame`] is the three in a row. The result does not depend on how a frame was
-//! divided, or on what was drawn in between, bit for bit.
+//! [`Tracer::frame`] runs the three steps in a row. The result is the same, bit for bit, however a
+//! frame was divided and whatever was drawn in between.
 
 use super::frame::in_milliseconds;
 use super::prepared::PreparedFrame;
@@ -19,12 +19,12 @@ use crate::gl::glow;
 use crate::platform::Instant;
 use crate::scene::{IntoPair, Pair};
 
-/// A frame begun and not yet collected.
+/// A frame that was begun and not yet collected.
 pub(super) struct FrameUnderWay {
     pub prepared: PreparedFrame,
     pub progress: Progress,
     pub read_back: ReadBack,
-    /// Milliseconds that it took to ask for the result; none while not all passes are drawn.
+    /// Milliseconds spent on requesting the result; `None` until all passes are drawn.
     asking: Option<f64>,
 }
 
@@ -36,18 +36,19 @@ impl FrameUnderWay {
 }
 
 /// The contribution of each wave of a frame to either ear, as a texture: for drawing with the tracer's context, which
-/// [`Context::from_glow`](crate::gl::Context::from_glow) makes one of the caller's own.
+/// is the caller's own if it was made by [`Context::from_glow`](crate::gl::Context::from_glow).
 ///
-/// Wave number n is the texel (n mod `width`, n / `width`), of four floats: shares to the left and to the right, which are 0
-/// for a wave that is not heard, else 1 together; two more that this crate alone uses. Texels beyond the last wave
-/// are to be left out.
+/// Wave number n is the texel (n mod `width`, n / `width`) of four floats: the shares to the left and to the right,
+/// whose sum is 1, or which are both 0 if the wave is not heard; and two that only this crate uses. Texels beyond the
+/// last wave must be ignored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct FrameTexture {
-    /// GL's name for the texture: `TEXTURE_2D` of `RGBA32F`, with one level, not filtered, clamped to its edge. The tracer
-    /// owns it and draws to it: it holds this frame until the next call of the tracer, and goes with it at the latest.
+    /// GL's name of the texture: `TEXTURE_2D` of `RGBA32F`, with one level, unfiltered, clamped to its edge. The tracer
+    /// owns the texture and draws to it: the texture holds this frame until the next call of the tracer, and is deleted
+    /// with the tracer at the latest.
     pub texture: glow::Texture,
-    /// Texels in a row.
+    /// Texels per row.
     pub width: u32,
     /// Rows.
     pub height: u32,
@@ -62,8 +63,8 @@ impl Tracer {
     /// [`frame_wait`](Tracer::frame_wait) gives its result, so that drawing in between is never
     /// blocked. On a graphics card nothing here waits for the card.
     ///
-    /// A frame begun before and not yet collected is given up. So is this one by any other
-    /// frame of this tracer before all of it is drawn.
+    /// Drops a frame that was begun before and not yet collected. Any other frame of this tracer
+    /// drops the new one, unless all of its passes are drawn.
     ///
     /// ```
     /// use echomarch::gl::Context;
@@ -103,14 +104,14 @@ impl Tracer {
         self.begin(pair, settings, Waves::Dropped)
     }
 
-    /// Traces the frame begun for about this time in milliseconds, at least one row of waves;
-    /// without end for [`f64::INFINITY`]. Whether all of it is drawn now, so that
-    /// [`Tracer::frame_poll`] will give it.
+    /// Traces the current frame for about this time in milliseconds, at least one row of waves;
+    /// without a limit for [`f64::INFINITY`]. Returns whether all of the frame is drawn, so that
+    /// [`Tracer::frame_poll`] will return it.
     ///
     /// # Errors
-    /// [`TraceError::NoFrameBegun`] where no frame was begun, or it was collected or given up since;
-    /// [`TraceError::BadSetting`] for a time that is negative or no number;
-    /// [`Error::Gpu`] when the renderer fails; the frame is then given up.
+    /// [`TraceError::NoFrameBegun`] if no frame was begun, or it was collected or dropped;
+    /// [`TraceError::BadSetting`] for a time that is negative or not a number; [`Error::Gpu`] if the
+    /// renderer fails, which drops the frame.
     pub fn frame_advance(&mut self, milliseconds: f64) -> Result<bool, Error> {
         if milliseconds.is_nan() || milliseconds < 0.0 {
             return Err(Error::from(TraceError::BadSetting {
@@ -126,19 +127,20 @@ impl Tracer {
         self.advance(milliseconds)
     }
 
-    /// The frame begun, if it is complete; `None` if it is not yet, or if no frame was begun.
+    /// Returns the current frame if it is complete; `None` if it is not complete, or if no frame
+    /// was begun.
     ///
-    /// Its `read_back` is the time of the copy and the sum, its `total` the time since it was
-    /// begun.
+    /// `read_back` in its times is the time of the copy and the sum, `total` the time since the
+    /// frame was begun.
     ///
     /// # Errors
-    /// [`Error::Gpu`] when the renderer fails; the frame is then given up.
+    /// [`Error::Gpu`] if the renderer fails, which drops the frame.
     pub fn frame_poll(&mut self) -> Result<Option<Frame>, Error> {
         let _entered = self.context.enter()?;
         self.collect(false)
     }
 
-    /// Traces the rest of the frame begun, and waits for it; `None` if no frame was begun.
+    /// Traces the rest of the current frame, and waits for it; `None` if no frame was begun.
     ///
     /// # Errors
     /// As [`Tracer::frame_poll`].
@@ -153,15 +155,15 @@ impl Tracer {
         self.under_way.is_some()
     }
 
-    /// Milliseconds spent on the march of a frame begun; `None` without one, and when
-    /// all of it is drawn.
+    /// Milliseconds spent on the march of the current frame; `None` without a frame, or if all of
+    /// it is drawn.
     pub fn frame_marching_for(&self) -> Option<f64> {
         let marching = self.under_way.as_ref().filter(|frame| !frame.is_drawn());
         marching.map(|frame| frame.progress.spent())
     }
 
-    /// Traces one frame as [`Tracer::frame`] does, and leaves its result on the GPU, without reading it back. On a graphics
-    /// card it does not wait.
+    /// Traces one frame as [`Tracer::frame`] does, and leaves its result on the GPU, without reading it back. On a
+    /// graphics card it does not wait for the card.
     ///
     /// ```
     /// use echomarch::gl::Context;
@@ -205,8 +207,8 @@ impl Tracer {
         })
     }
 
-    /// Begin, advance and wait in a row. A frame that was begun before, and is drawn, can be
-    /// collected afterwards.
+    /// Begins, advances and waits in a row. A frame that was begun before can still be collected
+    /// afterwards if all of it is drawn.
     pub(super) fn frame_at_once(
         &mut self,
         pair: Pair,
@@ -216,13 +218,13 @@ impl Tracer {
         self.frame_to_its_end()
     }
 
-    /// Traces the rest of the frame begun.
+    /// Traces the rest of the current frame.
     pub(super) fn frame_to_its_end(&mut self) -> Result<Frame, Error> {
         self.advance(f64::INFINITY)?;
         Ok(self.collect(true)?.ok_or(TraceError::NothingTraced)?)
     }
 
-    /// All passes of the frame begun, without asking for its result.
+    /// Draws all passes of the current frame, without requesting its result.
     fn draw_to_its_end(&mut self) -> Result<(), Error> {
         let mut frame = self.under_way.take().ok_or(TraceError::NothingTraced)?;
         self.march_for(&mut frame, f64::INFINITY)?;
@@ -231,7 +233,7 @@ impl Tracer {
         Ok(())
     }
 
-    /// Does something with frames of its own, and leaves a frame that is drawn as it was.
+    /// Runs a function that traces its own frames, and preserves a frame that is completely drawn.
     pub(super) fn aside<T>(
         &mut self,
         what: impl FnOnce(&mut Tracer) -> Result<T, Error>,
@@ -275,14 +277,15 @@ impl Tracer {
         Ok(())
     }
 
-    /// Gives up a frame that is not drawn yet. Of one that is drawn the result is elsewhere.
+    /// Drops a frame that is not completely drawn. The result of a completely drawn frame is in
+    /// other textures.
     pub(super) fn give_up_marching(&mut self) {
         if self.frame_marching_for().is_some() {
             self.give_up();
         }
     }
 
-    /// Forgets the frame in progress, but keeps its timer and read-back.
+    /// Drops the frame in progress, but keeps its timer and read-back.
     pub(super) fn give_up(&mut self) {
         if let Some(frame) = self.under_way.take() {
             self.spare = Some(frame.read_back);
@@ -290,7 +293,7 @@ impl Tracer {
     }
 
     fn advance(&mut self, milliseconds: f64) -> Result<bool, Error> {
-        // After an error there is none.
+        // After an error there is no frame.
         let Some(mut frame) = self.under_way.take() else {
             return Ok(true);
         };
@@ -305,8 +308,8 @@ impl Tracer {
         Ok(is_drawn)
     }
 
-    /// Draws rows of waves, at least one, until the time in milliseconds is used up or all
-    /// passes are drawn.
+    /// Draws rows of waves, at least one, until the time in milliseconds is used up or all passes
+    /// are drawn.
     pub(super) fn march_for(
         &mut self,
         frame: &mut FrameUnderWay,
@@ -315,7 +318,7 @@ impl Tracer {
         let FrameUnderWay {
             prepared, progress, ..
         } = frame;
-        // Tracers that share the program set its uniforms too.
+        // Tracers that share the program also set its uniforms.
         self.set_march_uniforms(prepared);
         progress.last_call_took(self.throughput.take());
         self.throughput.begin_call()?;
@@ -365,12 +368,12 @@ impl Tracer {
     }
 
     fn collect(&mut self, wait: bool) -> Result<Option<Frame>, Error> {
-        // After an error there is none.
+        // After an error there is no frame.
         let Some(mut frame) = self.under_way.take_if(|frame| frame.is_drawn()) else {
             return Ok(None);
         };
         if wait {
-            // Waits for the passes, whose time does not count as read-back.
+            // Waits for the passes, whose time is not part of the read-back's.
             frame.read_back.initialise_and_pan();
         }
         let reading = Instant::now();
@@ -406,7 +409,7 @@ mod tests {
     use crate::gl::{Context, ContextOptions, GpuTimer};
 
     /// Protects graphics cards, whose timers do not wait, on machines without one: a frame in one
-    /// call or in many is the same frame, and without any time each call draws one row. Software
+    /// call or in many calls is the same, and a call without any time draws one row. Software
     /// renderers have timestamp queries too, though with wrong times.
     #[test]
     fn a_timer_that_does_not_wait_changes_no_frame() {

@@ -1,7 +1,7 @@
 //! A compiled scene on the GPU: its data as a list that shaders read by index, its values as uniforms.
 //!
-//! A tracer has one, and so has a view in a window. It is kept from frame to frame: the compiled scene is
-//! updated in place, and its data are only sent again when they have changed.
+//! Each tracer, and each view in a window, has its own. It is kept from frame to frame: the compiled
+//! scene is updated in place, and its data are sent again only if they have changed.
 
 use super::TraceError;
 #[cfg(feature = "picture")]
@@ -15,10 +15,11 @@ use crate::scene::Scene;
 use crate::shader::AlgorithmText;
 use crate::shader::{CompiledScene, DATA_WIDTH, Materials, OriginRebasing, Structure};
 
-/// Uniform vectors of any of the shaders beside those of the surfaces, at most.
+/// Maximum uniform vectors of any shader besides those of the surfaces.
 pub(super) const OWN_UNIFORM_VECTORS: usize = 16;
 
-/// The algorithm whose scene pictures read: the distance to everything, in world coordinates.
+/// The algorithm for which pictures compile a scene: the distance to all objects, in world
+/// coordinates.
 #[cfg(feature = "picture")]
 const OF_PICTURES: AlgorithmText = AlgorithmText::Thesis;
 
@@ -30,7 +31,7 @@ pub(crate) struct GpuScene {
 }
 
 impl GpuScene {
-    /// One without a scene.
+    /// A value without a scene.
     ///
     /// # Errors
     /// [`Error::Gpu`] when the renderer fails.
@@ -85,13 +86,13 @@ impl GpuScene {
 /// Pictures of scenes.
 #[cfg(feature = "picture")]
 impl GpuScene {
-    /// The structure of a scene as pictures read it.
+    /// The structure of a scene for pictures.
     pub fn picture_structure(scene: &Scene) -> Structure {
         OF_PICTURES.structure(scene)
     }
 
-    /// Compiles the program of a picture around a scene, which is checked first, users' fields included. The text is
-    /// written only for a scene that fits.
+    /// Compiles the program of a picture of a scene, after checking the scene and its users' fields. The text is
+    /// written only for a scene that fits in the uniforms.
     ///
     /// # Errors
     /// [`Error::Scene`] and [`Error::Trace`] for a scene that cannot be drawn, [`Error::Gpu`] when the
@@ -110,7 +111,7 @@ impl GpuScene {
         compile_with_scene(context, scene, label, &text)
     }
 
-    /// Makes it this scene, and sets all that the program of a picture reads of it.
+    /// Sets the scene, and all uniforms of the scene in the program of a picture.
     ///
     /// # Errors
     /// [`Error::Gpu`] when the renderer fails.
@@ -128,8 +129,8 @@ impl GpuScene {
     }
 }
 
-/// Surfaces that do not fit in the uniforms are reported before anything is compiled. The shader needs `own`
-/// vectors beside those of the surfaces.
+/// Rejects surfaces that do not fit in the uniforms, before anything is compiled. The shader needs `own`
+/// vectors besides those of the surfaces.
 pub(super) fn check_uniforms(
     context: &Context,
     scene: &Scene,

@@ -6,19 +6,19 @@ use crate::error::Error;
 use crate::scene::Pair;
 use glam::Vec3;
 
-/// Traces waves with one seed after another, and keeps the start directions of those searched
-/// for. Tracing these again gives their paths.
+/// Traces waves with one seed after another, and keeps the start directions of waves that reached
+/// the listener and of some others. Tracing these directions again gives the waves' paths.
 #[derive(Clone, Debug, Default)]
 pub struct HeardSearch {
-    /// Of waves that reached the listener.
+    /// Start directions of waves that reached the listener.
     pub heard: Vec<Vec3>,
-    /// Of other waves.
+    /// Start directions of other waves.
     pub others: Vec<Vec3>,
-    /// Times that waves were traced.
+    /// Number of times that waves were traced.
     pub searches: u32,
 }
 
-/// Directions that are kept at most.
+/// Maximum number of kept directions.
 #[derive(Clone, Copy, Debug)]
 pub struct MostKept {
     pub heard: usize,
@@ -26,8 +26,8 @@ pub struct MostKept {
 }
 
 impl HeardSearch {
-    /// Traces the waves of `settings`, each time with the next seed, and keeps the first ones
-    /// of them.
+    /// Traces the waves of `settings`, each time with the next seed, and keeps the directions of
+    /// the first ones.
     ///
     /// # Errors
     /// As [`Tracer::frame`].
@@ -57,27 +57,27 @@ impl HeardSearch {
     }
 }
 
-/// Waves that are traced at a time: some 10 MB are read back of them.
+/// Waves traced at a time: some 10 MB are read back for them.
 const AT_A_TIME: u32 = 1 << 18;
 
 /// Waves that reached the listener, and their paths.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct HeardPaths {
-    /// As [`Tracer::paths`] gives them, but only of waves that reached the listener; empty
-    /// without any.
+    /// States as returned by [`Tracer::paths`], but only of waves that reached the listener; empty
+    /// without such waves.
     pub paths: Vec<Vec<Wave>>,
-    /// Waves that were traced to find them.
+    /// Number of waves traced to find them.
     pub traced: u64,
 }
 
 impl HeardPaths {
-    /// How many there are.
+    /// Number of paths.
     pub fn count(&self) -> usize {
         self.paths.first().map_or(0, Vec::len)
     }
 
-    /// Adds one wave of the states that [`Tracer::paths`] gave.
+    /// Adds one wave of the states returned by [`Tracer::paths`].
     fn add(&mut self, states: &[Vec<Wave>], wave: usize) {
         self.paths.resize_with(states.len(), Vec::new);
         for (all, state) in self.paths.iter_mut().zip(states) {

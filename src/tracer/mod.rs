@@ -3,10 +3,10 @@
 //! One frame runs as in figure 6 of the thesis:
 //!
 //! 1. *initialise*: one texel = one wave, at the source, in its own direction;
-//! 2. *march*, once an iteration: every wave to the next object, the two texture
-//!    pairs swapping roles;
-//! 3. *pan*: what each wave that reached the listener gives to either side;
-//! 4. one read-back of that one texture, summed on the CPU to a [`Panning`].
+//! 2. *march*, once per iteration: traces every wave to the next object, while the two texture
+//!    pairs swap roles;
+//! 3. *pan*: computes the contribution of each wave that reached the listener to either side;
+//! 4. one read-back of this one texture, summed on the CPU to a [`Panning`].
 //!
 //! The state of a wave never leaves the GPU in between. Departures from the thesis
 //! are documented where they are made, in `glsl/`, and together in `docs/thesis.md`.
@@ -78,9 +78,9 @@ pub use waves::{Fate, Wave};
 pub(crate) use waves::{STATUS_DEAD, STATUS_LISTENER, STATUS_STARTED};
 use waves::{unit_directions, waves};
 
-/// Traces frames. Programs and textures are kept from frame to frame: a frame that
-/// only moves things compiles nothing and allocates nothing on the GPU. With many scenes and
-/// profiles in turns the programs used last are kept, a dozen of them.
+/// Traces frames. Programs and textures are kept from frame to frame: a frame that only moves
+/// things compiles nothing and allocates nothing on the GPU. If scenes and profiles alternate, the
+/// dozen programs used last are kept.
 ///
 /// Every call makes the tracer's context current, whatever the caller has made current in the
 /// meantime, and a context of the caller's own (EGL) is current again when the call returns.
@@ -104,9 +104,8 @@ use waves::{unit_directions, waves};
 /// # Ok::<(), echomarch::Error>(())
 /// ```
 ///
-/// A frame has three steps: begin, advance, and poll or wait
-/// ([`frame_begin`](Tracer::frame_begin) shows them); [`frame`](Tracer::frame) takes them in a
-/// row.
+/// A frame has three steps: begin, advance, and poll or wait ([`frame_begin`](Tracer::frame_begin)
+/// shows them); [`frame`](Tracer::frame) runs all three.
 pub struct Tracer {
     context: Context,
     shared: Rc<RefCell<SharedPrograms>>,
@@ -119,14 +118,14 @@ pub struct Tracer {
     spare: Option<ReadBack>,
 }
 
-/// Whether the waves of a frame are requested, besides what is heard of them.
+/// Whether the waves of a frame are requested, in addition to its panning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Waves {
     Kept,
     Dropped,
 }
 
-/// The part that tracers may share.
+/// The part of a tracer that several tracers may share.
 #[derive(Default)]
 struct SharedPrograms {
     programs: Programs,
@@ -143,9 +142,8 @@ impl Tracer {
         Tracer::with(context, Rc::default())
     }
 
-    /// Another tracer on the same context, with textures and a frame in progress of its own,
-    /// for another count of waves. The two share their programs: what the one has compiled,
-    /// the other need not.
+    /// Another tracer on the same context, with its own textures and frame in progress, for another
+    /// number of waves. The two tracers share their programs: each program is compiled only once.
     ///
     /// # Errors
     /// As [`Tracer::new`].
@@ -172,7 +170,7 @@ impl Tracer {
         &self.context
     }
 
-    /// How the times of passes are taken.
+    /// The name of the clock that times the passes.
     pub fn clock_name(&self) -> &'static str {
         self.throughput.timer_name()
     }
@@ -183,8 +181,8 @@ impl Tracer {
         self.shared.borrow().programs.compiled()
     }
 
-    /// Checks all that a frame needs, users' fields included, and compiles its programs, but
-    /// traces nothing. What passes can be traced with these settings.
+    /// Checks everything that a frame needs, including users' fields, and compiles its programs,
+    /// but traces nothing. A scene that passes can be traced with these settings.
     ///
     /// # Errors
     /// As [`Tracer::frame`].
@@ -199,8 +197,8 @@ impl Tracer {
 
     /// Traces one frame of a source and a listener, or of a scene that has one of each, in their current state.
     ///
-    /// The first frame of a scene's structure compiles its programs, and the first of a count
-    /// of waves makes its textures; neither is in the frame's times.
+    /// The first frame of a scene's structure compiles its programs, and the first frame with a
+    /// number of waves creates its textures; neither counts in the frame's times.
     ///
     /// # Errors
     /// [`Error::Scene`] and [`Error::Trace`] for input that cannot be traced, such as a scene with several sources of
@@ -215,8 +213,8 @@ impl Tracer {
         self.aside(|tracer| tracer.frame_at_once(pair, settings))
     }
 
-    /// Traces one frame and reads back every wave, in order. The frame's times are without
-    /// this reading.
+    /// Traces one frame and reads back every wave, in order. The frame's times do not include
+    /// reading the waves back.
     ///
     /// # Errors
     /// As [`Tracer::frame`].
@@ -245,10 +243,10 @@ impl Tracer {
         })
     }
 
-    /// Follows every wave: its state after the start and after each iteration.
+    /// Traces every wave, and returns its state at the start and after each iteration.
     ///
-    /// The outer list has `settings.iterations + 1` entries, the inner ones a wave
-    /// each. Meant for pictures and comparisons.
+    /// The outer list has `settings.iterations + 1` entries, the inner lists one wave each. For
+    /// pictures and comparisons.
     ///
     /// # Errors
     /// As [`Tracer::frame`].
@@ -268,7 +266,7 @@ impl Tracer {
     /// them: as [`Tracer::paths`], except for the start. `settings.waves`, `seed` and
     /// `directions` do not matter.
     ///
-    /// World axes. A direction of any length but 0 will do: it is made a unit vector.
+    /// The directions are in world axes, with any length except 0: they are normalised.
     ///
     /// # Errors
     /// As [`Tracer::frame`]; [`BadSetting`](TraceError::BadSetting) for a direction that
@@ -289,8 +287,8 @@ impl Tracer {
         self.follow(&frame)
     }
 
-    /// Follows `wanted` waves that reach the listener: traces the waves of `settings`, then
-    /// those of the next seeds, until these are found or `most` waves were traced.
+    /// Finds the paths of `wanted` waves that reach the listener: traces the waves of `settings`,
+    /// then those of the next seeds, until `wanted` waves are found or `most` waves were traced.
     ///
     /// In the profile `thesis` a wave that died and is marched again does not count.
     ///
@@ -307,8 +305,8 @@ impl Tracer {
         HeardPaths::search(self, pair.chosen()?, settings, wanted, most)
     }
 
-    /// The start directions of the waves, in order: unit vectors, world axes. Of `settings` the
-    /// waves, the seed and the directions count.
+    /// The start directions of the waves, in order: unit vectors in world axes. From `settings`,
+    /// only the waves, the seed and the directions are used.
     ///
     /// # Errors
     /// As [`Tracer::frame`].
@@ -342,7 +340,7 @@ impl Tracer {
     ) -> Result<PreparedFrame, Error> {
         let scene = pair.scene;
         let structure = self.check_input(scene, settings)?;
-        // The textures are this frame's now.
+        // The textures now belong to this frame.
         self.give_up_marching();
         let asked = loops_asked(settings);
         let (budget, setup) = timed(|| {
@@ -355,7 +353,8 @@ impl Tracer {
         let structure = &self.scene.compiled.structure;
         let programs = self.programs(scene, structure, settings, as_one)?;
         self.make_room(settings, !programs.are_one())?;
-        // Compiling and making textures, which a first frame alone does, is not in its time.
+        // Compiling and creating textures, which only a first frame does, is not in the frame's
+        // time.
         let setup = Duration::from_secs_f64(setup * 1e-3);
         let now = Instant::now();
         let began = now.checked_sub(setup).unwrap_or(now);
@@ -365,7 +364,7 @@ impl Tracer {
         ))
     }
 
-    /// The programs of a frame, with all passes as one or not, compiled where they are not yet.
+    /// The programs of a frame, with all passes drawn as one or not, compiled if necessary.
     fn programs(
         &self,
         scene: &Scene,
@@ -387,12 +386,12 @@ impl Tracer {
         })
     }
 
-    /// Makes textures for the waves where there are none yet.
+    /// Creates textures for the waves if there are none yet.
     fn make_room(&mut self, settings: &Settings, with_pairs: bool) -> Result<(), Error> {
         let grid = Grid::new(settings.waves);
         let targets = match self.targets.take().filter(|targets| targets.grid == grid) {
             Some(targets) => targets,
-            // The old textures have gone before the new ones come.
+            // The old textures are dropped before the new ones are created.
             None => Targets::new(&self.context, grid)?,
         };
         let targets = self.targets.insert(targets);
@@ -406,7 +405,8 @@ impl Tracer {
         Ok(())
     }
 
-    /// Checks the input once a frame, and users' fields before the first. The structure of the scene.
+    /// Checks the input once per frame, and users' fields before the first frame. Returns the
+    /// structure of the scene.
     fn check_input(&self, scene: &Scene, settings: &Settings) -> Result<Structure, Error> {
         scene.validate()?;
         settings.validate()?;
@@ -436,7 +436,7 @@ impl Tracer {
         }
     }
 
-    /// The current waves, and those after each iteration.
+    /// The current waves, and the waves after each iteration.
     fn follow(&mut self, frame: &PreparedFrame) -> Result<Vec<Vec<Wave>>, Error> {
         self.set_march_uniforms(frame);
         let starts = self.targets()?.read_pair()?;
@@ -452,9 +452,9 @@ impl Tracer {
     }
 }
 
-/// Whether all passes of a frame are drawn as one. The thesis' are not. Users' fields, whose
-/// programs are tried before they are used, have one program: that of the march. The budget is
-/// only computed for the others, because it may need the scene's cells.
+/// Whether all passes of a frame are drawn as one. The thesis' passes are not. A scene with users'
+/// fields, whose programs are tried before use, has only the program of the march. The budget is
+/// computed only for other scenes, because it may need the scene's cells.
 fn fits_one_pass(scene: &Scene, settings: &Settings, budget: impl FnOnce() -> Budget) -> bool {
     settings.profile() != Profile::Thesis
         && scene.user_fields().next().is_none()

@@ -9,22 +9,21 @@ use crate::shader::{Budget, CompiledScene};
 use glam::{Vec3, Vec4};
 use std::rc::Rc;
 
-/// Evaluations of one surface in one draw call at most, were every march in it to take
-/// all the steps it may: some 2^38 operations, about a second on the slowest card that has
-/// OpenGL 3.3.
+/// Maximum evaluations of one surface in one draw call, if every march in it takes the maximum
+/// number of steps: some 2^38 operations, about a second on the slowest card with OpenGL 3.3.
 pub(super) const EVALUATIONS_PER_DRAW: u64 = 1 << 33;
 
-/// Rows that are drawn before anything is known of their time.
+/// Rows drawn before their time is known.
 const FIRST_ROWS: u32 = 8;
 
-/// Seconds that these may take, where that can be foreseen: no more than a picture.
+/// Maximum seconds for these rows, if their time can be predicted: no more than one picture takes.
 const FIRST_SECONDS: f64 = 0.03;
 
-/// Steps to the next surface, as a rule.
+/// Usual number of steps to the next surface.
 const USUAL_STEPS: f64 = 20.0;
 
-/// One frame's input, checked: its programs, and the values of their uniforms as the scene stood
-/// when the frame was begun.
+/// One frame's checked input: its programs, and the values of their uniforms for the scene at the
+/// beginning of the frame.
 pub(super) struct PreparedFrame {
     pub settings: Settings,
     pub grid: Grid,
@@ -34,24 +33,24 @@ pub(super) struct PreparedFrame {
     /// World position of the shaders' origin in metres.
     pub origin: Vec3,
     uniforms: Uniforms,
-    /// Seconds of an evaluation of the slowest user's field, where there is one.
+    /// Seconds per evaluation of the slowest user's field, if there is one.
     evaluation_seconds: Option<f64>,
 }
 
 /// The programs of a frame.
 pub(super) enum FramePrograms {
-    /// A program a pass, with the waves in texture pairs between them.
+    /// One program per pass, with the waves in texture pairs in between.
     Passes {
         initialise: Rc<Program>,
         march: Rc<Program>,
         pan: Rc<Program>,
     },
-    /// All passes in one: the waves are in no texture.
+    /// All passes in one program: the waves are in no texture.
     WholeFrame(Rc<Program>),
 }
 
 impl FramePrograms {
-    /// The program that takes waves through iterations.
+    /// The program that traces waves through iterations.
     pub fn march(&self) -> &Rc<Program> {
         match self {
             FramePrograms::Passes { march, .. } => march,
@@ -59,13 +58,13 @@ impl FramePrograms {
         }
     }
 
-    /// Whether all passes are one.
+    /// Whether all passes are drawn as one.
     pub fn are_one(&self) -> bool {
         matches!(self, FramePrograms::WholeFrame(_))
     }
 }
 
-/// Source and listener as the programs receive them, in the shaders' coordinates.
+/// Source and listener in the shaders' coordinates, as passed to the programs.
 struct Uniforms {
     source: Vec3,
     start_status: f32,
@@ -103,14 +102,14 @@ impl PreparedFrame {
         }
     }
 
-    /// Sets the uniforms of what starts the waves.
+    /// Sets the uniforms of a program that starts the waves.
     pub fn set_start_uniforms(&self, program: &Program) {
         set_direction_uniforms(program, &self.settings, self.grid);
         program.set_vec3("uSource", self.uniforms.source);
         program.set_f32("uStartStatus", self.uniforms.start_status);
     }
 
-    /// Sets the uniforms of the march that are the same for all iterations. Those that the
+    /// Sets the uniforms of the march that are the same for all iterations. Uniforms that the
     /// program does not have are skipped.
     pub fn set_march_uniforms(&self) {
         let (program, settings) = (self.programs.march(), &self.settings);
@@ -134,7 +133,7 @@ impl PreparedFrame {
         }
     }
 
-    /// Sets the uniforms of what pans.
+    /// Sets the uniforms of a program that pans.
     pub fn set_pan_uniforms(&self, program: &Program) {
         program.set_vec4("uListener", self.uniforms.listener);
         program.set_vec3("uListenerRight", self.uniforms.listener_right);
@@ -150,8 +149,8 @@ impl PreparedFrame {
         source.extend(start_status).to_array()
     }
 
-    /// Evaluations of one surface that a wave may take in these iterations, at most. Where a watchdog
-    /// limits the time of a draw, slow evaluations count as several usual ones.
+    /// Maximum evaluations of one surface by a wave in these iterations. If a watchdog limits the
+    /// time of a draw, slow evaluations count as several usual ones.
     pub fn evaluations(&self, context: &Context, iterations: u32) -> u64 {
         let evaluations = u64::from(iterations) * self.budget.evaluations;
         match context.is_software() {
@@ -160,15 +159,14 @@ impl PreparedFrame {
         }
     }
 
-    /// The time of an evaluation of the scene's slowest surface, in evaluations of a usual one: of users'
-    /// fields it was measured.
+    /// The time of an evaluation of the scene's slowest surface, as a multiple of a usual evaluation: for
+    /// users' fields it was measured.
     fn weight(&self) -> u64 {
         let slowest = self.evaluation_seconds.unwrap_or_default();
         ((slowest * EVALUATIONS_PER_DRAW as f64) as u64).max(1)
     }
 
-    /// Rows that are drawn before anything is known of their time: fewer of what is foreseen to
-    /// take long.
+    /// Rows drawn before their time is known: fewer if they are predicted to take long.
     pub fn first_rows(&self, iterations: u32) -> u32 {
         let Some(seconds) = self.evaluation_seconds else {
             return FIRST_ROWS;
@@ -190,7 +188,7 @@ fn start_status(pair: Pair, settings: &Settings, compiled: &CompiledScene) -> f3
     }
 }
 
-/// Sets the uniforms that start directions depend on.
+/// Sets the uniforms for the start directions.
 pub(super) fn set_direction_uniforms(program: &Program, settings: &Settings, grid: Grid) {
     set_grid(program, grid);
     program.set_u32("uSeed", settings.seed);

@@ -1,5 +1,5 @@
-//! The shader programs of a frame, each compiled once for the key of its text, and the parts of the
-//! settings that texts and loops depend on. An error in a user's text is that of the user's file.
+//! The shader programs of a frame, each compiled once for the key of its text, and the settings on
+//! which texts and loops depend. An error in a user's text is reported for the user's file.
 
 use super::{Algorithm, Directions, Settings, TraceError, field_trial};
 use crate::error::Error;
@@ -13,8 +13,8 @@ use std::num::NonZeroUsize;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// Programs that are kept at most: all three profiles of three scenes, and the passes that
-/// know no scene. Mesa's llvmpipe holds some 2 MiB for each.
+/// Maximum number of kept programs: all three profiles of three scenes, and the passes without a
+/// scene. Mesa's llvmpipe holds some 2 MiB for each program.
 const PROGRAMS_KEPT: NonZeroUsize = NonZeroUsize::new(12).unwrap();
 
 /// The parameters of the text of a pass: passes with equal keys share their programs.
@@ -24,24 +24,24 @@ enum Key {
     Scene(Rc<StructureKey>, ScenePass),
 }
 
-/// A pass over the waves that knows no scene.
+/// A pass over the waves whose text contains no scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum WavePass {
     Initialise(Directions),
     Pan,
     /// The first pass of the sum on the GPU.
     FirstSum,
-    /// Its further passes.
+    /// The further passes of the sum.
     FurtherSum,
 }
 
-/// A pass whose text has the surfaces of a scene.
+/// A pass whose text contains the surfaces of a scene.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) enum ScenePass {
     March(MarchText),
     /// All passes of a frame in one.
     WholeFrame(MarchText, Directions),
-    /// Waves through a chunk of iterations, past a transparent listener.
+    /// Traces waves through a chunk of iterations, past a transparent listener.
     Arrivals(ArrivalsText),
 }
 
@@ -87,8 +87,8 @@ impl Programs {
         self.cache.compiled()
     }
 
-    /// A pass over a scene of this structure. The scene is checked before the first program of its
-    /// structure is compiled.
+    /// The program of a pass over a scene of this structure. The scene is checked before the first
+    /// program of its structure is compiled.
     pub fn of_scene(
         &mut self,
         context: &Context,
@@ -104,7 +104,7 @@ impl Programs {
         })
     }
 
-    /// A pass that knows no scene.
+    /// The program of a pass without a scene.
     pub fn of_waves(&mut self, context: &Context, pass: WavePass) -> Result<Rc<Program>, Error> {
         self.cache.get_or_compile(Key::Waves(pass), || {
             let (label, text) = match pass {
@@ -118,7 +118,7 @@ impl Programs {
     }
 }
 
-/// The settings that are in the text of a march.
+/// The settings on which the text of a march depends.
 pub(super) fn march_options(settings: &Settings) -> MarchText {
     MarchText {
         algorithm: match &settings.algorithm {
@@ -130,7 +130,7 @@ pub(super) fn march_options(settings: &Settings) -> MarchText {
     }
 }
 
-/// The settings that the loops of a pass depend on.
+/// The settings on which the loops of a pass depend.
 pub(super) fn loops_asked(settings: &Settings) -> LoopsAsked {
     LoopsAsked {
         algorithm: march_options(settings).algorithm,
@@ -142,7 +142,7 @@ pub(super) fn loops_asked(settings: &Settings) -> LoopsAsked {
     }
 }
 
-/// The structure of a scene as frames with these settings read it.
+/// The structure of a scene for frames with these settings.
 pub(super) fn structure(scene: &Scene, settings: &Settings) -> Structure {
     march_options(settings).algorithm.structure(scene)
 }
@@ -153,7 +153,7 @@ impl Budget {
         Budget::of_structure(scene, structure(scene, settings), settings)
     }
 
-    /// The same where the scene's structure is known.
+    /// The budget of a scene whose structure is known.
     pub(super) fn of_structure(scene: &Scene, of: Structure, settings: &Settings) -> Budget {
         let asked = loops_asked(settings);
         let none = Materials::default();
@@ -164,14 +164,14 @@ impl Budget {
     }
 }
 
-/// A pass over the waves that is drawn with a program of its own.
+/// A pass over the waves that is drawn with its own program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Pass {
-    /// The waves at the source.
+    /// Puts the waves at the source.
     Initialise,
-    /// The waves through the scene.
+    /// Marches the waves through the scene.
     March,
-    /// The contribution of each wave to either side.
+    /// Computes the contribution of each wave to either side.
     Pan,
 }
 
@@ -186,16 +186,16 @@ pub fn shader_text(scene: &Scene, settings: &Settings, pass: Pass) -> String {
     }
 }
 
-/// The text of the march where the scene's structure is known.
+/// The text of the march of a scene whose structure is known.
 pub(super) fn march_text(scene: &Scene, structure: &Structure, settings: &Settings) -> String {
     shader::march_text(scene, structure, march_options(settings))
 }
 
-/// Compiles a program around the surfaces of a scene.
+/// Compiles a program that contains the surfaces of a scene.
 ///
 /// # Errors
-/// [`TraceError::FieldDoesNotCompile`] where it does not compile and has a user's text in it,
-/// which compiled alone; else what the driver reports.
+/// [`TraceError::FieldDoesNotCompile`] if the program does not compile and contains a user's text
+/// that compiled alone; otherwise the driver's error.
 pub(crate) fn compile_with_scene(
     context: &Context,
     scene: &Scene,
@@ -215,8 +215,8 @@ pub(crate) fn compile_with_scene(
     }
 }
 
-/// The first error of a log as one of a user's field, if the scene has one that is not the
-/// program's own.
+/// The first error of a log as an error of a user's field, if the program contains a field, except
+/// for errors in the program's own text.
 fn of_field(scene: &Scene, text: &str, log: &str) -> Option<TraceError> {
     let fields: Vec<&Arc<UserField>> = scene.user_fields().filter(|f| !f.is_own()).collect();
     let errors = log_errors(log);
@@ -238,17 +238,18 @@ fn of_field(scene: &Scene, text: &str, log: &str) -> Option<TraceError> {
         None => first_line(log),
     };
     let field = fields.first()?;
-    let why = format!("compiles alone, and not in the scene's shader: {message}");
+    let why = format!("compiles alone, but not in the scene's shader: {message}");
     Some(refused(field, None, why))
 }
 
-/// The first line of a log that says something.
+/// The first line of a log that is not empty.
 pub(super) fn first_line(log: &str) -> String {
     let line = log.lines().find(|line| !line.trim().is_empty());
     without_prefixes(line.unwrap_or("the driver does not say why").trim())
 }
 
-/// A driver's message with the names that the user's text has: without what renames them.
+/// A driver's message with the original names of the user's text, without the prefixes that rename
+/// them.
 pub(super) fn without_prefixes(message: &str) -> String {
     let mut plain = String::with_capacity(message.len());
     let mut rest = message;
@@ -273,8 +274,8 @@ pub(super) fn without_prefixes(message: &str) -> String {
     plain + rest
 }
 
-/// Bytes of the `user<number>_` that a text begins with; of `users<number>_`, which stands before
-/// names that begin with `_`, without the underscore, which is the name's own.
+/// Length in bytes of the prefix `user<number>_` of a text; for `users<number>_`, which precedes
+/// names that begin with `_`, without the underscore, which belongs to the name.
 fn prefix_length(text: &str) -> Option<usize> {
     let after = text.strip_prefix("user")?;
     let number = after.strip_prefix('s').unwrap_or(after);
@@ -303,8 +304,8 @@ mod tests {
         scene
     }
 
-    /// Protects people from a driver's log: what it says of a text in the whole shader is one
-    /// sentence with their file, their line and their names.
+    /// Protects people from a driver's log: an error in a text in the whole shader is reported in
+    /// one sentence with the user's file, line and names.
     #[test]
     fn an_error_in_the_whole_shader_is_that_of_the_field() {
         let text = "float _a;\nfloat field(vec3 p) { return p.x + _a; }\n";
@@ -325,11 +326,11 @@ mod tests {
             ),
             (
                 "1:7(3): error: no function with name 'min'\nmore\n".to_owned(),
-                "my.glsl: compiles alone, and not in the scene's shader: no function with name 'min'",
+                "my.glsl: compiles alone, but not in the scene's shader: no function with name 'min'",
             ),
             (
                 "\nout of registers\nmore\n".to_owned(),
-                "my.glsl: compiles alone, and not in the scene's shader: out of registers",
+                "my.glsl: compiles alone, but not in the scene's shader: out of registers",
             ),
         ] {
             let error = of_field(&scene, &shader, &log).unwrap();
@@ -339,7 +340,7 @@ mod tests {
         assert!(of_field(&own, &shader, "1:1(1): error: bad").is_none());
     }
 
-    /// Protects the names in messages: only what the program has put before them is taken off.
+    /// Protects the names in messages: only the prefixes added by the program are removed.
     #[test]
     fn only_prefixes_are_taken_off() {
         for (message, expected) in [

@@ -1,10 +1,10 @@
 //! The read-back of a frame's result: the panning texture summed on the CPU, or on the GPU block by block
 //! until one texel is left.
 //!
-//! The thesis reads the whole texture back and sums on the CPU. Summed on the GPU, one texel a
-//! target comes back; the sum runs in `f32`, by blocks, so its relative error stays below
-//! 64 roundings, 4e-6, a pass (1e-7 was measured: docs/accuracy.md). Counts of waves are exact;
-//! counts of passes and evaluations are exact up to 2^24 and rounded like any `f32` above.
+//! The thesis reads the whole texture back and sums on the CPU. A sum on the GPU returns one texel
+//! per target; it runs in `f32`, by blocks, so its relative error stays below 64 roundings, 4e-6,
+//! per pass (1e-7 was measured: docs/accuracy.md). Counts of waves are exact; counts of passes and
+//! evaluations are exact up to 2^24 and rounded like any `f32` above.
 
 use super::programs::{Programs, WavePass};
 use super::{Counts, Grid, Panning, Settings, frame};
@@ -17,11 +17,11 @@ use std::rc::Rc;
 
 /// The timer of a frame, and the read-back of its result; kept from one frame to the next.
 pub(super) struct ReadBack {
-    /// Four marks: around initialise, and around pan. Between the two others may draw.
+    /// Four marks: around initialise, and around pan. Others may draw between the two pairs.
     pub timer: GpuTimer,
     /// The contribution of each wave, or the sum.
     heard: AsyncRead,
-    /// The counts of passes where they are summed on the GPU.
+    /// The counts of passes, if they are summed on the GPU.
     passes: AsyncRead,
 }
 
@@ -39,15 +39,15 @@ impl ReadBack {
         Ok(self.heard.begin(pan, 0, grid.width, grid.height)?)
     }
 
-    /// Requests the result of a sum on the GPU that is drawn.
+    /// Requests the result of a sum on the GPU that has been drawn.
     pub fn ask_sum(&mut self, sum: &GpuSum) -> Result<(), Error> {
-        // The passes are asked for first, so that they are there when the rest is.
+        // The passes are requested first, so that they are complete when the rest is.
         self.passes.begin(sum.last(), 1, 1, 1)?;
         Ok(self.heard.begin(sum.last(), 0, 1, 1)?)
     }
 
-    /// The sum of all contributions, if it is there, after waiting if requested: computed on the CPU, or
-    /// on the GPU, as set in the settings.
+    /// The sum of all contributions, if it is available, after waiting if requested: computed on the CPU
+    /// or on the GPU, as set in the settings.
     pub fn sum(
         &mut self,
         settings: &Settings,
@@ -87,10 +87,10 @@ fn take<T>(
     }
 }
 
-/// Side of a block in texels: 64 texels to one.
+/// Side of a block in texels: 64 texels are summed to one.
 const BLOCK: u32 = 8;
 
-/// The programs, and the textures of each pass, the last of one texel.
+/// The programs of the sum, and the textures of each pass, the last one with one texel.
 pub(super) struct GpuSum {
     first: Rc<Program>,
     further: Rc<Program>,
@@ -142,13 +142,13 @@ impl GpuSum {
         Ok(())
     }
 
-    /// The target of one texel that holds the sum: what was heard, and the passes.
+    /// The target of one texel with the sums of contributions and passes.
     pub fn last(&self) -> &RenderTarget {
         &self.levels[self.levels.len() - 1].target
     }
 }
 
-/// The sums that stand in the last texel of either texture.
+/// The sums in the last texel of both textures.
 fn totals(heard: &[f32], passes: &[f32], grid: Grid, are_evaluations: bool) -> (Panning, Counts) {
     let panning = Panning {
         left: f64::from(heard[0]),

@@ -6,15 +6,15 @@ use super::{Settings, Tracer};
 use crate::error::Error;
 use crate::scene::{Scene, SceneError, SceneWatch};
 
-/// A scene that is read again when its files change, and only taken when it can be traced:
-/// until then, and after an error, the last good one stays. It is taken as a whole, so that no
-/// frame sees half a change.
+/// A scene that is read again when its files change. A new scene replaces the last one only if it
+/// can be traced: until then, and after an error, the last good scene stays. It is replaced as a
+/// whole, so that no frame sees half a change.
 pub struct Reloading {
     watch: SceneWatch,
     scene: Scene,
     /// A new scene, while its fields are tried.
     trying: Option<(Scene, Trial)>,
-    /// Programs that are drawn of it beside the tracer's.
+    /// Programs that are drawn with the scene in addition to the tracer's.
     others: Vec<ProgramOf>,
 }
 
@@ -25,7 +25,7 @@ impl Reloading {
     /// Reads a scene, checks it with the tracer, and follows its files from now on.
     ///
     /// # Errors
-    /// As [`Scene::load`] and [`Tracer::check`]: at first no earlier scene can be kept.
+    /// As [`Scene::load`] and [`Tracer::check`]: there is no earlier scene to keep.
     pub fn open(
         name_or_file: &str,
         tracer: &mut Tracer,
@@ -35,7 +35,8 @@ impl Reloading {
         Reloading::new(watch, scene, tracer, settings)
     }
 
-    /// As [`Reloading::open`], for a scene that `load` reads from the file and what it names.
+    /// As [`Reloading::open`], for a scene that `load` reads from the file and the files that it
+    /// names.
     ///
     /// # Errors
     /// The errors of `load`, and as [`Tracer::check`].
@@ -110,7 +111,7 @@ impl Reloading {
         &self.scene
     }
 
-    /// The files that are followed; none of a built-in scene.
+    /// The files that are followed; none for a built-in scene.
     pub fn files(&self) -> impl Iterator<Item = &std::path::Path> {
         self.watch.files()
     }
@@ -131,7 +132,7 @@ fn begin_trial(
     Trial::begin(scene, &programs)
 }
 
-/// A scene that is opened while another one continues: nothing waits for the trial of its fields.
+/// A scene that is opened while another one continues: the trial of its fields does not block.
 pub struct Opening {
     reloading: Reloading,
     trial: Option<Trial>,
@@ -169,8 +170,7 @@ impl Opening {
         self.trial.is_some()
     }
 
-    /// Whether its fields can be used, once that is known; at once where there is nothing to
-    /// try.
+    /// Whether the fields can be used, once known; known immediately if there are no fields to try.
     pub fn poll(&mut self) -> Option<Result<(), Error>> {
         let Some(trial) = &mut self.trial else {
             return Some(Ok(()));
@@ -180,7 +180,7 @@ impl Opening {
         Some(ended)
     }
 
-    /// Waits until that is known.
+    /// Waits for the result of the trial.
     ///
     /// # Errors
     /// [`Error::Trace`] for a field that cannot be used.

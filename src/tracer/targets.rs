@@ -1,5 +1,5 @@
-//! The textures of a frame, and the passes that draw to them. No pass waits for the GPU; the callers take
-//! their times.
+//! The textures of a frame, and the passes that draw to them. No pass waits for the GPU; the callers
+//! measure the times.
 
 use super::gpu_scene::GpuScene;
 use super::prepared::{EVALUATIONS_PER_DRAW, FramePrograms, PreparedFrame};
@@ -13,19 +13,19 @@ use crate::gl::{
 use glam::Vec3;
 use std::ops::Range;
 
-/// Waves in one draw call at most: a frame of more is drawn in bands of rows, so that
-/// a graphics card's watchdog does not take a long pass for a hang.
+/// Maximum waves in one draw call: a larger frame is drawn in bands of rows, so that a graphics
+/// card's watchdog does not mistake a long pass for a hang.
 const WAVES_PER_DRAW: u64 = 1 << 20;
 
-/// The textures for one count of waves.
+/// The textures for one number of waves.
 pub(super) struct Targets {
     context: Context,
     pub grid: Grid,
-    /// Made for the first frame in several passes.
+    /// Created for the first frame with several passes.
     pairs: Option<PingPong>,
     pub contributions: Texture,
     pub pan: RenderTarget,
-    /// Made for the first frame that is summed on the GPU.
+    /// Created for the first frame that is summed on the GPU.
     pub sum: Option<GpuSum>,
 }
 
@@ -42,7 +42,7 @@ impl Targets {
         })
     }
 
-    /// Makes the texture pairs where there are none yet.
+    /// Creates the texture pairs if there are none yet.
     pub fn provide_pairs(&mut self) -> Result<(), GpuError> {
         if self.pairs.is_none() {
             let Grid { width, height, .. } = self.grid;
@@ -55,7 +55,7 @@ impl Targets {
         self.pairs.as_ref().ok_or(TraceError::NothingTraced)
     }
 
-    /// Puts every wave at the source, where that is a pass of its own.
+    /// Puts every wave at the source, if this is a separate pass.
     pub fn initialise(&self, frame: &PreparedFrame) -> Result<(), Error> {
         let FramePrograms::Passes { initialise, .. } = &frame.programs else {
             return Ok(());
@@ -70,7 +70,7 @@ impl Targets {
         self.draw(program, target, 1, 0..self.grid.height)
     }
 
-    /// Puts every wave at the source, with directions that are given.
+    /// Puts every wave at the source, with given directions.
     pub fn upload_starts(&self, frame: &PreparedFrame, directions: &[Vec3]) -> Result<(), Error> {
         let texels = (self.grid.width * self.grid.height) as usize;
         let [origins, headings] = start_texels(frame.start(), directions.iter().copied(), texels);
@@ -80,7 +80,7 @@ impl Targets {
         Ok(())
     }
 
-    /// Draws some rows of a march pass; when all are drawn the pairs are to be
+    /// Draws some rows of a march pass; when all rows are drawn, the pairs must be
     /// [flipped](Targets::flip).
     pub fn march_rows(
         &self,
@@ -109,7 +109,7 @@ impl Targets {
         }
     }
 
-    /// Draws the contribution of each wave to either side, where that is a pass of its own.
+    /// Draws the contribution of each wave to either side, if this is a separate pass.
     pub fn pan(&self, frame: &PreparedFrame) -> Result<(), Error> {
         let FramePrograms::Passes { pan: program, .. } = &frame.programs else {
             return Ok(());
@@ -121,7 +121,7 @@ impl Targets {
         self.draw(program, &self.pan, 1, 0..self.grid.height)
     }
 
-    /// Requests the result of a frame whose passes are all drawn.
+    /// Requests the result of a frame after all of its passes are drawn.
     pub fn ask(&self, read_back: &mut ReadBack, on_gpu: bool) -> Result<(), Error> {
         if !on_gpu {
             return read_back.ask(&self.pan, self.grid);
@@ -131,7 +131,7 @@ impl Targets {
         read_back.ask_sum(sum)
     }
 
-    /// Both textures of the current pair, the texels beyond the last wave left out.
+    /// Both textures of the current pair, without the texels beyond the last wave.
     pub fn read_pair(&self) -> Result<[Vec<f32>; 2], Error> {
         let length = 4 * self.grid.waves as usize;
         let target = &self.pairs()?.current().target;
@@ -153,7 +153,7 @@ impl Targets {
     }
 }
 
-/// Draws some rows of one pass in bands; a wave takes `evaluations` of a surface, at most.
+/// Draws some rows of one pass in bands; a wave evaluates a surface at most `evaluations` times.
 pub(super) fn draw(
     context: &Context,
     program: &Program,
@@ -171,7 +171,7 @@ pub(super) fn draw(
     Ok(())
 }
 
-/// Waves that do not fit in a texture are reported before anything is allocated.
+/// Rejects waves that do not fit in a texture, before anything is allocated.
 pub(super) fn check_waves(context: &Context, grid: Grid) -> Result<(), TraceError> {
     let limit = context.limits().max_texture_size;
     if grid.width <= limit {

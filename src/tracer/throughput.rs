@@ -1,31 +1,30 @@
-//! How many rows of waves fit a time.
+//! The number of rows of waves that can be drawn in a given time.
 //!
-//! It is foreseen from the rows before. Software renderers are waited for, so that their time
-//! is measured at once; on a graphics card the time of all rows of a call is requested in the
-//! next one, a picture later, when they should long be over.
+//! The number is predicted from the previous rows. The CPU waits for software renderers, so their
+//! time is measured at once; on a graphics card, the time of all rows of a call is requested in the
+//! next call, one picture later, when the rows should long be complete.
 
 use super::{Grid, Settings};
 use crate::gl::{GpuError, GpuTimer, Program};
 use std::rc::Rc;
 
-/// By how many times the throughput may seem to rise from one part to the next: one that was
-/// quick by chance shall not be followed by one that takes far too long.
+/// Maximum apparent increase of the throughput from one part to the next: a part that was quick by
+/// chance must not be followed by a part that takes far too long.
 const MOST_FASTER: f64 = 4.0;
 
-/// Milliseconds that rows are taken to need at least: no division by zero where the clock
-/// did not move.
+/// Least time of rows in milliseconds: prevents a division by zero if the clock did not advance.
 const LEAST_MILLISECONDS: f64 = 1e-6;
 
-/// How far the march of a frame has come.
+/// Progress of the march of a frame.
 pub(super) struct Progress {
-    /// Iterations that are not in any pass yet.
+    /// Iterations not yet assigned to a pass.
     left: u32,
     /// Iterations of the pass in progress; 0 when all passes are done.
     pub iterations_in_pass: u32,
-    /// Rows of it that are drawn.
+    /// Rows of this pass that are drawn.
     pub rows: u32,
-    /// Milliseconds spent on all calls, on a graphics card without the last one; none
-    /// before the first call.
+    /// Milliseconds spent on all calls, on a graphics card without the last one; `None` before the
+    /// first call.
     spent: Option<f64>,
     iterations_per_pass: u32,
 }
@@ -63,19 +62,20 @@ impl Progress {
         *self.spent.get_or_insert_default() += milliseconds;
     }
 
-    /// Adds the time of the call before this one; before the first one that was another frame's.
+    /// Adds the time of the previous call; before the first call of a frame, the previous call
+    /// belonged to another frame.
     pub fn last_call_took(&mut self, milliseconds: f64) {
         self.spent = Some(self.spent.map_or(0.0, |spent| spent + milliseconds));
     }
 }
 
-/// How fast rows are drawn, by one program on one grid.
+/// The rate at which one program draws rows on one grid.
 pub(super) struct Throughput {
     timer: GpuTimer,
     of: Option<(Rc<Program>, Grid)>,
-    /// Milliseconds of a row of one iteration; none before the first part.
+    /// Milliseconds per row and iteration; `None` before the first part.
     milliseconds: Option<f64>,
-    /// Rows times iterations of a call on a graphics card, whose time is not taken yet.
+    /// Rows times iterations of a call on a graphics card whose time has not been queried yet.
     untaken: Option<f64>,
 }
 
@@ -89,12 +89,12 @@ impl Throughput {
         }
     }
 
-    /// How the times are taken.
+    /// The name of the timer.
     pub fn timer_name(&self) -> &'static str {
         self.timer.name()
     }
 
-    /// Forgets what is known of another program, or of rows of another length.
+    /// Forgets the rate of another program, or of rows of another length.
     pub fn select(&mut self, program: &Rc<Program>, grid: Grid) {
         let is_same = |(known, of): &(Rc<Program>, Grid)| Rc::ptr_eq(known, program) && *of == grid;
         if !self.of.as_ref().is_some_and(is_same) {
@@ -103,8 +103,8 @@ impl Throughput {
         }
     }
 
-    /// Rows of `iterations` that fit a time: `None` before the first measurement, and all rows for a
-    /// time without end.
+    /// Rows of `iterations` that fit a time: `None` before the first measurement, and all rows for
+    /// an infinite time.
     pub fn rows(&self, iterations: u32, milliseconds: f64) -> Option<u32> {
         if milliseconds == f64::INFINITY {
             return Some(u32::MAX);
@@ -118,8 +118,8 @@ impl Throughput {
         self.milliseconds = Some((took / work).max(least));
     }
 
-    /// Milliseconds of the last call on a graphics card, if that was not queried before. Waits for
-    /// the call, unless it has ended.
+    /// Milliseconds of the last call on a graphics card, if its time was not queried before. Waits
+    /// for the call, unless it has ended.
     pub fn take(&mut self) -> f64 {
         let Some(work) = self.untaken.take() else {
             return 0.0;
@@ -129,13 +129,13 @@ impl Throughput {
         took
     }
 
-    /// A call begins.
+    /// Begins a call.
     pub fn begin_call(&mut self) -> Result<(), GpuError> {
         self.timer.restart()
     }
 
-    /// Ends a part of `work` rows times iterations. Returns its milliseconds, or none if the timer does not
-    /// wait.
+    /// Ends a part of `work` rows times iterations. Returns its milliseconds, or `None` if the timer does
+    /// not wait.
     pub fn end_part(&mut self, work: f64) -> Result<Option<f64>, GpuError> {
         if !self.timer.waits() {
             return Ok(None);
@@ -147,12 +147,12 @@ impl Throughput {
         Ok(Some(took))
     }
 
-    /// Milliseconds that `work` rows times iterations should take.
+    /// Predicted milliseconds for `work` rows times iterations.
     pub fn foreseen(&self, work: f64) -> f64 {
         self.milliseconds.unwrap_or_default() * work
     }
 
-    /// The end of a call, of `work` rows times iterations in all.
+    /// Ends a call of `work` rows times iterations in total.
     pub fn end_call(&mut self, work: f64) -> Result<(), GpuError> {
         if !self.timer.waits() {
             self.timer.mark()?;

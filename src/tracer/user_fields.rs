@@ -1,19 +1,18 @@
-//! Users' fields, checked before they are part of anything.
+//! Users' fields, checked before they are used.
 //!
-//! Each is compiled separately, so that errors are reported with its own file and
-//! line; its values are taken on a grid of 65 points a side, for the CPU to know where the
-//! solid is; and it is tried, there and at 16,384 points in between, whether it is a number
-//! everywhere and grows as it promises. Only what is measured between two points counts as
-//! growth: that proves it. (The length of a gradient by differences does not, at a ridge.)
-//! What is narrower than a step between points can still pass unseen. A gradient that the text
-//! states is compared with differences (`gradient.rs`).
+//! Each field is compiled separately, so that errors are reported with its own file and line. Its
+//! values are sampled on a grid of 65 points a side, from which the CPU knows where the solid is.
+//! At these points and at 16,384 points in between, the field is tested for values that are not
+//! numbers and for growth beyond the stated limit. Only growth measured between two points counts,
+//! because it is a proof. (The length of a gradient by differences is no proof at a ridge.) Details
+//! narrower than a step between points can still be missed. A gradient stated by the text is
+//! compared with differences (`gradient.rs`).
 //!
 //! # Cost
-//! Once for each context and field: one short program, and some 400,000 evaluations in four
-//! passes, and what takes too long in the first of them is rejected. With Mesa's llvmpipe on two cores that is a tenth of a second for a Menger
-//! sponge of five levels, on a graphics card a few milliseconds; a stated gradient takes another
-//! 100,000. A frame whose fields are
-//! known compares pointers.
+//! Once for each context and field: one short program, and some 400,000 evaluations in four passes; a field that takes
+//! too long in the first pass is rejected. With Mesa's llvmpipe on two cores, this takes a tenth of a second for a
+//! Menger sponge of five levels, and on a graphics card a few milliseconds; a stated gradient takes another 100,000
+//! evaluations. If the fields of a frame are already checked, the frame only compares pointers.
 
 mod gradient;
 
@@ -33,11 +32,11 @@ use std::sync::Arc;
 /// Samples along each side of the box.
 const SIDE: usize = 65;
 
-/// Points in between at which the growth is tried.
+/// Points in between at which the growth is tested.
 const TRIES: usize = 16_384;
 
-/// By how much the growth found may exceed the stated one: what is this little too fast does
-/// no harm to a march, whose last steps are Newton's.
+/// Tolerated relative excess of the growth over the stated one: an excess this small does no harm
+/// to a march, whose last steps are Newton's.
 const TOLERANCE: f32 = 0.01;
 
 /// The rounding error of a value, as a share of the largest value that its box allows.
@@ -49,29 +48,29 @@ const ROW: usize = 1024;
 /// Rows in one draw call.
 const ROWS_PER_DRAW: u32 = 64;
 
-/// Points by which the time of an evaluation is taken: a row.
+/// Number of points in the timing of an evaluation: a row.
 const TIMED: usize = ROW;
 
-/// By how many false positions points are brought to the surface: within a micrometre of it
-/// where the value is nearly that of a plane.
+/// Steps of regula falsi that bring points to the surface: within a micrometre of it if the value
+/// is nearly that of a plane.
 const CLOSER_TO_SURFACE: usize = 3;
 
-/// Times that are taken at least, of which the shortest counts: whatever else the machine
-/// does holds up the others.
+/// Least number of timings, of which the shortest counts: other work on the machine delays the
+/// others.
 const TIMINGS: u32 = 8;
 
-/// Seconds that the timing may take; a field that seems too slow is timed for all of them.
+/// Seconds that the timing may take; a field that seems too slow is timed for the whole time.
 const TIMING: f64 = 1.0;
 
-/// Seconds that an evaluation may take, many of them side by side: with twenty times those of
-/// a Menger sponge a frame of 65,536 waves and eight iterations takes a minute.
+/// Maximum seconds per evaluation, with many evaluations in parallel: at twenty times the time of a
+/// Menger sponge, a frame of 65,536 waves and eight iterations takes a minute.
 const SLOWEST: f64 = 5e-6;
 
-/// Steps along the way between two points where something is amiss.
+/// Steps between two points with an excessive growth.
 const CLOSER: usize = 256;
 
-/// Fields remembered beyond those of the scene: an editor makes a new one with each change,
-/// and each text has a MiB of samples.
+/// Number of remembered fields in addition to those of the scene: an editor makes a new field with
+/// each change, and each text has a MiB of samples.
 const KNOWN: usize = 16;
 
 /// The fields that a context has checked.
@@ -81,9 +80,9 @@ pub struct UserFields {
 }
 
 impl UserFields {
-    /// Checks those of the scene that are not known yet, and gives all their samples; together
-    /// with `program`, of which they will be part, they are tried first as
-    /// [`FieldTrial`](super::FieldTrial) is set.
+    /// Checks the fields of the scene that are not known yet, and provides the samples of all its
+    /// fields. Before that, the fields, together with the `program` that will contain them, are
+    /// tried as set by [`FieldTrial`](super::FieldTrial).
     ///
     /// # Errors
     /// [`Error::Trace`] for a field that cannot be used, [`Error::Gpu`] when the renderer
@@ -119,7 +118,7 @@ impl UserFields {
                 continue;
             }
             match self.checked.iter().find(|known| ***known == **field) {
-                // The same text, in a scene that was read again: one set of samples is enough.
+                // The same text in a scene that was read again: one set of samples is enough.
                 Some(known) => {
                     if let Some(samples) = known.samples() {
                         field.set_samples(Arc::clone(samples));
@@ -128,7 +127,7 @@ impl UserFields {
                         field.set_evaluation_seconds(seconds);
                     }
                 }
-                // Samples from a child: the field's own program is not used again.
+                // The samples come from a child: the field's own program is not used again.
                 None if field.samples().is_some() && field_trial::has_passed(field) => (),
                 None => check(context, field)?,
             }
@@ -137,7 +136,7 @@ impl UserFields {
         Ok(())
     }
 
-    /// Forgets the oldest fields that the scene does not have.
+    /// Forgets the oldest fields that are not in the scene.
     fn forget_old(&mut self, scene: &Scene) {
         let is_here = |field: &Arc<UserField>| scene.user_fields().any(|f| Arc::ptr_eq(f, field));
         let (here, mut others): (Vec<_>, Vec<_>) = self.checked.drain(..).partition(is_here);
@@ -148,7 +147,7 @@ impl UserFields {
     }
 }
 
-/// Compiles a field by itself, samples and tries it.
+/// Compiles a field separately, samples it and tests it.
 pub(super) fn check(context: &Context, field: &UserField) -> Result<(), Error> {
     let refuse = |line, message| TraceError::FieldDoesNotCompile {
         file: field.file.display().to_string(),
@@ -166,7 +165,7 @@ pub(super) fn check(context: &Context, field: &UserField) -> Result<(), Error> {
         }
         Err(error) => return Err(error.into()),
     };
-    // Samples are only kept of what has passed.
+    // Samples are kept only if the field has passed.
     if field.samples().is_some() {
         return Ok(());
     }
@@ -189,7 +188,7 @@ pub(super) fn check(context: &Context, field: &UserField) -> Result<(), Error> {
 /// Line and message of the first error of a log in the user's text.
 fn first_error(log: &str) -> (Option<u32>, String) {
     let errors = log_errors(log);
-    // Mesa loses the number of what a macro stands for, and keeps the line.
+    // Mesa loses the file number in the expansion of a macro, and keeps the line.
     let is_users = |file: u32| file == USER_FILE || file == 0;
     if let Some(error) = errors.iter().find(|error| is_users(error.file)) {
         return (Some(error.line), without_prefixes(&error.message));
@@ -203,7 +202,7 @@ fn first_error(log: &str) -> (Option<u32>, String) {
     }
 }
 
-/// A field's program, to ask it for values.
+/// A field's program, which evaluates its values.
 struct Probe<'a> {
     context: &'a Context,
     program: Program,
@@ -211,7 +210,7 @@ struct Probe<'a> {
 }
 
 impl Probe<'_> {
-    /// The values on the grid, all of them finite, between which it grows as promised.
+    /// The values on the grid, all of them finite, with growth between them as stated.
     fn samples(&self) -> Result<UserSamples, Error> {
         let points: Vec<Vec3> = (0..SIDE * SIDE * SIDE).map(|i| self.place(i)).collect();
         let values = self.values(&points)?;
@@ -223,7 +222,7 @@ impl Probe<'_> {
         Ok(UserSamples { side: SIDE, values })
     }
 
-    /// Tries short steps along the axes and the gradient, at points spread over the box.
+    /// Tests short steps along the axes and the gradient, at points spread over the box.
     fn check_growth(&self) -> Result<(), Error> {
         let half = 0.5 * self.field.size;
         let least = self.field.size.min_element();
@@ -252,7 +251,7 @@ impl Probe<'_> {
         self.judge(steepest)
     }
 
-    /// Rejects what grows too fast, after a closer look at where it does so.
+    /// Rejects a field that grows too fast, after evaluating more points where it does.
     fn judge(&self, steepest: Steepest) -> Result<(), Error> {
         let stated = self.field.lipschitz;
         if steepest.growth <= stated * (1.0 + TOLERANCE) {
@@ -275,7 +274,7 @@ impl Probe<'_> {
         .into())
     }
 
-    /// Nothing found yet.
+    /// The initial value, without any growth.
     fn steepest(&self) -> Steepest {
         Steepest {
             growth: 0.0,
@@ -284,20 +283,20 @@ impl Probe<'_> {
         }
     }
 
-    /// Seconds that an evaluation takes anywhere in the box, as a rule; rejects what is too slow
-    /// before much of it is requested.
+    /// Typical seconds per evaluation at points in the whole box; a field that is too slow is
+    /// rejected before many evaluations are requested.
     fn time_anywhere(&self) -> Result<f64, Error> {
         let half = 0.5 * self.field.size;
         let points: Vec<Vec3> = (1..=TIMED)
             .map(|index| half * (2.0 * halton(index).as_vec3() - 1.0))
             .collect();
-        // A driver compiles the rest of a program with its first pass.
+        // A driver compiles the rest of a program only in its first pass.
         self.values(&points[..1])?;
         self.time_at(&points)
     }
 
-    /// Seconds that an evaluation takes at the surface, where waves take most of their steps; 0
-    /// where there is none.
+    /// Seconds per evaluation at the surface, where waves take most of their steps; 0 without a
+    /// surface.
     fn time_at_surface(&self, surface: &[Vec3]) -> Result<f64, Error> {
         if surface.is_empty() {
             return Ok(0.0);
@@ -306,7 +305,7 @@ impl Probe<'_> {
         self.time_at(&points)
     }
 
-    /// Points on the surface, or next to it, that are spread over it: [`TIMED`] at most.
+    /// Points on or next to the surface and spread over it, at most [`TIMED`].
     fn surface_points(&self, values: &[f32]) -> Result<Vec<Vec3>, Error> {
         let crosses = |&(from, to): &(usize, usize)| (values[from] > 0.0) != (values[to] > 0.0);
         let mut ends: Vec<_> = neighbours().filter(crosses).collect();
@@ -334,7 +333,7 @@ impl Probe<'_> {
         Ok(points)
     }
 
-    /// Seconds that an evaluation takes at these points, side by side.
+    /// Seconds per evaluation at these points, evaluated in parallel.
     fn time_at(&self, points: &[Vec3]) -> Result<f64, Error> {
         let (mut least, mut whole, mut taken) = (f64::INFINITY, 0.0, 0);
         while whole < TIMING && (taken < TIMINGS || least > SLOWEST) {
@@ -345,7 +344,7 @@ impl Probe<'_> {
             whole += took;
             taken += 1;
         }
-        // Those of built-in scenes are known to be fast: where they are not, the machine was held up.
+        // Fields of built-in scenes are known to be fast: if one seems slow, the machine was busy.
         if least <= SLOWEST || self.field.is_own() {
             return Ok(least.min(SLOWEST));
         }
@@ -379,7 +378,7 @@ impl Probe<'_> {
         }
     }
 
-    /// Value and stated gradient at each of some points, and whatever fills the last row.
+    /// Value and stated gradient at each point, and arbitrary values in the rest of the last row.
     fn texels(&self, points: &[Vec3]) -> Result<Vec<f32>, Error> {
         let width = points.len().min(ROW) as u32;
         let rows = points.len().div_ceil(ROW) as u32;
@@ -397,10 +396,10 @@ impl Probe<'_> {
     }
 }
 
-/// Samples that lie beside each other along an axis.
+/// Pairs of samples that are neighbours along an axis.
 fn neighbours() -> impl Iterator<Item = (usize, usize)> {
     let along = |stride: usize| {
-        // The last of a row has no neighbour.
+        // The last sample of a row has no neighbour.
         (0..SIDE * SIDE * SIDE - stride)
             .filter(move |index| index / stride % SIDE < SIDE - 1)
             .map(move |index| (index, index + stride))
@@ -408,11 +407,11 @@ fn neighbours() -> impl Iterator<Item = (usize, usize)> {
     [1, SIDE, SIDE * SIDE].into_iter().flat_map(along)
 }
 
-/// The two points with the most growth between them.
+/// The two points with the greatest growth between them.
 struct Steepest {
     growth: f32,
     ends: [Vec3; 2],
-    /// The difference that rounding can make between two equal values: it is subtracted.
+    /// The possible rounding difference between two equal values: it is subtracted.
     rounding: f32,
 }
 
@@ -420,7 +419,7 @@ impl Steepest {
     fn take(&mut self, ends: [Vec3; 2], values: [f32; 2]) {
         let way = ends[0].distance(ends[1]);
         let growth = ((values[1] - values[0]).abs() - self.rounding) / way;
-        // A gradient of 0 has no way.
+        // A gradient of 0 gives no step.
         if way > 0.0 && growth > self.growth {
             self.growth = growth;
             self.ends = ends;
@@ -440,8 +439,8 @@ mod tests {
     use crate::gl::ContextOptions;
     use crate::shader::Lists;
 
-    /// Protects long walks and edits: a field read again shares its samples, old ones go, and
-    /// those of the scene stay however many they are.
+    /// Protects long runs and edits: a field that is read again shares its samples, old fields are
+    /// forgotten, and all fields of the scene stay, however many there are.
     #[test]
     fn fields_of_old_scenes_are_forgotten() {
         let context = Context::headless(&ContextOptions::default()).unwrap();

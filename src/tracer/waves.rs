@@ -1,5 +1,4 @@
-//! Waves in texels: their layout, the start directions that the CPU gives, and the waves that are read
-//! back.
+//! Waves in texels: their layout, start directions given by the CPU, and the waves that are read back.
 
 use super::TraceError;
 use crate::sampling::{hash, unit_interval};
@@ -16,21 +15,23 @@ pub const STATUS_LISTENER: f32 = 0.0;
 /// Status of a wave before its first march.
 pub(crate) const STATUS_STARTED: f32 = 0.5;
 
-/// Marches that reached the step limit count in multiples of this in a wave's counters (`glsl/wave.glsl`).
+/// In a wave's counters, marches that reached the step limit count in multiples of this number
+/// (`glsl/wave.glsl`).
 const LIMIT_REACHED: u32 = 4096;
 
-/// The largest square of a place in metres² and of a direction that a wave can have (`glsl/contribution.glsl`).
+/// The largest square of a position in metres² and of a direction that a wave can have
+/// (`glsl/contribution.glsl`).
 const MOST_SQUARED_PLACE: f32 = 1e30;
 const MOST_SQUARED_DIRECTION: f32 = 2.0;
 
-/// The texture that holds a number of waves: rows of `width`, wave by wave.
+/// The size of the texture that holds a number of waves, in rows of `width`, wave by wave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Grid {
     /// Waves.
     pub waves: u32,
-    /// Texels in a row.
+    /// Texels per row.
     pub width: u32,
-    /// Rows; texels beyond the last wave hold none.
+    /// Rows; texels beyond the last wave are empty.
     pub height: u32,
 }
 
@@ -49,14 +50,14 @@ impl Grid {
 /// The state of a wave after the last iteration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fate {
-    /// It met nothing within the maximum distance, or its march reached the step limit.
+    /// The wave hit no surface within the maximum distance, or its march reached the step limit.
     Dead,
-    /// It reached the listener.
+    /// The wave reached the listener.
     Listener,
-    /// It is neither heard nor dead after the last iteration.
+    /// The wave is neither heard nor dead after the last iteration.
     Travelling,
-    /// Its position or direction is not a number, or one that is impossible: a shader or driver is incorrect, and the wave
-    /// contributes to neither ear.
+    /// The wave's position or direction is not a number, or is impossible: a shader or driver is incorrect, and the
+    /// wave contributes to neither ear.
     NotFinite,
 }
 
@@ -77,25 +78,24 @@ impl Fate {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Wave {
-    /// Unit vector in which it left the source.
+    /// Unit vector of the direction in which the wave left the source.
     pub start_direction: Vec3,
-    /// Where it is, world metres. A dead wave is where it was last; in the profile
+    /// Current position in world metres. A dead wave keeps its last position; in the profile
     /// `thesis` it is at the origin.
     pub position: Vec3,
-    /// Where it heads: mirrored at the surface it met last. In the profile `thesis` 0 for a
-    /// dead wave, and mirrored at the listener too.
+    /// Current direction, mirrored at the last surface hit. In the profile `thesis`, the direction
+    /// is 0 for a dead wave, and is mirrored at the listener, too.
     pub direction: Vec3,
     /// −1 dead, 0 at the listener, n at the n-th surface.
     pub status: f32,
-    /// Marches that ended at distance 0. Without meaning in a frame that counts evaluations.
+    /// Marches that ended at distance 0. Meaningless in a frame that counts evaluations.
     pub zero_length_passes: u32,
-    /// Marches that reached the step limit. Without meaning in a frame that counts
-    /// evaluations.
+    /// Marches that reached the step limit. Meaningless in a frame that counts evaluations.
     pub step_limit_reached: u32,
 }
 
 impl Wave {
-    /// Its state after the last iteration.
+    /// The wave's state after the last iteration.
     pub fn fate(&self) -> Fate {
         // Comparisons with NaN are false.
         let is_finite = self.position.length_squared() < MOST_SQUARED_PLACE
@@ -107,8 +107,8 @@ impl Wave {
     }
 }
 
-/// Pairs up what was read back of both textures after the start and at the end; `shader_origin`
-/// is the world position of the march's origin.
+/// Combines the texels of both textures, read back at the start and at the end, into waves;
+/// `shader_origin` is the world position of the march's origin.
 pub(super) fn waves(
     starts: &[Vec<f32>; 2],
     ends: &[Vec<f32>; 2],
@@ -135,14 +135,15 @@ fn xyz(texel: [f32; 4]) -> Vec3 {
     Vec3::new(texel[0], texel[1], texel[2])
 }
 
-/// Zero-length passes and marches that reached the step limit out of a texel's counters.
+/// Unpacks the zero-length passes and the marches that reached the step limit from a texel's
+/// counters.
 pub(super) fn unpack_counters(counters: f32) -> (u32, u32) {
     let counters = counters as u32;
     (counters % LIMIT_REACHED, counters / LIMIT_REACHED)
 }
 
-/// A rotation that is uniform over all rotations, one for each seed (Shoemake, *Uniform
-/// random rotations*, Graphics Gems III, 1992).
+/// A rotation drawn uniformly from all rotations, one for each seed (Shoemake, *Uniform random
+/// rotations*, Graphics Gems III, 1992).
 pub(super) fn random_turn(seed: u32) -> Quat {
     let [share, first, second] =
         [0, 1, 2].map(|counter| unit_interval(hash(u64::from(seed) << 32 | counter)));
@@ -154,7 +155,7 @@ pub(super) fn random_turn(seed: u32) -> Quat {
         .as_quat()
 }
 
-/// The same directions as unit vectors.
+/// The same directions, normalised.
 pub(super) fn unit_directions(directions: &[Vec3]) -> Result<Vec<Vec3>, TraceError> {
     let unit = |direction: &Vec3| {
         let unit = direction.as_dvec3().try_normalize();
@@ -169,8 +170,8 @@ pub(super) fn unit_directions(directions: &[Vec3]) -> Result<Vec<Vec3>, TraceErr
     directions.iter().map(unit).collect()
 }
 
-/// The first and the second texture of waves that start in these directions, from one position with one status; the
-/// texels beyond the last wave have none.
+/// The texels of both textures for waves that start in these directions, from one position with one status; texels
+/// beyond the last wave are empty.
 pub(super) fn start_texels(
     start: [f32; 4],
     directions: impl Iterator<Item = Vec3>,
@@ -187,7 +188,7 @@ pub(super) fn start_texels(
 mod tests {
     use super::*;
 
-    /// Protects odd counts: every wave has a texel and no row is without one.
+    /// Protects odd counts: every wave has a texel, and every row has a wave.
     #[test]
     fn a_grid_holds_its_waves_and_no_empty_row() {
         for waves in [1, 2, 3, 64, 1000, 1023, 65_536, 1_048_576, 16_777_216] {
@@ -207,7 +208,7 @@ mod tests {
         assert_eq!(unpack_counters(4095.0 + 4096.0 * 4095.0), (4095, 4095));
     }
 
-    /// Protects the shaders from directions that are none, and takes any length.
+    /// Protects the shaders from invalid directions, and accepts directions of any length.
     #[test]
     fn directions_become_unit_vectors() {
         let given = [Vec3::X * 1e-30, Vec3::NEG_Z * 1e30];

@@ -6,10 +6,10 @@ use crate::shader::{Materials, WORD_BITS};
 /// Maximum words of events of a wave: one in its tally, four in a texture.
 const WORDS: usize = 5;
 
-/// Bits of the events looked up at once: a table of 64 KiB, five events of two bits.
+/// Bits of the events looked up at once: a table of 64 KiB, or five events of two bits each.
 const GROUP_BITS: u32 = 10;
 
-/// The share of the energy that events leave, looked up for several events at once.
+/// The share of the energy that remains after events, looked up for several events at once.
 #[derive(Clone, Debug)]
 pub struct EventTable {
     bits: u32,
@@ -17,17 +17,17 @@ pub struct EventTable {
     in_group: u32,
     /// The share of the energy after a group of events, by their bits.
     left: Vec<Bands>,
-    /// Whether one of them scatters the wave.
+    /// Whether an event of the group scatters the wave.
     is_scattered: Vec<bool>,
     materials: Materials,
 }
 
-/// The events of one wave in a chunk; those before an iteration are already done.
+/// The events of one wave in a chunk; some of them may already be applied.
 #[derive(Debug)]
 pub struct Events<'a> {
     table: &'a EventTable,
     words: [u32; WORDS],
-    /// The word in progress, without the events already done.
+    /// The word in progress, without the events already applied.
     word: u32,
     next_word: usize,
     in_word: u32,
@@ -51,7 +51,7 @@ impl EventTable {
             left.clear();
             is_scattered.clear();
             for event in 0..1 << bits {
-                // No shader writes other numbers.
+                // Shaders write no other numbers.
                 let one = of_one.get(event).unwrap_or(&[0.0; BAND_COUNT]);
                 left.extend(before.iter().map(|before| product(before, one)));
                 let here = materials.is_scattered(event);
@@ -72,7 +72,7 @@ impl EventTable {
         &self.materials
     }
 
-    /// The events of a wave, from its first word and the others.
+    /// The events of a wave, from its first word and the remaining words.
     pub fn events(&self, first: f32, others: Option<&[f32]>) -> Events<'_> {
         let mut words = [0; WORDS];
         words[0] = word(first);
@@ -118,7 +118,7 @@ fn product(a: &Bands, b: &Bands) -> Bands {
     std::array::from_fn(|band| a[band] * b[band])
 }
 
-/// The 30 bits of a word in a float (`inFloat` in `glsl/arrivals/chunk.frag`).
+/// The 30 bits of a word, from a float (`inFloat` in `glsl/arrivals/chunk.frag`).
 fn word(float: f32) -> u32 {
     let bits = float.to_bits();
     (bits & 0x1FFF_FFFF) | ((bits >> 2) & 0x2000_0000)
@@ -147,7 +147,7 @@ mod tests {
     }
 
     /// Protects events from being lost between groups and words: looked up in groups of any size,
-    /// they leave the same energy as one by one.
+    /// they leave the same energy as when applied one by one.
     #[test]
     fn groups_leave_what_single_events_leave() {
         for count in [1, 2, 5, 9, 20, 40] {

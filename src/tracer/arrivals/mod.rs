@@ -1,11 +1,11 @@
 //! Arrivals: every crossing of the listener's sphere by every wave, with its energy.
 //! [`Tracer::arrivals`](super::Tracer::arrivals) returns them.
 //!
-//! The listener is transparent here. A pass (`glsl/arrivals/`) takes the waves of a *block* through
-//! a *chunk* of iterations and writes a record for each crossing, up to a number for each wave. What was
-//! written is read back and added up here in `f64` while the next chunk is drawn. A wave that
-//! crosses more often than there are records is drawn again from the chunk's start, as one of a
-//! list, and earlier crossings are skipped. Blending is off: the same input gives the same bits.
+//! The listener is transparent here. A pass (`glsl/arrivals/`) traces the waves of a *block* through a
+//! *chunk* of iterations and writes a record for each crossing, up to a maximum number for each wave.
+//! These outputs are read back and processed here in `f64` while the next chunk is drawn. A wave that
+//! crosses more often than there are records is drawn again from the chunk's start, as an entry of a
+//! list, and its earlier crossings are skipped. Blending is off: the same input gives the same bits.
 //!
 //! | file | contents |
 //! | --- | --- |
@@ -37,7 +37,7 @@ pub(super) const WAVES_IN_BLOCK: u32 = 1 << 18;
 /// much as ten iterations in an empty room.
 pub(super) const ITERATIONS_IN_CHUNK: u32 = 64;
 
-/// Crossings that are recorded of a wave in a chunk, if the driver has enough outputs. A wave
-/// crosses a listener of common size about once in 64 iterations, and five times or more once in
+/// Maximum recorded crossings of a wave in a chunk, if the driver has enough outputs. A wave
+/// crosses a listener of common size about once in 64 iterations, and five times or more in one of
 /// two hundred chunks.
 pub(super) const RECORDS: u32 = 4;

@@ -11,12 +11,12 @@ use std::ops::Range;
 /// A tally is the number of crossings plus this factor times the fate (`glsl/arrivals/chunk.frag`).
 const CROSSINGS: u32 = 1024;
 
-/// The constants that arrivals are computed with.
+/// The constants from which arrivals are computed.
 #[derive(Clone, Debug)]
 pub struct Replay {
     /// Maximum reflections of an early arrival.
     pub early_order: u32,
-    /// Metres for which waves are followed.
+    /// Distance in metres for which waves are followed.
     pub length_limit: f64,
     /// Length in metres of a chord recorded as 1.
     pub chord_unit: f64,
@@ -26,7 +26,7 @@ pub struct Replay {
     pub events: Option<EventTable>,
 }
 
-/// A wave that is drawn once more, because it crosses the listener more often than is recorded.
+/// A wave that is drawn again because it crosses the listener more often than the records allow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Listed {
     /// Number in the block.
@@ -60,7 +60,7 @@ impl Fate {
 struct WaveSoFar {
     length: f64,
     fate: Fate,
-    /// Whether it was never scattered.
+    /// Whether the wave was never scattered.
     is_mirrored: bool,
 }
 
@@ -72,7 +72,7 @@ pub struct Block {
     waves: Vec<WaveSoFar>,
     /// The initial energy of each wave, in each band that it carries.
     energy_at_start: f64,
-    /// Their remaining energies, where these are not always 1.
+    /// Remaining energies of the waves, unless they are always 1.
     energies: Vec<Bands>,
     /// Rows with waves that are still followed.
     pub rows: Range<u32>,
@@ -84,17 +84,17 @@ pub struct Block {
 #[derive(Clone, Copy, Debug)]
 pub struct Chunk<'a> {
     pub tally: &'a [f32],
-    /// Further words of events, if there is such a texture.
+    /// Further words of events, if there is a texture for them.
     pub words: Option<&'a [f32]>,
     pub records: &'a [Vec<f32>],
-    /// The records of the waves that were drawn once more, in the order of their list.
+    /// The records of the waves that were drawn again, in the order of their list.
     pub listed: &'a [Vec<f32>],
     /// Iterations.
     pub iterations: u32,
 }
 
 impl Block {
-    /// Waves at the source: those of the grid, from number `first` on, with their initial energies; empty if all start
+    /// Waves at the source: those of the grid, numbered from `first`, with their initial energies; empty if all start
     /// with 1 and lose nothing.
     pub fn new(first: u32, grid: Grid, energies: Vec<Bands>) -> Block {
         let start = WaveSoFar {
@@ -124,7 +124,7 @@ impl Block {
         start * self.grid.width..(end * self.grid.width).min(self.grid.waves)
     }
 
-    /// The waves that cross the listener more often than is recorded, once for each `records`
+    /// The waves that cross the listener more often than `records`, once for each further `records`
     /// crossings.
     pub fn list(&self, tally: &[f32], records: u32) -> Vec<Listed> {
         let mut list = Vec::new();
@@ -226,13 +226,13 @@ impl Block {
         })
     }
 
-    /// The remaining energy of a wave of this number.
+    /// The remaining energy of the wave with this number.
     fn energy(&self, number: usize) -> Bands {
         let left = self.energies.get(number).copied();
         left.unwrap_or([1.0; BAND_COUNT])
     }
 
-    /// Whether the travelling waves have more than a share of the energy of all waves at the source, in some band.
+    /// Whether the travelling waves have more than this share of the initial energy of all waves, in some band.
     pub fn has_energy(&self, share: f64) -> bool {
         if self.energies.is_empty() || share == 0.0 {
             return true;
@@ -247,7 +247,8 @@ impl Block {
         all.iter().any(|energy| *energy > least)
     }
 
-    /// Stops tracing all waves, because their remaining energy is negligible: they count as flown as far as requested.
+    /// Stops tracing all waves because their remaining energy is negligible: they count as waves that have flown the
+    /// requested distance.
     pub fn end_flights(&mut self) {
         for wave in &mut self.waves {
             if wave.fate == Fate::Travelling {
@@ -284,7 +285,7 @@ fn tally_of(texels: &[f32], wave: u32) -> u32 {
     texels[4 * wave as usize + 2] as u32
 }
 
-/// The unit vector from a record with x, y and the sign of z.
+/// The unit vector of a record, from x, y and the sign of z.
 ///
 /// Its length is 1 within 2e-7, and the length of (x, y) is that of the original within the same
 /// amount: the angle is off by 2e-7 / |z|, and by at most √(4e-7) = 6e-4 (0.04°), where z is 0.

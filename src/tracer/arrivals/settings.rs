@@ -1,4 +1,4 @@
-//! Settings of arrivals, the waves that are followed and how they start, and counts.
+//! Settings of arrivals, the waves to follow and their starts, and counts.
 
 use super::super::TraceError;
 use super::super::settings::Settings;
@@ -7,28 +7,29 @@ use crate::bands::{self, BAND_COUNT, Bands};
 use glam::Vec3;
 use std::ops::Range;
 
-/// Settings of arrivals in addition to [`Settings`](crate::Settings), of which the waves, their
-/// directions and the algorithm count.
+/// Settings of arrivals in addition to [`Settings`](crate::Settings), from which the waves, their
+/// directions and the algorithm are used.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ArrivalSettings {
-    /// Time in seconds: waves are followed until they have flown as far as sound does in it.
+    /// Time in seconds: waves are followed until they have flown the distance that sound travels in
+    /// this time.
     pub seconds: f64,
     /// Maximum reflections of an arrival that is called early: 3 by default.
     pub early_order: u32,
-    /// Maximum iterations of a wave, 1 … [`Settings::MAX_ITERATIONS`], even if it has flown less than the
-    /// time then: the upper limit by default.
+    /// Maximum iterations of a wave, 1 … [`Settings::MAX_ITERATIONS`], even if it has not flown the whole
+    /// time by then: the upper limit by default.
     pub iterations: u32,
     /// Numbers of the octave bands that are traced: all by default. The energies of the others are 0.
     pub(crate) bands: Range<usize>,
-    /// Waves are followed while those of a block together have more than this share of their initial energy, in some
-    /// band: 0 by default.
+    /// The waves of a block are followed while together they have more than this share of their initial energy in
+    /// some band: 0 by default.
     pub(crate) least_energy: f64,
     /// Maximum iterations in a chunk.
     pub(crate) iterations_in_chunk: u32,
     /// Maximum recorded crossings of a wave in a pass.
     pub(crate) records: u32,
-    /// Outputs of a pass at most, within the driver's limit.
+    /// Maximum outputs of a pass, within the driver's limit.
     pub(crate) outputs: u32,
 }
 
@@ -84,19 +85,20 @@ impl ArrivalSettings {
     }
 }
 
-/// The longest time that may be requested, in seconds: longer than any room sounds.
+/// The longest time that may be requested, in seconds: longer than any room reverberates.
 const MOST_SECONDS: f64 = 1000.0;
 
 /// The waves whose arrivals are traced.
 pub(crate) enum WavesToFollow<'a> {
-    /// The waves of these numbers, in the directions that the settings give them, each with 1/N of the energy, N the waves
-    /// of the settings.
+    /// The waves with these numbers, in the directions given by the settings, each with 1/N of the energy, where N is
+    /// the number of waves in the settings.
     Numbers(Range<u32>),
     /// Waves numbered from 0, whose starts are given by a function of a range of numbers.
     Starts {
         /// Number of waves.
         waves: u32,
-        /// The starts of these numbers. The waves of the settings do not count.
+        /// The starts of the waves with these numbers. The number of waves in the settings is
+        /// ignored.
         of: &'a dyn Fn(Range<u32>) -> Vec<Start>,
     },
 }
@@ -104,15 +106,15 @@ pub(crate) enum WavesToFollow<'a> {
 /// How a wave starts from the source.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Start {
-    /// Its direction: a unit vector, world axes.
+    /// Direction of the wave: a unit vector in world axes.
     pub direction: Vec3,
-    /// Importance weight: the density of even directions divided by the density with which this one was drawn; 1 on
-    /// average, or a factor that all have in common.
+    /// Importance weight: the density of uniform directions divided by the density with which this direction was
+    /// drawn; on average 1, or a factor common to all waves.
     pub weight: f32,
 }
 
 impl WavesToFollow<'_> {
-    /// The numbers of the waves, `waves` at a time.
+    /// The numbers of the waves, in blocks of `waves`.
     pub(in crate::tracer) fn blocks(&self, waves: u32) -> impl Iterator<Item = Range<u32>> {
         let Range { start, end } = match self {
             WavesToFollow::Numbers(numbers) => numbers.clone(),
@@ -122,7 +124,7 @@ impl WavesToFollow<'_> {
         first.map(move |first| first..first.saturating_add(waves).min(end))
     }
 
-    /// The starts of these waves, if they are given.
+    /// The starts of these waves, if starts are given.
     pub(in crate::tracer) fn starts(&self, numbers: &Range<u32>) -> Option<Vec<Start>> {
         match self {
             WavesToFollow::Numbers(_) => None,
@@ -139,18 +141,18 @@ pub struct ArrivalCounts {
     pub waves: u64,
     /// Number of returned arrivals.
     pub arrivals: u64,
-    /// Waves that flew into the open, or never started because the source is in a solid.
+    /// Waves that flew into the open, or never started because the source lies in a solid.
     pub gone: u64,
-    /// Waves that were given up at the step limit of a march.
+    /// Waves that were followed no further because a march reached the step limit.
     pub step_limit_reached: u64,
-    /// Waves that flew as far as requested or, in a response, until their energy was inaudible.
+    /// Waves that flew the requested distance or, in a response, until their energy was inaudible.
     pub flown: u64,
     /// Waves that were cut off after [`ArrivalSettings::iterations`].
     pub cut_off: u64,
     /// Distance from the source in metres within which at most one in a thousand waves was cut off;
     /// ∞ if at most that many were cut off in total.
     pub followed_m: f64,
-    /// Traced iterations; waves of a later block may have needed more than those before.
+    /// Traced iterations; waves of a later block may have needed more than those of earlier blocks.
     pub iterations: u32,
     /// Remaining energy of the waves that were cut off, by band, as a share of the source's energy.
     pub energy_under_way: Bands,
@@ -183,16 +185,16 @@ impl ArrivalCounts {
     }
 }
 
-/// The fates of some of the waves.
+/// The fates of a subset of the waves.
 pub(crate) struct Followed {
-    /// Without [`followed_m`](ArrivalCounts::followed_m).
+    /// Counts, without [`followed_m`](ArrivalCounts::followed_m).
     pub counts: ArrivalCounts,
     /// Distances in metres that the cut-off waves had flown.
     pub cut_off_m: Vec<f64>,
 }
 
-/// One wave in this number may be cut off without a report: a thousandth of the energy at most is then missing, as early
-/// as they ended (three thousandths where importance weights are up to 2.9).
+/// One wave in this number may be cut off without a report: then at most a thousandth of the energy is missing from the
+/// distance at which they ended (three thousandths where importance weights are up to 2.9).
 const CUT_OFF_UNTOLD: usize = 1000;
 
 impl Followed {

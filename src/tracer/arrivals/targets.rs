@@ -7,7 +7,7 @@ use super::settings::Start;
 use crate::gl::{AsyncRead, Context, GpuError, RenderTarget, Texture};
 use crate::shader::ArrivalsText;
 
-/// Waves in a row of a list.
+/// Waves per row of a list.
 const LIST_WIDTH: u32 = 256;
 
 /// Rows of a list.
@@ -78,12 +78,12 @@ impl ArrivalTargets {
         })
     }
 
-    /// Whether these textures fit the outputs of such a text.
+    /// Whether these textures match the outputs of this text.
     pub fn is_for(&self, text: &ArrivalsText) -> bool {
         (self.text.has_words, self.text.records) == (text.has_words, text.records)
     }
 
-    /// Puts waves at their start: with a common position and status, and separate directions.
+    /// Puts waves at their start, with a common position and status and individual directions.
     pub fn upload_starts(&self, start: [f32; 4], starts: &[Start]) -> Result<(), GpuError> {
         let texels = (self.grid.width * self.grid.height) as usize;
         let directions = starts.iter().map(|start| start.direction);
@@ -103,12 +103,12 @@ impl ArrivalTargets {
         &self.chunks[1 - self.current]
     }
 
-    /// The next chunk starts where the one just drawn ends.
+    /// Makes the end of the drawn chunk the start of the next one.
     pub fn flip(&mut self) {
         self.current = 1 - self.current;
     }
 
-    /// Reads back a chunk's results, up to a row.
+    /// Reads back a chunk's results, up to row `rows`.
     pub fn read(&mut self, rows: u32) -> Result<(), GpuError> {
         let target = &self.chunks[1 - self.current];
         let first = ArrivalsText::TALLY as usize;

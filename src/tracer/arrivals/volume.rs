@@ -7,8 +7,8 @@ use std::f64::consts::PI;
 
 /// Number of points that estimate the volume if a surface reaches into the sphere.
 ///
-/// A sequence of low discrepancy in three dimensions is off by about N^(−2/3) of the cube for a
-/// volume bounded by a smooth surface (L. Kuipers and H. Niederreiter, *Uniform Distribution of
+/// A sequence of low discrepancy in three dimensions has an error of about N^(−2/3) of the cube for
+/// a volume bounded by a smooth surface (L. Kuipers and H. Niederreiter, *Uniform Distribution of
 /// Sequences*, 1974, ch. 2.1: N^(−1/3) is the bound, and half a face's worth of cells fall either
 /// way by chance): 1.5e-3 here, 0.007 dB. A test compares caps with their closed form.
 const POINTS: usize = 16_384;
@@ -41,7 +41,8 @@ pub fn open_volume(pair: Pair) -> f64 {
     sphere * open as f64 / POINTS as f64
 }
 
-/// The surfaces that may reach into each cell of the cube around the sphere, out of those that reach into the sphere.
+/// The surfaces that may reach into each cell of the cube around the sphere, chosen from those that reach into the
+/// sphere.
 fn near_cells<'a>(near: &[&'a Surface], centre: Vec3, radius: f32) -> Vec<Vec<&'a Surface>> {
     let half = radius / CELLS as f32;
     let half_diagonal = 3f32.sqrt() * half;
@@ -97,8 +98,8 @@ mod tests {
         plane.at(Vec3::new(1.0, 2.0, 3.0) - normal * below)
     }
 
-    /// Protects the exact volume in the open, and the volume that a plane cuts off: a cap of height
-    /// h has π h² (r − h/3). Within the 1.5e-3 derived at [`POINTS`].
+    /// Protects the exact volume in the open, and the volume cut off by a plane: a cap of height h
+    /// has π h² (r − h/3). Within the 1.5e-3 derived at [`POINTS`].
     #[test]
     fn planes_cut_off_caps() {
         let sphere = |r: f64| 4.0 / 3.0 * PI * r.powi(3);
@@ -124,8 +125,8 @@ mod tests {
         assert_eq!(volume(vec![ball], 0.25), 0.0);
     }
 
-    /// Protects the volume among many surfaces from the use of cells: it is the same share of the points as when every
-    /// surface is tested.
+    /// Protects the volume among many surfaces from errors of the cells: the share of the points is the same as when
+    /// every surface is tested.
     #[test]
     fn cells_leave_no_surface_out() {
         let centre = Vec3::new(1.0, 2.0, 3.0);

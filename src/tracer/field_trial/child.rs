@@ -17,7 +17,8 @@ use std::process::ExitCode;
 /// Maximum bytes of a request: many fields of maximum length, in many programs.
 const LONGEST_REQUEST: u64 = 1 << 26;
 
-/// Size in pixels of the pass that tries a program: only then does a driver compile the rest of it.
+/// Size in pixels of the pass that tries a program: a driver compiles the rest of a program only
+/// when it is drawn.
 const TRIED: [u32; 2] = [8, 1];
 
 /// Answers a request of another process of this program by [`FieldTrial`](super::FieldTrial): reads the texts to try
@@ -87,8 +88,8 @@ fn tried(
     Ok(fields)
 }
 
-/// Compiles a program, and draws it once. The parent reports texts that do not compile: its own
-/// compiler fails in the same place.
+/// Compiles a program, and draws it once. The parent reports texts that do not compile, because its
+/// own compiler fails at the same place.
 fn try_program(context: &Context, text: &str) -> Result<(), GpuError> {
     let program = match Program::fragment(context, "a trial", text) {
         Ok(program) => program,
@@ -107,7 +108,7 @@ fn try_program(context: &Context, text: &str) -> Result<(), GpuError> {
 #[cfg(target_os = "linux")]
 fn limit_process() {
     use rustix::process::{Resource, Signal, set_parent_process_death_signal};
-    // The parent limits the time; these limits are for a parent that has ended.
+    // The parent limits the time; these limits apply if the parent has ended.
     let _ = set_parent_process_death_signal(Some(Signal::KILL));
     let cores = std::thread::available_parallelism().map_or(1, |cores| cores.get() as u64);
     limit(Resource::Cpu, LONGEST.as_secs() * cores);
@@ -133,7 +134,7 @@ fn limit_memory() {
     }
 }
 
-/// If a limit cannot be set, the system already has a lower one.
+/// If a limit cannot be set, the system already has a lower limit.
 #[cfg(target_os = "linux")]
 fn limit(what: rustix::process::Resource, most: u64) {
     let both = rustix::process::Rlimit {

@@ -1,4 +1,4 @@
-//! Tries users' fields in a child process, which they cannot harm.
+//! Tries users' fields in a child process, so that they cannot harm the calling process.
 //!
 //! A field's text is a program, and the driver, which compiles it, runs within the calling process:
 //! a division that the compiler folds, a sum of twenty thousand terms or a loop of a billion
@@ -28,7 +28,7 @@ use std::sync::{PoisonError, RwLock};
 use std::time::Duration;
 
 /// Time limit of a trial: many times longer than the slowest acceptable fields take, and short
-/// enough that a compiler which just stays below it finishes twice within 20 s.
+/// enough that a text that compiles just within the limit can be compiled twice within 20 s.
 const LONGEST: Duration = Duration::from_secs(9);
 
 /// Time limit on a busy machine, where the child gets less than half of one core.
@@ -37,8 +37,8 @@ const LONGEST_BESIDE_OTHERS: Duration = Duration::from_secs(18);
 /// Maximum bytes that a trial may allocate in addition to what the renderer has allocated before it.
 const MOST_MEMORY: u64 = 1 << 30;
 
-/// Bytes of a trial's stack: half of a main thread's usual stack, so that accepted texts have a
-/// margin.
+/// Bytes of a trial's stack: half of the usual stack of a main thread, so that accepted texts have
+/// a margin.
 #[cfg(not(target_arch = "wasm32"))]
 const STACK: usize = 4 << 20;
 
@@ -78,16 +78,17 @@ pub enum FieldTrial {
     /// handle ends this process by a signal, takes gigabytes of memory, or never returns. For
     /// trusted texts.
     InThisProcess,
-    /// In a child process that this command starts, once for each text. For untrusted texts.
+    /// In a child process started by this command, once for each text. For untrusted texts.
     InChild(TrialCommand),
 }
 
 /// A command whose process calls [`answer_field_trial`].
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TrialCommand {
-    /// The program: usually this one, see [`TrialCommand::this_program`].
+    /// The program: usually the running program, see [`TrialCommand::this_program`].
     pub program: PathBuf,
-    /// Its arguments. They must lead to [`answer_field_trial`] and set the renderer.
+    /// The arguments. The program must call [`answer_field_trial`] with them, and select the
+    /// renderer.
     pub arguments: Vec<OsString>,
 }
 
@@ -128,8 +129,8 @@ impl FieldTrial {
     }
 }
 
-/// Tries the scene's fields, and programs that contain them, as chosen, and waits for the result.
-/// Fields tried before are not tried again.
+/// Tries the scene's fields, and programs that contain them, as set by [`FieldTrial::set`], and
+/// waits for the result. Fields that were tried before are not tried again.
 ///
 /// # Errors
 /// [`Error::Trace`] for a field that cannot be used.

@@ -1,4 +1,4 @@
-//! The parent's side: starts the child, and waits for it or polls it.
+//! The parent's side: starts the child, and polls it or waits for it.
 
 use super::protocol::{self, Answer, Request, RequestedField};
 use super::{FieldTrial, LONGEST, LONGEST_BESIDE_OTHERS, MOST_MEMORY, TrialCommand};
@@ -16,7 +16,7 @@ use std::time::{Duration, Instant};
 /// Interval between two checks of the child while waiting for it.
 const BETWEEN_LOOKS: Duration = Duration::from_millis(2);
 
-/// Maximum number of remembered texts and refusals; beyond it all are forgotten.
+/// Maximum number of remembered texts and refusals; beyond this number all are forgotten.
 const MOST_KNOWN: usize = 1024;
 
 /// A child process that tries fields. Dropping it ends it.
@@ -27,7 +27,7 @@ pub(crate) struct Trial {
     began: Instant,
     fields: Vec<Arc<UserField>>,
     keys: Vec<u64>,
-    /// The names of the fields' files in messages.
+    /// The names of the fields' files, for messages.
     files: String,
 }
 
@@ -40,7 +40,7 @@ struct Known {
 
 static KNOWN: LazyLock<Mutex<Known>> = LazyLock::new(Mutex::default);
 
-/// Keys differ from process to process, so that nobody can prepare hash collisions.
+/// Random keys, which differ from process to process, so that hash collisions cannot be prepared.
 static KEYS: LazyLock<RandomState> = LazyLock::new(RandomState::new);
 
 fn known() -> MutexGuard<'static, Known> {
@@ -63,8 +63,8 @@ pub(crate) fn has_passed(field: &UserField) -> bool {
 }
 
 impl Trial {
-    /// Begins to try the fields of a scene, and the programs that contain them, unless tried
-    /// before; returns `None` if all have been tried or fields are trusted.
+    /// Starts a trial of the fields of a scene and of the programs that contain them; returns
+    /// `None` if all of them were tried before or fields are trusted.
     ///
     /// # Errors
     /// [`Error::Trace`] for a text that is rejected without being compiled, for a text that was
@@ -132,13 +132,13 @@ impl Trial {
         }))
     }
 
-    /// Whether the fields can be used, once known. Does not block.
+    /// The result of the trial, or `None` while it runs. Does not block.
     pub fn poll(&mut self) -> Option<Result<(), Error>> {
         let longest = self.longest();
         let ended = match self.child.try_wait() {
             Ok(Some(status)) => self.judge(status),
             Ok(None) if self.began.elapsed() < longest => return None,
-            // Not remembered: on a busy machine a good field takes long too.
+            // Not remembered: on a busy machine an acceptable field may take long, too.
             Ok(None) => {
                 let how = format!("took longer than {} s", longest.as_secs());
                 return Some(Err(self.dies(how).into()));
@@ -161,7 +161,7 @@ impl Trial {
         }
     }
 
-    /// The time limit of the child: longer if other programs leave it little of the processor.
+    /// The time limit of the child: longer if other programs leave it little processor time.
     fn longest(&self) -> Duration {
         let waited = self.began.elapsed();
         if waited < LONGEST {
@@ -180,7 +180,7 @@ impl Trial {
         }
         match ended {
             Ok(()) => known.passed.extend(&self.keys),
-            // This may be different the next time.
+            // The next trial may have another result.
             Err(TraceError::NoFieldTrial { .. }) => (),
             Err(error) => {
                 known.refused.insert(self.keys.clone(), error.clone());
@@ -270,7 +270,7 @@ fn processor_time(_process: u32) -> Option<Duration> {
     None
 }
 
-/// The files of fields, each once.
+/// The files of fields, without duplicates.
 fn named<'a>(fields: impl Iterator<Item = &'a Arc<UserField>>) -> String {
     let mut names: Vec<String> = Vec::new();
     for field in fields {
@@ -324,8 +324,8 @@ fn signal(_: ExitStatus) -> Option<String> {
 mod tests {
     use super::*;
 
-    /// Protects good fields on a busy machine: the time of a process is the processor time that it
-    /// has used, not the elapsed time.
+    /// Protects good fields on a busy machine: the time that counts is the processor time of the
+    /// process, not the elapsed time.
     #[test]
     fn a_process_that_waits_uses_no_time() {
         let mut sleeper = Command::new("sleep").arg("60").spawn().unwrap();

@@ -4,7 +4,7 @@
 use super::super::TraceError;
 use serde::{Deserialize, Serialize};
 
-/// Precedes the answer: drivers may write to standard output as well.
+/// Precedes the answer, because drivers may write to standard output as well.
 const MARK: &[u8] = b"\nechomarch field trial\n";
 
 /// The texts to try.
@@ -27,9 +27,9 @@ pub struct RequestedField {
 /// The result.
 #[derive(Debug, Serialize, Deserialize)]
 pub enum Answer {
-    /// All fields can be used; in order.
+    /// All fields can be used; the results are in the order of the fields.
     Passed(Vec<TriedField>),
-    /// A field cannot be used, with the reason.
+    /// A field cannot be used, for this reason.
     Refused(TraceError),
     /// The renderer failed.
     Failed(String),
@@ -42,7 +42,7 @@ pub struct TriedField {
     pub side: usize,
 }
 
-/// An answer with the values of all fields' samples, as bytes.
+/// An answer as bytes, with the values of all fields' samples.
 pub fn written(answer: &Answer, values: &[f32]) -> Result<Vec<u8>, ron::Error> {
     let mut bytes = MARK.to_vec();
     bytes.extend(ron::to_string(answer)?.into_bytes());

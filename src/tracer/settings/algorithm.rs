@@ -7,7 +7,7 @@ use serde::Serialize;
 /// The name of an algorithm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Profile {
-    /// Closed form if a surface has one. Recommended.
+    /// Closed form for each surface that has one. Recommended.
     Hybrid,
     /// Accurate sphere tracing, for any distance function with a Lipschitz bound.
     March,
@@ -45,13 +45,13 @@ pub struct MarchOptions {}
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct ThesisOptions {
-    /// A surface is met below this distance, in metres: 0.1 by default. Greater than 0 and less
+    /// A surface is hit below this distance, in metres: 0.1 by default. Greater than 0 and less
     /// than the maximum distance.
     pub min_distance: f32,
-    /// Each march starts this far along the direction, in metres: 0.04 by default. Not
+    /// Offset of the start of each march along the direction, in metres: 0.04 by default. Not
     /// negative.
     pub start_offset: f32,
-    /// Step of the difference normals to either side, in metres: 0.01 by default. Greater than 0.
+    /// Step to either side for normals by differences, in metres: 0.01 by default. Greater than 0.
     pub normal_step: f32,
 }
 
@@ -109,7 +109,7 @@ impl Algorithm {
         }
     }
 
-    /// Its name.
+    /// The algorithm's name.
     pub fn profile(&self) -> Profile {
         match self {
             Algorithm::Hybrid(_) => Profile::Hybrid,

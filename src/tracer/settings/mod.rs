@@ -1,7 +1,7 @@
 //! Settings of traces: the thesis' constants, and the user's numbers.
 //!
-//! An option without meaning in an algorithm cannot be set in it: [`Settings`] holds the options that all
-//! share, [`Algorithm`] those of one (`algorithm.rs`).
+//! An option without meaning in an algorithm cannot be set for it: [`Settings`] holds the options common
+//! to all algorithms, [`Algorithm`] those of one algorithm (`algorithm.rs`).
 
 mod algorithm;
 
@@ -11,18 +11,18 @@ pub use algorithm::{Algorithm, HybridOptions, MarchOptions, Profile, ThesisOptio
 use serde::Serialize;
 use std::fmt;
 
-/// The largest distance that may be requested, in metres: its square and the square of
-/// what a wave moves on the way are still finite in `f32`.
+/// The largest distance that may be requested, in metres: its square, and the square of a wave's
+/// position after that distance, are still finite in `f32`.
 const MAX_DISTANCE: f32 = 1e15;
 
-/// The distance at which a wave of `march` and `hybrid` counts as gone, in metres: far beyond what a
-/// listener hears of, and well inside what `f32` can square.
+/// The distance beyond which a wave of `march` and `hybrid` counts as gone, in metres: much farther
+/// than a listener hears, and small enough to be squared in `f32`.
 const FAR: f32 = 1e9;
 
 /// Default iterations in one pass of `march`: more save no measurable time.
 pub const MARCHES_PER_PASS: u32 = 8;
 
-/// Distance at which a wave of `thesis` counts as gone, in metres (section 4.2.3).
+/// Distance beyond which a wave of `thesis` counts as gone, in metres (section 4.2.3).
 const THESIS_MAX_DISTANCE: f32 = 300.0;
 
 /// Everything about a frame except the scene: options shared by all algorithms, and the
@@ -40,25 +40,26 @@ const THESIS_MAX_DISTANCE: f32 = 300.0;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Settings {
-    /// The algorithm and its own options. To change to another one begin with [`Settings::new`] or
-    /// [`Settings::with_profile`]: the defaults of the maximum distance and of the iterations in a
-    /// pass depend on the algorithm.
+    /// The algorithm and its own options. To change to another algorithm, begin with
+    /// [`Settings::new`] or [`Settings::with_profile`], because the defaults of the maximum
+    /// distance and of the iterations in a pass depend on the algorithm.
     #[serde(flatten)]
     pub algorithm: Algorithm,
     /// Number of waves, 1 … [`Settings::MAX_WAVES`].
     pub waves: u32,
     /// Marches of each wave, 1 … [`Settings::MAX_ITERATIONS`].
     pub iterations: u32,
-    /// A wave is dead beyond this distance in one iteration, in metres. By default 300 in
-    /// `thesis` (section 4.2.3), 10^9 in the others.
+    /// A wave is dead beyond this distance in one iteration, in metres. By default 300 in `thesis`
+    /// (section 4.2.3), 10^9 in the other algorithms.
     pub max_distance: f32,
     /// Seed of the random directions.
     pub seed: u32,
     /// The distribution of the start directions.
     pub directions: Directions,
-    /// Maximum iterations in one pass; 1 as in the thesis, more save texture traffic. The loops of
-    /// a scene may reduce it, since drivers silently leave loops after a number of turns. By
-    /// default 1 in `thesis`, 8 in `march`, [`Settings::MAX_ITERATIONS`] in `hybrid`.
+    /// Maximum iterations in one pass: 1 as in the thesis, while more iterations save texture
+    /// traffic. The loops of a scene may reduce the number, because drivers silently leave loops
+    /// after a number of turns. By default 1 in `thesis`, 8 in `march`,
+    /// [`Settings::MAX_ITERATIONS`] in `hybrid`.
     pub iterations_per_pass: u32,
     /// Whether the panning texture is summed on the GPU and read back as one texel.
     pub sum_on_gpu: bool,
@@ -74,10 +75,10 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// The most waves in one frame: 2^24, a 4096 x 4096 texture pair.
+    /// The maximum number of waves in one frame: 2^24, a 4096 x 4096 texture pair.
     pub const MAX_WAVES: u32 = 1 << 24;
 
-    /// The most iterations. A wave's two counters share one float of 24 bits, 12 each.
+    /// The maximum number of iterations. A wave's two counters share one float of 24 bits, 12 each.
     pub const MAX_ITERATIONS: u32 = 4095;
 
     /// The defaults of an algorithm: 65,536 waves and 8 iterations in random directions.
@@ -101,7 +102,7 @@ impl Settings {
         }
     }
 
-    /// Closed form if a surface has one; all iterations in one pass.
+    /// Closed form for each surface that has one; all iterations in one pass.
     pub fn hybrid() -> Settings {
         Settings::new(Profile::Hybrid)
     }
@@ -258,8 +259,8 @@ mod tests {
         assert_eq!(asked.with_profile(Profile::Thesis), expected);
     }
 
-    /// Protects reports: the options of an algorithm are next to its name, and those of the others
-    /// are absent.
+    /// Protects reports: the options of an algorithm are next to its name, and those of other
+    /// algorithms are absent.
     #[test]
     fn settings_are_serialised_with_the_options_of_their_algorithm() {
         let json = |settings: &Settings| serde_json::to_value(settings).unwrap();

@@ -1,5 +1,5 @@
-//! Arrivals against exact waves, and against themselves: the division into blocks, chunks and
-//! records must not change them.
+//! Arrivals against exact waves, and against other divisions of the work into blocks, chunks and
+//! records, which must not change them.
 
 use crate::geometry::ExactScene;
 use crate::gl::{Api, Context};
@@ -20,7 +20,7 @@ struct Crossing {
     chord: f64,
     direction: DVec3,
     reflections: u32,
-    /// Depth in metres at which the line passes within the sphere's edge.
+    /// Depth in metres by which the line passes inside the sphere's edge.
     depth: f64,
 }
 
@@ -35,12 +35,12 @@ pub fn arrivals(
         .arrivals(scene, settings, how, &mut |arrival| all.push(arrival))
         .unwrap();
     assert_eq!(all.len() as u64, counts.arrivals);
-    // They arrive chunk by chunk, in each by wave.
+    // Arrivals come chunk by chunk, and wave by wave within each chunk.
     all.sort_by_key(|arrival| arrival.wave);
     (all, counts)
 }
 
-/// The scene with the listener at a place that waves never reach.
+/// The scene with the listener at a point that waves never reach.
 pub fn without_listener(scene: &Scene, nowhere: Vec3) -> ExactScene {
     let mut scene = scene.clone();
     scene.listeners[0] = Listener::at(nowhere, 1e-3);
@@ -129,7 +129,8 @@ fn is_same(
         && arrival.direction.distance(exact.direction) <= 7e-4 + off
 }
 
-/// Compares every crossing of every wave, in both directions; those that only graze the sphere may be missing.
+/// Compares every crossing of every wave, in both directions; crossings that only graze the sphere may be
+/// missing.
 fn compare(
     context: &Context,
     scene: &Scene,
@@ -187,8 +188,8 @@ fn crossings_between_flat_walls_are_exact() {
     };
     let corner = Allowed {
         off: flat,
-        // At the block's edges a rounding decides which side a wave meets: with 10 m of edges,
-        // waves come within 1e-4 m once in 1e5 flights.
+        // At the block's edges a rounding decides which side a wave hits: with 10 m of edges, waves
+        // come within 1e-4 m of one once in 1e5 flights.
         parted: 0.01,
     };
     for_each_api(|context| {
@@ -244,8 +245,8 @@ fn curved() -> Vec<Scene> {
     ]
 }
 
-/// Protects every other kind of surface: curved ones multiply errors, by about 2 × 10 m ÷ 0.3 m per
-/// reflection.
+/// Protects every other kind of surface: curved surfaces multiply errors, by about 2 × 10 m ÷ 0.3 m
+/// per reflection.
 #[test]
 fn crossings_among_curved_surfaces_are_exact() {
     let allowed = Allowed {
@@ -263,7 +264,7 @@ fn crossings_among_curved_surfaces_are_exact() {
 }
 
 /// Protects the division of the work: chunks of any length and any number of records give the same
-/// arrivals, except for the last bits of lengths, which are summed in other parts.
+/// arrivals, except for the last bits of lengths, which are summed from other parts.
 #[test]
 fn records_and_chunks_change_nothing() {
     for_each_api(|context| {
@@ -299,7 +300,7 @@ fn records_and_chunks_change_nothing() {
                 assert_eq!((a.wave, a.is_early), (b.wave, b.is_early));
                 assert!((a.length_m - b.length_m).abs() < 1e-4, "{a:?} {b:?}");
                 assert!(a.direction.distance(b.direction) < 1e-9);
-                // 2^-17 of four radii of a chord are rounded away.
+                // A chord is rounded to 2^-17 of four radii.
                 let chords = (a.energy[0] - b.energy[0]).abs() / unit;
                 assert!(chords < 1e-4, "{a:?} {b:?}");
             }
@@ -307,8 +308,8 @@ fn records_and_chunks_change_nothing() {
     });
 }
 
-/// Protects waves followed in parts, and those with given starts: both are the same as all waves together. A weight is
-/// the energy with which a wave starts.
+/// Protects waves followed in parts, and waves with given starts: both are the same as all waves together. A weight is
+/// the initial energy of a wave.
 #[test]
 fn parts_and_given_starts_are_the_same_waves() {
     for_each_api(|context| {
@@ -366,7 +367,7 @@ fn parts_and_given_starts_are_the_same_waves() {
     });
 }
 
-/// Protects runs with more waves than are followed at once: each block has the starts of its own numbers.
+/// Protects runs with more waves than are followed at once: each block gets the starts of its own waves.
 #[test]
 fn given_starts_go_on_from_block_to_block() {
     let context = context(Api::Gl);
@@ -416,7 +417,7 @@ fn waves_are_followed_until_their_energy_is_gone() {
         ..ArrivalSettings::new(10.0)
     };
     let until = to_the_end.clone().with_least_energy(1e-6);
-    // Without absorption they are followed to the end.
+    // Without absorption, waves are followed to the end.
     let (all, counts) = arrivals(&mut tracer, &scene, &settings, &to_the_end);
     assert_eq!(
         arrivals(&mut tracer, &scene, &settings, &until),
@@ -435,7 +436,7 @@ fn waves_are_followed_until_their_energy_is_gone() {
         "{fewer:?} {counts:?}"
     );
     assert!(fewer.energy_under_way.iter().all(|energy| *energy <= 1e-6));
-    // They were not given up.
+    // No wave was cut off.
     assert_eq!((fewer.cut_off, fewer.flown), (0, counts.flown));
     assert_eq!(fewer.followed_m, f64::INFINITY);
     let energy = |of: &[Arrival]| of.iter().map(|arrival| arrival.energy[4]).sum::<f64>();
@@ -445,7 +446,7 @@ fn waves_are_followed_until_their_energy_is_gone() {
     assert!(left < 1e-5, "{left}");
 }
 
-/// Protects the report of waves that were given up: if bands have separate waves, the one whose waves get least far
+/// Protects the report of waves that were cut off: if bands have separate waves, the band whose waves get least far
 /// decides.
 #[test]
 fn the_band_that_comes_least_far_decides() {
@@ -464,7 +465,7 @@ fn the_band_that_comes_least_far_decides() {
         (both.waves, both.cut_off, both.followed_m),
         (20_000, 80, 7.0)
     );
-    // Waves of the same bands are reported together.
+    // Reports of waves with the same bands are combined.
     let together = followed(10_000, Vec::new()).and(followed(70_000, vec![7.0; 80]));
     assert_eq!(together.counts().followed_m, f64::INFINITY);
 }

@@ -48,8 +48,8 @@ fn furnished() -> Scene {
     with_materials(Scene::new("furnished", surfaces, source, listener), 10)
 }
 
-/// Nested rooms, each rotated a little more, with walls that all differ: more numbers than there are uniforms for.
-/// Sound is in their common part, so that it meets walls of all of them.
+/// Nested rooms, each rotated a little more, with walls that all differ: more numbers than fit in uniforms. Sound
+/// is in their common part, so that it hits walls of all rooms.
 fn rooms_in_rooms() -> Scene {
     let size = Vec3::new(12.0, 6.0, 10.0);
     let room = |number: usize| {
@@ -76,9 +76,10 @@ fn wall(room: &Surface, normal: DVec3) -> usize {
     2 * axis + usize::from(inward[axis] < 0.0)
 }
 
-/// Protects every way in which a shader finds a material: of a wall of a rotated room, of a surface in the text, of one
-/// in cells, and of surfaces whose numbers need a table; and each band from the others. Compared with the same waves
-/// without materials, energies are those that the previous reflections leave, to 1e-4 m of chord.
+/// Protects every way in which a shader finds a material: for a wall of a rotated room, for a surface in the text, for
+/// a surface in cells, and for surfaces whose numbers need a table; and each band from the others. Compared with the
+/// same waves without materials, each energy is the one that remains after the previous reflections, to 1e-4 m of
+/// chord.
 #[test]
 fn each_reflection_takes_what_its_material_takes() {
     for_each_api(|context| {
@@ -131,7 +132,7 @@ fn reflections_take(context: &Context, scene: &Scene) {
             let off = (0..BAND_COUNT).map(|band| {
                 (arrival.energy[band] - bare.energy[band] * expected[band]).abs() / unit
             });
-            // Balls multiply errors: a wave that meets one may deviate from the exact one.
+            // Balls multiply errors: a wave that hits one may deviate from the exact one.
             let is_same = off.fold(0.0, f64::max) < 1e-4;
             let is_ball = |object: u32| {
                 let surface = &scene.surfaces[object as usize - 1];
@@ -265,12 +266,13 @@ fn a_room_that_takes_nothing_keeps_all() {
     }
 }
 
-/// Length in metres above the direct path and below all others in the shoebox: the direct path is 9.76 m long; the
+/// Length in metres greater than the direct path and less than all others in the shoebox: the direct path is 9.76 m long; the
 /// shortest one into the sphere by the floor or the ceiling is 11.4 m − 1.2 m.
 const DIRECT_M: f64 = 10.0;
 
-/// Protects the share of scattered energy, also if bands scatter differently: the mean of mirrored
-/// and scattered energy follows the material in each band, and each has its part.
+/// Protects the share of scattered energy, even if bands scatter differently: the mean of mirrored
+/// and scattered energy follows the material in each band, and mirrored and scattered waves each
+/// carry their part.
 #[test]
 fn scattering_takes_its_share() {
     let scattering: Bands = std::array::from_fn(|band| band as f64 / 8.0);
@@ -288,7 +290,8 @@ fn scattering_takes_its_share() {
     }
     let early = all.iter().filter(|arrival| arrival.is_early).count();
     assert!(early > 0 && early < all.len());
-    // All bands with the same waves: after one reflection each has its mirrored or its scattered energy.
+    // All bands with the same waves: after one reflection, each wave has its mirrored or its scattered
+    // energy.
     let together = WavesToFollow::Numbers(0..settings.waves);
     let (mut mirrored, mut scattered) = (0, 0);
     let mut is_part = |arrival: Arrival| {
@@ -326,8 +329,8 @@ fn scattering_takes_its_share() {
     assert!(all.iter().all(|a| a.is_early == (a.length_m < DIRECT_M)));
 }
 
-/// Protects Lambert's law, against the integral over a fully scattering floor: each piece of it
-/// gets cos θ / 4π a² of the power and sends cos θ' / π b² of that to the listener.
+/// Protects Lambert's law, against the integral over a fully scattering floor: each floor element
+/// receives cos θ / 4π a² of the power and sends cos θ' / π b² of it to the listener.
 #[test]
 fn a_floor_scatters_by_lamberts_law() {
     let source = Vec3::new(0.0, 2.0, 0.0);

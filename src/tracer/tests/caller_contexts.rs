@@ -1,4 +1,4 @@
-//! Frames on contexts that a program made for itself.
+//! Frames on contexts that another program created.
 
 use crate::gl::tests::foreign_program::{ForeignProgram, Kind, RawEgl, Switch};
 use crate::gl::{Api, Context, GpuError, MakeCurrent, SwitchContext};
@@ -10,7 +10,7 @@ use std::ffi::{CStr, c_char, c_void};
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// The context of the program, made current by itself or by its functions.
+/// The context of the program, which the program makes current itself or through callbacks.
 fn context_of(egl: &Rc<RawEgl>, is_switched: bool) -> Context {
     let loader = egl.clone();
     let loader = move |name: &CStr| loader.address(name);
@@ -30,8 +30,8 @@ fn api_of(kind: Kind) -> Api {
     }
 }
 
-/// A scene and settings for each way of drawing passes: in one, in several with texture pairs, with the scene's data in
-/// a buffer, summed on the GPU.
+/// A scene and settings for each way of drawing passes: in one pass, in several passes with texture pairs, with the
+/// scene's data in a buffer, and with the sum on the GPU.
 fn inputs() -> Vec<(Scene, Settings)> {
     let corner = || Scene::builtin("corner").unwrap();
     vec![
@@ -168,8 +168,8 @@ fn gpu_a_callers_context_of_the_least_version_is_left_as_it_was() {
 /// `glGetString`.
 type GetString = extern "system" fn(u32) -> *const c_char;
 
-/// The transform feedback of two drawings in that state without echomarch in between: `[0, 1, 2, 0, 1, 2]`, and zeros
-/// on zink of Mesa 22.3 in the compatibility profile.
+/// The transform feedback of two draws in this state without echomarch in between: `[0, 1, 2, 0, 1, 2]`, and zeros on
+/// zink of Mesa 22.3 in the compatibility profile.
 fn feedback_alone(kind: Kind) -> Vec<f32> {
     let program = ForeignProgram::new(kind);
     program.spoil();
@@ -179,8 +179,8 @@ fn feedback_alone(kind: Kind) -> Vec<f32> {
     program.end_feedback()
 }
 
-/// Protects the other program's drawing, which sets its state once and then only draws, and its memory: all of
-/// echomarch's objects are freed.
+/// Protects the other program's drawing, which sets its state once and then only draws, and the program's
+/// memory: all of echomarch's objects are freed.
 #[test]
 fn gpu_a_caller_draws_between_the_parts_of_a_frame() {
     for kind in Kind::ALL {
@@ -210,8 +210,8 @@ fn gpu_a_caller_draws_between_the_parts_of_a_frame() {
     }
 }
 
-/// Protects a program that makes its context current and not current as it likes, and has another one: the previously
-/// current context is restored.
+/// Protects a program that makes its context current or not current at any time, and has a second context: the
+/// previously current context is restored.
 #[test]
 fn gpu_a_callers_context_is_current_only_when_it_was() {
     let settings = Settings::hybrid().with_waves(1024);
@@ -282,7 +282,8 @@ fn gpu_a_frame_stays_in_a_texture() {
     }
 }
 
-/// Protects from contexts that cannot trace: of an old version, or gone.
+/// Protects from contexts that cannot trace: contexts of an old version, or contexts that no longer
+/// exist.
 #[test]
 fn gpu_a_callers_context_that_cannot_trace_is_an_error() {
     extern "system" fn of_2006(_: u32) -> *const c_char {

@@ -11,20 +11,21 @@ use glam::{DVec3, Vec3};
 
 const WAVES: u32 = 200;
 
-/// Maximum distance between the ends of a wave, in metres, if no twin deviates: positions are
-/// accurate to about 1e-6 m, and a ball of a centimetre magnifies that to a few millimetres over
-/// the next ten metres. (llvmpipe: at most 1.04e-3 for waves that need no SHARE, and no close call
-/// among 29,600 waves.)
+/// Maximum distance in metres between the ends of a wave here and in the reference, if no twin
+/// deviates: positions are accurate to about 1e-6 m, and a ball of a centimetre magnifies that to a
+/// few millimetres over the next ten metres. (llvmpipe: at most 1.04e-3 for waves that need no
+/// SHARE, and no close call among 29,600 waves.)
 const SAME_PLACE: f64 = 2e-3;
 
-/// Additional tolerance, as a share of the distance between the ends of its twins: a rotation of
-/// 2e-6 at the source, which curved surfaces magnify like theirs.
+/// Additional tolerance, as a share of the distance between the ends of the wave's twins: a
+/// rotation of 2e-6 at the source, which curved surfaces magnify as they magnify the twins'
+/// rotation.
 const SHARE: f64 = 0.02;
 
-/// Difference of a twin's direction.
+/// Difference between the direction of a twin and that of the wave.
 const HAIR: f64 = 1e-4;
 
-/// A room around the field, with source and listener in the air of both.
+/// A room around the field, with source and listener in the air.
 fn scene(entry: &Entry) -> Option<Scene> {
     let [_, surface] = surfaces(entry);
     let room = (6.0 * entry.reach() as f32).clamp(2.0, 20.0);
@@ -55,8 +56,8 @@ fn is_same(wave: &Wave, exact: &ExactWave, more: f64) -> bool {
     wave.status == exact.status as f32 && (gap < SAME_PLACE + more || wave.fate() == Fate::Dead)
 }
 
-/// Distance between the ends of the wave and its twins, in metres; `None` if it depends on a
-/// rounding, so that one of them ends otherwise.
+/// Distance in metres between the ends of the wave and of its twins; `None` if a rounding decides
+/// where the wave ends, so that a twin ends otherwise.
 fn spread(exact: &ExactScene, start: DVec3, direction: DVec3) -> Option<f64> {
     let here = exact.trace(start, direction, 2);
     let (one, other) = direction.any_orthonormal_pair();

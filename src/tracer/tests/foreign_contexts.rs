@@ -1,4 +1,4 @@
-//! Tracers, together with contexts that a program made current itself.
+//! Tracers, together with contexts that another program made current.
 
 use crate::gl::tests::foreign_program::RawEgl;
 use crate::gl::{Api, AsyncRead, GpuTimer, Picture, Program, RenderTarget, Texture};

@@ -15,13 +15,13 @@ use glam::Vec3;
 
 const WAVES: u32 = 65_536;
 
-/// Maximum distance in metres between ends of a wave that count as the same. A distance near 15 m
-/// is rounded by up to 1e-6 m; a difference normal divides that by twice its step of 0.01 m, which
-/// turns the next direction by up to 5e-5, and most flights are shorter than 20 m. (Seen with
+/// Maximum distance in metres between two ends of a wave that count as the same. A distance near 15
+/// m is rounded by up to 1e-6 m; a difference normal divides that by twice its step of 0.01 m,
+/// which turns the next direction by up to 5e-5, and most flights are shorter than 20 m. (Seen with
 /// llvmpipe, of 1,048,576 waves in 8 iterations: at most 2.6e-4, 3e-8 for most waves.)
 const SAME_PLACE: f32 = 1e-3;
 
-/// A decision may fall either way below this difference of two distances, in metres: a hundred
+/// A decision may fall either way if two distances differ by less than this, in metres: a hundred
 /// roundings of 1e-6 m, all of one sign, in the distance and along the march before it. One in a
 /// hundred waves has a margin this small, so a wave that deviates for another reason goes unnoticed
 /// with a probability of one in a hundred.
@@ -79,8 +79,7 @@ fn all_bits(waves: &[Wave]) -> Vec<[u32; 12]> {
 }
 
 /// Protects the whole march on the GPU, passes, textures and shaders: at least 99.5 % of the waves
-/// end as on the CPU, the others depended on a rounding, and the counts are the same except for
-/// them.
+/// end as on the CPU, the others depend on a rounding, and the counts differ only by these.
 #[test]
 fn waves_end_on_the_gpu_as_on_the_cpu() {
     for_each_api(|context| {
@@ -127,7 +126,7 @@ fn check_counts(frame: &Frame, pairs: &[Pair]) {
     let allowed = (0.005 * hits as f64).max(1.0);
     assert!(gap as f64 <= allowed, "{counts:?}, {hits} on the CPU");
 
-    // A wave that deviates can differ in each of its passes; the others do not differ.
+    // A wave that deviates can differ in each of its passes; other waves do not differ.
     let of_flips = |count: fn(&Pair) -> u32| {
         let differ = pairs.iter().filter(|pair| !pair.is_same());
         differ.map(|pair| u64::from(count(pair))).sum::<u64>()
@@ -142,9 +141,9 @@ fn check_counts(frame: &Frame, pairs: &[Pair]) {
     );
 }
 
-/// Protects the margin itself, by which the test above excuses waves: when the minimum distance is
-/// changed by 1e-5 m, exactly those waves deviate whose margin was below that (and a rounding of
-/// 1e-6 m). A margin that is too small would excuse everything.
+/// Protects the margin itself, by which the test above accepts deviating waves: if the minimum
+/// distance is changed by 1e-5 m, exactly those waves deviate whose margin was below that (and a
+/// rounding of 1e-6 m). If every wave had a small margin, the test above would accept everything.
 #[test]
 fn a_margin_tells_which_waves_a_nudge_parts() {
     const NUDGE: f32 = 1e-5;
@@ -245,7 +244,7 @@ fn start_directions_are_uniform() {
     }
 }
 
-/// Protects reproducibility: one seed gives the same bits, in a second frame and on a second
+/// Protects reproducibility: one seed gives the same bits in a second frame and on a second
 /// context; another seed gives other waves.
 #[test]
 fn a_seed_decides_every_bit() {
@@ -298,8 +297,8 @@ fn every_wave_is_counted_once() {
     });
 }
 
-/// Protects a wave from its neighbours: it depends only on its number and the seed, not on the size
-/// of the texture that it lies in.
+/// Protects a wave from its neighbours: the wave depends only on its number and the seed, not on
+/// the size of the texture.
 #[test]
 fn a_wave_is_the_same_in_a_larger_frame() {
     for_each_api(|context| {

@@ -36,7 +36,7 @@ fn scenes() -> Vec<(&'static str, Scene)> {
     let lattice =
         |of: &Shape, period: f32, count: u32| of.clone().repeat(Vec3::splat(period), [count; 3]);
     let nested = lattice(&lattice(&ball, 0.5, 3), 3.0, 5);
-    // Copies that reach out of their cells: several are evaluated each time.
+    // Copies that extend beyond their cells: several are evaluated each time.
     let crossing = lattice(&torus.translate(Vec3::X * 0.6), 1.5, 5);
     let endless = |of: &Shape, period: f32| lattice(of, period, 0);
     let field = |field: Shape| room([Surface::new(field)]);
@@ -119,7 +119,8 @@ fn every_loop_shortens_the_passes() {
         let settings = Settings::new(profile).with_iterations_per_pass(Settings::MAX_ITERATIONS);
         let alone = Budget::of(&room([]), &settings).iterations_per_pass;
         for (what, scene) in scenes() {
-            // Of repeated copies that stay within their cells only one is evaluated, without a loop.
+            // Among repeated copies that stay within their cells, only one is evaluated, without a
+            // loop.
             let loops = profile == Profile::Hybrid || !what.contains("repeat");
             let budget = Budget::of(&scene, &settings).iterations_per_pass;
             assert!(!loops || budget < alone, "{what}, {profile}: {budget}");

@@ -102,7 +102,7 @@ fn written(text: &str) -> String {
             && number.parse::<u32>().is_ok()
         {
             is_file = name.starts_with("glsl/");
-            // Numbers change with every earlier file that is added or removed.
+            // Numbers change with every file that is added or removed before them.
             out += &format!("// {name}\n");
         } else if !is_file && !line.starts_with("#line") {
             out += line;
@@ -132,12 +132,12 @@ fn texts_match_the_golden_ones() {
             .find(|(new, old)| new != old);
         assert!(
             text == golden,
-            "{name}: {differs:?}; if it is meant, ECHOMARCH_UPDATE_GOLDEN=1 writes it anew"
+            "{name}: {differs:?}; if this is intended, ECHOMARCH_UPDATE_GOLDEN=1 writes it anew"
         );
     }
 }
 
-/// Protects the shader in the documents: it is that of the scene.
+/// Protects the shader in the documents: it is the shader of the scene.
 #[test]
 fn the_documented_shader_is_that_of_corner() {
     let page = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("docs/shader-of-corner.md");
@@ -151,12 +151,12 @@ fn the_documented_shader_is_that_of_corner() {
     } else {
         assert!(
             stated == whole,
-            "docs/shader-of-corner.md is another shader; if it is meant, ECHOMARCH_UPDATE_GOLDEN=1 writes it anew"
+            "docs/shader-of-corner.md is outdated; if this is intended, ECHOMARCH_UPDATE_GOLDEN=1 writes it anew"
         );
     }
 }
 
-/// Every shape, as a basic one or a field.
+/// Every shape, as a basic shape or a field.
 fn shapes() -> Vec<Shape> {
     let size = Vec3::new(1.0, 2.0, 3.0);
     let heights = HeightImage::new("h", UVec2::splat(2), vec![0.0, 0.5, 0.5, 1.0]).unwrap();
@@ -217,7 +217,7 @@ fn shapes() -> Vec<Shape> {
 /// Shapes that another shape is made of.
 fn building_blocks(name: &str) -> &'static [&'static str] {
     match name {
-        // Their bounds are a box.
+        // Their bounds are boxes.
         "RoundedBox" | "HeightField" | "Field" => &["Box"],
         // A capsule has balls as its ends.
         "Capsule" => &["Sphere"],
@@ -226,7 +226,7 @@ fn building_blocks(name: &str) -> &'static [&'static str] {
     }
 }
 
-/// Protects specialisation: a scene's shader only has functions of the shapes in it.
+/// Protects specialisation: a scene's shader contains only functions of the shapes in it.
 #[test]
 fn a_scene_of_one_shape_names_no_other() {
     let all = shapes();

@@ -1,54 +1,55 @@
-//! Whether the gradient that a text states is that of its value.
+//! Whether the gradient that a text states is the gradient of its value.
 //!
-//! It is compared with differences at points on the surface, where normals are taken, and at
-//! points all over the box. Along each axis five values in a row give four slopes. Where the
-//! value is smooth these nearly agree, and the gradient must too; where they differ, by
-//! curvature, an edge or rounding, it may be off by as much. That is done over four distances,
-//! and the most precise one counts. No two of them have a common measure, so that no ripple
-//! looks flat over all of them.
+//! The stated gradient is compared with differences at points on the surface, where normals are
+//! needed, and at points in the whole box. Along each axis five values in a row give four slopes.
+//! Where the value is smooth, these slopes nearly agree, and the gradient must agree with them;
+//! where they differ because of curvature, an edge or rounding, the gradient may differ by the same
+//! amount. The comparison uses four distances between values, and the most precise one counts. No
+//! two of the distances have a common measure, so that no ripple looks flat at all of them.
 
 use super::{Probe, TraceError};
 use crate::error::Error;
 use crate::scene::halton;
 use glam::Vec3;
 
-/// Points over the box at which it is tried, besides those on the surface.
+/// Points in the box at which the gradient is tested, besides those on the surface.
 const SPREAD: usize = 1024;
 
 /// Distances of neighbouring values, as shares of the largest coordinate.
 const DISTANCES: [f32; 4] = [1.0 / 16.0, 1.0 / 61.0, 1.0 / 251.0, 1.0 / 1021.0];
 
-/// The least coordinate that these are shares of, as a share of the box: nothing has a scale at
-/// its origin.
+/// Least coordinate for these distances, as a share of the box, so that they are not 0 at the
+/// origin.
 const LEAST_SCALE: f32 = 1.0 / 1024.0;
 
-/// Neighbours along an axis, in distances.
+/// Offsets of neighbours along an axis, in multiples of the distance.
 const NEIGHBOURS: [f32; 4] = [-2.0, -1.0, 1.0, 2.0];
 
 /// Values around a point.
 const AROUND: usize = DISTANCES.len() * 3 * NEIGHBOURS.len();
 
-/// By how much a component may be off whatever the differences are, as a share of the
-/// gradient's length: a hundredth of a radian is seen in no picture.
+/// Tolerated error of a component in addition to that of the differences, as a share of the
+/// gradient's length: a hundredth of a radian is not visible in a picture.
 const TOLERANCE: f64 = 0.01;
 
-/// The size of a rounding of a coordinate: the shader looks so far aside where a gradient is
-/// no number. As in `glsl/common/rounding.glsl`.
+/// The size of a rounding of a coordinate: the shader evaluates the gradient at this offset if it
+/// is not a number. As in `glsl/common/rounding.glsl`.
 const ROUNDING: f32 = 8.0 * f32::EPSILON;
 
-/// Off every line that a text is likely to have, as in `glsl/user/gradient.glsl`.
+/// A direction off every line that a text is likely to treat specially, as in
+/// `glsl/user/gradient.glsl`.
 const ASIDE: Vec3 = Vec3::new(0.53, -0.62, 0.58);
 
-/// The estimate of a component by differences over one distance.
+/// The estimate of a component by differences at one distance.
 #[derive(Clone, Copy)]
 struct Slope {
     slope: f64,
-    /// By how much the slopes next to it differ.
+    /// Difference between the neighbouring slopes.
     doubt: f64,
 }
 
 impl Probe<'_> {
-    /// Rejects a stated gradient that is further off than differences can be.
+    /// Rejects a stated gradient with a greater error than the differences allow.
     pub(super) fn check_gradient(&self, surface: &[Vec3]) -> Result<(), Error> {
         if !self.field.states_gradient() {
             return Ok(());
@@ -79,7 +80,7 @@ impl Probe<'_> {
         worst.map_or(Ok(()), |(_, error)| Err(error.into()))
     }
 
-    /// The stated gradients, as a shader takes them: a little aside where there is none.
+    /// The stated gradients as used by a shader: evaluated a little aside if undefined.
     fn stated(&self, places: &[Vec3]) -> Result<Vec<Vec3>, Error> {
         let mut stated = self.gradients(places)?;
         let none: Vec<usize> = (0..places.len())
@@ -107,7 +108,7 @@ impl Probe<'_> {
         Ok(texels.chunks(4).take(points.len()).map(gradient).collect())
     }
 
-    /// The neighbours of a place, held to the box: by distance, then by axis.
+    /// The neighbours of a point, clamped to the box: by distance, then by axis.
     fn around(&self, place: Vec3) -> impl Iterator<Item = Vec3> {
         let half = 0.5 * self.field.size;
         let scale = place.abs().max(LEAST_SCALE * half).max_element();
@@ -118,8 +119,7 @@ impl Probe<'_> {
         offsets.map(move |offset| (place + offset).clamp(-half, half))
     }
 
-    /// The bounds of each component: over every distance for which all neighbours are within
-    /// the box.
+    /// The slopes of each component, for every distance at which all neighbours are within the box.
     fn slopes(&self, place: Vec3, middle: f32, points: &[Vec3], values: &[f32]) -> [Vec<Slope>; 3] {
         let mut known = [const { Vec::new() }; 3];
         let rows = points
@@ -138,7 +138,7 @@ impl Probe<'_> {
                     (least.min(*s), most.max(*s))
                 });
             let doubt = most - least;
-            // Held to the box two neighbours are one.
+            // Two neighbours clamped to the box may be the same point.
             if doubt.is_finite() {
                 let slope = slope(line[1], line[3]);
                 known[axis].push(Slope { slope, doubt });
@@ -148,7 +148,7 @@ impl Probe<'_> {
     }
 }
 
-/// By how much a gradient is further off than it may be, as a share of what it may be, or 0; and
+/// The error of a gradient as a multiple of the allowed error, or 0 if the error is allowed; and
 /// the gradient by differences.
 fn compared(stated: Vec3, known: &[Vec<Slope>; 3]) -> (f64, Vec3) {
     let told = [0, 1, 2].map(|axis| best(&known[axis]));
@@ -157,7 +157,7 @@ fn compared(stated: Vec3, known: &[Vec<Slope>; 3]) -> (f64, Vec3) {
     let excess = |axis: usize| {
         let off = (f64::from(stated[axis]) - told[axis].slope).abs();
         let allowed = told[axis].doubt + TOLERANCE * length;
-        // A value that is not a number is off too, whatever is allowed.
+        // A value that is not a number is an error, whatever error is allowed.
         if off <= allowed {
             0.0
         } else {
@@ -168,9 +168,10 @@ fn compared(stated: Vec3, known: &[Vec<Slope>; 3]) -> (f64, Vec3) {
     (most, found)
 }
 
-/// The most precise slope, of those over all distances, the widest first. A ripple may look
-/// flat over a wide one, and rounding over a narrow one: what a narrower one says or leaves open
-/// is doubt, and what a wider one says that its own doubt does not cover.
+/// The most precise of the slopes at all distances, which are sorted from the widest. A ripple may
+/// look flat at a wide distance, and rounding at a narrow one. So the doubt of a slope includes its
+/// difference from any narrower slope plus that slope's doubt, and its difference from any wider
+/// slope minus that slope's doubt.
 fn best(slopes: &[Slope]) -> Slope {
     let nothing = Slope {
         slope: 0.0,
