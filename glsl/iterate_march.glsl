@@ -59,7 +59,7 @@ float traceWave(vec3 origin, vec3 direction, float last, out float object, out b
                 }
                 refined = nearest <= second * closing;
             }
-            // A surface ahead gets nearer, within rounding; otherwise only the other objects can be hit.
+            // If the nearest surface does not get nearer along the ray, only the other objects can be hit.
             float step = closing > 0.0 ? min(nearest / closing, second) : second;
             // The march always advances, whatever the rounding.
             t = max(t + step, closing > 0.0 && nearest < 0.0 ? 0.0 : t + 0.5 * rounding);

@@ -1,9 +1,10 @@
 // One iteration of the thesis' design, faithful to its figures 8 and 9.
 //
-// Kept on purpose: the start offset is not stored; hits lie up to the minimum distance short of the surface;
-// normals come from differences of the whole scene's distance; dead waves are marched again from the origin
-// with direction 0. Departures: the march has a step limit, counters are stored in the direction's last
-// component, and a wave dies where all differences are 0, because normalize(0) depends on the driver.
+// Properties of the thesis kept on purpose: the start offset is not stored; hits lie up to the minimum
+// distance short of the surface; normals come from differences of the whole scene's distance; dead waves are
+// marched again from the origin with direction 0. Departures: the march has a step limit, counters are
+// stored in the direction's last component, and a wave dies where all differences are 0, because
+// normalize(0) depends on the driver.
 
 uniform float uMinDistance;   // a surface counts as hit below this distance, metres
 uniform float uMaxDistance;   // a wave counts as dead beyond this, metres

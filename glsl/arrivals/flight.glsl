@@ -42,7 +42,8 @@ void crossListener(vec3 p, vec3 d, float t, float iteration) {
     float enters = max(-along - halfChord, 0.0);
     float leaves = min(halfChord - along, t);
     bool crosses = leaves > enters;
-    // The third component of the direction follows from the others, except for its sign.
+    // The sign of the direction's third component is recorded separately; its magnitude follows
+    // from the other two.
     float share = iteration + (leaves - enters) * chordScale;
     float middle = sixteenths + (rest + 0.5 * (enters + leaves));
     vec4 record = vec4(middle, d.z < 0.0 ? -share : share, d.xy);

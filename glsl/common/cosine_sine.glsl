@@ -5,8 +5,7 @@
 // sinf.c and cosf.c), which are correct to one rounding there; other angles are reduced by quarter
 // turns.
 
-// Cosine and sine of a whole number of quarter turns plus an angle of at most an eighth of a turn, in
-// radians.
+// Cosine and sine of `quarters` quarter turns plus `angle` radians, at most an eighth of a turn.
 vec2 cosineSineNear(int quarters, float angle) {
     float z = angle * angle;
     float sine = ((-1.9515295891e-4 * z + 8.3321608736e-3) * z - 1.6666654611e-1) * z * angle + angle;

@@ -12,7 +12,8 @@ uvec3 mixBits(uvec3 v) {
     return v;
 }
 
-// The upper 24 bits as a multiple of 2^-24 in [0, 1): exact in a float. (A division may not be.)
+// The upper 24 bits as a multiple of 2^-24 in [0, 1): exact in a float. (A division may be
+// inexact.)
 float unitInterval(uint bits) {
     return float(bits >> 8u) * 5.9604644775390625e-8;
 }

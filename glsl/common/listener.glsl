@@ -8,7 +8,7 @@ float listenerDistance(vec3 p) {
     return length(p - listener.xyz) - listener.w;
 }
 
-// The next two functions are for profiles whose coordinates begin at the listener's centre.
+// The next two functions are for profiles whose origin is the listener's centre.
 
 // Distance to the listener, or NEVER for a wave along d that moves away from it. A wave that starts
 // inside has already arrived.

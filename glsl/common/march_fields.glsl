@@ -15,7 +15,7 @@ uniform int uFieldSteps;   // maximum number of evaluations in one march
 const float NEAR = 64.0;      // distance to the surface, in roundings, below which the line bounds are evaluated
 const int PLAIN_STEPS = 12;   // consecutive steps after which the line bounds are evaluated anyway
 const float RELAXED = 0.95;   // share of the step at which the balls would just touch
-const float PLACE = 0.25;     // share of ROUNDING: the error of a position, and of a distance from it
+const float PLACE = 0.25;     // share of ROUNDING that is the error of a position
 const float SHALLOW = 64.0;   // maximum length of the last step, in roundings along the ray
 const float FLAT = 0.0625;    // least length of a gradient with which a value still locates the surface
 const int LOOKS = 4;          // steps in which a march tries to reach a surface one rounding away
@@ -35,7 +35,7 @@ float marchFields(vec3 origin, vec3 d, float last, float limit, out float object
     float taken = 0.0;    // length of the previous step
     float before = 0.0;   // value before the previous step
     float air = -1.0;     // distance to the last point in the air, or -1
-    float solid = -1.0;   // distance to a point beyond it in a solid, or -1
+    float solid = -1.0;   // distance to a point in a solid beyond that air, or -1
     int looks = LOOKS;
     limitReached = false;
     int steps = 0;
@@ -85,7 +85,7 @@ float marchFields(vec3 origin, vec3 d, float last, float limit, out float object
             vec3 gradient = fieldGradient(p, object, errorBound);
             float closing = -dot(d, gradient);
             rounding = max(rounding, PLACE * errorBound);
-            // Where the gradient is short, the value at the same distance is smaller.
+            // A short gradient means a smaller value at the same distance.
             float touch = rounding * clamp(length(gradient), FLAT, 1.0);
             // The last step entered the solid, whatever the gradient says (it is inaccurate at edges): from
             // now on the interval is bisected.

@@ -36,8 +36,8 @@ float wayToOrigin(vec3 p, vec3 d) {
     return max(-dot(p, d), 0.0);
 }
 
-// The hit for a root measured from that point. A root behind the start is no hit, unless rounding put
-// the start into the solid (value < 0) and the ray goes further in (growth < 0).
+// The hit for a root measured from that point. A root behind the start does not count as a hit,
+// unless rounding put the start into the solid (value < 0) and the ray goes further in (growth < 0).
 float rootFrom(float way, float root, float value, float growth) {
     float t = way + root;
     if (t >= 0.0) {

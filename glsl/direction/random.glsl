@@ -1,7 +1,7 @@
 // Start directions: uniform over the sphere, one for each wave and seed.
 //
 // A counter-based hash (common/hash.glsl) gives each wave its own numbers without any state, so
-// that they depend on wave and seed alone.
+// that the numbers depend only on wave and seed.
 
 // Archimedes' theorem: height and azimuth are both uniform.
 vec3 startDirection(uint wave, uint seed) {

@@ -1,4 +1,5 @@
-// Distance over which a folded coordinate q, which moves by d per metre, stays on its side of the fold at 0.
+// Distance over which a folded coordinate q, which changes by d per metre, stays on its side of the fold at
+// 0.
 float foldReach(float q, float d) {
     return d < 0.0 ? max(-q / d, 0.0) : NO_END;
 }

@@ -1,5 +1,5 @@
-// The coordinate q relative to the middle of a copy: that of the cell of q, plus step_, limited to the
-// copies first to last.
+// The coordinate q relative to the middle of a copy: the copy whose cell contains q, moved on by step_
+// copies, and clamped to the copies first to last.
 float repeatCopy(float q, float period, float first, float last, float step_) {
     float own = clamp(floor(q / period + 0.5), first, last);
     return q - period * clamp(own + step_, first, last);

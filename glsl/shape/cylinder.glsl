@@ -16,7 +16,8 @@ vec4 gdCylinder(vec3 p, float radius) {
     return vec4(outward.x, 0.0, outward.y, apart - radius);
 }
 
-// Hit of a ray from outside with the endless cylinder about y: a circle in the plane.
+// Hit of a ray from outside with the endless cylinder about y, computed as a hit with a circle in
+// the xz plane.
 float hitCircle(vec3 p, vec3 d, float squaredRadius) {
     vec3 heading = planeHeading(d);
     return enterCircle(p.xz, heading.xy, heading.z, squaredRadius);

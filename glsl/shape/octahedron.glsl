@@ -1,5 +1,5 @@
 // A regular octahedron, by the distance to the nearest face's plane: the worked example of
-// docs/architecture.md, built for tests alone.
+// docs/architecture.md, built only for tests.
 
 float sdOctahedron(vec3 p, float radius) {
     return (dot(abs(p), vec3(1.0)) - radius) * 0.57735027;

@@ -62,8 +62,8 @@ void clipToEdge(vec2 p, vec2 d, vec2 from, vec2 to, inout float enter, inout flo
     }
 }
 
-// Hit of a ray with a triangle a b c of positive orientation, extruded along z: the ray is inside where it is
-// behind all five planes.
+// Hit of a ray with a triangle a b c of positive orientation, extruded along z: the ray is inside the prism
+// where it is behind all five planes.
 float hitPrism(vec3 p, vec3 d, vec2 a, vec2 b, vec2 c, float halfDepth, float errorBound) {
     float enter = -NO_HIT;
     float leave = NO_HIT;

@@ -3,7 +3,7 @@ void closestOfKind@kind@(vec3 p, vec3 d, float last, inout float nearest, inout 
     vec4 origin = uGrids[@grid@];
     vec4 size = uGrids[@grid@ + 1];
     CELL_VECTOR strides = uGrids[@grid@ + 4].CELL_AXES;
-    int turns = int(uGrids[@grid@ + 4].w);   // more than any line takes
+    int turns = int(uGrids[@grid@ + 4].w);   // more records than any line visits
     int first = int(origin.w);
     int most = int(size.w);
     vec3 inverse = safeInverse(d);

@@ -2,7 +2,7 @@
 
 uniform highp sampler2D uPoints;   // metres, in the axes of the field's box
 
-layout(location = 0) out vec4 outValue;   // the value, and the gradient: 0 where none is stated
+layout(location = 0) out vec4 outValue;   // value, and stated gradient (0 without one)
 
 void main() {
     vec3 p = texelFetch(uPoints, ivec2(gl_FragCoord.xy), 0).xyz;

@@ -17,8 +17,8 @@ vec4 gdUser0(vec3 p, vec3 halfSize, float inverseLipschitz) {
     if (dot(gradient, gradient) <= LONGEST) {
         return vec4(gradient, value);
     }
-    // Where the gradient is undefined (at a tip or an axis), it is evaluated some roundings aside, off every
-    // line that a user's function is likely to treat specially.
+    // An undefined gradient (at a tip or an axis) is evaluated some roundings aside, off every line that a
+    // user's function is likely to treat specially.
     vec3 aside = p + ROUNDING * max(largest(p), largest(halfSize)) * vec3(0.53, -0.62, 0.58);
     gradient = statedByUser0(aside, halfSize, inverseLipschitz);
     return vec4(dot(gradient, gradient) <= LONGEST ? gradient : vec3(0.0), value);

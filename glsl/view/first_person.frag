@@ -1,5 +1,5 @@
-// The listener's view: sphere tracing (Hart 1996) with the waves' own distance function, shaded so that both a closed
-// room and an open field are easy to read.
+// The listener's view: sphere tracing (Hart 1996) with the distance function of the waves, shaded so that both a
+// closed room and an open field are easy to read.
 
 layout(location = 0) out vec4 outColour;
 

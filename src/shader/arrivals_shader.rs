@@ -20,7 +20,7 @@ const WORDS_IN_TEXTURE: u32 = 4;
 /// Parameters of the text in addition to the structure of the scene.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct ArrivalsText {
-    /// How a wave finds the next surface. There is no such text for `thesis`.
+    /// How a wave finds the next surface. `thesis` has no such text.
     pub algorithm: AlgorithmText,
     /// How waves start.
     pub directions: Directions,

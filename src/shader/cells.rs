@@ -11,7 +11,7 @@
 //!
 //! Lines are intersected with each kind separately if it has a closed form (`kinds.rs`).
 //!
-//! Uniform cells were chosen by measurement over a list of all surfaces (the same code with one cell) and over
+//! By measurement, uniform cells are faster than a list of all surfaces (the same code with one cell) and than
 //! unrolled text: see docs/benchmarks/surfaces-llvmpipe.md. Lists are kept from frame to frame: moved surfaces are
 //! removed and inserted again, and only the cells near their old or new positions are rebuilt. Lists are built on all
 //! cores; their order is that of the surfaces, regardless of the number of threads.
@@ -38,7 +38,7 @@ pub struct Cells {
     /// Axes along which cells are endless.
     unbounded_axes: [bool; 3],
     grid: Grid,
-    /// The surfaces in the cells, as of when the lists were built.
+    /// The surfaces in the cells, in their state when the lists were built.
     known: Vec<Member>,
     overlapping: Vec<Vec<u32>>,
     near: Option<Vec<Candidates>>,
@@ -87,7 +87,7 @@ impl Cells {
         cells
     }
 
-    /// Follows the scene: removes and inserts only the moved surfaces.
+    /// Updates the cells to the scene: removes and inserts only the moved surfaces.
     pub fn update(&mut self, scene: &Scene) {
         let moved: Vec<usize> = self
             .known
@@ -267,7 +267,7 @@ impl Cells {
         self.groups = groups(&self.known);
     }
 
-    /// Those of the candidates that can be the nearest to some point of a box.
+    /// The candidates that can be the nearest to some point of a box.
     fn near_to(&self, bounds: Bounds3, candidates: &[u32]) -> Candidates {
         let unbounded_axes = self.unbounded_axes;
         let mut least = f64::INFINITY;

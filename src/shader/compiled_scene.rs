@@ -1,4 +1,4 @@
-//! The one value between a scene and the GPU.
+//! The compiled form of a scene for the GPU.
 //!
 //! A frame, a picture and the arrivals of a response pass their scene to [`CompiledScene::update`],
 //! and take everything that depends on the scene from the result:
@@ -28,7 +28,7 @@ use super::turn_budget::{Budget, LoopsAsked, StructureTurns};
 use crate::scene::{Listener, Scene};
 use glam::{Vec3, Vec4};
 
-/// A scene as the shaders of one algorithm receive it. See the table of this module.
+/// A scene in the form that the shaders of one algorithm read. See the table of this module.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct CompiledScene {
     pub structure: Structure,
@@ -146,7 +146,7 @@ mod tests {
         layouts_derived() - before
     }
 
-    /// A room with enough boxes and fields for cells, of two materials.
+    /// A room with two materials, and with enough boxes and fields for cells.
     fn crowd() -> Scene {
         let mut scene = Scene::builtin("shoebox").unwrap();
         let (ring, tube) = (0.2, 0.05);

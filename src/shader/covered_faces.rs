@@ -118,8 +118,8 @@ impl Neighbours {
 }
 
 /// Length in metres by which a face of a box can be extended into one solid: the length of the box,
-/// or that divided by a power of two, if the solid contains the extension with a margin; else just
-/// past rounding, if the solid contains that; else 0.
+/// or this length divided by a power of two, if the solid contains the extension with a margin;
+/// else just past rounding, if the solid contains that; else 0.
 fn extension(surface: &Surface, face: Face, cover: &Surface, error_bound: f32) -> f32 {
     /// The last try is 2^-12 of the box's length: less is hardly better than a short extension.
     const TRIES: i32 = 13;
@@ -221,7 +221,7 @@ mod tests {
         };
         let low = extended[1].position - 0.5 * size;
         let high = extended[1].position + 0.5 * size;
-        // Its west face (x = 0) and south face (z = 0) look into the room.
+        // Its west face (x = 0) and south face (z = 0) face the room.
         assert_eq!((low.x, high.z), (0.0, 0.0));
         assert!(high.x > 20.0 && low.z < -20.0 && low.y < -15.0 && high.y > 15.0);
     }

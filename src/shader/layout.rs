@@ -133,7 +133,7 @@ fn mostly_endless(endless: &[[bool; 3]]) -> [bool; 3] {
     [0, 1, 2].map(|axis| 2 * candidates.clone().filter(|axes| axes[axis]).count() > count)
 }
 
-/// The kinds of these surfaces, in the order of their first ones.
+/// The kinds of these surfaces, in the order of their first surfaces.
 fn kinds(surfaces: &[Surface], wanted: impl Iterator<Item = usize>) -> Vec<Kind> {
     let mut kinds: Vec<Kind> = Vec::new();
     for index in wanted {
@@ -155,8 +155,8 @@ fn kinds(surfaces: &[Surface], wanted: impl Iterator<Item = usize>) -> Vec<Kind>
     kinds
 }
 
-/// The kinds of at least `from` surfaces, and the largest of the other kinds until few surfaces are
-/// left.
+/// The kinds of at least `from` surfaces and, of the other kinds, the largest ones until at most
+/// [`UNROLLED_AT_MOST`] surfaces are left.
 fn in_cells(kinds: Vec<Kind>, from: usize) -> Vec<Kind> {
     let mut sizes: Vec<usize> = kinds.iter().map(|kind| kind.surfaces.len()).collect();
     sizes.sort_unstable_by(|a, b| b.cmp(a));
@@ -179,7 +179,7 @@ fn endless_axes(surface: &Surface) -> [bool; 3] {
     [0, 1, 2].map(|axis| !(bounds.min[axis].is_finite() && bounds.max[axis].is_finite()))
 }
 
-/// The properties of a surface, or of a kind, that its text depends on.
+/// The properties of a surface, or of a kind, on which its text depends.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct SurfaceStructure {
     name: &'static str,
@@ -269,7 +269,7 @@ fn of_node(field: &Shape, moves: bool) -> NodeSignature {
     }
 }
 
-/// Parameters that are in the text but are not numbers of the shape.
+/// Parameters in the text that are not numbers of the shape.
 fn choices(field: &Shape) -> [u32; 3] {
     match &field.node {
         Node::Mirror(Mirror { axes }) => axes.map(u32::from),

@@ -45,7 +45,8 @@ pub struct Materials {
 }
 
 impl Materials {
-    /// The materials of the scene, for waves that carry these bands; none if no surface absorbs or scatters.
+    /// The materials of the scene, for waves that carry these bands; empty if no surface absorbs or
+    /// scatters.
     pub fn of(scene: &Scene, bands: Range<usize>) -> Materials {
         let mut materials = Materials {
             bands: bands.clone(),
@@ -130,8 +131,8 @@ impl Materials {
         &self.of_surfaces
     }
 
-    /// The vectors of a table in the scene's data that begins at this index: for each surface its number, and the index
-    /// of the two vectors with those of its walls where these differ.
+    /// The vectors of a table in the scene's data that begins at this index: for each surface its number, and, if the
+    /// numbers of its walls differ, the index of two vectors with these numbers.
     pub fn table(&self, first: usize) -> Vec<Vec4> {
         let own = |number: &f32| Vec4::new(*number, 0.0, 0.0, 0.0);
         let mut table: Vec<Vec4> = self.of_surfaces.iter().map(own).collect();

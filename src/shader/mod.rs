@@ -1,6 +1,6 @@
 //! The input of the GPU: from a scene and settings to shader text, data and keys of programs.
 //!
-//! [`CompiledScene`] is the one value between a scene and the GPU. It is made of these parts:
+//! A scene reaches the GPU only through [`CompiledScene`], which has these parts:
 //!
 //! | input | output | where |
 //! | --- | --- | --- |
@@ -11,7 +11,7 @@
 //! | height images, many surfaces, materials | the data that shaders read by index, with cells and their lists | `data`, `cells`, `materials` |
 //! | the loops of the text, and the lists of cells | iterations of a pass and steps of a march | `turn_budget` |
 //!
-//! It knows no OpenGL: [`crate::tracer`] compiles the texts and sends the numbers.
+//! This module does not use OpenGL: [`crate::tracer`] compiles the texts and sends the numbers.
 //!
 //! Everything that the shader reads relative to the listener is a uniform, because it changes with
 //! every step of the listener: the positions of surfaces and listener, and also the sizes of basic

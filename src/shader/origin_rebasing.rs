@@ -108,7 +108,8 @@ impl RebasedScene {
         &self.surfaces[index]
     }
 
-    /// Appends the values of one surface (by its index) as the text of its kind reads them.
+    /// Appends the values of one surface (by its index) in the order in which the text of its kind
+    /// reads them.
     pub(super) fn push_data(&self, index: usize, values: &mut Vec<Vec4>) {
         push_values(
             &self.surfaces[index],

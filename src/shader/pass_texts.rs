@@ -19,7 +19,7 @@ pub enum Directions {
     Fibonacci,
 }
 
-/// Settings that are in the text of a march.
+/// Settings on which the text of a march depends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct MarchText {
     pub algorithm: AlgorithmText,

@@ -11,7 +11,7 @@
 //! For lines, a cell of a kind is one *record*: all vectors that are needed to test the cell's surface. One
 //! number of its first vector is the *tag*:
 //!
-//! | tag | what the record is |
+//! | tag | record |
 //! | --- | --- |
 //! | the number of a surface | that surface, the last of its list; the next cell follows |
 //! | the number times −1 | that surface; the next record of the list follows |
@@ -47,7 +47,7 @@ pub(super) fn heights(assets: &Assets) -> Vec<Vec4> {
 pub struct CellData {
     /// Index of the directory.
     pub directory: i32,
-    /// Corner of the grid of the cells with lists, with the least coordinates, in the shader's
+    /// Corner with the least coordinates of the grid of the cells with lists, in the shader's
     /// coordinates (metres).
     pub origin: Vec3,
     /// Width, height and depth of a cell in metres.
@@ -233,7 +233,7 @@ fn number(index: usize) -> f32 {
     (index + 1) as f32
 }
 
-/// The places of the tag and of the values in a record.
+/// The layout of a record: the positions of the tag and of the values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Record {
     /// Whether the tag has a vector of its own.

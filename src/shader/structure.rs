@@ -18,7 +18,7 @@ use std::sync::Arc;
 pub struct Structure {
     /// The lists of cells that the text reads.
     pub lists: Lists,
-    /// Which surfaces have their own lines of text, and which are in cells.
+    /// The division of the surfaces into those with their own lines of text and those in cells.
     pub layout: Layout,
     /// Height images and users' fields.
     pub(super) assets: Assets,

@@ -20,9 +20,9 @@ use crate::scene::{Copies, Node, Shape, UserField};
 
 /// Maximum evaluations of the distance in one march.
 ///
-/// Every step of the thesis' march is at least the minimum distance long, so at its
-/// own constants no wave takes more than 300 / 0.1 = 3000 of them. The bound lies
-/// above that and keeps any other setting from hanging the GPU.
+/// Every step of the thesis' march is at least the minimum distance long, so at its own constants
+/// no wave takes more than 300 / 0.1 = 3000 steps. The limit is above this number, and keeps other
+/// settings from hanging the GPU.
 pub(crate) const MAX_STEPS: u32 = 4096;
 
 /// Maximum evaluations of the fields in one march. Relaxed steps, and Newton's at the end, take
@@ -36,7 +36,7 @@ const MAX_FIELD_STEPS: u32 = 1024;
 pub(crate) const MAX_COPY_STEPS: u32 = 32_000;
 
 /// Number of turns for which a call of a user's field with loops counts. Compilers unroll loops of
-/// a few dozen turns if their number is known, so that few texts have as many turns left.
+/// a few dozen turns if their number is known, so that few texts keep more turns.
 const USER_TURNS: u64 = 60;
 
 /// Maximum calls of a user's text in one projection if normals are computed by differences: seven
@@ -76,8 +76,9 @@ pub(super) struct Loops {
 /// Turns that follow from the structure of a scene alone; the lists of its cells add further turns.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct StructureTurns {
-    /// Values of all unrolled surfaces, and the largest of a kind.
+    /// The values of all unrolled surfaces.
     unrolled_values: u64,
+    /// The value of the kind with the most turns.
     kind_values: u64,
     all_fields: Option<FieldTurns>,
     other_fields: Option<FieldTurns>,
@@ -93,7 +94,7 @@ pub(super) struct StructureTurns {
 #[derive(Clone, Debug, PartialEq)]
 struct FieldTurns {
     unrolled: u64,
-    /// The largest of a kind in cells.
+    /// The most turns of a kind in cells.
     of_kind: Option<u64>,
     /// The gradient of one field.
     gradient: u64,

@@ -50,7 +50,7 @@ pub enum TraceError {
         /// The renderer's name.
         renderer: String,
     },
-    /// A user's field whose text is no field, or does not compile.
+    /// A user's text that does not define a field, or does not compile.
     #[error("{}: {message}", located(file, *line))]
     FieldDoesNotCompile {
         /// The field's file.
@@ -148,7 +148,7 @@ pub enum TraceError {
         /// The name of the profile.
         profile: String,
     },
-    /// There is no frame to advance: none was begun, or the frame was collected or dropped.
+    /// A frame was to be advanced that was never begun, or was collected or dropped before.
     #[error("there is no frame to advance: begin one first")]
     NoFrameBegun,
     /// Waves were requested before a frame was traced.

@@ -138,7 +138,7 @@ impl Counts {
     }
 }
 
-/// Sums a read-back panning texture: `[left, right, status, counters]` a wave.
+/// Sums a read-back panning texture: `[left, right, status, counters]` per wave.
 ///
 /// The sum runs in `f64` in the order of the waves: the same for every run.
 pub(super) fn sum(contributions: &[f32], are_evaluations: bool) -> (Panning, Counts) {

@@ -1,8 +1,8 @@
 //! A frame in steps: begin, advance, and poll or wait.
 //!
 //! *Begin* checks the input and draws the waves at the source. *Advance* traces the waves for about
-//! the given time: as many rows of each pass as fit, in the order of the passes. After the last
-//! pass it draws the panning pass, and requests a copy of the result in a pixel buffer. *Poll* and
+//! the given time: the rows of each pass that fit, in the order of the passes. After the last pass
+//! it draws the panning pass, and requests a copy of the result in a pixel buffer. *Poll* and
 //! *wait* take the copy, when a fence signals that it is complete, and sum it.
 //!
 //! [`Tracer::frame`] runs the three steps in a row. The result is the same, bit for bit, however a

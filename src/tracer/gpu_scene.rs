@@ -58,7 +58,7 @@ impl GpuScene {
         Ok(self.list.set(&self.compiled.data)?)
     }
 
-    /// Sets the scene's uniforms of a program, except the data themselves.
+    /// Sets a program's uniforms of the scene, except the data themselves.
     pub fn set_uniforms(&self, program: &Program) {
         program.set_vec4_array("uSurfaces", &self.compiled.values);
         if let Some(first) = self.compiled.material_table {

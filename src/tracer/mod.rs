@@ -1,4 +1,4 @@
-//! From a scene and settings to a frame: sphere tracing on the GPU.
+//! Traces frames of a scene: sphere tracing on the GPU.
 //!
 //! One frame runs as in figure 6 of the thesis:
 //!

@@ -1,4 +1,4 @@
-//! A scene that follows its files while it is traced.
+//! A scene that is reloaded when its files change.
 
 use super::field_trial::Trial;
 use super::programs::{march_text, structure};

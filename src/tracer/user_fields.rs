@@ -4,9 +4,9 @@
 //! values are sampled on a grid of 65 points a side, from which the CPU knows where the solid is.
 //! At these points and at 16,384 points in between, the field is tested for values that are not
 //! numbers and for growth beyond the stated limit. Only growth measured between two points counts,
-//! because it is a proof. (The length of a gradient by differences is no proof at a ridge.) Details
-//! narrower than a step between points can still be missed. A gradient stated by the text is
-//! compared with differences (`gradient.rs`).
+//! because it is a proof. (At a ridge, the length of a gradient by differences proves nothing.)
+//! Details narrower than a step between points can still be missed. A gradient stated by the text
+//! is compared with differences (`gradient.rs`).
 //!
 //! # Cost
 //! Once for each context and field: one short program, and some 400,000 evaluations in four passes; a field that takes
@@ -55,8 +55,8 @@ const TIMED: usize = ROW;
 /// is nearly that of a plane.
 const CLOSER_TO_SURFACE: usize = 3;
 
-/// Least number of timings, of which the shortest counts: other work on the machine delays the
-/// others.
+/// Minimum number of timings. The shortest one counts, because other work on the machine lengthens
+/// the rest.
 const TIMINGS: u32 = 8;
 
 /// Seconds that the timing may take; a field that seems too slow is timed for the whole time.
@@ -185,7 +185,7 @@ pub(super) fn check(context: &Context, field: &UserField) -> Result<(), Error> {
     Ok(())
 }
 
-/// Line and message of the first error of a log in the user's text.
+/// Line and message of the first error in the user's text, from a compiler log.
 fn first_error(log: &str) -> (Option<u32>, String) {
     let errors = log_errors(log);
     // Mesa loses the file number in the expansion of a macro, and keeps the line.
@@ -210,7 +210,7 @@ struct Probe<'a> {
 }
 
 impl Probe<'_> {
-    /// The values on the grid, all of them finite, with growth between them as stated.
+    /// The values on the grid, after checking that they are finite and grow no faster than stated.
     fn samples(&self) -> Result<UserSamples, Error> {
         let points: Vec<Vec3> = (0..SIDE * SIDE * SIDE).map(|i| self.place(i)).collect();
         let values = self.values(&points)?;

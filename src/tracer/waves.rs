@@ -62,7 +62,7 @@ pub enum Fate {
 }
 
 impl Fate {
-    /// The fate that a status encodes; the margin is figure 8's.
+    /// The fate that a status encodes, with the margin of figure 8.
     #[doc(hidden)]
     pub fn of(status: f32) -> Fate {
         match status {
@@ -220,9 +220,10 @@ mod tests {
         }
     }
 
-    /// Protects the lattice from a turn that favours some directions. Over many seeds the
-    /// mean of one turned axis is 0 and the mean of its squares 1/3 in each coordinate,
-    /// within five standard errors: √(1/3N), and √(4/45N) for the squares of a uniform one.
+    /// Protects the lattice from rotations that favour some directions. Over many seeds the mean of
+    /// one rotated axis is 0 and the mean of its squares 1/3 in each coordinate, within five
+    /// standard errors: √(1/3N) for the coordinates of a uniform direction, and √(4/45N) for their
+    /// squares.
     #[test]
     fn turns_are_uniform() {
         let seeds = 20_000;

@@ -4,9 +4,9 @@ use super::ENDLESS;
 use crate::scene::Bounds3;
 use glam::{DVec3, UVec3};
 
-/// Approximate number of cells per surface, so that most cells hold one surface or none. From 2 to
-/// 5 the rates of `hybrid` differ by less than a tenth; fewer cells make lists longer, more make
-/// paths through the grid longer.
+/// Approximate number of cells per surface, so that most cells hold one surface or none. Between 2
+/// and 5 cells per surface, the rates of `hybrid` differ by less than a tenth; fewer cells have
+/// longer lists, and with more cells a line crosses more of them.
 const CELLS_A_SURFACE: f64 = 2.0;
 
 /// Maximum cells along an axis: rounding then moves a face of the last one by a quarter of [`PAD`].
@@ -16,7 +16,8 @@ const MOST_CELLS: f64 = 1024.0;
 /// into the next cell must find the same surfaces there.
 const PAD: f64 = 1e-3;
 
-/// The free border of the grid, as a share of its size: movements within it need no new grid.
+/// The free border of the grid, as a share of its size: surfaces that move within this border need
+/// no new grid.
 const BORDER: f64 = 0.05;
 
 /// The grid: the position and size of its cells, in world metres.

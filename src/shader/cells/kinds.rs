@@ -1,6 +1,6 @@
-//! All cells of a scene, as the passes of a profile read them.
+//! All cells of a scene, in the form that a profile's passes read.
 //!
-//! Where lines are intersected in closed form, each kind has separate cells: a loop over them tests
+//! If lines are intersected in closed form, each kind has separate cells: a loop over them tests
 //! only one shape, and the size of the cells suits the density of that kind. All other surfaces
 //! share cells.
 

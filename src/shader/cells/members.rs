@@ -16,7 +16,7 @@ pub struct Member {
     pub index: u32,
     pub surface: Surface,
     pub bounds: Bounds3,
-    /// Whether positive values are the distance itself.
+    /// Whether a positive value equals the distance.
     pub exact: bool,
 }
 

@@ -22,8 +22,8 @@ const TURNED_ULPS: f32 = 12.0;
 
 const KINDS: usize = 5;
 
-/// The number of a shape's kind. A new variant does not compile here: give it a number, raise
-/// [`KINDS`], and add it to [`shapes`].
+/// The number of a shape's kind. A new variant of [`Node`] does not compile here: give it a number,
+/// raise [`KINDS`], and add it to [`shapes`].
 fn kind(shape: &Node) -> usize {
     match shape {
         Node::Plane(Plane) => 0,
@@ -305,7 +305,7 @@ fn shaders_and_cpu_name_the_same_nearest_object() {
                     named[cpu.object as usize] = true;
                 }
             }
-            // Every object was nearest somewhere: the union includes all of them.
+            // Every object was the nearest at some point: the union includes all of them.
             assert!(named.iter().all(|&n| n), "{name}: {named:?}");
         }
     });

@@ -109,7 +109,7 @@ fn cosine_and_sine_are_right_on_every_driver() {
 #[test]
 fn waves_that_are_not_finite_are_counted() {
     let nan = f32::NAN;
-    // Origin and status, direction and counters: heard, dead, travelling, and five broken ones.
+    // Origin and status, direction and counters: heard, dead, travelling, and five invalid ones.
     let waves = [
         ([0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 1.0, 3.0]),
         ([0.0, 0.0, 0.0, -1.0], [0.0, 0.0, 0.0, 0.0]),

@@ -1,4 +1,4 @@
-//! The shaders' values, gradients and hits against the CPU.
+//! Compares the shaders' values, gradients and hits with those of the CPU.
 
 use super::{has_marched_fields, parts_of, world_values};
 use crate::geometry::ExactScene;
@@ -280,8 +280,8 @@ fn pairs(all: Vec<Entry>) -> Vec<(Entry, Surface)> {
 }
 
 /// Protects the shaders' values and gradients: they equal those of the CPU for every shape and
-/// operator, unchanged, placed, and with its numbers driven. The passes of the APIs are tested
-/// elsewhere; one is enough.
+/// operator, unchanged, placed, and with its numbers driven. One API is enough, because the passes
+/// of all APIs are tested elsewhere.
 #[test]
 fn shaders_and_cpu_agree_on_values_and_gradients() {
     let context = context(Api::Gl);

@@ -36,7 +36,7 @@ vec4 answer(int which, vec3 p, vec3 d) {
 /// Distances from the surface at which further lines begin, as shares of its reach: bounds are used next to surfaces.
 const NEAR: [f64; 2] = [1e-4, 1e-2];
 
-/// Lines through the air, from places near and far, in all directions and towards the surface.
+/// Lines through the air, from points near and far, in all directions and towards the surface.
 fn lines(entry: &Entry, surface: &Surface) -> Vec<(DVec3, DVec3)> {
     let mut random = Random(29);
     let mut all = Vec::new();

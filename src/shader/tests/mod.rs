@@ -1,4 +1,4 @@
-//! The texts of scenes, and the shaders against the CPU.
+//! Tests of the texts of scenes, and of the shaders against the CPU.
 
 mod distance_functions;
 mod driver_functions;

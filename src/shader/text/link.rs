@@ -90,7 +90,7 @@ pub fn join(sources: &[Source]) -> String {
     text
 }
 
-/// The file that has a number in a joined text.
+/// The name of the file with this number in a joined text.
 pub fn file_name(text: &str, number: u32) -> Option<&str> {
     let start = format!("// {number}: ");
     text.lines().find_map(|line| line.strip_prefix(&start))
@@ -314,7 +314,7 @@ mod tests {
     }
 
     /// Protects the order and the selection: callees come first, uncalled functions are left out,
-    /// and a name in a comment is no call.
+    /// and a name in a comment does not count as a call.
     #[test]
     fn what_is_called_comes_first_and_nothing_else() {
         let library = "// A file.\n\nfloat outer(float x) {\n    return inner(x) + SIZE;\n}\n\n\

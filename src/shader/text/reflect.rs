@@ -22,7 +22,7 @@ enum Group<'a> {
     Field(&'a Named<'a>),
 }
 
-/// `reflectWave(object, t, p, d)` over all surfaces.
+/// The text of `reflectWave(object, t, p, d)` for all surfaces.
 pub(super) fn reflect_text(text: &Text) -> String {
     let mut out = String::new();
     if !text.instanced.is_empty() {

@@ -50,7 +50,7 @@ impl<'a> Text<'a> {
         }
     }
 
-    /// Every surface and kind that the text has lines for.
+    /// Every surface and kind with lines in the text.
     pub fn all(&self) -> impl Iterator<Item = &Named<'a>> {
         self.unrolled.iter().chain(&self.instanced)
     }

@@ -1,4 +1,4 @@
-//! From records to arrivals: the waves of a block, chunk by chunk, in `f64`.
+//! Computes arrivals from records: for the waves of a block, chunk by chunk, in `f64`.
 
 use super::super::Grid;
 use super::ArrivalCounts;
@@ -287,8 +287,9 @@ fn tally_of(texels: &[f32], wave: u32) -> u32 {
 
 /// The unit vector of a record, from x, y and the sign of z.
 ///
-/// Its length is 1 within 2e-7, and the length of (x, y) is that of the original within the same
-/// amount: the angle is off by 2e-7 / |z|, and by at most √(4e-7) = 6e-4 (0.04°), where z is 0.
+/// The length of the vector is 1 within 2e-7, and the length of (x, y) equals the original's within
+/// the same amount: the angle is off by 2e-7 / |z|, and by at most √(4e-7) = 6e-4 (0.04°), where z
+/// is 0.
 fn direction(record: &[f32]) -> DVec3 {
     let (x, y) = (f64::from(record[2]), f64::from(record[3]));
     let z = (1.0 - x * x - y * y).max(0.0).sqrt();

@@ -15,7 +15,7 @@ pub struct ArrivalSettings {
     /// Time in seconds: waves are followed until they have flown the distance that sound travels in
     /// this time.
     pub seconds: f64,
-    /// Maximum reflections of an arrival that is called early: 3 by default.
+    /// Maximum reflections of an early arrival: 3 by default.
     pub early_order: u32,
     /// Maximum iterations of a wave, 1 … [`Settings::MAX_ITERATIONS`], even if it has not flown the whole
     /// time by then: the upper limit by default.

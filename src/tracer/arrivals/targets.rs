@@ -31,7 +31,7 @@ pub struct ArrivalTargets {
     pub text: ArrivalsText,
     /// Two pairs of textures: position and status, direction and length of the waves.
     states: [[Texture; 2]; 2],
-    /// The target of each pair, with the tally and the records, which both share.
+    /// The target of each pair, with the tally and the records, which both targets share.
     chunks: [RenderTarget; 2],
     current: usize,
     /// Tally, words and records.

@@ -9,7 +9,7 @@
 //! A library cannot start itself as a process. The user of this crate chooses with
 //! [`FieldTrial::set`]; until then users' fields are refused. The command line starts a child process.
 
-// A page in a browser has no other processes: there this process is the only choice.
+// A page in a browser cannot start processes: fields can only be tried in this process.
 #[cfg(not(target_arch = "wasm32"))]
 mod child;
 mod parent;
@@ -100,7 +100,8 @@ impl TrialCommand {
     pub fn this_program(
         arguments: impl IntoIterator<Item = impl Into<OsString>>,
     ) -> std::io::Result<TrialCommand> {
-        // Remains the same program when its file is replaced by a newer one.
+        // This path remains the running program even if the program's file is replaced by a newer
+        // one.
         let own = PathBuf::from("/proc/self/exe");
         let program = if own.exists() {
             own

@@ -56,7 +56,8 @@ fn key_of_field(field: &UserField) -> u64 {
     key_of((&field.file, &field.text, numbers.map(f32::to_bits)))
 }
 
-/// Whether a child process has compiled and tried a field on its own, so that this process need not.
+/// Whether a child process has compiled and tried a field on its own, so that this process need not
+/// repeat it.
 pub(crate) fn has_passed(field: &UserField) -> bool {
     let is_in_child = matches!(FieldTrial::chosen(), FieldTrial::InChild(_));
     is_in_child && known().passed.contains(&key_of_field(field))

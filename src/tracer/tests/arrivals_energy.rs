@@ -69,7 +69,7 @@ fn rooms_in_rooms() -> Scene {
     with_materials(Scene::new("rooms", surfaces, source, listener), 23)
 }
 
-/// The wall of a room that a normal belongs to.
+/// The wall of a room to which a normal belongs.
 fn wall(room: &Surface, normal: DVec3) -> usize {
     let inward = room.rotation.as_dquat().inverse() * normal;
     let axis = inward.abs().max_position();
@@ -150,8 +150,8 @@ fn reflections_take(context: &Context, scene: &Scene) {
     }
 }
 
-/// Protects drivers with four outputs, and the division into chunks: neither changes a bit of an
-/// energy except for the chord's rounding.
+/// Protects drivers with four outputs, and the division into chunks: neither changes an energy,
+/// except for the rounding of the chord.
 #[test]
 fn few_outputs_and_short_chunks_take_the_same() {
     let mut tracer = tracer();
@@ -221,7 +221,7 @@ fn room(material: Material) -> Scene {
     scene
 }
 
-/// Protects energy: without absorption all of it is kept, mirrored or scattered.
+/// Protects energy: without absorption all energy is kept, whether mirrored or scattered.
 ///
 /// In a room without absorption energy spreads evenly: of L metres that a wave flies, L V / V_room
 /// lie in the listener's sphere V, and each metre counts 1 / (V N): the sum over all waves is L /
@@ -266,7 +266,7 @@ fn a_room_that_takes_nothing_keeps_all() {
     }
 }
 
-/// Length in metres greater than the direct path and less than all others in the shoebox: the direct path is 9.76 m long; the
+/// Length in metres between the direct path and all other paths in the shoebox: the direct path is 9.76 m long; the
 /// shortest one into the sphere by the floor or the ceiling is 11.4 m − 1.2 m.
 const DIRECT_M: f64 = 10.0;
 
@@ -370,7 +370,8 @@ fn a_floor_scatters_by_lamberts_law() {
             expected += side * side * density * (b.y / b2.sqrt()) / (std::f64::consts::PI * b2);
         }
     }
-    // The mean over the sphere is off by about r²/10 of the second derivatives: (0.4 / 1)² / 10 · 2.
+    // The mean over the sphere differs from the value at its centre by about r²/10 of the second
+    // derivatives: (0.4 / 1)² / 10 · 2.
     let error = 5.0 * 1.06 / crossings.sqrt() + 0.032;
     assert!(error < 0.12, "{crossings}");
     assert!(

@@ -5,8 +5,8 @@ use crate::gl::{Api, AsyncRead, GpuTimer, Picture, Program, RenderTarget, Textur
 use crate::test_common::context;
 use crate::{Scene, Settings, Tracer};
 
-/// Protects frames from contexts that a program makes current in between: a frame is that of its own scene, on the
-/// tracer's context, and the program's own context is current again afterwards.
+/// Protects frames from contexts that a program makes current in between: a frame shows its own scene, runs on the
+/// tracer's context, and leaves the program's own context current.
 #[test]
 fn gpu_frames_do_not_mind_what_others_make_current() {
     for api in Api::ALL {
@@ -43,8 +43,8 @@ fn gpu_frames_do_not_mind_what_others_make_current() {
     }
 }
 
-/// Drops an object of an echomarch context while the program's own context is current, which must be current
-/// afterwards: EGL reports it, and calls go there.
+/// Drops an object of an echomarch context while the program's own context is current. The program's context
+/// must still be current afterwards: EGL must report it, and GL calls must go to it.
 fn drop_beside<T>(raw: &RawEgl, what: &str, dropped: T) {
     const VIEWPORT: [i32; 4] = [1, 2, 3, 4];
     raw.bind();

@@ -2,7 +2,7 @@
 //!
 //! Both compute in `f32`, but not in the same order: a GPU may fuse or regroup operations, and its
 //! sine, square root and division may be off by some units in the last place. A wave stays the same
-//! until a decision depends on such a difference; each wave that deviates must be one of those.
+//! until a decision depends on such a difference; only such waves may deviate.
 
 use crate::geometry::tests::march32::{self, MarchedWave};
 use crate::gl::{Api, Context};
@@ -168,8 +168,9 @@ fn a_margin_tells_which_waves_a_nudge_parts() {
     assert!(4 * parted > close, "{parted} of {close}");
 }
 
-/// Protects the start directions: those of the CPU twin, and unit vectors. Sine, cosine, a root and
-/// the normalisation are multiplied; each may be some units in the last place off, 1.2e-7 of 1.
+/// Protects the start directions: they equal those of the CPU, and are unit vectors. They are
+/// products of a sine or cosine, a root and the normalisation; each may be off by some units in the
+/// last place, 1.2e-7 at 1.
 #[test]
 fn start_directions_are_those_of_the_cpu() {
     let few_ulps = 4.0 * f32::EPSILON;

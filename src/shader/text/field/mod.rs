@@ -30,7 +30,7 @@ pub(in crate::shader) type Write = fn(&Shape, &Place, &Assets) -> String;
 
 /// The surface, or the kind of surfaces, that has a field.
 pub(in crate::shader) struct Place<'a> {
-    /// The end of the names of its functions.
+    /// The suffix of its functions' names.
     pub tag: &'a str,
     /// The parameter of its functions in addition to the point, with a comma before it.
     pub parameter: &'a str,
@@ -134,8 +134,8 @@ pub(super) fn keep_to_cells(field: &Shape) -> bool {
     field.copies().is_ok_and(|c| c.iter().all(within))
 }
 
-/// Maximum cells that a line crosses on its way past all copies; `None` if there are so many that a
-/// traversal has a step limit.
+/// Maximum cells that a line crosses on its way past all copies; `None` if the number is so large
+/// that a traversal has a step limit.
 pub(in crate::shader) fn cells_crossed(field: &Shape) -> Option<u64> {
     let Node::Repeat(Repeat { period, count }) = &field.node else {
         return Some(0);
@@ -219,7 +219,7 @@ struct Along {
 impl Along {
     /// With `count` copies (0: without end), or without repetition.
     fn new(count: Option<u32>, period: &str) -> Along {
-        /// Beyond every copy that a float can number.
+        /// Greater than the number of every copy that a float can represent.
         const NO_LAST: f64 = 1e30;
         let (first, last) = match count {
             None => (0.0, 0.0),

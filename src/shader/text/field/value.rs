@@ -45,7 +45,7 @@ pub(in crate::shader) fn value_text(field: &Shape, place: &Place, assets: &Asset
     Writer::new(place, assets).whole(field, Kind::Value)
 }
 
-/// `vec4 gradient<number>(vec3 p)`: the gradient of that function, and its value.
+/// `vec4 gradient<number>(vec3 p)`: the gradient of `field<number>`, and its value.
 pub(in crate::shader) fn gradient_text(field: &Shape, place: &Place, assets: &Assets) -> String {
     Writer::new(place, assets).whole(field, Kind::Gradient)
 }
