@@ -55,7 +55,7 @@ vec3 lines(vec3 x, vec3 w, float spacing, float halfWidth) {
     return (floor(to) + min(fract(to) * n, 1.0) - floor(from) - min(fract(from) * n, 1.0)) / (n * width);
 }
 
-// Strength (0 ... 1) of a grid of metres on the surface at p, with every fifth line stronger.
+// Strength (0 ... 1) of a one-metre grid on the surface at p, with every fifth line stronger.
 float grid(vec3 p, vec3 normal, vec3 direction, float t) {
     float slant = dot(normal, direction);
     slant = slant < 0.0 ? min(slant, -0.02) : max(slant, 0.02);

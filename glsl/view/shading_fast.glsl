@@ -27,7 +27,7 @@ float inSight(vec3 p, vec3 direction, float far) {
     return clamp(seen, 0.0, 1.0);
 }
 
-// Strength (0 ... 1) of a grid of metres that fades with distance, with every fifth line stronger.
+// Strength (0 ... 1) of a one-metre grid that fades with distance, with every fifth line stronger.
 float grid(vec3 p, vec3 normal, float t) {
     float width = clamp(1.6 * uPixel * t / max(0.08, abs(dot(normal, uForward))), 0.012, 4.0);
     vec3 along = step(vec3(0.3), sqrt(max(vec3(0.0), 1.0 - normal * normal)));
