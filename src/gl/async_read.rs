@@ -24,7 +24,7 @@ pub struct AsyncRead {
     pending: Option<Pending>,
 }
 
-/// A read in progress.
+/// A pending read.
 #[derive(Debug)]
 struct Pending {
     fence: glow::Fence,
@@ -32,10 +32,10 @@ struct Pending {
 }
 
 impl AsyncRead {
-    /// A reader with no read in progress.
+    /// A reader without a pending read.
     ///
     /// # Errors
-    /// What GL reports.
+    /// GL errors.
     pub fn new(context: &Context) -> Result<AsyncRead, GpuError> {
         // SAFETY: the context is current.
         let buffer = unsafe { context.gl().create_buffer() }
@@ -51,7 +51,7 @@ impl AsyncRead {
     /// Requests the first `width` texels of each of the first `rows` rows, and returns at once. Cancels a pending read.
     ///
     /// # Errors
-    /// [`GpuError::ReadOutOfRange`], and what GL reports.
+    /// [`GpuError::ReadOutOfRange`], and GL errors.
     pub fn begin(
         &mut self,
         target: &RenderTarget,
@@ -104,7 +104,7 @@ impl AsyncRead {
     /// Returns the result of `read` on the texels once they have arrived; the read is then complete. Never waits.
     ///
     /// # Errors
-    /// What GL reports.
+    /// GL errors.
     pub fn poll<T>(&mut self, read: impl FnOnce(&[f32]) -> T) -> Result<Option<T>, GpuError> {
         match self.wait_for(0)? {
             ControlFlow::Break(floats) => self.take(floats, read).map(Some),
@@ -112,10 +112,10 @@ impl AsyncRead {
         }
     }
 
-    /// Waits for the texels, however long the preceding drawing takes; returns `None` if no read is in progress.
+    /// Waits for the texels without a time limit; returns `None` if no read is pending.
     ///
     /// # Errors
-    /// What GL reports; [`GpuError::ContextLost`] when the driver reports that.
+    /// GL errors; [`GpuError::ContextLost`] if the driver reports a lost context.
     pub fn wait<T>(&mut self, read: impl FnOnce(&[f32]) -> T) -> Result<Option<T>, GpuError> {
         if self.pending.is_none() {
             return Ok(None);
@@ -128,27 +128,27 @@ impl AsyncRead {
         self.take(floats, read).map(Some)
     }
 
-    /// Cancels the read in progress, if any.
+    /// Cancels the pending read, if any.
     pub fn cancel(&mut self) {
         if let Some(pending) = self.pending.take() {
-            // SAFETY: the context is current, and the fence its own and not used again.
+            // SAFETY: the context is current; the fence belongs to it and is not used again.
             unsafe { self.context.gl().delete_sync(pending.fence) };
         }
     }
 
-    /// The number of floats requested, on platforms where reading them is the only way to wait for them.
+    /// The number of floats of the pending read, on platforms where reading them is the only way to wait for them.
     fn floats_begun(&mut self) -> usize {
         let floats = self.pending.as_ref().map_or(0, |pending| pending.floats);
         self.cancel();
         floats
     }
 
-    /// Returns the number of floats available once they have arrived, `Continue` before.
+    /// Returns the number of floats once the texels have arrived, and `Continue` before.
     fn wait_for(&mut self, nanoseconds: i32) -> Result<ControlFlow<usize>, GpuError> {
         let Some(pending) = &self.pending else {
             return Ok(ControlFlow::Continue(()));
         };
-        // SAFETY: the context is current, and the fence its own.
+        // SAFETY: the context is current, and the fence belongs to it.
         let answer = unsafe {
             let gl = self.context.gl();
             gl.client_wait_sync(pending.fence, glow::SYNC_FLUSH_COMMANDS_BIT, nanoseconds)
@@ -161,7 +161,7 @@ impl AsyncRead {
                 self.context.check_not_lost()?;
                 Ok(ControlFlow::Break(floats))
             }
-            // Slow or lost: the driver knows which.
+            // Slow or lost: only the driver can tell.
             glow::TIMEOUT_EXPIRED => match self.context.check_not_lost() {
                 Ok(()) => Ok(ControlFlow::Continue(())),
                 Err(lost) => {
@@ -200,7 +200,7 @@ impl AsyncRead {
         Ok(read(&copied))
     }
 
-    /// Passes the texels to `read` where GL has mapped them: copying a large texture would take as long as summing it.
+    /// Passes the texels to `read` in mapped memory: copying a large texture would take as long as summing it.
     fn take_mapped<T>(&self, floats: usize, read: impl FnOnce(&[f32]) -> T) -> Result<T, GpuError> {
         let length = floats * size_of::<f32>();
         let gl = self.context.gl();
@@ -232,7 +232,7 @@ impl AsyncRead {
     }
 }
 
-/// Polls until a result is available, without a limit on the time: only an error ends the wait.
+/// Polls without a time limit until a result is available; only an error ends the wait early.
 fn until_there(
     mut ask: impl FnMut() -> Result<ControlFlow<usize>, GpuError>,
 ) -> Result<usize, GpuError> {
@@ -275,7 +275,7 @@ mod tests {
         RESET_STATUS.get()
     }
 
-    /// A driver that reports a lost context when the test says so.
+    /// A driver that reports a lost context when the test sets `RESET_STATUS`.
     struct Resetting(OsMesa);
 
     impl Backend for Resetting {
@@ -300,7 +300,7 @@ mod tests {
     }
 
     /// Protects from using results of a lost context and from waiting for them forever: the next poll reports a reset,
-    /// whether the fence is signalled or not.
+    /// whether or not the fence is signalled.
     #[test]
     fn a_reset_is_told() {
         let driver = Rc::new(Resetting(OsMesa::new().unwrap()));

@@ -19,22 +19,22 @@ use super::GpuError;
 /// Dropping it destroys the context; `current` ensures that no context is current at that time.
 pub(super) trait Backend {
     /// Makes the context current on this thread. No other context may be current: Mesa's libraries share one slot for
-    /// the current context, and each assumes that the slot still holds what it last stored there.
+    /// the current context, and each library assumes that this slot still holds the value that the library stored last.
     ///
     /// # Errors
     /// The library's answer.
     fn make_current(&self) -> Result<(), String>;
 
-    /// Whether the library reports this context as current on this thread: other code may have made another one
-    /// current.
+    /// Whether the library reports this context as current on this thread; code outside echomarch may have made another
+    /// context current.
     #[cfg_attr(target_arch = "wasm32", expect(dead_code))]
     fn is_current(&self) -> bool;
 
-    /// Makes no context current on this thread. This context is the current one.
+    /// Makes no context current on this thread. Requires that this context is current.
     fn release(&self);
 
-    /// Whether the library itself reports that the context is lost: a browser does, and its calls then do nothing and
-    /// report no error.
+    /// Whether the library itself reports that the context is lost. Only a browser does: its GL calls then do nothing
+    /// and report no error.
     fn is_lost(&self) -> bool {
         false
     }
@@ -44,10 +44,10 @@ pub(super) trait Backend {
         glow::RENDERER
     }
 
-    /// Address of a GL function, or null if the library has no function of that name.
+    /// Address of a GL function, or null if the library lacks it.
     fn proc_address(&self, name: &CStr) -> *const c_void;
 
-    /// The owner: whether echomarch or the caller made the context, and who makes it current.
+    /// Who made the context, and who makes it current.
     #[cfg_attr(target_arch = "wasm32", expect(dead_code))]
     fn owner(&self) -> Owner {
         Owner::Echomarch
@@ -66,8 +66,7 @@ pub(super) enum Owner {
 }
 
 #[cfg(not(target_arch = "wasm32"))]
-/// Requirements of a configuration for such surfaces: passes draw into textures, so the surface needs neither alpha,
-/// depth nor stencil.
+/// The configuration that passes need: they draw into textures, so the surface needs neither alpha, depth nor stencil.
 pub(super) fn template(api: Api, surfaces: ConfigSurfaceTypes) -> ConfigTemplateBuilder {
     ConfigTemplateBuilder::new()
         .with_surface_type(surfaces)
@@ -92,10 +91,10 @@ pub(super) fn attributes(api: Api) -> ContextAttributesBuilder {
 }
 
 #[cfg(not(target_arch = "wasm32"))]
-/// Creates a context with reset notification if the driver offers it: otherwise a lost context looks like a slow one.
+/// Creates a context, with reset notification if the driver offers it: without it a lost context looks like a slow one.
 ///
 /// # Errors
-/// The library's answer to the request for a context without it.
+/// The library's error for a context without reset notification.
 pub(super) fn new_context<D: GlDisplay>(
     display: &D,
     config: &D::Config,
@@ -112,7 +111,7 @@ pub(super) fn new_context<D: GlDisplay>(
 }
 
 #[cfg(not(target_arch = "wasm32"))]
-/// A context made by glutin, and the way to make it current: without a surface, or with its own.
+/// A context made by glutin, and the function that makes it current: without a surface, or with its own.
 pub(super) struct GlutinContext<C, D, M> {
     // Field order matters: the context is dropped first, then its surface, then the display.
     pub context: C,
@@ -136,7 +135,7 @@ where
     }
 
     fn release(&self) {
-        // After a failure a context stays current, which the next make_current replaces.
+        // If this fails, the context stays current until the next make_current replaces it.
         let _ = self.context.make_not_current_in_place();
     }
 
@@ -145,7 +144,7 @@ where
     }
 }
 
-/// The place where contexts are made on a system that chooses the graphics card itself.
+/// A device to make contexts on, on a system that chooses the graphics card itself.
 #[cfg(any(windows, target_os = "macos"))]
 #[derive(Debug)]
 pub(super) struct Place;
@@ -159,7 +158,7 @@ pub(super) fn places() -> Result<Vec<Place>, GpuError> {
     Ok(vec![Place])
 }
 
-/// Checks for the library, which is part of the system.
+/// Does nothing: the library is part of the system.
 ///
 /// # Errors
 /// None.

@@ -21,11 +21,12 @@ const LEAST_ES: (u32, u32) = (3, 0);
 /// How a caller's context is made current.
 #[non_exhaustive]
 pub enum MakeCurrent {
-    /// By the caller alone: the context is current on this thread whenever a function of this crate that works with it
-    /// is called, and whenever a [`Tracer`](crate::Tracer) on it or the last reference to the [`Context`] is dropped.
+    /// By the caller alone: the caller makes the context current on this thread before each call of this crate that
+    /// works with the context, and before a [`Tracer`](crate::Tracer) on it or the last reference to the [`Context`] is
+    /// dropped.
     ByCaller,
-    /// By these functions of the caller, unless it is current already. Each call restores what was current before: this
-    /// context, none, or another EGL context if this crate has made a context through EGL.
+    /// By these functions of the caller, unless the context is already current. Each call restores the previously
+    /// current context: this one, none, or another EGL context if this crate has made a context through EGL.
     With(Box<dyn SwitchContext>),
 }
 
@@ -40,7 +41,7 @@ pub trait SwitchContext {
     /// Whether the library reports that the context is current on this thread.
     fn is_current(&self) -> bool;
 
-    /// Makes no context current on this thread. This context is the current one.
+    /// Makes no context current on this thread. Called only while this context is current.
     fn release(&self);
 }
 
@@ -71,8 +72,8 @@ impl Context {
     /// states who makes the context current.
     ///
     /// # State
-    /// Each call of this crate that works with the context saves the state that it changes or depends on, sets what it
-    /// needs, and restores everything before it returns, on errors too: the program, the vertex array, both
+    /// Each call of this crate that works with the context saves the state that the call changes or depends on, sets
+    /// its own, and restores everything before returning, also on errors: the program, the vertex array, both
     /// framebuffers, the renderbuffer; viewport, scissor, blending, colour masks, culling, tests, polygon mode,
     /// rasterizer discard, multisampling, clip distances and the like; the bindings of texture units 0 to 3 and 31,
     /// samplers included; buffers for pixels, texels and queries; pixel storage; transform feedback, which is paused.
@@ -85,9 +86,9 @@ impl Context {
     /// - In the compatibility profile `glPixelTransfer` and pixel maps must have their initial values.
     ///
     /// Saving and restoring takes about 90 driver queries per call, each of which waits for a driver that runs on its
-    /// own thread. Indexed state that only extensions have (`ARB_viewport_array` below OpenGL 4.1,
-    /// `EXT_draw_buffers_indexed` below OpenGL ES 3.2) becomes that of index 0. With EGL, the API bound while no
-    /// context is current may differ after a call.
+    /// own thread. Indexed state that only extensions provide (`ARB_viewport_array` below OpenGL 4.1,
+    /// `EXT_draw_buffers_indexed` below OpenGL ES 3.2) is restored for all indices from index 0. With EGL, the API
+    /// bound while no context is current may differ after a call.
     ///
     /// ```no_run
     /// use echomarch::gl::{Context, MakeCurrent};
@@ -112,9 +113,10 @@ impl Context {
     /// # Safety
     /// - `loader` returns the GL functions of the context, which stay valid as long as the context lives.
     /// - With [`MakeCurrent::ByCaller`] the context is current on this thread during this call, during every call that
-    ///   works with the returned context or anything made from it, and when these are dropped; so it outlives them.
-    /// - With [`MakeCurrent::With`] the three functions act on the context that the GL functions belong to. They return
-    ///   an error, and do not crash, when it is gone.
+    ///   works with the returned context or anything made from it, and when these are dropped; so the GL context
+    ///   outlives the returned context.
+    /// - With [`MakeCurrent::With`] the three functions act on the context that the GL functions belong to. If that
+    ///   context no longer exists, they return an error and do not crash.
     #[cfg(not(target_arch = "wasm32"))]
     pub unsafe fn from_loader(
         loader: impl Fn(&CStr) -> *const c_void + 'static,
@@ -130,8 +132,9 @@ impl Context {
     /// [`from_loader`](Context::from_loader) for a program that already has the GL functions from the crate
     /// [`glow`](super::glow), in the version that this module re-exports.
     ///
-    /// State that glow cannot query is not restored but set to its initial value: colour masks that differ between the
-    /// draw buffers of one framebuffer (all become that of the first), and `glClampColor`. Resets are not reported.
+    /// State that glow cannot query is set to its initial value instead of restored: `glClampColor`, and colour masks
+    /// that differ between the draw buffers of one framebuffer (all get the mask of the first). Resets are not
+    /// reported.
     ///
     /// # Errors
     /// Same as [`from_loader`](Context::from_loader).
@@ -150,7 +153,7 @@ impl Context {
     }
 }
 
-/// Describes a caller's context and leaves its state unchanged.
+/// Describes a caller's context without changing its state.
 fn of_caller(
     backend: Rc<CallerBackend>,
     functions: impl FnOnce() -> Result<Arc<glow::Context>, GpuError>,

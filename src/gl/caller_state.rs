@@ -1,8 +1,8 @@
-//! The state of a caller's context: saved before a call, set to what passes need, restored after it.
+//! The state of a caller's context: saved before a call, set to the values that passes need, restored after the call.
 //!
-//! The lists contain what this crate changes, and what its drawing, uploads and read-backs depend on. When other files
-//! of this module change more state, add it here; `tests/foreign_state.rs` queries all of it, and
-//! `tracer/tests/caller_contexts.rs` compares.
+//! The lists contain all state that this crate changes, and all state that its drawing, uploads and read-backs depend
+//! on. When other files of this module change more state, add it here; `tests/foreign_state.rs` queries all of it, and
+//! `tracer/tests/caller_contexts.rs` compares it.
 
 use std::cell::Cell;
 use std::ffi::c_void;
@@ -18,15 +18,14 @@ const POLYGON_STIPPLE: u32 = 0x0B42;
 const CLAMP_VERTEX_COLOR: u32 = 0x891A;
 const CLAMP_FRAGMENT_COLOR: u32 = 0x891B;
 
-/// The unit that textures are created and filled with, so that those bound for a pass stay bound. Every driver of
-/// OpenGL 3.3 or ES 3.0 has at least 32 units.
+/// The texture unit for creating and filling textures, so that the textures bound for a pass stay bound. Every driver
+/// of OpenGL 3.3 or ES 3.0 has at least 32 units.
 pub(super) const SCRATCH_UNIT: u32 = 31;
 
-/// The texture units that programs read from, and the one that textures are filled with, whose bindings are restored.
+/// The texture units whose bindings are restored: those that programs read from, and the scratch unit.
 pub(super) const UNITS: [u32; 5] = [0, 1, 2, 3, SCRATCH_UNIT];
 
-/// Pixel storage parameters of every version, with the values that read-backs and uploads need, which are the initial
-/// ones.
+/// Pixel storage parameters of every version, with their initial values, which read-backs and uploads need.
 const PIXEL_STORE: [(u32, i32); 10] = [
     (glow::PACK_ALIGNMENT, 4),
     (glow::PACK_ROW_LENGTH, 0),
@@ -48,8 +47,8 @@ const PIXEL_STORE_OF_GL: [(u32, i32); 4] = [
     (glow::UNPACK_LSB_FIRST, 0),
 ];
 
-/// Capabilities of every version that would change or discard what a pass draws. Blending and the scissor, which can be
-/// set per draw buffer or viewport, are handled separately.
+/// Capabilities of every version that would change or discard the result of a pass. Blending and the scissor, which can
+/// be set per draw buffer or viewport, are handled separately.
 const CAPABILITIES: [u32; 7] = [
     glow::CULL_FACE,
     glow::DEPTH_TEST,
@@ -60,7 +59,7 @@ const CAPABILITIES: [u32; 7] = [
     glow::RASTERIZER_DISCARD,
 ];
 
-/// The same for OpenGL only.
+/// Such capabilities of OpenGL only.
 const CAPABILITIES_OF_GL: [u32; 7] = [
     glow::COLOR_LOGIC_OP,
     glow::POLYGON_SMOOTH,
@@ -71,7 +70,7 @@ const CAPABILITIES_OF_GL: [u32; 7] = [
     glow::DEPTH_CLAMP,
 ];
 
-/// The same for the compatibility profile only.
+/// Such capabilities of the compatibility profile only.
 const CAPABILITIES_OF_COMPATIBILITY: [u32; 2] = [ALPHA_TEST, POLYGON_STIPPLE];
 
 type GetBooleans = unsafe extern "system" fn(u32, u32, *mut u8);
@@ -145,7 +144,7 @@ impl Traits {
             },
             has_viewport_arrays: is_gl && is_from(4, 1),
             can_pause_feedback: !is_gl || is_from(4, 0),
-            // SAFETY: the address is that of the function of this name, or null.
+            // SAFETY: the address is that of the function with this name, or null.
             get_booleans: unsafe {
                 std::mem::transmute::<*const c_void, Option<GetBooleans>>(
                     backend.proc_address(c"glGetBooleani_v"),
@@ -211,9 +210,9 @@ pub(super) struct CallerState {
 }
 
 impl CallerState {
-    /// Saves the state of the context, which is current, and sets what passes need.
+    /// Saves the state of the current context, and sets the state that passes need.
     pub fn keep(gl: &glow::Context, traits: &Traits) -> CallerState {
-        // SAFETY: the context is current, and its version has everything that is queried.
+        // SAFETY: the context is current, and its version has all queried parameters.
         unsafe {
             forget_errors(gl);
             let kept = CallerState::ask(gl, traits);
@@ -260,7 +259,7 @@ impl CallerState {
         }
     }
 
-    /// Sets what passes, uploads and read-backs need and do not set themselves.
+    /// Sets the state that passes, uploads and read-backs need and do not set themselves.
     unsafe fn set_needed(&self, gl: &glow::Context, traits: &Traits) {
         // SAFETY: as in `keep`.
         unsafe {
@@ -291,13 +290,13 @@ impl CallerState {
 
     /// Restores the state; the context is current.
     pub fn put_back(&self, gl: &glow::Context, traits: &Traits) {
-        // SAFETY: the context is current, and what is bound was bound before.
+        // SAFETY: the context is current, and every object bound here was bound before.
         unsafe {
             gl.bind_framebuffer(glow::DRAW_FRAMEBUFFER, self.draw_framebuffer);
             gl.bind_framebuffer(glow::READ_FRAMEBUFFER, self.read_framebuffer);
             gl.bind_renderbuffer(glow::RENDERBUFFER, self.renderbuffer);
             gl.bind_vertex_array(self.vertex_array);
-            // A program that was marked for deletion while in use is gone now.
+            // A program that was marked for deletion while in use no longer exists.
             gl.use_program(self.program.filter(|program| gl.is_program(*program)));
             if self.is_feedback_paused {
                 gl.resume_transform_feedback();
@@ -475,7 +474,7 @@ unsafe fn unit_of(gl: &glow::Context, traits: &Traits, unit: u32) -> Unit {
     }
 }
 
-/// Clears errors that the caller has not queried, which would otherwise be attributed to this crate.
+/// Clears errors that the caller has not queried; otherwise they would be attributed to this crate.
 unsafe fn forget_errors(gl: &glow::Context) {
     for _ in 0..ERRORS_AT_MOST {
         // SAFETY: guaranteed by the caller: the context is current.

@@ -17,10 +17,10 @@ use super::backend::{Backend, GlutinContext, attributes, new_context, template};
 pub(super) use super::backend::{Place, places};
 use super::{Api, GpuError};
 
-/// Makes a context; it is not current yet.
+/// Makes a context, which is not yet current.
 ///
 /// # Errors
-/// [`GpuError::NoContext`] with the answer of macOS, which has no OpenGL ES.
+/// [`GpuError::NoContext`] with the error of macOS, which has no OpenGL ES.
 pub(super) fn open(_: &Place, api: Api) -> Result<Rc<dyn Backend>, GpuError> {
     if api == Api::Gles {
         return Err(GpuError::no_context(api, "macOS has no OpenGL ES"));
@@ -33,7 +33,7 @@ pub(super) fn open(_: &Place, api: Api) -> Result<Rc<dyn Backend>, GpuError> {
 
 /// Creates a context without a surface.
 fn create() -> Result<impl Backend + use<>, glutin::error::Error> {
-    // SAFETY: no native display handle is given that would have to be valid.
+    // SAFETY: the call passes no native display handle that would have to be valid.
     let display = unsafe { Display::new(RawDisplayHandle::AppKit(AppKitDisplayHandle::new())) }?;
     let template = template(Api::Gl, ConfigSurfaceTypes::empty()).build();
     // SAFETY: the template names no native window or pixmap.
@@ -72,16 +72,16 @@ impl Foreign {
         unsafe { CGLSetCurrentContext(ptr::null_mut()) };
     }
 
-    /// Makes it current again.
+    /// Makes the context current again.
     pub fn make_current(&self) {
-        // SAFETY: it was retained.
+        // SAFETY: the context was retained.
         unsafe { CGLSetCurrentContext(self.0) };
     }
 }
 
 impl Drop for Foreign {
     fn drop(&mut self) {
-        // SAFETY: it was retained once.
+        // SAFETY: the context was retained once.
         unsafe { CGLReleaseContext(self.0) };
     }
 }

@@ -20,15 +20,15 @@ use std::sync::{Arc, OnceLock};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct ContextOptions {
-    /// The way to reach OpenGL.
+    /// The OpenGL interface to use.
     pub api: Api,
-    /// Index of the device, from 0, in the order of [`list_gpus`](super::list_gpus); `None` takes the first device on
-    /// which a context of the API can be made. OSMesa has only device 0.
+    /// Index of the device, from 0, in the order of [`list_gpus`](super::list_gpus); `None` takes the first device that
+    /// can make a context of the API. OSMesa has only device 0.
     pub gpu: Option<usize>,
 }
 
 impl ContextOptions {
-    /// Options for the first device on which a context of the API can be made.
+    /// Options for the first device that can make a context of the API.
     pub fn new(api: Api) -> ContextOptions {
         ContextOptions { api, gpu: None }
     }
@@ -40,10 +40,10 @@ impl ContextOptions {
     }
 }
 
-/// A GL context without a window, and the thread's access to it. The [module](super) has an example.
+/// A GL context without a window, made current as needed. The [module](super) has an example.
 ///
-/// Clones are references to the same context, which is destroyed with the last of them. It stays on the thread that
-/// made it.
+/// Clones are references to the same context, which is destroyed with the last reference. A context stays on the thread
+/// that made it.
 #[derive(Clone)]
 pub struct Context {
     inner: Rc<Inner>,
@@ -68,18 +68,18 @@ impl Drop for Inner {
             current::release();
             return;
         }
-        // A context that cannot be made current is gone, and the vertex array with it.
+        // A context that cannot be made current is gone, and so is its vertex array.
         let Ok(_entered) = current::enter(&self.backend) else {
             return;
         };
-        // SAFETY: the context is current, and the vertex array its own and not bound outside of calls.
+        // SAFETY: the context is current; the vertex array belongs to it and is not bound outside of calls.
         unsafe { self.gl.delete_vertex_array(self.vertex_array) };
     }
 }
 
 impl Context {
     /// Makes a context without a window and leaves it current on this thread. With `gpu: None`, print the
-    /// [`renderer`](Context::renderer): it may be a software one.
+    /// [`renderer`](Context::renderer): it may be a software renderer.
     ///
     /// # Errors
     /// A missing library, device, context or extension.
@@ -119,19 +119,20 @@ impl Context {
         Err(GpuError::no_context(options.api, reasons.join("; ")))
     }
 
-    /// Devices tried before this one, for a context requested without an index, with the reason why each was not used.
-    /// Report them to the user, who may have meant one of them.
+    /// Devices that were tried before this one and the reason why each was not used, for a context requested without a
+    /// device index. Report them to the user, who may have wanted one of them.
     pub fn passed_over(&self) -> &[String] {
         &self.passed_over
     }
 
-    /// Takes over a context that a library made, and leaves it current.
+    /// Wraps a context made by a library, and leaves it current.
     #[cfg(not(target_arch = "wasm32"))]
     pub(super) fn from_backend(backend: Rc<dyn Backend>, api: Api) -> Result<Context, GpuError> {
         Context::from_backend_with(backend, api, load)
     }
 
-    /// The same with another way to look up GL functions, called with the context current.
+    /// Like [`from_backend`](Context::from_backend), with another lookup of GL functions, called while the context is
+    /// current.
     pub(super) fn from_backend_with(
         backend: Rc<dyn Backend>,
         api: Api,
@@ -149,7 +150,7 @@ impl Context {
         Ok(context)
     }
 
-    /// Creates the first reference to a context that is current.
+    /// Creates the first reference to the current context.
     pub(super) fn described(
         backend: Rc<dyn Backend>,
         gl: Arc<glow::Context>,
@@ -190,7 +191,7 @@ impl Context {
         }
     }
 
-    /// Sets the size of the viewport, which begins at (0, 0). Further viewports of a caller stay unchanged.
+    /// Sets the size of the viewport, which begins at (0, 0). Other viewports of a caller stay unchanged.
     pub(super) fn set_viewport(&self, width: u32, height: u32) {
         let gl = self.gl();
         // SAFETY: the context is current and has the function if there are several viewports. Mesa 22 writes to the
@@ -203,7 +204,7 @@ impl Context {
         }
     }
 
-    /// Sets the scissor rectangle. Further scissors of a caller stay unchanged.
+    /// Sets the scissor rectangle. Other scissors of a caller stay unchanged.
     pub(super) fn set_scissor(&self, x: u32, y: u32, width: u32, height: u32) {
         let gl = self.gl();
         let [x, y, width, height] = [x, y, width, height].map(|number| number as i32);
@@ -246,7 +247,7 @@ impl Context {
         &self.inner.driver.shading_language
     }
 
-    /// Whether the processor draws rather than a graphics card.
+    /// Whether the renderer runs on the processor instead of a graphics card.
     pub fn is_software(&self) -> bool {
         is_software(self.renderer())
     }
@@ -257,9 +258,9 @@ impl Context {
     }
 
     /// The GL functions, with this context current on this thread. Use the reference at once: any use of another
-    /// context makes that one current.
+    /// context makes that other context current.
     ///
-    /// If this context cannot be made current, GL calls do nothing, and [`check`](Context::check) reports it.
+    /// If this context cannot be made current, GL calls do nothing, and [`check`](Context::check) reports the failure.
     #[doc(hidden)]
     pub fn gl(&self) -> &glow::Context {
         debug_assert!(
@@ -288,7 +289,7 @@ impl Context {
             last = next();
         }
         match first {
-            // After a reset GL calls do nothing, and most of them report no error.
+            // After a reset GL calls do nothing, and most report no error.
             glow::NO_ERROR => self.check_not_lost(),
             glow::OUT_OF_MEMORY => Err(GpuError::OutOfMemory { what: what.into() }),
             glow::CONTEXT_LOST => Err(GpuError::lost(format!("GL_CONTEXT_LOST in {what}"))),
@@ -311,11 +312,11 @@ impl Context {
         current::enter(&self.inner.backend).map_err(GpuError::lost)
     }
 
-    /// Checks whether the driver has lost the context, if it can report that: for contexts made with reset notification
-    /// (`egl::new_context`) and in a browser.
+    /// Checks whether the driver has lost the context. Only contexts made with reset notification (`egl::new_context`)
+    /// and contexts in a browser can report a loss.
     ///
     /// # Errors
-    /// [`GpuError::ContextLost`] if it has.
+    /// [`GpuError::ContextLost`] if the context is lost.
     pub(super) fn check_not_lost(&self) -> Result<(), GpuError> {
         current::make(&self.inner.backend).map_err(GpuError::lost)?;
         if self.inner.backend.is_lost() {
@@ -366,25 +367,25 @@ impl fmt::Debug for Context {
     }
 }
 
-/// Keeps a [`Context`] current, in the state that passes need. When dropped, restores what was current before, and the
-/// state of a caller's context.
+/// Keeps a [`Context`] current, in the state that passes need. Dropping it restores the previously current context, and
+/// the state of a caller's context.
 #[must_use]
 pub(crate) struct Entered {
     _callers: Option<CallersEntered>,
-    // Dropped after the state, whose restoration needs the context to be current.
+    // Dropped after the state, which can only be restored while the context is current.
     _current: current::Entered,
 }
 
 /// A caller's context, and the state to restore in it.
 struct CallersEntered {
     context: Context,
-    /// `None` within another call, and if no state is changed.
+    /// `None` within another call, and if the call does not change the state.
     state: Option<CallerState>,
 }
 
 impl Entered {
-    /// Counts the call if the context is the caller's; saves its state if `keeps_state` is set and this call is not
-    /// within another.
+    /// Counts the call if the context is the caller's. Saves the context's state if `keeps_state` is set and the call
+    /// is not nested in another.
     fn new(context: &Context, current: current::Entered, keeps_state: bool) -> Entered {
         let callers = context.caller_part().map(|part| {
             let before = part.entered.replace(part.entered.get() + 1);
@@ -425,8 +426,8 @@ impl Context {
         Ok(Entered::new(self, self.make_current()?, true))
     }
 
-    /// Frees objects with the context current; they are not bound outside calls, so no state changes. A context that
-    /// cannot be made current is gone, and its objects with it.
+    /// Frees objects with the context current. They are not bound outside calls, so no state changes. If the context
+    /// cannot be made current, its objects no longer exist.
     pub(super) fn free(&self, delete: impl FnOnce(&glow::Context)) {
         if let Ok(current) = self.make_current() {
             let _entered = Entered::new(self, current, false);

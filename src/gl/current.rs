@@ -1,11 +1,11 @@
 //! The context that is current on this thread.
 //!
 //! EGL and OSMesa each remember the context that they made current last, but share Mesa's slot for the context that
-//! receives calls. So a context is always released by its own library before the other library makes one current;
-//! otherwise EGL would still assume that its context is current, and its calls would silently go to OSMesa's.
+//! receives calls. So a context's own library always releases the context before the other library makes one current;
+//! otherwise EGL would still assume that its context is current, and its calls would silently go to OSMesa's context.
 //!
-//! A program may have contexts that echomarch does not know, so each time the library is asked whether its context is
-//! still the current one, and [`Entered`] restores what was current before.
+//! A program may have contexts unknown to echomarch, so each use queries the library whether its context is still
+//! current, and [`Entered`] restores the previously current context.
 
 use std::cell::RefCell;
 use std::rc::{Rc, Weak};
@@ -17,10 +17,10 @@ thread_local! {
     static CURRENT: RefCell<Option<Weak<dyn Backend>>> = const { RefCell::new(None) };
 }
 
-/// Makes the context current on this thread, unless it is.
+/// Makes the context current on this thread, unless it already is.
 ///
 /// # Errors
-/// The library's answer; then no context is current, and GL calls do nothing.
+/// The library's error; then no context is current, and GL calls do nothing.
 pub(super) fn make(context: &Rc<dyn Backend>) -> Result<(), String> {
     CURRENT
         .try_with(|current| {
@@ -28,7 +28,7 @@ pub(super) fn make(context: &Rc<dyn Backend>) -> Result<(), String> {
             let is_last = last
                 .as_ref()
                 .is_some_and(|last| std::ptr::addr_eq(Rc::as_ptr(last), Rc::as_ptr(context)));
-            // A context that the caller has made current needs no switch, which would flush it.
+            // A context that the caller has made current needs no switch: a switch would flush the context.
             let is_callers = last.is_none() && context.owner() == Owner::Caller;
             let is_kept = context.owner() == Owner::KeptCurrentByCaller;
             if is_kept || ((is_last || is_callers) && context.is_current()) {
@@ -37,7 +37,7 @@ pub(super) fn make(context: &Rc<dyn Backend>) -> Result<(), String> {
             }
             drop(last);
             release_in(current);
-            // Its library still considers it current although another library's context took its place.
+            // The context's library still considers it current although another library's context replaced it.
             if context.owner() == Owner::Caller && context.is_current() {
                 context.release();
             }
@@ -49,7 +49,7 @@ pub(super) fn make(context: &Rc<dyn Backend>) -> Result<(), String> {
             *current.borrow_mut() = Some(Rc::downgrade(context));
             Ok(())
         })
-        // The thread is ending and its slot is gone.
+        // The thread is ending and its thread-local slot no longer exists.
         .unwrap_or_else(|_| context.make_current())
 }
 
@@ -73,7 +73,7 @@ fn last_made(current: &RefCell<Option<Weak<dyn Backend>>>) -> Option<Rc<dyn Back
     current.borrow().as_ref().and_then(Weak::upgrade)
 }
 
-/// Keeps a context current; when dropped, restores what the caller had made current.
+/// Keeps a context current; dropping it restores the context that the caller had made current.
 #[must_use]
 pub(super) struct Entered {
     foreign: Option<Foreign>,
@@ -82,11 +82,11 @@ pub(super) struct Entered {
 
 /// The action when an [`Entered`] is dropped.
 enum Then {
-    /// The context stays current, as the one made current last.
+    /// The context stays current, and is recorded as the one made current last.
     Stays,
-    /// A caller's context stays current, and only the caller manages it again.
+    /// A caller's context stays current; echomarch no longer manages it.
     StaysCallers,
-    /// A caller's context is made not current, as before; echomarch's context that was current becomes current again.
+    /// A caller's context becomes not current, as before; echomarch's previously current context becomes current again.
     Goes {
         entered: Rc<dyn Backend>,
         before: Option<Rc<dyn Backend>>,
@@ -128,11 +128,11 @@ impl Drop for Entered {
             Then::StaysCallers => forget(),
             Then::Goes { entered, before } => {
                 forget();
-                // It is not current if making it current failed.
+                // The context is not current if making it current failed.
                 if entered.is_current() {
                     entered.release();
                 }
-                // If that fails, the next use of the context reports it.
+                // If making it current fails, the next use of the context reports the failure.
                 let _ = before.as_ref().map(make);
             }
         }
@@ -142,7 +142,7 @@ impl Drop for Entered {
     }
 }
 
-/// Forgets which context was made current last, whichever is current.
+/// Clears the record of the context made current last, whichever context is current.
 fn forget() {
     let _ = CURRENT.try_with(|current| current.replace(None));
 }

@@ -1,5 +1,5 @@
-//! Lists of vectors that shaders read by index: in a buffer in OpenGL, in the rows of a texture in ES 3.0, which has no
-//! texture buffers.
+//! Lists of vectors that shaders read by index: in a texture buffer in OpenGL, in the rows of a texture in ES 3.0,
+//! which has no texture buffers.
 
 use glam::Vec4;
 use glow::HasContext;
@@ -8,9 +8,9 @@ use super::caller_state::SCRATCH_UNIT;
 use super::texture;
 use super::{Api, Context, GpuError, Program, Texture};
 
-/// A list of vectors: a buffer in OpenGL (`samplerBuffer`); in ES, which has no such buffers, rows of a texture
-/// (`sampler2D`). Buffers are faster to read since they have neither rows nor levels. The list grows as needed and is
-/// sent again only when it has changed.
+/// A list of vectors: a buffer in OpenGL (`samplerBuffer`), or rows of a texture (`sampler2D`) in ES, which has no
+/// texture buffers. Buffers are faster to read since they have neither rows nor levels. The list grows as needed and is
+/// uploaded again only after a change.
 #[derive(Debug)]
 pub struct DataList {
     store: Store,
@@ -53,7 +53,7 @@ impl DataList {
         Ok(())
     }
 
-    /// Binds the list to a unit and to the program's uniform of that name, if it has one.
+    /// Binds the list to a texture unit and to the program's uniform `name`, if the program has one.
     pub fn bind(&self, program: &Program, name: &str, unit: u32) {
         match &self.store {
             Store::Rows(texture) => program.set_texture(name, unit, texture.texture()),
@@ -116,9 +116,9 @@ struct TexelBuffer {
     context: Context,
     buffer: glow::Buffer,
     texture: glow::Texture,
-    /// Maximum vectors that the driver allows.
+    /// The driver's limit on the number of vectors.
     limit: usize,
-    /// Vectors allocated.
+    /// Number of vectors allocated.
     capacity: usize,
 }
 
@@ -126,7 +126,7 @@ impl TexelBuffer {
     /// An empty buffer.
     ///
     /// # Errors
-    /// What GL reports.
+    /// GL errors.
     pub fn new(context: &Context) -> Result<TexelBuffer, GpuError> {
         let gl = context.gl();
         let failed = GpuError::not_created("a buffer of texels");
@@ -153,10 +153,10 @@ impl TexelBuffer {
         Ok(made)
     }
 
-    /// Writes these floats to the beginning of the buffer, four per vector.
+    /// Writes `floats` to the beginning of the buffer, four per vector.
     ///
     /// # Errors
-    /// [`GpuError::TextureTooLarge`] above the driver's limit, and what GL reports.
+    /// [`GpuError::TextureTooLarge`] above the driver's limit, and GL errors.
     pub fn set(&mut self, floats: &[f32]) -> Result<(), GpuError> {
         let vectors = floats.len() / 4;
         if vectors > self.limit {

@@ -27,7 +27,7 @@ pub struct Renderer {
     pub version: String,
     /// GL_SHADING_LANGUAGE_VERSION.
     pub shading_language: String,
-    /// Whether the processor draws.
+    /// Whether the renderer runs on the processor.
     pub is_software: bool,
     /// The driver's limits.
     pub limits: Limits,
@@ -53,7 +53,7 @@ impl fmt::Display for GpuInfo {
     }
 }
 
-/// Lists the devices of an API, each tested by making a context on it and dropping it again. No context is current
+/// Lists the devices of an API, and tests each by making and dropping a context on it. No context is current
 /// afterwards.
 ///
 /// # Errors

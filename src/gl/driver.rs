@@ -1,4 +1,4 @@
-//! The driver's description of a context, whether it draws with the processor, its GL functions, and its logs of
+//! The driver's description of a context, whether it renders on the processor, its GL functions, and its logs of
 //! shaders that do not compile.
 
 use super::backend::Backend;
@@ -18,7 +18,7 @@ const FLOAT_TARGETS: &str = "GL_EXT_color_buffer_float";
 pub struct Limits {
     /// Longest side of a texture, in texels.
     pub max_texture_size: u32,
-    /// Uniforms of a fragment shader, counted in vectors of four.
+    /// Maximum uniforms of a fragment shader, in vectors of four.
     pub max_fragment_uniform_vectors: u32,
     /// Maximum outputs of a fragment shader.
     pub max_draw_buffers: u32,
@@ -33,7 +33,7 @@ impl Limits {
     }
 }
 
-/// glGetGraphicsResetStatus, under the name that the driver has for it.
+/// glGetGraphicsResetStatus, under the driver's name for it.
 type ResetStatus = unsafe extern "system" fn() -> u32;
 
 /// A driver's description of one context.
@@ -48,7 +48,7 @@ pub(super) struct Driver {
 }
 
 impl Driver {
-    /// Queries the driver; the context is current.
+    /// Queries the driver; requires that the context is current.
     ///
     /// # Errors
     /// [`GpuError::MissingExtension`].
@@ -80,7 +80,7 @@ fn has_float_targets(gl: &glow::Context) -> bool {
     names.iter().any(|name| known.contains(*name))
 }
 
-/// The function that reports resets, from an extension that the context has.
+/// The function that reports resets, from one of the context's extensions.
 fn reset_status(backend: &dyn Backend, gl: &glow::Context, api: Api) -> Option<ResetStatus> {
     let of_khr = match api {
         Api::Gles => c"glGetGraphicsResetStatusKHR",
@@ -94,12 +94,13 @@ fn reset_status(backend: &dyn Backend, gl: &glow::Context, api: Api) -> Option<R
     let has = |extension: &str| gl.supported_extensions().contains(extension);
     let (_, name) = names.into_iter().find(|(extension, _)| has(extension))?;
     let address = backend.proc_address(name);
-    // SAFETY: the address is that of the function of this name, which takes no arguments and returns a GLenum, or null.
+    // SAFETY: the address is that of the function with this name, which takes no arguments and returns a GLenum, or
+    // null.
     (!address.is_null()).then(|| unsafe { std::mem::transmute(address) })
 }
 
 fn limits(gl: &glow::Context, api: Api) -> Limits {
-    // SAFETY: the context is current; a limit that is unknown leaves 0.
+    // SAFETY: the context is current; an unknown limit leaves 0.
     let limit = |name: u32| u32::try_from(unsafe { gl.get_parameter_i32(name) }).unwrap_or(0);
     Limits {
         max_texture_size: limit(glow::MAX_TEXTURE_SIZE),
@@ -112,7 +113,7 @@ fn limits(gl: &glow::Context, api: Api) -> Limits {
     }
 }
 
-/// Loads the GL functions, with the context current.
+/// Loads the GL functions; requires that the context is current.
 ///
 /// # Errors
 /// [`GpuError::NoFunctions`].
@@ -137,11 +138,11 @@ pub(super) fn load(backend: &dyn Backend) -> Result<glow::Context, GpuError> {
     Ok(unsafe { glow::Context::from_loader_function(find_or_core) })
 }
 
-/// Checks that GL has a version that can be parsed: glow panics otherwise.
+/// Checks that the GL version can be parsed: glow panics otherwise.
 #[cfg(not(target_arch = "wasm32"))]
 fn check_version(backend: &dyn Backend) -> Result<(), String> {
     type GetString = unsafe extern "system" fn(u32) -> *const c_char;
-    // SAFETY: the address is that of the function of this name, or null.
+    // SAFETY: the address is that of the function with this name, or null.
     let get = unsafe {
         std::mem::transmute::<*const c_void, Option<GetString>>(
             backend.proc_address(c"glGetString"),
@@ -161,7 +162,7 @@ fn check_version(backend: &dyn Backend) -> Result<(), String> {
     }
 }
 
-/// Whether a version has two numbers where every version has them: `4.6 …`, `OpenGL ES 3.2 …`.
+/// Whether the version text has two numbers in the expected position: `4.6 …`, `OpenGL ES 3.2 …`.
 #[cfg(not(target_arch = "wasm32"))]
 fn has_numbers(version: &str) -> bool {
     let numbers = version.rsplit(" ES ").next().unwrap_or(version);
@@ -173,9 +174,9 @@ fn has_numbers(version: &str) -> bool {
 /// One error in a driver's log.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LogError {
-    /// The text's number, as `#line` gave it; 0 before the first `#line`.
+    /// The source number set by `#line`; 0 before the first `#line`.
     pub file: u32,
-    /// The line, as `#line` counts it.
+    /// The line number set by `#line`.
     pub line: u32,
     /// The driver's message.
     pub message: String,
@@ -205,7 +206,7 @@ fn log_error(line: &str) -> Option<LogError> {
         return None;
     }
     if let Some(rest) = message.strip_prefix("error") {
-        // NVIDIA puts a code there.
+        // NVIDIA puts an error code before the message.
         message = rest.split_once(':').map_or(rest, |(_, rest)| rest).trim();
     }
     let message = message.replace('`', "'");
@@ -216,14 +217,14 @@ fn log_error(line: &str) -> Option<LogError> {
     })
 }
 
-/// The number that a text begins with, and the rest.
+/// The number at the beginning of the text, and the rest.
 fn number(text: &str) -> Option<(u32, &str)> {
     let digits = text.len() - text.trim_start_matches(|c: char| c.is_ascii_digit()).len();
     let (number, rest) = text.split_at(digits);
     Some((number.parse().ok()?, rest))
 }
 
-/// Parts of the names of renderers that draw with the processor, in lower case.
+/// Parts of the names of renderers that run on the processor, in lower case.
 const SOFTWARE_RENDERERS: [&str; 12] = [
     // Mesa's; also as "zink (llvmpipe ...)" and "virgl (LLVMPIPE ...)".
     "llvmpipe",
@@ -243,7 +244,7 @@ const SOFTWARE_RENDERERS: [&str; 12] = [
     "gdi generic",
 ];
 
-/// Whether a renderer of that name draws with the processor.
+/// Whether the renderer of this name runs on the processor.
 pub(super) fn is_software(renderer: &str) -> bool {
     let renderer = renderer.to_lowercase();
     SOFTWARE_RENDERERS
@@ -255,7 +256,7 @@ pub(super) fn is_software(renderer: &str) -> bool {
 mod tests {
     use super::*;
 
-    /// Protects programs that pass functions of something else: they get an error, not a panic.
+    /// Protects callers that pass functions other than OpenGL's: they get an error, not a panic.
     #[test]
     fn versions_without_numbers_are_known() {
         for version in [
@@ -278,7 +279,7 @@ mod tests {
         }
     }
 
-    /// Protects finding the place of an error in the logs of all drivers.
+    /// Protects the line numbers of errors in the logs of all drivers.
     #[test]
     fn errors_are_found_in_every_known_form() {
         let log = "2:3(1): warning: 'x' is never used\n2:12(5): error: `foo' undeclared\n\
@@ -297,8 +298,8 @@ mod tests {
         assert_eq!(found, expected);
     }
 
-    /// Protects recognising a software renderer by its name, which decides on wall clock or timer query, goldens or
-    /// tolerances.
+    /// Protects the detection of a software renderer by its name, which decides between wall clock and timer query, and
+    /// between goldens and tolerances.
     #[test]
     fn software_renderers_are_known_by_name() {
         for software in [

@@ -1,9 +1,9 @@
-//! The ways to reach OpenGL, and the errors on the way.
+//! The supported OpenGL interfaces, and errors of the graphics driver.
 
 use std::fmt;
 use std::str::FromStr;
 
-/// A way to reach OpenGL: which library makes the context, and which language the shaders are in.
+/// An OpenGL interface: the library that makes the context, and the language of the shaders.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Api {
     /// OpenGL 3.3 core through EGL.
@@ -41,7 +41,7 @@ impl FromStr for Api {
     }
 }
 
-/// Error between the program and the graphics driver. Sizes are in texels unless stated otherwise.
+/// Error of the graphics driver or in its use. Sizes are in texels unless stated otherwise.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum GpuError {
@@ -64,12 +64,12 @@ pub enum GpuError {
         /// The missing function, or the reason why it is unusable.
         reason: String,
     },
-    /// libEGL is present, but lists no device and opens no display without one.
+    /// libEGL is present, but lists no device and opens no display without a device.
     #[error(
         "EGL lists no device ({reason}): install a driver (on Debian the packages libegl-mesa0 and libgl1-mesa-dri) or use the API osmesa"
     )]
     NoEglDevice {
-        /// EGL's answer.
+        /// EGL's error.
         reason: String,
     },
     /// The requested device index is out of range.
@@ -80,12 +80,12 @@ pub enum GpuError {
         /// Number of devices.
         found: usize,
     },
-    /// No device, or not the requested one, gave a context of this API.
+    /// No device, or not the requested device, could make a context of this API.
     #[error("no context for the API {api} could be made: {reason}")]
     NoContext {
         /// The requested API.
         api: Api,
-        /// The answer of each device.
+        /// The error of each device.
         reason: String,
     },
     /// A context that the caller made has a version below the lowest supported one.
@@ -103,7 +103,7 @@ pub enum GpuError {
     /// libOSMesa could not be loaded.
     #[error("libOSMesa was not found ({reason}): install it (on Debian the package libosmesa6)")]
     NoOsMesaLibrary {
-        /// The loader's answer for the last name tried.
+        /// The loader's error for the last name tried.
         reason: String,
     },
     /// The driver cannot draw into 32-bit float textures, or lacks another required extension.
@@ -119,7 +119,7 @@ pub enum GpuError {
     /// The context can no longer be made current, or the driver has lost it.
     #[error("the GL context was lost: {reason}; make a new one")]
     ContextLost {
-        /// The answer of EGL or OSMesa.
+        /// The error of EGL or OSMesa.
         reason: String,
     },
     /// A shader did not compile.
@@ -129,7 +129,7 @@ pub enum GpuError {
         stage: &'static str,
         /// The program's label.
         label: String,
-        /// The driver's log, verbatim; lines are counted from the first of the given text.
+        /// The driver's log, verbatim; line 1 is the first line of the given text.
         log: String,
     },
     /// A program did not link.
@@ -164,7 +164,7 @@ pub enum GpuError {
         /// Height requested.
         height: u32,
     },
-    /// The data for a texture do not fill it exactly.
+    /// The number of floats does not match the size of the texture.
     #[error("the texture takes {expected} floats, {found} were given")]
     DataSize {
         /// 4 × width × height.
@@ -207,19 +207,19 @@ pub enum GpuError {
 }
 
 impl GpuError {
-    /// The error of a context of this API that cannot be made.
+    /// Returns the error for a context of this API that cannot be made.
     pub(super) fn no_context(api: Api, reason: impl ToString) -> GpuError {
         let reason = reason.to_string();
         GpuError::NoContext { api, reason }
     }
 
-    /// The error of a context that is lost.
+    /// Returns the error for a lost context.
     pub(super) fn lost(reason: impl Into<String>) -> GpuError {
         let reason = reason.into();
         GpuError::ContextLost { reason }
     }
 
-    /// The error of something that GL cannot create, from GL's reason.
+    /// Returns a function that converts GL's reason into the error for an object that GL cannot create.
     pub(super) fn not_created(what: impl Into<String>) -> impl Fn(String) -> GpuError {
         let what = what.into();
         move |code| GpuError::Gl {
@@ -241,7 +241,7 @@ impl GpuError {
     }
 }
 
-/// Maximum errors drained from one context: a lost one may report errors forever.
+/// Maximum number of errors read from one context: a lost context may report errors forever.
 pub(super) const ERRORS_AT_MOST: usize = 32;
 
 /// The name of an error code of glGetError.
@@ -263,7 +263,7 @@ pub(super) fn code_name(code: u32) -> String {
 mod tests {
     use super::*;
 
-    /// Protects the API names: the command line accepts the names that are printed.
+    /// Protects the API names: the command line accepts every name that it prints.
     #[test]
     fn names_read_back() {
         for api in Api::ALL {

@@ -15,14 +15,13 @@
 //! ```
 //!
 //! # Ownership and threads
-//! A [`Context`] is a counted reference and belongs to the thread that made it; neither it nor anything made with it
-//! can be sent to another thread. Everything made with a context holds a reference to it, so all may be dropped in any
-//! order. Several contexts, of different [`Api`]s too, may be used in turn on one thread: every operation makes its own
-//! context current first.
-//!
+//! A [`Context`] is a counted reference and belongs to the thread that made it; neither a context nor anything made
+//! with it can be sent to another thread. Everything made with a context holds a reference to it, so drop order does
+//! not matter. Several contexts, also of different [`Api`]s, may be used in turn on one thread: every operation makes
+//! its own context current first.
 //! # Cost
-//! Making a context current that already is costs one query to its library. Switching between contexts flushes the
-//! previous one. Making a context takes some milliseconds with Mesa's llvmpipe. Reading texels back waits for all
+//! Making the current context current again costs one query to its library. Switching between contexts flushes the
+//! previous context. Making a context takes some milliseconds with Mesa's llvmpipe. Reading texels back waits for all
 //! drawing requested before. glGetError is called after each pass in debug builds, or if the environment has
 //! `ECHOMARCH_GL_CHECK=1`; after creation and read-back always.
 //!
@@ -30,8 +29,8 @@
 //
 // Private to the crate: programs, textures of four floats per texel, full-screen passes, read-back and timers. A pass
 // reads textures and draws one triangle over a `RenderTarget`, whose texels are the results. A `PingPong` keeps two
-// pairs of textures, so that a pass reads from one and writes to the other. Use a reference from `Context::gl` at once;
-// call it again after anything that used (or dropped) another context.
+// pairs of textures, so that a pass reads from one pair and writes to the other. Use the reference returned by
+// `Context::gl` at once; call `Context::gl` again after using or dropping another context.
 #![deny(clippy::undocumented_unsafe_blocks)]
 
 mod async_read;
@@ -85,7 +84,7 @@ pub use devices::{GpuInfo, Renderer, list_gpus};
 pub(crate) use driver::Limits;
 pub(crate) use driver::log_errors;
 pub use error::{Api, GpuError};
-/// The functions of OpenGL, in the version that [`Context::from_glow`] takes.
+/// The OpenGL bindings, in the version that [`Context::from_glow`] takes.
 pub use glow;
 #[cfg(any(test, feature = "picture"))]
 #[doc(hidden)]

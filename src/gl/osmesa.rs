@@ -1,4 +1,4 @@
-//! Contexts of Mesa's off-screen library, which is loaded when first requested.
+//! Contexts of Mesa's off-screen library, which is loaded on first use.
 
 use std::cell::UnsafeCell;
 use std::ffi::{CStr, c_char, c_int, c_uint, c_void};
@@ -10,7 +10,7 @@ use libloading::Library;
 use super::backend::Backend;
 use super::{Api, GpuError};
 
-/// Names under which the library is looked for, newest first.
+/// File names tried for the library, newest first.
 const LIBRARY_NAMES: [&str; 3] = ["libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so"];
 
 // Values from GL/osmesa.h.
@@ -32,7 +32,7 @@ type MakeCurrent = unsafe extern "C" fn(*mut c_void, *mut c_void, c_uint, c_int,
 type GetCurrentContext = unsafe extern "C" fn() -> *mut c_void;
 type GetProcAddress = unsafe extern "C" fn(*const c_char) -> *const c_void;
 
-/// The functions of the library. It stays loaded: drivers do not survive being unloaded.
+/// The functions of the library, which stays loaded: drivers do not survive being unloaded.
 struct Functions {
     create_context: CreateContext,
     destroy_context: DestroyContext,
@@ -55,7 +55,7 @@ impl Functions {
 
     fn load() -> Result<Functions, libloading::Error> {
         let library = load_library()?;
-        // SAFETY: the symbols have the types given in GL/osmesa.h, and the library is kept along with them.
+        // SAFETY: the symbols have the types given in GL/osmesa.h, and the library is stored with them.
         unsafe {
             Ok(Functions {
                 create_context: *library.get(b"OSMesaCreateContextAttribs\0")?,
@@ -86,12 +86,12 @@ fn load_library() -> Result<Library, libloading::Error> {
 pub(super) struct OsMesa {
     functions: &'static Functions,
     context: *mut c_void,
-    // The library writes to it when the context is flushed.
+    // The library writes to the buffer when the context is flushed.
     colours: Box<UnsafeCell<[u8; 4 * SIDE * SIDE]>>,
 }
 
 impl OsMesa {
-    /// Makes a context of OpenGL 3.3 core; it is not current yet.
+    /// Makes a context of OpenGL 3.3 core, which is not yet current.
     ///
     /// # Errors
     /// [`GpuError::NoOsMesaLibrary`], [`GpuError::NoContext`].
@@ -123,7 +123,7 @@ impl OsMesa {
 
 impl Backend for OsMesa {
     fn make_current(&self) -> Result<(), String> {
-        // SAFETY: the context lives, and the buffer has the given size and lives as long as the context.
+        // SAFETY: the context exists; the buffer has the given size and lives as long as the context.
         let made = unsafe {
             let side = SIDE as c_int;
             (self.functions.make_current)(
@@ -167,7 +167,7 @@ impl Backend for OsMesa {
 
 impl Drop for OsMesa {
     fn drop(&mut self) {
-        // SAFETY: the context lives and is not used again.
+        // SAFETY: the context exists and is not used again.
         unsafe { (self.functions.destroy_context)(self.context) };
     }
 }

@@ -22,7 +22,7 @@ impl Picture {
     /// Creates a picture of `width` × `height` pixels with undefined colours.
     ///
     /// # Errors
-    /// The errors of [`Texture::new`](super::Texture::new); 4 bytes per pixel.
+    /// The errors of [`Texture::new`](super::Texture::new). Takes 4 bytes per pixel.
     pub fn new(context: &Context, width: u32, height: u32) -> Result<Picture, GpuError> {
         check_size(context, width, height)?;
         let failed = GpuError::not_created("a picture");
@@ -42,7 +42,7 @@ impl Picture {
             width,
             height,
         };
-        // SAFETY: the context is current, and framebuffer and renderbuffer its own.
+        // SAFETY: the context is current; framebuffer and renderbuffer belong to it.
         unsafe {
             gl.bind_renderbuffer(glow::RENDERBUFFER, Some(pixels));
             gl.renderbuffer_storage(glow::RENDERBUFFER, glow::RGBA8, width as i32, height as i32);
@@ -65,10 +65,10 @@ impl Picture {
         self.height
     }
 
-    /// Draws the picture over the whole window or canvas, of the given size in pixels, stretched with smooth edges.
+    /// Draws the picture over the whole window or canvas of the given size in pixels, stretched with smooth edges.
     ///
     /// # Errors
-    /// What GL reports, in debug builds.
+    /// GL errors, in debug builds.
     pub fn show(&self, width: u32, height: u32) -> Result<(), GpuError> {
         let gl = self.context.gl();
         // SAFETY: the context is current, and the framebuffer its own.
@@ -95,11 +95,11 @@ impl Picture {
         self.context.debug_check("the picture in the window")
     }
 
-    /// All pixels, four bytes each, the top row (the highest `gl_FragCoord.y`) first, as in image files. Waits for the
-    /// drawing before it.
+    /// Reads all pixels, four bytes each, the top row (the highest `gl_FragCoord.y`) first, as in image files. Waits
+    /// for earlier drawing.
     ///
     /// # Errors
-    /// What GL reports.
+    /// GL errors.
     pub fn read_rgba8(&self) -> Result<Vec<u8>, GpuError> {
         let framebuffer = Some(self.framebuffer);
         read_rgba8(

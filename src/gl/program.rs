@@ -12,7 +12,7 @@ use super::{Api, Context, GpuError, Texture};
 /// The vertex shader of all programs.
 const FULL_SCREEN: &str = include_str!("../../glsl/full_screen.vert");
 
-/// The header of every shader: the version and the precisions. Lines are counted from 1 after it.
+/// The header of every shader: the version and the precisions. Line numbers start at 1 after the header.
 pub fn header(api: Api) -> &'static str {
     match api {
         Api::Gl | Api::OsMesa => "#version 330 core\n#line 1\n",
@@ -29,8 +29,8 @@ pub fn header(api: Api) -> &'static str {
 
 /// A fragment shader combined with the full-screen triangle, and its uniforms.
 ///
-/// Setting a uniform that the shader lacks, or that the driver removed because it is unused, has no effect. A uniform
-/// of another type than the setter's is an error that the next check reports. Dropping it frees it.
+/// Setting a uniform that the shader lacks, or that the driver removed as unused, has no effect. Setting a uniform with
+/// a setter of another type is an error, which the next check reports. Dropping the program frees it.
 #[derive(Debug)]
 pub struct Program {
     context: Context,
@@ -40,7 +40,7 @@ pub struct Program {
 }
 
 impl Program {
-    /// Compiles and links a fragment shader, whose text has no `#version` line and stays within GLSL ES 3.00. The label
+    /// Compiles and links a fragment shader, whose text has no `#version` line and uses only GLSL ES 3.00. The label
     /// names the program in errors.
     ///
     /// # Errors
@@ -90,7 +90,7 @@ impl Program {
         &self.label
     }
 
-    /// Whether the shader has and uses a uniform of that name.
+    /// Whether the shader uses a uniform of that name.
     pub fn has_uniform(&self, name: &str) -> bool {
         self.uniforms.contains_key(name)
     }
@@ -139,7 +139,7 @@ impl Program {
         });
     }
 
-    /// Sets an array of `vec4` from its first element on, by its name without brackets. Elements beyond the end of the
+    /// Sets an array of `vec4`, starting at its first element; `name` has no brackets. Elements beyond the end of the
     /// array are ignored.
     pub fn set_vec4_array(&self, name: &str, values: &[Vec4]) {
         if values.is_empty() {
@@ -152,8 +152,8 @@ impl Program {
         });
     }
 
-    /// Binds a texture to a unit (0 to 15) and sets a `sampler2D` to it. Units are shared by all programs of a
-    /// context: set a program's textures just before its pass.
+    /// Binds a texture to a unit (0 to 15) and sets the `sampler2D` to that unit. All programs of a context share the
+    /// units: set a program's textures just before its pass.
     pub fn set_texture(&self, name: &str, unit: u32, texture: &Texture) {
         debug_assert!(
             unit < 16,
@@ -170,7 +170,7 @@ impl Program {
         self.program
     }
 
-    /// The context it belongs to.
+    /// The context of the program.
     pub(super) fn context(&self) -> &Context {
         &self.context
     }
@@ -262,11 +262,11 @@ impl Drop for Shader<'_> {
     }
 }
 
-/// Programs by the key that determines their text. When the cache is full, the least recently used one is dropped,
-/// which bounds the number kept during a walk through many scenes.
+/// Programs by the key that determines their text. A full cache drops the least recently used program, which bounds the
+/// number of programs when many scenes are rendered in turn.
 #[derive(Debug)]
 pub struct ProgramCache<K: Eq> {
-    /// The most recently used one last: with so few of them, a search costs less than a map.
+    /// The most recently used program last: with so few programs, a linear search costs less than a map.
     kept: Vec<(K, Rc<Program>)>,
     most: usize,
     compiled: usize,
@@ -304,7 +304,7 @@ impl<K: Eq> ProgramCache<K> {
         Ok(self.kept[self.kept.len() - 1].1.clone())
     }
 
-    /// Total number of programs compiled, including those dropped since.
+    /// Total number of programs compiled, including dropped ones.
     pub fn compiled(&self) -> usize {
         self.compiled
     }
@@ -323,7 +323,7 @@ mod tests {
 
     const TWO: NonZeroUsize = NonZeroUsize::new(2).unwrap();
 
-    /// Protects long walks through many scenes: unused programs are dropped, used ones stay.
+    /// Protects rendering many scenes in turn: unused programs are dropped, used ones stay.
     #[test]
     fn the_program_unused_longest_goes() {
         let context = Context::headless(&ContextOptions::default()).unwrap();
@@ -340,13 +340,13 @@ mod tests {
         let (_, compiled, kept) = ask("third");
         assert_eq!((compiled, kept), (3, 2));
         assert!(Rc::ptr_eq(&ask("first").0, &first));
-        // Other holders of the program can still draw with it.
+        // Other references to the program can still draw with it.
         assert_eq!(second.label(), "second");
         assert!(!Rc::ptr_eq(&ask("second").0, &second));
         assert_eq!(ask("second").1, 4);
     }
 
-    /// Protects cached programs from a scene that does not compile.
+    /// Protects cached programs from being dropped for a scene that does not compile.
     #[test]
     fn what_does_not_compile_drives_nothing_out() {
         let context = Context::headless(&ContextOptions::default()).unwrap();

@@ -1,4 +1,4 @@
-//! Textures that passes write to, alone, in pairs and in turn; reading them back; and full-screen passes.
+//! Textures that passes write to: single, in pairs and alternating; their read-back; and full-screen passes.
 
 use std::ops::Range;
 
@@ -9,7 +9,7 @@ use super::{Context, GpuError, Program, Texture};
 
 /// A framebuffer that a pass can draw into.
 pub trait Target {
-    /// GL's name for the framebuffer in the context that draws the pass; `None` is a window's framebuffer.
+    /// GL's name for the framebuffer in the context that draws the pass; `None` is the window's framebuffer.
     fn framebuffer(&self) -> Option<glow::Framebuffer>;
 }
 
@@ -17,10 +17,10 @@ pub trait Target {
 /// `gl_FragCoord.xy` is the texel's index plus a half. Uses the uniforms and textures set last. Returns before the
 /// drawing is done.
 ///
-/// A texture that the program reads must not be one that the target writes to.
+/// The program must not read a texture that the target writes to.
 ///
 /// # Errors
-/// What GL reports, in debug builds: see `Context::debug_check`.
+/// GL errors, in debug builds: see `Context::debug_check`.
 pub fn full_screen_pass(
     context: &Context,
     program: &Program,
@@ -32,11 +32,11 @@ pub fn full_screen_pass(
     draw(context, program)
 }
 
-/// [`full_screen_pass`] for a band of rows, so that a large pass can be drawn in parts: the system may stop a single
-/// draw call that takes a graphics card several seconds. Rows from `height` on are left out.
+/// Like [`full_screen_pass`], for a band of rows, so that a large pass can be drawn in parts: the system may stop a
+/// single draw call that takes a graphics card several seconds. Rows from `height` on are left out.
 ///
 /// # Errors
-/// What GL reports, in debug builds: see `Context::debug_check`.
+/// GL errors, in debug builds: see `Context::debug_check`.
 pub fn full_screen_pass_rows(
     context: &Context,
     program: &Program,
@@ -54,7 +54,7 @@ pub fn full_screen_pass_rows(
     context.set_scissor_test(true);
     let drawn = draw(context, program);
     context.set_scissor_test(false);
-    // SAFETY: the context is current. The flush keeps a driver from submitting several bands as one piece of work.
+    // SAFETY: the context is current. The flush keeps a driver from submitting several bands as one batch.
     unsafe { context.gl().flush() };
     drawn
 }
@@ -96,7 +96,7 @@ fn draw(context: &Context, program: &Program) -> Result<(), GpuError> {
 /// A framebuffer over one or more textures of one size (every driver allows four): output 0 of the fragment shader goes
 /// to the first texture, and so on.
 ///
-/// It does not own the textures; keep them as long as it is used. Dropping it frees the framebuffer.
+/// The target does not own the textures; keep them as long as the target is used. Dropping it frees the framebuffer.
 #[derive(Debug)]
 pub struct RenderTarget {
     context: Context,
@@ -173,22 +173,22 @@ impl RenderTarget {
         self.height
     }
 
-    /// All texels of one attachment, bit for bit: four floats per texel, row by row, texel (0, 0) first. Waits for the
-    /// drawing before it.
+    /// Reads all texels of one attachment, bit for bit: four floats per texel, row by row, texel (0, 0) first. Waits
+    /// for earlier drawing.
     ///
     /// # Errors
-    /// [`GpuError::ReadOutOfRange`], and what GL reports.
+    /// [`GpuError::ReadOutOfRange`], and GL errors.
     pub fn read(&self, attachment: usize) -> Result<Vec<f32>, GpuError> {
         let mut texels = Vec::new();
         self.read_into(attachment, self.width, self.height, &mut texels)?;
         Ok(texels)
     }
 
-    /// Reads the first `width` texels of each of the first `rows` rows, as [`read`](RenderTarget::read) does; the
-    /// vector is resized to 4 × width × rows and its memory reused. After an error its values are meaningless.
+    /// Reads the first `width` texels of each of the first `rows` rows, as [`read`](RenderTarget::read) does; `texels`
+    /// is resized to 4 × width × rows and its memory reused. After an error its values are meaningless.
     ///
     /// # Errors
-    /// [`GpuError::ReadOutOfRange`], and what GL reports.
+    /// [`GpuError::ReadOutOfRange`], and GL errors.
     pub fn read_into(
         &self,
         attachment: usize,
@@ -216,7 +216,7 @@ impl RenderTarget {
         self.context.check("the read-back of a texture")
     }
 
-    /// Selects the attachment for reading, if it has enough texels.
+    /// Selects the attachment for reading, after checking that it has enough texels.
     pub(super) fn select_for_reading(
         &self,
         attachment: usize,
@@ -258,7 +258,7 @@ impl Drop for RenderTarget {
 }
 
 /// Reads the pixels of a framebuffer, or of a window: four bytes each, the top row (the highest `gl_FragCoord.y`)
-/// first, as in image files. Waits for the drawing before it.
+/// first, as in image files. Waits for earlier drawing.
 #[cfg(any(test, feature = "picture", feature = "window"))]
 pub(super) fn read_rgba8(
     context: &Context,
@@ -300,7 +300,7 @@ pub(super) fn check_complete(context: &Context) -> Result<(), GpuError> {
             "GL_FRAMEBUFFER_INCOMPLETE_MISSING_ATTACHMENT".into()
         }
         glow::FRAMEBUFFER_UNSUPPORTED => "GL_FRAMEBUFFER_UNSUPPORTED".into(),
-        // No status: an error, or no context.
+        // No status: an error, or there is no context.
         0 => {
             context.check("a framebuffer")?;
             "GL gives no status".into()
@@ -317,7 +317,7 @@ pub struct TexturePair {
     pub first: Texture,
     /// Output 1 of the fragment shader.
     pub second: Texture,
-    /// Writes to both, and reads both back: attachments 0 and 1.
+    /// Writes to both textures, and reads them back as attachments 0 and 1.
     pub target: RenderTarget,
 }
 
@@ -344,7 +344,8 @@ impl Target for TexturePair {
     }
 }
 
-/// Two texture pairs: a pass reads the current one and writes to the next, then they [`flip`](PingPong::flip).
+/// Two texture pairs: a pass reads the current pair and writes to the next, then [`flip`](PingPong::flip) exchanges
+/// them.
 #[derive(Debug)]
 pub struct PingPong {
     pairs: [TexturePair; 2],
@@ -374,7 +375,7 @@ impl PingPong {
         &self.pairs[1 - self.current]
     }
 
-    /// Makes the pair just written the current one.
+    /// Makes the pair written last the current pair.
     pub fn flip(&mut self) {
         self.current = 1 - self.current;
     }

@@ -22,7 +22,8 @@ impl Texture {
     /// Creates a texture of `width` × `height` texels with undefined values.
     ///
     /// # Errors
-    /// A side of zero or above [`max_texture_size`](super::Limits::max_texture_size), or no memory: 16 bytes per texel.
+    /// A side of zero or above [`max_texture_size`](super::Limits::max_texture_size), or too little memory for 16 bytes
+    /// per texel.
     pub fn new(context: &Context, width: u32, height: u32) -> Result<Texture, GpuError> {
         check_size(context, width, height)?;
         let gl = context.gl();
@@ -65,7 +66,7 @@ impl Texture {
     /// Fills the whole texture, bit for bit: four floats per texel, row by row, texel (0, 0) first.
     ///
     /// # Errors
-    /// [`GpuError::DataSize`] where the length is not 4 × width × height, and what GL reports.
+    /// [`GpuError::DataSize`] if the length is not 4 × width × height, and GL errors.
     pub fn upload(&self, texels: &[f32]) -> Result<(), GpuError> {
         let expected = 4 * self.width as usize * self.height as usize;
         if texels.len() != expected {
@@ -143,27 +144,27 @@ pub(super) fn bind(gl: &glow::Context, unit: u32, target: u32, texture: glow::Te
         UNITS.contains(&unit),
         "unit {unit} of a caller is not put back"
     );
-    // SAFETY: the context is current, and the texture its own and of that target.
+    // SAFETY: the context is current; the texture belongs to it and has that target.
     unsafe {
         gl.active_texture(glow::TEXTURE0 + unit);
         gl.bind_texture(target, Some(texture));
     }
 }
 
-/// The floats as bytes in memory order.
+/// Returns the floats as bytes in memory order.
 pub(super) fn of_floats(floats: &[f32]) -> &[u8] {
     // SAFETY: f32 has no padding, u8 needs no alignment, and the length in bytes is that of the same slice.
     unsafe { std::slice::from_raw_parts(floats.as_ptr().cast(), size_of_val(floats)) }
 }
 
-/// The floats as mutable bytes.
+/// Returns the floats as mutable bytes.
 pub(super) fn of_floats_mut(floats: &mut [f32]) -> &mut [u8] {
     // SAFETY: as above; in addition, every bit pattern is a valid f32, so any bytes may be written.
     unsafe { std::slice::from_raw_parts_mut(floats.as_mut_ptr().cast(), size_of_val(floats)) }
 }
 
-/// Bytes in memory order as floats, without the incomplete float at the end; copied if the bytes are not aligned for
-/// floats.
+/// Returns bytes in memory order as floats, without an incomplete float at the end. Copies the bytes if they are not
+/// aligned for floats.
 pub(super) fn as_floats(bytes: &[u8]) -> Cow<'_, [f32]> {
     // SAFETY: every bit pattern is a valid f32.
     match unsafe { bytes.align_to::<f32>() } {

@@ -1,4 +1,4 @@
-//! Measures how long GL takes.
+//! A timer for GL commands.
 
 use glow::HasContext;
 
@@ -7,10 +7,10 @@ use crate::platform::{self, Instant};
 
 /// Marks in the stream of GL commands, and the times between them.
 ///
-/// On a graphics card a mark is a timestamp query, whose result is fetched later, so setting one does not wait.
-/// Software renderers return wrong results for queries (llvmpipe far too short), and OpenGL ES may lack them: there
-/// each mark calls `glFinish`, which waits, and reads the wall clock; in a browser, where `glFinish` does not wait, the
-/// times are those of the calls.
+/// On a graphics card a mark is a timestamp query, whose result is fetched later, so setting a mark does not wait.
+/// Software renderers return wrong results for queries (llvmpipe's times are far too short), and OpenGL ES may lack
+/// queries: there each mark calls `glFinish`, which waits, and reads the wall clock. In a browser, where `glFinish`
+/// does not wait, the times are those of the calls.
 #[derive(Debug)]
 pub struct GpuTimer {
     context: Context,
@@ -52,10 +52,10 @@ impl GpuTimer {
         !self.by_query
     }
 
-    /// Forgets all marks, and sets the first.
+    /// Discards all marks, and sets the first.
     ///
     /// # Errors
-    /// What GL reports.
+    /// GL errors.
     pub fn restart(&mut self) -> Result<(), GpuError> {
         self.used = 0;
         self.instants.clear();
@@ -65,7 +65,7 @@ impl GpuTimer {
     /// Sets the next mark.
     ///
     /// # Errors
-    /// What GL reports.
+    /// GL errors.
     pub fn mark(&mut self) -> Result<(), GpuError> {
         if !self.by_query {
             // SAFETY: the context is current.
@@ -87,7 +87,7 @@ impl GpuTimer {
     }
 
     /// Milliseconds from each mark to the next. On a graphics card this waits for the last mark: call it after passing
-    /// a fence behind that mark.
+    /// a fence set after that mark.
     pub fn milliseconds(&self) -> Vec<f64> {
         if !self.by_query {
             let between = |pair: &[Instant]| (pair[1] - pair[0]).as_secs_f64() * 1e3;
@@ -96,7 +96,7 @@ impl GpuTimer {
         let gl = self.context.gl();
         let stamps: Vec<u64> = self.queries[..self.used]
             .iter()
-            // SAFETY: the context is current, and the queries its own and begun.
+            // SAFETY: the context is current; the queries belong to it and have begun.
             .map(|query| unsafe { gl.get_query_parameter_u64(*query, glow::QUERY_RESULT) })
             .collect();
         let between = |pair: &[u64]| pair[1].saturating_sub(pair[0]) as f64 * 1e-6;
@@ -121,7 +121,8 @@ mod tests {
     use super::*;
 
     /// Protects graphics cards from wrong use of timestamp queries: each pair of marks has a time, and GL reports no
-    /// error. Software renderers, for which queries are not chosen, also have them, with times that are too short.
+    /// error. Software renderers also have queries, with times that are too short, but the timer does not choose them
+    /// there.
     #[test]
     fn timestamp_queries_answer_without_gl_errors() {
         let context = Context::headless(&ContextOptions::default()).unwrap();

@@ -3,7 +3,7 @@
 //! WebGL 2 is OpenGL ES 3.0 without some calls: buffers cannot be mapped, fences cannot be waited for, and reading
 //! texels is the only way to wait for the drawing ([`platform`](crate::platform)).
 //!
-//! Each context of a browser is always current, so the functions of `current` do nothing here.
+//! A browser's contexts are always current, so the functions of `current` do nothing here.
 
 use super::backend::Backend;
 use super::{Api, Context, GpuError};
@@ -15,22 +15,22 @@ use web_sys::WebGl2RenderingContext;
 /// The extension that reports the device's name.
 const RENDERER_INFO: &str = "WEBGL_debug_renderer_info";
 
-/// Its parameter, from the extension's specification.
+/// The parameter for the device's name, from the extension's specification.
 const UNMASKED_RENDERER_WEBGL: u32 = 0x9246;
 
 /// A context of the browser, which is always current.
 struct Page(WebGl2RenderingContext);
 
 impl Context {
-    /// Takes over a context that the page made: `canvas.getContext("webgl2", { antialias: false })`. Works with a
-    /// canvas in the page and one off the screen (`OffscreenCanvas`, in a worker).
+    /// Wraps a context that the page made: `canvas.getContext("webgl2", { antialias: false })`. Works with a canvas in
+    /// the page and with one off the screen (`OffscreenCanvas`, in a worker).
     ///
     /// # Errors
     /// [`GpuError::MissingExtension`] if the browser has no `EXT_color_buffer_float`; [`GpuError::NoContext`].
     pub fn from_webgl2(context: WebGl2RenderingContext) -> Result<Context, GpuError> {
         let page = Rc::new(Page(context.clone()));
         Context::from_backend_with(page, Api::Gles, |_| {
-            // glow enables all extensions that it knows, including that of float targets.
+            // glow enables all extensions that it knows, including the one for float targets.
             Ok(glow::Context::from_webgl2_context(context))
         })
     }
@@ -67,7 +67,7 @@ impl Backend for Page {
 /// Makes the context current.
 ///
 /// # Errors
-/// The backend's answer.
+/// The backend's error.
 pub(super) fn make(context: &Rc<dyn Backend>) -> Result<(), String> {
     context.make_current()
 }

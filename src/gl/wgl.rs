@@ -34,10 +34,10 @@ use super::{Api, GpuError};
 /// Side of the hidden, unused window in pixels.
 const SIDE: i32 = 1;
 
-/// Makes a context; it is not current yet.
+/// Makes a context, which is not yet current.
 ///
 /// # Errors
-/// [`GpuError::NoContext`] with the answer of Windows.
+/// [`GpuError::NoContext`] with the error of Windows.
 pub(super) fn open(_: &Place, api: Api) -> Result<Rc<dyn Backend>, GpuError> {
     match create(api) {
         Ok(context) => Ok(Rc::new(context)),
@@ -50,8 +50,8 @@ struct HiddenWindow(HWND);
 
 impl HiddenWindow {
     fn new() -> Result<HiddenWindow, glutin::error::Error> {
-        // SAFETY: the class is one of Windows' own, and the texts end in zero. The window's messages are never read: it
-        // is a message-only window, which gets no broadcasts, so no other program waits for it.
+        // SAFETY: the class is one of Windows' own, and the texts end in zero. The window's messages are never read: a
+        // message-only window gets no broadcasts, so no other program waits for it.
         let window = unsafe {
             CreateWindowExW(
                 0,
@@ -85,7 +85,7 @@ impl HiddenWindow {
 
 impl Drop for HiddenWindow {
     fn drop(&mut self) {
-        // SAFETY: the window is this value's own, of this thread, and not used again.
+        // SAFETY: this value owns the window; the window belongs to this thread and is not used again.
         unsafe { DestroyWindow(self.0) };
     }
 }
@@ -101,17 +101,17 @@ fn create(api: Api) -> Result<impl Backend + use<>, glutin::error::Error> {
     let window = HiddenWindow::new()?;
     let handle = window.handle()?;
     let on = RawDisplayHandle::Windows(WindowsDisplayHandle::new());
-    // SAFETY: the window lives, and has its module.
+    // SAFETY: the window exists, and has its module.
     let display = unsafe { Display::new(on, Some(handle)) }?;
     let template = template(api, ConfigSurfaceTypes::WINDOW)
         .compatible_with_native_window(handle)
         .build();
-    // SAFETY: the template names the window, which lives.
+    // SAFETY: the template names the window, which exists.
     let config = unsafe { display.find_configs(template) }?.next();
     let config = config.ok_or(ErrorKind::BadConfig)?;
     let side = NonZeroU32::MIN;
     let of_window = SurfaceAttributesBuilder::<WindowSurface>::new().build(handle, side, side);
-    // SAFETY: the window lives, and is destroyed after the surface.
+    // SAFETY: the window exists, and is destroyed after the surface.
     let surface = unsafe { display.create_window_surface(&config, &of_window) }?;
     let context = new_context(&display, &config, attributes(api))?.treat_as_possibly_current();
     let hidden = Hidden {
@@ -149,8 +149,8 @@ impl Foreign {
         unsafe { wglMakeCurrent(ptr::null_mut(), ptr::null_mut()) };
     }
 
-    /// Makes it current again. If its owner has destroyed it in the meantime, Windows refuses and no context is
-    /// current.
+    /// Makes the context current again. If its owner has destroyed it in the meantime, Windows refuses and no context
+    /// is current.
     pub fn make_current(&self) {
         // SAFETY: Windows checks the handles against its own.
         unsafe { wglMakeCurrent(self.device, self.context) };

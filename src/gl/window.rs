@@ -1,6 +1,6 @@
 //! The context of a window: through EGL on X11 and Wayland, WGL on Windows, CGL on macOS.
 //!
-//! It can do everything that a [`Context`] without a window can: the tracer shares it with the drawing.
+//! It supports everything that a [`Context`] without a window does: the tracer and the window's drawing share it.
 
 use std::any::Any;
 use std::ffi::{CStr, c_void};
@@ -21,24 +21,24 @@ use super::driver::load;
 use super::render_target::read_rgba8;
 use super::{Api, Context, GpuError, native};
 
-/// OpenGL of a display, and the matching kind of window. Field order matters: the connection to the display is dropped
-/// last.
+/// OpenGL of a display, and the configuration of windows for it. Field order matters: the connection to the display is
+/// dropped last.
 #[derive(Debug)]
 pub struct WindowDisplay {
-    /// `None` if opening the display requires a window: on Windows.
+    /// `None` on Windows, where opening the display requires a window.
     opened: Option<(Display, Config)>,
     handle: RawDisplayHandle,
     connection: Box<dyn Any>,
 }
 
-/// A window's context, and its surface.
+/// A window's context and surface.
 #[derive(Debug)]
 pub struct WindowContext {
     context: Context,
     drawing: Rc<Drawing>,
 }
 
-/// The context and surface that are current together. Field order matters.
+/// A context and a surface that are current together. Field order matters.
 #[derive(Debug)]
 struct Drawing {
     surface: Surface<WindowSurface>,
@@ -52,14 +52,14 @@ struct Drawing {
 struct WindowBackend(Rc<Drawing>);
 
 impl WindowDisplay {
-    /// OpenGL of the display that a windowing library is connected to. The connection is kept as long as anything made
-    /// from it: pass a counted reference, such as winit's `OwnedDisplayHandle`.
+    /// Opens OpenGL on the display that a windowing library is connected to. The connection is kept as long as anything
+    /// made from it: pass a counted reference, such as winit's `OwnedDisplayHandle`.
     ///
     /// # Errors
-    /// [`GpuError::NoContext`] with EGL's answer, and for displays of an unsupported kind; the library's error if EGL's
+    /// [`GpuError::NoContext`] with EGL's error, and for displays of an unsupported kind; the library's error if EGL's
     /// library is missing.
     pub fn of(connection: impl HasDisplayHandle + 'static) -> Result<WindowDisplay, GpuError> {
-        // Boxed, so that it is neither moved nor changed from now on.
+        // Boxed, so that the connection is neither moved nor changed from now on.
         let connection = Box::new(connection);
         let handle = connection.display_handle().map_err(refused)?.as_raw();
         native::prepare()?;
@@ -76,7 +76,7 @@ impl WindowDisplay {
         })
     }
 
-    /// The X11 visual that the window must be made with, on X11.
+    /// The X11 visual that the window must use, on X11.
     #[cfg(all(unix, not(target_os = "macos")))]
     pub fn x11_visual(&self) -> Option<u64> {
         use glutin::platform::x11::X11GlConfigExt;
@@ -84,11 +84,12 @@ impl WindowDisplay {
         config.x11_visual().map(|visual| visual.visual_id())
     }
 
-    /// Creates a context of OpenGL 3.3 core on a window of this display, of that size in pixels, and leaves it current.
-    /// The window is kept as long as the context: pass a counted reference, such as `Arc<winit::window::Window>`.
+    /// Creates a context of OpenGL 3.3 core on a window of this display, with the given size in pixels, and leaves it
+    /// current. The window is kept as long as the context: pass a counted reference, such as
+    /// `Arc<winit::window::Window>`.
     ///
     /// # Errors
-    /// [`GpuError::NoContext`] with EGL's answer, and for windows of another kind.
+    /// [`GpuError::NoContext`] with EGL's error, and for windows of another windowing system.
     pub fn context(
         self,
         window: impl HasWindowHandle + 'static,
@@ -100,15 +101,15 @@ impl WindowDisplay {
         let handle = window.window_handle().map_err(refused)?.as_raw();
         let (display, config) = match self.opened {
             Some(opened) => opened,
-            // SAFETY: as when it is opened without a window; the window is also kept along with everything made from
-            // it.
+            // SAFETY: as when the display is opened without a window; the window is also kept along with everything
+            // made from it.
             None => unsafe { open(self.handle, Some(handle)) }.map_err(refused)?,
         };
         let (width, height) = (at_least_one(width), at_least_one(height));
         let surface = SurfaceAttributesBuilder::<WindowSurface>::new().build(handle, width, height);
         // SAFETY: the window's handle is valid as long as the window, which is kept along with the surface and dropped
-        // after it; it is a number that the display server looks up, so a window of another connection only causes an
-        // EGL error.
+        // after it; the handle is a number that the display server looks up, so a window of another connection only
+        // causes an EGL error.
         let surface = unsafe { display.create_window_surface(&config, &surface) };
         let surface = surface.map_err(refused)?;
         let context = new_context(&display, &config, attributes(Api::Gl)).map_err(refused)?;
@@ -151,18 +152,17 @@ unsafe fn open(
 }
 
 impl WindowContext {
-    /// The context, for everything else that draws or computes.
+    /// The context, for all other drawing and computing.
     pub fn context(&self) -> &Context {
         &self.context
     }
 
-    /// The GL functions once more, for a library that needs them in an `Arc`. They are valid while this context is
-    /// current.
+    /// Returns the GL functions in an `Arc`, for libraries that need one. They are valid while this context is current.
     ///
     /// # Errors
     /// [`GpuError::NoFunctions`].
     pub fn functions(&self) -> Result<Arc<glow::Context>, GpuError> {
-        // This call makes the context current.
+        // `gl` makes the context current.
         self.context.gl();
         load(&WindowBackend(self.drawing.clone())).map(Arc::new)
     }
@@ -171,7 +171,7 @@ impl WindowContext {
     pub fn do_not_wait_for_refresh(&self) {
         self.context.gl();
         let drawing = &self.drawing;
-        // If refused, the screen paces the frames, which is slower but not wrong.
+        // If the driver refuses, the screen paces the frames, which is slower but not wrong.
         let _ = drawing
             .surface
             .set_swap_interval(&drawing.context, SwapInterval::DontWait);
@@ -186,25 +186,26 @@ impl WindowContext {
             .resize(&self.drawing.context, width, height);
     }
 
-    /// Directs the following drawing to the window, whatever was drawn into before.
+    /// Directs all further drawing to the window.
     pub fn aim(&self) {
         let gl = self.context.gl();
-        // SAFETY: the context is current, and the window's framebuffer is always there.
+        // SAFETY: the context is current, and the window's framebuffer always exists.
         unsafe { gl.bind_framebuffer(glow::FRAMEBUFFER, None) };
     }
 
-    /// The pixels that the window shows after the next swap: four bytes each, the top row first. Waits for the drawing.
+    /// Reads the pixels that the window shows after the next swap: four bytes each, the top row first. Waits for the
+    /// drawing.
     ///
     /// # Errors
-    /// What GL reports.
+    /// GL errors.
     pub fn read_rgba8(&self, width: u32, height: u32) -> Result<Vec<u8>, GpuError> {
         read_rgba8(&self.context, None, width, height, "a window")
     }
 
-    /// Shows what was drawn on the screen.
+    /// Shows the drawing on the screen.
     ///
     /// # Errors
-    /// [`GpuError::ContextLost`] with EGL's answer.
+    /// [`GpuError::ContextLost`] with EGL's error.
     pub fn swap(&self) -> Result<(), GpuError> {
         self.context.gl();
         self.drawing
@@ -227,7 +228,7 @@ impl Backend for WindowBackend {
     }
 
     fn release(&self) {
-        // After a failure a context stays current, which the next make_current replaces.
+        // If this fails, the context stays current until the next make_current replaces it.
         let _ = self.0.context.make_not_current_in_place();
     }
 

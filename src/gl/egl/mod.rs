@@ -1,5 +1,5 @@
 //! EGL: its library, contexts without a window (on a device chosen by index, or on a display without a device if EGL
-//! lists none), and contexts that others made.
+//! lists none), and contexts made by others.
 
 use std::ffi::{CStr, CString, c_void};
 use std::ptr;
@@ -21,7 +21,7 @@ use plain::{Plain, Platform};
 
 mod plain;
 
-/// A place where a context can be made.
+/// A device or display to make a context on.
 #[derive(Debug)]
 pub(super) enum Place {
     /// A device in EGL's list.
@@ -30,8 +30,8 @@ pub(super) enum Place {
     Platform(Platform),
 }
 
-/// The places where contexts can be made, at least one: the devices that EGL lists, in its order. If it lists none
-/// (ANGLE, older drivers), the displays without a device that can be opened.
+/// Returns the devices and displays on which a context can be made, at least one: the devices that EGL lists, in its
+/// order; if EGL lists none (ANGLE, older drivers), the displays without a device that can be opened.
 ///
 /// # Errors
 /// [`GpuError::NoEglLibrary`], [`GpuError::StrangeEglLibrary`], [`GpuError::NoEglDevice`].
@@ -63,8 +63,7 @@ pub(super) fn places() -> Result<Vec<Place>, GpuError> {
     }
 }
 
-/// Checks that there is a complete library before glutin looks for one, which ends the program if functions are
-/// missing.
+/// Checks that there is a complete library before glutin loads it: glutin ends the program if functions are missing.
 ///
 /// # Errors
 /// [`GpuError::NoEglLibrary`], [`GpuError::StrangeEglLibrary`].
@@ -72,10 +71,10 @@ pub(super) fn prepare() -> Result<(), GpuError> {
     functions().map(|_| ())
 }
 
-/// Makes a context; it is not current yet.
+/// Makes a context, which is not yet current.
 ///
 /// # Errors
-/// [`GpuError::NoContext`] with EGL's answer.
+/// [`GpuError::NoContext`] with EGL's error.
 pub(super) fn open(place: &Place, api: Api) -> Result<Rc<dyn Backend>, GpuError> {
     match place {
         Place::Device(device) => match create(device, api) {
@@ -88,7 +87,7 @@ pub(super) fn open(place: &Place, api: Api) -> Result<Rc<dyn Backend>, GpuError>
 
 /// Creates a context on a device, without a surface.
 fn create(device: &Device, api: Api) -> Result<impl Backend + use<>, glutin::error::Error> {
-    // SAFETY: no native display handle is given that would have to be valid.
+    // SAFETY: the call passes no native display handle that would have to be valid.
     let display = unsafe { Display::with_device(device, None) }?;
     let template = template(api, ConfigSurfaceTypes::empty());
     // SAFETY: the template names no native window or pixmap.
@@ -102,7 +101,7 @@ fn create(device: &Device, api: Api) -> Result<impl Backend + use<>, glutin::err
     })
 }
 
-/// Names under which the library is looked for. Glutin, which opens displays, also takes the first one found.
+/// File names tried for the library. Glutin, which opens displays, also takes the first one found.
 const NAMES: [&str; 2] = ["libEGL.so.1", "libEGL.so"];
 
 /// Functions that a libEGL must have, including those that glutin calls: calling a missing function ends the program.
@@ -132,7 +131,7 @@ const NEEDED: [&CStr; 23] = [
     c"eglTerminate",
 ];
 
-/// The functions, which stay loaded: drivers do not survive being unloaded.
+/// The functions of the library, which stays loaded: drivers do not survive being unloaded.
 struct Functions {
     egl: Egl,
     _library: Library,
@@ -152,7 +151,7 @@ enum Failure {
 
 static FUNCTIONS: OnceLock<Result<Functions, Failure>> = OnceLock::new();
 
-/// The functions, loaded when first requested.
+/// Returns the functions, loaded on first use.
 ///
 /// # Errors
 /// [`GpuError::NoEglLibrary`], [`GpuError::StrangeEglLibrary`].
@@ -166,7 +165,7 @@ fn functions() -> Result<&'static Functions, GpuError> {
     }
 }
 
-/// The functions, if they have been loaded.
+/// Returns the functions if they have been loaded.
 fn loaded() -> Option<&'static Functions> {
     FUNCTIONS.get()?.as_ref().ok()
 }
@@ -185,7 +184,7 @@ fn load() -> Result<Functions, Failure> {
             return Err(Failure::Strange(reason));
         }
     }
-    // SAFETY: the function has this type in every library that has it.
+    // SAFETY: the function has this type in every library that provides it.
     let address: unsafe extern "system" fn(*const i8) -> *const c_void =
         unsafe { std::mem::transmute(symbol(&library, c"eglGetProcAddress")) };
     let egl = Egl::load_with(|name| {
@@ -204,7 +203,7 @@ fn load() -> Result<Functions, Failure> {
     })
 }
 
-/// The address of a symbol of the library, or null if it has none.
+/// The address of a symbol in the library, or null if the library lacks it.
 fn symbol(library: &Library, name: &CStr) -> *const c_void {
     // SAFETY: only the address is taken.
     match unsafe { library.get::<*const c_void>(name.to_bytes_with_nul()) } {
@@ -260,7 +259,8 @@ impl Foreign {
         };
     }
 
-    /// Makes it current again. If its owner has destroyed it in the meantime, EGL refuses and no context is current.
+    /// Makes the context current again. If its owner has destroyed it in the meantime, EGL refuses and no context is
+    /// current.
     pub fn make_current(&self) {
         let egl = &self.functions.egl;
         // SAFETY: EGL checks the handles against its own.

@@ -36,10 +36,10 @@ impl fmt::Display for Platform {
     }
 }
 
-/// EGL's answer to a call that failed.
+/// EGL's error for a failed call.
 struct Refusal(String);
 
-/// An opened display. It stays open: other code in this process may have opened the same one.
+/// An open display. It is never closed: other code in this process may have opened the same one.
 struct Opened {
     functions: &'static Functions,
     display: EGLDisplay,
@@ -52,10 +52,10 @@ impl Platform {
     /// All platforms, in the order in which they are tried.
     pub const ALL: [Platform; 2] = [Platform::Surfaceless, Platform::Default];
 
-    /// Whether it can be opened.
+    /// Checks whether the display can be opened.
     ///
     /// # Errors
-    /// EGL's answer.
+    /// EGL's error.
     pub fn check(self) -> Result<(), String> {
         let functions = functions().map_err(|error| error.to_string())?;
         self.open(functions).map(drop).map_err(|Refusal(why)| why)
@@ -64,7 +64,7 @@ impl Platform {
     fn open(self, functions: &'static Functions) -> Result<Opened, Refusal> {
         let egl = &functions.egl;
         let none = ptr::null_mut();
-        // SAFETY: no native display is given that would have to be valid.
+        // SAFETY: the call passes no native display that would have to be valid.
         let display = unsafe {
             match self {
                 Platform::Surfaceless => {
@@ -83,7 +83,7 @@ impl Platform {
             return Err(refusal(functions, &format!("{self}: eglGetDisplay")));
         }
         let mut version = (0, 0);
-        // SAFETY: the display is EGL's own, and the numbers have room.
+        // SAFETY: the display is EGL's own, and the pointers are valid for the two numbers.
         if unsafe { egl.Initialize(display, &raw mut version.0, &raw mut version.1) } == egl::FALSE
         {
             return Err(refusal(functions, &format!("{self}: eglInitialize")));
@@ -104,15 +104,15 @@ pub(in crate::gl) struct Plain {
     api: egl::types::EGLenum,
     display: EGLDisplay,
     context: EGLContext,
-    /// Null if contexts are current without a surface.
+    /// Null if the contexts need no surface to be current.
     surface: EGLSurface,
 }
 
 impl Plain {
-    /// Makes a context; it is not current yet.
+    /// Makes a context, which is not yet current.
     ///
     /// # Errors
-    /// [`GpuError::NoContext`] with EGL's answer, and the errors of the library.
+    /// [`GpuError::NoContext`] with EGL's error, and the errors of the library.
     pub fn on(platform: Platform, api: Api) -> Result<Plain, GpuError> {
         let functions = functions()?;
         let made = platform.open(functions).and_then(|open| open.context(api));
@@ -144,7 +144,7 @@ impl Opened {
         if !is_surfaceless {
             let size = [egl::WIDTH as EGLint, SIDE, egl::HEIGHT as EGLint, SIDE];
             let attributes = ended(&size);
-            // SAFETY: display and configuration are EGL's own, and the list ends.
+            // SAFETY: display and configuration are EGL's own, and the list has an end marker.
             made.surface =
                 unsafe { egl.CreatePbufferSurface(self.display, config, attributes.as_ptr()) };
             if made.surface.is_null() {
@@ -170,7 +170,7 @@ impl Opened {
             surfaces as EGLint,
         ]);
         let (mut config, mut found) = (ptr::null(), 0);
-        // SAFETY: the display is opened, the list ends, and there is room for one configuration.
+        // SAFETY: the display is open, the list has an end marker, and there is room for one configuration.
         let chosen = unsafe {
             let list = attributes.as_ptr();
             let egl = &self.functions.egl;
@@ -183,7 +183,7 @@ impl Opened {
         }
     }
 
-    /// Creates a context with reset notification if available; otherwise a lost context looks like a slow one.
+    /// Creates a context, with reset notification if available: without it a lost context looks like a slow one.
     fn new_context(&self, api: Api, config: EGLConfig) -> Result<EGLContext, Refusal> {
         let (minor, profile) = match api {
             Api::Gles => (0, &[][..]),
@@ -206,7 +206,7 @@ impl Opened {
         for attributes in told.iter().chain([&plain]) {
             let attributes = ended(attributes);
             let none = egl::NO_CONTEXT;
-            // SAFETY: display and configuration are EGL's own, the list ends, and no context is shared.
+            // SAFETY: display and configuration are EGL's own, the list has an end marker, and no context is shared.
             let context = unsafe {
                 let egl = &self.functions.egl;
                 egl.CreateContext(self.display, config, none, attributes.as_ptr())
@@ -230,7 +230,7 @@ impl Opened {
 impl Backend for Plain {
     fn make_current(&self) -> Result<(), String> {
         let egl = &self.functions.egl;
-        // SAFETY: display, surface and context live.
+        // SAFETY: display, surface and context exist.
         let made = unsafe {
             egl.BindAPI(self.api);
             egl.MakeCurrent(self.display, self.surface, self.surface, self.context)
@@ -248,8 +248,8 @@ impl Backend for Plain {
 
     fn release(&self) {
         let (display, none) = (self.display, egl::NO_SURFACE);
-        // SAFETY: null surfaces and no context mean that none is current. After a failure a context stays current,
-        // which the next call replaces.
+        // SAFETY: null surfaces and no context mean that none is current. If this fails, the context stays current
+        // until the next call replaces it.
         unsafe {
             self.functions
                 .egl

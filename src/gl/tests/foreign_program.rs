@@ -1,4 +1,4 @@
-//! A test program that draws with its own context, which it makes by raw calls of EGL, without this crate.
+//! A test program that draws with its own context, made with raw EGL calls and without this crate.
 
 use crate::gl::SwitchContext;
 use glow::{HasContext, PixelPackData, PixelUnpackData};
@@ -12,14 +12,14 @@ use glutin::prelude::*;
 use std::ffi::{CStr, CString, c_void};
 use std::rc::Rc;
 
-/// EGL by raw calls, as used by a program that does not know echomarch's contexts.
+/// Raw EGL calls, as used by a program that does not know echomarch's contexts.
 pub struct RawEgl {
     egl: &'static glutin::api::egl::Egl,
     display: Display,
     context: PossiblyCurrentContext,
 }
 
-/// The kind of context that a program has made for itself.
+/// The kind of context that a program makes for itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     Core,
@@ -44,12 +44,12 @@ impl Kind {
 }
 
 impl RawEgl {
-    /// Creates a context of the program's own on the first device that allows one; not current.
+    /// Creates a context of the program's own on the first device that allows one; it is not current.
     pub fn new() -> RawEgl {
         RawEgl::of(Kind::Core)
     }
 
-    /// The same for a given kind.
+    /// Like [`new`](RawEgl::new), for a given kind of context.
     pub fn of(kind: Kind) -> RawEgl {
         let (config_api, context_api, profile) = kind.apis();
         let made = Device::query_devices().unwrap().find_map(|device| {
@@ -78,7 +78,7 @@ impl RawEgl {
         made.unwrap()
     }
 
-    /// Makes it current.
+    /// Makes the context current.
     pub fn bind(&self) {
         self.context.make_current_surfaceless().unwrap();
     }
@@ -91,7 +91,7 @@ impl RawEgl {
         unsafe { self.egl.MakeCurrent(display, none, none, none) };
     }
 
-    /// Whether EGL reports it as current.
+    /// Whether EGL reports the context as current.
     pub fn is_current(&self) -> bool {
         self.context.is_current()
     }
@@ -102,13 +102,13 @@ impl RawEgl {
         features.contains(DisplayFeatures::CONTEXT_ROBUSTNESS)
     }
 
-    /// Sets the viewport of the context that is current: x, y, width and height.
+    /// Sets the viewport of the current context: x, y, width and height.
     pub fn set_viewport(&self, [x, y, width, height]: [i32; 4]) {
-        // SAFETY: the functions are those of the library of the context that is current.
+        // SAFETY: the functions are those of the current context's library.
         unsafe { self.gl().viewport(x, y, width, height) };
     }
 
-    /// The viewport of the context that is current.
+    /// The viewport of the current context.
     pub fn viewport(&self) -> [i32; 4] {
         let mut found = [0; 4];
         // SAFETY: as above, and the slice has room for four numbers.
@@ -154,7 +154,7 @@ impl SwitchContext for Switch {
 const SIDE: i32 = 8;
 
 type IsObject = unsafe extern "system" fn(u32) -> u8;
-/// The program, whose context is current once it is made.
+/// The program. Its context is current after construction.
 pub struct ForeignProgram {
     pub egl: Rc<RawEgl>,
     pub(super) gl: glow::Context,
@@ -165,12 +165,12 @@ pub struct ForeignProgram {
 }
 
 impl ForeignProgram {
-    /// Creates a program with a picture, half of which its triangles cover; each draw adds a quarter to the picture.
+    /// Creates a program with a picture, half of which its triangles cover; each draw adds a quarter to the colour.
     pub fn new(kind: Kind) -> ForeignProgram {
         let egl = Rc::new(RawEgl::of(kind));
         egl.bind();
         let gl = egl.gl();
-        // SAFETY: the context is current, and all objects are its own; the same holds in all of this file.
+        // SAFETY: the context is current, and all objects belong to it; the same holds in all of this file.
         unsafe {
             let program = program(&gl, kind);
             let framebuffers = [0, 1].map(|_| framebuffer(&gl));
@@ -201,7 +201,7 @@ impl ForeignProgram {
         unsafe { self.gl.draw_arrays(glow::TRIANGLES, 0, 3) };
     }
 
-    /// The picture, of four bytes a pixel.
+    /// The picture, four bytes per pixel.
     pub fn picture(&self) -> Vec<u8> {
         let mut pixels = vec![0; (4 * SIDE * SIDE) as usize];
         let slice = PixelPackData::Slice(Some(&mut pixels));
@@ -222,7 +222,7 @@ impl ForeignProgram {
         (0..SIDE * SIDE).flat_map(pixel).collect()
     }
 
-    /// Causes an error that the program does not query.
+    /// Causes a GL error that the program does not query.
     pub fn make_an_error(&self) {
         // SAFETY: the program's own context is current while a test calls this, and the names are its own.
         unsafe { self.gl.enable(0xFFFF) };
@@ -280,7 +280,7 @@ impl ForeignProgram {
         unsafe { self.gl.get_parameter_program(glow::CURRENT_PROGRAM) == Some(self.program) }
     }
 
-    /// The texels of a texture of four floats that is not the program's own.
+    /// The texels of a texture of four floats per texel that the program did not make.
     pub fn texels(&self, texture: glow::Texture, width: u32, height: u32) -> Vec<[f32; 4]> {
         let gl = &self.gl;
         let mut bytes = vec![0; 16 * (width * height) as usize];
@@ -304,12 +304,12 @@ impl ForeignProgram {
         let address = self.egl.address(&std::ffi::CString::new(name).unwrap());
         assert!(!address.is_null(), "{name}");
         assert_eq!(size_of::<T>(), size_of_val(&address));
-        // SAFETY: T is the type of the function of this name.
+        // SAFETY: T is the type of the function with this name.
         unsafe { std::mem::transmute_copy(&address) }
     }
 }
 
-/// A program that covers everything with a quarter of red and of blue, and writes the vertices' numbers.
+/// A program that adds a quarter of red and of blue everywhere, and writes the vertices' numbers.
 unsafe fn program(gl: &glow::Context, kind: Kind) -> glow::Program {
     let header = match kind {
         Kind::Es => "#version 300 es\nprecision highp float;\n",

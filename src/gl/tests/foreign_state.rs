@@ -1,10 +1,10 @@
-//! A context state that would spoil any pass, and queries of it.
+//! Context state that would spoil any pass, and queries of that state.
 
 use super::foreign_program::{ForeignProgram, Kind};
 use glow::HasContext;
 use std::fmt::Debug;
 
-/// Maximum numbers of one parameter.
+/// Maximum count of numbers per parameter.
 const MOST_NUMBERS: usize = 16;
 
 // Constants that glow does not define.
@@ -12,7 +12,7 @@ const ALPHA_TEST: u32 = 0x0BC0;
 const POLYGON_STIPPLE: u32 = 0x0B42;
 const CLAMP_FRAGMENT_COLOR: u32 = 0x891B;
 
-/// Texture units that are compared.
+/// Texture units compared.
 const UNITS: [u32; 7] = [0, 1, 2, 3, 4, 7, 31];
 
 /// Parameters of every version, except capabilities.
@@ -253,7 +253,7 @@ impl ForeignProgram {
                 gl.active_texture(glow::TEXTURE0 + unit);
                 gl.bind_texture(glow::TEXTURE_BUFFER, Some(gl.create_texture().unwrap()));
             }
-            // Mesa 22 writes to the numbers that it is given, so they must not be constants.
+            // Mesa 22 writes to its input numbers, so they must not be constants.
             let viewports = [[0.5, 1.5, 7.25, 3.0], [1.0, 1.0, 2.0, 2.0]];
             gl.viewport_f32_slice(0, 2, &std::hint::black_box(viewports));
             gl.scissor_slice(1, 1, &[[4, 3, 2, 1]]);
@@ -269,7 +269,7 @@ impl ForeignProgram {
         }
     }
 
-    /// Resets what the lowest versions lack: a buffer for query results, viewports between pixels.
+    /// Resets state that the lowest versions lack: a buffer for query results, viewports between pixels.
     pub fn spoil_no_newer(&self) {
         // SAFETY: the program's own context is current while a test calls this.
         unsafe {

@@ -12,7 +12,7 @@ use crate::test_common::{context, on_a_thread_for_each_api as on_every_api};
 use foreign_program::RawEgl;
 use glow::HasContext;
 
-/// Draws a constant with the context and reads it back: wrong if the calls went to another context.
+/// Draws a constant with the context and reads it back: the value is wrong if the calls went to another context.
 fn draws(context: &Context, value: f32) {
     let texture = Texture::new(context, 3, 2).unwrap();
     let target = RenderTarget::new(context, &[&texture]).unwrap();
@@ -23,8 +23,8 @@ fn draws(context: &Context, value: f32) {
     assert_eq!(target.read(0).unwrap(), [value; 24]);
 }
 
-/// Protects the description of a context: its renderer has a name, and its limits are those that OpenGL 3.3 and ES 3.0
-/// promise.
+/// Protects the description of a context: its renderer has a name, and its limits are at least those that OpenGL 3.3
+/// and ES 3.0 guarantee.
 #[test]
 fn gpu_context_describes_itself() {
     on_every_api(|api| {
@@ -45,8 +45,8 @@ fn gpu_context_describes_itself() {
     });
 }
 
-/// Protects that calls go to their own context while contexts of all APIs take turns on one thread. The order returns
-/// to the same EGL context straight after OSMesa's, which EGL does not notice by itself.
+/// Protects that calls go to their own context while contexts of all APIs take turns on one thread. After OSMesa's
+/// context the test uses the same EGL context again, a switch that EGL alone does not notice.
 #[test]
 fn gpu_contexts_of_all_apis_interleave_on_one_thread() {
     let contexts = [Api::Gl, Api::OsMesa, Api::Gles, Api::OsMesa].map(context);
@@ -62,7 +62,7 @@ fn gpu_contexts_of_all_apis_interleave_on_one_thread() {
     }
 }
 
-/// Protects objects of a context while another API's context draws in between, and when that one is dropped.
+/// Protects objects of a context while another API's context draws in between, and when that other context is dropped.
 #[test]
 fn gpu_objects_survive_other_contexts() {
     for api in [Api::Gl, Api::Gles] {
@@ -108,7 +108,7 @@ fn gpu_contexts_drop_in_any_order() {
     }
 }
 
-/// Protects from leaking contexts: 200 in a row work, and 20 at once.
+/// Protects from leaking contexts: 200 can be made in a row, and 20 at once.
 #[test]
 fn gpu_contexts_are_freed() {
     on_every_api(|api| {
@@ -123,8 +123,8 @@ fn gpu_contexts_are_freed() {
     });
 }
 
-/// Protects from waiting forever for a context lost in a reset of the graphics card: reset notification is requested if
-/// the driver offers it.
+/// Protects from waiting forever for a context lost in a reset of the graphics card: contexts request reset
+/// notification if the driver offers it.
 #[test]
 fn gpu_contexts_are_told_of_resets_where_the_driver_offers_it() {
     // Constant of KHR_robustness.
@@ -142,7 +142,7 @@ fn gpu_contexts_are_told_of_resets_where_the_driver_offers_it() {
     assert_eq!(is_offered, strategy == LOSE_CONTEXT_ON_RESET);
 }
 
-/// Protects a clone, which keeps the context alive.
+/// Protects the context while a clone of it exists.
 #[test]
 fn gpu_context_lives_as_long_as_its_last_clone() {
     on_every_api(|api| {
@@ -153,7 +153,7 @@ fn gpu_context_lives_as_long_as_its_last_clone() {
     });
 }
 
-/// Protects error reporting: impossible sizes give errors with numbers, not driver failures later on.
+/// Protects error reporting: impossible sizes give errors with numbers, not driver failures later.
 #[test]
 fn gpu_impossible_sizes_are_errors() {
     on_every_api(|api| {
@@ -179,8 +179,8 @@ fn gpu_impossible_sizes_are_errors() {
     });
 }
 
-/// Protects the context from a texture that the limit allows and memory does not: an error, after which the context
-/// still works.
+/// Protects the context when a texture is within the limit but exceeds memory: an error, after which the context still
+/// works.
 #[test]
 fn gpu_out_of_memory_is_an_error() {
     on_every_api(|api| {
@@ -199,7 +199,7 @@ fn gpu_out_of_memory_is_an_error() {
 fn gpu_check_names_the_error() {
     on_every_api(|api| {
         let context = context(api);
-        // SAFETY: the context is current; an unknown capability is refused.
+        // SAFETY: the context is current; GL refuses an unknown capability.
         unsafe { context.gl().enable(0xFFFF) };
         let error = context.check("the test").unwrap_err().to_string();
         assert!(
@@ -210,7 +210,7 @@ fn gpu_check_names_the_error() {
     });
 }
 
-/// Protects the times of passes: each is positive, and software renderers are measured by the wall clock.
+/// Protects the times of passes: each is positive, and software renderers use the wall clock.
 #[test]
 fn gpu_timers_measure() {
     on_every_api(|api| {

@@ -8,7 +8,7 @@ use crate::gl::{
 use crate::test_common::for_each_api;
 use glam::{Vec2, Vec3, Vec4};
 
-/// Runs the test on every API and checks that no error is left at its end.
+/// Runs the test on every API and checks that no GL error remains at its end.
 fn on_every_api(test: fn(&Context)) {
     for_each_api(|context| {
         test(context);
@@ -35,7 +35,7 @@ fn bits(floats: &[f32]) -> Vec<u32> {
     floats.iter().map(|float| float.to_bits()).collect()
 }
 
-/// Protects the bits of floats read back from a texture, from the requested attachment, whole and in part.
+/// Protects the bits of floats read from the requested attachment of a texture, whole and in part.
 #[test]
 fn gpu_textures_keep_every_bit() {
     on_every_api(|context| {
@@ -53,7 +53,7 @@ fn gpu_textures_keep_every_bit() {
     });
 }
 
-/// Protects memory from data or reads of the wrong size, which are errors.
+/// Protects memory: data or reads of the wrong size are errors.
 #[test]
 fn gpu_sizes_that_do_not_fit_are_errors() {
     on_every_api(|context| {
@@ -234,7 +234,7 @@ fn gpu_uniforms_arrive() {
     });
 }
 
-/// Protects compile errors, which state the label and the driver's log, whose lines count from the body's first.
+/// Protects compile errors, which state the label and the driver's log with lines counted from the body's first.
 #[test]
 fn gpu_compile_errors_name_shader_and_line() {
     on_every_api(|context| {
