@@ -1,7 +1,7 @@
 //! Intersects a line with each shape, in the shape's own axes and in `f64`.
 //!
-//! The line starts in the air. By rounding its start may be up to `error_bound` metres within the
-//! solid; it then meets the surface at once if it goes further in, and leaves it otherwise.
+//! The line starts in the air. By rounding its start may be up to `error_bound` metres inside the solid: a line that
+//! goes further in then hits the surface at once, and a line on its way out leaves it.
 
 use super::marched::MarchedField;
 use crate::scene::shape::{Cuboid, Cylinder, Room, Sphere};
@@ -30,12 +30,12 @@ enum Form {
     Field(Arc<MarchedField>),
 }
 
-/// A shape at its place in the world.
+/// A shape, placed in the world.
 #[derive(Clone, Debug)]
 pub(super) struct Placed {
     form: Form,
     position: DVec3,
-    /// Shape axes to world axes, and its inverse; `None` if not turned.
+    /// Shape axes to world axes, and the inverse; `None` if the shape is not turned.
     pub turn: Option<(DMat3, DMat3)>,
 }
 
@@ -46,12 +46,12 @@ pub(super) struct Face {
     pub positive: bool,
 }
 
-/// The point where a line meets a shape.
+/// The intersection of a line with a shape.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Intersection {
     /// Metres along the unit direction, at least 0.
     pub t: f64,
-    /// The face met, for a box or a room.
+    /// The face hit, for a box or a room.
     pub face: Option<Face>,
 }
 
@@ -87,8 +87,7 @@ impl Placed {
         }
     }
 
-    /// The flat pieces of it that have only solid behind them: a point on each and its unit normal into
-    /// the air, in world metres.
+    /// The flat faces with only solid behind them: a point on each and its unit normal into the air, in world metres.
     pub fn walls(&self) -> Vec<(DVec3, DVec3)> {
         let at = |point, normal| (self.world(point) + self.position, self.world(normal));
         match self.form {
@@ -102,15 +101,14 @@ impl Placed {
         }
     }
 
-    /// Marks the faces of a box that lie on a wall, to within `error_bound` metres, or behind it.
-    /// No wave can meet them from the air, but one in the edge between box and wall would seem to:
-    /// on the wall it is on such a face, too.
+    /// Marks the faces of a box that lie behind a wall, or on it to within `error_bound` metres. No wave can hit such a
+    /// face from the air, but a wave that ends in the edge between box and wall would seem to: its point on the wall is
+    /// on the face, too.
     pub fn mark_covered_faces(&mut self, walls: &[(DVec3, DVec3)], error_bound: f64) {
         let Form::Box { half, mut covered } = self.form else {
             return;
         };
-        // A wall that no corner can reach does not cover any face: of thousands of boxes and walls these
-        // are most.
+        // A wall that no corner can reach does not cover any face; most pairs of box and wall are of this kind.
         let reach = half.length() + 2.0 * error_bound;
         let is_near =
             |(point, normal): &&(DVec3, DVec3)| (self.position - *point).dot(*normal) <= reach;
@@ -139,17 +137,17 @@ impl Placed {
         self.form = Form::Box { half, covered };
     }
 
-    /// Whether lines are marched to it rather than solved for.
+    /// Whether its intersections are found by marching, not in closed form.
     pub fn is_marched(&self) -> bool {
         matches!(self.form, Form::Field(_))
     }
 
-    /// Whether only the six faces of a room can be met twice in a row.
+    /// Whether it is a room: only a room's six faces can be hit twice in a row.
     pub fn is_room(&self) -> bool {
         matches!(self.form, Form::Room { .. })
     }
 
-    /// Whether a wave that leaves it cannot meet it next.
+    /// Whether a wave that leaves the shape cannot hit it next.
     pub fn is_convex(&self) -> bool {
         match &self.form {
             Form::Room { .. } => false,
@@ -158,7 +156,7 @@ impl Placed {
         }
     }
 
-    /// Whether it spreads waves, and with them their errors.
+    /// Whether the shape spreads waves, and with them their errors.
     pub fn is_curved(&self) -> bool {
         matches!(
             self.form,
@@ -166,7 +164,7 @@ impl Placed {
         )
     }
 
-    /// The largest coordinate that belongs to it, in metres.
+    /// The largest coordinate of the shape in metres.
     pub fn extent(&self) -> f64 {
         let size = match self.form {
             Form::Plane => 0.0,
@@ -207,8 +205,8 @@ impl Placed {
 
     /// The first intersection of the world line with the shape, from the air.
     ///
-    /// `left` is the face of this shape that the line starts on. A marched shape need not be
-    /// followed beyond `until` metres, because that takes long.
+    /// `left` is the face of this shape on which the line starts. A marched shape may stop beyond `until` metres, to
+    /// save time.
     pub fn intersect(
         &self,
         origin: DVec3,
@@ -231,8 +229,8 @@ impl Placed {
         intersection.filter(|intersection| intersection.t.is_finite())
     }
 
-    /// The world point of an intersection, projected onto the surface, and the unit normal there,
-    /// out of the solid.
+    /// The world point of an intersection, projected onto the surface, and the unit normal there, pointing out of the
+    /// solid.
     pub fn project(
         &self,
         origin: DVec3,
@@ -266,8 +264,8 @@ impl Placed {
     }
 }
 
-/// Bounds of a box that is turned about the origin. (Unlike [`Bounds3::turned`] it stays infinite in an axis to
-/// which even the least turn moves an infinite face.)
+/// Bounds of a box that is turned about the origin. Unlike [`Bounds3::turned`], the result is infinite along every axis
+/// to which the turn moves an infinite face, however small the turn.
 fn turned(own: Bounds3, turn: DMat3) -> Bounds3 {
     let mut all = Bounds3::centred(DVec3::ZERO);
     for column in 0..3 {
@@ -284,7 +282,7 @@ fn turned(own: Bounds3, turn: DMat3) -> Bounds3 {
     all
 }
 
-/// Distance in metres to a sphere about the origin, met from outside.
+/// Distance in metres to a sphere about the origin, hit from outside.
 pub(super) fn intersect_sphere(radius: f64, o: DVec3, d: DVec3) -> Option<f64> {
     let along = o.dot(d);
     if along >= 0.0 {
@@ -294,7 +292,7 @@ pub(super) fn intersect_sphere(radius: f64, o: DVec3, d: DVec3) -> Option<f64> {
     enter_circle(radius, o.length(), beside, along, 1.0)
 }
 
-/// Seen along y the cylinder is a circle; `d` is shorter there.
+/// Seen along y the cylinder is a circle, and the projection of `d` is shorter than 1.
 fn intersect_cylinder(radius: f64, o: DVec3, d: DVec3) -> Option<f64> {
     let (o, d) = (DVec2::new(o.x, o.z), DVec2::new(d.x, d.z));
     let along = o.dot(d);
@@ -306,9 +304,9 @@ fn intersect_cylinder(radius: f64, o: DVec3, d: DVec3) -> Option<f64> {
     enter_circle(radius, o.length(), beside, along, speed)
 }
 
-/// Distance along a line to a circle that it enters: its start is `distance` from the centre, it passes the centre at
-/// `beside`, its direction has the length `speed`, and `along` is the start's position relative to the closest point,
-/// times `speed`.
+/// Distance along a line to the circle that it enters. The line's start is `distance` from the centre, its closest
+/// approach to the centre is `beside`, its direction has the length `speed`, and `along` is the start's position
+/// relative to the closest point, times `speed`.
 fn enter_circle(radius: f64, distance: f64, beside: f64, along: f64, speed: f64) -> Option<f64> {
     let half_chord_squared = (radius - beside) * (radius + beside);
     if half_chord_squared < 0.0 {
@@ -327,9 +325,9 @@ fn intersect_box(
 ) -> Option<Intersection> {
     let (half, o, d) = (half.to_array(), o.to_array(), d.to_array());
     let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
-    // A covered face is off the wall by at most the bound, and so is a line along the wall.
+    // A covered face is off the wall by at most the bound, and so is a line along the wall: together twice the bound.
     let cover_error = 2.0 * error_bound;
-    // Up to this distance the line is below a covered face.
+    // The line is below a covered face up to this distance.
     let mut covered_until = f64::NEG_INFINITY;
     let mut axis = 0;
     for i in 0..3 {
@@ -353,7 +351,7 @@ fn intersect_box(
     if enter > leave || leave <= 0.0 {
         return None;
     }
-    // The start is within the box: by rounding if on its way in, otherwise on its way out.
+    // The start is inside the box: by rounding if the line is on its way in, otherwise on its way out.
     if enter < 0.0 && (-enter > leave || -enter * d[axis].abs() > error_bound) {
         return None;
     }
@@ -374,11 +372,11 @@ fn intersect_room(half: DVec3, o: DVec3, d: DVec3, left: Option<Face>) -> Option
     for axis in 0..3 {
         let positive = d[axis] > 0.0;
         let face = Some(Face { axis, positive });
-        // Only rounding can turn a mirrored wave towards the face that it leaves.
+        // Only rounding can turn a mirrored wave towards the face that it has just left.
         if d[axis] == 0.0 || face == left {
             continue;
         }
-        // 0 in an edge, or beyond a face by rounding: no wave gets out.
+        // 0 in an edge, or if the start is beyond a face by rounding: every wave stays inside.
         let t = ((half[axis].copysign(d[axis]) - o[axis]) / d[axis]).max(0.0);
         if t < nearest {
             (nearest, met) = (t, face);

@@ -1,14 +1,12 @@
-//! Traces waves in closed form: every flight ends exactly on the surface that it meets.
+//! Traces waves in closed form: every flight ends exactly on the surface that it hits.
 //!
 //! Rules for cases that arithmetic cannot decide:
-//! - A wave that has just been mirrored at a convex surface cannot meet that surface
-//!   next and is not tested against it; in a room it is not tested against the face
-//!   that it leaves.
-//! - In an edge of a room, two faces are met one after another, the second one
-//!   after 0 m: two reflections, two iterations.
-//! - The faces of a box that lie on or behind a room's wall or a plane are cut off from the air and
-//!   cannot be met; no wave can get in between the two.
-//! - The listener comes before a surface at the same distance.
+//! - A wave that has just been mirrored at a convex surface cannot hit that surface next and is not tested against it;
+//!   in a room it is not tested against the face that it has just left.
+//! - In an edge of a room, a wave hits two faces in turn, the second after 0 m: two reflections, two iterations.
+//! - The faces of a box that lie on or behind a room's wall or a plane have no air in front of them and cannot be hit;
+//!   no wave can get in between box and wall.
+//! - At the same distance, the listener comes before a surface.
 
 use super::closed_form::{Face, Intersection, Placed, intersect_sphere};
 use super::hierarchy::Hierarchy;
@@ -20,15 +18,15 @@ use rayon::prelude::*;
 /// Rounding of the scene, as a share of its extent: a few hundred units in the last place.
 const ROUNDING: f64 = 1e-13;
 
-/// Margin of the boxes around surfaces, as a share of the scene's extent: a millimetre in a hundred metres. Marches
-/// end, and lines miss, much closer to a surface.
+/// Margin of the boxes around surfaces, as a share of the scene's extent: a millimetre in a hundred metres. Marching
+/// and missing lines are decided at much smaller distances from a surface.
 const SPARE: f64 = 1e-5;
 
-/// Minimum number of waves for which a thread is worth starting.
+/// Minimum number of waves per thread, below which starting the thread does not pay off.
 const WAVES_WORTH_A_THREAD: usize = 4096;
 
-/// A scene to trace waves through exactly, in its current state (paths are not followed:
-/// see [`Scene::at`]).
+/// A scene to trace waves through exactly, in its current state (use [`Scene::at`] to follow moving sources and
+/// listeners).
 ///
 /// ```
 /// use echomarch::{Scene, geometry::ExactScene};
@@ -43,8 +41,7 @@ const WAVES_WORTH_A_THREAD: usize = 4096;
 #[derive(Clone, Debug)]
 pub struct ExactScene {
     pub(super) surfaces: Vec<Placed>,
-    /// The surfaces with a closed form, then those that are marched: the latter need not be followed beyond a hit of
-    /// the former.
+    /// The surfaces with a closed form, then the marched surfaces: a march need not go beyond a hit of the former.
     pub(super) hierarchies: [Hierarchy; 2],
     ear: Ear,
     /// Rounding of the scene in metres.
@@ -65,11 +62,11 @@ struct Ear {
 pub struct Hit {
     /// Length of the flight in metres.
     pub t: f64,
-    /// 0 for the listener, n for the n-th surface from 1.
+    /// 0 for the listener, n for surface n, counted from 1.
     pub object: u32,
     /// World position in metres, on the surface.
     pub point: DVec3,
-    /// Unit vector in world axes, out of the solid into the air.
+    /// Unit vector in world axes, from the solid into the air.
     pub normal: DVec3,
 }
 
@@ -77,23 +74,23 @@ pub struct Hit {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ExactWave {
-    /// 0 = heard, −1 = dead, n = last mirrored at the n-th surface from 1.
+    /// 0 = heard, −1 = dead, n = last mirrored at surface n, counted from 1.
     pub status: i32,
-    /// Number of reflections; for a wave that is heard, its order.
+    /// Number of reflections; for a heard wave, its order.
     pub order: u32,
     /// Number of reflections at spheres and cylinders, which multiply errors.
     pub curved_hits: u32,
-    /// World position in metres of its last hit, else its start.
+    /// World position in metres of its last hit, or its start if it has none.
     pub point: DVec3,
-    /// Unit vector in world axes of its further flight: mirrored at a surface, unchanged at the
-    /// listener and for a dead wave.
+    /// Unit vector in world axes of its further flight: mirrored at a surface, unchanged at the listener and for a dead
+    /// wave.
     pub direction: DVec3,
     /// Unit vector in world axes of its flight to `point`.
     pub incoming_direction: DVec3,
-    /// Metres flown from the start to `point`.
+    /// Length in metres of the path from the start to `point`.
     pub length: f64,
-    /// A hash of the objects met, in order, including the listener (0): two waves with the same
-    /// hash have met the same objects.
+    /// A hash of the objects hit, in order, including the listener (0): two waves with the same hash have hit the same
+    /// objects.
     pub sequence_hash: u64,
 }
 
@@ -102,14 +99,14 @@ pub struct ExactWave {
 pub struct PathVertex {
     /// World position in metres.
     pub point: DVec3,
-    /// 0 for the listener, n for the n-th surface from 1.
+    /// 0 for the listener, n for surface n, counted from 1.
     pub object: u32,
-    /// Unit vector in world axes, out of the solid (or the listener) into the air.
+    /// Unit vector in world axes, from the solid (or the listener) into the air.
     pub normal: DVec3,
 }
 
-/// A hash of the objects that a wave met, in order (0 = listener): two waves with the same hash
-/// have met the same objects.
+/// A hash of the objects that a wave hit, in order (0 = listener): two waves with the same hash have hit the same
+/// objects.
 ///
 /// FNV-1a over whole object numbers instead of bytes.
 pub fn sequence_hash(objects: &[u32]) -> u64 {
@@ -118,10 +115,10 @@ pub fn sequence_hash(objects: &[u32]) -> u64 {
         .fold(FNV_EMPTY, |hash, object| fnv_with(hash, u64::from(*object)))
 }
 
-/// The surface that a wave has just left, by index, and the face if it has faces.
+/// The index of the surface that a wave has just left, and its face, if it has faces.
 pub(super) type Left = Option<(usize, Option<Face>)>;
 
-/// A hit of a surface, with the index of the surface and its face, if it has faces.
+/// A hit of a surface, with the surface's index and face, if it has faces.
 pub(super) type Met = (Hit, (usize, Option<Face>));
 
 impl ExactScene {
@@ -191,7 +188,7 @@ impl ExactScene {
         hierarchies.any(|hierarchy| hierarchy.any_near(point, 0.0, is_in))
     }
 
-    /// [`ExactScene::surface_distance`] if some surface's box is within `reach` metres; else at least `reach`.
+    /// [`ExactScene::surface_distance`] if the box of a surface is within `reach` metres; otherwise at least `reach`.
     pub(crate) fn distance_within(&self, point: DVec3, reach: f64) -> f64 {
         let mut nearest = reach;
         for hierarchy in &self.hierarchies {
@@ -203,10 +200,10 @@ impl ExactScene {
         nearest
     }
 
-    /// The first hit of a wave that starts in the air at `origin` (world metres) and flies along
-    /// `direction` (any length except 0); `None` if it meets no surface and not the listener.
+    /// The first hit of a wave that starts in the air at `origin` (world metres) and flies along `direction` (any
+    /// length except 0); `None` if it hits neither a surface nor the listener.
     ///
-    /// A start within the listener's sphere meets the listener after 0 m.
+    /// A start inside the listener's sphere gives a hit of the listener after 0 m.
     pub fn closest_hit(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
         let direction = direction.try_normalize()?;
         self.next(origin, direction, None).map(|(hit, _)| hit)
@@ -215,8 +212,8 @@ impl ExactScene {
     /// Follows one wave for at most `iterations` flights from `start` (world metres)
     /// along `direction` (any length).
     ///
-    /// A wave without a direction or iterations remains at its start with status −1, and so does
-    /// one that starts in a solid, which carries no sound.
+    /// A wave without a direction or iterations remains at its start with status −1, and so does a wave that starts in
+    /// a solid, which carries no sound.
     pub fn trace(&self, start: DVec3, direction: DVec3, iterations: u32) -> ExactWave {
         self.walk(start, direction, iterations, |_| ())
     }
@@ -235,8 +232,8 @@ impl ExactScene {
         path
     }
 
-    /// [`ExactScene::trace`] for many directions from one start, in their order, on the threads of
-    /// rayon's pool; the result does not depend on their number.
+    /// [`ExactScene::trace`] for many directions from one start, in their order, on the threads of rayon's pool; the
+    /// result does not depend on the number of threads.
     pub fn trace_all(&self, start: DVec3, directions: &[Vec3], iterations: u32) -> Vec<ExactWave> {
         let trace = |direction: &Vec3| self.trace(start, direction.as_dvec3(), iterations);
         let shares = directions.par_iter().with_min_len(WAVES_WORTH_A_THREAD);
@@ -287,8 +284,8 @@ impl ExactScene {
         wave
     }
 
-    /// The next hit, and the surface and face that the wave leaves when it is mirrored there:
-    /// `None` for the listener.
+    /// The next hit, and the surface and face that the wave leaves when it is mirrored there; `None` in place of these
+    /// for the listener.
     fn next(&self, origin: DVec3, direction: DVec3, left: Left) -> Option<(Hit, Left)> {
         let heard = self.ear.intersect(origin, direction);
         let until = heard.unwrap_or(f64::INFINITY);
@@ -300,9 +297,8 @@ impl ExactScene {
         }
     }
 
-    /// The next surface nearer than `until` metres, ignoring the listener, and the surface and face that the
-    /// wave leaves when it is mirrored there. Also returns the number of surfaces, and boxes around them,
-    /// that were evaluated.
+    /// The next surface nearer than `until` metres, ignoring the listener, and the surface and face that the wave
+    /// leaves when it is mirrored there. Also returns the number of surfaces and bounding boxes that were tested.
     pub(super) fn next_surface(
         &self,
         origin: DVec3,
@@ -322,7 +318,7 @@ impl ExactScene {
             let Some(found) = found else {
                 return nearest;
             };
-            // Of two at the same distance, the first in the scene is met.
+            // At equal distances the hit is on the surface that comes first in the scene.
             let is_before = met.is_some_and(|(other, _)| index < other);
             if found.t < nearest || (found.t == nearest && is_before) {
                 met = Some((index, found));
@@ -379,7 +375,7 @@ impl Ear {
 }
 
 impl ExactWave {
-    /// A wave that has not met an object yet.
+    /// A wave that has not hit anything yet.
     fn at(start: DVec3, direction: DVec3) -> ExactWave {
         ExactWave {
             status: -1,
@@ -396,7 +392,7 @@ impl ExactWave {
 
 pub(super) fn mirror(direction: DVec3, normal: DVec3) -> DVec3 {
     let mirrored = direction - normal * (2.0 * direction.dot(normal));
-    // One Newton step to length 1; otherwise errors of the normals would add up.
+    // One Newton step towards length 1; otherwise errors of the normals would add up.
     mirrored * (1.5 - 0.5 * mirrored.length_squared())
 }
 
@@ -407,9 +403,9 @@ pub(crate) struct LastFlight {
     pub origin: DVec3,
     /// Unit vector in world axes.
     pub direction: DVec3,
-    /// Whether it is known to meet no further surface.
+    /// Whether the flight is known to hit no further surface.
     pub is_free: bool,
-    /// Number of surfaces, and boxes around them, that were evaluated before.
+    /// Number of surfaces and bounding boxes tested so far.
     pub asked: u64,
 }
 
@@ -419,10 +415,10 @@ impl ExactScene {
         self.error_bound
     }
 
-    /// Follows one wave from `start` (world metres) along the unit vector `direction`, through
-    /// the listener, for at most `reflections` reflections; `visit` gets every hit in order.
+    /// Follows one wave from `start` (world metres) along the unit vector `direction`, through the listener, for at
+    /// most `reflections` reflections; calls `visit` with every hit in order.
     ///
-    /// The result is the flight after the last hit; `None` if the wave starts in a solid.
+    /// Returns the flight after the last hit; `None` if the wave starts in a solid.
     pub(crate) fn follow(
         &self,
         start: DVec3,
@@ -459,8 +455,8 @@ impl ExactScene {
     /// The first surface nearer than `until` metres on the line from `origin` along the unit
     /// vector `direction`.
     ///
-    /// For a line that starts on a surface, `leaving` is its number from 1, and the unit normal
-    /// there.
+    /// For a line that starts on a surface, `leaving` holds that surface's number, counted from 1, and the unit normal
+    /// at the start.
     pub(crate) fn first_surface(
         &self,
         origin: DVec3,
@@ -480,7 +476,7 @@ impl ExactScene {
     }
 }
 
-/// The face of a room that has this unit normal into the air, in world axes.
+/// The face of a room with this unit normal into the air, in world axes.
 fn wall(room: &Placed, normal: DVec3) -> Face {
     let normal = room.local(normal);
     let size = normal.abs();

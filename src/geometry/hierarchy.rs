@@ -1,42 +1,40 @@
-//! Finds the surfaces that a line may meet or a point may lie in, by a hierarchy of boxes around
-//! them.
+//! Finds the surfaces that a line may hit or a point may lie in, by a hierarchy of bounding boxes.
 //!
 //! A bounding volume hierarchy (Rubin and Whitted, *A 3-dimensional representation for fast rendering of complex
-//! scenes*, 1980), halved at the median. It only selects surfaces: each selected one is evaluated as without a
-//! hierarchy. Boxes are wider than rounding, so that hits are identical, to the bit, to those found by evaluating every
+//! scenes*, 1980), halved at the median. It only selects the surfaces to test; their tests are the same as without a
+//! hierarchy. Boxes are wider than rounding, so hits are identical, to the bit, to those found by testing every
 //! surface.
 
 use crate::scene::Bounds3;
 use glam::DVec3;
 
-/// Maximum number of surfaces that are all evaluated: for fewer the boxes cost more than they save.
+/// Number of surfaces up to which all are tested: for fewer, the boxes cost more than they save.
 const ALL_ASKED: usize = 16;
 
 /// Maximum number of surfaces in a leaf.
 const IN_LEAF: usize = 4;
 
-/// Maximum number of boxes that wait during a descent: one for each time that 2^32 surfaces can be halved,
-/// and one more.
+/// Maximum number of boxes waiting during a descent: one for each time that 2^32 surfaces can be halved, and one more.
 const WAITING: usize = 33;
 
 /// Boxes around surfaces.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Hierarchy {
-    /// Surfaces that are always evaluated, by index: all if they are few, and unbounded ones.
+    /// Surfaces that are always tested, by index: unbounded ones, or all if there are few.
     always: Vec<u32>,
-    /// The other surfaces: those of a leaf are adjacent.
+    /// The other surfaces; those of a leaf are adjacent.
     order: Vec<u32>,
-    /// The first one encloses all; empty if all surfaces are always evaluated.
+    /// The first node encloses all; empty if all surfaces are always tested.
     nodes: Vec<Node>,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Node {
     bounds: Bounds3,
-    /// For a leaf its first position in the order, else the node of the second half. That of the first half comes
-    /// next.
+    /// For a leaf, the position of its first surface in `order`; otherwise the node of the second half. The node of the
+    /// first half follows this node.
     first: u32,
-    /// Number of surfaces of a leaf; else 0.
+    /// Number of surfaces of a leaf; otherwise 0.
     count: u32,
 }
 
@@ -48,8 +46,7 @@ struct Line {
 }
 
 impl Hierarchy {
-    /// Builds the hierarchy of surfaces by index, each with a box that encloses it and its
-    /// rounding.
+    /// Builds the hierarchy of surfaces by index. Each box encloses its surface, with a margin for rounding.
     pub fn new(surfaces: Vec<(u32, Bounds3)>) -> Hierarchy {
         let index = |(index, _): &(u32, Bounds3)| *index;
         let (mut bounded, mut always): (Vec<_>, Vec<_>) = surfaces
@@ -70,7 +67,7 @@ impl Hierarchy {
         made
     }
 
-    /// Adds the node of some surfaces, and all below it.
+    /// Adds the node for `surfaces`, and all nodes below it.
     fn add(&mut self, surfaces: &mut [(u32, Bounds3)]) {
         let boxes = surfaces.iter().map(|(_, bounds)| *bounds);
         let Some(bounds) = boxes.clone().reduce(Bounds3::hull) else {
@@ -100,10 +97,10 @@ impl Hierarchy {
         self.add(second);
     }
 
-    /// Calls `ask` with the index of each surface that the line may meet nearer than `until` metres, and with the
-    /// length to which it is followed; `ask` returns the length from then on. Near boxes come first.
+    /// Calls `ask` with the index of each surface that the line may hit nearer than `until` metres, and with the
+    /// current value of `until`; `ask` returns the value from then on. Near boxes come first.
     ///
-    /// Returns the number of surfaces and boxes that were evaluated.
+    /// Returns the number of surfaces and boxes that were tested.
     pub fn along(
         &self,
         origin: DVec3,
@@ -157,8 +154,8 @@ impl Hierarchy {
         asked
     }
 
-    /// Calls `ask` with the index of each surface whose box is within `by` metres of a point; ends when it returns
-    /// true, and returns whether it did.
+    /// Calls `ask` with the index of each surface whose box is within `by` metres of a point, until `ask` returns true;
+    /// returns whether it did.
     pub fn any_near(&self, place: DVec3, by: f64, mut ask: impl FnMut(usize) -> bool) -> bool {
         if self.always.iter().any(|&index| ask(index as usize)) {
             return true;
@@ -189,7 +186,7 @@ impl Hierarchy {
 }
 
 impl Line {
-    /// Distance along the line to a box, at least 0; ∞ if it misses the box.
+    /// Distance along the line to a box, at least 0; ∞ if the line misses the box.
     fn enters(&self, bounds: &Bounds3) -> f64 {
         let low = (bounds.min - self.origin) * self.inverse;
         let high = (bounds.max - self.origin) * self.inverse;
@@ -201,12 +198,12 @@ impl Line {
     }
 }
 
-/// Whether a box that is entered at this distance may contain something nearer than or at `until`.
+/// Whether a box entered at distance `enters` may contain a point no farther than `until`.
 fn is_before(enters: f64, until: f64) -> bool {
     enters < f64::INFINITY && enters <= until
 }
 
-/// Whether a box is finite along some axis: otherwise it is useless.
+/// Whether a box is finite along some axis; otherwise it is useless.
 fn has_ends(bounds: &Bounds3) -> bool {
     (bounds.min.is_finite_mask() & bounds.max.is_finite_mask()).any()
 }
@@ -236,7 +233,7 @@ mod tests {
     const HALF: f64 = 10.0;
 
     fn place(random: &mut Random) -> Vec3 {
-        // Whole decimetres, so that lines along the axes lie in faces, and surfaces share faces.
+        // Whole decimetres, so that axis-parallel lines lie in faces, and surfaces share faces.
         Vec3::from_array(std::array::from_fn(|_| {
             (10.0 * HALF * random.signed()).round() as f32 * 0.1
         }))
@@ -271,8 +268,7 @@ mod tests {
             .turned(turn)
     }
 
-    /// The given number of surfaces in a room, every tenth one twice, moved by `away` from the world's
-    /// origin.
+    /// A room with `count` surfaces, every tenth of them duplicated, moved by `away` from the world's origin.
     fn scene(random: &mut Random, count: usize, away: Vec3) -> Scene {
         let size = Vec3::splat(2.5 * HALF as f32);
         let mut surfaces = vec![Surface::new(Node::Room(Room { size }))];
@@ -289,7 +285,7 @@ mod tests {
         Scene::new("many", surfaces, source, listener)
     }
 
-    /// The same scene, evaluating every surface.
+    /// The same scene, without a hierarchy: every surface is tested.
     fn asking_all(exact: &ExactScene) -> ExactScene {
         let mut all = exact.clone();
         all.hierarchies = [false, true].map(|is_marched| {
@@ -314,9 +310,9 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(12))]
 
-        /// Protects the hits of waves among many surfaces: each flight of a wave, each obstacle and each point in a solid
-        /// is, bit for bit, the one found by evaluating every surface; also of surfaces that share a face, and along their
-        /// faces.
+        /// Protects the hits of waves among many surfaces: each flight of a wave, each obstacle and each point in a
+        /// solid is, bit for bit, the one found by testing every surface; also for surfaces that share a face, and for
+        /// lines along their faces.
         #[test]
         fn the_hierarchy_changes_no_hit(seed in any::<u32>(), count in 17..160usize, is_far in any::<bool>()) {
             let mut random = Random(seed.into());
@@ -351,7 +347,7 @@ mod tests {
         }
     }
 
-    /// Protects the time that many surfaces take: a line evaluates a small part of them.
+    /// Protects the speed with many surfaces: a line tests a small part of them.
     #[test]
     fn a_line_asks_few_of_many() {
         let mut random = Random(5);

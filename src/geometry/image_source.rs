@@ -1,11 +1,11 @@
 //! Image sources in an empty rectangular room (Allen & Berkley 1979).
 //!
-//! Mirrored repeatedly at its walls, the room fills space with copies of itself, and a wave that is
-//! mirrored at walls becomes one straight line through them. Every wall that the line crosses is
-//! one reflection; each copy contains one image of the listener. Only the part of an image within
-//! its copy counts: the part of a listener within a wall does not hear.
+//! Mirrored repeatedly at its walls, the room fills space with copies of itself, in which a wave that is mirrored at
+//! walls becomes one straight line. Every wall that the line crosses is one reflection, and each copy contains one
+//! image of the listener. Only the part of an image within its copy counts: the part of a listener inside a wall does
+//! not hear.
 //!
-//! Cost: one step for each copy that the line crosses, of order + 1.
+//! Cost: one step for each copy that the line crosses, order + 1 in total.
 
 use crate::scene::shape::Room;
 use crate::scene::{IntoPair, Node, Pair};
@@ -26,7 +26,7 @@ pub struct ShoeboxImages {
 /// The arrival of a wave at the listener.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arrival {
-    /// Reflections before it.
+    /// Number of reflections before it.
     pub order: u32,
     /// Length in metres from the source to the listener's sphere.
     pub length: f64,
@@ -72,7 +72,7 @@ impl ShoeboxImages {
         })
     }
 
-    /// The arrival of the wave that leaves the source along `direction` (world axes, any length)
+    /// The arrival at the listener of the wave that leaves the source along `direction` (world axes, any length),
     /// within `iterations` flights; `None` if it is not heard.
     pub(super) fn arrival(&self, direction: DVec3, iterations: u32) -> Option<Arrival> {
         let u = (self.into_room * direction.try_normalize()?).to_array();
@@ -97,11 +97,11 @@ impl ShoeboxImages {
         None
     }
 
-    /// Number of these waves (world axes) that are heard after 0, 1, 2 … reflections, up to
+    /// Returns how many waves with the given directions (world axes) are heard after 0, 1, 2 … reflections, up to
     /// `iterations` − 1.
     ///
     /// # Errors
-    /// [`TraceError::BadSetting`] for iterations that are not 1 to [`Settings::MAX_ITERATIONS`].
+    /// [`TraceError::BadSetting`] if `iterations` is not in 1 to [`Settings::MAX_ITERATIONS`].
     pub fn hits_by_order(
         &self,
         directions: &[Vec3],
@@ -123,7 +123,7 @@ impl ShoeboxImages {
         Ok(hits)
     }
 
-    /// Distance in metres to the next unfolded wall across `axis`, after `crossed` of them.
+    /// Distance in metres to the next unfolded wall across `axis`, after `crossed` walls.
     fn wall(&self, axis: usize, u: [f64; 3], crossed: u32) -> f64 {
         if u[axis] == 0.0 {
             return f64::INFINITY;
@@ -132,8 +132,8 @@ impl ShoeboxImages {
         (wall - self.source[axis] * u[axis].signum()) / u[axis].abs()
     }
 
-    /// Distance in metres to the listener's image in one copy of the room, which the line enters
-    /// and leaves at these distances.
+    /// Distance in metres to the listener's image in the copy of the room that the line enters and leaves at the given
+    /// distances.
     fn heard_in_copy(
         &self,
         u: [f64; 3],
@@ -144,7 +144,7 @@ impl ShoeboxImages {
         let offset: [f64; 3] =
             std::array::from_fn(|axis| self.image(axis, u, crossed[axis]) - self.source[axis]);
         let closest_at: f64 = (0..3).map(|axis| offset[axis] * u[axis]).sum();
-        // Not |offset|² − closest_at²: that cancels after a long distance.
+        // Not |offset|² − closest_at²: that difference cancels after a long distance.
         let miss_squared: f64 = (0..3)
             .map(|axis| (offset[axis] - closest_at * u[axis]).powi(2))
             .sum();
@@ -200,13 +200,13 @@ mod tests {
         assert_eq!(images.arrival(DVec3::Y, 9), None);
     }
 
-    /// Protects a listener partly within a wall: its part beyond does not hear.
+    /// Protects a listener partly inside a wall: the part inside the wall does not hear.
     #[test]
     fn only_the_part_in_the_room_hears() {
         let images = ShoeboxImages::new(&scene(Vec3::new(5.3, 0.0, 0.0))).expect("a shoebox");
         let inside = images.arrival(DVec3::X, 1).expect("heard");
         assert!((inside.length - 3.8).abs() < 1e-6);
-        // Towards the sphere's rim at x = 5.3, but the wall at x = 5 comes first.
+        // Towards the sphere's rim at x = 5.3; the wall at x = 5 comes first.
         let rim = DVec3::new(4.3, 0.45, 0.0);
         assert_eq!(images.arrival(rim, 8), None);
     }

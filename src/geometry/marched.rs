@@ -1,28 +1,25 @@
-//! Intersects a line with a field, in `f64`: sphere tracing to the limit of precision.
+//! Intersects a line with a field in `f64`, by sphere tracing to the limit of precision.
 //!
-//! A field has no closed form in general, so its reference is a march too, but one that shares no
-//! code with the shader's: plain steps of the value divided by the Lipschitz constant, until the
-//! value is `TOUCH` of the field's extent. A point with a value that small counts as a hit only if
-//! the line enters the solid there; a line that leaves the surface is moved away from it by steps
-//! of at least [`LEAST_STEP`].
+//! In general a field has no closed form, so its reference is a march too, but one without code in common with the
+//! shader's march: plain steps of the value divided by the Lipschitz constant, until the value is at most `TOUCH` of
+//! the field's extent. A point with such a small value counts as a hit only if the line enters the solid there; a line
+//! that leaves the surface moves away from it by steps of at least [`LEAST_STEP`].
 
 use crate::scene::{Bounds3, Shape};
 use glam::DVec3;
 
-/// Value that counts as the surface, as a share of the extent.
+/// Value below which a point counts as on the surface, as a share of the extent.
 const TOUCH: f64 = 1e-12;
 
-/// Least step, as a share of the extent: one that still changes a position whose coordinates are a
-/// thousand extents.
+/// Least step, as a share of the extent: it still changes a position whose coordinates are a thousand extents.
 const LEAST_STEP: f64 = 1e-12;
 
 /// Half the step of difference quotients, as a share of the extent: their error is then below 1e-9,
 /// both from rounding and from curvature.
 const DIFFERENCE: f64 = 1e-6;
 
-/// Distance ahead at which a line is sampled to decide whether it enters the solid, as a share of
-/// the extent: small enough that no crease lies between, and large enough that a slope of 1e-8 is
-/// resolved.
+/// Distance ahead at which a line is sampled to decide whether it enters the solid, as a share of the extent: small
+/// enough to avoid creases, and large enough to resolve a slope of 1e-8.
 const AHEAD: f64 = 1e-8;
 
 /// Maximum number of steps of a march. A line that grazes a surface takes thousands.
@@ -55,27 +52,27 @@ impl MarchedField {
         }
     }
 
-    /// Whether a wave that leaves it cannot meet it next.
+    /// Whether a wave that leaves the field cannot hit it next.
     pub fn is_convex(&self) -> bool {
         self.convex
     }
 
-    /// The largest of its coordinates, in metres.
+    /// The largest coordinate of the field in metres.
     pub fn extent(&self) -> f64 {
         self.extent
     }
 
-    /// Bounds of its solid, in its own axes.
+    /// Bounds of the field's solid, in its own axes.
     pub fn bounds(&self) -> Bounds3 {
         self.bounds
     }
 
-    /// A lower bound of the distance, in metres.
+    /// A lower bound of the distance to the field in metres.
     pub fn distance(&self, p: DVec3) -> f64 {
         self.field.value(p) * self.inverse_lipschitz
     }
 
-    /// Length in metres along the unit vector `d` from `o`, which is in the air or on the surface;
+    /// Length in metres along the unit vector `d` from `o`, which is in the air or on the surface, to the first hit;
     /// `None` without a hit within `until` metres.
     pub fn intersect(&self, o: DVec3, d: DVec3, until: f64) -> Option<f64> {
         let until = until.min(FAR * self.extent);
@@ -104,9 +101,9 @@ impl MarchedField {
         self.distance(p + AHEAD * self.extent * d) < self.distance(p)
     }
 
-    /// The gradient. Values may bend exactly at the surface (that of a quadric has a term F |F|),
-    /// and the error of central differences is then proportional to their step; so those of two
-    /// steps are extrapolated to a step of 0 (Richardson).
+    /// The gradient. Values may have a kink exactly at the surface (that of a quadric has a term F |F|), and the error
+    /// of central differences is then proportional to their step; so the differences of two steps are extrapolated to a
+    /// step of 0 (Richardson).
     fn gradient(&self, p: DVec3) -> DVec3 {
         let step = DIFFERENCE * self.extent;
         2.0 * self.differences(p, 0.5 * step) - self.differences(p, step)
@@ -120,7 +117,7 @@ impl MarchedField {
         DVec3::new(along(DVec3::X), along(DVec3::Y), along(DVec3::Z))
     }
 
-    /// Projects a point near the surface onto it, and returns the unit normal there as well.
+    /// Projects a point near the surface onto it, and also returns the unit normal there.
     pub fn project(&self, p: DVec3, d: DVec3) -> (DVec3, DVec3) {
         let gradient = self.gradient(p);
         let squared = gradient.length_squared();

@@ -1,11 +1,11 @@
 //! Energies of image sources in an empty rectangular room with absorbing walls (Allen & Berkley
 //! 1979, with energies instead of pressures).
 //!
-//! Mirrored repeatedly at its walls, the source becomes a lattice of images, one in each copy of
-//! the room. The straight line from an image to the listener crosses one wall for each reflection
-//! of its path: to copy *m* along an axis it crosses |*m*|, alternately the wall on the image's
-//! side and the other one. An image at *r* metres gives Π (1 − α) / (4π r²). The sum is complete
-//! and not random: the only errors are rounding, and the cells in which lengths are summed.
+//! Mirrored repeatedly at its walls, the source becomes a lattice of images, one in each copy of the room. The straight
+//! line from an image to the listener crosses one wall for each reflection of its path: from copy *m* along an axis it
+//! crosses |*m*| walls, alternately the wall on the image's side and the opposite wall. An image at *r* metres gives Π
+//! (1 − α) / (4π r²). The sum is complete and not random: its only errors are rounding, and the finite length of the
+//! cells.
 
 use crate::bands::{BAND_COUNT, Bands};
 use crate::tracer::TraceError;
@@ -13,17 +13,17 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Number of parts in which the images are summed, independent of the number of cores, so that the
-/// sums are identical everywhere, to the bit.
+/// Number of parts in which the images are summed. It does not depend on the number of cores, so the sums are identical
+/// on every machine, to the bit.
 const PARTS: usize = 16;
 
-/// Maximum number of reflections of a listed image: there are 300,000 up to this order.
+/// Maximum number of reflections of a listed image: 300,000 images have at most this order.
 const MOST_ORDER: u32 = 60;
 
-/// Maximum number of cells of energies: a gibibyte while they are summed.
+/// Maximum number of cells of energies: a gibibyte during the sum.
 const MOST_CELLS: f64 = (1 << 20) as f64;
 
-/// Maximum number of images that are summed: hours on one core.
+/// Maximum number of images in a sum: hours on one core.
 const MOST_IMAGES: f64 = 1e12;
 
 /// A source and a listener in a rectangular room with absorption by wall and band.
@@ -39,21 +39,21 @@ pub struct ShoeboxEnergies {
 /// One image of the source.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImageSource {
-    /// Numbers of reflections at the walls at −x, +x, −y, +y, −z, +z.
+    /// Number of reflections at each wall: −x, +x, −y, +y, −z, +z.
     pub reflections: [u32; 6],
     /// Distance to the listener in metres.
     pub length_m: f64,
     /// Direction of flight at the listener: a unit vector, room axes.
     pub direction: DVec3,
-    /// Energy density at the listener for a source of unit power, times the speed of sound, in
-    /// 1/m². Without air.
+    /// Energy density at the listener for a source of unit power, times the speed of sound, in 1/m². Without absorption
+    /// by air.
     pub energy: Bands,
 }
 
 /// Energies by length of path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EnergiesByLength {
-    /// Beginning of the first cell: length of the direct path in metres, the shortest of all.
+    /// Beginning of the first cell: length in metres of the direct path, the shortest of all.
     pub first_m: f64,
     /// Length of a cell in metres.
     pub cell_m: f64,
@@ -81,9 +81,9 @@ impl Copy {
 }
 
 impl ShoeboxEnergies {
-    /// A room of `size` metres about the origin; source and listener in metres from there;
-    /// absorption 0 … 1 of the walls at −x, +x, −y, +y, −z, +z. `None` if one of the two is not in
-    /// the room, both are at one point, or an absorption is out of range.
+    /// Creates a room of `size` metres about the origin, with source and listener in metres from there and the
+    /// absorption 0 … 1 of the walls at −x, +x, −y, +y, −z, +z. `None` if source or listener is not in the room, both
+    /// are at the same point, or an absorption is out of range.
     pub fn new(
         size: DVec3,
         source: DVec3,
@@ -142,13 +142,14 @@ impl ShoeboxEnergies {
         Ok(images)
     }
 
-    /// The energies of all images within `length_m` metres except those of up to `without_order`
-    /// reflections, in cells of `cell_m` metres. Takes a few nanoseconds an image on each core; 64
+    /// The energies of all images within `length_m` metres except those of up to `without_order` reflections, in cells
+    /// of `cell_m` metres. Takes a few nanoseconds per image on each core; 64 bytes per cell, and 16 times that during
+    /// the sum.
     /// bytes a cell, 16 times that while it runs.
     ///
     /// # Errors
     /// [`TraceError::BadSetting`] for a length that is not finite, cells that are not above 0, more than a million
-    /// cells, and more than 10¹² images.
+    /// cells, or more than 10¹² images.
     #[doc(hidden)]
     pub fn energies_by_length(
         &self,
@@ -179,7 +180,7 @@ impl ShoeboxEnergies {
         }))
     }
 
-    /// The number of cells of `cell_m` metres up to a length, if they can be summed.
+    /// The number of cells of `cell_m` metres up to a length, if the sum is within the limits.
     fn check_sum(&self, cell_m: f64, length_m: f64) -> Result<usize, TraceError> {
         let refused = |what, must: &str, value: f64| {
             Err(TraceError::BadSetting {
@@ -198,7 +199,7 @@ impl ShoeboxEnergies {
         if cells > MOST_CELLS {
             return refused("number of cells", "at most 1048576", cells);
         }
-        // Number of copies along an axis, at least one however short the length is.
+        // Number of copies along an axis, at least one for any length.
         let copies = |axis: usize| 2.0 * length_m.max(0.0) / self.size[axis] + 1.0;
         let images = copies(0) * copies(1) * copies(2) * PI / 6.0;
         if images.is_nan() || images > MOST_IMAGES {
@@ -212,8 +213,8 @@ impl ShoeboxEnergies {
         let source = self.source[axis];
         let mirrored = if number % 2 == 0 { source } else { -source };
         let crossed = number.unsigned_abs() as u32;
-        // Seen from the listener, the wall on the image's side is the first to be crossed, then the
-        // other one, and so on alternately.
+        // Seen from the listener, the wall on the image's side is crossed first, then the opposite wall, and so on
+        // alternately.
         let (own, other) = (crossed.div_ceil(2), crossed / 2);
         let reflections = if number > 0 {
             [other, own]
@@ -232,7 +233,7 @@ impl ShoeboxEnergies {
 
     /// The copies along an axis whose images can lie within `length_m` metres.
     fn copies_within(&self, axis: usize, length_m: f64) -> Vec<Copy> {
-        // An image is at most one and a half copies nearer than the number of its copy.
+        // An image is at most one and a half room lengths nearer than the number of its copy states.
         let reach = (length_m / self.size[axis]).ceil().max(0.0) as i64 + 2;
         let copies = (-reach..=reach).map(|number| self.copy(axis, number));
         copies.filter(|copy| copy.offset.abs() < length_m).collect()
@@ -289,10 +290,10 @@ impl EnergiesByLength {
         }
     }
 
-    /// Adds an image with these squared metres to the listener.
+    /// Adds an image with the given squared distance to the listener, in square metres.
     fn add(&mut self, squared: f64, across: &Bands, along: &Bands) {
         let place = (squared.sqrt() - self.first_m) / self.cell_m;
-        // By rounding, an image as near as the direct one may be before the first cell.
+        // By rounding, an image as near as the direct one may fall before the first cell.
         let Some(cell) = self.energies.get_mut(place.max(0.0) as usize) else {
             return;
         };
@@ -368,7 +369,7 @@ mod tests {
         assert!((upper_x.expect("an image").length_m - expected).abs() < 1e-12);
     }
 
-    /// Protects the number of images: 4 n² + 2 of order n > 0.
+    /// Protects the number of images: 4 n² + 2 for each order n > 0.
     #[test]
     fn images_of_an_order_are_all_there() {
         let images = room(&by_wall()).images(4).unwrap();
@@ -382,8 +383,8 @@ mod tests {
     fn cells_hold_the_images_of_the_list() {
         let room = room(&by_wall());
         let length_m = 14.0;
-        // All within 14 m have fewer than 12 reflections: 14 m cross at most 14/8 + 14/3 + 14/5
-        // walls and one more along each axis.
+        // All images within 14 m have fewer than 12 reflections: 14 m cross at most 14/8 + 14/3 + 14/5 walls and one
+        // more along each axis.
         let near = |image: &ImageSource| image.length_m < length_m;
         let images: Vec<ImageSource> = room.images(12).unwrap().into_iter().filter(near).collect();
         let summed = room.energies_by_length(0.5, length_m, None).unwrap();
@@ -404,14 +405,14 @@ mod tests {
         assert_eq!(late.images, summed.images - 7);
     }
 
-    /// Protects the total, compared with the energy of a diffuse field. With equal walls that
-    /// absorb little, a source of unit power causes 4/A (1/m²; A: absorption area) in addition to
-    /// the direct sound, within a few per cent due to Sabine's assumption of small absorption.
+    /// Protects the total, compared with the energy of a diffuse field. With equal walls that absorb little, a source
+    /// of unit power gives 4/A (1/m²; A: absorption area) in addition to the direct sound, to within the few per cent
+    /// of Sabine's assumption of small absorption.
     #[test]
     fn the_energy_of_a_live_room_is_that_of_sabine() {
         let room = room(&[[0.02; BAND_COUNT]; 6]);
         let (volume, surface) = (8.0 * 3.0 * 5.0, 2.0 * (24.0 + 40.0 + 15.0));
-        // Seven times the time in which the energy falls by e: 0.1 % is beyond.
+        // Seven times the time in which the energy falls by a factor of e: 0.1 % of it comes later.
         let length_m = 7.0 * 4.0 * volume / (0.02 * surface);
         let summed = room.energies_by_length(0.1, length_m, Some(0)).unwrap();
         let energy: f64 = summed.energies.iter().map(|energy| energy[0]).sum();
@@ -433,7 +434,7 @@ mod tests {
         assert!(build(DVec3::Y, f64::NAN).is_none());
     }
 
-    /// Protects memory and time from values with which a sum would be too long.
+    /// Protects memory and time from values for which a sum would be too long.
     #[test]
     fn endless_sums_are_refused() {
         let room = room(&by_wall());

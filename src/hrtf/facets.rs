@@ -1,20 +1,19 @@
 //! Finds the measured directions that surround a direction, and their weights.
 //!
-//! The directions are triangulated once: by the Delaunay triangulation on the sphere, whose facets
-//! are those of the directions' convex hull. It is found in the plane by stereographic projection
-//! from one of the directions (K. Q. Brown, Information Processing Letters 9, 1979): the facets that
-//! do not touch that direction are the triangles of the plane's Delaunay triangulation, and the
-//! others lead from it to the edges of the plane's hull.
+//! The directions are triangulated once, by the Delaunay triangulation on the sphere, whose facets are those of the
+//! directions' convex hull. Stereographic projection from one of the directions reduces this to a triangulation in the
+//! plane (K. Q. Brown, Information Processing Letters 9, 1979): the triangles of the plane's Delaunay triangulation are
+//! the facets that do not touch that direction; the other facets connect it with the edges of the plane's hull.
 //!
 //! # Weights
 //! For a direction d that passes through a facet with corners a, b and c, the weights are those of
 //! w₁ a + w₂ b + w₃ c = d, non-negative and scaled so that they add up to 1 (the vector base of V.
 //! Pulkki, JAES 45, 1997). They are continuous over the whole sphere, and 1 at a measured direction.
 //!
-//! # Where nothing surrounds a direction
-//! If the directions do not surround the head (a ring, a half-space), some directions have no
-//! facet. There the three nearest are used, weighted by the inverse of the angle: not continuous,
-//! but close.
+//! # Directions without a facet
+//! If the measured directions do not surround the head (a ring, a half-space), some directions lie in no facet. For
+//! these the three nearest measured directions are used, weighted by the inverse of the angle: not continuous, but
+//! close.
 
 use glam::{DMat3, DVec3};
 use spade::{DelaunayTriangulation, Point2, Triangulation};
@@ -23,12 +22,12 @@ use spade::{DelaunayTriangulation, Point2, Triangulation};
 /// resolution of any measurement, and far above the rounding of degrees in `f32`.
 const LEAST_ANGLE: f64 = 1e-5;
 
-/// Least distance of a facet's plane from the listener (1 is the directions' distance): closer
-/// facets do not determine directions through them, as the measured ones lie on a great circle.
+/// Least distance of a facet's plane from the listener (1 is the directions' distance). The corners of a closer facet
+/// lie almost on a great circle, so they do not determine the directions through it.
 const LEAST_OFFSET: f64 = 1e-3;
 
-/// Twice the area below which a facet counts as a line: that of a triangle with one side of
-/// [`LEAST_ANGLE`] and one of a tenth of a degree.
+/// Twice the area below which a facet counts as a line: that of a triangle with one side of [`LEAST_ANGLE`] and another
+/// of a tenth of a degree.
 const LEAST_AREA: f64 = LEAST_ANGLE * 1.7e-3;
 
 /// Rounding of the weights of a direction on the edge between two facets.
@@ -52,7 +51,7 @@ pub(crate) struct Facets {
 }
 
 impl Facets {
-    /// Triangulates these unit vectors, which must be distinct ([`distinct`]).
+    /// Triangulates `directions`, which must be distinct ([`distinct`]) unit vectors.
     pub(crate) fn new(directions: Vec<DVec3>) -> Facets {
         let middle = directions.iter().sum::<DVec3>() / directions.len().max(1) as f64;
         let corners = triangulate(&directions);
@@ -61,7 +60,7 @@ impl Facets {
         Facets { directions, facets }
     }
 
-    /// The directions.
+    /// The measured directions.
     pub(crate) fn directions(&self) -> &[DVec3] {
         &self.directions
     }
@@ -87,8 +86,7 @@ impl Facets {
         Some(std::array::from_fn(|at| (facet.corners[at], share[at])))
     }
 
-    /// The three nearest, weighted by the inverse of their angle; a single one if it is the
-    /// direction itself.
+    /// The three nearest measured directions, weighted by the inverse of their angle; only one if it equals `from`.
     fn nearest(&self, from: DVec3) -> [Weight; 3] {
         let mut found = [(0, f64::INFINITY); 3];
         for (index, direction) in self.directions.iter().enumerate() {
@@ -102,14 +100,13 @@ impl Facets {
         if found[0].1 < LEAST_ANGLE {
             return [(found[0].0, 1.0), (found[0].0, 0.0), (found[0].0, 0.0)];
         }
-        // With fewer than three directions, the remaining places have an infinite angle and thus no
-        // weight.
+        // With fewer than three directions, the remaining entries have an infinite angle and thus no weight.
         let sum: f64 = found.iter().map(|(_, angle)| 1.0 / angle).sum();
         found.map(|(index, angle)| (index, 1.0 / (angle * sum)))
     }
 }
 
-/// The indices of distinct directions: of equal ones, the first.
+/// The indices of distinct directions; for equal directions, the first index.
 pub(super) fn distinct(directions: &[DVec3]) -> Vec<usize> {
     let cell = |direction: DVec3| (direction / LEAST_ANGLE).round().as_i64vec3();
     let mut seen = std::collections::HashSet::with_capacity(directions.len());
@@ -132,7 +129,7 @@ fn triangulate(directions: &[DVec3]) -> Vec<[usize; 3]> {
         )
     };
     let points: Vec<Point2<f64>> = others.iter().map(project).collect();
-    // Points are identified by their position: spade keeps one vertex of equal ones.
+    // Points are identified by their position: spade keeps one vertex for equal points.
     let Ok(plane) = DelaunayTriangulation::<Point2<f64>>::bulk_load_stable(points) else {
         return Vec::new();
     };
@@ -185,8 +182,8 @@ mod tests {
         assert_eq!(Facets::new(grid).facets.len(), count);
     }
 
-    /// Protects weights: they are not negative, their sum is 1, their mean is the requested
-    /// direction, and only near corners have weight.
+    /// Protects weights: they are not negative, their sum is 1, their weighted mean is the requested direction, and
+    /// only nearby corners have weight.
     #[test]
     fn weights_point_where_they_should() {
         let facets = Facets::new(grid(15));

@@ -6,19 +6,18 @@
 //! (`HrirSet::read_sofa`, feature `sofa`).
 //!
 //! # Axes
-//! Those of SOFA and AmbiX: x ahead of the listener, y to the left, z up. Directions point to where
-//! sound comes from. [`ListenerAxes::to_listener`](crate::response::ListenerAxes::to_listener) converts a
-//! world vector to them.
+//! The axes of SOFA and AmbiX: x ahead of the listener, y to the left, z up. Directions point to where the sound comes
+//! from. [`ListenerAxes::to_listener`](crate::response::ListenerAxes::to_listener) converts a world vector to these
+//! axes.
 //!
 //! # Method
-//! - The **onset** of each response is found (`onset.rs`) and removed: all responses of a set begin
-//!   at the same sample, and each has a delay. Mixing responses without this would cancel high
-//!   frequencies.
-//! - **Between directions** the responses of the three surrounding ones are mixed (`facets.rs`):
-//!   their samples and their delays, with the same weights.
-//! - **Delays count from the head's centre**: their mean over all directions and both ears is taken
-//!   as the time at which sound would pass there without the head. So silence before the onsets in
-//!   a file does not delay the sound. For a rigid sphere this mean is off by 0.04 radii, 10 µs.
+//! - The **onset** of each response is found (`onset.rs`) and removed: all responses of a set begin at the same sample,
+//!   and each has a separate delay. Mixing responses with different onsets would cancel high frequencies.
+//! - **Between measured directions** the responses of the three surrounding directions are mixed (`facets.rs`): their
+//!   samples and their delays, with the same weights.
+//! - **Delays count from the head's centre**: the mean delay over all directions and both ears is taken as the time at
+//!   which sound would pass the centre without the head. So silence before the onsets in a file does not delay the
+//!   sound. For a rigid sphere this mean is off by 0.04 radii, 10 µs.
 //! - **Levels** are those of the measurements. If they are relative to the sound pressure at the head's
 //!   centre without the head, as is usual, the response to a direct sound at 1 m is the unscaled HRIR of
 //!   its direction.
@@ -41,12 +40,12 @@ pub use sofa::{SofaError, SofaProblem};
 
 pub(crate) use facets::Facets;
 
-/// Silent samples before and after moved responses, in which the ripple of a move by a fraction of
-/// a sample fades.
+/// Silent samples before and after shifted responses. A shift by a fraction of a sample causes a ripple, which fades
+/// within them.
 const MARGIN: usize = 32;
 
-/// Number of directions over which the mean delay is taken: they are even over the sphere,
-/// regardless of the measured ones.
+/// Number of directions over which the mean delay is taken. They are spread evenly over the sphere, whatever the
+/// measured directions are.
 const DELAY_DIRECTIONS: u64 = 256;
 
 /// The measurement of one direction.
@@ -65,8 +64,8 @@ pub struct MeasuredHrir {
 pub struct Hrir {
     /// The samples, at the set's rate.
     pub samples: Vec<f32>,
-    /// Time of the first sample: seconds after the sound would pass the head's centre without the
-    /// head. Mostly negative: silent samples precede the onset.
+    /// Time of the first sample: seconds after the sound would pass the head's centre without the head. Mostly
+    /// negative, since silent samples precede the onset.
     pub delay_s: f64,
 }
 
@@ -103,7 +102,7 @@ pub struct HrirSet {
     rate_hz: u32,
     samples: usize,
     facets: Facets,
-    /// One pair for each direction of `facets`.
+    /// One pair of responses for each direction of `facets`.
     pairs: Vec<HrirPair>,
 }
 
@@ -118,18 +117,18 @@ impl HrirSet {
     /// milliseconds.
     pub const MAX_SAMPLES: usize = 1 << 14;
 
-    /// Maximum number of samples of a set, both ears: 128 MiB. A dense one has 6 million.
+    /// Maximum number of samples of a set, both ears: 128 MiB. A dense set has 6 million.
     pub const MAX_VALUES: u64 = 1 << 25;
 
-    /// Maximum magnitude of a sample: 120 dB above full scale. Files in pascal or in arbitrary units
-    /// are far below; beyond it sums lose small values.
+    /// Maximum magnitude of a sample: 120 dB above full scale. Files in pascal or in arbitrary units are far below;
+    /// with larger samples sums lose small values.
     pub const LOUDEST: f32 = 1e6;
 
     /// Maximum delay of a response in addition to its samples, in seconds: sound travels 34 m in this
     /// time.
     pub const LONGEST_DELAY_S: f64 = 0.1;
 
-    /// A set of these measurements. Of several from one direction the first is used.
+    /// Creates a set of these measurements. If several have the same direction, the first is used.
     ///
     /// # Errors
     /// [`HrirError`]: numbers out of range, responses of different lengths, silence.
@@ -155,7 +154,7 @@ impl HrirSet {
         Ok(set)
     }
 
-    /// Samples a second.
+    /// Samples per second.
     pub fn rate_hz(&self) -> u32 {
         self.rate_hz
     }
@@ -170,8 +169,8 @@ impl HrirSet {
         self.facets.directions()
     }
 
-    /// The same set at another rate. Responses keep their spectrum: samples are scaled by the ratio
-    /// of the rates.
+    /// Converts the set to another sampling rate. Responses keep their spectrum: samples are scaled by the ratio of the
+    /// rates.
     ///
     /// # Errors
     /// [`HrirError::BadRate`], [`HrirError::Resample`].
@@ -208,16 +207,14 @@ impl HrirSet {
         })
     }
 
-    /// The responses to sound from a direction: listener axes, any length; straight ahead if it has
-    /// none.
+    /// The responses to sound from a direction in listener axes, of any length; a zero vector counts as straight ahead.
     pub fn pair(&self, from: DVec3) -> HrirPair {
         let mut pair = HrirPair::default();
         self.pair_into(from, &mut pair);
         pair
     }
 
-    /// Like [`pair`](Self::pair), into an existing pair: it does not allocate if the pair was filled
-    /// by this set before.
+    /// Like [`pair`](Self::pair), into an existing pair; does not allocate if this set has filled the pair before.
     pub fn pair_into(&self, from: DVec3, pair: &mut HrirPair) {
         let from = from.try_normalize().unwrap_or(DVec3::X);
         let around = self.facets.around(from);
@@ -255,7 +252,7 @@ impl HrirSet {
     }
 }
 
-/// Without the samples.
+/// Omits the samples.
 impl std::fmt::Debug for HrirSet {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("HrirSet")
@@ -312,17 +309,17 @@ pub enum HrirError {
         /// Total number of samples.
         values: u64,
     },
-    /// A response whose length differs from that of the first.
+    /// A response whose length differs from that of the first response.
     #[error("measurement {index} has {samples} samples where the first has {expected}")]
     UnevenLength {
         /// Index of the measurement, from 0.
         index: usize,
         /// Its number of samples.
         samples: usize,
-        /// Number of samples of the first one.
+        /// Number of samples of the first measurement.
         expected: usize,
     },
-    /// A direction that is not a finite vector, or has no length.
+    /// A direction that is not a finite vector, or has length zero.
     #[error("measurement {index} comes from {from:?}, which is not a direction")]
     BadDirection {
         /// Index of the measurement, from 0.

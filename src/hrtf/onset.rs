@@ -1,9 +1,9 @@
 //! Finds the onset of head-related impulse responses, and moves them to a common onset.
 //!
-//! The onset is the delay at which a response is most like its own minimum-phase version (J. Nam,
-//! J. S. Abel and J. O. Smith, *A Method for Estimating Interaural Time Difference for Binaural
-//! Synthesis*, AES 125, 2008): the maximum of their cross-correlation, interpolated between
-//! samples. Unlike a threshold it does not jump from one peak to another in the head's shadow.
+//! The onset is the delay at which a response is most similar to its own minimum-phase version (J. Nam, J. S. Abel and
+//! J. O. Smith, *A Method for Estimating Interaural Time Difference for Binaural Synthesis*, AES 125, 2008): the
+//! maximum of their cross-correlation, interpolated between samples. Unlike an onset found by a threshold, it does not
+//! jump from one peak to another in the head's shadow.
 
 use super::{Hrir, HrirPair, MARGIN, MeasuredHrir};
 use rayon::prelude::*;
@@ -20,8 +20,7 @@ const FLOOR: f64 = 1e-5;
 /// around.
 const PADDING: usize = 4;
 
-/// Number of points per sample at which the cross-correlation is evaluated; between them it is
-/// interpolated by a parabola.
+/// Number of points per sample at which the cross-correlation is evaluated; a parabola interpolates between the points.
 const OVERSAMPLING: usize = 8;
 
 type Forward = Arc<dyn RealToComplex<f64>>;
@@ -48,7 +47,7 @@ impl OnsetFinder {
         }
     }
 
-    /// The onset in samples, which may be slightly before the first; `None` for silence.
+    /// The onset in samples, which may be slightly before the first sample; `None` for silence.
     fn find(&self, samples: &[f32]) -> Option<f64> {
         let spectrum = transform(
             &self.forward,
@@ -66,15 +65,15 @@ impl OnsetFinder {
         for ((cross, a), b) in cross.iter_mut().zip(&spectrum).zip(&minimum_phase) {
             *cross = a * b.conj();
         }
-        // The highest frequency is in the middle of the longer spectrum, where it must be halved.
+        // The bin of the highest frequency is in the middle of the longer spectrum, and must be halved there.
         cross[self.length / 2] *= 0.5;
         let mut correlation = self.fine.make_output_vec();
         transform_back(&self.fine, &mut cross, &mut correlation);
         Some(peak(&correlation) / OVERSAMPLING as f64)
     }
 
-    /// The minimum-phase spectrum with these magnitudes: its cepstrum is 0 before time 0 (A. V.
-    /// Oppenheim and R. W. Schafer, *Discrete-Time Signal Processing*, chapter 13).
+    /// The minimum-phase spectrum with the magnitudes of `spectrum`: its cepstrum is 0 before time 0 (A. V. Oppenheim
+    /// and R. W. Schafer, *Discrete-Time Signal Processing*, chapter 13).
     fn minimum_phase(&self, spectrum: &[Complex<f64>], floor: f64) -> Vec<Complex<f64>> {
         let log = |value: &Complex<f64>| Complex::new(value.norm().max(floor).ln(), 0.0);
         let mut logarithm: Vec<Complex<f64>> = spectrum.iter().map(log).collect();
@@ -98,8 +97,8 @@ impl OnsetFinder {
     }
 }
 
-/// Moves responses by any number of samples, whole or not: exactly, for frequencies below half the
-/// sampling rate.
+/// Shifts responses by any number of samples, integer or fractional: exactly, for frequencies below half the sampling
+/// rate.
 struct Mover {
     samples: usize,
     length: usize,
@@ -108,9 +107,9 @@ struct Mover {
 }
 
 impl Mover {
-    /// A mover to responses of `samples` samples.
+    /// Creates a mover for responses of `samples` samples.
     fn new(samples: usize) -> Mover {
-        // Double length: the ends of a move by a fraction of a sample fade as 1/t, and wrap around.
+        // Double length: after a shift by a fraction of a sample the ends fade as 1/t, and wrap around.
         let length = (2 * samples).next_power_of_two();
         let mut planner = RealFftPlanner::new();
         Mover {
@@ -121,7 +120,7 @@ impl Mover {
         }
     }
 
-    /// The response, moved later by `by` samples.
+    /// The response, delayed by `by` samples.
     fn later(&self, response: &[f32], by: f64) -> Vec<f32> {
         let response = response.iter().map(|sample| f64::from(*sample));
         let mut spectrum = transform(&self.forward, response);
@@ -137,7 +136,7 @@ impl Mover {
     }
 }
 
-/// The spectrum of samples, with silence after them.
+/// The spectrum of the samples, padded with zeros.
 fn transform(plan: &Forward, samples: impl Iterator<Item = f64>) -> Vec<Complex<f64>> {
     let mut padded = plan.make_input_vec();
     for (padded, sample) in padded.iter_mut().zip(samples) {
@@ -158,8 +157,8 @@ fn transform_back(plan: &Inverse, spectrum: &mut [Complex<f64>], out: &mut [f64]
     debug_assert!(done.is_ok(), "the spectrum is that of a real signal");
 }
 
-/// Position of a periodic function's maximum, interpolated between samples by a parabola; the
-/// second half of the period counts as before 0.
+/// Position of a periodic function's maximum, interpolated between samples by a parabola. Positions in the second half
+/// of the period count as negative.
 fn peak(values: &[f64]) -> f64 {
     let count = values.len();
     let greatest = (0..count).max_by(|a, b| values[*a].total_cmp(&values[*b]));
@@ -190,11 +189,11 @@ pub(super) struct Aligned {
     pub(super) onset_s: f64,
 }
 
-/// Removes the onsets: all responses begin at the same sample afterwards, and no sample of a
-/// measurement is lost. `None` if all are silent.
+/// Removes the onsets: afterwards all responses begin at the same sample, and every sample of a measurement is kept.
+/// `None` if all responses are silent.
 pub(super) fn aligned(measured: &[&MeasuredHrir], samples: usize, rate_hz: u32) -> Option<Aligned> {
     let finder = OnsetFinder::new(samples);
-    // An onset is within the response: a result beyond its ends is due to rounding.
+    // An onset lies within the response: a result beyond its ends is due to rounding.
     let onset = |ear: &Vec<f32>| Some(finder.find(ear)?.clamp(0.0, samples as f64));
     let found: Vec<[Option<f64>; 2]> = measured
         .par_iter()
@@ -202,7 +201,7 @@ pub(super) fn aligned(measured: &[&MeasuredHrir], samples: usize, rate_hz: u32) 
         .collect();
     let known = || found.iter().flatten().flatten().copied();
     let (earliest, latest) = (known().reduce(f64::min)?, known().reduce(f64::max)?);
-    // Silence has no onset; the mean of the others does not disturb the delays next to it.
+    // Silence has no onset; the mean of the other onsets does not disturb the delays of neighbouring directions.
     let middle = known().sum::<f64>() / known().count() as f64;
     let mover = Mover::new(samples + (latest - earliest).ceil() as usize + 2 * MARGIN);
     let (rate, place) = (f64::from(rate_hz), MARGIN as f64 + latest);
@@ -226,7 +225,7 @@ pub(super) fn aligned(measured: &[&MeasuredHrir], samples: usize, rate_hz: u32) 
 mod tests {
     use super::*;
 
-    /// A minimum-phase response, `delay` samples late: two poles and a zero.
+    /// A minimum-phase response with two poles and a zero, `delay` samples late.
     fn late(delay: usize) -> Vec<f32> {
         let mut samples = vec![0.0_f32; 256];
         samples[delay] = 1.0;
@@ -239,8 +238,8 @@ mod tests {
         samples
     }
 
-    /// Protects the onset: that of a delayed minimum-phase response is its delay, also between
-    /// samples and at any level.
+    /// Protects the onset: the onset of a delayed minimum-phase response is its delay, also between samples and at any
+    /// level.
     #[test]
     fn the_onset_is_the_delay() {
         let finder = OnsetFinder::new(256);
@@ -259,7 +258,7 @@ mod tests {
         assert_eq!(finder.find(&[0.0; 256]), None);
     }
 
-    /// Protects moves: moving back restores the response, and moves by whole samples are exact.
+    /// Protects shifts: shifting back restores the response, and shifts by whole samples are exact.
     #[test]
     fn a_move_can_be_undone() {
         let mover = Mover::new(400);

@@ -11,15 +11,14 @@ use std::f64::consts::TAU;
 pub(crate) const RADIUS_M: f64 = 0.0875;
 pub(crate) const SPEED: f64 = 343.0;
 
-/// Samples of a response, its rate in hertz, and samples before sound would pass the centre.
+/// Samples of a response, its rate in hertz, and samples before the time at which sound would pass the centre.
 pub(crate) const SAMPLES: usize = 256;
 pub(crate) const RATE_HZ: u32 = 48_000;
 pub(crate) const BEFORE: f64 = 64.0;
 
-/// Sound pressure on a rigid sphere relative to that at its centre without it, for a plane wave
-/// whose direction is at an angle with this cosine from the point on the surface (R. O. Duda and W.
-/// L. Martens, JASA 104, 1998, equation 4 for a source infinitely far away): `ka` is the wave
-/// number × radius. Time dependence is exp(+iωt).
+/// Sound pressure on a rigid sphere relative to the pressure at its centre without the sphere, for a plane wave whose
+/// direction is at an angle with this cosine from the point on the surface (R. O. Duda and W. L. Martens, JASA 104,
+/// 1998, equation 4 for a source infinitely far away): `ka` is the wave number × radius. Time dependence is exp(+iωt).
 fn pressure(ka: f64, cosine: f64) -> Complex<f64> {
     if ka == 0.0 {
         return Complex::new(1.0, 0.0);
@@ -38,7 +37,7 @@ fn pressure(ka: f64, cosine: f64) -> Complex<f64> {
         let derivative = before - here * ((order + 1.0) / ka);
         let term = turn * ((2.0 * order + 1.0) * legendre) / derivative;
         sum += term;
-        // Legendre polynomials may be 0: the bound without them ends the series.
+        // Legendre polynomials may be 0: the bound without them decides when the series ends.
         if (2.0 * order + 1.0) / derivative.norm() < 1e-9 && order > ka {
             return (sum / (ka * ka)).conj();
         }
@@ -126,7 +125,7 @@ fn the_sphere_is_that_of_the_literature() {
     assert!((pressure(40.0, 1.0).norm() - 2.0).abs() < 0.02);
     // The bright spot behind is louder than the shadow around it.
     assert!(pressure(10.0, -1.0).norm() > 1.3 * pressure(10.0, -0.8).norm());
-    // Low frequencies: 3/2 times as far as in free air (Kuhn 1977).
+    // Low frequencies: the path is 3/2 times as long as in free air (Kuhn 1977).
     let phase = pressure(0.05, 1.0).arg();
     assert!((phase / 0.05 - 1.5).abs() < 0.01, "{phase}");
 }
@@ -182,8 +181,8 @@ fn error(set: &HrirSet, band_hz: std::ops::Range<f64>) -> f64 {
     f64::sqrt(off / all)
 }
 
-/// Protects the interpolation, with the figures in `docs/acoustics.md`: compared with an exact
-/// head, over directions between measured ones.
+/// Protects the interpolation and its figures in `docs/acoustics.md`: compared with an exact head, at directions
+/// between measured ones.
 #[test]
 fn interpolated_responses_are_near_the_truth() {
     for (step, limits) in [(10, [0.009, 0.03, 0.06]), (15, [0.02, 0.06, 0.11])] {
@@ -193,7 +192,7 @@ fn interpolated_responses_are_near_the_truth() {
             let found = error(&set, band.clone());
             assert!(found < limit, "{step}° {band:?}: {found}");
         }
-        // Time 0 is when sound passes the head's centre.
+        // Time 0 is the time at which sound passes the head's centre.
         assert!(offset_s(&set).abs() < 15e-6, "{}", offset_s(&set));
     }
 }
@@ -210,7 +209,7 @@ fn measured_directions_are_exact() {
                 let turn = TAU * bin as f64 * f64::from(RATE_HZ) / SAMPLES as f64 * offset;
                 let exact = exact[bin] * fade(bin, exact.len());
                 let off = (found * Complex::from_polar(1.0, turn) - exact).norm();
-                // The offset is measured at one frequency: 0.1 µs are 1 % at 16 kHz.
+                // The offset is measured at one frequency: 0.1 µs corresponds to 1 % at 16 kHz.
                 assert!(off < 0.02, "{from} {ear} {bin}: {off}");
             }
         }

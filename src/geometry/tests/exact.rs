@@ -63,7 +63,7 @@ fn lines_intersect_shapes_where_they_should() {
     }
 }
 
-/// Protects against hits behind the start and beside the shape.
+/// Protects against hits behind the start or beside the shape.
 #[test]
 fn lines_pass_shapes_that_are_behind_or_beside() {
     let shapes = [
@@ -96,8 +96,8 @@ fn lines_pass_shapes_that_are_behind_or_beside() {
     assert_eq!(along_the_axis, None);
 }
 
-/// Protects waves that are slightly within a solid by rounding: they are mirrored on their way in
-/// and not stopped on their way out.
+/// Protects waves that are slightly inside a solid by rounding: they are mirrored on their way in and not stopped on
+/// their way out.
 #[test]
 fn a_start_just_inside_a_box_counts_as_its_surface() {
     let size = Vec3::splat(2.0);
@@ -152,7 +152,7 @@ fn floor() -> Surface {
     Surface::new(Node::Plane(Plane)).at(Vec3::NEG_Y)
 }
 
-/// Protects the statuses and the values that belong to each of them.
+/// Protects the statuses and the values that go with each status.
 #[test]
 fn a_wave_is_heard_or_dies_or_goes_on() {
     let exact = scene(vec![floor()]);
@@ -173,7 +173,7 @@ fn a_wave_is_heard_or_dies_or_goes_on() {
     assert_eq!(exact.arrival_side(&bounced), None);
 }
 
-/// Protects waves that never fly: without direction or iterations, in a solid, in the listener.
+/// Protects waves without a flight: without direction or iterations, in a solid, in the listener.
 #[test]
 fn waves_without_a_flight_stay_at_the_start() {
     let exact = scene(vec![floor()]);
@@ -202,8 +202,8 @@ fn curved_reflections_are_counted() {
     assert_eq!(objects, [1, 2]);
 }
 
-/// Protects waves that the listener does not stop: they meet walls in order, without end, and a
-/// wave that starts in a solid meets none.
+/// Protects waves that the listener does not stop: they hit walls in order, without end, and a wave that starts in a
+/// solid hits none.
 #[test]
 fn waves_fly_through_the_listener() {
     let room = Surface::new(Room {
@@ -224,8 +224,8 @@ fn waves_fly_through_the_listener() {
     assert!(inside.is_none());
 }
 
-/// Protects obstacles: they are found up to the given distance and not beyond it, and the wall
-/// that is left is not one.
+/// Protects obstacles: they are found up to the given distance and not beyond it, and the wall on which the line starts
+/// is not an obstacle.
 #[test]
 fn the_first_surface_is_nearer_than_asked() {
     let room = Surface::new(Room {
@@ -241,7 +241,7 @@ fn the_first_surface_is_nearer_than_asked() {
     let wall = Some((1, DVec3::NEG_X));
     assert_eq!(first(wall, 3.9), None);
     assert_eq!(first(wall, 4.1), Some((1, 4.0)));
-    // Along the wall that it starts on, only the next one is met.
+    // Along the wall on which it starts, a line hits only the next wall.
     let along = exact.first_surface(DVec3::X * 2.0, DVec3::Y, wall, 9.0);
     assert_eq!(along.map(|hit| hit.t), Some(2.0));
 }

@@ -1,15 +1,13 @@
 //! The thesis' algorithm on the CPU, in `f32`.
 //!
-//! The same steps as figures 8 and 9 in the same precision, written independently of the shaders:
-//! it tests whether a shader computes what it should, not whether the algorithm is right (it is
-//! not: see [`super::ExactScene`]).
+//! The same steps as figures 8 and 9 in the same precision, written independently of the shaders: tests with it show
+//! whether a shader follows the algorithm, not whether the algorithm is right (it is not: see [`super::ExactScene`]).
 //!
-//! Two programs in `f32` can diverge where a decision is close: a distance just below the minimum
-//! distance here and just above it there. Each wave therefore has a
-//! [`margin`](MarchedWave::margin), the closest that any of its decisions came to the other
-//! outcome.
+//! Two programs in `f32` can diverge where a decision is close: a distance just below the minimum distance in one is
+//! just above it in the other. Each wave therefore has a [`margin`](MarchedWave::margin): the smallest distance of any
+//! of its decisions from the opposite outcome.
 //!
-//! Trees have the scene's own value, rounded.
+//! For trees, it uses the scene's own value, rounded.
 
 use crate::scene::shape::{Cuboid, Cylinder, Room, Sphere};
 use crate::scene::{Nearest, Node, Scene, Shape, Surface};
@@ -26,14 +24,14 @@ pub struct MarchedWave {
     pub position: Vec3,
     /// Direction of flight.
     pub direction: Vec3,
-    /// −1 dead, 0 at the listener, n at the n-th surface.
+    /// −1 dead, 0 at the listener, n at surface n.
     pub status: f32,
     /// Number of marches that ended at distance 0.
     pub zero_length_passes: u32,
     /// Number of marches that reached the step limit.
     pub step_limit_reached: u32,
-    /// The least difference, in metres, between two numbers whose order decided something: a
-    /// distance and the minimum distance, or the distances to two objects at the point of a hit.
+    /// The least difference, in metres, between two numbers whose comparison decided something: a distance and the
+    /// minimum distance, or the distances to two objects at the point of a hit.
     pub margin: f32,
 }
 
@@ -51,12 +49,12 @@ pub fn start_direction(wave: u32, seed: u32) -> Vec3 {
 struct March<'a> {
     scene: &'a Scene,
     options: ThesisOptions,
-    /// Maximum distance in one iteration, in metres.
+    /// Maximum length of one iteration in metres.
     max_distance: f32,
 }
 
-/// Follows waves that leave the scene's source in `directions` (unit vectors). `None` if the
-/// settings are for another algorithm.
+/// Follows waves that leave the scene's source along `directions` (unit vectors). `None` if the settings select another
+/// algorithm.
 pub fn march(scene: &Scene, settings: &Settings, directions: &[Vec3]) -> Option<Vec<MarchedWave>> {
     let Algorithm::Thesis(options) = settings.algorithm else {
         return None;
@@ -139,14 +137,13 @@ impl March<'_> {
 
 /// Result of one march.
 struct Flight {
-    /// Its length and the object met, if any.
+    /// The length of the march and the object hit, if any.
     hit: Option<(f32, u32)>,
     gave_up: bool,
     margin: f32,
 }
 
-/// Difference between the two least distances at a point: how clearly the point belongs to its
-/// object.
+/// Difference between the two smallest distances at a point: a measure of how clearly the point belongs to its object.
 fn tie_margin(scene: &Scene, point: Vec3) -> f32 {
     let mut distances: Vec<f32> = {
         let surfaces = scene.surfaces.iter();
@@ -157,14 +154,14 @@ fn tie_margin(scene: &Scene, point: Vec3) -> f32 {
     distances[1] - distances[0]
 }
 
-/// A dead wave is at the origin, without a direction.
+/// Moves a dead wave to the origin, without a direction.
 fn die(wave: &mut MarchedWave) {
     wave.position = Vec3::ZERO;
     wave.direction = Vec3::ZERO;
     wave.status = STATUS_DEAD;
 }
 
-/// The normal by differences; `None` if all of them are 0.
+/// The normal by central differences; `None` if all differences are 0.
 fn difference_normal(scene: &Scene, point: Vec3, step: f32) -> Option<Vec3> {
     let slope = |axis: Vec3| {
         let ahead = distance(scene, point + axis * step).distance;

@@ -1,5 +1,4 @@
-//! Compares the exact references with each other, with the distance functions, and with planted
-//! answers.
+//! Compares the exact references with each other, with the distance functions, and with constructed hits.
 
 mod exact;
 pub(crate) mod march32;
@@ -28,7 +27,7 @@ fn start(scene: &Scene) -> DVec3 {
     scene.sources[0].position.as_dvec3()
 }
 
-/// A listener too far away to be met.
+/// A listener too far away to be hit.
 fn listener_outside() -> Listener {
     Listener::at(Vec3::splat(3e6), 0.5)
 }
@@ -91,8 +90,7 @@ fn shoeboxes() -> Vec<(&'static str, Scene)> {
     ]
 }
 
-/// Protects the two references against each other's mistakes: they share no code and must agree on
-/// every single wave.
+/// Protects the two references against each other's mistakes: they share no code and must agree on every wave.
 #[test]
 fn closed_form_and_image_sources_agree_wave_for_wave() {
     const ITERATIONS: u32 = 24;
@@ -131,14 +129,14 @@ fn corner_hits_agree_with_an_independent_count() {
         let waves = exact.trace_all(start(&scene), &directions, iterations);
         let heard = waves.iter().filter(|wave| wave.status == 0).count() as f64;
         println!("corner, {iterations} iterations: {heard} of 1048576 heard");
-        // Both counts are random: ours is of 16 times the waves.
+        // Both counts are random: ours uses 16 times as many waves.
         let deviation = f64::sqrt(of_65536 * (1.0 + 1.0 / 16.0));
         assert!((heard / 16.0 - of_65536).abs() < 4.0 * deviation, "{heard}");
     }
 }
 
-/// Protects against hits that are not on a surface, and against surfaces passed through, by
-/// comparison with the `f32` distance functions.
+/// Protects, by comparison with the `f32` distance functions, against hits that are not on a surface, and against waves
+/// that pass through a surface.
 #[test]
 fn hits_lie_on_the_nearest_zero_of_the_distance_function() {
     let scene = furnished();
@@ -217,8 +215,8 @@ fn waves_stay_mirrored_and_shut_in() {
     }
 }
 
-/// Protects lengths and walls in a room without curved surfaces: after 200 flights the unfolded
-/// straight line still ends where the wave does.
+/// Protects lengths and walls in a room without curved surfaces: after 200 flights the unfolded straight line still
+/// ends at the wave's position.
 #[test]
 fn two_hundred_reflections_keep_their_place() {
     let size = Vec3::new(12.0, 6.0, 16.0);
@@ -244,8 +242,8 @@ fn folded(straight: DVec3, half: DVec3) -> DVec3 {
     half * (1.0 - (turns - 2.0).abs())
 }
 
-/// Protects edges and corners, and waves almost along a wall, in turned rooms too: no wave gets
-/// out, skips a wall or becomes NaN.
+/// Protects edges and corners, and waves almost along a wall, in turned rooms too: no wave escapes, skips a wall or
+/// becomes NaN.
 #[test]
 fn corners_and_edges_do_not_leak() {
     let size = Vec3::new(12.0, 6.0, 16.0);
@@ -278,8 +276,7 @@ fn corners_and_edges_do_not_leak() {
     }
 }
 
-/// Protects places where a solid is flush with the room, as in `corner`, and lines along the
-/// surfaces that coincide there.
+/// Protects solids that are flush with the room, as in `corner`, and lines along their coinciding surfaces.
 #[test]
 fn flush_surfaces_do_not_leak() {
     let scene = Scene::builtin("corner").unwrap();
@@ -292,7 +289,7 @@ fn flush_surfaces_do_not_leak() {
             14.0 * random.unit(),
         );
         let height = [10.0, -10.0, 10.0 * random.signed()][(random.unit() * 3.0) as usize];
-        // The edge between the block and the wall, and the block's own.
+        // The edge between the block and the wall, and an edge of the block itself.
         let edge = DVec3::new([15.0, 0.0][(random.unit() * 2.0) as usize], height, 0.0);
         let spread = [0.0, 1e-16, 1e-15, 1e-14, 1e-12][(random.unit() * 5.0) as usize];
         let direction = (edge - origin).normalize() + random.direction() * spread;
@@ -302,7 +299,7 @@ fn flush_surfaces_do_not_leak() {
         }
         let met = exact.trace(origin, direction, 3);
         if edge.x == 15.0 && met.status != 0 {
-            // Wall and block both mirror it, whichever comes first.
+            // Wall and block both mirror the wave, whichever comes first.
             let back = if height.abs() == 10.0 { 3 } else { 2 };
             let back = exact.trace(origin, direction, back).direction;
             assert!(
@@ -338,8 +335,7 @@ fn threads_do_not_change_a_wave() {
     assert_eq!(exact.trace_all(DVec3::ZERO, &[], 12), vec![]);
 }
 
-/// The same shape under an operator, which makes the reference march to it; a plane and a room are
-/// unchanged.
+/// The same shape under an operator, for which the reference must march; planes and rooms are unchanged.
 fn as_field(shape: &Shape) -> Shape {
     match shape.node {
         Node::Cuboid(_) | Node::Sphere(_) | Node::Cylinder(_) => Shape::union([shape.clone()]),
@@ -347,9 +343,8 @@ fn as_field(shape: &Shape) -> Shape {
     }
 }
 
-/// Protects marched references: a shape is met at the same points whether it is solved for or
-/// marched to, and wherever it is in the scene. So no march ends before its hit, and none passes a
-/// nearer surface.
+/// Protects marched references: a shape is hit at the same points in closed form and by marching, wherever it is in the
+/// scene. So no march ends before its hit, and none passes a nearer surface.
 #[test]
 fn marched_shapes_are_met_as_those_in_closed_form() {
     const FLIGHTS: u32 = 3;
@@ -373,8 +368,7 @@ fn marched_shapes_are_met_as_those_in_closed_form() {
             assert_eq!(expected.len(), found.len(), "{direction}");
             for (a, b) in expected.iter().zip(&found) {
                 assert_eq!(a.object, name(b.object), "{direction}");
-                // A march is accurate to about 1e-11 m; a curved mirror increases that a
-                // hundredfold.
+                // A march is accurate to about 1e-11 m; a curved mirror increases the error a hundredfold.
                 assert!(
                     a.point.distance(b.point) < 1e-6,
                     "{direction}: {a:?}, {b:?}"
@@ -384,8 +378,8 @@ fn marched_shapes_are_met_as_those_in_closed_form() {
     }
 }
 
-/// Protects the normals of marched references, which determine the further flight of waves: those
-/// of an ellipsoid, whose value bends exactly at its surface, compared with its equation.
+/// Protects the normals of marched references, which determine the further flight of waves: those of an ellipsoid,
+/// whose value has a kink exactly at its surface, compared with the normals from its equation.
 #[test]
 fn normals_of_marched_shapes_are_those_of_their_equation() {
     let radii = DVec3::new(10.0, 6.0, 4.0);
@@ -408,8 +402,8 @@ fn normals_of_marched_shapes_are_those_of_their_equation() {
     }
 }
 
-/// A planted hit, known because the line was constructed from it: the scene, the line's start and
-/// direction, and the expected hit.
+/// A planted hit, known because the line was constructed from it: the scene, the line's start and direction, and the
+/// expected hit.
 fn plant(random: &mut Random) -> (Scene, DVec3, DVec3, Hit) {
     let size = [random.scale(), random.scale(), random.scale()].map(|size| size as f32);
     let radius = size[0];

@@ -5,7 +5,7 @@
 //! `ListenerView` and `ListenerUp`. The ear whose `ReceiverPosition` is farther to the left is the left one.
 //! If a file contains several distances, the farthest is used in each direction.
 //!
-//! # Files of strangers
+//! # Untrusted files
 //! At most [`LARGEST_FILE`] bytes are read, and each variable only after its shape and the sizes of its
 //! chunks have been checked. The HDF5 reader is safe Rust. If it panics at a damaged file, the panic is
 //! caught and reported as damage.
@@ -23,8 +23,8 @@ mod variables;
 
 pub use variables::{SofaError, SofaProblem};
 
-/// Maximum size of a SOFA file in bytes: [`HrirSet::MAX_VALUES`](super::HrirSet::MAX_VALUES) numbers of 64 bits, and
-/// the same again for everything else.
+/// Maximum size of a SOFA file in bytes: [`HrirSet::MAX_VALUES`](super::HrirSet::MAX_VALUES) 64-bit numbers, and the
+/// same again for everything else.
 const LARGEST_FILE: u64 = 2 * 8 * super::HrirSet::MAX_VALUES;
 
 /// The supported convention.
@@ -90,8 +90,7 @@ fn measurements(bytes: Vec<u8>) -> Result<(u32, Vec<MeasuredHrir>), SofaProblem>
         ears: [ear(index, left), ear(index, right)],
         delays_s: [delays[index][left], delays[index][right]],
     };
-    // Of several from one direction the first is used: the farthest, which is closest to a plane
-    // wave.
+    // If several have the same direction, the first is used: the farthest, which is closest to a plane wave.
     let mut order: Vec<usize> = (0..count).collect();
     order.sort_by(|a, b| metres[*b].total_cmp(&metres[*a]));
     Ok((rate_hz, order.into_iter().map(measured).collect()))
@@ -154,7 +153,7 @@ fn bad_value(variable: &'static str, reason: String) -> SofaProblem {
     SofaProblem::BadValue { variable, reason }
 }
 
-/// Least sine of the angle between view and up: with a smaller one they do not define axes.
+/// Least sine of the angle between view and up: at a smaller sine they do not define axes.
 const LEAST_SINE: f64 = 1e-3;
 
 /// The direction of each source, and its distance in metres.
@@ -186,7 +185,7 @@ fn receivers(file: &Variables) -> Result<[usize; 2], SofaProblem> {
     if !file.has(NAME) {
         return Ok(FIRST_IS_LEFT);
     }
-    // Two receivers with three coordinates, for one or all measurements: the first is used.
+    // Two receivers with three coordinates, for one or all measurements: the first measurement's are used.
     let shape = file.shape(NAME)?;
     let per_receiver = match shape[..] {
         [2, 3] => 1,
@@ -204,8 +203,7 @@ fn receivers(file: &Variables) -> Result<[usize; 2], SofaProblem> {
         kind.cartesian(std::array::from_fn(|axis| coordinate(receiver, axis)))
             .y
     };
-    // The convention has the left ear first. A file that does not state the positions of the ears
-    // follows it.
+    // In the convention the left ear is first. Files without positions of the ears follow it.
     let is_swapped = y(0) < 0.0 && y(1) > 0.0;
     Ok(if is_swapped { [1, 0] } else { FIRST_IS_LEFT })
 }

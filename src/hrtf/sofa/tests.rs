@@ -26,8 +26,8 @@ fn peak(hrir: &Hrir) -> (f32, f64) {
     (*sample, index as f64 + hrir.delay_s * 48_000.0)
 }
 
-/// Protects directions, ears, levels and the differences of delays: sound from the left is 24 samples
-/// earlier in the left ear.
+/// Protects directions, ears, levels and differences of delays: sound from the left arrives 24 samples earlier at the
+/// left ear.
 #[test]
 fn measured_directions_have_their_responses() {
     let set = read(&SofaFile::simple()).expect("a good file");
@@ -42,7 +42,7 @@ fn measured_directions_have_their_responses() {
         let pair = set.pair(from);
         for (hrir, place) in [(&pair.left, left), (&pair.right, right)] {
             let (level, at) = peak(hrir);
-            // The mean over all directions is 24, from which `at` counts.
+            // The mean delay over all directions is 24 samples; `at` counts from it.
             assert!((at - (place - 24.0)).abs() < 0.3, "{from}: {at} {place}");
             // A position is rounded to whole samples, but its level is not.
             assert!((f64::from(level) - (1.0 - place / 64.0)).abs() < 0.5 / 64.0);
@@ -67,8 +67,7 @@ fn delays_move_the_responses() {
     assert!(itd(file.without("Data.Delay")).abs() < 1e-6);
 }
 
-/// Protects cartesian positions, listeners that look in another direction, are turned or moved, and
-/// receivers in the other order.
+/// Protects cartesian positions, listeners that are turned or moved, and receivers in the other order.
 #[test]
 fn geometry_is_that_of_the_file() {
     let file = SofaFile::simple();
@@ -236,7 +235,7 @@ fn damaged_and_huge_files_are_refused() {
     let told = |bytes: &[u8]| from_bytes(bytes.to_vec()).expect_err("no SOFA file");
     assert!(matches!(told(b"RIFF nothing"), SofaProblem::NotHdf5 { .. }));
     assert!(matches!(told(b""), SofaProblem::NotHdf5 { .. }));
-    // An HDF5 file declares its sizes before its numbers: 16 TiB of zeros in a few bytes.
+    // An HDF5 file declares its sizes before its numbers: these few bytes declare 16 TiB of zeros.
     let mut huge = hdf5_pure::FileBuilder::new();
     for (name, value) in &SofaFile::simple().globals {
         huge.set_attr(name, hdf5_pure::AttrValue::AsciiString((*value).into()));

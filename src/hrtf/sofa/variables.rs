@@ -34,10 +34,10 @@ pub enum SofaProblem {
         /// The HDF5 reader's error.
         reason: String,
     },
-    /// A part of the file cannot be read: it is truncated or inconsistent.
+    /// A part of the file cannot be read, because it is truncated or inconsistent.
     #[error("{what} cannot be read ({reason}): get the file again")]
     Damaged {
-        /// The variable or the part.
+        /// The variable or the part of the file.
         what: String,
         /// The HDF5 reader's error.
         reason: String,
@@ -47,7 +47,7 @@ pub enum SofaProblem {
         "{what} is stored in a form of HDF5 that is not supported ({reason}): rewrite the file with h5repack"
     )]
     NotRead {
-        /// The variable or the part.
+        /// The variable or the part of the file.
         what: String,
         /// The unsupported form.
         reason: String,
@@ -57,7 +57,7 @@ pub enum SofaProblem {
     WrongConvention {
         /// The attribute's name.
         attribute: &'static str,
-        /// Its value in the file, quoted, or that it is missing.
+        /// Its value in the file, quoted, or a statement that it is missing.
         found: String,
         /// The supported value.
         expected: &'static str,
@@ -94,10 +94,10 @@ pub enum SofaProblem {
     },
 }
 
-/// Maximum number of characters shown of a file's text or of the reader's message.
+/// Maximum number of characters shown from a file's text or from the reader's message.
 const SHOWN: usize = 120;
 
-/// Maximum size of a number in bytes: `f64`. Wider values are not numbers that can be read.
+/// Maximum size of a number in bytes: that of `f64`. Wider values cannot be read as numbers.
 const WIDEST: u64 = 8;
 
 /// An open file.
@@ -140,7 +140,7 @@ impl Variables {
         })
     }
 
-    /// The text of a variable's attribute; `None` if there is none.
+    /// The text of a variable's attribute; `None` if it is missing.
     pub(super) fn attribute(
         &self,
         variable: &'static str,
@@ -167,7 +167,7 @@ impl Variables {
         shape.map_err(|error| damaged(variable, &error))
     }
 
-    /// All numbers of a variable that has `count` of them.
+    /// All numbers of a variable that must have `count` numbers.
     pub(super) fn samples(
         &self,
         variable: &'static str,
@@ -182,7 +182,7 @@ impl Variables {
         Ok(samples)
     }
 
-    /// All numbers of a variable with at most `most`.
+    /// All numbers of a variable that has at most `most` numbers.
     pub(super) fn numbers(
         &self,
         variable: &'static str,
@@ -205,8 +205,7 @@ impl Variables {
         Ok(numbers)
     }
 
-    /// The numbers of a variable with one row for all `count` measurements, or one for each; and
-    /// the number of columns.
+    /// The numbers of a variable with one row for all `count` measurements or one row each, and the number of columns.
     pub(super) fn rows(
         &self,
         variable: &'static str,
@@ -231,8 +230,8 @@ impl Variables {
         }
     }
 
-    /// Rejects values that are not numbers, and chunks of a variable that are larger than a set may
-    /// be or than the file: the reader allocates the memory that they declare.
+    /// Rejects values that are not numbers, and chunks larger than a set's maximum or than the file: the reader
+    /// allocates as much memory as a chunk declares.
     fn check_storage(&self, dataset: &Dataset, variable: &'static str) -> Result<(), SofaProblem> {
         let failed = |error: hdf5_pure::Error| damaged(variable, &error);
         let width = dataset.element_size().map_err(failed)?;
@@ -300,12 +299,12 @@ fn damaged(what: &str, error: &Error) -> SofaProblem {
     }
 }
 
-/// The unsupported form of HDF5, if that is why the reader fails.
+/// The unsupported form of HDF5, if it is the reason why the reader fails.
 fn way_not_read(error: &Error) -> Option<String> {
-    /// The newest supported version of the data layout message; HDF5 2.0 writes 5 for compressed
-    /// chunks if it may write files for itself only.
+    /// The newest supported version of the data layout message. HDF5 2.0 writes version 5 for compressed chunks if the
+    /// file need not be readable by older versions.
     const NEWEST_LAYOUT: u8 = 4;
-    /// Part of the reader's message for chunks listed in such a tree: two or more unlimited dimensions.
+    /// Part of the reader's message for chunks indexed by such a tree, which two or more unlimited dimensions cause.
     const TREE_OF_PIECES: &str = "version 2 B-tree";
     let Error::Format(error) = error else {
         return None;
@@ -329,7 +328,7 @@ fn way_not_read(error: &Error) -> Option<String> {
     }
 }
 
-/// A text without the padding that some writers add.
+/// The text without the padding that some writers add.
 fn trimmed(text: &str) -> &str {
     text.trim_end_matches('\0').trim()
 }
