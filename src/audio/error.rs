@@ -9,15 +9,15 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum AudioError {
-    /// The sound file is missing or must not be read.
+    /// The sound file is missing, or reading it is not allowed.
     #[error("cannot open the sound file {}: {source}", path.display())]
     OpenWav {
         /// The requested file.
         path: PathBuf,
-        /// The operating system's error, or the reason why the file is not read.
+        /// The operating system's error, or the reason why the file is rejected.
         source: InputError,
     },
-    /// The file's header is not that of a WAV file.
+    /// The file does not have the header of a WAV file.
     #[error("{} is not a WAV file ({source}): convert it to WAV first", path.display())]
     NotWav {
         /// The file that was read.
@@ -36,10 +36,10 @@ pub enum AudioError {
     UnsupportedWav {
         /// The file that was read.
         path: PathBuf,
-        /// Description of what the file holds.
+        /// Description of the file's format.
         found: String,
     },
-    /// A WAV file that is cut short, or whose samples cannot be decoded.
+    /// A WAV file that is truncated, or whose samples cannot be decoded.
     #[error("{} ends early, at sample {sample} ({source}): write the file again", path.display())]
     DamagedWav {
         /// The file that was read.
@@ -67,7 +67,7 @@ pub enum AudioError {
         /// The first such sample, counted over all channels from 0.
         sample: u64,
     },
-    /// More sound than may be read into memory.
+    /// A sound too long to be read into memory.
     #[error(
         "{} holds {frames} samples in {channels} channels at {rate_hz} Hz, which are {needed} \
          at {to_hz} Hz: at most {limit} are read, 11 minutes at 48000 Hz, so cut it",
@@ -82,14 +82,14 @@ pub enum AudioError {
         channels: u16,
         /// The file's sample rate, in hertz.
         rate_hz: u32,
-        /// Samples that would have to be kept.
+        /// Number of samples that the sound would need in memory.
         needed: u64,
         /// The requested sample rate, in hertz.
         to_hz: u32,
-        /// Maximum number of samples kept.
+        /// Maximum number of samples in memory.
         limit: u64,
     },
-    /// A float WAV file that is to be resampled holds a sample far beyond full scale.
+    /// A float WAV file to be resampled contains a sample far beyond full scale.
     #[error(
         "{} holds a sample of {value:e}, sample {sample} over all channels: at most {limit:e} \
          either way can be resampled, and 1 is full scale, so export the file anew",
@@ -102,7 +102,7 @@ pub enum AudioError {
         sample: u64,
         /// The sample's value.
         value: f32,
-        /// The largest magnitude accepted.
+        /// The largest accepted magnitude.
         limit: f32,
     },
     /// The WAV file could not be converted to the requested sample rate.
@@ -156,15 +156,15 @@ pub enum AudioError {
         /// The requested frame rate, in frames per second.
         fps: f64,
     },
-    /// More sound than a WAV file can hold.
+    /// A sound too long for a WAV file.
     #[error("{} would pass {limit_s} s, the longest a WAV file can be: write a shorter one", path.display())]
     WavTooLong {
-        /// The file that was to be written.
+        /// The file to be written.
         path: PathBuf,
-        /// The longest sound that fits, in whole seconds.
+        /// The longest possible sound in whole seconds.
         limit_s: u64,
     },
-    /// A number of channels that WAV files are not written with.
+    /// A number of channels that is not supported in WAV files.
     #[error("a WAV file of {channels} channels cannot be written: choose 1 to {limit}")]
     BadChannels {
         /// The requested number.
@@ -172,17 +172,17 @@ pub enum AudioError {
         /// The maximum.
         limit: u16,
     },
-    /// Interleaved samples that end within a frame.
+    /// Interleaved samples that end with an incomplete frame.
     #[error("{}: {samples} samples are not a whole number of frames of {channels} channels", path.display())]
     CutFrame {
-        /// The file that was to be written.
+        /// The file to be written.
         path: PathBuf,
         /// Number of given samples.
         samples: usize,
         /// Channels of the file.
         channels: u16,
     },
-    /// Slices for one channel and for two whose lengths do not match.
+    /// Slices for one and for two channels whose lengths do not match.
     #[error(
         "{stereo} samples of two channels for {mono} samples of one: there must be twice as many"
     )]
@@ -203,7 +203,7 @@ pub enum AudioError {
     /// The WAV file could not be written.
     #[error("cannot write the WAV file {}: {source}", path.display())]
     WriteWav {
-        /// The file that was to be written.
+        /// The file to be written.
         path: PathBuf,
         /// The operating system's error.
         source: io::Error,
@@ -211,8 +211,7 @@ pub enum AudioError {
 }
 
 impl AudioError {
-    /// Whether the caller's input is at fault (a name, a number, a given file), rather than this
-    /// program or the disk that it writes to.
+    /// Whether the caller's input is at fault (a name, a number, a given file), rather than this program or the disk.
     pub fn is_bad_input(&self) -> bool {
         match self {
             Self::WriteWav { source, .. } => crate::file_output::is_bad_place(source),

@@ -1,28 +1,25 @@
-//! Audio output: a mono sound and one pan per video frame make two channels.
+//! Audio output: turns a mono sound and one pan per video frame into two channels.
 //!
-//! This is the third part of the thesis (P. Sjöberg, 2011, section 3.2.4). It needs neither a
-//! graphics card nor a sound card: a [`Sound`] fills a mono slice, a [`Mixer`] turns it into an
-//! interleaved stereo slice (left, right, left, right, …), and a player or a [`WavWriter`] takes it
-//! from there.
+//! This is the third part of the thesis (P. Sjöberg, 2011, section 3.2.4). It needs neither a graphics card nor a sound
+//! card: a [`Sound`] fills a mono slice, a [`Mixer`] turns that slice into an interleaved stereo slice (left, right,
+//! left, right, …), and a player or a [`WavWriter`] outputs it.
 //!
 //! # Theory
-//! The tracer returns one *pan* for each video frame, −1 for all left and +1 for all right. A
-//! [`PanningLaw`] turns it into two amplitude [`Gains`], and every sample of the frame is
-//! multiplied by both. With the linear law the two gains always sum to one: this is the thesis'
-//! "equal level". With the constant-power law their squares sum to one, which keeps the loudness
-//! even for a listener whose ears receive the channels incoherently.
+//! The tracer returns one *pan* for each video frame, −1 for all left and +1 for all right. A [`PanningLaw`] turns the
+//! pan into two amplitude [`Gains`], one for each channel, which multiply every sample of the frame. With the linear
+//! law the two gains always sum to one: this is the thesis' "equal level". With the constant-power law their squares
+//! sum to one, which keeps the loudness constant for a listener whose ears receive the channels incoherently.
 //!
-//! # Where this departs from the thesis
-//! The thesis applies a new pan at once, which steps the gains at each frame border and clicks.
-//! Here the gains *glide*: they run linearly from the last frame's to this frame's over the block,
-//! so that the output is continuous and a pan is fully reached on the last sample of its frame. In
-//! return a pan arrives up to one frame late. The constant-power law is an addition; the thesis has
-//! only the linear law.
+//! # Differences from the thesis
+//! The thesis applies a new pan at once, so the gains step at each frame border and click. Here the gains *glide*: they
+//! run linearly from the last frame's gains to this frame's gains over the block, so that the output is continuous and
+//! a pan is reached on the last sample of its frame. In return a pan takes effect up to one frame late. The
+//! constant-power law is an addition; the thesis has only the linear law.
 //!
 //! # Cost
-//! [`Sound::fill`] and [`Mixer`] do not allocate and take constant time per sample, so an audio
-//! thread may call them. A WAV clip is read, mixed to mono and resampled once, when it is loaded,
-//! and is held in memory as a whole (4 bytes per sample).
+//! [`Sound::fill`] and [`Mixer`] do not allocate and take constant time per sample, so an audio thread may call them. A
+//! WAV clip is mixed to mono and resampled once, when it is loaded, and is held in memory as a whole (4 bytes per
+//! sample).
 //!
 //! ```
 //! use echomarch::audio::{FrameBlocks, Mixer, PanningLaw, Sound};

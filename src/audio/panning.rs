@@ -1,4 +1,4 @@
-//! Panning: from a pan to two gains, from mono samples and gains to stereo, and from video frames to samples.
+//! Panning laws (from a pan to two gains), the stereo mixer, and the division of samples among video frames.
 
 use std::f32::consts::FRAC_PI_4;
 use std::fmt;
@@ -25,17 +25,16 @@ impl Gains {
     };
 }
 
-/// The law that distributes a pan to two channels.
+/// A law that turns a pan into the gains of two channels.
 ///
 /// | law | all left (−1) | centre (0) | all right (+1) | constant |
 /// | --- | --- | --- | --- | --- |
 /// | linear | 0 dB, silent | −6.02 dB each | silent, 0 dB | sum of the gains, 1 |
 /// | constant power | 0 dB, silent | −3.01 dB each | silent, 0 dB | sum of their squares, 1 |
 ///
-/// Sounds from two loudspeakers add up in a room by their power, not by their amplitude: with the
-/// linear law a source in front is 3 dB quieter than one at the side, with constant power it is
-/// equally loud. So constant power is the default, except for the thesis' own profile
-/// ([`for_profile`](Self::for_profile)).
+/// Sounds from two loudspeakers add up in a room by their power, not by their amplitude: with the linear law a source
+/// in front is 3 dB quieter than one at the side, with constant power both are equally loud. So constant power is the
+/// default, except for the thesis' own profile ([`for_profile`](Self::for_profile)).
 ///
 /// Names, for `FromStr` and `Display`: `linear`, `constant-power`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -59,8 +58,7 @@ impl PanningLaw {
 
     /// The gains for `pan`, −1 (left) to 1 (right); each is between 0 and 1.
     ///
-    /// A pan outside the range counts as the nearer end, NaN as the centre. Mirrored pans give
-    /// exactly mirrored gains.
+    /// A pan outside the range is clamped to it; NaN counts as the centre. Mirrored pans give exactly mirrored gains.
     pub fn gains(self, pan: f32) -> Gains {
         let pan = if pan.is_nan() {
             0.0
@@ -73,7 +71,7 @@ impl PanningLaw {
         }
     }
 
-    /// One channel's gain; `share` is 0 with the pan at the far side and 2 at the near one.
+    /// One channel's gain; `share` is 0 if the pan is at the opposite side and 2 if it is at this channel's side.
     fn gain_towards(self, share: f32) -> f32 {
         match self {
             Self::Linear => share / 2.0,
@@ -106,11 +104,11 @@ impl fmt::Display for PanningLaw {
     }
 }
 
-/// Mixes one mono sound to two channels, block by block, with gains that glide.
+/// Mixes one mono sound to two channels, block by block, with gliding gains.
 ///
-/// A block's gains run linearly from the previous block's to its own target, which its last sample
-/// reaches; the first block starts at its own. The gain of a sample differs from that of the
-/// previous one by at most the block's gain change divided by its length, borders included.
+/// A block's gains run linearly from the previous block's gains to its own target, which its last sample reaches; the
+/// first block starts at its target. Between successive samples, also across block borders, a gain changes by at most
+/// the block's gain change divided by its length.
 ///
 /// ```
 /// use echomarch::audio::{Mixer, PanningLaw};
@@ -126,27 +124,27 @@ impl fmt::Display for PanningLaw {
 #[derive(Debug, Clone)]
 pub struct Mixer {
     law: PanningLaw,
-    /// The gains of the last sample mixed; `None` before the first block.
+    /// The gains of the last mixed sample; `None` before the first block.
     current: Option<Gains>,
 }
 
 impl Mixer {
-    /// Creates a mixer that has mixed nothing yet.
+    /// Creates a mixer in its initial state.
     pub fn new(law: PanningLaw) -> Self {
         Self { law, current: None }
     }
 
-    /// The panning law that [`mix`](Self::mix) follows.
+    /// The panning law that [`mix`](Self::mix) applies.
     pub fn law(&self) -> PanningLaw {
         self.law
     }
 
-    /// The gains of the last sample mixed; `None` before the first.
+    /// The gains of the last mixed sample; `None` before the first.
     pub fn current(&self) -> Option<Gains> {
         self.current
     }
 
-    /// Forgets the gains, so that the next block starts at its own.
+    /// Discards the gains, so that the next block starts at its own target.
     pub fn reset(&mut self) {
         self.current = None;
     }
@@ -156,7 +154,7 @@ impl Mixer {
     /// `out` is interleaved (left, right, …) and is overwritten. An empty block changes nothing.
     ///
     /// # Errors
-    /// As [`mix_to`](Self::mix_to).
+    /// The errors of [`mix_to`](Self::mix_to).
     pub fn mix(&mut self, mono: &[f32], pan: f32, out: &mut [f32]) -> Result<(), AudioError> {
         self.mix_to(mono, self.law.gains(pan), out)
     }
@@ -194,7 +192,7 @@ impl Mixer {
     }
 }
 
-/// The gain at `along` (0 to 1) of the way; exactly `start` if both ends are equal.
+/// The gain after the fraction `along` (0 to 1) of the glide; exactly `start` if both ends are equal.
 fn glide(start: f32, target: f32, along: f32) -> f32 {
     start + (target - start) * along
 }
@@ -207,11 +205,11 @@ fn finite(gains: Gains) -> Gains {
     }
 }
 
-/// Divides audio samples among video frames, without gap, overlap or drift.
+/// Divides audio samples among video frames, without gaps, overlaps or drift.
 ///
-/// Frame `i` starts at the sample nearest to `i · rate / fps`. Each border is rounded on its own,
-/// so frames differ by at most one sample in length, and after any number of frames picture and
-/// sound are less than a sample apart (up to 2⁵³ samples, thousands of years).
+/// Frame `i` starts at the sample nearest to `i · rate / fps`. Each border is rounded separately, so frames differ by
+/// at most one sample in length, and picture and sound are always less than a sample apart (up to 2⁵³ samples,
+/// thousands of years).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrameBlocks {
     fps: f64,
@@ -245,14 +243,14 @@ impl FrameBlocks {
         (samples.end - samples.start) as usize
     }
 
-    /// An upper bound of the samples in a frame, to size a buffer by.
+    /// An upper bound of the number of samples in a frame, for allocating buffers.
     pub fn longest(&self) -> usize {
         (f64::from(self.rate_hz) / self.fps).ceil() as usize + 1
     }
 }
 
-/// Rejects frames longer than a quarter of an hour, and frames below a microsecond, which hold no
-/// sample at any rate.
+/// Rejects frames longer than a quarter of an hour, and frames below a microsecond, which contain no sample at any
+/// rate.
 fn is_usable(fps: f64) -> bool {
     (1e-3..=1e6).contains(&fps)
 }

@@ -2,8 +2,8 @@
 
 use rubato::{FftFixedInOut, Resampler};
 
-/// Minimum length of the resampler's filter, in input samples. The longer the filter, the narrower
-/// the band that is lost below half the lower rate.
+/// Minimum length of the resampler's filter, in input samples. A longer filter loses a narrower band below half the
+/// lower rate.
 const LEAST_BLOCK: u32 = 1024;
 
 /// Resamples a mono clip to `samples.len() · to_hz / from_hz` samples, rounded, and removes the filter's delay.
@@ -21,7 +21,7 @@ pub(crate) fn to_rate(samples: Vec<f32>, from_hz: u32, to_hz: u32) -> Result<Vec
     let mut resampled = Vec::with_capacity(length + delay + resampler.output_frames_max());
     let mut blocks = samples.chunks(block).map(|block| [block]);
     while resampled.len() < length + delay {
-        // The last block, and those that push the delay out, are filled up with silence.
+        // The last block, and the blocks that flush the delay, are padded with silence.
         let next = blocks.next();
         let block = resampler.process_partial(next.as_ref().map(|block| &block[..]), None);
         resampled.extend(block.map_err(|error| error.to_string())?.concat());
@@ -31,8 +31,8 @@ pub(crate) fn to_rate(samples: Vec<f32>, from_hz: u32, to_hz: u32) -> Result<Vec
     Ok(resampled)
 }
 
-/// The filter's length: an even number of whole periods of the two rates, because the delay of an
-/// odd filter lies between two samples and could not be removed exactly.
+/// The filter's length: an even number of whole periods of the two rates. The delay of an odd filter would lie between
+/// two samples and could not be removed exactly.
 fn block_for(from_hz: u32, to_hz: u32) -> u32 {
     let period = from_hz / greatest_common_divisor(from_hz, to_hz);
     2 * period * LEAST_BLOCK.div_ceil(2 * period)
@@ -56,8 +56,8 @@ pub(super) fn length_after(count: usize, from_hz: u32, to_hz: u32) -> usize {
 mod tests {
     use super::*;
 
-    /// Protects the sharpness of the filter, the removal of its delay, and the cost: the smallest even number of whole
-    /// periods with at least the required number of samples.
+    /// Protects the sharpness of the filter, the removal of its delay, and the cost: its length is the smallest even
+    /// number of whole periods with at least the required number of samples.
     #[test]
     fn the_filter_has_the_least_even_number_of_periods_that_suffices() {
         for (from_hz, to_hz, period) in [

@@ -1,4 +1,5 @@
-//! The trait of all mono signals, and the built-in ones: a sine whose phase does not drift, reproducible white noise, and a recorded sound in memory.
+//! The trait of all mono signals, and the built-in signals: a sine whose phase does not drift, reproducible white
+//! noise, and a recorded sound in memory.
 
 use std::f64::consts::TAU;
 
@@ -7,9 +8,8 @@ use crate::sampling::hash;
 
 /// Consecutive mono samples; 1 is full scale.
 ///
-/// A caller's own sound implements this and becomes a [`Sound`](super::Sound) by
-/// [`Sound::new`](super::Sound::new). An audio thread calls these methods: they must not allocate,
-/// lock or wait.
+/// A caller's own sound implements this trait; [`Sound::new`](super::Sound::new) turns it into a
+/// [`Sound`](super::Sound). An audio thread calls these methods: they must not allocate, lock or wait.
 ///
 /// ```
 /// use echomarch::audio::{Signal, Sound};
@@ -39,11 +39,10 @@ pub trait Signal: Send {
     /// Overwrites `out` with the next `out.len()` samples.
     fn fill(&mut self, out: &mut [f32]);
 
-    /// Continues at this sample, counted from 0.
+    /// Continues at sample number `sample`, counted from 0.
     fn seek(&mut self, sample: u64);
 
-    /// Chooses whether a sound with an end starts over there or falls silent. A sound without an
-    /// end ignores this.
+    /// Chooses whether the sound restarts at its end or falls silent. Has no effect on an endless sound.
     fn set_looping(&mut self, looping: bool) {
         let _ = looping;
     }
@@ -53,7 +52,7 @@ pub trait Signal: Send {
         None
     }
 
-    /// Whether only silence is left.
+    /// Whether the signal has ended, so that only silence follows.
     fn is_finished(&self) -> bool {
         false
     }
@@ -103,7 +102,7 @@ impl Signal for Sine {
         }
     }
 
-    /// Makes the sample with this number the next one.
+    /// Makes sample `index` the next one.
     fn seek(&mut self, index: u64) {
         self.phase_turns = (self.step_turns * index as f64).fract();
     }
@@ -133,41 +132,41 @@ impl Signal for Noise {
         }
     }
 
-    /// Makes the sample with this number the next one.
+    /// Makes sample `index` the next one.
     fn seek(&mut self, index: u64) {
         self.index = index;
     }
 }
 
-/// The noise at one index. The seed is hashed first, so that similar seeds give different noises.
+/// The noise at one index. The seed is hashed first, so that similar seeds give different noise.
 fn noise_at(seed: u64, index: u64) -> f32 {
     let bits = hash(hash(seed).wrapping_add(index));
     let signed = (bits >> 40) as i32 - (1 << 23); // 24 bits: exact in f32
     NOISE_AMPLITUDE * signed as f32 / (1 << 23) as f32
 }
 
-/// Length of the cross-fade from a loop's end into its start, in seconds: much longer than a click,
-/// and too short to be heard as a separate change.
+/// Length of the cross-fade from a loop's end into its start, in seconds: much longer than a click, and too short to be
+/// audible as a separate change.
 const SEAM_S: f64 = 0.005;
 
-/// A clip shorter than this number of seams starts over at more than 50 Hz: its seam is part of its
-/// tone and is not cross-faded.
+/// A clip shorter than this number of seams loops at more than 50 Hz: its seam is part of its tone and is not
+/// cross-faded.
 const SEAMS_AT_LEAST: usize = 4;
 
 /// Mono samples with a read position.
 ///
-/// A looping clip whose end does not fit its start is cross-faded there: as it starts over, the
-/// sound comes from the end, played backwards so that it continues without a step, and fades to the
-/// start. The first start is played unchanged, and the loop is as long as the clip.
+/// If the end of a looping clip does not match its start, every restart is cross-faded: the clip's end, played
+/// backwards so that the sound continues without a step, fades into its start. The first start is played unchanged, and
+/// the loop is as long as the clip.
 #[derive(Debug, Clone)]
 pub(super) struct Clip {
     /// Never empty.
     samples: Vec<f32>,
     next: usize,
     looping: bool,
-    /// Whether the clip has started over.
+    /// Whether the clip has restarted at least once.
     is_again: bool,
-    /// Samples of the cross-fade; 0 if the end fits the start.
+    /// Length of the cross-fade in samples; 0 if the end matches the start.
     seam: usize,
 }
 
@@ -184,7 +183,7 @@ impl Clip {
         }
     }
 
-    /// Cross-fades the part of `out` that lies in the seam; `out` holds the samples from the next one on.
+    /// Cross-fades the part of `out` that lies in the seam; `out` holds the samples from the current position on.
     fn cross_fade(&self, out: &mut [f32]) {
         let last = self.samples.len() - 1;
         for (i, sample) in (self.next..self.seam).zip(out) {
@@ -219,7 +218,7 @@ impl Signal for Clip {
         }
     }
 
-    /// Makes the sample with this number the next one; the numbers of a looping clip continue past its end.
+    /// Makes sample `index` the next one; the indices of a looping clip continue past its end.
     fn seek(&mut self, index: u64) {
         let length = self.samples.len() as u64;
         self.is_again = self.looping && index >= length;
@@ -243,8 +242,8 @@ impl Signal for Clip {
     }
 }
 
-/// Number of samples to cross-fade where a clip starts over: zero if the step there does not exceed
-/// the nearby steps of the sound itself, as in a clip made to loop.
+/// Number of samples to cross-fade when a clip restarts: zero if the step from its end to its start is not larger than
+/// nearby steps in the sound itself, as in a clip made to loop.
 fn seam(samples: &[f32], rate_hz: u32) -> usize {
     let length = (f64::from(rate_hz) * SEAM_S) as usize;
     if length == 0 || samples.len() < SEAMS_AT_LEAST * length {
@@ -265,7 +264,7 @@ fn largest_step(samples: &[f32]) -> f32 {
 mod tests {
     use super::*;
 
-    /// Protects the phase, which is known exactly after whole seconds: the frequency times the time.
+    /// Protects the phase, which is known exactly after whole seconds: frequency × time.
     #[test]
     fn phase_is_kept_for_an_hour() {
         for frequency_hz in [440.0, 997.0, 1234.5, 23_999.0] {
@@ -282,10 +281,10 @@ mod tests {
 
     const RATE_HZ: u32 = 48_000;
 
-    /// Samples of each clip below: 0.1 s.
+    /// Length in samples of each clip below: 0.1 s.
     const LENGTH: usize = 4800;
 
-    /// Plays a looping clip for three and a half rounds, in blocks of an odd size.
+    /// Plays a looping clip three and a half times, in blocks of an odd size.
     fn rounds(samples: &[f32]) -> Vec<f32> {
         let mut clip = Clip::new(samples.to_vec(), RATE_HZ);
         let mut played = vec![0.0; samples.len() * 7 / 2];
@@ -293,17 +292,17 @@ mod tests {
         played
     }
 
-    /// Protects loops from clicks: if the end of a clip does not fit its start, no step is larger than that of a fade
-    /// over the seam.
+    /// Protects loops from clicks: if the end of a clip does not match its start, no step is larger than a step of the
+    /// fade over the seam.
     #[test]
     fn a_clip_that_does_not_fit_itself_starts_over_without_a_click() {
         let ramp: Vec<f32> = (0..LENGTH).map(|n| n as f32 / LENGTH as f32).collect();
         let played = rounds(&ramp);
         let seam = (f64::from(RATE_HZ) * SEAM_S) as usize;
-        // The step of the fade from end to start in the seam, plus the clip's own rise.
+        // One step of the seam's fade from end to start, plus the clip's own rise.
         let most = 1.0 / seam as f32 + 2.0 / LENGTH as f32;
         assert!(largest_step(&played) <= most, "{}", largest_step(&played));
-        // Beyond the seam the clip is unchanged, and so is its first start.
+        // Beyond the seam the clip is unchanged, and so is its first pass.
         assert_eq!(played[..LENGTH], ramp[..]);
         assert_eq!(played[LENGTH + seam..2 * LENGTH], ramp[seam..]);
         assert_eq!(played[LENGTH..2 * LENGTH], played[2 * LENGTH..3 * LENGTH]);
@@ -320,7 +319,7 @@ mod tests {
         }
     }
 
-    /// Protects seeking in a clip: it plays what it would have played there.
+    /// Protects seeking in a clip: the samples from there on are those of uninterrupted playing.
     #[test]
     fn seeking_finds_what_playing_comes_to() {
         let ramp: Vec<f32> = (0..LENGTH).map(|n| n as f32 / LENGTH as f32).collect();

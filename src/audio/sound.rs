@@ -1,4 +1,4 @@
-//! The sounds that are played: their description, how they are made, and their samples, mono or stereo.
+//! Playable sounds: their descriptions, their sources, and their samples, mono or stereo.
 
 use std::fmt;
 use std::ops::RangeInclusive;
@@ -9,12 +9,12 @@ use super::signals::{self, Clip, Noise, Signal, Sine};
 use super::speech::{self, Speech};
 use super::{AudioError, check_rate, resample, wav_read};
 
-/// A mono sound that is read forwards, sample by sample; 1 is full scale. A caller's own sound is
-/// made from a [`Signal`].
+/// A mono sound that is read forwards, sample by sample; 1 is full scale. [`Sound::new`] creates one from a caller's
+/// own [`Signal`].
 ///
-/// A sine, noise and speech never end. A WAV clip starts over at its end unless
-/// [`set_looping`](Self::set_looping) turned that off: then it ends in silence. If its end does not
-/// fit its start, the first 5 ms are cross-faded with the end each time it starts over.
+/// A sine, noise and speech never end. A WAV clip restarts at its end, or falls silent after
+/// [`set_looping`](Self::set_looping)`(false)`. If its end does not match its start, the first 5 ms of each repetition
+/// are cross-faded with the end.
 ///
 /// ```
 /// use echomarch::audio::Sound;
@@ -30,7 +30,7 @@ pub struct Sound {
 }
 
 impl Sound {
-    /// Sample rate of everything that is played or written, in hertz.
+    /// Sample rate of playback and written files, in hertz.
     pub const SAMPLE_RATE: u32 = 48_000;
 
     /// The lowest and the highest accepted sample rate, in hertz.
@@ -42,7 +42,7 @@ impl Sound {
     /// The peak of the noise, relative to full scale 1: −6.02 dBFS, at a level of −10.8 dBFS (RMS).
     pub const NOISE_AMPLITUDE: f32 = signals::NOISE_AMPLITUDE;
 
-    /// Peak of the voice: no sample is further from 0, relative to full scale 1.
+    /// Peak of the voice, relative to full scale 1: no sample's magnitude is larger.
     pub const SPEECH_PEAK: f32 = speech::SPEECH_PEAK;
 
     /// Creates a sound from a caller's own signal.
@@ -56,18 +56,17 @@ impl Sound {
     /// samples per second, commonly [`Sound::SAMPLE_RATE`].
     ///
     /// # Errors
-    /// [`AudioError::UnknownSound`], or as [`load`](Self::load).
+    /// [`AudioError::UnknownSound`], and the errors of [`load`](Self::load).
     pub fn parse(text: &str, sample_rate: u32) -> Result<Self, AudioError> {
         Self::load(&text.parse()?, sample_rate)
     }
 
     /// Creates the sound at `sample_rate` samples per second.
     ///
-    /// A WAV file of several channels is mixed to their mean. At another rate it is resampled with
-    /// a linear-phase filter whose delay is removed: a sound that starts at `t` seconds in the file
-    /// starts at `t` seconds here, and `n` samples become `n · sample_rate / rate`, rounded.
-    /// Resampling keeps frequencies below half of both rates, except a narrow band below half the
-    /// lower one, and may overshoot full scale a little.
+    /// A WAV file of several channels is mixed to their mean. A file of another rate is resampled with a linear-phase
+    /// filter whose delay is removed: a sound that starts at `t` seconds in the file starts at `t` seconds here, and
+    /// `n` samples become `n · sample_rate / rate`, rounded. Resampling keeps frequencies below half of both rates,
+    /// except a narrow band below half the lower rate, and may slightly exceed full scale.
     ///
     /// # Errors
     /// [`AudioError::BadSampleRate`] for a rate outside [`Sound::SAMPLE_RATES`];
@@ -96,16 +95,15 @@ impl Sound {
         self.seek(0);
     }
 
-    /// Makes the sample with this number, counted from 0, the next one. Does not allocate.
+    /// Makes the sample with number `sample`, counted from 0, the next one. Does not allocate.
     ///
-    /// The numbers of a looping clip continue past its end; without looping, only silence follows
-    /// there.
+    /// The numbers of a looping clip continue past its end; without looping, silence follows the end.
     pub fn seek(&mut self, sample: u64) {
         self.signal.seek(sample);
     }
 
-    /// Chooses whether a clip starts over at its end (as it does when loaded) or falls silent.
-    /// Sounds without an end ignore this.
+    /// Chooses whether a clip restarts at its end (the default) or falls silent. Has no effect on sounds without an
+    /// end.
     pub fn set_looping(&mut self, looping: bool) {
         self.signal.set_looping(looping);
     }
@@ -115,8 +113,8 @@ impl Sound {
         self.signal.length()
     }
 
-    /// Whether only silence is left: of the built-in sounds, only ever true for a clip that does
-    /// not loop.
+    /// Whether the sound has ended, so that only silence follows. Of the built-in sounds, only a clip that does not
+    /// loop ends.
     pub fn is_finished(&self) -> bool {
         self.signal.is_finished()
     }
@@ -155,7 +153,7 @@ fn load_clip(path: &Path, sample_rate: u32) -> Result<Clip, AudioError> {
 /// | `noise:7` | white noise with another seed |
 /// | `speech` | a synthetic voice with seed 0 |
 /// | `speech:7` | the voice with another seed: other syllables |
-/// | `drum.wav` | a WAV file, known by its ending `.wav` in either case |
+/// | `drum.wav` | a WAV file; the ending `.wav` may be in upper or lower case |
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum SoundSpec {
@@ -229,7 +227,7 @@ impl fmt::Display for SoundSpec {
 /// A caller's own stereo sound, such as the sources heard in a scene: live output plays it instead
 /// of a mono sound and its pan.
 pub trait StereoSignal: Send {
-    /// Adds the next samples of both channels to `stereo` (left, right, …). Called on the thread that must not be late,
-    /// so it must not allocate, lock or wait.
+    /// Adds the next samples of both channels to `stereo` (left, right, …). Called on the real-time audio thread, so it
+    /// must not allocate, lock or wait.
     fn add(&mut self, stereo: &mut [f32]);
 }

@@ -1,13 +1,12 @@
 //! A synthetic voice: syllables without words.
 //!
 //! # Theory
-//! A voice is a train of glottal pulses at a gliding pitch, shaped by the resonances of the mouth,
-//! the *formants*, and cut into syllables. The pulse train is a sum of harmonics of the pitch: here
-//! each is a cosine whose complex amplitude is the response of three formants (two-pole low-passes
-//! in cascade) at its frequency, times a source that falls a little with the frequency. Time is
-//! divided into slots of one syllable each, and ten slots form a phrase that ends in a pause; the
-//! vowel, length, accent and hissed consonant of a slot are hashed from the seed and the slot's
-//! number, and formants glide between the vowels.
+//! A voice is a train of glottal pulses at a gliding pitch, shaped by the resonances of the mouth, the *formants*, and
+//! cut into syllables. The pulse train is a sum of harmonics of the pitch. Each harmonic is a cosine; its complex
+//! amplitude is the response of three formants (two-pole low-passes in cascade) at its frequency, times a source
+//! spectrum that falls a little with the frequency. Time is divided into slots of one syllable each, and ten slots form
+//! a phrase that ends in a pause. The vowel, length, accent and hissed consonant of a slot are hashed from the seed and
+//! the slot's number, and formants glide between the vowels.
 //!
 //! A sample depends only on its number, the rate and the seed: the phase is the pitch's integral in
 //! closed form, counted from the start of the phrase, where the voice is silent. The amplitudes are
@@ -18,10 +17,10 @@ use std::f64::consts::TAU;
 
 use crate::sampling::{hash, unit_interval};
 
-/// Peak of the voice: no sample is further from 0, relative to full scale 1.
+/// Peak of the voice, relative to full scale 1: no sample's magnitude is larger.
 pub(super) const SPEECH_PEAK: f32 = 0.95;
 
-/// Limit of the sum of all harmonics' amplitudes; the hiss is added to it.
+/// Limit of the sum of all harmonics' amplitudes, without the hiss.
 const VOICE_PEAK: f64 = 0.9;
 const HISS_PEAK: f64 = 0.05;
 
@@ -70,22 +69,22 @@ pub(super) struct Speech {
     index: u64,
     /// Samples between two computations of the amplitudes.
     hop: u64,
-    /// The hop that the amplitudes belong to; `None` at first.
+    /// The hop for which the amplitudes were computed; `None` at first.
     at: Option<u64>,
     from: Harmonics,
     to: Harmonics,
-    /// The pitch of the slot heard last.
+    /// The pitch of the slot played last.
     pitch: SlotPitch,
 }
 
-/// The course of the pitch in a slot, hashed once per slot instead of once per sample.
+/// The course of the pitch in a slot, hashed once per slot instead of for every sample.
 #[derive(Debug, Clone, Copy)]
 struct SlotPitch {
     slot: u64,
-    /// In hertz, at the slot's start and at its end.
+    /// In hertz, at the slot's start and end.
     here: f64,
     next: f64,
-    /// The pitch's integral from the phrase's start to the slot's, in hertz times slots.
+    /// The pitch's integral from the phrase's start to the slot's start, in hertz times slots.
     whole: f64,
 }
 
@@ -137,8 +136,8 @@ impl Speech {
         self.at = Some(hop);
     }
 
-    /// The sum of the harmonics at a phase of the pitch; each turn is computed from the previous
-    /// one with the addition theorem.
+    /// The sum of the harmonics at a phase of the pitch; each harmonic is computed from the previous one with the
+    /// addition theorem.
     fn sum(&self, along: f32, phase_turns: f64) -> f32 {
         let (sin, cos) = (TAU * phase_turns).sin_cos();
         let (step_cos, step_sin) = (cos as f32, sin as f32);
@@ -174,7 +173,7 @@ impl Speech {
             power += size * size / 2.0;
             peak += size;
         }
-        // Every vowel has the same level, unless its peak would then exceed the limit.
+        // Every vowel has the same level, unless its peak would exceed the limit.
         let gain = loudness * (VOWEL_LEVEL / power.sqrt()).min(VOICE_PEAK / peak);
         for (amplitude, exact) in harmonics.iter_mut().zip(exact) {
             if gain.is_finite() {
@@ -233,7 +232,7 @@ impl Speech {
         }
     }
 
-    /// The pitch's integral since the start of the phrase, in turns; the slot's pitch is known.
+    /// The pitch's integral since the start of the phrase, in turns; the slot's pitch must be up to date.
     fn phase_turns(&self, moment: &Moment) -> f64 {
         let SlotPitch {
             here, next, whole, ..
@@ -261,7 +260,7 @@ impl Speech {
         })
     }
 
-    /// The loudness of the hiss, 0 to 1: two of five syllables begin with one.
+    /// The loudness of the hiss, 0 to 1: two of five syllables begin with a hiss.
     fn hiss_level(&self, moment: &Moment) -> f64 {
         let is_hissed = self.is_spoken(moment.slot) && self.chance(moment.slot, 5) < 0.4;
         let fits = HISS_HZ + HISS_KNOTS_HZ < f64::from(self.rate_hz) / 2.0;
@@ -313,7 +312,7 @@ impl Moment {
     }
 }
 
-/// A smooth step: 0 up to 0, 1 from 1, and without a corner in between.
+/// A smooth step: 0 below 0, 1 above 1, without a corner in between.
 fn smooth(x: f64) -> f64 {
     let x = x.clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)
@@ -345,14 +344,14 @@ fn response(frequency_hz: f64, formants: &[f64; 3], rate_hz: u32) -> [f64; 2] {
 mod tests {
     use super::*;
 
-    /// Several voices, each with the slots of sixty phrases.
+    /// The slots of sixty phrases of several voices.
     fn slots() -> impl Iterator<Item = (Speech, u64)> {
         let voices = (0..4).map(|seed| Speech::new(seed, 48_000));
         voices.flat_map(|voice| (0..60 * PHRASE_SLOTS).map(move |slot| (voice.clone(), slot)))
     }
 
-    /// Protects syllables from being cut off: each rises from silence, is heard in its middle and is silent again
-    /// when the next begins.
+    /// Protects syllables from being cut off: each rises from silence, is audible in its middle and is silent again
+    /// when the next one begins.
     #[test]
     fn a_syllable_begins_and_ends_in_silence() {
         for (voice, slot) in slots() {
@@ -367,8 +366,8 @@ mod tests {
         }
     }
 
-    /// Protects the consonants: two of five syllables begin with a hiss, which is heard in full and is over after 70
-    /// ms; pauses have none, and neither has a sample rate too low for it.
+    /// Protects the consonants: two of five syllables begin with a hiss at full level, which is over after 70 ms;
+    /// pauses have none, and neither does a voice at too low a sample rate.
     #[test]
     fn two_syllables_of_five_begin_with_a_hiss() {
         let (mut spoken, mut hissed) = (0, 0);
@@ -390,7 +389,8 @@ mod tests {
         assert!((share - 0.4).abs() < 0.04, "{share}");
     }
 
-    /// Protects the level: every vowel has the intended loudness, or its peak reaches the limit; neither is exceeded.
+    /// Protects the level: every vowel has the intended loudness, or its peak reaches the limit; neither limit is
+    /// exceeded.
     #[test]
     fn every_vowel_has_its_level_or_its_peak() {
         let mut vowels = [0; 2];
@@ -430,8 +430,8 @@ mod tests {
         assert!((fall_hz - 0.9 * 35.0).abs() < 5.0, "{fall_hz} Hz");
     }
 
-    /// Protects the timbre: apart from the formants, here far above, the voice falls by 3 dB per octave, has little
-    /// bass, and ends where the harmonics have faded.
+    /// Protects the timbre: with the formants far above the tested range, the voice falls by 3 dB per octave, has
+    /// little bass, and ends where the harmonics have faded out.
     #[test]
     fn the_source_falls_by_3_db_an_octave() {
         let size = |frequency_hz| response(frequency_hz, &[1e9; 3], 48_000)[0];
@@ -443,7 +443,8 @@ mod tests {
         assert_eq!(size(FADE_HZ.1), 0.0);
     }
 
-    /// Protects the audible pitch: the phase advances by it within a slot, and from one slot of a phrase to the next.
+    /// Protects the audible pitch: the phase advances by the pitch within a slot, and from one slot of a phrase to the
+    /// next.
     #[test]
     fn the_phase_is_the_integral_of_the_pitch() {
         const STEP: f64 = 1e-4;
@@ -467,8 +468,8 @@ mod tests {
         }
     }
 
-    /// Protects the vowels: a syllable's middle is its own vowel, and at the border of two syllables both are halfway
-    /// between their vowels.
+    /// Protects the vowels: the middle of a syllable has its own vowel, and at the border of two syllables both are
+    /// halfway between their vowels.
     #[test]
     fn formants_stand_in_the_middle_and_meet_at_the_ends() {
         for (voice, slot) in slots() {

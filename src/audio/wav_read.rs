@@ -16,9 +16,8 @@ const LARGEST_FILE: u64 = 2 * 4 * MOST_SAMPLES;
 /// kHz.
 const MOST_SAMPLES: u64 = 1 << 25;
 
-/// The largest magnitude of a sample that is to be resampled, where 1 is full scale: float files
-/// made from 32-bit integers contain it. The sums over the filter stay far below overflow; the
-/// resampler panics if they are not finite.
+/// The largest magnitude of a sample to be resampled, where 1 is full scale: float files made from 32-bit integers
+/// contain it. The sums over the filter stay far below overflow; the resampler panics if they are not finite.
 const LOUDEST: f32 = 2_147_483_648.0;
 
 /// A WAV file's sound at its own rate; never empty, always finite.
@@ -29,7 +28,7 @@ pub(super) struct MonoWav {
 
 type Reader = WavReader<BufReader<InputFile>>;
 
-/// Reads a sound that is to be played at `to_hz`.
+/// Reads a sound for playback at `to_hz`.
 pub(super) fn read_mono(path: &Path, to_hz: u32) -> Result<MonoWav, AudioError> {
     let (reader, file_bytes) = open(path)?;
     let spec = reader.spec();
@@ -74,7 +73,7 @@ fn open(path: &Path) -> Result<(Reader, u64), AudioError> {
     Ok((reader, bytes))
 }
 
-/// Rejects files that would not fit into memory, by the header and the file's length alone.
+/// Rejects files that would not fit into memory, based only on the header and the file's length.
 fn check_length(
     path: &Path,
     reader: &Reader,
@@ -82,8 +81,8 @@ fn check_length(
     to_hz: u32,
 ) -> Result<(), AudioError> {
     let spec = reader.spec();
-    // A header may claim more than the file holds; reading ends with the file. A sample is stored
-    // in at least one byte.
+    // A header may state more data than the file contains; reading ends at the file's end. A sample takes at least one
+    // byte.
     let channels = u64::from(spec.channels);
     let frames = u64::from(reader.duration()).min(file_bytes / channels);
     let after = length_after(frames as usize, spec.sample_rate, to_hz) as u64;
@@ -102,7 +101,7 @@ fn check_length(
     })
 }
 
-/// Whether the file is shorter than its header states; the WAV reader reports that as "other".
+/// Whether the file is shorter than its header states; the WAV reader reports this as "other".
 fn is_short(error: &io::Error) -> bool {
     match error.kind() {
         io::ErrorKind::UnexpectedEof => true,
@@ -143,8 +142,7 @@ fn read_samples(reader: Reader, path: &Path, loudest: f32) -> Result<Vec<f32>, A
     }
 }
 
-/// Sums each frame in `f64`, so that no sum overflows, and keeps only the means. Drops an
-/// incomplete last frame.
+/// Sums each frame in `f64`, so that no sum overflows, and stores only the means. Drops an incomplete last frame.
 fn mean_of_channels<S>(
     read: impl Iterator<Item = hound::Result<S>>,
     channels: usize,

@@ -1,10 +1,10 @@
 //! Writes WAV files: first to a temporary file in the target's directory, which is then renamed.
 //!
-//! The header is that of a file of 32-bit float samples (Microsoft, *New Multimedia Data Types and Data Techniques*, 1994).
+//! The header is for 32-bit float samples (Microsoft, *New Multimedia Data Types and Data Techniques*, 1994).
 //!
 //! Samples other than PCM need a `fmt` chunk with the length of its extension, and a `fact` chunk with the number of
-//! frames; readers call a file without them incomplete. `WAVE_FORMAT_EXTENSIBLE` would add the loudspeaker positions of
-//! the channels, which ambisonic channels lack, and SoX calls it incomplete with such samples.
+//! frames; without these, readers call a file incomplete. `WAVE_FORMAT_EXTENSIBLE` would add the loudspeaker positions
+//! of the channels, which ambisonic channels lack, and SoX calls such a file with float samples incomplete.
 
 use super::{AudioError, Sound, check_rate};
 #[cfg(feature = "audio")]
@@ -14,20 +14,20 @@ use std::fs::File;
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-/// A WAV file counts its bytes in 32 bits, including its header; this leaves room for that.
+/// A WAV file counts its bytes, including its header, in 32 bits; this limit leaves room for the header.
 const MAX_BYTES: u64 = u32::MAX as u64 - 1024;
 
 /// The channels of a panned sound: left and right.
 const STEREO: u16 = 2;
 
-/// Maximum channels of a file: first-order ambisonics has four, and no format used here has more.
+/// Maximum channels of a file: first-order ambisonics has four, the most of any format used here.
 const MOST_CHANNELS: u16 = 64;
 
 /// Writes a WAV file of 32-bit float samples, in stereo up to 3.1 hours at [`Sound::SAMPLE_RATE`].
 ///
-/// The sound goes to a temporary file in the target's directory, which takes the target's name in
-/// [`finish`](Self::finish). Until then an older file of that name stays unchanged, and dropping
-/// the writer without `finish` removes the temporary file.
+/// The sound goes to a temporary file in the target's directory, which [`finish`](Self::finish) renames to the target.
+/// Until then an older file of that name stays unchanged, and dropping the writer without `finish` removes the
+/// temporary file.
 #[derive(Debug)]
 pub struct WavWriter {
     target: PathBuf,
@@ -46,12 +46,12 @@ impl WavWriter {
     /// Starts a stereo file at [`Sound::SAMPLE_RATE`] that will replace `target`, whose directory must exist.
     ///
     /// # Errors
-    /// [`AudioError::WriteWav`] if nothing can be written beside `target`.
+    /// [`AudioError::WriteWav`] if the target's directory is not writable.
     pub fn create(target: impl Into<PathBuf>) -> Result<Self, AudioError> {
         Self::create_at(target, Sound::SAMPLE_RATE)
     }
 
-    /// As [`create`](Self::create), at `rate_hz` samples a second.
+    /// Like [`create`](Self::create), at `rate_hz` samples per second.
     ///
     /// # Errors
     /// Also [`AudioError::BadSampleRate`] if `rate_hz` is outside
@@ -60,11 +60,10 @@ impl WavWriter {
         Self::start(target.into(), rate_hz, STEREO, temporary_beside)
     }
 
-    /// As [`create_at`](Self::create_at), with `channels` channels: 1, 2, or the 4 of first-order
-    /// ambisonics.
+    /// Like [`create_at`](Self::create_at), with `channels` channels: 1, 2, or the 4 of first-order ambisonics.
     ///
     /// # Errors
-    /// As [`create_at`](Self::create_at); [`AudioError::BadChannels`] for none, and for more than 64.
+    /// The errors of [`create_at`](Self::create_at); [`AudioError::BadChannels`] for 0 channels, and for more than 64.
     pub fn create_with_channels(
         target: impl Into<PathBuf>,
         rate_hz: u32,
@@ -73,8 +72,8 @@ impl WavWriter {
         Self::start(target.into(), rate_hz, channels, temporary_beside)
     }
 
-    /// As [`create_at`](Self::create_at), for a sound written while it is heard: the temporary
-    /// file's name is not hidden, so that it is found if the program is interrupted.
+    /// Like [`create_at`](Self::create_at), for a sound written during playback: the temporary file is not hidden, so
+    /// that users find it if the program is interrupted.
     #[cfg(feature = "audio")]
     pub(super) fn record_at(target: &Path, rate_hz: u32) -> Result<Self, AudioError> {
         Self::start(target.to_owned(), rate_hz, STEREO, visible_part_beside)
@@ -140,7 +139,7 @@ impl WavWriter {
         Ok(())
     }
 
-    /// Makes the temporary file playable up to the last sample written.
+    /// Makes the temporary file playable up to the last written sample.
     #[cfg(feature = "audio")]
     pub(super) fn flush(&mut self) -> Result<(), AudioError> {
         self.complete()
@@ -149,7 +148,7 @@ impl WavWriter {
 
     /// Flushes pending samples and writes the header for the current number of frames.
     fn complete(&mut self) -> io::Result<()> {
-        // The frames fit a header: `write` rejects more.
+        // The number of frames fits into a header: `write` rejects more.
         let head = header(self.channels, self.rate_hz, self.frames as u32);
         self.wav.seek(SeekFrom::Start(0))?;
         self.wav.write_all(&head)?;
@@ -157,7 +156,7 @@ impl WavWriter {
         self.wav.flush()
     }
 
-    /// Completes the file and gives it the target's name, replacing an older one.
+    /// Completes the file and renames it to the target, replacing an older file.
     ///
     /// # Errors
     /// [`AudioError::WriteWav`] if writing to the disk fails; the target is then unchanged.
@@ -236,8 +235,8 @@ fn format(channels: u16, rate_hz: u32, frame_bytes: u32) -> Vec<u8> {
 mod tests {
     use super::*;
 
-    /// Protects long files: every frame up to the last that a header can count is written, and none beyond, whether the
-    /// limit is exceeded by one frame or by more.
+    /// Protects long files: the file contains every frame up to the last that a header can count, and none beyond,
+    /// whether the limit is exceeded by one frame or by more.
     #[test]
     fn a_file_is_full_at_the_last_frame_that_its_header_can_count() {
         let folder = tempfile::tempdir().unwrap();
@@ -255,7 +254,7 @@ mod tests {
         assert!(writer.write(&[0.0; 2]).is_err());
     }
 
-    /// Protects files from cut frames, and callers from a file without channels.
+    /// Protects files from incomplete frames, and callers from a file without channels.
     #[test]
     fn cut_frames_and_no_channels_are_refused() {
         let folder = tempfile::tempdir().unwrap();

@@ -2,11 +2,11 @@
 //! convolution and correlation*, AFIPS 1966; G. García, *Optimal filter partition for efficient
 //! convolution with short input/output delay*, AES 113, 2002).
 //!
-//! The spectra of the newest blocks of a signal are kept; convolving a block with a kernel takes
-//! one multiplication for each partition of the kernel, and one inverse transform.
+//! The spectra of a signal's newest blocks are kept. Convolving a block with a kernel takes one multiplication for each
+//! partition of the kernel, and one inverse transform.
 //!
 //! The octave-band filters are such kernels: they split a signal by zero-phase filters, so that scaling each band
-//! separately has the same effect as [`ImpulseResponse`](crate::response::ImpulseResponse) has on a tap.
+//! separately has the same effect on a signal as [`ImpulseResponse`](crate::response::ImpulseResponse) has on a tap.
 
 use realfft::num_complex::Complex;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
@@ -17,11 +17,11 @@ use std::sync::Arc;
 use crate::bands::BAND_COUNT;
 use crate::response::tap_filter_gain;
 
-/// Samples per block: 10.7 ms at 48 kHz. A kernel of one second then has 94 partitions; half the
-/// block would halve the delay and double the work.
+/// Samples per block: 10.7 ms at 48 kHz. A kernel of one second then has 94 partitions; half the block length would
+/// halve the delay and double the work.
 pub(super) const BLOCK: usize = 512;
 
-/// Samples of a transform, and values of its spectrum.
+/// Length in samples of a transform, and the size of its spectrum.
 const TRANSFORM: usize = 2 * BLOCK;
 const BINS: usize = BLOCK + 1;
 
@@ -54,8 +54,8 @@ impl Spectrum {
     }
 }
 
-/// Responses of several channels to one signal, as spectra of their partitions. The default is silent and owns no
-/// memory.
+/// Responses of several channels to one signal, as spectra of their partitions. The default kernel is silent and owns
+/// no memory.
 #[derive(Clone, Default)]
 pub(super) struct Kernel {
     channels: Vec<Vec<Spectrum>>,
@@ -105,11 +105,11 @@ impl fmt::Debug for Kernel {
 pub(super) struct Signal {
     forward: Arc<dyn RealToComplex<f32>>,
     inverse: Arc<dyn ComplexToReal<f32>>,
-    /// The previous block and the newest.
+    /// The previous block, then the newest.
     newest: [f32; TRANSFORM],
-    /// Spectra of the last blocks, as a ring.
+    /// Spectra of the newest blocks, as a ring.
     spectra: Vec<Spectrum>,
-    /// Position of the newest block's spectrum.
+    /// Ring index of the newest block's spectrum.
     at: usize,
     sum: Spectrum,
     samples: Vec<f32>,
@@ -152,8 +152,8 @@ impl Signal {
         self.spectra[self.at].set(&self.values);
     }
 
-    /// Convolves the newest block with one channel of a kernel. Does not allocate; partitions
-    /// beyond the kept ones are ignored.
+    /// Convolves the newest block with one channel of a kernel, ignoring partitions beyond the stored blocks. Does not
+    /// allocate.
     pub fn convolve(&mut self, kernel: &Kernel, channel: usize, out: &mut [f32; BLOCK]) {
         let partitions = kernel.channels.get(channel).map_or(&[][..], Vec::as_slice);
         if partitions.is_empty() {
@@ -169,7 +169,8 @@ impl Signal {
         for (bin, value) in self.values.iter_mut().enumerate() {
             *value = Complex::new(self.sum.real[bin], self.sum.imaginary[bin]);
         }
-        // For a real signal these are real, but rounding may leave an imaginary part, which would be rejected.
+        // For a real signal these values are real, but rounding may leave an imaginary part, which the transform would
+        // reject.
         self.values[0].im = 0.0;
         self.values[BINS - 1].im = 0.0;
         let done = self.inverse.process_with_scratch(
@@ -192,18 +193,18 @@ impl fmt::Debug for Signal {
     }
 }
 
-/// Delay of the split signal in samples: the filters reach this far to both sides (21 ms at 48 kHz). If 63 Hz and 125
-/// Hz differ by 20 dB they would have to reach further: the weaker of the two is then up to 0.7 dB off. From 250 Hz on
-/// the error is 0.05 dB.
+/// Delay of the split signal in samples: the reach of the filters to either side (21 ms at 48 kHz). This is too short
+/// if 63 Hz and 125 Hz differ by 20 dB: the weaker of the two is then up to 0.7 dB off. From 250 Hz on the error is
+/// 0.05 dB.
 pub(super) const FILTER_DELAY: usize = 2 * BLOCK;
 
-/// The share of this reach in which the filters are not tapered.
+/// The share of this reach within which the filters are not tapered.
 const FLAT: f64 = 0.75;
 
-/// Samples of a filter.
+/// Length of a filter in samples.
 const FILTER_LENGTH: usize = 2 * FILTER_DELAY;
 
-/// Partitions of the filters.
+/// Number of partitions of the filters.
 pub(super) const FILTER_PARTITIONS: usize = FILTER_LENGTH / BLOCK;
 
 /// The filters of all bands, one channel each.
@@ -214,9 +215,9 @@ pub(super) fn octave_filters(rate_hz: u32) -> Kernel {
     Kernel::new(&filters)
 }
 
-/// The filter of a band: its zero-phase response, delayed, cut and windowed.
+/// The filter of a band: its zero-phase response, delayed, truncated and windowed.
 fn filter(band: usize, rate_hz: f64) -> Vec<f32> {
-    // Long enough to keep the cut-off part from folding in.
+    // Long enough to keep the truncated part from wrapping around.
     let length = 8 * FILTER_LENGTH;
     let inverse = RealFftPlanner::<f64>::new().plan_fft_inverse(length);
     let mut spectrum = inverse.make_input_vec();
@@ -246,8 +247,8 @@ mod tests {
         (0..count as u64).map(sample).collect()
     }
 
-    /// Protects every sample of a convolution against the sum of products: with kernels shorter
-    /// than a block, of several blocks, and with channels of different lengths.
+    /// Protects every sample of a convolution, compared with the sum of products: with kernels shorter than a block,
+    /// kernels of several blocks, and channels of different lengths.
     #[test]
     fn blocks_are_convolved_as_a_whole_signal_is() {
         let kernels = [noise(1, 3 * BLOCK + 7), noise(2, 90)];
@@ -266,7 +267,7 @@ mod tests {
                     let sum: f64 = terms
                         .map(|(age, h)| f64::from(*h) * f64::from(input[at - age]))
                         .sum();
-                    // 1,500 products of numbers below one half in f32.
+                    // The tolerance for 1,500 products of `f32` numbers below one half.
                     assert!((f64::from(*out) - sum).abs() < 1e-4, "{at}: {out} {sum}");
                 }
             }

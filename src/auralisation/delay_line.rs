@@ -1,15 +1,15 @@
-//! A delay line: the last seconds of a signal in bands, readable between samples.
+//! A delay line: the last seconds of a signal in bands, readable at fractional delays.
 
 use std::f64::consts::PI;
 
-/// Samples used on each side of a read position.
+/// Number of samples used on each side of a read position.
 pub(super) const REACH: usize = 8;
 
-/// Number of samples weighted for a read.
+/// Number of weighted samples per read.
 const WIDTH: usize = 2 * REACH;
 
-/// Positions between two samples for which weights are stored; between these they are interpolated,
-/// to about −100 dB.
+/// Number of positions between two samples with stored weights; interpolation between these positions has an error of
+/// about −100 dB.
 const PHASES: usize = 256;
 
 /// Weights of the samples around a position.
@@ -47,14 +47,14 @@ impl<const BANDS: usize> DelayLine<BANDS> {
         self.written += length as u64;
     }
 
-    /// The frame `delay` + [`REACH`] samples before the one that was written `back` frames before the newest.
+    /// The frame `delay` + [`REACH`] samples before the frame that was written `back` frames before the newest.
     pub fn read(&self, back: usize, delay: f64) -> [f32; BANDS] {
         let whole = delay.ceil();
         let place = (whole - delay) * PHASES as f64;
         let phase = (place as usize).min(PHASES - 1);
         let share = (place - phase as f64) as f32;
         let (near, far) = (&self.weights[phase], &self.weights[phase + 1]);
-        // The newest weighted frame is 2 REACH − 1 after the oldest.
+        // The newest weighted frame is 2 REACH − 1 frames after the oldest.
         let age = back + whole as usize + WIDTH;
         let oldest = (self.written as usize).wrapping_sub(age);
         let mask = self.frames.len() - 1;
@@ -70,8 +70,7 @@ impl<const BANDS: usize> DelayLine<BANDS> {
     }
 }
 
-/// A sinc function with Blackman's window around the position `phase` / [`PHASES`] after the sample
-/// [`REACH`] − 1.
+/// A sinc function with Blackman's window, centred `phase` / [`PHASES`] after sample [`REACH`] − 1.
 fn weights(phase: usize) -> Weights {
     let place = (REACH - 1) as f64 + phase as f64 / PHASES as f64;
     let weight = |index: usize| {
@@ -113,7 +112,7 @@ mod tests {
         }
     }
 
-    /// Protects whole delays: they return the samples themselves.
+    /// Protects integer delays: they return the samples themselves.
     #[test]
     fn a_whole_delay_is_exact() {
         let samples: Vec<f32> = (0..100).map(|index| index as f32).collect();

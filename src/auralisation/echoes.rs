@@ -5,11 +5,11 @@ use super::delay_line::DelayLine;
 use super::prepared_sound::Echo;
 use super::{CHANNELS, Heard};
 
-/// Maximum rate of change of a delay: beyond it (a source at a fifth of the speed of sound, 250
-/// km/h) the echo fades out at its old delay and in at the new one.
+/// Maximum rate of change of a delay (a source at a fifth of the speed of sound, 250 km/h). If a delay changes faster,
+/// the echo fades out at the old delay and in at the new one.
 const MOST_DOPPLER: f64 = 0.2;
 
-/// Echoes that can sound at once: the current ones and the fading ones.
+/// Maximum number of echoes that sound at once: the current ones and the fading ones.
 const VOICES: usize = 2 * Heard::MOST_ECHOES;
 
 /// An amplitude for each band and channel.
@@ -23,9 +23,9 @@ struct Voice<const BANDS: usize> {
     amplitudes: Amplitudes<BANDS>,
     delay_target: f64,
     target: Amplitudes<BANDS>,
-    /// Samples until the targets are reached.
+    /// Number of samples until the targets are reached.
     to_go: u32,
-    /// Whether it fades out, after which its place is free.
+    /// Whether it is fading out, after which its slot is free.
     is_ending: bool,
 }
 
@@ -37,7 +37,7 @@ pub(super) struct Echoes<const BANDS: usize> {
 }
 
 impl<const BANDS: usize> Echoes<BANDS> {
-    /// Creates an empty set, for delays of up to `longest` samples.
+    /// Creates an empty set for delays of up to `longest` samples.
     pub fn new(longest: usize) -> Self {
         Self {
             line: DelayLine::new(longest, BLOCK),
@@ -45,7 +45,7 @@ impl<const BANDS: usize> Echoes<BANDS> {
         }
     }
 
-    /// Glides to other echoes within `samples` samples; 0 takes them at once. Does not allocate.
+    /// Glides to other echoes within `samples` samples; 0 switches at once. Does not allocate.
     pub fn glide_to(&mut self, echoes: &[Echo], samples: u32) {
         for voice in &mut self.voices {
             voice.end(samples);
@@ -78,14 +78,14 @@ impl<const BANDS: usize> Echoes<BANDS> {
             self.voices.push(voice);
             return;
         }
-        // Updates came faster than fades: the faintest fading voice is replaced.
+        // If updates come faster than fades end, the faintest fading voice is replaced.
         let fading = self.voices.iter_mut().filter(|voice| voice.is_ending);
         if let Some(faintest) = fading.min_by(|a, b| a.power().total_cmp(&b.power())) {
             *faintest = voice;
         }
     }
 
-    /// Takes the next block of each band, and adds the echoes to the channels. Does not allocate.
+    /// Renders the next block: reads it from `bands` and adds the echoes to the channels of `out`. Does not allocate.
     pub fn render(&mut self, bands: &[&[f32]; BANDS], out: &mut [[f32; BLOCK]; CHANNELS]) {
         self.line.write(bands);
         for voice in &mut self.voices {

@@ -1,22 +1,22 @@
-//! A source as sound at the listener: delays, loudness, echoes, reverberation.
+//! Plays a source as the listener hears it: with delays, loudness, echoes and reverberation.
 //!
 //! A [`Response`](crate::response::Response) describes the arriving sound. [`Heard`] is made from it, on any thread:
-//! the strongest exact paths as single echoes, everything else as a kernel. An [`Auralisation`] plays a source's own
-//! sound through it into two channels, on a thread that must not wait: it never allocates or locks.
+//! the strongest exact paths as single echoes, everything else as a kernel. An [`Auralisation`] applies this to a
+//! source's own sound and outputs two channels, on a thread that must not wait: it never allocates or locks.
 //!
 //! # Method
-//! - **Echoes**, including the direct sound, are read from a delay line, between samples, each with an amplitude for
-//!   each band and channel (panned with constant power). When source, listener or surfaces move, delays and amplitudes
-//!   run linearly to their next values: there are no clicks, and a moving source is heard with its Doppler shift. An
-//!   echo whose delay would change faster than a fifth of the elapsed time, or that belongs to another path, fades
-//!   instead.
-//! - **The late part** is convolved in blocks and fades to the next kernel; both are made from the same noise, so that
-//!   a fade between two similar ones is inaudible.
+//! - **Echoes**, including the direct sound, are read from a delay line at fractional delays, each with an amplitude
+//!   for each band and channel (panned with constant power). When source, listener or surfaces move, delays and
+//!   amplitudes run linearly to their next values: there are no clicks, and a moving source is heard with its Doppler
+//!   shift. An echo whose delay would change by more than a fifth of the elapsed time, or that belongs to another path,
+//!   fades instead.
+//! - **The late part** is convolved in blocks and fades to the next kernel; both kernels are made from the same noise,
+//!   so that a fade between similar kernels is inaudible.
 //! - **Bands**: if materials or the air change the timbre, the sound is split into octave bands
 //!   once for all echoes, by zero-phase filters. Otherwise there is one band and no filter.
 //!
 //! The amplitude is that of [`ImpulseResponse`](crate::response::ImpulseResponse): the direct sound of a source at 1 m
-//! is the sound itself. The output is delayed by [`Auralisation::latency`] samples.
+//! equals the source's sound. The output is delayed by [`Auralisation::latency`] samples.
 //!
 //! ```
 //! use echomarch::auralisation::{Auralisation, Heard, Spec};
@@ -69,19 +69,18 @@ const CHANNELS: usize = 2;
 /// Default length of a response in seconds: the reverberation time of a large hall.
 const USUAL_LONGEST_S: f64 = 3.0;
 
-/// A way to listen. Names, for `FromStr` and `Display`: `full`, `balance`.
+/// A listening mode. Names, for `FromStr` and `Display`: `full`, `balance`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[doc(hidden)]
 pub enum Listen {
     /// Loudness, delays, echoes, reverberation.
     Full,
-    /// Only the balance of left and right, as in the thesis: one pan, at one loudness.
+    /// Only the balance of left and right, as in the thesis: one pan, at constant loudness.
     Balance,
 }
 
 impl Listen {
-    /// The default way to listen for an algorithm: waves of the thesis end at the listener and only
-    /// give a balance.
+    /// The default listening mode of an algorithm: waves of the thesis end at the listener and only give a balance.
     pub fn for_profile(profile: Profile) -> Listen {
         match profile {
             Profile::Thesis => Listen::Balance,
@@ -92,7 +91,7 @@ impl Listen {
 
 named_values!(Listen, "way to listen": Full = "full", Balance = "balance");
 
-/// The format that an [`Auralisation`] and its [`Heard`] are made for.
+/// The format of an [`Auralisation`] and its [`Heard`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Spec {
@@ -100,13 +99,14 @@ pub struct Spec {
     pub rate_hz: u32,
     /// Whether octave bands are separate: required if materials or the air change the timbre.
     pub has_bands: bool,
-    /// Seconds of a response that are played, above 0, to [`ImpulseSettings::MAX_SECONDS`]: memory and work grow with
-    /// it.
+    /// Maximum length of the response in seconds, above 0, at most [`ImpulseSettings::MAX_SECONDS`]: memory and work
+    /// grow with it.
     pub longest_s: f64,
 }
 
 impl Spec {
-    /// The format for a scene at a sampling rate in hertz. Constructors that take it check its numbers.
+    /// The format for a scene at a sampling rate in hertz. Its numbers are checked by the constructors that take the
+    /// format.
     pub fn of(scene: &Scene, rate_hz: u32) -> Spec {
         Spec {
             rate_hz,
@@ -136,7 +136,7 @@ impl Spec {
         Ok(())
     }
 
-    /// Checks that `heard` was made for this format, if it has one.
+    /// Checks that `heard` was made for this format; a silent `heard` fits every format.
     fn check(self, heard: &Heard) -> Result<(), ResponseError> {
         match heard.spec {
             Some(other) if other != self => Err(ResponseError::OtherSpec {
@@ -149,12 +149,12 @@ impl Spec {
         }
     }
 
-    /// Samples by which the band filters delay the output.
+    /// Delay of the output by the band filters, in samples.
     fn filter_delay(self) -> usize {
         if self.has_bands { FILTER_DELAY } else { 0 }
     }
 
-    /// Samples of the longest response.
+    /// Length of the longest response in samples.
     fn longest(self) -> usize {
         (self.longest_s * f64::from(self.rate_hz)).ceil() as usize
     }
@@ -169,16 +169,16 @@ pub struct Auralisation {
     late: Kernel,
     /// The target of the current fade.
     next: Option<Fade>,
-    /// The kernel before the last fade, to be freed on another thread.
+    /// The kernel before the last fade; another thread frees it.
     retired: Kernel,
-    /// The block being filled, and its fill level.
+    /// The block being filled, and the number of samples in it.
     input: [f32; BLOCK],
     filled: usize,
     /// The output while the next block is filled.
     output: [[f32; BLOCK]; CHANNELS],
 }
 
-/// The echoes, with one band or with all.
+/// The echoes, with one band or with all bands.
 #[derive(Debug)]
 enum Bank {
     Grey(Echoes<1>),
@@ -198,7 +198,7 @@ struct Fade {
 }
 
 impl Fade {
-    /// Weight of the fade's target at a sample of the next block.
+    /// Weight of the fade's target at sample `index` of the next block.
     fn share(&self, index: usize) -> f32 {
         let done = self.done.saturating_add(index as u32 + 1);
         done.min(self.length) as f32 / self.length as f32
@@ -206,11 +206,11 @@ impl Fade {
 }
 
 impl Auralisation {
-    /// Creates a silent player. At 48 kHz it takes about 0.7 MiB per second of response, with bands 3 MiB.
+    /// Creates a silent player. At 48 kHz it takes about 0.7 MiB per second of response, or 3 MiB with bands.
     ///
     /// # Errors
-    /// [`ResponseError::BadRate`] for a rate outside [`ImpulseSettings::RATES_HZ`], and [`ResponseError::BadLength`] for
-    /// seconds that are not above 0 and at most [`ImpulseSettings::MAX_SECONDS`].
+    /// [`ResponseError::BadRate`] for a rate outside [`ImpulseSettings::RATES_HZ`], and [`ResponseError::BadLength`]
+    /// unless the seconds are above 0 and at most [`ImpulseSettings::MAX_SECONDS`].
     pub fn new(spec: Spec) -> Result<Auralisation, ResponseError> {
         spec.validate()?;
         let longest = spec.longest();
@@ -236,17 +236,17 @@ impl Auralisation {
         })
     }
 
-    /// The format that it was made for.
+    /// The format of this player.
     pub fn spec(&self) -> Spec {
         self.spec
     }
 
-    /// Delay of the output in samples: one block that must be filled, and the reach of the filters.
+    /// Delay of the output in samples: one block, which must be filled first, and the reach of the filters.
     pub fn latency(&self) -> usize {
         BLOCK + REACH + self.spec.filter_delay()
     }
 
-    /// Glides to the single echoes of `heard` within `samples` samples, from the next block on; 0 takes them at once.
+    /// Glides to the single echoes of `heard` within `samples` samples, from the next block on; 0 switches at once.
     /// Does not allocate.
     ///
     /// # Errors
@@ -261,8 +261,8 @@ impl Auralisation {
     }
 
     /// Takes the late part of `heard`, if it has one, and fades to it within `samples` samples, from the next block on;
-    /// puts the kernel that is no longer needed in its place. Returns false while a fade is in progress: then nothing
-    /// changes. Neither allocates nor frees.
+    /// stores the kernel that is no longer needed in `heard` instead. Returns false while a fade is in progress: then
+    /// nothing changes. Neither allocates nor frees.
     ///
     /// # Errors
     /// [`ResponseError::OtherSpec`] if `heard` was made for another rate or length: then nothing changes.
@@ -288,7 +288,8 @@ impl Auralisation {
     }
 
     /// Adds the response to the next samples of the source's sound to the interleaved samples of both channels. A
-    /// sample that is not finite counts as 0: it would otherwise last as long as the response. Does not allocate.
+    /// sample that is not finite counts as 0: otherwise its effect would last as long as the response. Does not
+    /// allocate.
     ///
     /// # Errors
     /// [`ResponseError::BadStereoLength`] if `stereo` is not twice as long as `mono`: then the player does not
@@ -313,7 +314,7 @@ impl Auralisation {
         Ok(())
     }
 
-    /// Computes the output for the full block, without the echoes.
+    /// Computes the late part of the output for the full block.
     fn render_late(&mut self) {
         for (channel, out) in self.output.iter_mut().enumerate() {
             self.signal.convolve(&self.late, channel, out);

@@ -1,4 +1,5 @@
-//! Plays several sources as heard by the listener, on the thread that must not wait, and keeps the loud ones within full scale.
+//! Plays several sources as the listener hears them, on the real-time audio thread, and limits loud output to full
+//! scale.
 
 use super::{Auralisation, Heard, Spec};
 use crate::audio::{Sound, StereoSignal};
@@ -12,19 +13,19 @@ const BLOCK: usize = 256;
 /// Maximum queued updates.
 const UPDATES: usize = 32;
 
-/// Seconds in which one late part fades to the next.
+/// Duration in seconds of the fade between late parts.
 const LATE_FADE_S: f64 = 0.2;
 
 /// The new state of a source.
 struct Update {
     source: usize,
     heard: Box<Heard>,
-    /// Samples in which the echoes glide to it.
+    /// Number of samples in which the echoes glide to the new state.
     glide: u32,
 }
 
 /// Plays sources and adds them up; limits a sum that is too loud. Create it with [`Player::new`] and pass it to live
-/// output as its two channels.
+/// output as its stereo signal.
 pub struct Player {
     spec: Spec,
     sources: Vec<Playing>,
@@ -51,10 +52,10 @@ struct Playing {
 }
 
 impl Player {
-    /// Creates a player of these sounds, one for each source, made for the rate of `spec`; `gain` is an amplitude.
+    /// Creates a player for these sounds, one for each source, at the rate of `spec`; `gain` is an amplitude factor.
     ///
     /// # Errors
-    /// As [`Auralisation::new`]; [`ResponseError::BadNumber`] for a gain that is not finite.
+    /// The errors of [`Auralisation::new`]; [`ResponseError::BadNumber`] for a gain that is not finite.
     pub fn new(
         sounds: Vec<Sound>,
         spec: Spec,
@@ -69,7 +70,7 @@ impl Player {
             });
         }
         let (to_inbox, inbox) = RingBuffer::new(UPDATES);
-        // Room for everything that can be inside: queued updates, and a late part for each source.
+        // Room for all objects in use: queued updates, and a late part for each source.
         let (outbox, from_outbox) = RingBuffer::new(UPDATES + sounds.len());
         let remote = PlayerRemote {
             spec,
@@ -137,9 +138,9 @@ impl Player {
     }
 }
 
-/// Hands a late part to the remote, which frees it.
+/// Returns a late part to the remote, which frees it.
 fn hand_out(outbox: &mut Producer<Box<Heard>>, heard: Box<Heard>) {
-    // There is always room: see `Player::new`.
+    // The queue always has room: see `Player::new`.
     let _ = outbox.push(heard);
 }
 
@@ -154,7 +155,7 @@ impl StereoSignal for Player {
 }
 
 impl PlayerRemote {
-    /// The format that each [`Heard`] must be made for.
+    /// The required format of each [`Heard`].
     pub fn spec(&self) -> Spec {
         self.spec
     }
@@ -164,9 +165,8 @@ impl PlayerRemote {
         self.sources
     }
 
-    /// Glides to a new state of a source (counted from 0) within the given seconds, and frees the
-    /// previous one. Returns false, and nothing changes, if too much is queued because the player
-    /// stands still.
+    /// Glides to a new state of a source (counted from 0) within the given seconds, and frees the previous state.
+    /// Returns false and changes nothing if the queue is full because the player does not run.
     ///
     /// # Errors
     /// [`ResponseError::NoSuchSource`], [`ResponseError::OtherSpec`] if `heard` was made for another player, and
@@ -228,14 +228,14 @@ impl fmt::Debug for PlayerRemote {
 /// The largest sample that is not reduced, relative to full scale 1.
 const CEILING: f32 = 0.98;
 
-/// Samples over which the gain falls: 0.7 ms at 48 kHz. Samples still too loud meanwhile are
-/// clipped at full scale.
+/// Number of samples over which the gain falls: 0.7 ms at 48 kHz. Samples that are still too loud meanwhile are clipped
+/// at full scale.
 const ATTACK: usize = 32;
 
-/// Seconds in which the gain rises again by a factor of e.
+/// Time in seconds in which the gain rises again by a factor of e.
 const RELEASE_S: f32 = 0.4;
 
-/// A gain that falls immediately when a block is too loud, and rises slowly.
+/// A gain that falls immediately when a block is too loud, and recovers slowly.
 #[derive(Debug)]
 pub(super) struct Limiter {
     gain: f32,

@@ -1,4 +1,4 @@
-//! A source as heard at one moment, prepared for playback.
+//! The sound of a source at the listener at one moment, prepared for playback.
 
 use super::convolution::Kernel;
 use super::delay_line::REACH;
@@ -11,10 +11,10 @@ use crate::response::{
 use crate::response::{HeardPath, Response};
 use crate::sampling::hash;
 
-/// One of the strongest paths.
+/// One of the strongest paths, as an echo.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Echo {
-    /// The key of the path: stays the same over time for a path over the same surfaces.
+    /// The key of the path, which stays the same over time for a path over the same surfaces.
     pub key: u64,
     /// Samples from the source to the ear.
     pub delay: f64,
@@ -45,27 +45,27 @@ impl Echo {
     }
 }
 
-/// A source as a listener hears it from some moment on, prepared outside the thread that plays it:
-/// the strongest paths as single echoes, everything else as a kernel to convolve with.
+/// The sound of a source at the listener, prepared on another thread than the one that plays it: the strongest paths as
+/// single echoes, everything else as a kernel to convolve with.
 #[derive(Debug)]
 pub struct Heard {
     pub(super) echoes: Vec<Echo>,
     pub(super) late: Option<Kernel>,
-    /// The rate and length of its samples; `None` for silence, which fits every player.
+    /// The format of its samples; `None` for silence, which fits every player.
     pub(super) spec: Option<Spec>,
 }
 
 impl Heard {
-    /// Maximum single echoes of a source: the strongest paths. All others are in the late part, where they do not
-    /// glide. A room has 63 paths of up to three reflections.
+    /// Maximum number of single echoes per source: the strongest paths. All other paths are in the late part, where
+    /// they do not glide. A room has 63 paths of up to three reflections.
     pub const MOST_ECHOES: usize = 64;
 
     /// Prepares a response for a listener with these axes. The late part is noise from `seed`: with the same seed it
     /// changes only as much as the echogram does.
     ///
     /// # Errors
-    /// [`ResponseError::BadLength`] for a response of no length, or of more than
-    /// [`ImpulseSettings::MAX_SECONDS`](crate::response::ImpulseSettings::MAX_SECONDS), and as
+    /// [`ResponseError::BadLength`] for a response of length 0 or longer than
+    /// [`ImpulseSettings::MAX_SECONDS`](crate::response::ImpulseSettings::MAX_SECONDS), and the errors of
     /// [`of_paths`](Heard::of_paths).
     pub fn new(
         response: &Response,
@@ -79,7 +79,7 @@ impl Heard {
         Ok(heard)
     }
 
-    /// The samples of everything except the single echoes, by channel.
+    /// The samples of all sound except the single echoes, by channel.
     fn late_samples(
         response: &Response,
         axes: &ListenerAxes,
@@ -97,7 +97,7 @@ impl Heard {
         Ok(late.channels().to_vec())
     }
 
-    /// Prepares the paths alone: the late part stays unchanged.
+    /// Prepares the paths only: the late part stays unchanged.
     ///
     /// # Errors
     /// [`ResponseError::BadRate`] and [`ResponseError::BadLength`] for numbers that
@@ -114,7 +114,7 @@ impl Heard {
         let mut echoes: Vec<Echo> = Vec::new();
         for path in strongest(paths, spec) {
             let mut key = key(path);
-            // Another path over the same surfaces has this key.
+            // This key belongs to another path over the same surfaces.
             while echoes.iter().any(|echo| echo.key == key) {
                 key = hash(key);
             }
@@ -151,7 +151,7 @@ impl Heard {
     }
 }
 
-/// Delays the samples like the echoes. A sample that is not finite becomes silent.
+/// Creates a kernel from samples, delayed like the echoes. Samples that are not finite become 0.
 fn kernel(channels: &[Vec<f32>], spec: Spec) -> Kernel {
     let delayed = |samples: &Vec<f32>| {
         let mut delayed = vec![0.0; spec.filter_delay() + REACH];
@@ -162,7 +162,7 @@ fn kernel(channels: &[Vec<f32>], spec: Spec) -> Kernel {
     Kernel::new(&channels.iter().map(delayed).collect::<Vec<_>>())
 }
 
-/// The paths in the order of their energy, split into those that can be single echoes and the rest.
+/// The paths in the order of their energy, split into those that become single echoes and the rest.
 fn by_energy(paths: &[HeardPath], spec: Spec) -> (Vec<&HeardPath>, Vec<&HeardPath>) {
     let (mut near, far): (Vec<_>, Vec<_>) = paths
         .iter()
@@ -181,7 +181,7 @@ fn faint(paths: &[HeardPath], spec: Spec) -> impl Iterator<Item = &HeardPath> {
     near.into_iter().skip(Heard::MOST_ECHOES).chain(far)
 }
 
-/// A hash of the surfaces and walls that reflect a path.
+/// A hash of the surfaces and walls on a path.
 fn key(path: &HeardPath) -> u64 {
     let mirrors = path.path.surfaces.iter().zip(&path.path.walls);
     mirrors.fold(0, |key, (surface, wall)| {
@@ -206,10 +206,10 @@ impl HeardParts {
     /// Bits of half a key, which a float holds exactly.
     const HALF: u32 = 32;
 
-    /// Prepares a response; its late part only if it is due.
+    /// Prepares a response, and its late part only if `seed` is given.
     ///
     /// # Errors
-    /// As [`Heard::new`].
+    /// The errors of [`Heard::new`].
     pub fn new(
         response: &Response,
         axes: &ListenerAxes,
@@ -224,8 +224,8 @@ impl HeardParts {
         })
     }
 
-    /// Prepares the numbers for playback. Ignores an incomplete last echo, and invalid echoes: with a delay that is
-    /// negative or beyond the player's length, or with numbers that are not finite.
+    /// Converts the numbers back for playback. Ignores an incomplete last echo, and invalid echoes: with a delay that
+    /// is negative or beyond the player's length, or with numbers that are not finite.
     pub fn heard(&self, spec: Spec) -> Heard {
         let channels = |samples: &Vec<f32>| {
             let length = samples.len() / CHANNELS;
@@ -264,7 +264,7 @@ impl Echo {
         are_finite && (0.0..=spec.longest() as f64).contains(&self.delay)
     }
 
-    /// Reads an echo back from its numbers, as far as they go.
+    /// Reads an echo from its numbers, as far as they go.
     fn of(numbers: &[f64]) -> Echo {
         let floats = |first: usize| move |index: usize| numbers[first + index] as f32;
         Echo {

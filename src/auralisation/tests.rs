@@ -21,7 +21,7 @@ fn axes() -> ListenerAxes {
     ListenerAxes::new(DVec3::NEG_Z, DVec3::Y).expect("good axes")
 }
 
-/// Sound from the left with amplitude 1 at a band's centre where its energy is 1 / 4π.
+/// Sound from the left that has amplitude 1 at a band's centre if the band's energy is 1 / 4π.
 fn tap(seconds: f64, energy: Bands) -> Tap {
     Tap {
         seconds,
@@ -39,7 +39,7 @@ fn heard(taps: &[Tap], spec: Spec) -> Heard {
     }
 }
 
-/// The output of a sound at the left ear, without the latency.
+/// The output at the left ear for a sound, without the latency.
 fn play(ears: &mut Auralisation, sound: &[f32]) -> Vec<f32> {
     let mut ahead = sound.to_vec();
     ahead.resize(sound.len() + ears.latency(), 0.0);
@@ -89,8 +89,8 @@ fn an_echo_comes_when_it_shall() {
     }
 }
 
-/// Protects the timbre: at the centre of each band the amplitude is that of its energy, except for the error of the cut
-/// filters.
+/// Protects the timbre: at the centre of each band the amplitude matches the band's energy, except for the error of the
+/// truncated filters.
 #[test]
 fn bands_have_their_energies() {
     let spec = spec(true);
@@ -116,7 +116,7 @@ fn bands_have_their_energies() {
     }
 }
 
-/// Protects the late part: it is the impulse response of its echogram, at the right time.
+/// Protects the late part: it equals the impulse response of its echogram, at the right time.
 #[test]
 fn the_late_part_is_the_impulse_response() {
     let spec = spec(true);
@@ -142,7 +142,7 @@ fn the_late_part_is_the_impulse_response() {
     }
 }
 
-/// The largest step of a sine alone, and the largest step found.
+/// The largest step in the sound alone, and the largest step in the output.
 fn steps(sound: &[f32], heard: &[f32]) -> (f32, f32) {
     let largest = |samples: &[f32]| {
         let steps = samples.windows(2).map(|pair| (pair[1] - pair[0]).abs());
@@ -156,8 +156,8 @@ fn sine(frequency_hz: f64, length: usize) -> Vec<f32> {
     (0..length).map(|index| turn(index).sin() as f32).collect()
 }
 
-/// Protects from clicks and zipper noise: echoes that move, come, go and jump, and late parts that change, do not step
-/// further than the sound itself does.
+/// Protects from clicks and zipper noise: echoes that move, start, end and jump, and late parts that change, do not
+/// step further than the sound itself does.
 #[test]
 fn nothing_clicks() {
     for has_bands in [false, true] {
@@ -167,7 +167,7 @@ fn nothing_clicks() {
         let mut left: Vec<f32> = Vec::new();
         for (frame, mono) in sound.chunks(1600).enumerate() {
             let mut taps = vec![tap(0.02 + 0.0005 * frame as f64, [0.3; BAND_COUNT])];
-            // One echo that comes and goes, and one that jumps.
+            // One echo that alternates between on and off, and one that jumps.
             taps.push(tap(0.1 + 0.2 * (frame % 2) as f64, [0.05; BAND_COUNT]));
             if frame % 3 == 0 {
                 taps.push(tap(0.05, [0.1; BAND_COUNT]));
@@ -180,7 +180,7 @@ fn nothing_clicks() {
             ears.add(mono, &mut stereo).unwrap();
             left.extend(stereo.iter().step_by(2));
         }
-        // All together have amplitude √0.3 + 2 √0.05 + √0.1 + 0.2 at most.
+        // Together they have an amplitude of at most √0.3 + 2 √0.05 + √0.1 + 0.2.
         let most = 0.3_f32.sqrt() + 2.0 * 0.05_f32.sqrt() + 0.1_f32.sqrt() + 0.2;
         let (own, found) = steps(&sound, &left);
         assert!(found < own * most * 1.05, "{has_bands}: {found} {own}");
@@ -295,7 +295,7 @@ fn what_was_made_for_another_player_is_refused() {
     assert!((left[480] - 0.5).abs() < 1e-4, "{}", left[480]);
 }
 
-/// Protects a player from a NaN sample, which would last as long as the response.
+/// Protects a player from a NaN sample, whose effect would last as long as the response.
 #[test]
 fn a_sample_that_is_no_number_is_silent() {
     let spec = spec(true);

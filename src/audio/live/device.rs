@@ -26,7 +26,7 @@ use crate::audio::Sound;
 pub struct DeviceInfo {
     /// Its name; [`LiveOptions::device`](super::LiveOptions::device) accepts it.
     pub name: String,
-    /// Its unique name within the sound system, which is accepted as well.
+    /// Its unique name within the sound system, which [`LiveOptions::device`](super::LiveOptions::device) also accepts.
     pub id: String,
     /// Whether it is the default device.
     pub default: bool,
@@ -43,15 +43,15 @@ pub(super) struct Found {
     config: SupportedStreamConfig,
 }
 
-/// The PulseAudio server found last. A connection to it stays open as long as the program runs, and
-/// the server limits their number, so one is kept while it answers.
+/// The PulseAudio server found last. A connection to it stays open until the program ends, and the server limits the
+/// number of connections, so the connection is reused while the server answers.
 static HOST: Mutex<Option<Arc<Host>>> = Mutex::new(None);
 
 fn kept_host() -> MutexGuard<'static, Option<Arc<Host>>> {
     HOST.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The sound system. Its messages to standard error are not shown: errors are returned.
+/// The sound system. Its messages to standard error are suppressed: errors are returned.
 fn host() -> Arc<Host> {
     hush();
     let kept = kept_host().clone();
@@ -61,25 +61,25 @@ fn host() -> Arc<Host> {
         return host;
     }
     let host = Arc::new(cpal::default_host());
-    // Looking for another sound system costs nothing, and PulseAudio may start later.
+    // Other sound systems are looked up each time: this costs nothing, and PulseAudio may start later.
     let is_kept = host.id().name() == "PulseAudio";
     *kept_host() = is_kept.then(|| Arc::clone(&host));
     host
 }
 
-/// Looks for the sound system again next time if its client broke down. A sound system that does
-/// not answer is kept: it answers when the server does, and another would have to wait as well.
+/// Makes the next call look for the sound system again if its client broke down. A sound system that does not answer is
+/// kept: it answers when the server does, and another client would have to wait as well.
 pub(super) fn forget_broken(error: &LiveError) {
     if matches!(error, LiveError::BrokenDown) {
         *kept_host() = None;
     }
 }
 
-/// Keeps ALSA and the libraries that it loads from writing to the standard error stream: ALSA
-/// itself on this thread, JACK's client library everywhere.
+/// Keeps ALSA and the libraries that it loads from writing to standard error: ALSA itself on this thread, JACK's client
+/// library on all threads.
 #[cfg(target_os = "linux")]
 fn hush() {
-    // If this fails the lines are shown, which is harmless.
+    // If this fails, the messages are shown, which is harmless.
     let _ = alsa::Output::local_error_handler();
     hush_jack();
 }
@@ -119,12 +119,12 @@ fn list() -> Vec<DeviceInfo> {
     devices.filter(plays).filter_map(describe).collect()
 }
 
-/// Looks for a device by its name or its id, or for the default one.
+/// Looks for a device by its name or id, or for the default device.
 pub(super) fn find(wanted: Option<&str>) -> Result<Found, LiveError> {
     let host = host();
     let no_device = |error: cpal::Error| LiveError::NoDevice {
         reason: match error.kind() {
-            // cpal's text refers to a requested device, but the default was requested.
+            // cpal's text refers to a requested device, but the request was for the default.
             cpal::ErrorKind::DeviceNotAvailable => "the sound system offers none".to_owned(),
             _ => error.to_string(),
         },
@@ -213,8 +213,8 @@ impl Found {
         self.config.sample_rate()
     }
 
-    /// Opens the device with a buffer of `buffer_frames`, or of its own choice if it rejects that
-    /// length, and starts it.
+    /// Opens and starts the device with a buffer of `buffer_frames`, or with the device's own buffer length if it
+    /// rejects that one.
     pub(super) fn open(&self, buffer_frames: u32, link: &Link) -> Result<Stream, LiveError> {
         hush();
         let frames = match *self.config.buffer_size() {
@@ -284,8 +284,8 @@ extern "C" fn forget(_: *const c_char) {}
 fn hush_jack() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
-        // SAFETY: this is the library that ALSA's plugin would load, by the same name; its
-        // initialisers would run there as well.
+        // SAFETY: this is the library that ALSA's plugin would load, by the same name; its initialisers would run then,
+        // too.
         let Ok(library) = (unsafe { libloading::Library::new("libjack.so.0") }) else {
             return;
         };
@@ -301,7 +301,7 @@ fn hush_jack() {
                 }
             }
         }
-        // The library keeps a pointer to `forget`, and other libraries use the library.
+        // The library keeps a pointer to `forget`, and other libraries use this library.
         std::mem::forget(library);
     });
 }
@@ -312,8 +312,8 @@ pub(super) const ANSWER_LIMIT: Duration = Duration::from_secs(5);
 /// Interval at which a waiting thread checks whether to give up.
 const GLANCE: Duration = Duration::from_millis(20);
 
-/// Whether a request is in progress. Only one request runs at a time, so that a sound system that
-/// hangs holds one thread and one connection, however many requests follow.
+/// Whether a request is in progress. Only one request runs at a time, so that a sound system that hangs occupies one
+/// thread and one connection, however many requests follow.
 static IS_PENDING: AtomicBool = AtomicBool::new(false);
 
 /// Ends the request when its thread ends, even by a panic.
@@ -335,7 +335,7 @@ impl Drop for PendingRequest {
 /// Runs `work`, which calls the sound system, on a separate thread and waits for it up to a limit,
 /// or until `is_off`.
 ///
-/// A later answer is dropped on that thread; until then no other request starts.
+/// If the answer comes later, that thread drops it; until then no other request starts.
 pub(super) fn within<T: Send + 'static>(
     limit: Duration,
     is_off: impl Fn() -> bool,
@@ -357,7 +357,7 @@ pub(super) fn within<T: Send + 'static>(
     spawn("echomarch-open", move || {
         let answer = work();
         drop(request);
-        // The receiver may be gone: the answer is then dropped.
+        // The receiver may no longer exist: the answer is then dropped.
         let _ = sender.send(answer);
     })?;
     loop {
@@ -370,9 +370,9 @@ pub(super) fn within<T: Send + 'static>(
     }
 }
 
-/// Drops a value on a separate thread, since that may take long.
+/// Drops a value on a separate thread, since dropping it may take long.
 pub(super) fn drop_elsewhere<T: Send + 'static>(value: T) {
-    // If the thread cannot start, the value is dropped with the closure, here.
+    // If the thread cannot start, the closure and the value are dropped here.
     let _ = spawn("echomarch-close", move || drop(value));
 }
 
@@ -386,8 +386,8 @@ fn spawn(name: &str, work: impl FnOnce() + Send + 'static) -> Result<(), LiveErr
 mod tests {
     use super::*;
 
-    /// Protects a hanging sound system from repeated requests, each from another thread; and a
-    /// panic from being reported as a time-out. It is one test because all requests share one lock.
+    /// Protects a hanging sound system from repeated requests, each from another thread; and a panic from being
+    /// reported as a time-out. Both are in one test because all requests share one lock.
     #[test]
     fn one_request_at_a_time_and_a_panic_is_told() {
         let (answer, hangs) = mpsc::channel::<()>();

@@ -59,10 +59,10 @@ pub enum LiveError {
     /// A recording is in progress already.
     #[error("a recording is under way: stop it first")]
     AlreadyRecording,
-    /// A request to stop a recording while not recording.
+    /// A request to stop a recording while none is in progress.
     #[error("nothing is being recorded")]
     NotRecording,
-    /// The recording ended because the device continued at another rate.
+    /// The recording ended because the device resumed at another rate.
     #[error(
         "the recording ended: the sound device now runs at {rate_hz} Hz, and a file has one rate"
     )]
@@ -70,7 +70,7 @@ pub enum LiveError {
         /// The device's rate, in hertz.
         rate_hz: u32,
     },
-    /// The callback that holds the recording hangs.
+    /// The callback that owns the recording hangs.
     #[error("the recording ended: the sound device has not released it")]
     RecordingHeld,
     /// The operating system refused to start a thread.

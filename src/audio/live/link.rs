@@ -21,25 +21,25 @@ pub(super) enum Command {
     Stereo(Option<StereoSource>),
     /// Play on another device.
     Device(Option<String>),
-    /// Take the recording that waits in the state.
+    /// Start the recording stored in the supervisor's state.
     Record,
-    /// An event on another thread to report.
+    /// Report an event on another thread.
     Notice(String),
-    /// A stream broke off.
+    /// A stream was lost.
     Lost { generation: u64, reason: String },
     /// End the thread.
     Stop,
 }
 
-/// Holds the renderer while nothing plays: it outlives streams. Taking it and putting it back swap
-/// one pointer.
+/// Holds the renderer while nothing plays; it outlives streams. Taking the renderer and putting it back swap one
+/// pointer.
 pub(super) type Slot = AtomicCell<Option<Box<Renderer>>>;
 
 /// Data for the callbacks of one stream.
 #[derive(Clone)]
 pub(super) struct Link {
     pub(super) slot: Arc<Slot>,
-    /// Holds a replaced renderer, for the supervisor to free.
+    /// Holds a replaced renderer until the supervisor frees it.
     pub(super) drop_queue: Arc<Slot>,
     pub(super) shared: Arc<Shared>,
     pub(super) commands: Sender<Command>,
@@ -79,8 +79,8 @@ impl Link {
         self.put_back(renderer);
     }
 
-    /// Puts the renderer back. If a callback hung and the supervisor made another renderer in the
-    /// meantime, the newer one stays in the slot.
+    /// Puts the renderer back. If a callback hung and the supervisor made another renderer in the meantime, the slot
+    /// keeps the newer one.
     fn put_back(&self, renderer: Box<Renderer>) {
         let mut mine = renderer;
         loop {
@@ -93,15 +93,16 @@ impl Link {
         }
     }
 
-    /// Leaves a renderer to the supervisor, without freeing anything here.
+    /// Hands a renderer to the supervisor, which frees it; frees nothing here.
     fn retire(&self, renderer: Box<Renderer>) {
         if let Some(another) = self.drop_queue.swap(Some(renderer)) {
-            // Two between two checks of the supervisor have never been observed: the second is leaked.
+            // Two retired renderers between two checks of the supervisor have never been observed: the second is
+            // leaked.
             std::mem::forget(another);
         }
     }
 
-    /// Records a callback: the time of the call and the time when its samples will be heard.
+    /// Records a callback: the time of the call and the playback time of its samples.
     fn note(
         &self,
         info: &OutputCallbackInfo,
@@ -126,8 +127,8 @@ impl Link {
         self.shared.callbacks.fetch_add(1, Relaxed);
     }
 
-    /// The callback for errors: counts under-runs; of the errors that end the stream, reports only
-    /// the first, because there may be hundreds.
+    /// The callback for errors: counts under-runs; reports only the first error that ends the stream, because there may
+    /// be hundreds.
     pub(super) fn error_callback(&self) -> impl FnMut(cpal::Error) + Send + 'static {
         let link = self.clone();
         let mut is_told = false;
@@ -139,7 +140,7 @@ impl Link {
             _ if is_told => {}
             _ => {
                 is_told = true;
-                // If the supervisor is gone, the stream soon ends as well.
+                // If the supervisor no longer runs, the stream soon ends as well.
                 let _ = link.commands.send(Command::Lost {
                     generation: link.generation,
                     reason: error.to_string(),
@@ -160,9 +161,8 @@ mod tests {
         Box::new(renderer)
     }
 
-    /// Protects the renderer that belongs to the supervisor's remote: when a hung callback puts
-    /// back its renderer, the newer one stays, whichever comes first, and the supervisor frees the
-    /// other, not the callback.
+    /// Protects the renderer that belongs to the supervisor's remote: when a hung callback puts back its renderer, the
+    /// newer renderer stays in the slot, whichever comes first, and the supervisor, not the callback, frees the other.
     #[test]
     fn the_newer_renderer_stays_and_the_older_is_retired() {
         for (there, back) in [(2, 1), (1, 2)] {

@@ -1,12 +1,11 @@
 //! Live output: plays a sound while its panning changes.
 //!
 //! # Theory
-//! A sound system requests blocks of samples from a *callback*, on a thread that must never be
-//! late: a late block is an audible gap. So the callback here never allocates, locks or waits
-//! ([`Renderer`]). Pan, volume and law reach it as single atomic values, sounds and recordings
-//! through lock-free rings. A *supervisor* thread frees what the callback no longer needs, opens
-//! the device, and reopens it when it is lost. `docs/audio.md` describes how the threads work
-//! together.
+//! A sound system requests blocks of samples from a *callback*, on a thread that must never be late: a late block is an
+//! audible gap. So the callback here never allocates, locks or waits ([`Renderer`]). Pan, volume and law reach it as
+//! single atomic values, sounds and recordings through lock-free rings. A *supervisor* thread frees the objects that
+//! the callback has finished with, opens the device, and reopens it when it is lost. `docs/audio.md` describes how the
+//! threads work together.
 //!
 //! ```no_run
 //! use echomarch::audio::live::{Live, LiveOptions};
@@ -52,10 +51,10 @@ use crate::tracer::Panning;
 pub struct LiveOptions {
     /// Name or id of the output device; `None` for the system's default.
     pub device: Option<String>,
-    /// Frames that the device requests at once; 1024 by default. With fewer, changes are heard
-    /// sooner, but a busy machine may be late.
+    /// Number of frames per request of the device; 1024 by default. With fewer, changes are heard sooner, but a busy
+    /// machine may be late.
     pub buffer_frames: u32,
-    /// Panning law: how a pan becomes two gains.
+    /// The panning law.
     pub law: PanningLaw,
 }
 
@@ -73,44 +72,43 @@ impl Default for LiveOptions {
 #[derive(Debug, Clone, Default, PartialEq)]
 #[non_exhaustive]
 pub struct LiveStatus {
-    /// The device in use; `None` while there is none, and all is silent.
+    /// The device in use; `None` while no device is open and the output is silent.
     pub device: Option<String>,
-    /// Sample rate in hertz; without a device, that of the last one.
+    /// Sample rate in hertz; without a device, the last device's rate.
     pub sample_rate: u32,
-    /// Frames that the device requested last; 0 before its first request.
+    /// Number of frames in the device's last request; 0 before its first request.
     pub buffer_frames: u32,
-    /// Latency in milliseconds from computing a sample to hearing it, as the sound system reports
-    /// it for the first sample of a block; `None` if it does not.
+    /// Latency in milliseconds from computing a sample to hearing it, as the sound system reports it for the first
+    /// sample of a block; `None` if the sound system does not report it.
     pub latency_ms: Option<f64>,
-    /// Milliseconds from setting a pan to the block computed with it, smoothed over the last pans;
-    /// `None` before the first.
+    /// Milliseconds from setting a pan until a block is computed with it, smoothed over the last pans; `None` before
+    /// the first pan.
     pub pan_waited_ms: Option<f64>,
     /// Under-runs reported by the sound system. PulseAudio reports none.
     pub under_runs: u64,
-    /// Number of blocks requested later than two block lengths after the previous one: a device
-    /// that holds two blocks has then run dry.
+    /// Number of blocks requested more than two block lengths after the previous one: a device with a buffer of two
+    /// blocks has then run dry.
     pub late_callbacks: u64,
     /// Number of times that a device was opened after the first one.
     pub restarts: u64,
-    /// Number of times that an open device was lost: it was removed, or accepted no more sound.
+    /// Number of times that an open device was lost: it was removed, or stopped requesting sound.
     pub losses: u64,
     /// Whether the output is being recorded.
     pub is_recording: bool,
     /// Frames that the current or last recording lost because the disk was too slow.
     pub dropped_frames: u64,
-    /// Whether there is a sound to play; false if none could be loaded at the device's rate.
+    /// Whether a sound is loaded; false if none could be loaded at the device's rate.
     pub has_sound: bool,
-    /// The last error, as a sentence; it stays after recovery.
+    /// The last error, as a sentence; kept after recovery.
     pub last_error: Option<String>,
-    /// The last error of a sound or a recording, during which the device may play on, as a
-    /// sentence; `None` once a sound has been loaded or a recording begun since.
+    /// The last error of a sound or a recording, as a sentence; the device may play on meanwhile. `None` after the next
+    /// successful load or start of a recording.
     pub notice: Option<String>,
 }
 
-/// A sound that plays on a device until this is dropped.
+/// A sound playing on a device until this is dropped.
 ///
-/// All methods may be called from any thread and none waits for the callback; those that set
-/// something return at once.
+/// All methods may be called from any thread. None waits for the callback; setters return at once.
 #[derive(Debug)]
 pub struct Live {
     common: Common,
@@ -118,11 +116,11 @@ pub struct Live {
 }
 
 impl Live {
-    /// Starts to play `sound`, in the middle and at full volume.
+    /// Starts to play `sound`, panned to the centre and at full volume.
     ///
-    /// This never fails: without a device, or with one that cannot be opened, the sound pauses, the
-    /// output is silent, and [`status`](Self::status) contains the reason; the device is retried
-    /// from time to time. The same applies to a sound that cannot be loaded.
+    /// This never fails: if there is no device, or opening it fails, the sound pauses, the output is silent, and
+    /// [`status`](Self::status) contains the reason; the device is retried from time to time. The same applies if
+    /// loading the sound fails.
     pub fn start(sound: SoundSource, options: LiveOptions) -> Self {
         let (commands, receiver) = mpsc::channel();
         let common = Common {
@@ -149,8 +147,8 @@ impl Live {
         Self { common, supervisor }
     }
 
-    /// Sets the sums that arrived from the left and from the right, those of a frame's
-    /// [`Panning`]. The gains glide to the new values within 20 ms.
+    /// Sets the sums of the sound that arrived from the left and from the right, as in a frame's [`Panning`]. The gains
+    /// glide to the new values within 20 ms.
     pub fn set_panning(&self, left: f64, right: f64) {
         let pan = Panning { left, right }.pan();
         self.common.shared.set_pan(pan as f32);
@@ -161,26 +159,26 @@ impl Live {
         self.common.shared.set_law(law);
     }
 
-    /// Sets a factor on both channels, 0 (silence) to 1; the volume glides to it.
+    /// Sets the factor of both channels, 0 (silence) to 1; the volume glides to it.
     pub fn set_volume(&self, volume: f32) {
         self.common.shared.set_volume(volume);
     }
 
     /// Cross-fades to the start of another sound, within 20 ms after it is loaded.
     ///
-    /// If it cannot be loaded, the old one continues and [`status`](Self::status) contains the reason.
+    /// If loading fails, the old sound continues and [`status`](Self::status) contains the reason.
     pub fn set_sound(&self, sound: SoundSource) {
         self.send(Command::Sound(sound));
     }
 
-    /// Cross-fades to a sound of two channels, or back to the mono sound and its pan (`None`), within 20 ms. The volume
+    /// Cross-fades within 20 ms to a sound of two channels, or back to the mono sound and its pan (`None`). The volume
     /// applies to both.
     pub fn set_stereo(&self, source: Option<StereoSource>) {
         self.send(Command::Stereo(source));
     }
 
-    /// Plays on the device of this name or id, or on the system's default. The sound fades out and
-    /// continues there.
+    /// Switches to the device with this name or id, or to the system's default. The sound fades out and continues on
+    /// that device.
     pub fn set_device(&self, device: Option<String>) {
         self.send(Command::Device(device));
     }
@@ -208,8 +206,7 @@ impl Live {
         }
     }
 
-    /// Level (RMS) of left and right over the last whole 50 ms, relative to full scale 1; 0 without
-    /// a device.
+    /// Level (RMS) of left and right over the last complete 50 ms, relative to full scale 1; 0 without a device.
     pub fn levels(&self) -> [f32; 2] {
         let shared = &self.common.shared;
         // A callback that ends late may still report levels after the device was closed.
@@ -222,21 +219,20 @@ impl Live {
 
     /// Starts to write the output to a WAV file of 32-bit float samples, at the device's rate.
     ///
-    /// While there is no device, the recording pauses. If the device comes back at another rate
-    /// than the written samples have, the recording ends, as it does when the disk is full or after
-    /// 4 GiB; [`status`](Self::status) reports that. The next recording may then begin.
+    /// The recording pauses while there is no device. It ends if the device comes back at another rate than that of the
+    /// written samples, if the disk is full, or after 4 GiB; [`status`](Self::status) reports that. The next recording
+    /// may then begin.
     ///
     /// Until the file is complete, its name is `path` followed by `-`, six letters and `.part.wav`;
     /// it is playable up to the last second.
     ///
     /// # Errors
-    /// [`LiveError::AlreadyRecording`], or as
-    /// [`WavWriter::create_at`](super::WavWriter::create_at).
+    /// [`LiveError::AlreadyRecording`], or the errors of [`WavWriter::create_at`](super::WavWriter::create_at).
     pub fn start_recording(&self, path: &Path) -> Result<(), LiveError> {
         let mut state = lock(&self.common.state);
         if let Some(over) = state.recording.take_if(|recording| recording.is_over()) {
             drop(state);
-            // The error that ended it was reported when it happened.
+            // The error that ended the recording was reported when it happened.
             let _ = over.finish();
             state = lock(&self.common.state);
         }
@@ -271,15 +267,15 @@ impl Live {
 }
 
 impl Drop for Live {
-    /// Fades out, closes the device, and completes a recording.
+    /// Fades out, closes the device, and completes a recording in progress.
     fn drop(&mut self) {
         self.common.is_stopping.store(true, Relaxed);
         self.send(Command::Stop);
         if let Some(supervisor) = self.supervisor.take() {
-            // If it panicked there is nothing left to close.
+            // After a panic of the supervisor there is nothing left to close.
             let _ = supervisor.join();
         }
-        // Callers who need to know whether the file is complete stop the recording themselves.
+        // Callers that must know whether the file is complete stop the recording themselves.
         let _ = self.stop_recording();
     }
 }

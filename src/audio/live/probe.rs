@@ -1,4 +1,4 @@
-//! A device callback without a device, for the test that it does not allocate.
+//! A device callback without a device, for the test that callbacks do not allocate.
 
 use std::path::Path;
 use std::sync::{Arc, mpsc};
@@ -11,7 +11,7 @@ use super::link::{Link, Slot};
 use super::recording::Recording;
 use super::renderer::{Message, Remote, Renderer};
 
-/// The callback that a stream of `channels` channels would use for this renderer.
+/// The callback of a stream with `channels` channels for this renderer.
 pub fn player<T: Sample + FromSample<f32>>(
     renderer: Renderer,
     remote: &Remote,
@@ -38,10 +38,10 @@ pub fn player<T: Sample + FromSample<f32>>(
 pub struct Recorder(Recording);
 
 impl Recorder {
-    /// Starts a file at `rate_hz` samples per second; it stays empty if too much is queued.
+    /// Starts a file at `rate_hz` samples per second; the file stays empty if the queue to the callback is full.
     ///
     /// # Errors
-    /// As [`Live::start_recording`](super::Live::start_recording).
+    /// The errors of [`Live::start_recording`](super::Live::start_recording).
     pub fn start(remote: &mut Remote, path: &Path, rate_hz: u32) -> Result<Self, LiveError> {
         let mut recording = Recording::new(path, rate_hz)?;
         let (commands, _) = mpsc::channel();
@@ -56,7 +56,7 @@ impl Recorder {
     /// Completes the file and returns the number of frames in it.
     ///
     /// # Errors
-    /// As [`Live::stop_recording`](super::Live::stop_recording).
+    /// The errors of [`Live::stop_recording`](super::Live::stop_recording).
     pub fn finish(self) -> Result<u64, LiveError> {
         self.0.finish()
     }

@@ -14,25 +14,25 @@ use super::link::Command;
 use super::renderer::Tap;
 use crate::audio::{AudioError, WavWriter};
 
-/// Capacity of the ring, in seconds: longer than a disk commonly stalls.
+/// Capacity of the ring, in seconds: longer than typical disk stalls.
 const RING_S: usize = 4;
 
-/// Interval between two times that the ring is emptied.
+/// Interval between two reads of the ring.
 const PERIOD: Duration = Duration::from_millis(20);
 
-/// Interval at which the file is made playable: an interrupted program loses at most this much.
+/// Interval at which the file is made playable: the maximum loss if the program is interrupted.
 const FLUSH: Duration = Duration::from_secs(1);
 
-/// A recording in progress, or one that has ended but is not completed.
+/// A recording in progress, or an ended recording that is not yet completed.
 #[derive(Debug)]
 pub(super) struct Recording {
     path: PathBuf,
     rate_hz: u32,
     is_over: Arc<AtomicBool>,
     dropped: Arc<AtomicU64>,
-    /// The file, until something plays.
+    /// The file, until playback starts.
     waiting: Option<WavWriter>,
-    /// The thread that has owned the file since then.
+    /// The thread that owns the file after playback has started.
     writer: Option<Result<JoinHandle<Result<u64, AudioError>>, LiveError>>,
 }
 
@@ -73,7 +73,7 @@ impl Recording {
         tap
     }
 
-    /// Starts a file at another rate to replace one that is still empty.
+    /// Starts a file at another rate in place of a file that is still empty.
     ///
     /// # Errors
     /// [`LiveError::RecordingRate`] if the file is not empty: the recording then ends.
@@ -96,12 +96,12 @@ impl Recording {
         Ok(())
     }
 
-    /// Whether a callback was given the tap.
+    /// Whether a callback has received the tap.
     pub(super) fn has_begun(&self) -> bool {
         self.writer.is_some()
     }
 
-    /// Frames heard but missing in the file, because the disk was too slow.
+    /// Number of frames played but missing in the file, because the disk was too slow.
     pub(super) fn dropped(&self) -> u64 {
         self.dropped.load(Relaxed)
     }
@@ -131,11 +131,11 @@ impl Recording {
 }
 
 fn tell(commands: &Sender<Command>, error: &dyn std::error::Error) {
-    // Without a supervisor the output is silent, and the caller that stops the recording gets its error.
+    // Without a supervisor the output is silent, and the caller gets the error when it stops the recording.
     let _ = commands.send(Command::Notice(error.to_string()));
 }
 
-/// Same as [`write`]; an error that ends the recording before it is stopped is reported when it happens.
+/// Like [`write`]; an error that ends the recording before it is stopped is reported when it happens.
 fn write_or_tell(
     file: WavWriter,
     ring: Consumer<f32>,
@@ -160,10 +160,10 @@ fn write(
     let mut frames = 0;
     let mut flushed = Instant::now();
     loop {
-        // Read before the ring is emptied, so that everything queued until then is still written.
+        // Read before emptying the ring, so that all frames queued until then are still written.
         let is_last = is_over.load(Relaxed);
         if is_last {
-            // A block that is being written right now takes much less time.
+            // Writing the current block takes much less time than this.
             thread::sleep(PERIOD);
         }
         match empty(&mut file, &mut ring) {

@@ -1,9 +1,8 @@
-//! The callback's work, as a plain value: sounds in, interleaved stereo out.
+//! The callback's work, independent of a device: sounds in, interleaved stereo out.
 //!
-//! A [`Renderer`] never allocates, frees, locks or waits while it fills a block. Values that change
-//! often (pan, volume, law) are atomics. Objects that own memory (a sound, the ring of a recording)
-//! come in through one ring and, when no longer needed, go out through another, to be freed
-//! elsewhere.
+//! A [`Renderer`] never allocates, frees, locks or waits while it fills a block. Values that change often (pan, volume,
+//! law) are atomics. Objects that own memory (a sound, the ring of a recording) enter through one ring and, when no
+//! longer needed, leave through another, to be freed on another thread.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
@@ -22,17 +21,17 @@ const BLOCK: usize = 256;
 /// Inverse of the duration of a gain change and of a cross-fade, in hertz.
 const FADES_HZ: u32 = 50;
 
-/// Capacity of the queue to the callback; the queue back holds twice this number.
+/// Capacity of the queue to the callback; the return queue has twice this capacity.
 const MESSAGES: usize = 8;
 
-/// An object for the callback, or one that it no longer needs.
+/// An object for the callback, or one that the callback no longer needs.
 #[derive(Debug)]
 pub(super) enum Message {
     /// Another sound, made for this rate in hertz.
     Sound { sound: Sound, rate_hz: u32 },
-    /// The program to play from now on.
+    /// The program to switch to.
     Program(Program),
-    /// Destination of a recording of the output.
+    /// The ring for a recording of the output.
     Tap(Tap),
 }
 
@@ -47,28 +46,28 @@ pub(super) struct Tap {
     pub(super) dropped: Arc<AtomicU64>,
 }
 
-/// Plays one mono sound to two channels, with gains that glide and sounds that cross-fade.
+/// Plays one mono sound to two channels, with gliding gains and cross-fades between sounds.
 ///
-/// Both take 20 ms. The first samples rise from silence.
+/// Both take 20 ms. The first samples fade in from silence.
 #[derive(Debug)]
 pub struct Renderer {
-    /// Its number among the renderers of one supervisor.
+    /// Its number among the supervisor's renderers.
     pub(super) number: u64,
     shared: Arc<Shared>,
     inbox: Consumer<Message>,
     outbox: Producer<Message>,
     rate_hz: u32,
     sound: Option<Sound>,
-    /// Samples of the sound already played.
+    /// Number of samples of the sound already played.
     position: u64,
-    /// The next sound of a cross-fade, and its samples already played.
+    /// The next sound of a cross-fade, and the number of its samples already played.
     next: Option<(Sound, u64)>,
     glide: Glide,
     mixer: Mixer,
     programs: Programs,
     /// The volume of a program with two channels.
     volume: Glide,
-    /// The volume of the last sample.
+    /// The volume at the last sample.
     last_volume: f32,
     meter: Meter,
     tap: Option<Tap>,
@@ -99,7 +98,7 @@ impl Renderer {
         rate_hz: u32,
     ) -> (Self, Remote) {
         let (to_inbox, inbox) = RingBuffer::new(MESSAGES);
-        // Room for everything that can be inside: queued messages, a fading sound, a tap.
+        // Room for all objects in use: queued messages, a fading sound, a tap.
         let (outbox, from_outbox) = RingBuffer::new(2 * MESSAGES);
         let renderer = Self {
             number: 0,
@@ -141,7 +140,7 @@ impl Renderer {
         newest as f64 / f64::from(self.rate_hz)
     }
 
-    /// Continues at another rate with a sound made for it. Frees the old objects, so the callback must not call it.
+    /// Switches to another rate with a sound made for it. Frees the old objects, so the callback must not call this.
     pub(super) fn change_rate(&mut self, rate_hz: u32, sound: Option<Sound>) {
         self.settle();
         let position = (self.position_s() * f64::from(rate_hz)).round() as u64;
@@ -154,7 +153,7 @@ impl Renderer {
         self.meter = Meter::new(rate_hz);
     }
 
-    /// Applies what is queued at once, without a fade. Frees the old objects, so the callback must not call it.
+    /// Applies all queued messages at once, without a fade. Frees the old objects, so the callback must not call this.
     fn settle(&mut self) {
         if let Some((sound, played)) = self.next.take() {
             self.sound = Some(sound);
@@ -175,9 +174,8 @@ impl Renderer {
         }
     }
 
-    /// Begins from silence, as after a gap, with the start of another sound if there is one: the
-    /// last of those queued in the meantime. Frees the old objects, so the callback must not call
-    /// it.
+    /// Starts from silence, as after a gap, with the start of another sound if there is one: the last one queued in the
+    /// meantime. Frees the old objects, so the callback must not call this.
     pub(super) fn begin(&mut self, newest: Option<Sound>) {
         self.settle();
         if newest.is_some() {
@@ -190,7 +188,7 @@ impl Renderer {
         self.mixer = silent_mixer();
     }
 
-    /// Switches to another program at once. Frees the old objects, so the callback must not call it.
+    /// Switches to another program at once. Frees the old objects, so the callback must not call this.
     pub(super) fn set_program(&mut self, program: Program) {
         self.programs.set(program);
     }
@@ -210,9 +208,8 @@ impl Renderer {
         }
     }
 
-    /// Overwrites `out` with the next samples for a device of `channels` channels: a single channel
-    /// gets the mean of left and right; of several, the first two get left and right, the others
-    /// silence.
+    /// Overwrites `out` with the next samples for a device of `channels` channels. One channel gets the mean of left
+    /// and right; with several, the first two get left and right, and the others silence.
     pub fn fill_device<T: Sample + FromSample<f32>>(&mut self, out: &mut [T], channels: usize) {
         let mut stereo = [0.0; 2 * BLOCK];
         for block in out.chunks_mut(BLOCK * channels.max(1)) {
@@ -232,7 +229,7 @@ impl Renderer {
                 Ok(Message::Sound { sound, rate_hz }) if rate_hz == self.rate_hz => {
                     self.next = Some((sound, 0));
                 }
-                // Made for a device that is gone: opening the next one brought its own sound.
+                // Made for the previous device: opening the current device supplied its own sound.
                 Ok(stale @ Message::Sound { .. }) => self.hand_out(stale),
                 Ok(Message::Program(program)) if program.fits(self.rate_hz) => {
                     self.programs.fade_to(program);
@@ -249,11 +246,11 @@ impl Renderer {
     }
 
     fn hand_out(&mut self, message: Message) {
-        // There is always room: see `take_messages`.
+        // The queue always has room: see `take_messages`.
         let _ = self.outbox.push(message);
     }
 
-    /// Computes the next samples of the sound, or of two that cross-fade.
+    /// Computes the next samples of the sound, or of two cross-fading sounds.
     fn fill_mono(&mut self, count: usize) {
         let length = fade_length(self.rate_hz) as u64;
         let mono = &mut self.mono[..count];
@@ -305,7 +302,7 @@ impl Renderer {
         }
     }
 
-    /// Plays the program that replaces the mono sound, if there is one.
+    /// Plays the program that replaces the mono sound, if any.
     fn play(&mut self, stereo: &mut [f32]) {
         let count = stereo.len() / 2;
         self.fill_volumes(count);
@@ -349,34 +346,34 @@ impl Renderer {
 }
 
 impl Remote {
-    /// As [`Live::set_panning`](super::Live::set_panning).
+    /// Same as [`Live::set_panning`](super::Live::set_panning).
     pub fn set_panning(&self, left: f64, right: f64) {
         self.shared.set_pan(Panning { left, right }.pan() as f32);
     }
 
-    /// As [`Live::set_volume`](super::Live::set_volume).
+    /// Same as [`Live::set_volume`](super::Live::set_volume).
     pub fn set_volume(&self, volume: f32) {
         self.shared.set_volume(volume);
     }
 
-    /// As [`Live::set_law`](super::Live::set_law).
+    /// Same as [`Live::set_law`](super::Live::set_law).
     pub fn set_law(&self, law: PanningLaw) {
         self.shared.set_law(law);
     }
 
-    /// As [`Live::levels`](super::Live::levels).
+    /// Same as [`Live::levels`](super::Live::levels).
     pub fn levels(&self) -> [f32; 2] {
         self.shared.levels()
     }
 
-    /// Fades to a sound made at `rate_hz`; returns false if too much is queued. A sound made for
-    /// another rate than the renderer's is not played.
+    /// Fades to a sound made for `rate_hz`; returns false if the queue is full. The renderer does not play a sound made
+    /// for another rate.
     pub fn set_sound(&mut self, sound: Sound, rate_hz: u32) -> bool {
         self.send(Message::Sound { sound, rate_hz }).is_ok()
     }
 
-    /// Fades to channels made at `rate_hz`, which replace the mono sound and its pan, or back to
-    /// these (`None`); returns false if too much is queued.
+    /// Fades to a stereo signal made for `rate_hz` in place of the mono sound and its pan, or back to the mono sound
+    /// (`None`); returns false if the queue is full.
     pub fn set_stereo(&mut self, signal: Option<Box<dyn StereoSignal>>, rate_hz: u32) -> bool {
         let program = match signal {
             None => Program::Balance,
@@ -385,7 +382,7 @@ impl Remote {
         self.send(Message::Program(program)).is_ok()
     }
 
-    /// Queues a message; hands it back if the queue is full.
+    /// Queues a message; returns the message if the queue is full.
     pub(super) fn send(&mut self, message: Message) -> Result<(), Message> {
         let sent = self.inbox.push(message);
         sent.map_err(|rtrb::PushError::Full(message)| message)
@@ -401,12 +398,12 @@ impl Remote {
     }
 }
 
-/// Samples of a gain change.
+/// Length of a gain change in samples.
 fn fade_length(rate_hz: u32) -> usize {
     (rate_hz / FADES_HZ).max(1) as usize
 }
 
-/// A mixer that starts from silence, where a new one would start at its first gains.
+/// A mixer that starts from silence; a new mixer would start at its first gains.
 fn silent_mixer() -> Mixer {
     let mut mixer = Mixer::new(PanningLaw::default());
     let mixed = mixer.mix_to(&[0.0], Gains::SILENT, &mut [0.0; 2]);
@@ -431,8 +428,8 @@ mod tests {
     use super::*;
     use crate::audio::Sound;
 
-    /// Protects a sound that was sent after the last callback: it is heard as soon as something plays again, but not if
-    /// it was made for another rate.
+    /// Protects a sound sent after the last callback: it plays as soon as playback resumes, but not if it was made for
+    /// another rate.
     #[test]
     fn a_sound_that_waited_is_heard_at_its_own_rate_alone() {
         for (made_hz, is_heard) in [(Sound::SAMPLE_RATE, true), (44_100, false)] {

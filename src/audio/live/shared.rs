@@ -1,12 +1,12 @@
-//! Values that the callback shares with other threads, as single atomics, so no thread waits; and the meter that reports
-//! the level of both channels over windows of 50 ms.
+//! Values that the callback shares with other threads, as single atomics, so that no thread waits; and the level meter
+//! of both channels, over windows of 50 ms.
 
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, AtomicU64, Ordering::Relaxed};
 use std::time::Instant;
 
 use crate::audio::{Gains, PanningLaw};
 
-/// Latency that was not reported, or not measured yet.
+/// Marks a latency that is not reported or not measured yet.
 const NO_LATENCY: u64 = u64::MAX;
 
 /// The weight of the newest waiting time in the reported value.
@@ -17,28 +17,28 @@ const FRESH: f64 = 0.15;
 pub(super) struct Shared {
     /// −1 to 1, as the bits of an `f32`.
     pan: AtomicU32,
-    /// Origin of the times of pans.
+    /// Origin of the times at which pans are set.
     epoch: Instant,
-    /// Time when the oldest pan was set that no callback has taken yet, in microseconds; 0 without one.
+    /// Time at which the oldest pan was set that no callback has applied yet, in microseconds; 0 if there is none.
     pan_set_us: AtomicU64,
-    /// Microseconds that pans waited for a callback to take them, smoothed.
+    /// Microseconds until a callback applied a pan, smoothed.
     pan_waited_us: AtomicU64,
     /// 0 to 1, as the bits of an `f32`.
     volume: AtomicU32,
     law: AtomicU8,
-    /// Whether a device is open: otherwise the levels are outdated.
+    /// Whether a device is open; if not, the levels are outdated.
     pub(super) is_open: AtomicBool,
     /// Whether the output fades to silence, before a stream is closed.
     pub(super) is_muted: AtomicBool,
-    /// Whether that fade is complete: a block with its end was computed.
+    /// Whether that fade is complete, up to the block with its end.
     pub(super) has_faded: AtomicBool,
     /// The stream whose callback may play; the callbacks of other streams output silence.
     pub(super) generation: AtomicU64,
     /// Total callbacks of all streams.
     pub(super) callbacks: AtomicU64,
-    /// Frames requested from the last callback.
+    /// Number of frames requested in the last callback.
     pub(super) callback_frames: AtomicU32,
-    /// Microseconds from a callback until its first sample is heard.
+    /// Microseconds from a callback until its first sample is audible.
     latency_us: AtomicU64,
     /// Under-runs that the sound system reported.
     pub(super) under_runs: AtomicU64,
@@ -74,7 +74,7 @@ impl Shared {
 
     pub(super) fn set_pan(&self, pan: f32) {
         self.pan.store(pan.to_bits(), Relaxed);
-        // A pan set before the last one was taken is taken sooner: the oldest counts.
+        // A new pan does not reset the time of an earlier one that no callback has applied yet: the oldest counts.
         let now = self.now_us();
         let _ = self.pan_set_us.compare_exchange(0, now, Relaxed, Relaxed);
     }
@@ -84,7 +84,7 @@ impl Shared {
         self.epoch.elapsed().as_micros() as u64 + 1
     }
 
-    /// Measures the waiting time when the pan is taken.
+    /// Measures the waiting time when a callback applies the pan.
     fn measure_wait(&self) {
         let set = self.pan_set_us.swap(0, Relaxed);
         if set != 0 {
@@ -97,12 +97,12 @@ impl Shared {
         }
     }
 
-    /// Forgets a pan that no callback took, so that it does not count for the next stream.
+    /// Discards a pan that no callback applied, so that it does not count for the next stream.
     pub(super) fn forget_pan(&self) {
         self.pan_set_us.store(0, Relaxed);
     }
 
-    /// Milliseconds that pans waited for a callback to take them, smoothed; `None` before the first.
+    /// Milliseconds until a callback applied a pan, smoothed; `None` before the first.
     pub(super) fn pan_waited_ms(&self) -> Option<f64> {
         told(self.pan_waited_us.load(Relaxed))
     }
@@ -127,7 +127,7 @@ impl Shared {
         }
     }
 
-    /// The requested gains.
+    /// The gains for the current pan, law and volume.
     pub(super) fn target(&self) -> Gains {
         self.measure_wait();
         if self.is_muted.load(Relaxed) {
@@ -141,7 +141,7 @@ impl Shared {
         }
     }
 
-    /// The requested factor on both channels of a stereo sound.
+    /// The current factor on both channels of a stereo sound.
     pub(super) fn volume_target(&self) -> Gains {
         if self.is_muted.load(Relaxed) {
             return Gains::SILENT;
@@ -174,12 +174,12 @@ impl Shared {
     }
 }
 
-/// Smooths a value: moves it part of the way to another.
+/// Smooths a value by moving it part of the way towards another.
 fn glide(from: u64, to: u64) -> u64 {
     (from as f64 + FRESH * (to as f64 - from as f64)).round() as u64
 }
 
-/// A time in milliseconds, if it was reported.
+/// Converts microseconds to milliseconds; `None` if the value was not reported.
 fn told(microseconds: u64) -> Option<f64> {
     (microseconds != NO_LATENCY).then_some(microseconds as f64 / 1000.0)
 }
@@ -187,7 +187,7 @@ fn told(microseconds: u64) -> Option<f64> {
 /// Windows per second.
 const WINDOWS_HZ: u32 = 20;
 
-/// Sums squares until a window is full, then returns its level (RMS).
+/// Sums squares until a window is full, then publishes its level (RMS).
 #[derive(Debug)]
 pub(super) struct Meter {
     squares: [f64; 2],
@@ -205,7 +205,7 @@ impl Meter {
         }
     }
 
-    /// Takes interleaved samples.
+    /// Adds interleaved samples.
     pub(super) fn take(&mut self, stereo: &[f32], shared: &Shared) {
         for pair in stereo.chunks_exact(2) {
             self.squares[0] += f64::from(pair[0]).powi(2);

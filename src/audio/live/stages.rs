@@ -1,5 +1,5 @@
-//! The stages of the renderer: gains that glide, the program (a mono sound between two channels, or a caller's own two
-//! channels) with the fade to another one.
+//! The stages of the renderer: gliding gains, and the program (a mono sound panned to two channels, or a caller's own
+//! two channels) with fades between programs.
 
 use std::fmt;
 
@@ -10,9 +10,9 @@ use crate::audio::{Gains, StereoSignal};
 pub(super) struct Glide {
     current: Gains,
     target: Gains,
-    /// Samples until the target is reached.
+    /// Number of samples until the target is reached.
     left: usize,
-    /// Samples that a whole change takes; at least 1.
+    /// Number of samples of a whole change; at least 1.
     length: usize,
 }
 
@@ -27,7 +27,7 @@ impl Glide {
         }
     }
 
-    /// Starts to change from the current gains to other ones.
+    /// Starts to change from the current gains to `target`.
     pub(super) fn aim(&mut self, target: Gains) {
         if target != self.target {
             self.target = target;
@@ -35,12 +35,12 @@ impl Glide {
         }
     }
 
-    /// Whether the gains are zero and stay so.
+    /// Whether the gains are zero and stay zero.
     pub(super) fn is_silent(&self) -> bool {
         self.left == 0 && self.target == Gains::SILENT
     }
 
-    /// Advances by up to `most` samples; returns their number and the gains of the last of them.
+    /// Advances by at most `most` samples; returns the number of samples and the gains of the last one.
     pub(super) fn advance(&mut self, most: usize) -> (usize, Gains) {
         if self.left == 0 {
             return (most, self.target);
@@ -58,7 +58,7 @@ impl Glide {
     }
 }
 
-/// The program that is played.
+/// The program being played.
 #[derive(Default)]
 pub(super) enum Program {
     /// The mono sound and its pan.
@@ -72,7 +72,7 @@ pub(super) enum Program {
 }
 
 impl Program {
-    /// Overwrites `out` with the next samples; `balance` holds those of the mono sound, with the volume applied.
+    /// Overwrites `out` with the next samples; `balance` holds the samples of the mono sound, with the volume applied.
     fn fill(&mut self, balance: &[f32], volumes: &[f32], out: &mut [f32]) {
         let Program::Stereo { signal, .. } = self else {
             out.copy_from_slice(balance);
@@ -86,7 +86,7 @@ impl Program {
         }
     }
 
-    /// Whether it can be played at this rate.
+    /// Whether it was made for the rate `at_hz`.
     pub(super) fn fits(&self, at_hz: u32) -> bool {
         match self {
             Program::Balance => true,
@@ -104,7 +104,7 @@ impl fmt::Debug for Program {
     }
 }
 
-/// A program, and the one that it fades to.
+/// The current program, and the one that it fades to.
 #[derive(Debug, Default)]
 pub(super) struct Programs {
     current: Program,
@@ -117,7 +117,7 @@ impl Programs {
         self.next.is_some()
     }
 
-    /// Whether only the mono sound is heard, now and next.
+    /// Whether the mono sound is the only program, with no fade in progress or pending.
     pub(super) fn is_balance(&self) -> bool {
         matches!(self.current, Program::Balance) && self.next.is_none()
     }
@@ -127,7 +127,7 @@ impl Programs {
         self.next = Some((program, 0));
     }
 
-    /// Switches to another program at once; earlier ones are freed: not for the callback.
+    /// Switches to another program at once and frees the earlier ones, so the callback must not call this.
     pub(super) fn set(&mut self, program: Program) {
         *self = Self {
             current: program,
@@ -135,9 +135,8 @@ impl Programs {
         };
     }
 
-    /// Turns the samples of the mono sound in `stereo` into the output, where a whole fade takes
-    /// `length` frames; returns the program that a fade has ended. Each block of `scratch` is at
-    /// least as long as `stereo`.
+    /// Turns the samples of the mono sound in `stereo` into the output; a whole fade takes `length` frames. Returns the
+    /// old program when a fade has ended. Each block of `scratch` is at least as long as `stereo`.
     pub(super) fn play<const N: usize>(
         &mut self,
         stereo: &mut [f32],

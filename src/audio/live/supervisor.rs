@@ -1,5 +1,5 @@
-//! The supervisor thread: opens the device, loads sounds, frees what the callback no longer needs,
-//! and reopens the device when it is lost.
+//! The supervisor thread: opens the device, loads sounds, frees the objects that the callback no longer needs, and
+//! reopens the device when it is lost.
 
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender};
@@ -19,18 +19,18 @@ use crate::audio::Sound;
 
 /// Interval at which the thread checks the stream.
 const TICK: Duration = Duration::from_millis(20);
-/// A stream whose callbacks stop for this long is lost, ...
+/// A stream is lost if its callbacks stop for this time.
 const STALL: Duration = Duration::from_secs(1);
-/// ... and one that was just opened when the first does not come for this long.
+/// A newly opened stream is lost if its first callback takes longer than this.
 const FIRST_CALLBACK: Duration = Duration::from_secs(3);
-/// Waiting times between attempts to open: the first, and the longest.
+/// Waiting times between attempts to open a device: the first and the longest.
 const RETRY: (Duration, Duration) = (Duration::from_millis(100), Duration::from_secs(5));
-/// A stream that ran for this long does not count as a failed attempt.
+/// A stream that has run for this time does not count as a failed attempt.
 const PROVEN: Duration = Duration::from_secs(2);
 /// Duration of a fade-out before closing in addition to the buffers: the glide, and a small margin.
 const FADE_OUT: Duration = Duration::from_millis(25);
-/// Limit of waiting in addition to two buffers, once for the callback to fade and once for its
-/// output to be heard: a stream that hangs must not delay the end.
+/// Limit of the wait in addition to two buffers, one until the callback has faded and one until its output has been
+/// heard: a hanging stream must not delay the end.
 const FADE_OUT_LIMIT: Duration = Duration::from_millis(100);
 /// Interval at which the fade-out is checked.
 const FADE_OUT_GLANCE: Duration = Duration::from_millis(2);
@@ -81,7 +81,7 @@ pub(super) struct Supervisor {
     slot: Arc<Slot>,
     drop_queue: Arc<Slot>,
     remote: Remote,
-    /// The number of the renderer that the remote belongs to.
+    /// The number of the remote's renderer.
     renderer: u64,
     rate_hz: u32,
     source: SoundSource,
@@ -91,11 +91,11 @@ pub(super) struct Supervisor {
     buffer_frames: u32,
     stream: Option<OpenStream>,
     generation: u64,
-    /// The last loaded sound, until there is a stream and room for it.
+    /// The sound loaded last, until a stream is open and the queue has room.
     waiting: Option<Sound>,
-    /// The waiting program that replaces the sound.
+    /// The program that replaces the sound, waiting in the same way.
     program: Option<Program>,
-    /// The waiting tap of a recording.
+    /// The tap of a recording, waiting in the same way.
     tap: Option<Tap>,
     next_try: Instant,
     delay: Duration,
@@ -145,7 +145,7 @@ impl Supervisor {
         }
     }
 
-    /// Runs until it is stopped.
+    /// Runs the thread until it receives `Command::Stop`.
     pub(super) fn run(mut self) {
         self.change_sound(self.source.clone());
         loop {
@@ -182,12 +182,12 @@ impl Supervisor {
             Command::Lost { generation, reason } if generation == self.generation => {
                 self.lose(reason);
             }
-            // From a stream that is already closed, or handled in the next moment.
+            // From a stream that is already closed, or handled shortly.
             Command::Lost { .. } | Command::Record | Command::Stop => {}
         }
     }
 
-    /// Loads a sound and sends it to the callback; only the last of several waiting ones is kept.
+    /// Loads a sound and sends it to the callback; if several are waiting, only the last is kept.
     fn change_sound(&mut self, source: SoundSource) {
         match source.sound(self.rate_hz) {
             Ok(sound) => {
@@ -224,7 +224,7 @@ impl Supervisor {
         lock(&self.common.state).last_error = Some(error.to_string());
     }
 
-    /// Sends waiting objects to the callback, if there is one, and frees what came back.
+    /// Sends waiting objects to the callback, if there is one, and frees returned objects.
     fn deliver(&mut self) {
         self.remote.collect();
         drop(self.drop_queue.take());
@@ -280,7 +280,7 @@ impl Supervisor {
         }
     }
 
-    /// Gives up a stream that broke off; it is reopened later.
+    /// Closes a lost stream; it is reopened later.
     fn lose(&mut self, reason: String) {
         let Some(stream) = &self.stream else {
             return;
@@ -300,7 +300,7 @@ impl Supervisor {
         self.delay = (2 * self.delay).min(RETRY.1);
     }
 
-    /// Fades the sound out if it plays, so that the end does not click.
+    /// Fades the sound out if it plays, so that stopping does not click.
     fn fade_out(&self) {
         if self.stream.is_none() {
             return;
@@ -312,7 +312,7 @@ impl Supervisor {
         while !shared.has_faded.load(Relaxed) && start.elapsed() < limit {
             thread::sleep(FADE_OUT_GLANCE);
         }
-        // The block with the end of the fade was computed just now.
+        // The block with the end of the fade has just been computed.
         let latency = shared.latency_ms();
         let latency = latency.map_or(limit, |ms| Duration::from_secs_f64(ms / 1000.0));
         thread::sleep(latency.min(limit) + FADE_OUT);
@@ -325,7 +325,7 @@ impl Supervisor {
     }
 
     fn close(&mut self) {
-        // From now on the stream's callback is silent, whenever it really ends.
+        // From now on the stream's callback outputs silence, whenever it actually ends.
         self.generation += 1;
         let shared = &self.common.shared;
         shared.generation.store(self.generation, Relaxed);
@@ -398,7 +398,7 @@ impl Supervisor {
         within(ANSWER_LIMIT, move || is_stopping.load(Relaxed), work)
     }
 
-    /// Prepares the renderer to continue from silence, at a rate in hertz.
+    /// Prepares the renderer to continue from silence at `rate_hz`.
     fn prepare(&mut self, rate_hz: u32) {
         let mut renderer = self.take_renderer();
         if renderer.rate_hz() != rate_hz {
@@ -435,16 +435,16 @@ impl Supervisor {
     /// Takes the renderer back from the last stream.
     fn take_renderer(&mut self) -> Box<Renderer> {
         for _ in 0..50 {
-            // A renderer that has been replaced, and has come back since, is freed.
+            // A renderer that was replaced and has come back since is freed.
             if let Some(renderer) = self.slot.take()
                 && renderer.number == self.renderer
             {
                 return renderer;
             }
-            // A callback of the old stream is at work on it.
+            // A callback of the old stream is using it.
             thread::sleep(Duration::from_millis(5));
         }
-        // The callback hangs, and it holds the renderer.
+        // The callback hangs and owns the renderer.
         let shared = Arc::clone(&self.common.shared);
         let sound = self.source.sound(self.rate_hz).ok();
         let (mut renderer, remote) = Renderer::with_shared(shared, sound, self.rate_hz);
@@ -456,7 +456,7 @@ impl Supervisor {
         Box::new(renderer)
     }
 
-    /// The tap is lost with a renderer that hangs.
+    /// Ends the recording: its tap is lost with the hanging renderer.
     fn end_recording(&self) {
         let is_ended = match &lock(&self.common.state).recording {
             Some(recording) if recording.has_begun() && !recording.is_over() => {
@@ -470,7 +470,7 @@ impl Supervisor {
         }
     }
 
-    /// Reports the new rate to the recording, which ends if its file has another one.
+    /// Passes the new rate to the recording, which ends if its file has another rate.
     fn tell_rate(&self, rate_hz: u32) {
         let mut state = lock(&self.common.state);
         state.rate_hz = rate_hz;
