@@ -1,4 +1,4 @@
-//! Texts on plans and maps: the font, the names of sources and listeners, the scale bar and the legend of paths.
+//! Text on plans and maps: the font, the names of sources and listeners, the scale bar and the legend of paths.
 
 use super::marks::{INK, PLATE, PLATE_COLOUR, STYLES, Style, rectangle};
 use super::plan::Plan;
@@ -22,7 +22,7 @@ pub(super) fn write(canvas: &mut PixmapMut, text: &str, left: f32, top: f32, dot
     }
 }
 
-/// The letters, each with its seven rows of five dots: small letters, digits, and the capitals of units and figures.
+/// The letters, each with its seven rows of five dots: lower case, digits, and the capitals of units and figures.
 const LETTERS: &str = "\
 0 01110 10001 10011 10101 11001 10001 01110
 1 00100 01100 00100 00100 00100 00100 01110
@@ -75,7 +75,7 @@ D 11110 10001 10001 10001 10001 10001 11110
 E 11111 10000 10000 11110 10000 10000 11111
 ";
 
-/// A letter's seven rows of five dots. Other capitals are drawn as small letters, and unknown characters as a gap.
+/// A letter's seven rows of five dots. Other capitals are drawn in lower case, and unknown characters as a gap.
 fn dots(letter: char) -> [u8; 7] {
     let find = |letter: char| LETTERS.lines().find_map(|line| line.strip_prefix(letter));
     let rows = find(letter).or_else(|| find(letter.to_ascii_lowercase()));
@@ -89,10 +89,10 @@ fn dots(letter: char) -> [u8; 7] {
     dots
 }
 
-/// Maximum letters drawn of a name.
+/// Maximum number of letters drawn of a name.
 const LONGEST_NAME: usize = 24;
 
-/// Writes the names of the sources if there are several, and those of the listeners likewise.
+/// Writes the names of the sources if there are several, and likewise of the listeners.
 pub(super) fn draw_names(canvas: &mut PixmapMut, plan: &Plan, scene: &Scene) {
     let unit = plan.stroke();
     if scene.sources.len() > 1 {
@@ -108,7 +108,7 @@ pub(super) fn draw_names(canvas: &mut PixmapMut, plan: &Plan, scene: &Scene) {
     }
 }
 
-/// Writes a name `right` pixels to the right of a place.
+/// Writes a name `right` pixels to the right of a world position.
 fn write_beside(canvas: &mut PixmapMut, plan: &Plan, place: Vec3, right: f32, name: &str) {
     let dot = plan.dot();
     let middle = plan.pixel(place);
@@ -164,8 +164,8 @@ pub(super) fn draw_scale_bar(canvas: &mut PixmapMut, plan: &Plan) {
     );
 }
 
-/// The largest of 1, 2, 5, 10, 20, 50 … that is at most `most`, and the number of its fields: one
-/// per metre for lengths up to 5 m.
+/// The largest of 1, 2, 5, 10, 20, 50 … that is at most `most`, and the number of the bar's fields: one per metre for
+/// lengths up to 5 m.
 fn nice_length(most: f32) -> (f32, u32) {
     let power = 10f32.powf(most.log10().floor());
     match most / power {
@@ -189,18 +189,18 @@ fn label(metres: f32) -> String {
 const SAMPLE: f32 = 22.0;
 const ROW: f32 = 16.0;
 
-/// Minimum dots of a row: a letter has seven.
+/// Row height in dots; a letter is seven dots high.
 const ROW_DOTS: f32 = 10.0;
 
-/// Minimum width of a sample in pixels: thinner ones are pale.
+/// Minimum width of a sample in pixels: thinner lines look pale.
 const LEAST_WIDTH: f32 = 2.0;
 
-/// Opacity of the background: otherwise the plan's lines below it could be mistaken for samples.
+/// Opacity of the background: with less, the plan's lines below it could be mistaken for samples.
 const GROUND: f32 = 0.97;
 
-/// Draws the line styles of these fates in the upper left corner.
+/// Draws the line styles of these fates as a legend in the upper left corner.
 pub(super) fn draw_path_legend(canvas: &mut PixmapMut, plan: &Plan, fates: &[Fate]) {
-    // In the order in which the lines overlap, the uppermost first.
+    // In the order in which the lines overlap, the topmost first.
     let styles = STYLES.iter().rev();
     let shown: Vec<&Style> = styles.filter(|style| fates.contains(&style.fate)).collect();
     let unit = plan.stroke();
@@ -238,7 +238,7 @@ pub(super) fn draw_path_legend(canvas: &mut PixmapMut, plan: &Plan, fates: &[Fat
 mod tests {
     use super::*;
 
-    /// Protects titles and labels: each letter used in them is drawn, and differs from all others.
+    /// Protects titles and labels: each letter used in them has its own pattern of dots.
     #[test]
     fn letters_differ() {
         let letters = "abcdefghijklmnopqrstuvwxyz0123456789-.+:,/BCDEGHT";

@@ -1,4 +1,4 @@
-//! A map: the plan of a scene, coloured by a value at each place of a lattice, with a colour bar.
+//! A map: the plan of a scene, coloured by a value at each point of a lattice, with a colour bar.
 
 use super::PictureError;
 use super::labels::{ADVANCE, draw_scale_bar, write};
@@ -12,34 +12,34 @@ use glam::{Vec2, Vec3};
 use image::{Rgba, RgbaImage};
 use tiny_skia::{BlendMode, PathBuilder, PixmapMut, Rect};
 
-/// Width of the colour bar's part of the picture, as a share of the plan's width.
+/// Width of the colour bar's area, as a share of the plan's width.
 const BAR_SHARE: f32 = 0.2;
 
 /// Height of the title line, in the plan's stroke unit.
 const TITLE: f32 = 26.0;
 
-/// Maximum steps between marks on the colour bar.
+/// Maximum number of steps between marks on the colour bar.
 const STEPS: f64 = 6.0;
 
 /// Length of a mark beside the colour bar, in the plan's stroke unit.
 const MARK: f32 = 4.0;
 
-/// The colour of a place without a value.
+/// The colour of a point without a value.
 const NOTHING: [u8; 3] = [225, 225, 225];
 
-/// Values at the places of a lattice, and how to draw them.
+/// Options of a map: values at the points of a lattice, and their presentation.
 pub struct MapOptions<'a> {
     /// Width of the plan in pixels; the colour bar is beside it.
     pub width: u32,
     /// World y of the cut in metres.
     pub height: f32,
-    /// The first place of the lattice and the last; y is ignored.
+    /// The first and the last point of the lattice; y is ignored.
     pub ends: [Vec3; 2],
-    /// Places along x and along z, 2 or more each.
+    /// Number of points along x and along z, 2 or more each.
     pub counts: [u32; 2],
-    /// The values, x first; `None` for places without one.
+    /// The values, x fastest; `None` for points without a value.
     pub values: &'a [Option<f64>],
-    /// The title above the map: the quantity and its place.
+    /// The title above the map: the quantity and its location.
     pub title: &'a str,
     /// Whether 0 is in the middle of the colours, for signed values.
     pub around_zero: bool,
@@ -83,14 +83,14 @@ pub fn map(context: &Context, pair: Pair, options: &MapOptions) -> Result<RgbaIm
     with_colour_bar(&picture, &plan, options, ends)
 }
 
-/// A place to draw.
+/// A lattice point to draw.
 struct Place {
     column: u32,
     row: u32,
     value: Option<f64>,
 }
 
-/// The places whose centre is in the air: listeners cannot be in solids.
+/// The lattice points in the air: listeners cannot be in solids.
 fn places(scene: &Scene, options: &MapOptions) -> Vec<Place> {
     let [columns, rows] = options.counts;
     let [from, to] = options.ends;
@@ -130,7 +130,7 @@ fn around_zero((least, most): (f64, f64)) -> (f64, f64) {
     (-size, size)
 }
 
-/// Colours every place by multiplication, so that solids and lines remain visible.
+/// Colours every lattice point by multiplication, so that solids and lines remain visible.
 fn draw_places(
     canvas: &mut PixmapMut,
     plan: &Plan,
@@ -142,7 +142,7 @@ fn draw_places(
     let [from, to] = options.ends.map(|end| plan.pixel(end));
     let step = (to - from) / Vec2::new((columns - 1) as f32, (rows - 1) as f32);
     for &Place { column, row, value } in places {
-        // Edges lie on whole pixels, where the next place begins.
+        // Edges lie on whole pixels, so that neighbouring rectangles touch.
         let edge = |place: u32, from: f32, step: f32| (from + step * (place as f32 - 0.5)).round();
         let xs = [column, column + 1].map(|place| edge(place, from.x, step.x));
         let ys = [row, row + 1].map(|place| edge(place, from.y, step.y));
@@ -160,13 +160,13 @@ fn draw_places(
     }
 }
 
-/// Position of a value between two others; the middle if these are equal.
+/// Position of a value between two others, 0 to 1; the middle if these are equal.
 fn share(value: f64, least: f64, most: f64) -> f64 {
     let share = (value - least) / (most - least);
     if share.is_finite() { share } else { 0.5 }
 }
 
-/// The picture below its title, with a colour bar to its right whose top is the highest value.
+/// The picture below its title, with a colour bar to its right; the highest value is at the bar's top.
 fn with_colour_bar(
     picture: &RgbaImage,
     plan: &Plan,
@@ -228,8 +228,8 @@ struct Mark {
     label: String,
 }
 
-/// The marks of the bar, from the bottom: at the multiples of 1, 2 or 5 times a power of ten on it; a single mark if
-/// all values are equal.
+/// The marks of the bar, from the bottom, at multiples of 1, 2 or 5 times a power of ten; a single mark if all values
+/// are equal.
 fn bar_marks(ends: Option<(f64, f64)>, unit: &str) -> Vec<Mark> {
     let Some((least, most)) = ends else {
         return Vec::new();
@@ -239,7 +239,7 @@ fn bar_marks(ends: Option<(f64, f64)>, unit: &str) -> Vec<Mark> {
         share: share(number, least, most),
         label: format!("{number:.digits$} {unit}").trim_end().to_owned(),
     };
-    // Excludes equal ends, and ends so close that no number lies between them.
+    // Excludes equal ends, and ends so close that there is no number between them.
     if !(step.is_finite() && step > 0.0 && least + step > least) {
         return vec![mark(least, 2)];
     }
@@ -279,7 +279,7 @@ mod tests {
         assert_eq!(share(2.0, 2.0, 2.0), 0.5);
     }
 
-    /// Protects the reader of a colour bar from odd numbers: its marks are at round numbers, in the right positions.
+    /// Protects the reader of a colour bar from odd numbers: its marks have round numbers at the right positions.
     #[test]
     fn marks_are_at_round_numbers() {
         let labels = |least, most| -> Vec<String> {

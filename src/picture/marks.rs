@@ -1,6 +1,6 @@
-//! Listeners, sources, their key-framed paths, and the paths of waves, drawn on a plan.
+//! Marks of listeners and sources, their key-framed paths, and the paths of waves, drawn on a plan.
 //!
-//! The colours are those of Okabe and Ito, which are distinguishable with any colour vision.
+//! The colours are by Okabe and Ito, and distinguishable with any colour vision.
 
 use super::plan::{Plan, flat};
 use crate::scene::{Listener, Path as KeyPath, Source, Viewpoint};
@@ -75,7 +75,7 @@ fn draw_listener(canvas: &mut PixmapMut, plan: &Plan, listener: &Listener, opaci
     let circle = PathBuilder::from_circle(centre.x, centre.y, radius);
     fill(canvas, circle.clone(), &paint(BLUE, 0.16 * opacity));
     stroke(canvas, circle, &blue, &round(2.4 * unit));
-    // The gaze direction as seen from above: shorter when it points up or down.
+    // The gaze direction as seen from above: shorter if the listener looks up or down.
     let gaze = flat(listener.forward());
     let tip = centre + gaze * (radius + 16.0 * unit);
     let shaft = polyline(&[centre, tip]);
@@ -246,8 +246,8 @@ pub(super) fn draw_wave_paths(
     lines.iter().map(|line| line.fate).collect()
 }
 
-/// The positions of one wave until it reached the listener or died. The later steps of a dead wave
-/// (it is marched again from the origin) do not belong to its path.
+/// The positions of one wave until it reached the listener or died. The later steps of a dead wave (the shader marches
+/// it again from the origin) do not belong to its path.
 fn follow(plan: &Plan, source: Vec3, states: &[Vec<Wave>], wave: usize) -> Line {
     let mut line = Line {
         fate: Fate::Travelling,
@@ -278,7 +278,7 @@ fn follow(plan: &Plan, source: Vec3, states: &[Vec<Wave>], wave: usize) -> Line 
     line
 }
 
-/// A line that fades along the direction in which a wave was lost.
+/// Draws a line that fades along the direction in which a wave was lost.
 fn draw_stub(canvas: &mut PixmapMut, plan: &Plan, from: Vec3, direction: Vec3, opacity: f32) {
     let length = STUB * plan.width as f32 * plan.metres;
     let start = plan.pixel(from);

@@ -1,17 +1,16 @@
 //! Pictures: the listener's view, and the plan of a scene with its waves.
 //!
-//! [`first_person`] sphere traces the view from the listener's position along its gaze direction;
-//! [`slice()`] cuts the scene at a height and shows it from above, x to the right and z downwards,
-//! as figure 10 of the thesis does, optionally with the paths of waves. Both are fragment shaders
-//! (`glsl/view/`) around the same distance function that the waves march through (`src/kernel`), so
-//! a picture shows exactly the surfaces that a wave meets. `tiny-skia` draws what has no distance
-//! function (paths, marks) on top.
+//! [`first_person`] sphere traces the view from the listener's position along its gaze direction; [`slice()`] cuts the
+//! scene at a height and shows it from above, x to the right and z downwards, as in figure 10 of the thesis, optionally
+//! with the paths of waves. Both are fragment shaders (`glsl/view/`) with the same distance function that the waves
+//! march through (`src/kernel`), so a picture shows exactly the surfaces that a wave hits. `tiny-skia` draws everything
+//! without a distance function (paths, marks) on top.
 //!
 //! # Cost
-//! Each picture compiles its program and draws it once, in bands of rows. A view takes four rays
-//! per pixel, each with at most 384 evaluations and two shadows of at most 64 each: on Mesa's
-//! llvmpipe one to three seconds for 960 × 540 pixels, on a graphics card milliseconds. A slice
-//! takes five evaluations per pixel. Paths cost one read-back per iteration.
+//! Each picture compiles its program and draws it once, in bands of rows. A view takes four rays per pixel, each with
+//! at most 384 evaluations and two shadows of at most 64 each: one to three seconds for 960 × 540 pixels on Mesa's
+//! llvmpipe, milliseconds on a graphics card. A slice takes five evaluations per pixel. Paths cost one read-back per
+//! iteration.
 
 use crate::file_output::{OutputError, write_inside, write_whole};
 use image::codecs::png::PngEncoder;
@@ -34,7 +33,7 @@ pub use slice::{Kind, SliceOptions, shader_text, slice};
 pub use view::{Drawn, SOURCE_SHARE, View, view_text};
 pub use view::{ViewOptions, first_person};
 
-/// A picture that cannot be drawn or saved.
+/// Error when a picture cannot be drawn or saved.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PictureError {
@@ -45,7 +44,7 @@ pub enum PictureError {
     Size {
         /// Width requested, in pixels.
         width: u32,
-        /// Requested height, or the one that follows from the bounds, in pixels.
+        /// Requested height, or the height computed from the bounds, in pixels.
         height: u32,
         /// Longest side allowed.
         limit: u32,
@@ -56,7 +55,7 @@ pub enum PictureError {
         /// The given value, in degrees.
         degrees: f32,
     },
-    /// A part of the world without area.
+    /// A region of the world without area.
     #[error("the bounds of a slice must be finite and have an area: {what}")]
     Bounds {
         /// The given bounds or height.
@@ -79,7 +78,7 @@ impl PictureError {
         }
     }
 
-    /// Whether the request is at fault.
+    /// Whether the user's request is the cause.
     pub fn is_bad_input(&self) -> bool {
         match self {
             Self::Size { .. } | Self::FieldOfView { .. } | Self::Bounds { .. } => true,
@@ -99,7 +98,7 @@ pub fn save_png(path: &Path, picture: &RgbaImage) -> Result<(), PictureError> {
     Ok(())
 }
 
-/// As [`save_png`], for a file in a folder, named by the program itself: a link is rejected.
+/// Like [`save_png`], for a file in a folder whose name the program itself chose: a link is rejected.
 #[doc(hidden)]
 pub fn save_png_inside(path: &Path, picture: &RgbaImage) -> Result<(), PictureError> {
     let bytes = png(picture)?;

@@ -1,4 +1,4 @@
-//! The part of the world that a slice shows, and the mapping of its points to the picture.
+//! The region of the world that a slice shows, and the mapping from the world to the picture.
 
 use super::PictureError;
 use crate::scene::shape::{Cuboid, Cylinder, Room, Sphere};
@@ -12,17 +12,17 @@ const MARGIN: f32 = 0.05;
 /// The shorter side is at least this share of the longer one.
 const SLIMMEST: f32 = 0.4;
 
-/// Range of the listener's sight for the plan of an endless field, in radii of its sphere, the only
-/// length of a scene that gives its scale.
+/// Range of the listener's sight for the plan of an endless field, in radii of its sphere, which is the only length
+/// that gives such a scene its scale.
 const SIGHT: f32 = 60.0;
-/// Number of directions that the listener looks in.
+/// Number of viewing directions of the listener.
 const SIGHTS: u32 = 48;
-/// Maximum steps of one look.
+/// Maximum number of steps along one viewing direction.
 const SIGHT_STEPS: u32 = 200;
-/// Distance from a surface at which a look ends, as a share of [`SIGHT`]: a fraction of a pixel.
+/// Distance from a surface at which the march ends, as a share of [`SIGHT`]: a fraction of a pixel.
 const NEAR_ENOUGH: f32 = 1e-4;
 
-/// A part of the plan: world x and z in metres, in the vectors' x and y.
+/// A region of the plan: world x and z in metres, as x and y of the vectors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
     /// The upper left of the picture: the lowest x and z.
@@ -84,7 +84,7 @@ impl Bounds {
         }
     }
 
-    /// Adds an object with its path, and `room` around it.
+    /// Adds an object and its path, with a margin of `room` metres.
     fn add_moving(&mut self, position: Vec3, path: &Path, room: f32) {
         let keys = path.keys().iter().map(|key| key.position);
         for point in keys.chain([position]) {
@@ -119,7 +119,7 @@ pub(super) fn flat(point: Vec3) -> Vec2 {
     Vec2::new(point.x, point.z)
 }
 
-/// The extent of a surface in a cut at `height`; `None` if the cut misses it or it has no end.
+/// The extent of a surface in a cut at `height`; `None` if the cut misses the surface or the extent is infinite.
 fn extent(surface: &Surface, height: f32) -> Option<Bounds> {
     match surface.shape.node {
         Node::Plane(_) => None,
@@ -146,7 +146,7 @@ fn extent(surface: &Surface, height: f32) -> Option<Bounds> {
         }
         Node::Cylinder(Cylinder { radius }) => {
             let axis = surface.rotation * Vec3::Y;
-            // The cut meets a lying cylinder along its endless side.
+            // The cut intersects a lying cylinder along its infinite axis.
             if axis.y.abs() < 0.3 {
                 return Some(Bounds::around(surface.position, radius));
             }
@@ -157,7 +157,7 @@ fn extent(surface: &Surface, height: f32) -> Option<Bounds> {
     }
 }
 
-/// The bounded extent of a field along x and z, if the cut meets its bounds.
+/// The bounded extent of a field along x and z, if the cut intersects its bounds.
 fn field_extent(surface: &Surface, height: f32) -> Option<Bounds> {
     let rotation = DMat3::from_quat(surface.rotation.as_dquat());
     let bounds = surface.shape.properties().bounds.turned(rotation);
@@ -171,7 +171,7 @@ fn field_extent(surface: &Surface, height: f32) -> Option<Bounds> {
     })
 }
 
-/// Whether a surface is a field with solid beyond any bounds.
+/// Whether a surface is a field whose solid has no bounds.
 fn is_endless_field(surface: &Surface) -> bool {
     let Some(field) = surface.shape.field() else {
         return false;
@@ -225,7 +225,7 @@ pub(super) struct Plan {
 }
 
 impl Plan {
-    /// The plan of `bounds`, `width` pixels wide with the height that follows.
+    /// The plan of `bounds`, `width` pixels wide; the height follows from the bounds.
     pub fn new(bounds: Bounds, width: u32) -> Result<Plan, PictureError> {
         if !bounds.has_area() {
             let what = format!("{} to {}", bounds.min, bounds.max);
@@ -251,12 +251,12 @@ impl Plan {
         metres / self.metres
     }
 
-    /// The size of one pixel of a picture 800 pixels wide in this one: the unit of line widths.
+    /// The unit of line widths in pixels: one pixel in a picture 800 pixels wide, scaled to this picture's width.
     pub fn stroke(&self) -> f32 {
         (self.width as f32 / 800.0).max(0.4)
     }
 
-    /// The size of a dot of letters, in whole pixels.
+    /// The size of a letter's dot in whole pixels.
     pub fn dot(&self) -> f32 {
         (1.6 * self.stroke()).round().max(1.0)
     }
@@ -291,7 +291,7 @@ mod tests {
         assert!((bounds.min.x + bounds.max.x).abs() < 1e-4, "{bounds:?}");
     }
 
-    /// Protects the plan from shrinking because of a floor slab that the cut does not meet.
+    /// Protects the scale of the plan from a floor slab that the cut does not intersect.
     #[test]
     fn what_the_cut_misses_does_not_count() {
         let size = Vec3::new(1000.0, 1.0, 1000.0);
@@ -299,7 +299,7 @@ mod tests {
         assert!(Bounds::of(&scene(slab), 0.0).max.x < 5.0);
     }
 
-    /// Protects rooms that are hollows in endless rock: the walls in the listener's horizontal sight are shown.
+    /// Protects rooms that are hollows in endless rock: the plan shows the walls in the listener's horizontal sight.
     #[test]
     fn the_walls_of_a_hollow_are_shown() {
         for name in ["cave", "whispering-gallery", "morphing-room"] {

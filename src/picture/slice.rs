@@ -1,4 +1,4 @@
-//! A picture's shader, with the pass that draws it, and the plan of a scene.
+//! The shader of a picture, the pass that draws it, and the plan of a scene.
 
 use super::plan::{Bounds, Plan};
 use super::{PictureError, labels, marks};
@@ -13,14 +13,13 @@ use tiny_skia::PixmapMut;
 /// Maximum pixels in one draw call: see [`full_screen_pass_rows`].
 const PIXELS_PER_DRAW: u32 = 1 << 17;
 
-/// A picture's program, and the scene that it reads.
+/// A picture's program, with the scene data that it reads.
 pub(super) struct Shader {
     pub program: Program,
     scene: GpuScene,
 }
 
-/// The program of a picture's shader around the distance functions of `scene`, with the scene's
-/// numbers set.
+/// Compiles the shader of a picture with the distance functions of `scene`, and sets the scene's data.
 pub(super) fn prepare(context: &Context, scene: &Scene, kind: Kind) -> Result<Shader, Error> {
     scene.validate()?;
     let structure = GpuScene::picture_structure(scene);
@@ -44,8 +43,8 @@ pub enum Kind {
     Slice,
 }
 
-/// The fragment shader of a picture, as it is compiled after the driver's own header. Needs no
-/// context; the scene should have been [checked](Scene::check).
+/// The fragment shader of a picture, without the driver's header. Needs no context; the scene should have been
+/// [checked](Scene::check).
 pub fn shader_text(scene: &Scene, kind: Kind) -> String {
     text(scene, &GpuScene::picture_structure(scene), kind)
 }
@@ -58,7 +57,7 @@ fn text(scene: &Scene, structure: &Structure, kind: Kind) -> String {
     shader::picture_text(scene, structure, sources)
 }
 
-/// Rejects sizes that cannot be drawn, before anything is allocated.
+/// Rejects invalid sizes before any memory is allocated.
 pub(super) fn check_size(context: &Context, width: u32, height: u32) -> Result<(), PictureError> {
     let limit = context.limits().max_texture_size;
     if (1..=limit).contains(&width) && (1..=limit).contains(&height) {
@@ -67,7 +66,7 @@ pub(super) fn check_size(context: &Context, width: u32, height: u32) -> Result<(
     Err(PictureError::size([width, height], limit))
 }
 
-/// Draws the program over a picture of the given size, whose top row comes first.
+/// Draws the program's picture at the given size, top row first.
 pub(super) fn draw(
     context: &Context,
     shader: &Shader,
@@ -96,15 +95,15 @@ pub struct SliceOptions {
     pub width: u32,
     /// World y of the cut in metres; `None` for that of the pair's listener.
     pub height: Option<f32>,
-    /// The part shown; `None` for [`Bounds::of`] the scene.
+    /// The region shown; `None` for [`Bounds::of`] the scene.
     pub bounds: Option<Bounds>,
     /// Number of waves whose paths are drawn.
     pub paths: u32,
-    /// Previously traced paths, as returned by [`Tracer::paths`]; drawn over the others.
+    /// Paths traced before, as returned by [`Tracer::paths`], drawn on top of the other paths.
     pub also: Vec<Vec<Wave>>,
-    /// Settings of these waves; `waves` is taken from `paths`.
+    /// Settings for tracing these waves; their number is `paths`, not `settings.waves`.
     pub settings: Settings,
-    /// Whether a scale bar is drawn in the lower left, and a legend of the path colours in the upper left.
+    /// Whether to draw a scale bar in the lower left, and a legend of the path colours in the upper left.
     pub scale_bar: bool,
 }
 
@@ -162,7 +161,7 @@ fn slice_of(
         0 => Vec::new(),
         waves => tracer.paths(seen.pair()?, &options.settings.clone().with_waves(waves))?,
     };
-    // Opaque pixels are the same with and without premultiplied opacity.
+    // Opaque pixels are equal with and without premultiplied opacity.
     if let Some(mut canvas) = PixmapMut::from_bytes(&mut picture, plan.width, plan.height) {
         let mut fates = Vec::new();
         if let Some(source) = seen.source {
@@ -200,7 +199,7 @@ pub(super) fn cut(
     draw(context, &shader, plan.width, plan.height)
 }
 
-/// Metres between two lines of equal distance: 1, or more to leave 12 pixels between them.
+/// Metres between isolines of the distance: 1, or more to leave 12 pixels between lines.
 fn isoline(metres: f32) -> f32 {
     let least = 12.0 * metres;
     if (0.1..=1.0).contains(&least) {

@@ -1,7 +1,7 @@
 //! The listener's view: as one picture, and frame by frame in a window.
 //!
-//! In a window it is drawn at a share of the window's size and stretched over it. While nothing moves, the last picture
-//! is shown again; after some frames without movement it is drawn once more at full size, some rows per frame.
+//! A window's picture is drawn at a share of the window's size and stretched. While nothing moves, the last picture is
+//! shown again; after some frames without movement the picture is redrawn at full size, some rows per frame.
 
 use super::PictureError;
 use super::slice::{Kind, check_size, draw, prepare};
@@ -16,8 +16,8 @@ use image::RgbaImage;
 use std::num::NonZeroUsize;
 use std::rc::Rc;
 
-/// Radius of the ball that represents the source, as a share of the listener's radius, the only
-/// length of a scene that gives its scale.
+/// Radius of the ball that represents the source, as a share of the listener's radius, which is the only length that
+/// gives a scene its scale.
 pub const SOURCE_SHARE: f32 = 0.12;
 
 /// Options of a view.
@@ -32,7 +32,7 @@ pub struct ViewOptions {
 }
 
 impl Default for ViewOptions {
-    /// 960 × 540 pixels over 70° from top to bottom.
+    /// 960 × 540 pixels, 70° from top to bottom.
     fn default() -> ViewOptions {
         ViewOptions {
             width: 960,
@@ -77,35 +77,35 @@ pub fn first_person<'a>(
 /// Vertical field of view in radians.
 const FIELD_OF_VIEW: f32 = 70.0 / 180.0 * std::f32::consts::PI;
 
-/// Minimum distance at which the source's ball is drawn, in multiples of its radius.
+/// Minimum distance from which the source's ball is drawn, in multiples of its radius.
 const NEAREST: f32 = 2.0;
 
 /// Number of frames without movement before the picture is refined.
 const STILL: u32 = 8;
 
-/// Milliseconds of a frame that refining may take.
+/// Time per frame for refining, in milliseconds.
 const REFINING: f64 = 12.0;
 
-/// Minimum number of rows refined in a frame.
+/// Minimum number of rows refined per frame.
 const LEAST_ROWS: u32 = 4;
 
-/// Rows refined in a frame if their time cannot be measured: at a window's width this is about the number of pixels of
-/// a coarse picture.
+/// Number of rows refined per frame if their time cannot be measured: at a window's width about as many pixels as a
+/// coarse picture.
 const UNTIMED_ROWS: u32 = 8;
 
-/// Maximum predicted time in seconds of a picture when no time was measured yet.
+/// Maximum predicted time of a picture in seconds, before any time has been measured.
 const FIRST_PICTURE: f64 = 1.0;
 
-/// Maximum predicted time of refining in a frame, in seconds.
+/// Maximum predicted time of refining per frame, in seconds.
 const REFINED: f64 = 0.1;
 
-/// Typical number of evaluations per pixel: the steps of its ray, and of the shadow at its end.
+/// Typical number of evaluations per pixel: the steps of its ray, and of the shadow ray at its end.
 const EVALUATIONS_PER_PIXEL: f64 = 30.0;
 
-/// Maximum number of cached programs: those of the scenes seen last.
+/// Maximum number of cached programs, those of the most recent scenes.
 const PROGRAMS_KEPT: NonZeroUsize = NonZeroUsize::new(4).unwrap();
 
-/// The inputs of the picture: it is drawn again only when they change.
+/// The inputs of the picture, which is redrawn only when they change.
 struct Shown {
     eye: Eye,
     surfaces: Vec<Surface>,
@@ -114,7 +114,7 @@ struct Shown {
     full: [u32; 2],
 }
 
-/// Draws the picture, and caches what can be used again.
+/// Draws the listener's view in a window, and caches programs and pictures.
 pub struct View {
     context: Context,
     programs: ProgramCache<Rc<StructureKey>>,
@@ -124,17 +124,17 @@ pub struct View {
     fine: Option<Picture>,
     shown: Option<Shown>,
     still: u32,
-    /// Number of rows of the fine picture that are drawn.
+    /// Number of rows of the fine picture already drawn.
     refined: u32,
-    /// Number of its rows drawn per millisecond.
+    /// Number of fine rows drawn per millisecond.
     rows_per_ms: f64,
-    /// The drawing between the timer's marks, until its time is read.
+    /// The part drawn between the timer's marks, until its time is read.
     marked: Option<Marked>,
-    /// Milliseconds of the last picture, as far as they are known.
+    /// Drawing time of the last picture in milliseconds, as far as measured.
     took: f64,
 }
 
-/// A drawing between two marks.
+/// The part of a picture drawn between two marks.
 #[derive(Clone, Copy)]
 enum Marked {
     /// The whole coarse picture.
@@ -146,16 +146,16 @@ enum Marked {
 /// The result of drawing a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Drawn {
-    /// Pixels drawn, across and down.
+    /// Size of the drawn picture in pixels, horizontally and vertically.
     pub size: [u32; 2],
-    /// Whether the picture was drawn again, rather than only shown again.
+    /// Whether the picture was redrawn, not just shown again.
     pub anew: bool,
-    /// Milliseconds that drawing took; on a graphics card, which is not waited for, those of the previous picture.
+    /// Drawing time in milliseconds; on a graphics card, whose result arrives later, that of the previous picture.
     pub milliseconds: f64,
 }
 
 impl View {
-    /// Creates a view that has drawn nothing yet.
+    /// Creates a view in its initial state.
     ///
     /// # Errors
     /// [`Error::Gpu`] when the renderer fails.
@@ -176,10 +176,10 @@ impl View {
         })
     }
 
-    /// Compiles the program that draws the scene, without drawing.
+    /// Compiles the program for the scene, without drawing.
     ///
     /// # Errors
-    /// As [`draw`](View::draw).
+    /// The errors of [`draw`](View::draw).
     pub fn check(&mut self, scene: &Scene) -> Result<(), Error> {
         self.program(scene).map(drop)
     }
@@ -273,7 +273,7 @@ impl View {
         aim_in_window(&program, eye, full);
         let rows = match platform::CAN_WAIT_FOR_GL {
             true => ((REFINING * self.rows_per_ms) as u32).max(LEAST_ROWS),
-            // The time of a row is unknown.
+            // The time per row is unknown.
             false => UNTIMED_ROWS,
         };
         let band = self.refined..self.refined + rows;
@@ -284,7 +284,7 @@ impl View {
         Ok(())
     }
 
-    /// Ends the timing of the drawing since the first mark.
+    /// Ends the timing of `what`, which was drawn since the first mark.
     fn mark_end(&mut self, what: Marked) -> Result<(), Error> {
         self.timer.mark()?;
         self.marked = Some(what);
@@ -294,7 +294,7 @@ impl View {
         Ok(())
     }
 
-    /// Reads the time of the drawing that was marked last.
+    /// Reads the time of the part marked last.
     fn take_time(&mut self) {
         let Some(what) = self.marked.take() else {
             return;
@@ -306,7 +306,7 @@ impl View {
         }
     }
 
-    /// The program for the scene's structure, with the data of its surfaces set.
+    /// The program for the scene's structure, with the surface data set.
     fn program(&mut self, scene: &Scene) -> Result<Rc<Program>, Error> {
         let context = &self.context;
         let structure = GpuScene::picture_structure(scene);
@@ -321,7 +321,7 @@ impl View {
         Ok(program)
     }
 
-    /// Makes the next frame draw again, as the window's size or the scene has changed.
+    /// Makes the next frame redraw the picture, after a change of the window's size or the scene.
     pub fn forget(&mut self) {
         self.shown = None;
     }
@@ -337,7 +337,7 @@ fn text(scene: &Scene, structure: &Structure) -> String {
     shader::picture_text(scene, structure, sources)
 }
 
-/// Predicted number of pixels drawn in `seconds` seconds: only users' fields have a measured speed.
+/// Predicted number of pixels drawn in `seconds` seconds; limited only for users' fields, whose speed is measured.
 fn pixels_foreseen(scene: &Scene, seconds: f64) -> f64 {
     match scene.evaluation_seconds() {
         Some(evaluation) => seconds / (evaluation * EVALUATIONS_PER_PIXEL),
@@ -345,7 +345,7 @@ fn pixels_foreseen(scene: &Scene, seconds: f64) -> f64 {
     }
 }
 
-/// The share of the window's size at which a first picture does not block the window.
+/// The share of the window's size at which the first picture does not block the window.
 fn foreseen_scale(scene: &Scene, [width, height]: [u32; 2]) -> f32 {
     let whole = f64::from(width) * f64::from(height);
     (pixels_foreseen(scene, FIRST_PICTURE) / whole.max(1.0))

@@ -1,7 +1,7 @@
-//! Diagnosis of figures: reasons why some are missing, and flutter echoes that make decays long.
+//! Diagnosis of figures: the reasons for missing figures, and flutter echoes that lengthen decays.
 //!
-//! A flutter echo lasts between two parallel walls, longer than sound in a diffuse field. It is detected only in a
-//! scene that consists of one [`Room`]: only then are the volume and the walls known.
+//! A flutter echo between two parallel walls lasts longer than sound in a diffuse field. It is detected only in a scene
+//! that consists of one [`Room`]: only then are the volume and the walls known.
 
 use crate::bands::BAND_COUNT;
 use crate::response::{BandFigures, Figures};
@@ -9,8 +9,7 @@ use crate::scene::shape::Room;
 use crate::scene::{Material, Node, Scene};
 use std::f64::consts::LN_10;
 
-/// Share of the energy after the response's end above which it is reported: a tenth of the limit
-/// for figures.
+/// Share of the energy beyond the response's end above which the loss is reported: a tenth of the limit for figures.
 const TOLD_CUT_OFF: f64 = 0.001;
 
 /// Reason why figures of a band are missing.
@@ -20,7 +19,7 @@ pub enum Gap {
     Silence,
     /// The response ends before its sound has decayed.
     TooShort,
-    /// The sound arrives too early for a clarity figure: without reverberation.
+    /// Sound arrives only early, without reverberation, so there is no clarity figure.
     NoLateSound,
     /// Sound decays, but there are too few waves to estimate the decay.
     TooNoisy,
@@ -30,8 +29,8 @@ impl Gap {
     /// All reasons, in the order of reporting.
     pub const ALL: [Gap; 4] = [Gap::Silence, Gap::TooShort, Gap::NoLateSound, Gap::TooNoisy];
 
-    /// The reason why figures of a band are missing or inexact; `None` if all its decay times are present. `is_heard`:
-    /// whether any sound arrives in it.
+    /// The reason why figures of a band are missing or inexact; `None` if all its decay times are present. `is_heard`
+    /// states whether any sound arrives in the band.
     pub fn of(figures: &Figures, band: usize, is_heard: bool) -> Option<Gap> {
         match is_heard {
             true => Gap::of_band(
@@ -67,7 +66,7 @@ impl Gap {
         }
     }
 
-    /// The reason as a number in tables: from 1 in the order of [`Gap::ALL`].
+    /// The code of the reason in tables: from 1 in the order of [`Gap::ALL`].
     pub fn code(self) -> u64 {
         Gap::ALL
             .iter()
@@ -75,14 +74,13 @@ impl Gap {
             .map_or(0, |at| at as u64 + 1)
     }
 
-    /// The reason of a code; `None` for 0 and for unknown codes.
+    /// The reason with this code; `None` for 0 and for unknown codes.
     pub fn of_code(code: u64) -> Option<Gap> {
         Gap::ALL.into_iter().find(|gap| gap.code() == code)
     }
 }
 
-/// A T30 above this multiple of Eyring's is reported: uneven absorption alone makes it some ten per
-/// cent longer.
+/// A T30 above this multiple of Eyring's time is reported: uneven absorption alone lengthens T30 by some ten per cent.
 const MOST_TIMES_EYRING: f64 = 1.5;
 
 /// ln of 60 dB as a ratio of energies.
@@ -91,27 +89,27 @@ const LN_OF_60_DB: f64 = 6.0 * LN_10;
 /// Two parallel walls with a flutter echo.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Flutter {
-    /// Their numbers in the order of [`Room::WALL_NAMES`](crate::scene::shape::Room::WALL_NAMES).
+    /// The numbers of the walls in the order of [`Room::WALL_NAMES`](crate::scene::shape::Room::WALL_NAMES).
     pub walls: [usize; 2],
-    /// The bands whose decay they determine.
+    /// The bands whose decay the flutter echo determines.
     pub bands: Vec<FlutterBand>,
-    /// Whether none of the room's walls scatters in these bands.
+    /// Whether no wall of the room scatters in these bands.
     pub nothing_scatters: bool,
 }
 
 /// One band that decays more slowly than in a diffuse field.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlutterBand {
-    /// Its number, from 0.
+    /// Number of the band, from 0.
     pub band: usize,
     /// T30 of the response, in seconds.
     pub t30_s: f64,
-    /// The reverberation time of a diffuse field by Eyring, in seconds.
+    /// The reverberation time by Eyring, for a diffuse field, in seconds.
     pub eyring_s: f64,
 }
 
-/// The pairs of walls that cause decays above `MOST_TIMES_EYRING` times Eyring's; `t30_s` holds
-/// the seconds by band.
+/// The pairs of walls that cause decays above `MOST_TIMES_EYRING` times Eyring's; `t30_s` holds T30 by band, in
+/// seconds.
 pub fn flutters(scene: &Scene, t30_s: [Option<f64>; BAND_COUNT]) -> Vec<Flutter> {
     let Some(room) = EmptyRoom::of(scene) else {
         return Vec::new();
@@ -123,7 +121,7 @@ pub fn flutters(scene: &Scene, t30_s: [Option<f64>; BAND_COUNT]) -> Vec<Flutter>
         };
         let limit_s = MOST_TIMES_EYRING * room.eyring_s(band);
         let (axis, lasts_s) = room.longest_flutter(band);
-        // Between walls that absorb more, the echo would not last this long: the cause is another one.
+        // Between walls with more absorption the echo would not last as long as T30: the long decay has another cause.
         if t30_s <= limit_s || lasts_s <= limit_s {
             continue;
         }
@@ -174,7 +172,7 @@ impl EmptyRoom<'_> {
         self.size.iter().product()
     }
 
-    /// Square metres of a wall.
+    /// Area of a wall in square metres.
     fn area(&self, wall: usize) -> f64 {
         self.volume() / self.size[wall / 2]
     }
@@ -197,8 +195,8 @@ impl EmptyRoom<'_> {
         4.0 * LN_OF_60_DB * self.volume() / (self.scene.speed_of_sound() * lost)
     }
 
-    /// The axis along which a flutter echo lasts longest, and its time to decay by 60 dB: each
-    /// round trip keeps the energy that both walls reflect.
+    /// The axis along which a flutter echo lasts longest, and the time in which the echo decays by 60 dB: each round
+    /// trip keeps the energy that both walls reflect.
     fn longest_flutter(&self, band: usize) -> (usize, f64) {
         let air = self.scene.air_attenuation()[band];
         let seconds = |axis: usize| {
@@ -227,7 +225,7 @@ mod tests {
     use crate::scene::{Listener, Source, Surface};
     use glam::Vec3;
 
-    /// Protects the advice: it follows from the missing figures, and is absent if all are present.
+    /// Protects the advice: it follows from the missing figures, and there is none if all are present.
     #[test]
     fn each_missing_figure_has_its_reason() {
         let whole = BandFigures {
@@ -255,7 +253,7 @@ mod tests {
         }
     }
 
-    /// Protects tables: each code means one reason.
+    /// Protects tables: each code stands for one reason.
     #[test]
     fn codes_mean_reasons() {
         for gap in Gap::ALL {
@@ -289,8 +287,7 @@ mod tests {
         scene
     }
 
-    /// Protects the note from a wrong formula: Eyring's time and that between the hard walls,
-    /// calculated by hand.
+    /// Protects the note from a wrong formula: Eyring's time and the time between the hard walls, calculated by hand.
     #[test]
     fn times_are_those_of_the_formulas() {
         let scene = room(0.0);

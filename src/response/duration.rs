@@ -8,46 +8,46 @@ use crate::response::ImpulseSettings;
 use crate::scene::Pair;
 use crate::tracer::{ArrivalCounts, ArrivalSettings, Settings, Tracer};
 
-/// Number of waves that estimate the decay: its end is determined by their energies, not by their
-/// number, and a thousand of them give the time within some per cent.
+/// Number of waves for the estimate of the decay: their energies determine its end, and a thousand of them give the
+/// time to within some per cent.
 const WAVES: u32 = 4096;
 
-/// Number of waves if most leave the scene and few of these arrive late, as outdoors. Waves that leave cost next to
+/// Number of waves if most leave the scene and few waves arrive late, as outdoors. A wave that leaves costs almost
 /// nothing.
 const WAVES_OUTDOORS: u32 = 64 * WAVES;
 
-/// Number of waves if few arrive late and most stay, as between two endless walls.
+/// Number of waves if few arrive late and most stay in the scene, as between two endless walls.
 const WAVES_BETWEEN: u32 = 8 * WAVES;
 
-/// The shortest length, in seconds: one block of a sound.
+/// The shortest response in seconds: one block of a sound.
 const SHORTEST_S: f64 = 0.1;
 
-/// The share of the energy that may remain: −60 dB, the definition of the reverberation time.
+/// Share of the energy that may remain after the end: −60 dB, the definition of the reverberation time.
 const LEFT: f64 = 1e-6;
 
-/// The share of their energy down to which the waves are followed. The energy after it is at most a thousandth of what
-/// may remain, if the listener receives its share of it.
+/// Share of its energy down to which a wave is followed. The energy that this ignores is at most a thousandth of the
+/// share that may remain, if the listener receives a proportional part of it.
 const LEAST_ENERGY: f64 = 1e-3 * LEFT;
 
-/// The end of a decay is known if at least [`LEAST_LATE`] waves arrive when only this share of the energy, −40 dB, is
-/// still to come: the time of the last 20 dB is then accurate to about 20 per cent.
+/// The end of a decay counts as known if at least [`LEAST_LATE`] waves arrive after all but this share of the energy
+/// (−40 dB) has arrived: the time of the last 20 dB is then accurate to about 20 per cent.
 const LATE: f64 = 1e-4;
 const LEAST_LATE: usize = 16;
 
-/// With fewer late arrivals the record is longer than the time in which waves arrived, which is this share of it: then
-/// it also holds later sound that these waves missed. Figures need a record whose second half is weaker than the first.
+/// With fewer late arrivals, this share of the record is the time in which waves arrived: a longer record also holds
+/// later sound that these waves missed. Figures need a record whose second half is weaker than the first.
 const SEEN: f64 = 1.0 / 3.0;
 
-/// The length after the direct sound, in seconds, for a scene that neither absorbs sound nor lets waves leave: its decay
-/// exceeds any length, and a longer record repeats itself. It equals the default longest response of sound in full
-/// (`auralisation`).
+/// The length in seconds after the direct sound for a scene that neither absorbs sound nor lets waves leave: its decay
+/// exceeds any length, and a longer record would repeat itself. It equals the default longest response in
+/// `auralisation`.
 const WITHOUT_DECAY_S: f64 = 3.0;
 
 /// Length of the time bins of the decay, in seconds.
 const BIN_S: f64 = 0.01;
 
-/// Seconds after which the remaining energy is at most [`LEFT`] of all, in every band, as estimated by waves; at most
-/// `longest_s`, but at least the time of the direct sound.
+/// Returns the time in seconds after which at most [`LEFT`] of all energy remains, in every band, as estimated by
+/// waves; at most `longest_s`, but at least the time of the direct sound.
 pub(super) fn needed(
     tracer: &mut Tracer,
     pair: Pair,
@@ -63,7 +63,7 @@ pub(super) fn needed(
             .min(longest_s.max(medium.direct_s + SHORTEST_S))
             .min(ImpulseSettings::MAX_SECONDS));
     }
-    // With more waves the record would not exceed the longest either.
+    // More waves are useless if the record is already as long as allowed.
     if !decay.is_end_known() && decay.end_s() + BIN_S < longest_s {
         let more = match most_leave(&counts) {
             true => WAVES_OUTDOORS,
@@ -87,7 +87,7 @@ fn most_leave(counts: &ArrivalCounts) -> bool {
     2 * counts.gone > counts.waves
 }
 
-/// Energies and numbers of arrivals over time.
+/// Energies and counts of arrivals over time.
 #[derive(Default)]
 struct Decay {
     /// Energies in bins of [`BIN_S`].
@@ -129,7 +129,7 @@ impl Decay {
         self.arrivals[bin] += 1;
     }
 
-    /// Number of bins before which some band has more than this share of its energy still to come.
+    /// Number of bins until every band has at most `share` of its energy still to come.
     fn bins_until(&self, share: f64) -> usize {
         let all = bands::sum(&self.bins);
         let mut to_come = [0.0; BAND_COUNT];
@@ -142,19 +142,19 @@ impl Decay {
         0
     }
 
-    /// Whether enough arrivals carry the end of the decay.
+    /// Whether there are enough arrivals at the end of the decay.
     fn is_end_known(&self) -> bool {
         let late = &self.arrivals[self.bins_until(LATE)..];
         late.iter().sum::<usize>() >= LEAST_LATE
     }
 
-    /// The end of the last bin before which some band has more than [`LEFT`] still to come.
+    /// The end in seconds of the last bin before every band has at most [`LEFT`] still to come.
     fn end_s(&self) -> f64 {
         (self.bins_until(LEFT) as f64 * BIN_S).max(SHORTEST_S)
     }
 
-    /// An end beyond the arrivals of too few waves, in seconds: the observed time after the direct sound is the first
-    /// [`SEEN`] of the record.
+    /// The end in seconds of a record with too few late arrivals: the observed time after the direct sound becomes its
+    /// first [`SEEN`].
     fn end_unseen_s(&self, direct_s: f64) -> f64 {
         let seen_s = (self.bins.len() as f64 * BIN_S - direct_s).max(0.0);
         direct_s + seen_s / SEEN
@@ -186,8 +186,7 @@ mod tests {
         assert_eq!(Decay::default().end_s(), SHORTEST_S);
     }
 
-    /// Protects from taking a decay carried by few waves for one that has ended: the last observed wave is not the last
-    /// sound.
+    /// Protects decays carried by few waves: the last observed wave does not end the sound.
     #[test]
     fn few_late_waves_do_not_end_a_decay() {
         let mut decay = Decay::default();
@@ -203,8 +202,8 @@ mod tests {
         assert_eq!(Decay::default().end_unseen_s(0.1), 0.1);
     }
 
-    /// Protects the computing time of a scene without a decay: its record is short, and that of a scene that sound
-    /// leaves is not cut.
+    /// Protects the computing time of a scene without a decay: its record is short, while the record of a scene that
+    /// sound leaves is not cut.
     #[test]
     fn what_never_decays_is_not_recorded_for_long() {
         let mut tracer =

@@ -1,4 +1,4 @@
-//! Energy against time, by band, in bins.
+//! Energy over time, by band, in bins.
 
 use super::error::{bad, check, check_speed};
 use super::{Arrival, ResponseError};
@@ -6,16 +6,15 @@ use crate::bands::{self, BAND_COUNT, BANDS_HZ, Bands};
 use glam::DVec3;
 use std::ops::RangeInclusive;
 
-/// Maximum number of bins: 65 s at 1 ms, 80 MiB with 16 batches. Later arrivals are summed without
-/// their time ([`Echogram::beyond`]).
+/// Maximum number of bins: 65 s at 1 ms, 80 MiB with 16 batches. Later arrivals are summed without their times
+/// ([`Echogram::beyond`]).
 pub(super) const MAX_BINS: usize = 1 << 16;
 
-/// The sound arriving at a listener against time: energy, and energy × direction, by octave band.
+/// The sound arriving at a listener over time: energy, and energy × direction, by octave band.
 ///
-/// Energies are densities for a source of unit power, times the speed of sound, in 1/m²: the direct
-/// sound at r metres has 1 / (4π r²). They are stored for each batch of waves, so that the errors
-/// of figures can be estimated ([`Figures`](super::Figures)). All sums are in `f64`, in the order
-/// in which they are added.
+/// Energies are densities for a source of unit power, times the speed of sound, in 1/m²: the direct sound at r metres
+/// has 1 / (4π r²). They are stored for each batch of waves, to estimate the errors of figures
+/// ([`Figures`](super::Figures)). All sums are in `f64`, in the order of the additions.
 ///
 /// ```
 /// use echomarch::response::Echogram;
@@ -33,7 +32,7 @@ pub struct Echogram {
     bin_s: f64,
     first_s: f64,
     batches: usize,
-    /// By bin, and within each bin by batch.
+    /// Ordered by bin, and within each bin by batch.
     energies: Vec<Bands>,
     /// Sums of the squares of the added energies, by bin; all batches together.
     squares: Vec<Bands>,
@@ -42,7 +41,7 @@ pub struct Echogram {
     beyond: Bands,
 }
 
-/// One band of one bin, all batches together.
+/// One band of one bin, summed over all batches.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EchogramRow {
     /// Middle of the bin: seconds from the source's impulse.
@@ -51,8 +50,8 @@ pub struct EchogramRow {
     pub band_hz: f64,
     /// Energy in 1/m².
     pub energy: f64,
-    /// Energy × direction of flight in 1/m², world axes: it points away from where the sound comes
-    /// from, and is as long as the energy if all comes from one direction.
+    /// Energy × direction of flight in 1/m², world axes: it points away from the origin of the sound, and is as long as
+    /// the energy if all sound comes from one direction.
     pub flow: DVec3,
 }
 
@@ -68,15 +67,15 @@ impl EchogramRow {
 }
 
 impl Echogram {
-    /// The shortest and the longest time bin, in seconds: from a few samples of sound to bins too long
-    /// to resolve a decay.
+    /// The shortest and the longest time bin in seconds: from a few samples of sound to the longest that still resolves
+    /// a decay.
     pub const BINS_S: RangeInclusive<f64> = 1e-4..=0.1;
 
-    /// The least and the greatest number of batches, which must be a power of two: figures are computed
-    /// from orthogonal halves of the batches.
+    /// The minimum and maximum number of batches, which must be a power of two: figures are computed from orthogonal
+    /// halves of the batches.
     pub const BATCHES: RangeInclusive<usize> = 1..=256;
 
-    /// An empty echogram with bins of `bin_s` seconds. A bin's edge is at 0 s.
+    /// Creates an empty echogram with bins of `bin_s` seconds, one of which begins at 0 s.
     ///
     /// # Errors
     /// [`ResponseError::BadBin`] unless `bin_s` is in [`Echogram::BINS_S`], [`ResponseError::BadBatches`]
@@ -99,12 +98,13 @@ impl Echogram {
         })
     }
 
-    /// Like [`new`](Self::new), with a bin's edge at `edge_s` seconds. If that is the direct sound's arrival, and a bin
-    /// divides 10 ms, the limits of C50, C80 and D50 are edges too, and no energy is distributed between their sides.
-    /// No bin begins before 0 s: the first begins at 0 s or less than a bin later, and also contains earlier arrivals.
+    /// Like [`new`](Self::new), with a bin's edge at `edge_s` seconds. If that is the arrival time of the direct sound,
+    /// and 10 ms is a multiple of `bin_s`, the limits of C50, C80 and D50 are edges too, and no bin's energy is divided
+    /// between their sides. No bin begins before 0 s: the first begins between 0 s and one bin later, and also contains
+    /// earlier arrivals.
     ///
     /// # Errors
-    /// As [`new`](Self::new). An edge that is not finite counts as 0 s.
+    /// The errors of [`new`](Self::new). An edge that is not finite counts as 0 s.
     pub fn with_edge_at(
         edge_s: f64,
         bin_s: f64,
@@ -117,8 +117,8 @@ impl Echogram {
         Ok(echogram)
     }
 
-    /// Adds energy that arrives `seconds` after the source's impulse, flying along `direction` (a unit vector,
-    /// world axes; shorter where sound comes from several sides). Arrivals before the first bin count in it.
+    /// Adds energy that arrives `seconds` after the source's impulse, flying along `direction` (a unit vector, world
+    /// axes; shorter if the sound comes from several sides). Arrivals before the first bin count in the first bin.
     /// Arrivals beyond 65,536 bins, or at an infinite time, are added to [`beyond`](Self::beyond).
     ///
     /// # Errors
@@ -148,7 +148,7 @@ impl Echogram {
             bands::add(&mut self.beyond, energy);
             return Ok(());
         }
-        // A negative place becomes 0.
+        // A negative index becomes 0.
         let bin = place as usize;
         self.grow(bin + 1);
         bands::add(&mut self.energies[bin * self.batches + batch], energy);
@@ -173,8 +173,7 @@ impl Echogram {
         }
     }
 
-    /// Adds the arrivals of another echogram with the same bins and batches, scaled by the share of their
-    /// band.
+    /// Adds the arrivals of another echogram with the same bins and batches, scaled by `shares` in each band.
     pub(crate) fn add_scaled(&mut self, other: &Echogram, shares: &Bands) {
         debug_assert!(
             (self.first_s, self.bin_s, self.batches) == (other.first_s, other.bin_s, other.batches)
@@ -196,7 +195,7 @@ impl Echogram {
         bands::add(&mut self.beyond, &scaled(&other.beyond));
     }
 
-    /// Makes room for `bins` bins.
+    /// Allocates `bins` bins.
     fn grow(&mut self, bins: usize) {
         if bins <= self.flows.len() {
             return;
@@ -206,11 +205,11 @@ impl Echogram {
         self.energies.resize(bins * self.batches, [0.0; BAND_COUNT]);
     }
 
-    /// Adds a wave's crossing: its batch is its number modulo the batches, its time its length
-    /// divided by the speed of sound. The air leaves exp(−`air_per_m` × length) of its energy.
+    /// Adds a wave's crossing of the listener: its batch is the wave's number modulo the number of batches, its time
+    /// the path length divided by the speed of sound. The air leaves exp(−`air_per_m` × length) of its energy.
     ///
     /// # Errors
-    /// [`ResponseError::BadNumber`] for a speed that is not above 0, and as [`add`](Self::add).
+    /// [`ResponseError::BadNumber`] for a speed that is not above 0, and the errors of [`add`](Self::add).
     pub fn add_arrival(
         &mut self,
         arrival: &Arrival,
@@ -229,7 +228,7 @@ impl Echogram {
         self.bin_s
     }
 
-    /// Beginning of the first bin in seconds: 0, or less than a bin later.
+    /// Beginning of the first bin in seconds: 0 or later, by less than a bin.
     pub fn first_s(&self) -> f64 {
         self.first_s
     }
@@ -239,7 +238,7 @@ impl Echogram {
         self.first_s + bin as f64 * self.bin_s
     }
 
-    /// Number of bins, up to the last with an arrival.
+    /// Number of bins, up to the last bin with an arrival.
     pub fn bins(&self) -> usize {
         self.flows.len()
     }
@@ -249,31 +248,31 @@ impl Echogram {
         self.batches
     }
 
-    /// The energy of a bin in 1/m², all batches together; 0 for other bins.
+    /// The energy of a bin in 1/m², summed over all batches; 0 for other bins.
     pub fn energy(&self, bin: usize) -> Bands {
         bands::sum(self.in_bin(bin))
     }
 
-    /// The energy of a bin in 1/m², one batch; 0 for other bins and batches.
+    /// The energy of a bin in 1/m² from one batch; 0 for other bins and batches.
     pub fn batch_energy(&self, bin: usize, batch: usize) -> Bands {
         let found = self.in_bin(bin).get(batch);
         found.copied().unwrap_or([0.0; BAND_COUNT])
     }
 
-    /// The energy of a bin × direction of flight in 1/m² by band, all batches together, world axes.
+    /// The energy of a bin × direction of flight in 1/m² by band, summed over all batches, world axes.
     pub fn flow(&self, bin: usize) -> [DVec3; BAND_COUNT] {
         let found = self.flows.get(bin);
         found.copied().unwrap_or([DVec3::ZERO; BAND_COUNT])
     }
 
-    /// The energy of all bins in 1/m².
+    /// The sum of the energies of all bins in 1/m².
     pub fn total(&self) -> Bands {
         bands::sum(&self.energies)
     }
 
-    /// Number of arrivals of equal energy that would be as noisy as those of a band in bins that
-    /// begin at `from_s` seconds or later: (Σ e)² / Σ e² (L. Kish, *Survey Sampling*, 1965, section
-    /// 11.7). 0 without arrivals, and for bands that do not exist.
+    /// Number of arrivals of equal energy that would be as noisy as those of a band in bins that begin at `from_s`
+    /// seconds or later: (Σ e)² / Σ e² (L. Kish, *Survey Sampling*, 1965, section 11.7). 0 without arrivals, and for a
+    /// band number out of range.
     pub fn effective_arrivals(&self, band: usize, from_s: f64) -> f64 {
         if band >= BAND_COUNT {
             return 0.0;
@@ -289,7 +288,7 @@ impl Echogram {
         }
     }
 
-    /// The energy in 1/m² of arrivals too late for the bins.
+    /// The energy in 1/m² of arrivals after the last bin.
     pub fn beyond(&self) -> Bands {
         self.beyond
     }
@@ -356,7 +355,7 @@ mod tests {
         assert_eq!(echogram.energy(4), [0.0; BAND_COUNT]);
     }
 
-    /// Protects the air's loss: by band, and by the length of the path.
+    /// Protects the loss in air: by band, and by the length of the path.
     #[test]
     fn air_takes_its_share() {
         let mut echogram = Echogram::new(1e-3, 1).expect("a good bin");
@@ -369,7 +368,7 @@ mod tests {
         assert!((echogram.total()[7] - 8.0 * (-2.0_f64).exp()).abs() < 1e-12);
     }
 
-    /// Protects edges at the direct sound, and times before 0 s.
+    /// Protects bin edges at the direct sound, and times before 0 s.
     #[test]
     fn a_bin_begins_at_the_edge_that_was_asked_for() {
         let mut echogram = Echogram::with_edge_at(0.0123, 1e-3, 1).expect("a good bin");
@@ -384,7 +383,7 @@ mod tests {
         assert_eq!(filled, [0, 11, 12]);
     }
 
-    /// Protects memory from times that no echogram can hold.
+    /// Protects memory from times that are too late for any echogram.
     #[test]
     fn what_is_too_late_has_no_bin() {
         let mut echogram = Echogram::new(1e-3, 1).expect("a good bin");
@@ -395,8 +394,8 @@ mod tests {
         assert_eq!((echogram.bins(), echogram.beyond()[0]), (0, 2.0));
     }
 
-    /// Protects the effective number of arrivals: equal ones count each, a strong one among weak
-    /// ones counts alone.
+    /// Protects the effective number of arrivals: each of equal arrivals counts, while a strong arrival among weak ones
+    /// counts as about one.
     #[test]
     fn strong_arrivals_count_for_few() {
         let mut echogram = Echogram::new(1e-3, 4).expect("a good bin");

@@ -1,4 +1,4 @@
-//! Errors of echograms and impulse responses, and the checks that the numbers of arriving sound are in range.
+//! Errors of echograms and impulse responses, and range checks of the numbers of arriving sound.
 
 use super::Tap;
 use crate::bands::Bands;
@@ -48,7 +48,7 @@ pub enum ResponseError {
         /// The requested length, in seconds.
         seconds: f64,
     },
-    /// A number that is out of range for arriving sound.
+    /// A number out of range for arriving sound.
     #[error("{what} must be {must}, not {value}")]
     BadNumber {
         /// Name of the number, with its unit.
@@ -70,7 +70,7 @@ pub enum ResponseError {
         /// Its value.
         value: f64,
     },
-    /// A batch that an echogram does not have.
+    /// A batch number out of range.
     #[error("batch {batch} of an echogram of {batches}: they are counted from 0")]
     NoSuchBatch {
         /// The requested batch, from 0.
@@ -88,21 +88,21 @@ pub enum ResponseError {
         /// Samples of both channels.
         stereo: usize,
     },
-    /// The heard sound was made for another player: its delays are in that player's samples.
+    /// A [`Heard`](crate::auralisation::Heard) made for another player: its delays are in that player's samples.
     #[error(
         "the heard sound was made for {heard_hz} Hz and {heard_s} s, but is played at {played_hz} Hz for {played_s} s: make both with one Spec"
     )]
     OtherSpec {
-        /// The rate that it was made for, in hertz.
+        /// The rate of the heard sound in hertz.
         heard_hz: u32,
-        /// The longest response that it was made for, in seconds.
+        /// The longest response of the heard sound in seconds.
         heard_s: f64,
         /// The player's rate, in hertz.
         played_hz: u32,
         /// The player's longest response, in seconds.
         played_s: f64,
     },
-    /// A source number that the player does not have.
+    /// A source number out of range.
     #[error("source {source_number} of a player of {sources}: they are counted from 0")]
     NoSuchSource {
         /// The requested source, from 0.
@@ -110,7 +110,7 @@ pub enum ResponseError {
         /// Number of sources.
         sources: usize,
     },
-    /// A listener's directions that do not define axes: one has no length, or both are parallel.
+    /// A listener's directions that do not define axes: one has length zero, or both are parallel.
     #[error(
         "a listener that looks along {forward:?} with {up:?} above: the two must have lengths \
          and must not be parallel"
@@ -126,18 +126,18 @@ pub enum ResponseError {
     Hrir(#[from] crate::hrtf::HrirError),
 }
 
-/// The largest energy density, in 1/m²: its amplitude, and sums of squares of such energies, are far within the
-/// range of samples (`f32`) and sums (`f64`). The loudest source, of 120 dB, reaches it only within 10⁻²⁴ m.
+/// The largest energy density in 1/m². Its amplitude, and sums of squares of such energies, are far within the range of
+/// samples (`f32`) and sums (`f64`). The loudest source, of 120 dB, reaches it only within 10⁻²⁴ m.
 const LARGEST_ENERGY: f64 = 1e60;
 
 /// Maximum length of a unit vector after rounding to `f32`.
 const LONGEST_UNIT: f64 = 1.0 + 1e-5;
 
-/// Checks an energy by bands and its direction of flight. A direction may be shorter than 1: then the sound comes from
-/// several sides.
+/// Checks an energy by bands and its direction of flight. A direction is shorter than 1 if the sound comes from several
+/// sides.
 ///
 /// # Errors
-/// [`ResponseError::BadNumber`] with the first number that is out of range.
+/// [`ResponseError::BadNumber`] with the first number out of range.
 pub(super) fn check(energy: &Bands, direction: DVec3) -> Result<(), ResponseError> {
     let in_range = |energy: &f64| (0.0..=LARGEST_ENERGY).contains(energy);
     if let Some(&value) = energy.iter().find(|energy| !in_range(energy)) {
@@ -152,7 +152,7 @@ pub(super) fn check(energy: &Bands, direction: DVec3) -> Result<(), ResponseErro
 /// Checks every number of these taps.
 ///
 /// # Errors
-/// [`ResponseError::BadTap`] with the first that is out of range.
+/// [`ResponseError::BadTap`] with the first number out of range.
 pub(crate) fn check_taps<'a>(taps: impl IntoIterator<Item = &'a Tap>) -> Result<(), ResponseError> {
     for (index, tap) in taps.into_iter().enumerate() {
         check_tap(tap).map_err(|refused| match refused {
@@ -176,7 +176,7 @@ fn check_tap(tap: &Tap) -> Result<(), ResponseError> {
     check(&tap.energy, tap.direction)
 }
 
-/// Checks a speed of sound in metres a second.
+/// Checks a speed of sound in metres per second.
 ///
 /// # Errors
 /// [`ResponseError::BadNumber`] unless it is finite and above 0.
@@ -191,7 +191,7 @@ pub(super) fn check_speed(m_per_s: f64) -> Result<(), ResponseError> {
     }
 }
 
-/// The error of a number that must be in a range.
+/// Returns the error for a number out of its range.
 pub(super) fn bad(what: &'static str, must: &'static str, value: f64) -> ResponseError {
     ResponseError::BadNumber { what, must, value }
 }

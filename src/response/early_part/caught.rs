@@ -1,10 +1,10 @@
-//! Comparison of exact paths with the waves that the listener's sphere catches from them.
+//! Compares exact paths with the waves of these paths that hit the listener's sphere.
 //!
 //! Exact paths lead to the listener's centre, while waves give a mean over its sphere. The difference between the
 //! figures of the paths and those of the paths' mean over the sphere (`sphere_mean.rs`) is part of the figures' error.
-//! For paths over surfaces that gather sound, near whose caustics places differ most, the waves give the mean. If the
-//! energy of the waves of all paths differs from this mean by more than three standard deviations, the excess is part
-//! of the error as well.
+//! For paths over surfaces that focus sound, near whose caustics the sound differs most from point to point, the mean
+//! is taken from the waves. If the energy of the waves of all paths differs from this mean by more than three standard
+//! deviations, the excess is also part of the error.
 
 use super::EarlyPart;
 use crate::bands::{self, BAND_COUNT, Bands};
@@ -13,13 +13,13 @@ use crate::response::source_sound::{HeardPath, Medium, passing};
 use crate::response::{Arrival, Echogram, Figures, Record, Tap};
 use crate::scene::Pair;
 
-/// Standard deviations of the waves' energy beyond which a difference counts.
+/// Number of standard deviations of the waves' energy beyond which a difference counts.
 const BEYOND_NOISE: f64 = 3.0;
 
-/// The mean square of a sphere's chord over the square of its mean, for uniformly distributed chords.
+/// The mean square of a sphere's chords over the square of their mean, for uniformly distributed chords.
 const CHORD_SPREAD: f64 = 9.0 / 8.0;
 
-/// The early part of a response: its exact paths, and the waves that they replace.
+/// The early part of a response: its exact paths, and the waves that the paths replace.
 pub(in crate::response) struct Caught<'a> {
     pub pair: Pair<'a>,
     pub medium: &'a Medium,
@@ -30,7 +30,7 @@ pub(in crate::response) struct Caught<'a> {
 
 impl Caught<'_> {
     /// The figures of the exact paths and the echogram, with the differences above added to their errors. The record
-    /// ends after `ends_s` seconds.
+    /// ends at `ends_s` seconds.
     pub fn in_errors(&self, figures: Figures, echogram: &Echogram, ends_s: f64) -> Figures {
         let gather = self.gathering_surfaces();
         let is_gathered =
@@ -63,7 +63,7 @@ impl Caught<'_> {
         taken.map(HeardPath::tap).collect()
     }
 
-    /// The echogram plus the waves of paths for which `is_taken` holds.
+    /// The echogram plus the waves of the paths for which `is_taken` holds.
     fn with_waves(
         &self,
         echogram: &Echogram,
@@ -76,7 +76,7 @@ impl Caught<'_> {
         with_waves
     }
 
-    /// For each surface, whether it gathers sound.
+    /// For each surface, whether it focuses sound.
     fn gathering_surfaces(&self) -> Vec<bool> {
         let surfaces = self.pair.scene.surfaces.iter();
         surfaces
@@ -84,9 +84,8 @@ impl Caught<'_> {
             .collect()
     }
 
-    /// The difference between the paths' mean energy and that of their waves, of arrivals before the record's end, in
-    /// excess of the noise: its share of the difference by band. Paths for which `is_left_out` holds are not among the
-    /// means.
+    /// The difference between the paths' mean energy and that of their waves, for arrivals before the record's end, as
+    /// the share in each band that exceeds the noise. The means leave out paths for which `is_left_out` holds.
     fn excess(
         &self,
         means: &[Tap],

@@ -21,43 +21,43 @@ use glam::Vec3;
 use sphere_mean::{Replaced, unhidden_taps};
 use std::f64::consts::PI;
 
-/// What replaces an early arrival: a path, or itself.
+/// The treatment of an early arrival.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Outcome {
-    /// The exact path of this index.
+    /// The exact path with this index replaces it.
     Path(usize),
-    /// None: the arrival stays a statistic.
+    /// No path replaces it: the arrival remains statistical.
     Itself,
-    /// None either, because its path was not searched for.
+    /// No path replaces it, because its path was not searched for.
     LeftOut,
-    /// None: its wave was not followed, which would have taken too long; the energies of the followed waves make up for
-    /// it.
+    /// No path replaces it: its wave was not followed, which would have taken too long; the energies of the followed
+    /// waves are scaled up instead.
     NotFollowed,
-    /// Another path: see [`stands_for_itself`].
+    /// Another path replaces it: see [`stands_for_itself`].
     Another,
 }
 
 /// The paths of the waves that arrived early.
 pub(super) struct EarlyPart {
     arrivals: Vec<Arrival>,
-    /// One for each of the arrivals.
+    /// One outcome for each arrival.
     outcomes: Vec<Outcome>,
     /// Number of waves used to search for paths.
     waves: u32,
     paths: Vec<SpecularPath>,
-    /// The paths as seen from other places of the listener's sphere, if an object may hide a part of it.
+    /// The paths to other points of the listener's sphere, if an object may hide a part of the sphere.
     replaced: Option<Replaced>,
     /// The share of the directions of [`FLAT_SEARCH`] that were left out.
     search_left_out_share: f64,
 }
 
-/// A path found only by waves replaces them if at least this number of waves is expected: fewer than 1 % of such paths
-/// are missed. If paths found by chance replaced their waves, the energy of those missed would be lost.
+/// Minimum expected number of waves for a path found only by waves to replace them: fewer than 1 % of such paths are
+/// missed. If paths found by chance replaced their waves, the energy of missed paths would be lost.
 const EXPECTED_WAVES: f64 = 5.0;
 
 impl EarlyPart {
-    /// Finds the paths of these arrivals, which are in the order of their waves; `starts` are these waves, each once,
-    /// out of `waves` in total.
+    /// Finds the paths of `arrivals`, which are in the order of their waves; `starts` are these waves, each once, out
+    /// of `waves` in total.
     pub fn find(
         pair: Pair,
         starts: &[(u32, Vec3)],
@@ -136,7 +136,7 @@ impl EarlyPart {
                 }
             }
             let vertices = |path: usize| Some(candidates.get(named[path]?)?.vertices);
-            // Sequences found far from the listener lead past its sphere.
+            // Sequences found far from the listener give arrivals outside its sphere.
             let is_beside = |index: &usize| of_candidate(*index) == Outcome::Another;
             let beside = (0..of_waves).filter(is_beside);
             let beside = beside.filter_map(|index| Some(candidates.get(index)?.vertices));
@@ -152,34 +152,34 @@ impl EarlyPart {
         })
     }
 
-    /// Number of waves used to search for paths: all, or those that could be followed within the limit of work.
+    /// Number of waves used to search for paths: all, or as many as the limit of work allows.
     pub fn waves(&self) -> u32 {
         self.waves
     }
 
-    /// How much of the early part the waves have missed.
+    /// An estimate of the early sound that the waves missed.
     pub fn missed(&self) -> Missed {
         Missed::of(&self.paths)
     }
 
-    /// The share, 0 … 1, of the directions left out of the search for paths over planes.
+    /// The share, 0 … 1, of the directions that the search for paths over planes left out.
     pub fn search_left_out_share(&self) -> f64 {
         self.search_left_out_share
     }
 
-    /// The arrivals that no exact path replaces: their surfaces are known only by samples, or the listener is partly
-    /// visible but its centre is not, or their path was not searched for. They stay statistics.
+    /// The arrivals that no exact path replaces: their surfaces are known only from samples, or the listener is partly
+    /// visible but its centre is not, or their path was not searched for. They remain statistical.
     pub fn left_over(&self) -> impl Iterator<Item = &Arrival> {
         self.arrivals_of(Outcome::Itself).chain(self.left_out())
     }
 
-    /// Left-over arrivals whose path was not searched for.
+    /// The remaining arrivals whose path was not searched for.
     pub fn left_out(&self) -> impl Iterator<Item = &Arrival> {
         self.arrivals_of(Outcome::LeftOut)
     }
 
-    /// The arrivals that exact paths replace, except at foci: each with its path, or with `None` if another path, over
-    /// planes, replaces it.
+    /// The arrivals that exact paths replace, except at foci: each with its path, or with `None` if it is replaced by
+    /// another path over planes.
     pub fn caught(&self) -> impl Iterator<Item = (&Arrival, Option<&SpecularPath>)> {
         let all = self.arrivals.iter().zip(&self.outcomes);
         all.filter_map(|(arrival, outcome)| match outcome {
@@ -213,8 +213,8 @@ impl EarlyPart {
         paths.map(heard).collect()
     }
 
-    /// The mean energy of the paths over the listener's sphere, as taps, without those for which `is_left_out` holds;
-    /// `heard` is the sound [along all paths](Self::heard).
+    /// The mean energy of the paths over the listener's sphere, as taps, without the paths for which `is_left_out`
+    /// holds; `heard` is the sound [along all paths](Self::heard).
     pub fn mean_taps(
         &self,
         pair: Pair,
@@ -248,9 +248,8 @@ fn followed_share(waves: usize, left_out: usize) -> f64 {
     }
 }
 
-/// The candidate of a wave (its index among the followed ones) whose length is nearest to
-/// `length_m` and differs by at most the listener's radius; `lengths` are in the order of the
-/// waves.
+/// The candidate of a wave (its index among the followed waves) whose length is nearest to `length_m` and differs by at
+/// most the listener's radius; `lengths` are in the order of the waves.
 fn nearest(lengths: &[(u32, f64)], wave: u32, length_m: f64, radius_m: f64) -> Option<usize> {
     let first = lengths.partition_point(|(of, _)| *of < wave);
     let end = lengths.partition_point(|(of, _)| *of <= wave);
@@ -261,10 +260,10 @@ fn nearest(lengths: &[(u32, f64)], wave: u32, length_m: f64, radius_m: f64) -> O
 
 /// Whether an arrival without a path is kept: if the listener's centre is hidden, if the centre or the source is in a
 /// solid, if the path begins or ends in an edge that points into the air, and at curved or sampled surfaces. Beyond the
-/// edge of a plane it is dropped: next to the edge between two walls a wave that passes beside the centre meets them in
-/// the other order, and the path of that order has all of the energy, if it is known ([`Known::has_image`]). (An
-/// arrival without a candidate, which passes by the listener in `f64`, is kept: that happens often at users' fields and
-/// after many curved surfaces.)
+/// edge of a plane the arrival is dropped: next to the edge between two walls, a wave that passes beside the centre
+/// hits the walls in the opposite order, and the path with that order already has the whole energy, if it is known
+/// ([`Known::has_image`]). (An arrival without a candidate, whose wave misses the listener in `f64`, is kept: that
+/// happens often at users' fields and after many curved surfaces.)
 fn stands_for_itself(paths: &EarlyPaths, vertices: &[Vertex], why: NoPath) -> bool {
     let is_kept = matches!(
         why,
@@ -273,7 +272,7 @@ fn stands_for_itself(paths: &EarlyPaths, vertices: &[Vertex], why: NoPath) -> bo
     is_kept || !paths.are_flat(vertices)
 }
 
-/// Relative difference up to which lengths count as equal: the vertices of waves are rounded.
+/// Relative difference up to which two lengths count as equal: the vertices of waves are rounded.
 const SAME_LENGTH: f64 = 1e-6;
 
 /// The paths that replace their waves.
@@ -282,8 +281,7 @@ struct Known<'a> {
     early: &'a EarlyPaths,
     /// Sorted by length.
     paths: &'a [SpecularPath],
-    /// All paths with at most this number of reflections, at planes of [leaves](Shape::has_planes_of_leaves), are among
-    /// them.
+    /// Number of reflections up to which all paths over planes of [leaves](Shape::has_planes_of_leaves) are known.
     complete: u32,
     /// For each surface, whether it consists only of such planes.
     have_planes: Vec<bool>,
@@ -291,8 +289,8 @@ struct Known<'a> {
 }
 
 impl Known<'_> {
-    /// Whether the sound of the source's image in these planes, in any order, has a path: without one, all waves from
-    /// the image that pass beside the listener's centre would be lost.
+    /// Whether the source's image in these planes, in any order, has a path: without one, all waves from the image that
+    /// pass beside the listener's centre would be lost.
     fn has_image(&self, ends: &Ends, vertices: &[Vertex]) -> bool {
         let is_flat = |vertex: &Vertex| self.have_planes[vertex.surface as usize - 1];
         if vertices.len() <= self.complete as usize && vertices.iter().all(is_flat) {
@@ -315,7 +313,7 @@ impl Known<'_> {
     }
 }
 
-/// Keeps the items for which `is_kept` holds, and returns the new index of each item, if kept.
+/// Keeps the items for which `is_kept` holds, and returns the new index of each item, or `None` for a removed item.
 fn retain<T>(all: Vec<T>, is_kept: impl Fn(&T) -> bool) -> (Vec<T>, Vec<Option<usize>>) {
     let mut kept = Vec::new();
     let mut index = Vec::with_capacity(all.len());
@@ -327,23 +325,23 @@ fn retain<T>(all: Vec<T>, is_kept: impl Fn(&T) -> bool) -> (Vec<T>, Vec<Option<u
     (kept, index)
 }
 
-/// Directions of the search for paths over planes, in addition to those of the waves that arrived:
-/// a wave names such a path wherever it passes, so few waves find what many would miss.
+/// Directions of the search for paths over planes, in addition to those of the waves that arrived: any wave with the
+/// same sequence of planes gives the path, wherever it passes, so few waves find paths that many would miss.
 const FLAT_SEARCH: u64 = 1 << 14;
 
-/// Maximum number of surfaces, and boxes around them, that are tested when arrived waves are followed, and the same
-/// number again in the search: one or two seconds on one core. Among 50,000 separate boxes the search tests a tenth of
-/// this, among 500 planes two thirds.
+/// Maximum number of surfaces and bounding boxes tested when arrived waves are followed, and again in the search: one
+/// or two seconds on one core. Among 50,000 separate boxes the search tests a tenth of this number, among 500 planes
+/// two thirds.
 const MOST_ASKED: u64 = 1 << 27;
 
-/// Whether to search all directions for paths over planes: if something is flat, and everything else has a closed form.
+/// Whether to search all directions for paths over planes: only if the scene has planes and all else has a closed form.
 /// Marching a field in `f64` takes a thousand times as long.
 fn flat_search_pays(scene: &Scene) -> bool {
     let mut shapes = scene.surfaces.iter().map(|surface| &surface.shape);
     shapes.clone().all(Shape::is_basic) && shapes.any(Shape::is_flat)
 }
 
-/// Adds the sequences of planes met along an even lattice of directions. Returns the share of the directions left out.
+/// Adds the sequences of planes hit along an even lattice of directions. Returns the share of the directions left out.
 fn add_flat(paths: &EarlyPaths, ends: &Ends, order: u32, candidates: &mut Candidates) -> f64 {
     let search: Vec<Vec3> = lattice(FLAT_SEARCH).map(|d| d.as_vec3()).collect();
     let first = candidates.waves() as u32;
@@ -357,7 +355,7 @@ fn add_flat(paths: &EarlyPaths, ends: &Ends, order: u32, candidates: &mut Candid
     more.left_out().len() as f64 / search.len() as f64
 }
 
-/// The wave of each candidate, and the length in metres to its closest point to the listener.
+/// For each candidate, its wave and the length in metres to the wave's closest point to the listener.
 fn candidate_lengths(ends: &Ends, candidates: &Candidates) -> Vec<(u32, f64)> {
     let of = |candidate: Candidate| (candidate.wave, length_m(ends, candidate.vertices));
     candidates.iter().map(of).collect()

@@ -1,10 +1,10 @@
 //! The mean energy of exact paths over the listener's sphere.
 //!
 //! Paths lead to the listener's centre, while waves give means over its sphere. An obstacle may hide a part of the
-//! sphere from a path, and near a source the energy density changes over it. The mean is computed without waves, at
-//! places spread evenly over the sphere, so it depends neither on their number nor on the seed. Over planes, an
-//! unobstructed line from such a place towards the image of the source leads back to the source, whatever the order of
-//! the planes; over curved surfaces the path to the place is solved for.
+//! sphere from a path, and near a source the energy density varies over the sphere. The mean is computed without waves,
+//! at points spread evenly over the sphere, so it depends neither on their number nor on the seed. Over planes, an
+//! unobstructed line from such a point towards the image of the source leads back to the source, whatever the order of
+//! the planes; over curved surfaces the path to the point is solved for.
 
 use super::length_m;
 use crate::bands::{self, Bands};
@@ -18,47 +18,47 @@ use rayon::prelude::*;
 use std::collections::HashSet;
 use std::f64::consts::PI;
 
-/// Number of places in the sphere: they give the share of the sphere that a path reaches within about 0.1, and the mean
-/// of the many paths behind an edge.
+/// Number of points in the sphere: enough to estimate the share of the sphere that a path reaches to within about 0.1,
+/// and the mean of the many paths behind an edge.
 const PLACES: usize = 32;
 
-/// Maximum images searched for from each place, nearest first: those of a room up to eight reflections. A thousand take
-/// about 0.1 s of one core for all places. Further images are assumed to reach all of the sphere.
+/// Maximum number of images searched for from each point, nearest first: those of a room up to eight reflections. A
+/// thousand images take about 0.1 s of one core for all points. Further images are assumed to reach the whole sphere.
 const MOST_IMAGES: usize = 2048;
 
-/// The limit if a field without closed form is marched, which takes a thousand times as long.
+/// Maximum number of images if a field without closed form is marched, which takes a thousand times as long.
 const MOST_IMAGES_MARCHED: usize = 8;
 
-/// Maximum number of paths over curved surfaces that are solved for each place, the shortest first: a hundred take
+/// Maximum number of paths over curved surfaces that are solved for each point, the shortest first: a hundred take
 /// about 0.1 s.
 const MOST_CURVED: usize = 128;
 
-/// The limit if a field without closed form is marched.
+/// Maximum number of such paths if a field without closed form is marched.
 const MOST_CURVED_MARCHED: usize = 4;
 
-/// Maximum number of surfaces, and boxes around them, tested from each place, about ten nanoseconds each; images beyond
-/// it are assumed to reach all of the sphere.
+/// Maximum number of surfaces and bounding boxes tested from each point, about ten nanoseconds each; images beyond this
+/// limit are assumed to reach the whole sphere.
 const MOST_ASKED: u64 = 1 << 22;
 
-/// Images closer than this, in metres, count as one. Not a multiple of a short binary fraction, so that an image with
-/// round coordinates never lies between two cells of this size.
+/// Distance in metres below which images count as one. It is not a multiple of a short binary fraction, so that an
+/// image with round coordinates never lies between two cells of this size.
 const SAME_IMAGE_M: f64 = 1.00431e-5;
 
 /// Maximum distance in metres at which a line followed back passes the source: directions are rounded to `f32`, 1e-7 of
-/// its length.
+/// the line's length.
 const BESIDE_SOURCE_M: f64 = 1e-3;
 
 /// An image of the source in planes.
 struct Image {
     place: DVec3,
-    /// The surfaces and walls that mirror it, in order.
+    /// The surfaces and walls of the reflections, in order.
     at: Vec<(u32, Option<u8>)>,
-    /// The exact path from it to the listener's centre, by index; `None` if it only reaches other places.
+    /// Index of the exact path from the image to the listener's centre; `None` if the image only reaches other points.
     path: Option<usize>,
 }
 
-/// The exact paths to the listener's centre, as followed from other places of its sphere, and the images that only
-/// reach such places.
+/// The exact paths, evaluated at other points of the listener's sphere than its centre, and the images that only reach
+/// such points.
 pub(super) struct Replaced {
     early: EarlyPaths,
     ends: Ends,
@@ -73,9 +73,9 @@ pub(super) struct Replaced {
 }
 
 impl Replaced {
-    /// Creates it from these paths, by length; `vertices` returns the reflection points of a wave that named the path
-    /// of this index. `beside` are the vertices of waves that passed beside the centre and whose sound is in no
-    /// statistic.
+    /// Selects from these paths, which are sorted by length; `vertices` returns the reflection points of a wave that
+    /// found the path with this index. `beside` are the vertices of waves that passed beside the centre and whose sound
+    /// is in no statistic.
     pub fn new<'a>(
         scene: &Scene,
         early: EarlyPaths,
@@ -113,7 +113,7 @@ impl Replaced {
         replaced
     }
 
-    /// Adds a path, unless there are already too many of its kind.
+    /// Adds a path, unless the limit of its kind is reached.
     fn add(&mut self, path: usize, vertices: &[Vertex]) -> bool {
         if !self.early.are_flat(vertices) {
             if self.curved.len() >= self.most.1 {
@@ -140,7 +140,7 @@ impl Replaced {
         }
     }
 
-    /// Adds the nearest images not added yet.
+    /// Adds the nearest images that are not yet included.
     fn add_beside<'a>(&mut self, vertices: impl Iterator<Item = &'a [Vertex]>) {
         let rounded = |image: &Image| (image.place / SAME_IMAGE_M).round().as_i64vec3();
         let mut known: HashSet<_> = self.images.iter().map(rounded).collect();
@@ -157,8 +157,8 @@ impl Replaced {
         self.images.append(&mut beside);
     }
 
-    /// The mean energy of the paths and images over the sphere's open part, as taps at the times of paths to its
-    /// centre. `heard` are all exact paths; those for which `is_left_out` holds are not among the taps.
+    /// The mean energy of the paths and images over the unobstructed part of the sphere, as taps at the times of paths
+    /// to its centre. `heard` are all exact paths; the taps leave out those for which `is_left_out` holds.
     pub fn mean_taps(
         &self,
         scene: &Scene,
@@ -213,7 +213,7 @@ impl Replaced {
         taps
     }
 
-    /// The energy density at a place from each image in 1/m², for a source of power 1; 0 if obstructed.
+    /// The energy density at a point from each image in 1/m², for a source of power 1; 0 if obstructed.
     fn spreadings_of_images(&self, place: DVec3) -> Vec<f64> {
         let back = Ends {
             source: place,
@@ -241,7 +241,7 @@ impl Replaced {
             let image = &self.images[line.wave as usize];
             let distance = place.distance(image.place);
             let is_as_long = (length_m(&back, line.vertices) - distance).abs() <= BESIDE_SOURCE_M;
-            // A source on a wall has no reflection there on the way back.
+            // If the source lies on a wall, the line back has no reflection there.
             if line.vertices.len() <= image.at.len() && is_as_long {
                 spreadings[line.wave as usize] = spreading(image);
             }
@@ -249,7 +249,7 @@ impl Replaced {
         spreadings
     }
 
-    /// The same for each path over curved surfaces.
+    /// The energy density at a point from each path over curved surfaces.
     fn spreadings_curved(&self, place: DVec3) -> Vec<f64> {
         let mut spreadings = vec![0.0; self.curved.len()];
         if self.curved.is_empty() {
@@ -274,7 +274,7 @@ impl Replaced {
     }
 }
 
-/// Places spread evenly over the listener's sphere: directions of a lattice, at radii of shells of equal volume.
+/// Points spread evenly over the listener's sphere: directions of a lattice, at radii of shells of equal volume.
 fn places(ends: &Ends) -> Vec<DVec3> {
     /// Step of the enclosed volume: irrational, and independent of the lattice's golden ratio.
     const STEP: f64 = std::f64::consts::SQRT_2;
@@ -286,7 +286,7 @@ fn places(ends: &Ends) -> Vec<DVec3> {
 }
 
 /// The energy of exact paths in an unobstructed sphere of `radius_m` metres, as taps at the times of the paths, without
-/// those for which `is_left_out` holds.
+/// the paths for which `is_left_out` holds.
 pub(super) fn unhidden_taps(
     paths: &[HeardPath],
     radius_m: f64,
@@ -304,10 +304,10 @@ pub(super) fn unhidden_taps(
     kept.map(mean).collect()
 }
 
-/// The mean of 1/r² over a sphere whose radius is `share` of the distance of its centre, times the square of this
+/// The mean of 1/r² over a sphere whose centre is at distance 1/`share` radii, times the square of the centre's
 /// distance.
 fn mean_over_sphere(share: f64) -> f64 {
-    /// Below this the first two terms of the series in `share` are used, as the logarithm loses digits.
+    /// Below this share the first two terms of the series are used, as the logarithm loses digits.
     const SMALL: f64 = 1e-3;
     let square = share * share;
     if share < SMALL {
@@ -329,7 +329,7 @@ mod tests {
     fn the_mean_over_a_sphere_is_that_of_its_shells() {
         for share in [1e-4, 0.01, 0.3, 0.9, 1.5, 3.0] {
             let shells = 200_000;
-            // Over a shell of radius s around a place at distance 1 the mean is ln((1 + s)/|1 − s|)/2s.
+            // Over a shell of radius s around a point at distance 1 the mean is ln((1 + s)/|1 − s|)/2s.
             let of_shell = |shell: u32| {
                 let s = share * (f64::from(shell) + 0.5) / f64::from(shells);
                 s * 0.5 * ((1.0 + s) / (1.0 - s).abs()).ln()

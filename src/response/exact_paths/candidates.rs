@@ -1,4 +1,5 @@
-//! Finds the sequences of surfaces that may have a path: those of waves that pass the listener, and those of planes.
+//! Finds the sequences of surfaces that may have a path: sequences of waves that pass the listener, and sequences of
+//! planes.
 
 use super::check::EdgeStart;
 use super::sheet::Sheet;
@@ -9,12 +10,11 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Number of waves that are followed together on one thread.
+/// Number of waves that are followed in one task of a thread.
 const WAVES_A_SHARE: usize = 16;
 
-/// Number of rounds in which waves are followed, a power of two. The waves of each round are spread evenly over
-/// all, so that those of the first rounds go in all directions; after each round the limit of work decides
-/// whether there is a next one.
+/// Number of rounds in which waves are followed, a power of two. The waves of each round are spread evenly over all
+/// directions; after each round the limit of work decides whether the next one runs.
 const ROUNDS: u32 = 64;
 
 /// The reflections of waves that passed the listener.
@@ -23,11 +23,11 @@ pub struct Candidates {
     waves: usize,
     vertices: Vec<Vertex>,
     spans: Vec<Span>,
-    /// Waves that were not followed, in order.
+    /// Indices of the waves that were not followed, in order.
     left_out: Vec<u32>,
 }
 
-/// A wave up to the listener: a range of vertices.
+/// The path of a wave up to the listener, as a range of vertices.
 #[derive(Clone, Copy, Debug)]
 struct Span {
     wave: u32,
@@ -45,7 +45,7 @@ pub struct Candidate<'a> {
 }
 
 impl Candidates {
-    /// Empty, for `waves` waves followed in total.
+    /// Creates an empty list, for `waves` waves followed in total.
     pub fn new(waves: usize) -> Candidates {
         Candidates {
             waves,
@@ -53,15 +53,15 @@ impl Candidates {
         }
     }
 
-    /// The same with the total number of waves: some may have been skipped because they are known
-    /// not to pass the listener.
+    /// Sets the total number of waves, some of which may have been skipped because they are known not to pass the
+    /// listener.
     pub fn among(mut self, waves: usize) -> Candidates {
         self.waves = waves;
         self
     }
 
-    /// Adds a wave that passed the listener after these reflections. One whose index is not below
-    /// [`Candidates::waves`] names its path, but does not count among those that found it.
+    /// Adds a wave that passed the listener after these reflections. A wave whose index is not below
+    /// [`Candidates::waves`] gives its path, but does not count among the waves that found it.
     pub fn add(&mut self, wave: u32, vertices: &[Vertex]) {
         let (first, count) = (self.vertices.len(), vertices.len());
         self.vertices.extend_from_slice(vertices);
@@ -83,7 +83,7 @@ impl Candidates {
         self.spans.len()
     }
 
-    /// The candidate with this index, in the order of the waves, then of their reflections.
+    /// The candidate with this index, ordered by wave, then by number of reflections.
     pub fn get(&self, index: usize) -> Option<Candidate<'_>> {
         let Span { wave, first, count } = *self.spans.get(index)?;
         let vertices = self.vertices.get(first..first + count)?;
@@ -95,25 +95,25 @@ impl Candidates {
         (0..self.len()).filter_map(|index| self.get(index))
     }
 
-    /// The vertices of all waves, each wave's in order.
+    /// The vertices of all waves, grouped by wave.
     pub(super) fn vertices(&self) -> &[Vertex] {
         &self.vertices
     }
 
-    /// The range of [`Candidates::vertices`] of each candidate.
+    /// The range of each candidate in [`Candidates::vertices`].
     pub(super) fn ranges(&self) -> impl Iterator<Item = Range<usize>> {
         self.spans
             .iter()
             .map(|span| span.first..span.first + span.count)
     }
 
-    /// Drops the vertices of the last wave that follow its last candidate.
+    /// Drops the vertices of the last wave after its last candidate.
     fn forget_vertices_behind(&mut self) {
         let end = self.spans.last().map_or(0, |span| span.first + span.count);
         self.vertices.truncate(end);
     }
 
-    /// Adds the candidates of other waves.
+    /// Appends the candidates of other waves.
     fn append(&mut self, other: Candidates) {
         let before = self.vertices.len();
         self.vertices.extend(other.vertices);
@@ -131,15 +131,15 @@ pub(super) struct Follow<'a> {
     pub ends: &'a Ends,
     /// Maximum number of reflections.
     pub order: u32,
-    /// Maximum distance in metres of a flight from the listener's centre to be a candidate.
+    /// Maximum distance in metres between a candidate's flight and the listener's centre.
     pub reach_m: f64,
 }
 
 impl Follow<'_> {
     /// Follows waves along `directions` (of any length except 0); the index of a wave is that of its direction. Once
-    /// more than `most_asked` surfaces, and boxes around them, have been evaluated, the remaining rounds are left out.
+    /// more than `most_asked` surfaces and bounding boxes have been tested, the remaining rounds are left out.
     ///
-    /// Runs on the threads of rayon's pool; the result does not depend on their number.
+    /// Runs on the threads of rayon's pool; the result does not depend on the number of threads.
     pub fn all(&self, directions: &[Vec3], most_asked: u64) -> Candidates {
         let mut all = Candidates::new(directions.len());
         let mut asked = 0;
@@ -161,7 +161,7 @@ impl Follow<'_> {
         all
     }
 
-    /// Follows these waves, and returns the number of surfaces evaluated for them.
+    /// Follows these waves, and returns the number of surfaces and bounding boxes tested for them.
     fn share(&self, directions: &[Vec3], waves: &[u32]) -> (Candidates, u64) {
         let mut found = Candidates::default();
         let mut asked = 0;
@@ -175,8 +175,8 @@ impl Follow<'_> {
         (found, asked)
     }
 
-    /// Follows one wave; every flight of it that comes near enough is a candidate, and all of them share its
-    /// vertices. Returns the number of surfaces, and boxes around them, evaluated for its reflections.
+    /// Follows one wave. Every flight that comes within reach is a candidate; all candidates of the wave share its
+    /// vertices. Returns the number of surfaces and bounding boxes tested for its reflections.
     fn one(&self, found: &mut Candidates, wave: u32, start: DVec3) -> u64 {
         let first = found.vertices.len();
         let mut from = self.ends.source;
@@ -221,8 +221,8 @@ impl Follow<'_> {
         flight.asked
     }
 
-    /// The direction in which a wave leaves the source along `start`, and the number of reflections at an edge there
-    /// before.
+    /// The direction in which a wave with the initial direction `start` leaves the source, and the number of
+    /// reflections at an edge at the source before that.
     fn leave_edge(&self, start: DVec3, visit: &mut impl FnMut(Vertex)) -> (DVec3, u32) {
         let mut direction = start;
         for reflections in 0..self.order {
@@ -242,7 +242,7 @@ impl Follow<'_> {
 }
 
 /// The indices of the waves of a round, out of `waves` waves. Rounds are in bit-reversed order, so that the waves of
-/// the first ones are evenly spaced.
+/// the first rounds are evenly spaced.
 fn waves_of_round(round: u32, waves: u32) -> Vec<u32> {
     let first = round.reverse_bits() >> (ROUNDS.leading_zeros() + 1);
     (first..waves).step_by(ROUNDS as usize).collect()
@@ -262,28 +262,27 @@ fn passes(from: DVec3, to: DVec3, point: DVec3, reach: f64) -> bool {
     (from + along * share).distance_squared(point) <= reach * reach
 }
 
-/// Maximum number of images, a few tens of milliseconds: in a room all up to order 8.
+/// Maximum number of images, a few tens of milliseconds: all images of a room up to order 8.
 const MOST_IMAGES: usize = 1 << 17;
 
-/// Maximum number of a field's nodes for which that many images are tried; for a larger field fewer, as its value
-/// is computed for each.
+/// Maximum number of a field's nodes for which all these images are tried; with more nodes fewer images are tried, as
+/// each needs the field's value.
 const NODES: usize = 16;
 
-/// Maximum product of images and planes in a level: also a few tens of milliseconds, with thousands of
-/// planes.
+/// Maximum product of images and planes in a level: also a few tens of milliseconds, with thousands of planes.
 const MOST_TRIED: usize = 1 << 24;
 
 /// An image of the source: the image of its parent in a plane.
 struct Image {
     place: DVec3,
     plane: usize,
-    /// The index of the image that was mirrored; `None` for those of the source itself.
+    /// The index of the image that was mirrored; `None` if it was the source itself.
     parent: Option<usize>,
 }
 
-/// Adds each sequence of at most `order` planes of `surfaces` over which sound could go from the source to the
-/// listener if nothing were in the way: it names its path, which counts as searched for. Returns the number of
-/// planes up to which all sequences were tried.
+/// Adds each sequence of at most `order` planes of `surfaces` over which sound could go from the source to the listener
+/// without obstacles; the path of such a sequence counts as searched for. Returns the number of reflections up to which
+/// all sequences were tried.
 pub(super) fn add_plane_sequences(
     surfaces: &Surfaces,
     ends: &Ends,
@@ -321,9 +320,9 @@ pub(super) fn add_plane_sequences(
     order
 }
 
-/// Adds the images of a point (the source, or its image with this index) in all planes that have it on their air side,
-/// except the plane that made this image. The source, and an image at the same place, also count as on the air side of
-/// planes that they lie on, except those that already mirrored them.
+/// Adds the images of a point (the source, or its image with this index) in all planes that have the point on their air
+/// side, except the plane that made this image. If the source, or an image that coincides with it, lies on planes, it
+/// also counts as on their air side, except for planes that have already mirrored it.
 fn mirror(
     tree: &mut Vec<Image>,
     planes: &[(u32, Sheet)],
@@ -353,7 +352,7 @@ fn mirror(
     }
 }
 
-/// The points where the line to an image is mirrored; `None` if it misses one of the surfaces.
+/// The points where the line to an image is mirrored; `None` if the line misses one of the surfaces.
 fn vertices(
     surfaces: &Surfaces,
     ends: &Ends,
@@ -389,8 +388,8 @@ mod tests {
     use crate::response::exact_paths::tests::{directions, scene};
     use crate::scene::shape::{Cuboid, Room};
 
-    /// Protects the limit of work: the waves left out are known and do not depend on the number of threads, and the
-    /// results of the others are the same as without a limit.
+    /// Protects the limit of work: the waves left out are reported and do not depend on the number of threads, and the
+    /// results of the other waves are the same as without a limit.
     #[test]
     fn a_limit_leaves_out_whole_waves() {
         let block = |index: usize| {
@@ -418,7 +417,7 @@ mod tests {
         };
         let (all, none) = found(1, u64::MAX);
         assert!(none.is_empty() && all.is_sorted_by_key(|(wave, _)| *wave));
-        // Each flight evaluates at least one surface, and a round some hundred.
+        // Each flight tests at least one surface, and a round has some hundred flights.
         let (some, left_out) = found(1, 3000);
         assert!((1..1950).contains(&left_out.len()), "{}", left_out.len());
         let is_followed = |(wave, _): &&(u32, Vec<Vertex>)| left_out.binary_search(wave).is_err();
@@ -430,8 +429,8 @@ mod tests {
         assert_eq!(found(2, 0).1.len(), 2000 - waves_of_round(0, 2000).len());
     }
 
-    /// Protects against leaving out whole regions of directions: the first rounds have waves everywhere, and all
-    /// rounds together have every wave once.
+    /// Protects against leaving out whole regions of directions: the first rounds have waves in all directions, and all
+    /// rounds together contain every wave once.
     #[test]
     fn rounds_are_spread_evenly() {
         let first: Vec<u32> = (0..4).map(|round| waves_of_round(round, 640)[0]).collect();

@@ -3,14 +3,14 @@
 //! Rules for cases that arithmetic cannot decide, with *touch* = 10⁴ roundings of the scene, about
 //! 10⁻⁹ of its extent:
 //! - A point up to *touch* beyond the edge of a face is on the face.
-//! - A reflection with a cosine below [`GRAZING`] does not count: the path cannot be distinguished from the
-//!   one that goes straight on. But a source on a surface has an image there, also for a listener on it.
-//! - A segment is free if it is shorter than 20 *touches*, or if it meets no surface until *touch* before its end; the
-//!   surface at its end may be met earlier by *touch* ÷ cosine, as its distance is measured along the segment.
-//! - Two points closer than *touch* lie in an edge, or are an end on a surface: between them the wave has the
-//!   direction that mirroring gives ([`flight_directions`]). At an end that direction must come from the solid, or lead into
-//!   it: otherwise, as before an edge of a box, the wave flies on in the air. In an edge that points into the air a
-//!   wave that reaches several faces is mirrored by one of them, and the choice is ambiguous: there is no exact
+//! - A reflection with a cosine below [`GRAZING`] does not count: the path cannot be distinguished from the path
+//!   straight on. But a source on a surface has an image there, also for a listener on that surface.
+//! - A segment is free if it is shorter than 20 *touches*, or if it hits no surface until *touch* before its end; the
+//!   surface at its end may be hit earlier by *touch* ÷ cosine, as the distance is measured along the segment.
+//! - Two points closer than *touch* lie in an edge, or are an end on a surface: the direction of the wave between them
+//!   follows from mirroring ([`flight_directions`]). At an end on a surface that direction must come from the solid, or
+//!   lead into it: otherwise, as before an edge of a box, the wave flies on in the air. In an edge that points into the
+//!   air, a wave that reaches several faces is mirrored by one of them, and the choice is ambiguous: there is no exact
 //!   path, and its waves remain statistical.
 
 use super::NoPath;
@@ -19,19 +19,19 @@ use super::surfaces::{Surfaces, Vertex};
 use crate::geometry::ExactScene;
 use glam::DVec3;
 
-/// Least cosine between a wave and a surface's normal: there rounding along the wave is 10⁹ times
-/// that across the surface, 10⁻⁶ of the scene's extent.
+/// Least cosine between a wave and a surface's normal: at this angle rounding along the wave is 10⁹ times the rounding
+/// across the surface, 10⁻⁶ of the scene's extent.
 const GRAZING: f64 = 1e-9;
 
-/// Distance from an end at which the solid is probed, in *touches*: more than an end may be off its surface, for
-/// directions that do not graze it.
+/// Distance from an end at which the solid is probed, in *touches*: more than the distance of an end from its surface,
+/// for directions that do not graze the surface.
 const PROBE_IN_TOUCHES: f64 = 1e3;
 
-/// Shorter segments, in *touches*, lie next to an edge and count as free: twice the distance at which fields are
-/// probed ahead of a point (`geometry::marched`).
+/// Length in *touches* below which a segment lies next to an edge and counts as free: twice the distance at which
+/// fields are probed ahead of a point (`geometry::marched`).
 const SHORTEST_IN_TOUCHES: f64 = 20.0;
 
-/// A path to check, with the surfaces that may be in its way.
+/// A path to check, with the surfaces that may obstruct it.
 pub(super) struct Checked<'a> {
     pub exact: &'a ExactScene,
     pub surfaces: &'a Surfaces,
@@ -73,7 +73,7 @@ impl Checked<'_> {
     }
 
     /// Checks that each reflection in an edge, where two reflections away from the ends are at one point, comes from
-    /// the air, at an edge that points into the solid: at one that points into the air a wave meets only one of the
+    /// the air, at an edge that points into the solid: at an edge that points into the air a wave hits only one of the
     /// faces, and a face inside another solid does not reflect.
     fn edges_mirror(&self) -> Result<(), NoPath> {
         let touch = self.surfaces.touch;
@@ -138,8 +138,8 @@ impl Checked<'_> {
         hit.t >= length - tolerance
     }
 
-    /// Checks that a wave from a point on a surface along `direction` is mirrored there, at the reflection with this
-    /// index, so that it finally leaves the point along `leaves`.
+    /// Checks that a wave from a point on a surface along `direction` is mirrored at this point by the reflection with
+    /// this index, so that it finally leaves the point along `leaves`.
     fn mirrors(
         &self,
         point: DVec3,
@@ -149,16 +149,16 @@ impl Checked<'_> {
     ) -> Result<(), NoPath> {
         let (touch, surface) = (self.surfaces.touch, self.path.surfaces[reflection]);
         let normal = self.path.normals[reflection];
-        // A face that ends at the point mirrors waves that leave over it, but not those that leave
-        // next to it.
+        // A face that ends at the point mirrors waves that leave over the face, but not those that leave next to it.
         let over = point + leaves.reject_from_normalized(normal) * (PROBE_IN_TOUCHES * touch);
-        // A wave along a surface is on it.
+        // A wave along a surface counts as on it.
         if self.value(point, direction) > touch || !self.surfaces.has(surface, over) {
             return Err(NoPath::NotFromTheAir);
         }
         let sheets = self.surfaces.sheets_at(surface, point);
         let against = |sheet: &&Vertex| direction.dot(sheet.normal) < -GRAZING;
-        // Above one face and behind the other one there is air if the edge points into it.
+        // Between the air side of one face and the solid side of the other there is air if the edge points into the
+        // air.
         let into_air = |other: &Vertex| {
             let across = other.normal - normal;
             across.length() > SAME_NORMAL && self.value(point, across.normalize()) > -touch
@@ -169,7 +169,7 @@ impl Checked<'_> {
         }
     }
 
-    /// The signed distance of the nearest surface at a probe next to a point on a surface, in this direction. Only
+    /// The signed distance from the nearest surface at a probe next to a point on a surface, in this direction. Only
     /// surfaces near the point itself matter.
     fn value(&self, point: DVec3, direction: DVec3) -> f64 {
         let probe_m = PROBE_IN_TOUCHES * self.surfaces.touch;
@@ -181,16 +181,16 @@ impl Checked<'_> {
 /// Normals with a smaller difference belong to one face.
 const SAME_NORMAL: f64 = 1e-6;
 
-/// Number of these segments, from the first on, that have length 0.
+/// Number of segments of length 0 at the beginning of these segments.
 fn short<'a>(segments: impl Iterator<Item = &'a [DVec3]>, touch: f64) -> usize {
     segments
         .take_while(|pair| pair[0].distance(pair[1]) <= touch)
         .count()
 }
 
-/// The unit vectors of flight along `points`, one for each segment, mirrored between them at surfaces with these
-/// normals. Two points closer than `touch` metres lie in an edge, or an end lies on a surface: between them the
-/// direction follows from mirroring; 0 if all are one point.
+/// The unit vectors of flight along `points`, one for each segment, with mirroring at surfaces with these normals. Two
+/// points closer than `touch` metres lie in an edge, or an end lies on a surface: the direction between them follows
+/// from mirroring. All vectors are 0 if the points coincide.
 pub(super) fn flight_directions(points: &[DVec3], normals: &[DVec3], touch: f64) -> Vec<DVec3> {
     let unit = |pair: &[DVec3]| {
         let offset = pair[1] - pair[0];
@@ -213,10 +213,10 @@ pub(super) fn flight_directions(points: &[DVec3], normals: &[DVec3], touch: f64)
     all
 }
 
-/// The edges of fields in which a source lies.
+/// The edges of fields on which a source lies.
 pub(super) struct EdgeStart<'a> {
     surfaces: &'a Surfaces,
-    /// The sheets that meet there, as reflections at the source.
+    /// The sheets at the source, as reflections.
     sheets: Vec<Vertex>,
 }
 
@@ -230,8 +230,8 @@ impl EdgeStart<'_> {
         }
     }
 
-    /// The reflection at the source of a wave that starts along the unit vector `direction`; `None` if it leaves
-    /// freely. If it flies against several sheets, it meets the one over which it flies first.
+    /// The reflection at the source of a wave that starts along the unit vector `direction`; `None` if the wave leaves
+    /// freely. If it flies against several sheets, it hits the one over which it flies first.
     pub fn reflection(&self, direction: DVec3) -> Option<&Vertex> {
         let ahead = direction * (PROBE_IN_TOUCHES * self.surfaces.touch);
         let meets = |sheet: &&Vertex| {
@@ -251,7 +251,7 @@ impl EdgeStart<'_> {
 mod tests {
     use super::*;
 
-    /// Protects the direction of sound from a source or to a listener on a wall, and in an edge: it leaves a surface
+    /// Protects the direction of sound from a source or to a listener on a wall or in an edge: it leaves the surface
     /// there as it would next to it.
     #[test]
     fn short_segments_are_flown_as_mirrors_say() {

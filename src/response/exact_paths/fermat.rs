@@ -12,35 +12,34 @@
 //! - W_{i,i+1} = −P_i/d_i,
 //!
 //! and then projects the points back onto their surfaces (Absil, Mahony and Sepulchre,
-//! *Optimization Algorithms on Matrix Manifolds*, 2008, chapter 6: so it converges quadratically).
-//! The path may be a minimum, a maximum or a saddle: the merit that must fall is |Tᵀ∇L|, the
-//! tangential difference of two unit vectors. If the step does not reduce it, or the matrix is
-//! singular (a focus), a Levenberg–Marquardt step is used instead.
+//! *Optimization Algorithms on Matrix Manifolds*, 2008, chapter 6), which makes the convergence quadratic. The path may
+//! be a minimum, a maximum or a saddle: the merit to be reduced is |Tᵀ∇L|, the tangential difference of two unit
+//! vectors. If the step does not reduce it, or the matrix is singular (a focus), a Levenberg–Marquardt step is used
+//! instead.
 
 use super::sheet::{Osculation, Sheet, outer};
 use glam::{DMat3, DVec3};
 
-/// Maximum tangential difference of the unit vectors before and after a specular reflection, in
-/// radians; one more step then squares it. A thousand times the rounding of directions between
-/// points that are a thousandth of the scene apart.
+/// Maximum tangential difference in radians of the unit vectors before and after a specular reflection; one more step
+/// then squares it. A thousand times the rounding of directions between points that are a thousandth of the scene
+/// apart.
 const SPECULAR: f64 = 1e-10;
 
-/// The same at a sheet with derivatives by differences, whose normals are accurate to about 10⁻¹⁰.
+/// The same for a sheet whose derivatives are finite differences, with normals accurate to about 10⁻¹⁰.
 const SPECULAR_BY_DIFFERENCES: f64 = 1e-8;
 
-/// Maximum number of steps. From a wave that passed close by, three to six are needed; at a focus
-/// about twenty.
+/// Maximum number of steps. Starting from a wave that passes close by, three to six are needed; at a focus about
+/// twenty.
 const STEPS: usize = 60;
 
 /// Maximum number of halvings of a step, and of tenfold increases of Marquardt's parameter.
 const TRIES: usize = 12;
 
-/// Maximum length of a step, as a share of the shorter segment next to its point, and maximum turn
-/// of the normal in radians: beyond, second derivatives are not valid.
+/// Maximum length of a step, as a share of the shorter of the two segments at its point, and maximum turn of the normal
+/// in radians: beyond, second derivatives are not valid.
 const TRUST: f64 = 0.5;
 
-/// Least distance of two consecutive points, as a share of the path: closer ones are a corner, not
-/// a path.
+/// Least distance of two consecutive points, as a share of the path: closer points are a corner, not a path.
 const SHORTEST_SEGMENT: f64 = 1e-13;
 
 /// Maximum number of Newton steps that project a point onto its sheet, and the error at which they
@@ -48,7 +47,7 @@ const SHORTEST_SEGMENT: f64 = 1e-13;
 const PROJECTION_STEPS: usize = 8;
 const ON_SURFACE: f64 = 4.0 * f64::EPSILON;
 
-/// A path between fixed ends over sheets.
+/// A path between fixed ends, with one point on each of its sheets.
 pub(super) struct Chain<'a> {
     pub source: DVec3,
     pub listener: DVec3,
@@ -85,7 +84,7 @@ impl Chain<'_> {
         None
     }
 
-    /// Takes one more step, if it helps.
+    /// Takes one more step, and keeps it if it reduces the error.
     fn polished(&self, state: State) -> State {
         let step = state.newton_step();
         let next = step.and_then(|step| self.moved(&state, &step, 1.0));
@@ -96,8 +95,7 @@ impl Chain<'_> {
     }
 
     fn better(&self, state: &State) -> Option<State> {
-        /// The least relative decrease of the merit, for the share of a step that is taken
-        /// (Armijo).
+        /// The least relative decrease of the merit per share of a full step (Armijo).
         const LEAST_FALL: f64 = 1e-4;
         if let Some(step) = state.newton_step() {
             let mut share = state.trusted(&step);
@@ -138,8 +136,8 @@ impl Chain<'_> {
         self.state(moved.collect())
     }
 
-    /// Projects points onto their sheets; `None` if a sheet has no normal there, or two points
-    /// coincide.
+    /// Projects points onto their sheets and computes the data of Newton's step; `None` if a sheet has no normal at its
+    /// point, or two points coincide.
     fn state(&self, mut points: Vec<DVec3>) -> Option<State> {
         let mut near = Vec::with_capacity(points.len());
         for (point, sheet) in points.iter_mut().zip(self.sheets) {
@@ -182,7 +180,7 @@ impl Chain<'_> {
     }
 }
 
-/// Moves a point along normals onto its sheet, and returns the sheet's osculation there.
+/// Moves a point along normals onto its sheet, and returns the sheet's osculation at that point.
 fn project(sheet: &Sheet, point: &mut DVec3) -> Option<Osculation> {
     let mut at = sheet.at(*point)?;
     for _ in 0..PROJECTION_STEPS {
@@ -211,7 +209,7 @@ impl State {
         self.matrix().solve(right)
     }
 
-    /// The share of a step, at most 1, up to which the second derivatives hold.
+    /// The share of a step, at most 1, within which the second derivatives are valid.
     fn trusted(&self, step: &[f64]) -> f64 {
         let mut share: f64 = 1.0;
         for (i, at) in self.near.iter().enumerate() {
@@ -263,18 +261,18 @@ fn across((unit, length): &(DVec3, f64)) -> DMat3 {
     (DMat3::IDENTITY - outer(*unit, *unit)) * length.recip()
 }
 
-/// How far a point may lie beyond the ends of its segment, as a share of it: in an edge two points
-/// of a path coincide, and rounding decides which comes first.
+/// How far a point may lie beyond the ends of its segment, as a share of the segment: in an edge two points of a path
+/// coincide, and rounding decides which comes first.
 const BEYOND: f64 = 1e-12;
 
-/// The image of a point in the plane of unit normal n where n · p is `offset`.
+/// The image of a point in the plane with unit normal n in which n · p is `offset`.
 pub(super) fn image(place: DVec3, normal: DVec3, offset: f64) -> DVec3 {
     place - normal * (2.0 * (place.dot(normal) - offset))
 }
 
 /// The points at which the line from source to listener is mirrored at all sheets, in order; a line that is closer to a
-/// plane than `touch` metres at both ends counts as within it. `None` if one of them is not a plane, or the line to an
-/// image does not cross its plane.
+/// plane than `touch` metres at both ends counts as within the plane. `None` if a sheet is not a plane, or the line to
+/// an image does not cross its plane.
 pub(super) fn points_by_images<'a>(
     source: DVec3,
     listener: DVec3,
@@ -293,8 +291,8 @@ pub(super) fn points_by_images<'a>(
         let image = images[i + 1];
         let here = seen_from.dot(*normal) - offset;
         let there = image.dot(*normal) - offset;
-        // The rest of the path is a single point, the source in an edge; or the path lies in the plane, and is
-        // mirrored where it comes from.
+        // The rest of the path is a single point, with the source in an edge; or the path lies in the plane, and is
+        // mirrored at its start.
         let is_point = seen_from.distance(image) <= touch;
         if is_point || here.abs().max(there.abs()) <= touch {
             seen_from = image;
@@ -315,7 +313,7 @@ pub(super) fn points_by_images<'a>(
 #[derive(Clone, Debug)]
 struct Matrix(Vec<Vec<f64>>);
 
-/// Least pivot, as a share of the matrix' largest element: a smaller one is rounding.
+/// Least pivot, as a share of the matrix' largest element: smaller pivots are rounding.
 const LEAST_PIVOT: f64 = 1e-14;
 
 impl Matrix {

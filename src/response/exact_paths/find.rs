@@ -1,15 +1,15 @@
 //! Finds paths from candidates.
 //!
-//! # The paths to solve for
+//! # Limits of the search
 //! Not every wave is solved for.
 //!
-//! A sequence of planes has one path. One of curved surfaces may have many, and each is found from a
-//! wave that passes close by; but near a focus every wave passes the listener repeatedly, and solving
-//! for all of them takes minutes. So at most [`SOLVED_OF_A_SEQUENCE`] waves of a sequence are solved
-//! for, spread evenly over its waves, and each other wave gets the result of the one that was mirrored
-//! nearest to it. A path found by fewer than one in this number of its sequence's waves may be missed.
-//! In total at most [`SOLVED_AT_CURVES`] are solved for, of the sequences with the fewest reflections
-//! first, then of those with the most waves; the waves of all other sequences remain statistical.
+//! A sequence of planes has one path. A sequence with curved surfaces may have many paths, and each is found from a
+//! wave that passes close by; but near a focus every wave passes the listener repeatedly, and solving for all of them
+//! takes minutes. So at most [`SOLVED_OF_A_SEQUENCE`] waves of a sequence are solved for, spread evenly over its waves,
+//! and each other wave gets the result of the solved wave whose reflection points are nearest. A path found by fewer
+//! than one in this number of its sequence's waves may be missed. In total at most [`SOLVED_AT_CURVES`] waves are
+//! solved for, first those of the sequences with the fewest reflections, then of those with the most waves; the waves
+//! of all other sequences remain statistical.
 
 use super::candidates::Candidates;
 use super::check::{Checked, flight_directions};
@@ -29,14 +29,14 @@ use std::ops::Range;
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Found {
-    /// By length, then by surfaces.
+    /// Sorted by length, then by surfaces.
     pub paths: Vec<SpecularPath>,
     /// For each candidate the index of its path, or the reason why it has none.
     pub outcomes: Vec<Result<usize, NoPath>>,
 }
 
 impl Found {
-    /// A result without paths, for one reason.
+    /// A result without paths, with the same reason for every candidate.
     pub(super) fn none(candidates: &Candidates, why: NoPath) -> Found {
         Found {
             paths: Vec::new(),
@@ -45,8 +45,7 @@ impl Found {
     }
 }
 
-/// Maximum number of times that a path which leaves the sheet of a candidate may continue on the
-/// neighbouring one.
+/// Maximum number of times that a path which leaves the sheet of a candidate may continue on the neighbouring sheet.
 const MOST_CROSSINGS: usize = 6;
 
 /// Surfaces, and walls of rooms.
@@ -93,8 +92,8 @@ pub(super) fn find(
     }
 }
 
-/// The distinct drafts, with the counts of equal ones added, and for each job the index of its
-/// draft. At foci every draft is kept: some may be in a shadow.
+/// The distinct drafts, with the counts of equal drafts added up, and for each job the index of its draft. At foci
+/// every draft is kept: some may be in a shadow.
 fn distinct(solved: Vec<Result<Draft, NoPath>>) -> (Vec<Draft>, Vec<Result<usize, NoPath>>) {
     let mut drafts: Vec<Draft> = Vec::new();
     let mut known: HashMap<Sequence, Vec<usize>> = HashMap::new();
@@ -201,14 +200,13 @@ impl Solver<'_> {
 /// Maximum number of waves solved for in a sequence with a curved surface.
 const SOLVED_OF_A_SEQUENCE: usize = 512;
 
-/// Maximum number of waves solved for at curved surfaces: a few seconds on one core, a fraction of
-/// a millisecond each.
+/// Maximum number of waves solved for at curved surfaces: a few seconds on one core, a fraction of a millisecond each.
 const SOLVED_AT_CURVES: usize = 1 << 15;
 
 /// A sequence of surfaces to find a path for, and the points to start from.
 pub(super) struct Job<'a> {
     pub vertices: &'a [Vertex],
-    /// The candidates that it represents.
+    /// The candidates that the job represents.
     pub found_by: FoundBy,
 }
 
@@ -224,10 +222,10 @@ pub(super) struct Jobs<'a> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Mirror {
     NotExact,
-    /// A plane, by the surface's number and its sheet's id, which identifies the sheet of a surface. A sequence of
+    /// A plane, by the surface's number and the sheet's id, which identifies the sheet of a surface. A sequence of
     /// planes has one path for all waves.
     Flat(u32, u64),
-    /// A curved sheet, solved for from the wave's own vertices, by the surface's number.
+    /// A curved sheet, by the surface's number; solved for from the wave's own vertices.
     Curved(u32),
 }
 
@@ -246,7 +244,7 @@ impl<'a> Jobs<'a> {
         let mut jobs = Jobs {
             jobs: vec![Job {
                 vertices: &[],
-                // It is searched for, whether a wave finds it or not.
+                // The direct sound is searched for whether a wave finds it or not.
                 found_by: FoundBy {
                     waves: 0,
                     search: true,
@@ -294,7 +292,7 @@ impl<'a> Jobs<'a> {
         self.job_of[candidate] = Ok(job);
     }
 
-    /// Adds the jobs of sequences with curved surfaces, each given as its candidates.
+    /// Adds the jobs of sequences with curved surfaces; each sequence is given as its candidates.
     fn add_curved(
         &mut self,
         mut sequences: Vec<Vec<usize>>,
@@ -328,8 +326,8 @@ impl<'a> Jobs<'a> {
     }
 }
 
-/// The index of the wave that was mirrored nearest to these vertices, by the sum of squared
-/// distances; the first of several.
+/// The index of the wave whose reflection points are nearest to these vertices, by the sum of squared distances; the
+/// first of several.
 fn nearest(waves: &[&[Vertex]], vertices: &[Vertex]) -> usize {
     let apart = |wave: &[Vertex]| -> f64 {
         let pairs = wave.iter().zip(vertices);
@@ -349,8 +347,8 @@ mod tests {
     use crate::{Shape, Surface};
     use glam::Vec3;
 
-    /// Protects the time spent at a focus: of waves that all arrive, after each of three reflections,
-    /// the number solved for keeps the limits, and each represents at least one.
+    /// Protects the time spent at a focus: if all waves arrive after each of three reflections, the number of solved
+    /// waves keeps the limits, and each represents at least one wave.
     #[test]
     fn a_focus_has_few_jobs() {
         let radii = Vec3::new(10.0, 6.0, 6.0);

@@ -1,27 +1,26 @@
-//! The early part of an impulse response, exactly: specular paths from point to point.
+//! The early part of an impulse response, computed exactly: specular paths from point to point.
 //!
-//! Waves traced from the source give the sequences of surfaces; for each sequence the path itself
-//! is found, so that delay and energy do not depend on the number of waves.
+//! Waves traced from the source give the sequences of surfaces; the path of each sequence is then computed exactly, so
+//! that delay and energy do not depend on the number of waves.
 //!
 //! # Finding a path
-//! A sequence of planes has at most one path, found by mirror images of the source (Allen and
-//! Berkley 1979), in closed form. All others are solved for by Newton's method on Fermat's
-//! condition, from the points where the wave was mirrored. Each surface is taken as the smooth
-//! *sheet* that the wave has met: planes, quadrics (balls, cylinders, cones, ellipsoids, patches of
-//! a height field …) and rings have derivatives in closed form, also moved, turned, scaled,
-//! repeated, cut or grown; blends, twists, bends and morphs have differences of their value. The
-//! CPU knows users' GLSL fields only from samples: candidates mirrored at them are reported as
-//! [`NoPath::NotExact`], and their waves remain statistical.
+//! A sequence of planes has at most one path, found by mirror images of the source (Allen and Berkley 1979), in closed
+//! form. All other paths are solved for by Newton's method on Fermat's condition, from the points where the wave was
+//! mirrored. Each surface is taken as the smooth *sheet* that the wave hit: planes, quadrics (balls, cylinders, cones,
+//! ellipsoids, patches of a height field …) and rings have derivatives in closed form, also moved, turned, scaled,
+//! repeated, cut or grown; blends, twists, bends and morphs use finite differences of their value. The CPU knows users'
+//! GLSL fields only from samples: candidates mirrored at them are reported as [`NoPath::NotExact`], and their waves
+//! remain statistical.
 //!
-//! Sound takes a stationary path only if its points lie on the surfaces themselves, within their
-//! edges; if each reflection comes from the air; and if no surface is in the way (users' fields by
-//! their samples). `check.rs` has rules for cases that arithmetic cannot decide.
+//! Sound takes a stationary path only if its points lie on the surfaces themselves, within their edges; if each
+//! reflection comes from the air; and if no surface obstructs it (users' fields are tested by their samples).
+//! `check.rs` has rules for cases that arithmetic cannot decide.
 //!
-//! Near a focus every wave passes the listener: the number solved for is limited, see `find.rs`.
+//! Near a focus every wave passes the listener: the number of waves solved for is limited, see `find.rs`.
 //!
-//! Each wave that arrived has an [outcome](Found::outcomes): one that found a path is replaced by
-//! it; one whose surfaces are not exact is kept as it is; all others passed through the listener's
-//! sphere, but no path leads to its centre.
+//! Each wave that arrived has an [outcome](Found::outcomes): if it found a path, the path replaces the wave; if its
+//! surfaces are not exact, the wave is kept; all other waves passed through the listener's sphere, but no path leads to
+//! its centre.
 //!
 //! # Spreading
 //! A source of power 1 gives the listener the energy density 1/(4π A) in 1/m², where A is the area
@@ -29,13 +28,12 @@
 //! curvatures of the surfaces. With planes only, A is the squared length.
 //!
 //! # Foci
-//! Where a mirror focuses a front, A can be 0, and the density at a point infinite. A listener of
-//! radius r receives less: if all waves pass through its centre, their chords are 2r, and the
-//! density in it is 2r / (4/3 π r³) = 3/(2π r²). A path whose front gives more than that is marked
-//! as a focus, [`SpecularPath::is_focus`]; its spreading is limited to this bound times the share
-//! of all waves that found it. At a perfect focus a whole area of the mirror has the same length;
-//! it counts as one path with one of its points. Where the energy itself matters, take it from the
-//! waves that found a focus.
+//! Where a mirror focuses a front, A can be 0, and the density at a point infinite. A listener of radius r receives
+//! less: if all waves pass through its centre, their chords are 2r, and the density in the sphere is 2r / (4/3 π r³) =
+//! 3/(2π r²). A path whose front gives more than that is marked as a focus, [`SpecularPath::is_focus`]; its spreading
+//! is limited to this bound times the share of all waves that found it. At a perfect focus all points of an area of the
+//! mirror give the same length; the area counts as one path, with one of its points. To get the energy of a focus, use
+//! the waves that found it.
 //!
 //! # What the waves have missed
 //! See [`Missed`].
@@ -77,8 +75,7 @@ pub struct Ends {
     pub source: DVec3,
     /// World position of the listener's centre in metres.
     pub listener: DVec3,
-    /// Radius of the listener's sphere in metres, greater than 0: it limits the energy from a
-    /// focus.
+    /// Radius of the listener's sphere in metres, greater than 0: it limits the energy from a focus.
     pub radius_m: f64,
 }
 
@@ -86,25 +83,22 @@ pub struct Ends {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum NoPath {
-    /// One of its surfaces is known only from samples (a user's field): its waves remain
-    /// statistical.
+    /// A surface is known only from samples (a user's field): its waves remain statistical.
     NotExact,
-    /// There is no stationary path over these surfaces, or the search from the wave did not find
-    /// it.
+    /// There is no stationary path over these surfaces, or the search from the wave did not find a path.
     NotStationary,
     /// The path would be mirrored beyond the edge of a surface.
     OffSurface,
-    /// The path would reach a surface from within the solid, or graze it.
+    /// The path would reach a surface from inside the solid, or graze it.
     NotFromTheAir,
-    /// A surface is in the way.
+    /// A surface obstructs the path.
     Blocked,
     /// The source or the listener's centre is in a solid.
     EndInSolid,
     /// The path begins or ends in an edge or at a corner that points into the air, and flies against more than one of
-    /// the faces there, so that it is ambiguous which one mirrors it.
+    /// the faces there, so that it is ambiguous which face mirrors it.
     AtEdge,
-    /// The path was not solved for, because too many are at curved surfaces. Its waves remain
-    /// statistical.
+    /// The path was not solved for, because there are too many waves at curved surfaces. Its waves remain statistical.
     LeftOut,
 }
 
@@ -149,22 +143,21 @@ impl EarlyPaths {
         self.candidates_within(ends, directions, order, reach_m, u64::MAX)
     }
 
-    /// Follows waves from the source along `directions` (of any length except 0) through the
-    /// listener, for at most `order` reflections. Each flight that comes within `reach_m` metres of
-    /// the listener's centre is a candidate; the index of a wave is that of its direction.
+    /// Follows waves from the source along `directions` (of any length except 0) through the listener, for at most
+    /// `order` reflections. Each flight that comes within `reach_m` metres of the listener's centre is a candidate; the
+    /// index of a wave is that of its direction.
     ///
-    /// With the listener's radius, candidates are the waves that it receives, and [`Missed`]
-    /// estimates their energy. A greater reach finds more paths with the same waves: in a room of
-    /// planes use ∞, because candidates of one sequence cost nothing there.
+    /// With the listener's radius as reach, candidates are the waves that it receives, and [`Missed`] estimates the
+    /// energy that the waves missed. A greater reach finds more paths with the same waves: in a room of planes use ∞,
+    /// because further candidates of a sequence cost nothing there.
     ///
-    /// Follows no more waves once more than `most_asked` surfaces, and boxes
-    /// around them, have been evaluated for a flight: about ten nanoseconds each, and more for marched fields.
-    /// Waves that are left out ([`Candidates::left_out`]) are spread evenly between the other directions, and do
-    /// not depend on timing.
+    /// Once more than `most_asked` surfaces and bounding boxes have been tested, no further waves are followed; a test
+    /// takes about ten nanoseconds, more for marched fields. The waves left out ([`Candidates::left_out`]) are spread
+    /// evenly between the other directions, and do not depend on timing.
     ///
-    /// Runs on the threads of rayon's pool; the result does not depend on their number. Cost: as
-    /// [`ExactScene::trace_all`]. Marched fields take a thousand times as long as the basic shapes:
-    /// with them follow only waves that are known to arrive.
+    /// Runs on the threads of rayon's pool; the result does not depend on the number of threads. Costs as much as
+    /// [`ExactScene::trace_all`]. Marched fields take a thousand times as long as the basic shapes: with fields, follow
+    /// only waves that are known to arrive.
     pub(crate) fn candidates_within(
         &self,
         ends: &Ends,
@@ -183,14 +176,13 @@ impl EarlyPaths {
         follow.all(directions, most_asked)
     }
 
-    /// Adds each sequence of at most `order` planes over which sound could go from the source to the listener if
-    /// nothing were in the way. It considers surfaces made only of shapes with planes
-    /// ([`Room`](crate::scene::shape::Room), `Cuboid`, `Plane`, `HalfSpace`, `Prism`), moved, turned, scaled,
-    /// inverted, united and cut. Like directions that are searched in addition to the waves, the sequences name
-    /// paths, and do not count among the waves that found them.
+    /// Adds each sequence of at most `order` planes over which sound could go from the source to the listener without
+    /// obstacles. It considers surfaces made only of shapes with planes ([`Room`](crate::scene::shape::Room), `Cuboid`,
+    /// `Plane`, `HalfSpace`, `Prism`), moved, turned, scaled, inverted, united and cut. Like directions that are
+    /// searched in addition to the waves, the sequences give paths, and do not count among the waves that found them.
     ///
-    /// Returns the number of reflections up to which all sequences were tried: `order`, or less if there are more
-    /// than 131,072 images of the source; those of one reflection are always tried.
+    /// Returns the number of reflections up to which all sequences were tried: `order`, or less if there are more than
+    /// 131,072 images of the source; all sequences of one reflection are always tried.
     pub fn add_planes(&self, ends: &Ends, order: u32, candidates: &mut Candidates) -> u32 {
         candidates::add_plane_sequences(&self.surfaces, ends, order, candidates)
     }
