@@ -14,7 +14,7 @@ pub(super) fn mean(values: impl Iterator<Item = f64>) -> f64 {
     sum / count
 }
 
-/// An empty room about the origin, with a source and a listener that is completely inside.
+/// An empty room about the origin, with a source, and a listener that is completely inside.
 #[derive(Clone, Debug)]
 struct Room {
     size: DVec3,
@@ -25,18 +25,18 @@ struct Room {
     absorption: [Bands; 6],
 }
 
-/// A line on its way through the copies of the room.
+/// A straight line through the copies of the room.
 struct Line {
     direction: DVec3,
     crossed: [u32; 3],
-    /// Metres to the next wall along each axis, and between walls.
+    /// Distances in metres to the next wall along each axis, and between walls.
     ahead_m: [f64; 3],
     apart_m: [f64; 3],
 }
 
 impl Room {
-    /// Follows `waves` random waves for `length_m` metres, and passes on each crossing of the
-    /// listener with more than `early_order` reflections.
+    /// Follows `waves` random waves for `length_m` metres, and passes on each crossing of the listener with more than
+    /// `early_order` reflections.
     fn trace(
         &self,
         waves: u32,
@@ -83,8 +83,7 @@ impl Room {
         }
     }
 
-    /// Metres to the middle of the chord through the listener in this copy, and length of the
-    /// chord.
+    /// Distance in metres to the middle of the chord through the listener in this copy, and length of the chord.
     fn crossing(&self, line: &Line) -> Option<(f64, f64)> {
         let image: [f64; 3] = std::array::from_fn(|axis| {
             let number = f64::from(line.crossed[axis]) * line.direction[axis].signum();
@@ -123,7 +122,7 @@ impl Room {
 }
 
 impl Line {
-    /// Moves to the next copy, and returns the distance of its start.
+    /// Moves to the next copy, and returns the distance at which the line enters it.
     fn advance(&mut self) -> f64 {
         let nearer = |a, b| {
             if self.ahead_m[b] < self.ahead_m[a] {
@@ -152,7 +151,7 @@ impl Line {
     }
 }
 
-/// Evenly distributed over the sphere, by Archimedes' cylinder.
+/// A random direction, evenly distributed over the sphere, by Archimedes' cylinder.
 fn random_direction(seed: u64, wave: u32) -> DVec3 {
     let key = hash(seed).wrapping_add(2 * u64::from(wave));
     let z = 2.0 * unit_interval(hash(key)) - 1.0;
@@ -161,29 +160,28 @@ fn random_direction(seed: u64, wave: u32) -> DVec3 {
     DVec3::new(across * cos, across * sin, z)
 }
 
-/// Speed of sound in metres a second.
+/// Speed of sound in metres per second.
 const SPEED: f64 = 343.0;
 
-/// Ratio of the record's length to the reverberation time by Sabine's formula: that of an uneven
-/// room is longer, and T30 needs 45 dB of decay.
+/// Ratio of the record's length to the reverberation time by Sabine's formula: the reverberation time of an uneven room
+/// is longer, and T30 needs 45 dB of decay.
 const RECORD: f64 = 1.3;
 
 /// No absorption by the air.
 const AIRLESS: Bands = [0.0; BAND_COUNT];
 
-/// Radius of a listener of common size, and of one for late arrivals, in metres.
+/// Radius in metres of a listener of usual size, and of the sphere for late arrivals.
 const RADIUS_M: f64 = 0.3;
 const LATE_RADIUS_M: f64 = 0.9;
 
 /// Mean absorption of the walls by band, from a live to a dead room.
 const ABSORPTION: Bands = [0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.7];
 
-/// Maximum C80 in decibels that is compared: above it the late sound is a hundredth of the early,
-/// which is inaudible, and consists of a few echoes of the highest orders that random waves seldom
-/// find.
+/// Maximum C80 in decibels that is compared: above it the late sound is a hundredth of the early sound, is inaudible,
+/// and consists of a few echoes of the highest orders, which random waves seldom find.
 const WORST_CLARITY_DB: f64 = 20.0;
 
-/// Maximum error of a time that is certain to 3 %: a third of that.
+/// Maximum stated error of a time that must be within 3 % of the truth: a third of that.
 const SURE: f64 = 0.01;
 
 /// Generates uniform numbers from a seed.
@@ -284,7 +282,7 @@ fn found(exact: &ShoeboxEnergies, early_order: u32, seconds: f64, trace: &Trace)
     Figures::new(&taps, &echogram, Some(direct_s), seconds)
 }
 
-/// A figure of all bands: exact, found, its error; without bands where one of them is missing.
+/// A figure by band: exact value, found value, and error; without the bands in which one of them is missing.
 fn compared(case: &Case, figure: impl Fn(&BandFigures) -> Option<f64>) -> Vec<[f64; 3]> {
     let of_band = |band: usize| {
         let truth = figure(&case.truth.bands[band])?;
@@ -314,10 +312,10 @@ fn audible_c80_db(figures: &BandFigures) -> Option<f64> {
     figures.c80_db.filter(|c80_db| *c80_db < WORST_CLARITY_DB)
 }
 
-/// Protects the documented accuracy with 262,144 waves and taps of up to 3 reflections: in every
-/// band C80 within 0.3 dB and G within 0.15 dB of image sources, and T30 and EDT within 3 %, three
-/// errors, where their errors are small enough. They are not in the bands with the most absorption,
-/// whose decay to −35 dB is about a dozen echoes of 4 to 8 reflections, each met by few waves.
+/// Protects the documented accuracy with 262,144 waves and taps of up to 3 reflections: compared with image sources,
+/// C80 is within 0.3 dB and G within 0.15 dB in every band, and T30 and EDT are within 3 %, three errors, in bands with
+/// small enough errors. The bands with the most absorption have larger errors: their decay to −35 dB is about a dozen
+/// echoes of 4 to 8 reflections, each found by few waves.
 #[test]
 fn figures_are_those_of_image_sources() {
     (0..3_u64).into_par_iter().for_each(|seed| {
@@ -332,7 +330,7 @@ fn figures_are_those_of_image_sources() {
         let (t30, t30_bands) = worst_sure_time(&case, |figures| figures.t30_s);
         println!("{seed}: EDT {edt:.4} in {edt_bands}, T30 {t30:.4} in {t30_bands}");
         assert!(edt < 0.03 && t30 < 0.03, "{seed}: EDT {edt}, T30 {t30}");
-        // They are small enough for T30 in at least two bands, for EDT in half.
+        // The errors are small enough for T30 in at least two bands, and for EDT in half of them.
         assert!(
             t30_bands >= 2 && edt_bands >= BAND_COUNT / 2,
             "{t30_bands} {edt_bands}"
@@ -340,10 +338,10 @@ fn figures_are_those_of_image_sources() {
     });
 }
 
-/// Protects the errors: over 40 rooms and 8 bands twice the error contains the truth in 95 % of
-/// cases. The bands of a room share its waves. If they were three independent ones, the share would
-/// have a standard deviation of 2 %: three of these are allowed. Errors that are too large would
-/// contain it too often: the ratio of the true squared errors to the stated ones is 1 on average.
+/// Protects the errors: over 40 rooms and 8 bands twice the error contains the truth in 95 % of cases. The bands of a
+/// room share its waves. If they were equivalent to three independent bands, the share would have a standard deviation
+/// of 2 %: the test allows three of these. Errors that are too large would contain the truth too often: the ratio of
+/// the true squared errors to the stated ones is 1 on average.
 #[test]
 fn errors_are_honest() {
     type Figure = fn(&BandFigures) -> Option<f64>;
@@ -370,8 +368,8 @@ fn errors_are_honest() {
     }
 }
 
-/// Protects the room that other programs were given too: with 100,000 waves, late ones counted in a
-/// large sphere, T30 is within 1 % and C80 within 0.1 dB of image sources.
+/// Protects a room that other programs were also tested with: with 100,000 waves and late arrivals counted in a large
+/// sphere, T30 is within 1 % and C80 within 0.1 dB of image sources.
 #[test]
 fn a_known_room_has_its_figures() {
     let size = DVec3::new(8.0, 3.0, 5.0);
@@ -404,11 +402,10 @@ fn arrivals_fly_away_from_images() {
     };
     room.trace(262_144, direct.length_m + 0.01, None, 3, &mut take);
     let flow = (0..echogram.bins()).fold(DVec3::ZERO, |sum, bin| sum + echogram.flow(bin)[0]);
-    // Waves of other images arrive as early only if these are as near, which does not occur in this
-    // room.
+    // Waves of other images arrive equally early only if these images are as near, which does not occur in this room.
     let angle = flow.angle_between(direct.direction);
     assert!(angle < 0.02, "{angle}");
     let energy = echogram.total()[0] / direct.energy[0];
-    // The mean over a sphere of radius a at r metres is 1 + a²/(5 r²) times as large.
+    // The mean over a sphere of radius a at r metres is higher by a factor of 1 + a²/(5 r²).
     assert!((energy - 1.0).abs() < 0.05, "{energy}");
 }

@@ -187,7 +187,7 @@ impl EarlyPaths {
         candidates::add_plane_sequences(&self.surfaces, ends, order, candidates)
     }
 
-    /// The image of the source in these planes, each mirrored in the next: world metres.
+    /// The image of the source in these planes, mirrored in one after the other: world metres.
     pub(crate) fn image(&self, ends: &Ends, planes: &[Vertex]) -> DVec3 {
         let mirror = |image, plane: &Vertex| {
             fermat::image(image, plane.normal, plane.point.dot(plane.normal))
@@ -195,7 +195,7 @@ impl EarlyPaths {
         planes.iter().fold(ends.source, mirror)
     }
 
-    /// The walls of rooms at which these reflections are; `None` for other surfaces.
+    /// The wall of each of these reflections at a room; `None` at other surfaces.
     pub(crate) fn walls<'a>(
         &'a self,
         vertices: &'a [Vertex],
@@ -204,21 +204,20 @@ impl EarlyPaths {
         vertices.iter().map(wall)
     }
 
-    /// Whether all of these reflections are at planes, so that a path over them is found from any
-    /// wave.
+    /// Whether all of these reflections are at planes, so that every wave over them gives the same path.
     pub fn are_flat(&self, vertices: &[Vertex]) -> bool {
         vertices.iter().all(|vertex| self.surfaces.is_flat(vertex))
     }
 
-    /// Whether a point is outside of all solids.
+    /// Whether a point is outside all solids.
     pub(crate) fn is_open(&self, place: DVec3) -> bool {
         !self.exact.is_in_solid(place, self.surfaces.touch)
     }
 
-    /// The paths of all candidates, and the direct sound if it is not blocked; no paths from or to
-    /// a point in a solid.
+    /// Finds the paths of all candidates, and the direct sound unless it is blocked. There are no paths from or to a
+    /// point in a solid.
     ///
-    /// Runs on the threads of rayon's pool; the result does not depend on their number.
+    /// Runs on the threads of rayon's pool; the result does not depend on the number of threads.
     pub fn find(&self, ends: &Ends, candidates: &Candidates) -> Found {
         if !self.is_open(ends.source) || !self.is_open(ends.listener) {
             return Found::none(candidates, NoPath::EndInSolid);

@@ -1,30 +1,28 @@
-//! Specular paths: the spreading of their wave fronts, merging of equal ones, their order, and an estimate of those
-//! missed.
+//! Specular paths: the spreading of their wave fronts, merging of equal paths, their order, and an estimate of the
+//! missed paths.
 //!
 //! # Spreading
-//! Ray differentials (Igehy, *Tracing ray differentials*, 1999): two rays next to the path's, at
-//! angles of 1 rad per unit along two axes across the departure, are followed to first order. Over
-//! a segment p′ grows by t d′. At a surface with unit normal n both are moved to where the
-//! neighbouring rays meet it, p′ − d (p′·n)/(d·n), and mirrored with the normals there: d′ − 2
-//! ((d·n) n′ + (d′·n + d·n′) n), n′ = S p′ with the shape operator S, which is ∇²f/|∇f| within the
-//! surface. In a room of planes the area is the squared length exactly.
+//! Ray differentials (Igehy, *Tracing ray differentials*, 1999): two rays next to the path's ray are followed to first
+//! order; they depart at angles of 1 rad per unit along two axes perpendicular to the path. Over a segment p′ grows by
+//! t d′. At a surface with unit normal n, both rays are moved to the points where they hit the surface, p′ − d
+//! (p′·n)/(d·n), and mirrored with the normals there: d′ − 2 ((d·n) n′ + (d′·n + d·n′) n), n′ = S p′ with the shape
+//! operator S, which is ∇²f/|∇f| within the surface. In a room of planes the area is exactly the squared length.
 //!
-//! # What the waves have missed
-//! A path is found if one of the waves that pass the listener belongs to it, and each such wave
-//! belongs to it with a probability p proportional to the energy that it brings without absorption.
-//! Good (*The population frequencies of species*, Biometrika 40, 1953, after Turing): if of n waves
-//! that found paths, f₁ found one that no other wave found, the paths that no wave found together
-//! have a probability of about f₁/n. Chao (*Nonparametric estimation of the number of classes in a
-//! population*, 1984, in its bias-corrected form): their number is at least about f₁ (f₁ − 1) / (2
-//! (f₂ + 1)), where f₂ is the number of paths found by two waves. If most paths are weak, as at
-//! balls and pillars, there are many more; the first estimate, of their energy, does not suffer
-//! from that.
+//! # Missed paths
+//! A path is found if one of the waves that pass the listener belongs to it. Each such wave belongs to the path with a
+//! probability p proportional to the energy that the path brings without absorption. Good (*The population frequencies
+//! of species*, Biometrika 40, 1953, after Turing): if n waves found paths, and f₁ of these found a path that no other
+//! wave found, then all paths that no wave found together have a probability of about f₁/n. Chao (*Nonparametric
+//! estimation of the number of classes in a population*, 1984, in its bias-corrected form): the number of missed paths
+//! is at least about f₁ (f₁ − 1) / (2 (f₂ + 1)), where f₂ is the number of paths found by two waves. If most paths are
+//! weak, as at balls and pillars, many more paths are missed than that; the first estimate, of their energy, remains
+//! valid.
 //!
-//! A path that was also searched for is known whether waves find it or not: it counts among the n
-//! waves, but not as a path that only one wave found.
+//! A path that the search also looks for is known whether waves find it or not: its waves count among the n waves, but
+//! the path does not count as found by only one wave.
 //!
-//! The estimate does not include paths that no wave can find: those at users' fields, and those
-//! beyond the maximum order of the waves.
+//! The estimate does not include paths that no wave can find: paths over users' fields, and paths beyond the maximum
+//! order of the waves.
 
 use super::sheet::Sheet;
 use glam::DVec3;
@@ -36,7 +34,7 @@ use std::f64::consts::PI;
 pub(super) struct FoundBy {
     /// Number of waves.
     pub waves: u32,
-    /// Whether it was also searched for.
+    /// Whether the search also found it.
     pub search: bool,
 }
 
@@ -47,7 +45,7 @@ impl FoundBy {
     }
 }
 
-/// A path of sound from point to point, mirrored at surfaces.
+/// A path of sound from source to listener, mirrored at surfaces.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(test, derive(Default))]
 #[non_exhaustive]
@@ -61,24 +59,23 @@ pub struct SpecularPath {
     pub points: Vec<DVec3>,
     /// Length in metres from the source to the listener.
     pub length_m: f64,
-    /// Unit vector in world axes, at the source; 0 if both ends are one point.
+    /// Unit vector in world axes, at the source; 0 if source and listener coincide.
     pub departure: DVec3,
-    /// Unit vector of flight in world axes, at the listener; 0 if both ends are one point.
+    /// Unit vector of flight in world axes, at the listener; 0 if source and listener coincide.
     pub arrival_direction: DVec3,
-    /// Energy density at the listener without absorption, in 1/m², for a source of power 1: 1/(4π
-    /// A), where A is the area of the wave front per solid angle. At a focus it is limited, see
-    /// [`SpecularPath::is_focus`].
+    /// Energy density at the listener without absorption, in 1/m², for a source of power 1: 1/(4π A), where A is the
+    /// area of the wave front per solid angle. At a focus it is limited, see [`SpecularPath::is_focus`].
     pub spreading: f64,
     /// Whether 1/(4π A) is more than a sphere of the listener's radius r can receive, 3/(2π r²): at a focus A can be 0.
-    /// Its spreading is then this bound times the share of all waves that found the path.
+    /// The path's spreading is then this bound times the share of all waves that found the path.
     pub is_focus: bool,
-    /// Number of waves that found it.
+    /// Number of waves that found the path.
     pub found_by: u32,
-    /// Whether it was also searched for, so that it is known regardless of the waves.
+    /// Whether the path was also searched for, and is thus known regardless of the waves.
     pub is_searched: bool,
 }
 
-/// A stationary path that is not yet checked completely.
+/// A stationary path whose checks are not yet complete.
 #[derive(Clone, Debug)]
 pub(super) struct Draft {
     pub surfaces: Vec<u32>,
@@ -95,20 +92,19 @@ pub(super) struct Draft {
     pub found_by: FoundBy,
 }
 
-/// Maximum difference between points of two paths that count as equal, as a share of their length,
-/// and between lengths: Newton's method leaves less, and paths that differ by less sound the same.
+/// Maximum difference between points of two paths that count as equal, and between their lengths, as a share of their
+/// length: the error of Newton's method is smaller, and paths with a smaller difference sound the same.
 const SAME: f64 = 1e-6;
 
-/// Maximum difference in radians between normals that count as equal, and between directions at the ends: they
-/// differ by this at curved surfaces, and along segments that are hardly longer than rounding.
+/// Maximum difference in radians between normals that count as equal, and between directions at the ends: equal ones
+/// may differ this much at curved surfaces, and along segments that are hardly longer than rounding.
 const SAME_DIRECTION: f64 = 1e-3;
 
-/// Maximum difference of lengths in metres that count as equal in the order: then the surfaces
-/// decide.
+/// Maximum difference in metres of lengths that count as equal for sorting: then the surfaces decide.
 const SAME_LENGTH: f64 = 1e-9;
 
-/// Maximum energy density that a sphere can receive, times the square of its radius, when all waves
-/// pass through its centre: chord ÷ volume = 2r / (4/3 π r³).
+/// Maximum energy density in a sphere, times the square of its radius, reached if all waves pass through its centre:
+/// chord ÷ volume = 2r / (4/3 π r³).
 const MOST_CAUGHT: f64 = 3.0 / (2.0 * PI);
 
 /// Whether a wave front of `area` m² per steradian brings more than a listener of `radius` metres
@@ -119,8 +115,8 @@ pub(super) fn is_focus(area: f64, radius: f64) -> bool {
 }
 
 impl Draft {
-    /// Whether the two have the same points with the same normals, in any order, and the same directions at the ends:
-    /// in an edge one path has two sequences of surfaces, and a source there is mirrored in each of them.
+    /// Whether both drafts have the same points with the same normals, in any order, and the same directions at the
+    /// ends: in an edge one path has two sequences of surfaces, and a source in the edge is mirrored in each of them.
     pub fn is_same_way(&self, other: &Draft) -> bool {
         let close = |(a, b): (&DVec3, &DVec3)| a.distance(*b) <= SAME * self.length;
         self.points.len() == other.points.len()
@@ -129,7 +125,7 @@ impl Draft {
             && self.ends_off(other) <= SAME_DIRECTION
     }
 
-    /// The larger difference between the two paths' directions at either end.
+    /// The larger of the differences between the two paths' directions at the two ends.
     fn ends_off(&self, other: &Draft) -> f64 {
         let last = self.directions.len() - 1;
         let off = |segment: usize| self.directions[segment].distance(other.directions[segment]);
@@ -147,8 +143,8 @@ impl Draft {
         })
     }
 
-    /// Whether both belong to one focus: there a whole area of a surface mirrors the source to the
-    /// listener with equal lengths, and every wave finds a point of its own.
+    /// Whether both belong to one focus: there a whole area of a surface mirrors the source to the listener with equal
+    /// lengths, and each wave finds a different point of the area.
     pub fn is_same_focus(&self, other: &Draft) -> bool {
         self.is_focus
             && other.is_focus
@@ -156,12 +152,12 @@ impl Draft {
             && self.walls == other.walls
     }
 
-    /// Whether the lengths are the same.
+    /// Whether the lengths are equal.
     pub fn is_as_long_as(&self, other: &Draft) -> bool {
         (self.length - other.length).abs() <= SAME * self.length
     }
 
-    /// By length, then by surfaces, walls and points.
+    /// Orders by length, then by surfaces, walls and points.
     pub fn order(&self, other: &Draft) -> Ordering {
         let rounded = |draft: &Draft| (draft.length / SAME_LENGTH).round();
         let points = |draft: &Draft| draft.points.iter().flat_map(|p| p.to_array()).collect();
@@ -174,7 +170,7 @@ impl Draft {
             .then_with(by_points)
     }
 
-    /// The path, for a listener of `radius` metres and `waves` waves in total.
+    /// Completes the path, for a listener of `radius` metres and `waves` waves in total.
     pub fn finished(self, radius: f64, waves: usize) -> SpecularPath {
         let last = self.points.len() - 1;
         let by_front = 1.0 / (4.0 * PI * self.area);
@@ -202,9 +198,8 @@ impl Draft {
     }
 }
 
-/// Merges equal paths: drafts with the same points (in an edge a path has two sequences of
-/// surfaces), and those of one focus. Returns the paths in order, and for each draft the index of
-/// its path.
+/// Merges equal paths: drafts with the same points (in an edge a path has two sequences of surfaces), and drafts of one
+/// focus. Returns the paths in order, and for each draft the index of its path.
 pub(super) fn merged(drafts: Vec<Draft>) -> (Vec<Draft>, Vec<usize>) {
     let mut order: Vec<usize> = (0..drafts.len()).collect();
     order.sort_by(|&a, &b| drafts[a].order(&drafts[b]));
@@ -225,7 +220,7 @@ pub(super) fn merged(drafts: Vec<Draft>) -> (Vec<Draft>, Vec<usize>) {
     (paths, path_of)
 }
 
-/// A neighbour of a ray, to first order: offsets of place and direction per radian.
+/// A ray next to the path, to first order: changes of position and direction per radian.
 #[derive(Clone, Copy)]
 struct Neighbour {
     place: DVec3,
@@ -279,15 +274,15 @@ fn mirrored(neighbour: Neighbour, d: DVec3, n: DVec3, bend: glam::DMat3) -> Neig
     }
 }
 
-/// Estimate of the early part that the waves, and the additional search, have missed.
+/// Estimate of the early sound that the waves and the additional search have missed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Missed {
     /// Number of waves that found a path.
     pub waves: u64,
-    /// Number of paths that exactly one wave found, and the search did not.
+    /// Number of paths found by exactly one wave, and not by the search.
     pub found_once: u64,
-    /// Number of paths that exactly two waves found, and the search did not.
+    /// Number of paths found by exactly two waves, and not by the search.
     pub found_twice: u64,
 }
 
@@ -304,10 +299,9 @@ impl Missed {
         missed
     }
 
-    /// The share, 0 to 1, of missed paths in the energy of all paths without absorption; also the
-    /// probability that the next wave passing the listener finds a new path. `None` if no wave
-    /// found any. Its standard deviation is about √(f₁ + 2 f₂) / n (Good 1953, with f₂ the number
-    /// of paths that two waves found).
+    /// The share, 0 to 1, of missed paths in the energy of all paths without absorption; this is also the probability
+    /// that the next wave passing the listener finds a new path. `None` if no wave found a path. Its standard deviation
+    /// is about √(f₁ + 2 f₂) / n (Good 1953, with f₂ the number of paths found by two waves).
     pub fn energy_share(&self) -> Option<f64> {
         (self.waves > 0).then(|| self.found_once as f64 / self.waves as f64)
     }
@@ -323,8 +317,7 @@ impl Missed {
 mod tests {
     use super::*;
 
-    /// Protects the estimate: paths that only one wave found indicate more, unless a search finds them
-    /// anyway.
+    /// Protects the estimate: paths found by only one wave indicate missed paths, unless a search finds them anyway.
     #[test]
     fn what_a_search_finds_is_not_missed() {
         let found = |by_waves: &[u32], is_searched: bool| {

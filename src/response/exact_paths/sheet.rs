@@ -1,13 +1,13 @@
 //! One smooth piece of a surface: the face of a box, the side of a cylinder, a patch of ground.
 //!
-//! Surfaces of trees have edges, where they are not differentiable. A [`Sheet`] is the piece that a
-//! wave has met, continued over its edges, so that Newton's method sees a smooth function. Whether
-//! the result lies on the surface itself is checked afterwards.
+//! Surfaces of trees have edges, where they are not differentiable. A [`Sheet`] is the piece hit by a wave, continued
+//! beyond its edges, so that Newton's method sees a smooth function. A later check decides whether the result lies on
+//! the surface itself.
 //!
 //! # Differences
-//! Values are rounded: for coordinates up to X the error of a value is about ε X. With features of
-//! length ℓ its n-th derivative is about ℓ^(1−n). A difference quotient over steps h has both
-//! errors; this h makes them equal:
+//! Values are rounded: for coordinates up to X the error of a value is about ε X. With features of length ℓ the n-th
+//! derivative of a value is about ℓ^(1−n). A difference quotient over steps h has an error from each; this h makes the
+//! two errors equal:
 //! - gradient, of fourth order: rounding ε X / h, truncation h⁴ / ℓ⁴ (÷ 30): h⁵ = ε X ℓ⁴;
 //! - second derivatives, of second order: ε X / h² and h² / ℓ³ (÷ 12): h⁴ = 12 ε X ℓ³, extrapolated
 //!   from two steps to a step of 0 (Richardson).
@@ -18,27 +18,27 @@ use crate::sampling::{FNV_EMPTY, fnv_with};
 use crate::scene::Shape;
 use glam::{DMat3, DVec3};
 
-/// A smooth implicit function near a point: its zero set there, to second order.
+/// A smooth implicit function near a point: its zero set to second order.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Osculation {
     /// Value ÷ |gradient|: the signed distance to first order, in metres, positive in the air.
     pub distance: f64,
     /// Unit gradient in world axes, into the air.
     pub normal: DVec3,
-    /// Second derivatives ÷ |gradient|, in 1/m; along the surface these are its curvatures,
-    /// positive where it bends away from the air.
+    /// Second derivatives ÷ |gradient|, in 1/m; along the surface these are its curvatures, positive where the surface
+    /// bends away from the air.
     pub bend: DMat3,
 }
 
-/// Axes of a part of a tree: p_own = `turn` p_outer + `shift`. The turn may scale, mirror, and
-/// flatten (where a shape was moved apart).
+/// Axes of a part of a tree: p_own = `turn` p_outer + `shift`. The turn may scale, mirror, and flatten (inside the gap
+/// of an elongated shape).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame {
     pub turn: DMat3,
     pub shift: DVec3,
 }
 
-/// pᵀ Q p + b · p + c, Q symmetric.
+/// A quadratic function pᵀ Q p + b · p + c, with Q symmetric.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Quadratic {
     pub form: DMat3,
@@ -53,7 +53,7 @@ pub(super) enum Form<'a> {
     Flat { normal: DVec3, offset: f64 },
     /// The zero set of a quadratic function.
     Quadric(Quadratic),
-    /// A ring about y: radius of its centre line, and of its tube.
+    /// A ring about y, with the radii of its centre line and its tube.
     Torus { ring: f64, tube: f64 },
     /// A level of a tree's value, with derivatives by differences.
     Differenced(Differenced<'a>),
@@ -64,7 +64,7 @@ pub(super) enum Form<'a> {
 pub(super) struct Sheet<'a> {
     pub form: Form<'a>,
     pub frame: Frame,
-    /// 1 if the air is on the side of positive values, else −1.
+    /// 1 if the air is on the side of positive values, otherwise −1.
     pub sign: f64,
     /// Identifies the sheet of a surface.
     pub id: u64,
@@ -73,7 +73,7 @@ pub(super) struct Sheet<'a> {
 }
 
 impl Frame {
-    /// The outer axes themselves.
+    /// The outer axes, unchanged.
     pub const SAME: Frame = Frame {
         turn: DMat3::IDENTITY,
         shift: DVec3::ZERO,
@@ -83,7 +83,7 @@ impl Frame {
         self.turn * p + self.shift
     }
 
-    /// The frame whose own point is `turn` p + `shift` where this one's own point is p.
+    /// The frame whose own point is `turn` p + `shift` if the own point of `self` is p.
     pub fn then(&self, turn: DMat3, shift: DVec3) -> Frame {
         Frame {
             turn: turn * self.turn,
@@ -98,7 +98,8 @@ impl Quadratic {
         Quadratic::about(DMat3::IDENTITY, centre, radius)
     }
 
-    /// An infinite cylinder about a line along the unit vector `axis`, scaled in the same way.
+    /// An infinite cylinder about a line along the unit vector `axis`, scaled so that its gradient has length 1 at the
+    /// surface.
     pub fn rod(axis: DVec3, on_axis: DVec3, radius: f64) -> Quadratic {
         let across = DMat3::IDENTITY - outer(axis, axis);
         Quadratic::about(across, on_axis, radius)
@@ -124,23 +125,22 @@ impl Quadratic {
     }
 }
 
-/// a bᵀ.
+/// The outer product a bᵀ.
 pub(super) fn outer(a: DVec3, b: DVec3) -> DMat3 {
     DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }
 
 impl Sheet<'_> {
-    /// A key that is equal, in most cases despite rounding, for sheets in one plane with the air on the same side.
+    /// A key that is, in most cases despite rounding, equal for sheets in one plane with the air on the same side.
     pub fn rounded_plane(&self, touch: f64) -> Option<[i64; 4]> {
-        /// Resolution of normals, as a share of their length: coarser than the rounding of turned
-        /// axes.
+        /// Resolution of normals: one part in this number, coarser than the rounding of turned axes.
         const PARTS: f64 = 1e11;
         let (normal, offset) = self.plane()?;
         let [x, y, z] = (normal * PARTS).to_array().map(|part| part.round() as i64);
         Some([x, y, z, (offset / touch).round() as i64])
     }
 
-    /// Whether it is a plane.
+    /// Whether the sheet is a plane.
     pub fn is_flat(&self) -> bool {
         matches!(self.form, Form::Flat { .. })
     }
@@ -153,12 +153,12 @@ impl Sheet<'_> {
         }
     }
 
-    /// Whether its derivatives are differences of a value.
+    /// Whether its derivatives are finite differences of a value.
     pub fn is_differenced(&self) -> bool {
         matches!(self.form, Form::Differenced(_))
     }
 
-    /// The sheet near a world point; `None` if it has no normal there.
+    /// The sheet near a world point; `None` if it has no normal at that point.
     pub fn at(&self, p: DVec3) -> Option<Osculation> {
         let own = self.frame.place(p);
         let found = match &self.form {
@@ -226,7 +226,7 @@ impl<'a> Differenced<'a> {
         let lengths = shape.nodes().into_iter();
         let own = lengths.map(|tree| tree.node.part().own_length());
         let shortest = own.filter(|l| *l > 0.0).fold(f64::INFINITY, f64::min);
-        // Without lengths in the shape any step is suitable.
+        // If the shape contains no lengths, any step is suitable.
         let feature = if shortest.is_finite() { shortest } else { 1.0 };
         let rounding = f64::EPSILON * largest.max(feature);
         Differenced {
@@ -275,33 +275,33 @@ impl<'a> Differenced<'a> {
     }
 }
 
-/// A way down a tree to a leaf or subtree.
+/// A path down a tree to a leaf or subtree.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Way {
     pub frame: Frame,
     /// The surface's level of the value, in metres.
     pub level: f64,
-    /// 1 if the air is on the side of greater values, else −1.
+    /// 1 if the air is on the side of greater values, otherwise −1.
     pub sign: f64,
-    /// Identifies this way.
+    /// Identifies this path down the tree.
     pub id: u64,
 }
 
-/// A search, with the sheets found.
+/// A search for sheets at a point, with the sheets found.
 pub(super) struct Search<'a> {
-    /// The point where the surface is met, in world metres.
+    /// The point at which the surface was hit, in world metres.
     pub point: DVec3,
-    /// Maximum distance in metres from a surface that counts as on it.
+    /// Maximum distance in metres at which a point counts as on a surface.
     pub touch: f64,
     /// The largest coordinate of the scene in metres.
     pub largest: f64,
     pub found: Vec<Sheet<'a>>,
-    /// Whether a surface was met that is known only from samples.
+    /// Whether the search reached a surface known only from samples.
     pub is_sampled: bool,
 }
 
 impl Way {
-    /// The way to the surface with this number and these axes.
+    /// The start of the way, at the surface with this number and these axes.
     pub fn to_surface(number: u32, frame: Frame) -> Way {
         let way = Way {
             frame,
@@ -312,7 +312,7 @@ impl Way {
         way.branch(number.into())
     }
 
-    /// The way down the branch with this number.
+    /// The way continued to the branch with this number.
     pub fn branch(self, number: u64) -> Way {
         let id = fnv_with(self.id, number + 1);
         Way { id, ..self }
@@ -331,7 +331,7 @@ impl Way {
         Way { level, ..self }
     }
 
-    /// The way with the value negated.
+    /// The way with negated values.
     pub fn turned_out(self) -> Way {
         Way {
             level: -self.level,
@@ -351,19 +351,18 @@ impl Way {
         }
     }
 
-    /// The way down the branch with these 64 bits.
+    /// The way continued to the branch with these 64 bits.
     pub fn branch_of_bits(self, bits: u64) -> Way {
         self.branch(bits.rotate_left(20) >> 1)
     }
 }
 
 impl<'a> Search<'a> {
-    /// Offers a plane normal · p = offset in a leaf's axes; the normal is a unit vector towards
-    /// greater values.
+    /// Offers the plane normal · p = offset in a leaf's axes; the normal is a unit vector towards greater values.
     pub fn flat(&mut self, normal: DVec3, offset: f64, way: Way, wall: Option<u8>) {
         let seen = way.frame.turn.transpose() * normal;
         let scale = seen.length();
-        // If the shape was moved apart along the normal, the face vanishes in the gap.
+        // If the shape is elongated along the normal, the face vanishes in the gap.
         if scale == 0.0 {
             return;
         }
@@ -387,7 +386,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Adds a sheet on which the point lies.
+    /// Adds a sheet that is known to contain the point.
     pub fn add(&mut self, form: Form<'a>, way: Way) {
         self.found.push(way.sheet(form, None));
     }

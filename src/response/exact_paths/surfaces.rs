@@ -1,18 +1,18 @@
-//! The surfaces of a scene, and the sheets of them at a point.
+//! The surfaces of a scene, and their sheets at a point.
 
 use super::sheet::{Differenced, Frame, Search, Sheet, Way};
 use crate::scene::{Pair, ROUNDING, Shape, Surface};
 use glam::{DMat3, DQuat, DVec3};
 use std::collections::HashSet;
 
-/// A point where a wave met a surface.
+/// A point at which a wave hit a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vertex {
     /// World position in metres, on the surface.
     pub point: DVec3,
-    /// Unit vector in world axes, out of the solid into the air.
+    /// Unit vector in world axes, from the solid into the air.
     pub normal: DVec3,
-    /// The number of the surface, from 1 in the scene's order.
+    /// The number of the surface in the scene's order, counted from 1.
     pub surface: u32,
 }
 
@@ -20,24 +20,24 @@ pub struct Vertex {
 #[derive(Clone, Debug)]
 pub(super) struct Surfaces {
     surfaces: Vec<(Shape, Frame)>,
-    /// For each whether it has [planes alone](Shape::has_planes_alone).
+    /// For each surface, whether it has [planes alone](Shape::has_planes_alone).
     have_planes_alone: Vec<bool>,
-    /// Maximum distance in metres from a surface that counts as on it.
+    /// Maximum distance in metres at which a point counts as on a surface.
     pub touch: f64,
     /// The largest coordinate of the scene in metres.
     largest: f64,
 }
 
-/// The distance from a surface that counts as on it, in units of the scene's rounding: solutions of
-/// Newton's method and hits of marched fields are off by some tens of units, and points closer to
-/// an edge cannot be distinguished from it anyway. In a scene of 100 m it is 0.1 µm.
+/// Maximum distance at which a point counts as on a surface, in units of the scene's rounding. Solutions of Newton's
+/// method and hits of marched fields are off by some tens of units, and a point closer to an edge cannot be
+/// distinguished from the edge anyway. In a scene of 100 m it is 0.1 µm.
 const TOUCH_IN_ROUNDINGS: f64 = 1e4;
 
-/// Maximum number of solids that a point is moved out of: one in a corner lies in three solids by rounding,
-/// and moving it out of one may move it into another.
+/// Maximum number of solids that a point is moved out of: a point in a corner lies in three solids by rounding, and
+/// moving it out of one solid may move it into another.
 const MOST_SOLIDS: usize = 8;
 
-/// Value that counts as 0, as a share of the distance that counts as on the surface.
+/// Value that counts as 0, as a share of `touch`.
 const SETTLED: f64 = 1e-2;
 
 impl Surfaces {
@@ -61,8 +61,8 @@ impl Surfaces {
         }
     }
 
-    /// The sheet that was met at `vertex`: of those at this point, the one whose normal is nearest
-    /// to the vertex's. `None` for a surface known only from samples, and for a number without a surface.
+    /// The sheet hit at `vertex`: of the sheets at this point, the one whose normal is nearest to the vertex's normal.
+    /// `None` for a surface known only from samples, and for a number without a surface.
     pub fn sheet(&self, vertex: &Vertex) -> Option<Sheet<'_>> {
         let search = self.search(vertex.surface, vertex.point, self.touch)?;
         if search.is_sampled {
@@ -91,8 +91,8 @@ impl Surfaces {
         Some(search)
     }
 
-    /// The planes of the surfaces that lie in the planes of their leaves, each with the number of its surface. A plane
-    /// that contains several leaves of a surface is returned once.
+    /// The planes of the surfaces that lie in planes of their leaves, each with its surface's number. A plane that
+    /// contains several leaves of a surface is returned once.
     pub fn planes(&self) -> Vec<(u32, Sheet<'_>)> {
         let flat = (1..)
             .zip(&self.surfaces)
@@ -114,10 +114,10 @@ impl Surfaces {
         flat.map(|shape| shape.nodes().len()).max().unwrap_or(0)
     }
 
-    /// Whether the sheet that was met at `vertex` is a plane.
+    /// Whether the sheet hit at `vertex` is a plane.
     pub fn is_flat(&self, vertex: &Vertex) -> bool {
         let index = (vertex.surface as usize).wrapping_sub(1);
-        // If the surface has planes only, the sheet need not be searched.
+        // A surface with planes only needs no search for the sheet.
         self.have_planes_alone.get(index) == Some(&true)
             || self.sheet(vertex).is_some_and(|sheet| sheet.is_flat())
     }
@@ -149,8 +149,8 @@ impl Surfaces {
         None
     }
 
-    /// Moves a world point out of solids in which it lies only by the rounding of coordinates to `f32`, as a point on
-    /// a turned wall does; returns the point itself if it lies in none, or deeper.
+    /// Moves a world point out of solids in which it lies only because coordinates are rounded to `f32`, as a point on
+    /// a turned wall does. Returns the point itself if it lies in no solid, or deeper in one.
     pub fn out_of_rounding(&self, point: DVec3) -> DVec3 {
         let most_m = f64::from(ROUNDING) * self.largest;
         let value = |(shape, frame): &(Shape, Frame), p: DVec3| shape.value(frame.place(p));
@@ -163,7 +163,7 @@ impl Surfaces {
             match deepest(place) {
                 Some((surface, value)) if value < 0.0 && value >= -most_m => {
                     match self.onto(surface, place) {
-                        // The point is in the air then, whatever error of the value is left.
+                        // The point is then in the air, whatever error the value has.
                         Some(on) => place = on.point + on.normal * (2.0 * SETTLED * self.touch),
                         None => return point,
                     }
@@ -175,8 +175,8 @@ impl Surfaces {
         point
     }
 
-    /// Whether a world point lies on the surface with this number, and not only on the continuation
-    /// of one of its sheets.
+    /// Whether a world point lies on the surface with this number, and not merely on the continuation of one of its
+    /// sheets.
     pub fn has(&self, surface: u32, point: DVec3) -> bool {
         self.value(surface, point)
             .is_some_and(|value| value.abs() <= self.touch)
@@ -196,7 +196,7 @@ impl Surfaces {
             .map(|(number, _)| number)
     }
 
-    /// The sheets of the surface with this number on which a world point lies, each as a reflection there; empty for a
+    /// The sheets of the surface with this number that contain a world point, each as a reflection there; empty for a
     /// surface known only from samples.
     pub fn sheets_at(&self, surface: u32, point: DVec3) -> Vec<Vertex> {
         let search = self.search(surface, point, self.touch);

@@ -1,8 +1,8 @@
-//! Finds the sheets of a tree at a point, down to the leaves that have the surface there.
+//! Finds the sheets of a tree at a point, descending to the leaves whose surface is there.
 //!
-//! The surface is where value = level. Unions, cuts and walls choose a child or change the level;
-//! moves, turns and copies change the axes. Operators that blend or distort end the way: there the
-//! sheet is the level of the whole subtree, with derivatives by differences of its value.
+//! The surface is the set of points with value = level. Unions, cuts and walls choose a child or change the level;
+//! moves, turns and copies change the axes. The descent ends at operators that blend or distort: there the sheet is the
+//! level of the whole subtree, with its derivatives as finite differences of its value.
 
 use super::sheet::{Differenced, Form, Quadratic, Search, Way, outer};
 use crate::scene::shape::{
@@ -13,7 +13,7 @@ use crate::scene::{Node, Shape};
 use glam::{DMat3, DVec2, DVec3};
 
 impl<'a> Search<'a> {
-    /// Adds the sheets of `shape` that have the surface near the point.
+    /// Adds the sheets of `shape` whose surface is near the point.
     pub fn descend(&mut self, shape: &'a Shape, way: Way) {
         match &shape.node {
             Node::Union(_) => self.nearest(&shape.children, way, 1.0),
@@ -56,7 +56,7 @@ impl<'a> Search<'a> {
         self.descend(child, below);
     }
 
-    /// Children of a union (`side` 1) or an intersection (−1) that have the surface at `p`.
+    /// Descends to the children of a union (`side` 1) or an intersection (−1) whose surface is at `p`.
     fn nearest(&mut self, children: &'a [Shape], way: Way, side: f64) {
         let p = way.frame.place(self.point);
         let values: Vec<f64> = children.iter().map(|child| side * child.value(p)).collect();
@@ -87,7 +87,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// A value of only one child is not blended.
+    /// If only one child has an influence on the value, the value is not blended.
     fn smooth_union(&mut self, shape: &'a Shape, way: Way) {
         let p = way.frame.place(self.point);
         let value = shape.value(p);
@@ -121,7 +121,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Adds the level of the subtree itself.
+    /// Adds the subtree's own level as a sheet.
     fn differenced(&mut self, shape: &'a Shape, way: Way) {
         if shape.nodes().iter().any(|tree| tree.node.user().is_some()) {
             self.is_sampled = true;
@@ -152,7 +152,7 @@ fn folded(mirror: &Mirror, p: DVec3, way: Way) -> Way {
     way.turned(turn, DVec3::ZERO).branch(number)
 }
 
-/// Between its halves a shape that was moved apart is constant along the axis.
+/// Between its two halves, an elongated shape is constant along the axis.
 fn pulled_apart(elongate: &Elongate, p: DVec3, way: Way) -> Way {
     let by = elongate.by.as_dvec3();
     let held = p.clamp(-by, by);
@@ -173,8 +173,7 @@ fn pulled_apart(elongate: &Elongate, p: DVec3, way: Way) -> Way {
         .branch(number)
 }
 
-/// Offers the sheets of the shape that may be at the searched point; those without a closed form are
-/// not offered.
+/// Offers the sheets of the shape that may contain the searched point; sheets without a closed form are not offered.
 fn add_leaf(search: &mut Search, node: &Node, way: Way) {
     let p = way.frame.place(search.point);
     let is_itself = way.level == 0.0;
@@ -227,7 +226,7 @@ fn room(search: &mut Search, half: DVec3, way: Way) {
     }
 }
 
-/// The faces −x, +x, −y, +y, −z, +z: number, axis, side.
+/// The faces −x, +x, −y, +y, −z, +z, each with number, axis and side.
 fn faces() -> impl Iterator<Item = (u64, usize, f64)> {
     (0..6).map(|face| {
         (
@@ -238,7 +237,7 @@ fn faces() -> impl Iterator<Item = (u64, usize, f64)> {
     })
 }
 
-/// Faces, and, if the box has grown, the rounded edges and corners next to `p`.
+/// Offers the faces and, if the box has grown, the rounded edges and corners next to `p`.
 fn cuboid_sheets(search: &mut Search, half: DVec3, p: DVec3, way: Way) {
     for (face, axis, side) in faces() {
         let outward = side * DVec3::AXES[axis];
@@ -278,7 +277,7 @@ fn torus(search: &mut Search, ring: f64, tube: f64, way: Way) {
     }
 }
 
-/// Side and ends; if it has grown its rims are half rings.
+/// Offers the side and the ends; if the cylinder has grown, its rims are half rings.
 fn capped_cylinder(search: &mut Search, capped: &CappedCylinder, p: DVec3, way: Way) {
     let half = 0.5 * f64::from(capped.height);
     rod(search, capped.radius, way.branch(0));
@@ -309,7 +308,7 @@ fn prism_faces(search: &mut Search, prism: &Prism, way: Way) {
     search.flat(DVec3::NEG_Z, half + way.level, way.branch(4), None);
 }
 
-/// Base and side. The side is where x² + z² = (radius/height)² (height/2 − y)².
+/// Offers the base and the side. The side is the set of points with x² + z² = (radius/height)² (height/2 − y)².
 fn cone_sheets(search: &mut Search, cone: &Cone, way: Way) {
     let (radius, height) = (f64::from(cone.radius), f64::from(cone.height));
     search.flat(DVec3::NEG_Y, 0.5 * height + way.level, way.branch(0), None);
@@ -366,8 +365,8 @@ fn of_coefficients(quadric: &GeneralQuadric) -> Quadratic {
     }
 }
 
-/// The cell of the ground around `p`, and the sides of the box. Within a cell the height is
-/// bilinear, so that the ground there is a quadric.
+/// Offers the cell of the ground around `p`, and the sides of the box. Within a cell the height is bilinear, so that
+/// the ground in the cell is a quadric.
 fn ground(search: &mut Search, field: &HeightField, p: DVec3, way: Way) {
     let size = field.size.as_dvec3();
     let image = field.image.size();
@@ -396,7 +395,7 @@ fn ground(search: &mut Search, field: &HeightField, p: DVec3, way: Way) {
     }
 }
 
-/// y minus the height over a cell that begins at the origin; heights by z, then x.
+/// y minus the height over a cell that begins at the origin; heights are indexed by z, then x.
 fn bilinear(heights: [[f64; 2]; 2], cell: DVec2) -> Quadratic {
     let [[h00, h10], [h01, h11]] = heights;
     let along = DVec2::new(h10 - h00, h01 - h00) / cell;

@@ -1,25 +1,24 @@
-//! The decay of one band: backward integration (Schroeder 1965), its tail beyond the record, and
-//! the figures that ISO 3382-1 derives from it.
+//! The decay of one band: backward integration (Schroeder 1965), the tail after the record, and the figures that ISO
+//! 3382-1 derives from the decay.
 
 use super::pieces::Piece;
 
-/// Decay in decibels at the record's end from which the tail is extrapolated: that of ISO
-/// 3382-1:2009, 5.3.3.
+/// The last decay in decibels of the record from which the tail is extrapolated, by ISO 3382-1:2009, 5.3.3.
 const TAIL_DECAY_DB: f64 = 10.0;
 
-/// Factor by which the tail's window shrinks in each step of the search: small compared with the
-/// noise of its energies, and about 200 steps from a whole record to a bin.
+/// Factor by which the tail's window shrinks in each step of the search. Its effect is small compared with the noise of
+/// the energies, and about 200 steps lead from a whole record to a bin.
 const WINDOW_STEP: f64 = 0.97;
 
-/// Decibels by which the record must end below the lower limit of a decay: the distance that ISO
-/// 3382-1:2009 requires between that limit and noise.
+/// Decibels by which the record must end below the lower limit of a decay: ISO 3382-1:2009 requires this distance
+/// between that limit and the noise.
 const MARGIN_DB: f64 = 10.0;
 
-/// Maximum share of a sum of energies that may be beyond the record: an error of a fifth in the
-/// tail is then 0.01 dB.
+/// Maximum share of a sum of energies that may lie beyond the record: an error of a fifth in the tail then amounts to
+/// 0.01 dB.
 const TAIL_SHARE: f64 = 0.01;
 
-/// A decay over fewer bins is determined by the bin rather than by the room.
+/// Minimum length of a decay in bins: a shorter decay depends on the bin, not on the room.
 const LEAST_BINS: f64 = 3.0;
 
 /// Nodes and weights of the three-point Gauss–Legendre rule on 0 … 1: exact for polynomials of
@@ -34,27 +33,27 @@ const GAUSS: [(f64, f64); 3] = [
 pub(super) struct Decay<'a> {
     pieces: &'a [Piece],
     band: usize,
-    /// Energy in 1/m² from the beginning of each piece onwards, and at the record's end.
+    /// Energy in 1/m² from the beginning of each piece on, and at the record's end.
     remaining: Vec<f64>,
     tail: Tail,
     bin_s: f64,
 }
 
-/// The energy beyond the record, as an exponential decay.
+/// The energy after the record, as an exponential decay.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Tail {
     /// Energy in 1/m².
     energy: f64,
-    /// Seconds in which the energy falls by e.
+    /// Time in seconds in which the energy falls by a factor of e.
     time_s: f64,
 }
 
 /// A line fitted to a part of the curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Line {
-    /// Seconds for a decay by 60 dB.
+    /// Time in seconds of a decay by 60 dB.
     pub(super) time_s: f64,
-    /// End of the part: seconds after the direct sound.
+    /// End of the part, in seconds after the direct sound.
     pub(super) ends_s: f64,
 }
 
@@ -64,8 +63,8 @@ const NO_TAIL: Tail = Tail {
 };
 
 impl<'a> Decay<'a> {
-    /// The decay of a band; `None` without energy, or if its tail cannot be estimated: the energy of
-    /// the record's second half is not 5 dB below that of the first, so that it does not decay by 10 dB.
+    /// Creates the decay of a band; `None` without energy, or if the tail cannot be estimated: unless the energy of the
+    /// record's second half is 5 dB below that of the first, the record does not decay by 10 dB.
     pub(super) fn new(pieces: &'a [Piece], band: usize, bin_s: f64) -> Option<Decay<'a>> {
         let mut remaining = vec![0.0; pieces.len() + 1];
         for (index, piece) in pieces.iter().enumerate().rev() {
@@ -88,14 +87,14 @@ impl<'a> Decay<'a> {
         Some(decay)
     }
 
-    /// Seconds from the direct sound to the record's end.
+    /// Time in seconds from the direct sound to the record's end.
     pub(super) fn length_s(&self) -> f64 {
         self.pieces.last().map_or(0.0, |piece| piece.ends_s)
     }
 
-    /// Estimates the energy beyond the record. As in ISO 3382-1 it decays like the last 10 dB of
-    /// the record. These are found from two adjacent windows of equal length, the second of which
-    /// ends with the record: their length is chosen so that their energies differ by 5 dB.
+    /// Estimates the energy after the record. As in ISO 3382-1, it decays at the rate of the last 10 dB of the record.
+    /// That rate is found from two adjacent windows of equal length, of which the second ends with the record: their
+    /// length is chosen so that their energies differ by 5 dB.
     fn find_tail(&self) -> Option<Tail> {
         let ratio = 10_f64.powf(TAIL_DECAY_DB / 2.0 / 10.0);
         let ends_s = self.length_s();
@@ -124,7 +123,7 @@ impl<'a> Decay<'a> {
         })
     }
 
-    /// Energy in 1/m² from a time within the record onwards.
+    /// Energy in 1/m² from a time within the record on.
     pub(super) fn from(&self, seconds: f64) -> f64 {
         let after = self.pieces.partition_point(|piece| piece.ends_s < seconds);
         let Some(piece) = self.pieces.get(after) else {
@@ -133,7 +132,7 @@ impl<'a> Decay<'a> {
         self.within(after, piece, seconds)
     }
 
-    /// Energy in 1/m² from a time within a piece onwards.
+    /// Energy in 1/m² from a time within a piece on.
     fn within(&self, index: usize, piece: &Piece, seconds: f64) -> f64 {
         let length_s = piece.ends_s - piece.begins_s;
         if length_s <= 0.0 || seconds <= piece.begins_s {
@@ -143,18 +142,18 @@ impl<'a> Decay<'a> {
         (1.0 - share).mul_add(piece.energy[self.band], self.remaining[index + 1])
     }
 
-    /// All energy in 1/m², the tail's included; `None` if too much of it is beyond the record.
+    /// All energy in 1/m², including the tail; `None` if too much of it lies beyond the record.
     pub(super) fn total(&self) -> Option<f64> {
         let total = self.remaining[0];
         (self.tail.energy <= TAIL_SHARE * total).then_some(total)
     }
 
-    /// The share of all energy that is beyond the record.
+    /// The share of all energy beyond the record.
     pub(super) fn tail_share(&self) -> f64 {
         self.tail.energy / self.remaining[0]
     }
 
-    /// Energies in 1/m² before and after a time; `None` without energy after it, or if too much is
+    /// Energies in 1/m² before and after a time; `None` if there is no energy after that time, or if too much lies
     /// beyond the record.
     pub(super) fn parted_at(&self, seconds: f64) -> Option<(f64, f64)> {
         if seconds > self.length_s() {
@@ -174,8 +173,8 @@ impl<'a> Decay<'a> {
         Some((self.pieces.iter().map(moments).sum::<f64>() + tail) / total)
     }
 
-    /// The least-squares line through the curve in decibels between two levels (both negative or 0,
-    /// the upper one first).
+    /// The least-squares line through the curve in decibels between two levels (both negative or 0, the upper level
+    /// first).
     pub(super) fn line(&self, upper_db: f64, lower_db: f64) -> Option<Line> {
         let ends_db = 10.0 * self.tail_share().log10();
         if ends_db > lower_db - MARGIN_DB {

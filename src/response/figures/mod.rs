@@ -21,21 +21,21 @@ mod uncertainty;
 pub(crate) use pieces::Record;
 pub(crate) use uncertainty::{CommonErrors, uncertain_energy};
 
-/// Distance in metres at which the direct sound in the open has a strength *G* of 0 dB.
+/// Distance in metres at which the direct sound in a free field has a strength *G* of 0 dB.
 const STRENGTH_DISTANCE_M: f64 = 10.0;
 
 fn decibels(ratio: f64) -> f64 {
     10.0 * ratio.log10()
 }
 
-/// Number of arrivals of equal energy ([`Echogram::effective_arrivals`]) that must come after the end
-/// of a reported decay. With fewer, a wave that returns repeatedly, or a single strong one, may cause a
-/// larger error than the batches show: with 50, T30 was 5 % off at an error of 1.3 % in an uneven room.
-/// With none, the decay is known from exact paths only, which end with their order.
+/// Minimum number of arrivals of equal energy ([`Echogram::effective_arrivals`]) after the end of a reported decay.
+/// With fewer, a wave that returns repeatedly, or a single strong wave, may cause a larger error than the batches show:
+/// with 50, T30 was 5 % off at a stated error of 1.3 % in an uneven room. With none, the decay would be known only from
+/// exact paths, which end at their maximum order.
 const LEAST_ARRIVALS: f64 = 500.0;
 
-/// The figures of a band, by ISO 3382-1. `None` where the decay is too short or too noisy, and
-/// where the figure is not defined: no decay time without an echo, no clarity without late sound.
+/// The figures of a band, by ISO 3382-1. `None` if the decay is too short or too noisy, or if the figure is not
+/// defined: no decay time without an echo, no clarity without late sound.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct BandFigures {
@@ -53,7 +53,7 @@ pub struct BandFigures {
     pub d50: Option<f64>,
     /// Centre time in seconds after the direct sound.
     pub ts_s: Option<f64>,
-    /// Strength in decibels relative to the same source 10 m away in the open.
+    /// Strength in decibels relative to the same source at 10 m in a free field.
     pub g_db: Option<f64>,
 }
 
@@ -64,62 +64,61 @@ pub struct BandFigures {
 ///   below the strongest tap or bin (ISO 3382-1 takes a response to start 20 dB below its maximum), or, if 10 % of the
 ///   energy arrive before that or there are no taps, from the time when 1 % of all energy has arrived. The energy of a
 ///   bin arrives evenly over the bin, that of a tap at one instant.
-/// - The decay curve is the backward integral of the energy (M. R. Schroeder, JASA 37, 1965). The
-///   energy after the record's end is added as an exponential decay at the rate of the record's
-///   last 10 dB (ISO 3382-1, 5.3.3). Without it a decay ending at
-///   the record would look too fast. It is an estimate, so a decay counts only if the record ends
-///   at least 10 dB below its lower limit (EDT −20 dB, T20 −35 dB, T30 −45 dB), and a sum of
-///   energies only if at most 1 % of it is beyond the record. If the second half of the record is
-///   not 5 dB below the first, the tail cannot be estimated, and no figure is given.
-/// - Decay times are least-squares fits to the curve in decibels, with the same weight at every
-///   instant.
+/// - The decay curve is the backward integral of the energy (M. R. Schroeder, JASA 37, 1965). The energy after the
+///   record's end is added as an exponential decay at the rate of the record's last 10 dB (ISO 3382-1, 5.3.3); without
+///   it the decay would look too fast. Since it is an estimate, a decay counts only if the record ends at least 10 dB
+///   below the decay's lower limit (EDT −20 dB, T20 −35 dB, T30 −45 dB), and a sum of energies only if at most 1 % of
+///   it lies beyond the record. If the second half of the record is not 5 dB below the first, the tail cannot be
+///   estimated, and there are no figures.
+/// - Decay times are least-squares fits to the curve in decibels, with equal weight at every instant.
 ///
 /// # Errors
-/// Figures are not linear in the energies, and decay times jump where a limit moves from one echo to the next. So a
-/// figure is computed from all batches, and again from orthogonal halves of them and the halves' complements (P. J.
-/// McCarthy, *Pseudo-replication: half samples*, Review of the International Statistical Institute 37, 1969): with n
-/// batches, from 2 (n − 1) halves. The mean square difference of these from the figure of all batches is its
-/// variance. For a sum of energies that is the variance of the batches' mean; for others it includes the curvature
-/// and the bias too, since a half differs from all waves as much as these differ from the truth. Exact taps are in
-/// each half, and have no error of their own. The variance has n − 1 degrees of freedom: Student's t widens the error
-/// by t(97.5 %)/2, so that twice the error contains the truth in 95 % of cases (16 batches: by 6.6 %). If fewer waves
-/// arrived than there are batches, counted as waves of equal energy, their number determines the degrees of freedom;
-/// a single arrival counts as two. If some half does not have the figure, it is not reported: its decay is too noisy.
+/// Figures are not linear in the energies, and decay times jump when a limit moves from one echo to the next. So a
+/// figure is computed from all batches, and again from orthogonal halves of the batches and the halves' complements (P.
+/// J. McCarthy, *Pseudo-replication: half samples*, Review of the International Statistical Institute 37, 1969): with n
+/// batches, from 2 (n − 1) halves. The variance of a figure is the mean square difference between the halves' values
+/// and the value from all batches. For a sum of energies this is the variance of the batches' mean; for other figures
+/// it includes the curvature and the bias too, since a half differs from all waves as much as all waves differ from the
+/// truth. Exact taps are in each half, and have no error. The variance has n − 1 degrees of freedom: Student's t widens
+/// the error by t(97.5 %)/2, so that twice the error contains the truth in 95 % of cases (16 batches: by 6.6 %). If the
+/// number of arrived waves, counted as waves of equal energy, is below the number of batches, it determines the degrees
+/// of freedom; a single arrival counts as two. A figure that is missing in some half is not reported: its decay is too
+/// noisy.
 ///
-/// A decay time is reported if its error from the noise of the waves alone is at most 1.5 % of it, and, where there
-/// are batches, if at least 500 waves of equal energy arrive after the end of its decay (strong ones count for few).
-/// EDT is not reported if it is longer than the record.
+/// A decay time is reported if its error from the noise of the waves alone is at most 1.5 % of it and, if there are
+/// batches, if at least 500 waves of equal energy arrive after the end of its decay (a few strong waves count for
+/// less). EDT is not reported if it is longer than the record.
 ///
 /// The error does not include errors common to all waves, such as paths that a wave cannot take. A
 /// [`Response`](crate::response::Response) adds the known effects of the listener's size and the effect of one further
-/// arrival. In bands with fewer than 64 arrivals it keeps C50, C80 and G only with errors of at most 1 dB, D50 of 0.05
-/// and Ts of 10 ms.
+/// arrival. In bands with fewer than 64 arrivals it reports C50, C80 and G only with errors of at most 1 dB, D50 with
+/// at most 0.05 and Ts with at most 10 ms.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Figures {
     /// The figures by band.
     pub bands: [BandFigures; BAND_COUNT],
-    /// Their errors, in the same units: one standard deviation. `None` without a figure, and with
+    /// The errors of the figures, in the same units: one standard deviation. `None` if the figure is missing, and with
     /// fewer than two batches.
     pub errors: [BandFigures; BAND_COUNT],
-    /// The share of the energy in the tail beyond the record; `None` if it cannot be estimated.
+    /// The share of the energy in the tail after the record; `None` if the tail cannot be estimated.
     pub cut_off: [Option<f64>; BAND_COUNT],
     /// Time origin of the figures: seconds after the source's impulse. `None` if nothing arrived.
     pub begins_s: Option<f64>,
-    /// The error of `begins_s`, one standard deviation in seconds: 0 for the direct sound. It is included in the errors
-    /// of the figures. `None` if nothing arrived.
+    /// The error of `begins_s`, one standard deviation in seconds: 0 for the direct sound. The errors of the figures
+    /// include it. `None` if nothing arrived.
     pub begins_error_s: Option<f64>,
     /// Bands in which a figure was removed because few waves arrived.
     pub(crate) have_few_arrivals: [bool; BAND_COUNT],
 }
 
-/// The figures as a list, for computations.
+/// The number of figures in a list for computations.
 const FIGURE_COUNT: usize = 8;
 
-/// The first of them are decay times.
+/// The number of decay times, which come first in a list.
 const DECAY_TIMES: usize = 3;
 
-/// Levels between which these are evaluated, in decibels.
+/// Levels in decibels between which decay times are evaluated.
 const DECAYS_DB: [(f64, f64); DECAY_TIMES] = [(0.0, -10.0), (-5.0, -25.0), (-5.0, -35.0)];
 
 type List = [Option<f64>; FIGURE_COUNT];
@@ -212,7 +211,7 @@ impl Figures {
     }
 }
 
-/// Ends of the evaluated decays of a band, in seconds after the direct sound.
+/// Ends of the evaluated decays of a band in seconds after the direct sound.
 type DecayEnds = [f64; DECAY_TIMES];
 
 /// The figures of each band, the ends of their decays, and the share of the energy beyond the record.
@@ -246,7 +245,7 @@ fn list(decay: &Decay) -> (List, DecayEnds) {
     let lines = DECAYS_DB.map(|(upper_db, lower_db)| decay.line(upper_db, lower_db));
     let [edt_s, t20_s, t30_s] = lines.map(|line| line.map(|line| line.time_s));
     let list = [
-        // Six times a decay of 10 dB: beyond the record it does not describe traced sound.
+        // EDT is six times a decay of 10 dB: beyond the record it does not describe traced sound.
         edt_s.filter(|edt_s| *edt_s <= decay.length_s()),
         t20_s,
         t30_s,
@@ -259,22 +258,22 @@ fn list(decay: &Decay) -> (List, DecayEnds) {
     (list, lines.map(|line| line.map_or(0.0, |line| line.ends_s)))
 }
 
-/// Maximum number of reflections of image sources that are taps; with more the decay is smooth.
+/// Maximum number of reflections of image sources that become taps; the decay of the others is smooth.
 const TAPS_ORDER: u32 = 12;
 
-/// Cell lengths in seconds for all further image sources: the shortest with which the record fits into an
-/// echogram is used. Each divides 10 ms, so that the limits of clarity are edges.
+/// Cell lengths in seconds for all further image sources; the shortest is used with which the record fits into an
+/// echogram. Each divides 10 ms, so that the limits of clarity are edges.
 const CELLS_S: [f64; 4] = [1e-4, 2e-4, 5e-4, 1e-3];
 
 impl Figures {
-    /// The exact figures of a rectangular room, for `seconds` after the source's impulse and a speed of sound in metres
-    /// a second: image sources of up to twelve reflections are taps, all others are summed in cells of 0.1 ms (up to 1
-    /// ms in records of more than 6.5 s). Results for such a room can be compared with them.
+    /// Computes the exact figures of a rectangular room, for a record of `seconds` after the source's impulse and a
+    /// speed of sound in metres per second, as a reference for results in such a room. Image sources of up to twelve
+    /// reflections are taps, all others are summed in cells of 0.1 ms (up to 1 ms in records of more than 6.5 s).
     ///
     /// # Errors
     /// [`ResponseError::BadLength`] for a length that is not above 0 s, or more than
-    /// [`ImpulseSettings::MAX_SECONDS`](crate::response::ImpulseSettings::MAX_SECONDS); [`ResponseError::BadNumber`] for
-    /// a speed that is not above 0, and for a room so small that its image sources are too many.
+    /// [`ImpulseSettings::MAX_SECONDS`](crate::response::ImpulseSettings::MAX_SECONDS); [`ResponseError::BadNumber`]
+    /// for a speed that is not above 0, and for a room so small that it has too many image sources.
     pub fn of_image_sources(
         room: &ShoeboxEnergies,
         speed_m_per_s: f64,
@@ -293,7 +292,7 @@ impl Figures {
             energy: image.energy,
             direction: image.direction,
         };
-        // In a small room a long record has more image sources than can be summed.
+        // In a small room a long record has too many image sources to sum.
         let too_many = |_| {
             let must = "so short that there are at most 1e12 image sources";
             bad(

@@ -1,14 +1,14 @@
-//! Energy against time as pieces: exact taps and bins, in order; and the time origin of figures.
+//! Energy over time as pieces, exact taps and bins, in order; and the time origin of figures.
 //!
 //! ISO 3382-1 counts from the direct sound, and takes the response to start where it is less than 20 dB below its
-//! maximum. Without a direct sound, waves that cross an edge of the listener's sphere may arrive long before the sound
-//! at its centre, and the time of the first one depends on the number of waves. So exact paths determine the origin,
-//! and without them a share of the energy does.
+//! maximum. Without a direct sound, waves that cross the rim of the listener's sphere may arrive long before the sound
+//! at its centre, and the time of the first such wave depends on the number of waves. So the origin is determined by
+//! exact paths, and without paths by a share of the energy.
 
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::response::{Echogram, Tap};
 
-/// Energy that arrives evenly from one time to another, or at one instant.
+/// Energy that arrives evenly over a time interval, or at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Piece {
     /// Seconds after the direct sound.
@@ -36,7 +36,7 @@ impl<'a> Record<'a> {
         }
     }
 
-    /// All energy that arrives from `begins_s` on, without gaps, in order of time. Earlier energy counts at the
+    /// All energy that arrives from `begins_s` on, without gaps, in order of time. Earlier energy is added at the
     /// beginning. A tap within a bin splits the bin.
     ///
     /// `energy` returns the energy of a bin.
@@ -64,7 +64,7 @@ impl<'a> Record<'a> {
         found
     }
 
-    /// The bins as pieces from `begins_s` to the end, and an empty piece after the last.
+    /// The bins as pieces from `begins_s` to the end, and an empty piece after the last bin.
     fn bins(&self, begins_s: f64, energy: impl Fn(usize) -> Bands) -> Vec<Piece> {
         let (echogram, length_s) = (self.echogram, self.ends_s - begins_s);
         let edge = |bin: usize| (echogram.edge_s(bin) - begins_s).clamp(0.0, length_s);
@@ -83,11 +83,11 @@ impl<'a> Record<'a> {
         found
     }
 
-    /// The time origin: the direct sound; else the first exact path that is less than 20 dB below the strongest path
-    /// or bin, unless 10 % of all energy arrived before it; else the time when 1 % of all energy has arrived. `None`
-    /// if nothing arrives.
+    /// The time origin: the direct sound; otherwise the first exact path that is less than 20 dB below the strongest
+    /// path or bin, unless 10 % of all energy arrived before that path; otherwise the time when 1 % of all energy has
+    /// arrived. `None` if nothing arrives.
     ///
-    /// `energy` returns the energy of a bin; the energies are means over the bands.
+    /// `energy` returns the energy of a bin. Energies are compared as means over the bands.
     pub(super) fn origin(
         &self,
         direct_s: Option<f64>,
@@ -122,7 +122,7 @@ impl<'a> Record<'a> {
     }
 }
 
-/// The parts of a piece before and after a time in it.
+/// The parts of a piece before and after a time within it.
 fn parted(piece: Piece, at_s: f64) -> (Piece, Piece) {
     let length_s = piece.ends_s - piece.begins_s;
     let share = match length_s > 0.0 {
@@ -143,12 +143,12 @@ fn parted(piece: Piece, at_s: f64) -> (Piece, Piece) {
     (before, after)
 }
 
-/// 20 dB: a path starts the sound if it has this share of the largest energy of a path or bin; without such a path it
-/// starts when this share of all energy has arrived.
+/// 20 dB: the sound starts with the first path that has this share of the largest energy of a path or bin; without such
+/// a path it starts when this share of all energy has arrived.
 const START_SHARE: f64 = 0.01;
 
-/// Maximum share of all energy, 10 dB below the total, that may arrive before the exact path that is the origin: if
-/// waves bring more before it, the sound starts with them.
+/// Maximum share of all energy (10 dB below the total) that may arrive before the path that is the origin: if waves
+/// bring more before that path, the sound starts with them.
 const SHARE_BEFORE_PATH: f64 = 0.1;
 
 /// The time origin of a response.
@@ -156,7 +156,7 @@ const SHARE_BEFORE_PATH: f64 = 0.1;
 pub(super) struct Origin {
     /// Seconds after the source's impulse.
     pub seconds: f64,
-    /// Length in seconds of the bin within which it is interpolated; 0 for an exact path.
+    /// Length in seconds of the bin within which the origin is interpolated; 0 for an exact path.
     pub within_s: f64,
 }
 
@@ -164,8 +164,8 @@ fn is_instant(piece: &Piece) -> bool {
     piece.begins_s == piece.ends_s
 }
 
-/// The time when the energy of these pieces, in order of time, exceeds `least`, within a bin of `bin_s` seconds. `None`
-/// if it does not, or is 0.
+/// The time at which the energy of these pieces, in order of time, exceeds `least`, within a bin of `bin_s` seconds.
+/// `None` if the energy never exceeds it, or is 0.
 fn passes(pieces: &[Piece], least: f64, bin_s: f64) -> Option<Origin> {
     let mut arrived = 0.0;
     for piece in pieces {
@@ -225,8 +225,8 @@ mod tests {
         assert_eq!(origin_of(&[], &[], None), None);
     }
 
-    /// Protects scattered sound that arrives before any path: it begins when 1 % of all energy has arrived, between the
-    /// edges of a bin.
+    /// Protects scattered sound that arrives before any path: the sound begins when 1 % of all energy has arrived,
+    /// interpolated within a bin.
     #[test]
     fn sound_without_paths_begins_with_a_share_of_it() {
         let bins: Vec<(f64, f64)> = (0..50)

@@ -9,11 +9,10 @@ use glam::DVec3;
 
 const BIN_S: f64 = 1e-3;
 
-/// 60 dB as a natural logarithm: the ratio of the decay time to the time in which the energy falls
-/// by e.
+/// 60 dB as a natural logarithm: the ratio of the decay time to the time in which the energy falls by a factor of e.
 const SIXTY_DB: f64 = 13.815_510_557_964_274;
 
-/// Share of the energy of a decay by exp(−t/`time_s`) between two times.
+/// Share of the energy of the decay exp(−t/`time_s`) between two times.
 fn between(begins_s: f64, ends_s: f64, time_s: f64) -> f64 {
     (-begins_s / time_s).exp() - (-ends_s / time_s).exp()
 }
@@ -46,9 +45,9 @@ fn assert_near(found: Option<f64>, expected: f64, tolerance: f64) {
     assert!((found - expected).abs() <= tolerance, "{found} {expected}");
 }
 
-/// Protects each figure of a pure decay, and the tail of a record that ends at −46 dB: without it
-/// T30 would be 0.5 % too short. A bin is a hundredth of the time in which the energy falls by e;
-/// distributing its energy evenly causes an error of the square of that over 12: 10⁻⁵.
+/// Protects each figure of a pure decay, and the tail of a record that ends at −46 dB: without the tail T30 would be
+/// 0.5 % too short. A bin is a hundredth of the time in which the energy falls by a factor of e; distributing its
+/// energy evenly causes an error of the square of that over 12: 10⁻⁵.
 #[test]
 fn a_pure_decay_has_its_figures() {
     let time_s = 0.1;
@@ -79,7 +78,7 @@ fn a_record_that_is_too_short_tells_less() {
     let (at_44, at_34, at_19, at_9) = (until(44.0), until(34.0), until(19.0), until(9.0));
     assert!(at_44.t30_s.is_none() && at_44.t20_s.is_some());
     assert!(at_34.t20_s.is_none());
-    // Six times the decay by 10 dB is longer than a record of less than 60 dB.
+    // EDT, six times the decay by 10 dB, is longer than a record of less than 60 dB.
     let (at_61, at_59) = (until(61.0), until(59.0));
     assert_near(at_61.edt_s, SIXTY_DB * time_s, 1e-4);
     assert!(at_59.edt_s.is_none() && at_59.t30_s.is_some());
@@ -88,8 +87,8 @@ fn a_record_that_is_too_short_tells_less() {
     assert_eq!(at_9, BandFigures::default());
 }
 
-/// Decay times are not reported from exact paths alone, or from a few waves: a row of taps decays
-/// by 60 dB, followed by no waves, few waves, or many that continue the decay.
+/// Decay times are not reported from exact paths alone, or from a few waves: a row of taps decays by 60 dB, followed by
+/// no waves, by few, or by many that continue the decay.
 #[test]
 fn decay_times_need_waves_behind_the_decay() {
     let falls = |seconds: f64| 10_f64.powf(-6.0 * seconds);
@@ -148,8 +147,8 @@ fn the_direct_sound_alone_has_strength_and_no_decay() {
     assert_eq!((nothing.begins_s, nothing.bands[0].g_db), (None, None));
 }
 
-/// Protects the time origin, and taps that split bins: echoes 60 ms and 90 ms after the direct
-/// sound, one of them in a filled bin.
+/// Protects the time origin, and taps that split bins: there are echoes 60 ms and 90 ms after the direct sound, one of
+/// them in a filled bin.
 #[test]
 fn times_count_from_the_direct_sound() {
     let mut echogram = Echogram::new(BIN_S, 1).expect("a good bin");
@@ -175,8 +174,8 @@ fn student_s_t_is_that_of_the_table() {
     assert!((student_975(3) / 3.1824 - 1.0).abs() < 0.01);
 }
 
-/// Random waves in a place with two decays, half of the waves in each: in 16 batches, each heard 20
-/// times at evenly distributed random times over 2 s. With `only`, the waves of that batch alone.
+/// Random waves with two decays, half of the waves in each: in 16 batches, each wave heard 20 times at evenly
+/// distributed random times over 2 s. With `only`, just the waves of that batch.
 fn draw(seed: u64, waves: usize, only: Option<usize>) -> Echogram {
     let batches = if only.is_some() { 1 } else { 16 };
     let mut echogram = Echogram::new(BIN_S, batches).expect("a good bin");
@@ -193,7 +192,7 @@ fn draw(seed: u64, waves: usize, only: Option<usize>) -> Echogram {
     echogram
 }
 
-/// An energy in the lowest band alone: the others have no figures, and take no time.
+/// Energies with the value in the lowest band only: the other bands have no figures, and take no time.
 fn lowest(energy: f64) -> Bands {
     std::array::from_fn(|band| if band == 0 { energy } else { 0.0 })
 }
@@ -201,10 +200,10 @@ fn lowest(energy: f64) -> Bands {
 /// Number of arrivals of a wave.
 const ARRIVALS: usize = 20;
 
-/// Number of waves that is sufficient for a reverberation time.
+/// Sufficient number of waves for a reverberation time.
 const MANY: usize = 1600;
 
-/// Seconds in which the energies fall by e: reverberation times of 1.1 s and 1.7 s.
+/// Times in seconds in which the energies fall by a factor of e: reverberation times of 1.1 s and 1.7 s.
 const TWO_TIMES_S: [f64; 2] = [0.08, 0.12];
 
 fn told(figures: &Figures) -> [(Option<f64>, Option<f64>); 3] {
@@ -216,7 +215,7 @@ fn told(figures: &Figures) -> [(Option<f64>, Option<f64>); 3] {
     ]
 }
 
-/// The figures of infinitely many waves of [`draw`], up to the scale of their energy.
+/// The figures of infinitely many waves of [`draw`]; the scale of their energy is arbitrary.
 fn truth() -> [f64; 3] {
     let mut echogram = Echogram::new(BIN_S, 1).expect("a good bin");
     for bin in 0..2000 {
@@ -230,8 +229,8 @@ fn truth() -> [f64; 3] {
     told(&Figures::new(&[], &echogram, Some(0.0), 2.0)).map(|(found, _)| found.expect("a figure"))
 }
 
-/// Protects the size of errors: over 300 draws the truth is within two errors in 95 % of them, by
-/// the binomial law ± 3 × 1.26 %.
+/// Protects the size of errors: over 300 draws the truth is within two errors in 95 % of the draws, ± 3 × 1.26 % by the
+/// binomial law.
 #[test]
 fn two_errors_hold_the_truth_in_95_of_100_draws() {
     const DRAWS: u64 = 300;
@@ -250,9 +249,8 @@ fn two_errors_hold_the_truth_in_95_of_100_draws() {
     }
 }
 
-/// Protects the reason for halves: with few waves the mean of figures from one batch each is
-/// biased, here by 0.2 dB, while the bias of the figure from all waves together is at most a
-/// sixteenth of that.
+/// Protects the reason for halves: with few waves the mean of figures computed from single batches is biased, here by
+/// 0.2 dB, while the bias of the figure from all waves together is at most a sixteenth of that.
 #[test]
 fn figures_of_single_batches_are_biased() {
     const DRAWS: u64 = 200;
@@ -271,7 +269,7 @@ fn figures_of_single_batches_are_biased() {
         single_db += mean(singles) - truth_db;
     }
     let [all_db, single_db, error_db] = [all_db, single_db, error_db].map(|sum| sum / DRAWS as f64);
-    // The mean over the draws has an error of its own.
+    // The mean over the draws itself has an error.
     let own_db = error_db / (DRAWS as f64).sqrt();
     assert!(single_db.abs() > 4.0 * own_db, "{single_db} {own_db}");
     assert!(all_db.abs() < 2.0 * own_db, "{all_db} {own_db}");
@@ -310,16 +308,15 @@ fn few_arrivals_have_larger_errors() {
         Figures::new(&[direct], &echogram, Some(0.01), 1.0).errors[0]
     };
     let [one, two, four, sixteen] = [1, 2, 4, 16].map(|arrivals| errors(arrivals).g_db.unwrap());
-    // Student's t at 1, 3 and 15 degrees of freedom, and the spread of the arrivals themselves:
-    // 1/√n.
+    // Student's t at 1, 3 and 15 degrees of freedom, and the spread of the arrivals themselves: 1/√n.
     assert!(
         one > two && two > 4.0 * four && four > 2.0 * sixteen,
         "{one} {two} {four} {sixteen}"
     );
 }
 
-/// Protects the decay times of long records that need more cells than an echogram has bins: a longer record gives
-/// the same times.
+/// Protects the decay times of long records, which need more cells than an echogram has bins: a longer record gives the
+/// same times.
 #[test]
 fn long_records_are_whole() {
     let size = DVec3::new(30.0, 12.0, 24.0);

@@ -1,10 +1,10 @@
-//! Errors of the figures: the spread over halves of the batches, errors that all waves have in common, and differences
-//! between two ways of counting.
+//! Errors of the figures: the spread over halves of the batches, errors common to all waves, and differences between
+//! two ways of counting.
 //!
 //! # Few waves
-//! The spread over batches is unreliable for a few dozen arrivals in a band, and is not defined without any. There the
-//! energy that the waves may have missed is estimated from the number of arrivals: √n of n arrivals, and one if there
-//! are none.
+//! The spread over batches is unreliable for a few dozen arrivals in a band, and is not defined without arrivals. In
+//! such a band the energy that the waves may have missed is estimated from the number of arrivals: √n for n arrivals,
+//! and one if there are none.
 
 use super::pieces::{Origin, Record};
 use super::{BandFigures, DECAY_TIMES, FIGURE_COUNT, Figures, List, lists};
@@ -12,19 +12,18 @@ use crate::bands::{self, BAND_COUNT, Bands};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Maximum error of a reported decay time, as a share of it: with a larger one its decay is too
-/// noisy. Two errors are 3 %, less than the least noticeable difference in reverberation (5 %, ISO
-/// 3382-1, annex A).
+/// Maximum error of a reported decay time, as a share of the time: with a larger error its decay is too noisy. Two
+/// errors are 3 %, less than the just noticeable difference in reverberation (5 %, ISO 3382-1, annex A).
 const WORST_TIME_ERROR: f64 = 0.015;
 
 const NO_FIGURES: [List; BAND_COUNT] = [[None; FIGURE_COUNT]; BAND_COUNT];
 
-/// Errors that all waves have in common, one standard deviation each.
+/// Errors common to all waves, one standard deviation each.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CommonErrors {
-    /// Error of T20 and T30, as a share of them.
+    /// Error of T20 and T30, as a share of the decay time.
     pub decay_share: f64,
-    /// Error of EDT, as a share of it.
+    /// Error of EDT, as a share of EDT.
     pub early_decay_share: f64,
     /// Error of C50 and C80, in decibels.
     pub clarity_db: f64,
@@ -35,7 +34,7 @@ pub(crate) struct CommonErrors {
 }
 
 impl CommonErrors {
-    /// Error of D50, derived from that of C50, as C50 is 10 lg(D50 / (1 − D50)).
+    /// Error of D50, derived from the error of C50, as C50 is 10 lg(D50 / (1 − D50)).
     fn definition(&self, d50: f64) -> f64 {
         let change_in_db = 10.0 / (std::f64::consts::LN_10 * d50 * (1.0 - d50));
         self.clarity_db / change_in_db
@@ -48,16 +47,15 @@ impl Figures {
         self.differing(self.begins_s, &record, weights)
     }
 
-    /// Adds the error due to a time origin that is known only within a bin of `within_s` seconds.
+    /// Adds the error of a time origin that is known only to within a bin of `within_s` seconds.
     pub(super) fn with_start_within(self, record: &Record, within_s: f64) -> Figures {
-        /// The standard deviation of a uniform distribution, relative to half of its interval's
-        /// length.
+        /// The standard deviation of a uniform distribution, relative to half the length of its interval.
         const EVEN: f64 = 0.577_350_269_189_625_8;
         let later = self.begins_s.map(|begins_s| begins_s + 0.5 * within_s);
         self.differing(later, record, &[EVEN; BAND_COUNT])
     }
 
-    /// Adds the weighted differences from the figures of a record as errors, if it has figures with times from
+    /// Adds the weighted differences from the figures of a record as errors, if the record has figures with times from
     /// `begins_s` on.
     fn differing(self, begins_s: Option<f64>, record: &Record, weights: &Bands) -> Figures {
         match begins_s.and_then(|begins_s| others(record, begins_s)) {
@@ -83,7 +81,7 @@ impl Figures {
         self
     }
 
-    /// Adds the errors that all waves have in common.
+    /// Adds the errors common to all waves.
     pub(crate) fn with_common_errors(mut self, common: &CommonErrors) -> Figures {
         for (band, error) in self.bands.iter().zip(&mut self.errors) {
             let add = |error: &mut Option<f64>, common: Option<f64>| {
@@ -124,12 +122,10 @@ pub(super) struct Halves {
 }
 
 impl Halves {
-    /// Every half and its complement: the sign of Sylvester's matrix determines whether batch b is
-    /// in half h. Its rows are orthogonal, and half of the entries in each row except the first are
-    /// positive.
+    /// Computes every half and its complement: the sign of Sylvester's matrix determines whether batch b is in half h.
+    /// Its rows are orthogonal, and half of the entries in each row except the first are positive.
     ///
-    /// Each half has its own time origin, so that the errors include the uncertainty of the common
-    /// one.
+    /// Each half has a separate time origin, so that the errors include the uncertainty of the common origin.
     pub fn new(record: &Record, direct_s: Option<f64>) -> Halves {
         let echogram = record.echogram;
         let batches = echogram.batches();
@@ -152,7 +148,7 @@ impl Halves {
         let halves: Vec<(usize, bool)> = (1..batches)
             .flat_map(|half| [(half, false), (half, true)])
             .collect();
-        // A half in which nothing arrives has no figures.
+        // A half without arrivals has no figures.
         let found: Vec<Option<(f64, [List; BAND_COUNT])>> =
             halves.into_par_iter().map(of).collect();
         let list = |half: &Option<(f64, _)>| half.map_or(NO_FIGURES, |(_, list)| list);
@@ -172,8 +168,8 @@ impl Halves {
         (variance + EVEN * start.within_s.powi(2)).sqrt()
     }
 
-    /// Those of a band's figures that can be estimated, and their errors. `arrivals` is the number of arrivals
-    /// of equal energy.
+    /// Returns the figures of a band that can be estimated, and their errors. `arrivals` is the number of arrivals of
+    /// equal energy.
     pub fn judge(&self, band: usize, list: List, arrivals: f64) -> (List, List) {
         let (mut told, mut errors) = (list, [None; FIGURE_COUNT]);
         if self.lists.is_empty() {
@@ -195,8 +191,8 @@ impl Halves {
     }
 
     /// Factor by which Student's t widens an error. Its degrees of freedom are those of the batches, or of the arrivals
-    /// if these are fewer: most batches are empty then, and their spread says little. Without arrivals the spread is 0;
-    /// a single one counts as two, as only its energy is known of others that might have arrived.
+    /// if there are fewer: most batches are then empty, and their spread is meaningless. Without arrivals the spread is
+    /// 0; a single arrival counts as two, as nothing is known of the energies of others that might have arrived.
     fn widening(&self, arrivals: f64) -> f64 {
         let of_batches = self.batches - 1;
         let degrees = match arrivals > 0.0 {
@@ -206,7 +202,7 @@ impl Halves {
         student_975(degrees) / 2.0
     }
 
-    /// The standard deviation of a figure; `None` if some half does not have it.
+    /// The standard deviation of a figure; `None` if the figure is missing in some half.
     fn deviation(&self, band: usize, figure: usize, whole: f64) -> Option<f64> {
         let mut squares = 0.0;
         for list in &self.lists {
@@ -218,9 +214,9 @@ impl Halves {
 
 /// Student's t at 97.5 %, for a number of degrees of freedom.
 ///
-/// M. Abramowitz and I. Stegun, *Handbook of Mathematical Functions*, 1964, 26.7.5: a series in
-/// 1/degrees about the normal variate. From 3 degrees on its error is below 1 %; for 1 and 2, where
-/// it is not accurate, the values themselves.
+/// M. Abramowitz and I. Stegun, *Handbook of Mathematical Functions*, 1964, 26.7.5: a series in 1/degrees about the
+/// normal variate. From 3 degrees on its error is below 1 %; for 1 and 2, where the series is not accurate, the exact
+/// values are used.
 pub(super) fn student_975(degrees: usize) -> f64 {
     /// The normal variate at 97.5 %.
     const NORMAL: f64 = 1.959_963_984_540_054;
@@ -239,11 +235,10 @@ pub(super) fn student_975(degrees: usize) -> f64 {
     }
 }
 
-/// Number of arrivals of equal energy in a band below which the spread over batches alone does not
-/// give its error.
+/// Number of arrivals of equal energy in a band below which the spread over batches alone does not give the error.
 const FEW: f64 = 64.0;
 
-/// Seconds over which a further arrival is spread, from the time origin on: half of it is before 80 ms.
+/// Time in seconds over which a further arrival is spread, from the time origin on: half of it arrives before 80 ms.
 const FURTHER_S: f64 = 0.16;
 
 /// Maximum errors of figures reported from few arrivals: just noticeable differences (ISO 3382-1, annex A) of C50, C80,
@@ -260,8 +255,8 @@ const WORST_ERRORS: List = [
 ];
 
 /// Error of the sum of a number of arrivals' energies that the spread over batches does not include: about √n times
-/// their mean if they are few. With more arrivals the batches report more of it: the factor is √(1 + n (1 − n / 64)),
-/// and 1 from 64 on. 0 without arrivals.
+/// their mean if there are few arrivals. With more arrivals the spread includes more of the error: the factor is √(1 +
+/// n (1 − n / 64)), and 1 from 64 on. 0 without arrivals.
 pub(crate) fn uncertain_energy(sum: f64, arrivals: f64) -> f64 {
     if arrivals == 0.0 {
         return 0.0;
@@ -271,8 +266,8 @@ pub(crate) fn uncertain_energy(sum: f64, arrivals: f64) -> f64 {
 }
 
 impl Figures {
-    /// Adds the effect of one more arrival of these energies as an error. In bands with few arrivals only figures that
-    /// change little are kept.
+    /// Adds the effect of one more arrival with these energies as an error. In bands with few arrivals, only figures
+    /// that change little are kept.
     pub(crate) fn with_further_arrival(self, record: Record, energy: &Bands) -> Figures {
         let Record {
             taps,
@@ -288,7 +283,7 @@ impl Figures {
         let of_bin = energy.map(|energy| energy / bins);
         for bin in 0..bins as usize {
             let seconds = begins_s + (bin as f64 + 0.5) * echogram.bin_s();
-            // The energies of waves that were already added are in range.
+            // The energies of waves that have already been added are in range.
             let _ = further.add(0, seconds, &of_bin, DVec3::ZERO);
         }
         let Some(others) = others(&Record::new(taps, &further, ends_s), begins_s) else {
@@ -303,7 +298,7 @@ impl Figures {
         figures
     }
 
-    /// Keeps the figures of a band that have small errors and are also in `others`, with one arrival more.
+    /// Keeps the figures of a band that have small errors and also exist in `others`, which has one more arrival.
     fn leave_certain(&mut self, band: usize, others: &List) {
         let (mut list, mut errors) = (self.bands[band].list(), self.errors[band].list());
         for figure in 0..FIGURE_COUNT {
@@ -325,8 +320,8 @@ mod tests {
     use super::*;
     use crate::response::{Echogram, Tap};
 
-    /// The figures of a direct sound of energy 1 and some arrivals of 0.001 each, with the effect of one more of these
-    /// as their error.
+    /// The figures of a direct sound of energy 1 and some arrivals of 0.001 each, with the effect of one more such
+    /// arrival as their error.
     fn figures(arrivals: usize, energy: f64) -> Figures {
         let direct = Tap {
             seconds: 0.01,
@@ -352,8 +347,8 @@ mod tests {
         )
     }
 
-    /// Protects against errors estimated from a few dozen waves, and errors of 0: if one arrival changes G by more
-    /// than 1 dB G is not reported, otherwise its error is at least that of one arrival.
+    /// Protects against errors estimated from a few dozen waves, and errors of 0: if one arrival changes G by more than
+    /// 1 dB, G is not reported; otherwise its error is at least that of one arrival.
     #[test]
     fn few_arrivals_give_no_certain_figures() {
         for arrivals in [0, 8] {
@@ -368,7 +363,7 @@ mod tests {
             assert_eq!((strong.bands[3].g_db, strong.errors[3].g_db), (None, None));
             assert_eq!(strong.bands[3].c80_db, None);
         }
-        // One arrival among many changes little.
+        // One more arrival among many changes little.
         let many = figures(2000, 0.1);
         assert!(many.bands[3].g_db.is_some() && many.errors[3].g_db.is_some_and(|e| e < 0.2));
     }

@@ -1,4 +1,4 @@
-//! Binaural responses: taps and noise through head-related impulse responses.
+//! Binaural responses: taps and noise filtered by head-related impulse responses.
 
 use super::filters::{Crossing, Gauss, Spectra, add_from, impulse, samples_of};
 use super::{Sound, amplitude};
@@ -11,12 +11,12 @@ use glam::DVec3;
 /// Number of ears of a listener.
 const EARS: usize = 2;
 
-/// Number of directions of the late part's noise. In a diffuse field the levels and the coherence of
-/// a rigid sphere's ears are then within 0.01 dB and 0.001 of those with 1,500 directions in each
-/// octave from 250 Hz to 8 kHz; each further one costs eight transforms of the response's length.
+/// Number of directions of the late part's noise. In a diffuse field the levels and the coherence at a rigid sphere's
+/// ears are then within 0.01 dB and 0.001 of those with 1,500 directions in each octave from 250 Hz to 8 kHz; each
+/// further direction costs eight transforms of the response's length.
 const FIELD_DIRECTIONS: usize = 32;
 
-/// The channels of both ears; `hrirs` are at the response's rate.
+/// Returns the channels of both ears; `hrirs` must be at the response's rate.
 pub(super) fn channels(sound: &Sound, hrirs: &HrirSet) -> Vec<Vec<f32>> {
     // The HRIRs extend beyond the response.
     let length = sound.samples + hrirs.samples();
@@ -35,14 +35,14 @@ pub(super) fn channels(sound: &Sound, hrirs: &HrirSet) -> Vec<Vec<f32>> {
     spectra.into_channels(sound.samples)
 }
 
-/// A response placed between samples, and the index of its first sample.
+/// A response shifted by a fractional number of samples, and the index of its first sample.
 struct Placed {
     first: i64,
     samples: Vec<f32>,
 }
 
 impl Placed {
-    /// A response whose time 0 is at `place` (in samples).
+    /// Places a response so that its time 0 is at `place` (in samples).
     fn new(hrir: &Hrir, place: f64, rate_hz: f64) -> Placed {
         let (first, impulse) = impulse(place + hrir.delay_s * rate_hz);
         let impulse: Vec<f32> = impulse.map(|value| value as f32).collect();
@@ -59,7 +59,7 @@ impl Placed {
         [&pair.left, &pair.right].map(|hrir| Placed::new(hrir, place, rate_hz))
     }
 
-    /// Adds it; samples before the first or after the last are lost.
+    /// Adds the response; samples before the first or after the last are dropped.
     fn add(&self, samples: &mut [f64], amplitude: f64) {
         let values = self.samples.iter();
         let values = values.map(|value| amplitude * f64::from(*value));
@@ -102,16 +102,16 @@ fn filters(spectra: &Spectra, pair: &HrirPair, sound: &Sound) -> Vec<Vec<f64>> {
         .collect()
 }
 
-/// The energy of one band of one bin by direction.
+/// The energy of one band of one bin, divided among directions.
 #[derive(Clone, Copy, Default)]
 struct Share {
     /// Energy from each direction.
     diffuse: f64,
-    /// Additional energy from the directions around the mean one.
+    /// Additional energy from the directions around the mean direction.
     directed: [(usize, f64); 3],
 }
 
-/// A sound field of independent noises from a few directions.
+/// A sound field of independent noise signals from a few directions.
 struct Field<'a> {
     facets: Facets,
     sound: &'a Sound<'a>,
@@ -147,7 +147,7 @@ impl Field<'_> {
         }
     }
 
-    /// Adds the noise from one direction, all bands.
+    /// Adds the noise from one direction, for all bands.
     fn add_noise(&self, spectra: &mut Spectra, direction: usize) {
         let mut unfiltered = vec![spectra.silence()];
         for band in 0..BAND_COUNT {
@@ -206,7 +206,7 @@ mod tests {
         samples.iter().enumerate().map(term).sum()
     }
 
-    /// Protects taps: the transfer function of each ear for a measured direction, at the tap's time and
+    /// Protects taps: they have the transfer function of each ear for a measured direction, at the tap's time and
     /// level, with left and right not swapped.
     #[test]
     fn a_tap_goes_through_the_head() {
@@ -261,7 +261,7 @@ mod tests {
         echogram
     }
 
-    /// Energies of both ears and their product in an octave, for these directions: of the exact head.
+    /// Energies of both ears and their product in an octave, for these directions, from the exact head.
     fn expected(from: &[DVec3], band: usize) -> [f64; 3] {
         let centre = 62.5 * 2_f64.powi(band as i32);
         let bins = 1..SAMPLES / 2;
@@ -283,15 +283,15 @@ mod tests {
         sums.map(|sum| sum / (from.len() * bins.len()) as f64)
     }
 
-    /// Protects the late part's levels at both ears and their coherence: from all around, and from one
-    /// side. An octave of 1 kHz has about 700 independent values in a second: its energy is within 4 %,
-    /// and four times that is allowed; from one side 1.6 dB are allowed, because three directions
-    /// represent it, and these differ in the head's shadow.
+    /// Protects the late part's levels at both ears and their coherence: from all around, and from one side. An octave
+    /// of 1 kHz has about 700 independent values in a second: its energy is within 4 %, and the test allows four times
+    /// that. From one side 1.6 dB are allowed, because that direction is represented by three directions, and these
+    /// differ in the head's shadow.
     #[test]
     fn noise_goes_through_the_head() {
         let around: Vec<DVec3> = lattice(200).collect();
-        // Not exactly at the side: sound diffracted around a sphere meets behind it, in a spot that is
-        // smaller than the distance between the noise's directions.
+        // Not exactly at the side: sound diffracted around a sphere meets behind it, in a spot that is smaller than the
+        // distance between the noise's directions.
         let side = vec![DVec3::new(0.6, 0.7, 0.4)];
         for (from, limit, is_diffuse) in [(around, 0.16, true), (side, 0.45, false)] {
             let made = heard(&[], &steady(&from), 6);
@@ -313,8 +313,7 @@ mod tests {
                     let ratio = found / expected;
                     assert!((ratio - 1.0).abs() < limit, "{band}: {ratio}");
                 }
-                // From one side the product's phase changes with the frequency, and with each of three
-                // directions.
+                // From one side the product's phase changes with the frequency, and with each of three directions.
                 if !is_diffuse {
                     continue;
                 }

@@ -1,5 +1,5 @@
-//! The signals of impulse responses: octave bands as filters, taps at times between samples, and Gaussian noise shaped
-//! by an echogram.
+//! Signals of impulse responses: octave-band filters, taps at fractional sample positions, and Gaussian noise shaped by
+//! an echogram.
 
 use super::{Encoding, MOST_CHANNELS, Noise, Sound, amplitude};
 use crate::bands::BAND_COUNT;
@@ -9,19 +9,19 @@ use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
 
-/// The exact centre of the band that `LOWEST_BAND` counts from, and its index in
-/// [`BANDS_HZ`](crate::bands::BANDS_HZ): the octaves of IEC 61260 are 1000 Hz × 2ⁿ.
+/// The exact centre of the reference band, and the band's index in [`BANDS_HZ`](crate::bands::BANDS_HZ): the octaves of
+/// IEC 61260 are 1000 Hz × 2ⁿ.
 const REFERENCE_HZ: f64 = 1000.0;
 const REFERENCE_BAND: f64 = 4.0;
 
 /// Width of the transition between two bands, in octaves about the edge between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Crossing {
-    /// From centre to centre, by amplitude: cos² and sin², whose sum is 1. Equal bands leave a
-    /// sound unchanged, and the filters are as short as possible. For taps.
+    /// From centre to centre, by amplitude: cos² and sin², whose sum is 1. Equal bands leave a sound unchanged, and the
+    /// filters are as short as possible. Used for taps.
     Amplitude,
-    /// Over a third of an octave, by power: cos and sin, whose squares add up to 1. The noise of
-    /// each band stays within it. For noise.
+    /// Over a third of an octave, by power: cos and sin, whose squares add up to 1. The noise of each band stays within
+    /// the band. Used for noise.
     Power,
 }
 
@@ -33,12 +33,12 @@ impl Crossing {
         }
     }
 
-    /// The gain of a band's filter at a frequency. Below the lowest centre and above the highest
-    /// only that band has gain.
+    /// The gain of a band's filter at a frequency. Below the lowest centre and above the highest, only the nearest band
+    /// has gain.
     pub(super) fn gain(self, band: usize, frequency_hz: f64) -> f64 {
         let place = (frequency_hz / REFERENCE_HZ).log2() + REFERENCE_BAND;
         let place = place.clamp(0.0, (BAND_COUNT - 1) as f64);
-        // Octaves from the edge to the next band, which is half an octave from the centre.
+        // Octaves beyond the edge to the next band, which is half an octave from the centre.
         let beyond_edge = (place - band as f64).abs() - 0.5;
         let turn = (beyond_edge / self.octaves() + 0.5).clamp(0.0, 1.0) * FRAC_PI_2;
         match self {
@@ -58,7 +58,7 @@ fn gains(crossing: Crossing, band: usize, rate_hz: f64, length: usize) -> Vec<f6
 /// Sums of the spectra of several channels.
 pub(super) struct Spectra {
     rate_hz: f64,
-    /// Number of samples, including silence at the end into which the filters may wrap around.
+    /// Number of samples, including silence at the end for the wrap-around of the filters.
     length: usize,
     forward: Arc<dyn RealToComplex<f64>>,
     inverse: Arc<dyn ComplexToReal<f64>>,
@@ -66,12 +66,12 @@ pub(super) struct Spectra {
     spectrum: Vec<Complex<f64>>,
 }
 
-/// Seconds after which the longest filters, those between 63 Hz and 125 Hz, have fallen by 60 dB.
-/// Filters are zero-phase, and extend in both directions.
+/// Time in seconds after which the longest filters, those between 63 Hz and 125 Hz, have fallen by 60 dB. Filters are
+/// zero-phase, and extend in both directions.
 const FILTER_REACH_S: f64 = 0.25;
 
 impl Spectra {
-    /// Empty sums for the given numbers of channels and samples.
+    /// Creates empty sums for the given numbers of channels and samples.
     pub(super) fn new(channels: usize, samples: usize, rate_hz: f64) -> Spectra {
         let silence = (FILTER_REACH_S * rate_hz).ceil() as usize;
         let length = (samples + silence).next_power_of_two();
@@ -92,7 +92,7 @@ impl Spectra {
         vec![0.0; self.length]
     }
 
-    /// Adds a channel's samples through a band's filter, and overwrites them with silence.
+    /// Filters a channel's samples with a band's filter, adds them, and overwrites them with silence.
     pub(super) fn add(&mut self, channels: &mut [Vec<f64>], crossing: Crossing, band: usize) {
         let gains = gains(crossing, band, self.rate_hz, self.length);
         for (samples, sums) in channels.iter_mut().zip(&mut self.sums) {
@@ -105,8 +105,8 @@ impl Spectra {
         }
     }
 
-    /// Adds the single channel of `other` to each of these, through filters of the transform's
-    /// length ([`silence`](Self::silence)), and overwrites it with silence.
+    /// Adds the single channel of `other` to each of these, filtered by filters of the transform's length
+    /// ([`silence`](Self::silence)), and overwrites it with silence.
     pub(super) fn add_filtered(&mut self, other: &mut Spectra, mut filters: Vec<Vec<f64>>) {
         for (filter, sums) in filters.iter_mut().zip(&mut self.sums) {
             let done = self.forward.process(filter, &mut self.spectrum);
@@ -135,17 +135,16 @@ impl Spectra {
     }
 }
 
-/// Number of samples that a tap extends to both sides. With this window it is flat up to 0.45 of
-/// the sampling rate: 21.6 kHz at 48 kHz.
+/// Number of samples that a tap extends to both sides. With this window a tap's spectrum is flat up to 0.45 of the
+/// sampling rate: 21.6 kHz at 48 kHz.
 const REACH: i64 = 32;
 
-/// The furthest position of an impulse, in samples: 165 years at 192 kHz, after the end of every response. Positions
-/// beyond would not fit into 64 bits.
+/// Maximum position of an impulse in samples: 165 years at 192 kHz, after the end of every response. Larger positions
+/// would not fit into 64 bits.
 const FURTHEST: f64 = 1e15;
 
-/// An impulse at a time in samples, not necessarily a whole number: a sinc function with a Blackman
-/// window (R. B. Blackman and J. W. Tukey, 1958). Returns the index of its first sample, and its
-/// samples.
+/// An impulse at a possibly fractional sample position: a sinc function with a Blackman window (R. B. Blackman and J.
+/// W. Tukey, 1958). Returns the index of its first sample, and its samples.
 pub(super) fn impulse(place: f64) -> (i64, impl Iterator<Item = f64>) {
     let place = place.clamp(-FURTHEST, FURTHEST);
     let nearest = place.round() as i64;
@@ -154,15 +153,15 @@ pub(super) fn impulse(place: f64) -> (i64, impl Iterator<Item = f64>) {
     (nearest - REACH, samples)
 }
 
-/// Adds an impulse of this amplitude at a time in samples.
+/// Adds an impulse of this amplitude at a position in samples.
 ///
-/// Samples before the first or after the last are lost.
+/// Samples before the first or after the last are dropped.
 pub(super) fn add_tap(samples: &mut [f64], place: f64, amplitude: f64) {
     let (first, impulse) = impulse(place);
     add_from(samples, first, impulse.map(|value| amplitude * value));
 }
 
-/// Adds values from an index on; those before the first sample or after the last are lost.
+/// Adds values from an index on; those before the first sample or after the last are dropped.
 pub(super) fn add_from(samples: &mut [f64], first: i64, values: impl Iterator<Item = f64>) {
     for (index, value) in (first..).zip(values) {
         let index = usize::try_from(index).ok();
@@ -209,7 +208,7 @@ impl Gauss {
             self.index += 1;
             unit_interval(bits)
         };
-        // 1 − u is in 0 … 1 without 0, whose logarithm is infinite.
+        // 1 − u excludes 0, whose logarithm is infinite.
         let radius = (-2.0 * (1.0 - uniform()).ln()).sqrt();
         let (sin, cos) = (TAU * uniform()).sin_cos();
         self.spare = Some(radius * sin);
@@ -217,7 +216,7 @@ impl Gauss {
     }
 }
 
-/// The noises of one band: one common to all channels, and one for each.
+/// The noise generators of one band: one common to all channels, and one for each channel.
 struct Noises {
     common: Gauss,
     own: [Gauss; MOST_CHANNELS],
@@ -242,8 +241,8 @@ impl Noises {
     }
 }
 
-/// Adds the unfiltered noise of a band to the samples of each channel: in each bin with the
-/// energy of the echogram, at a bandwidth of half the sampling rate.
+/// Adds the unfiltered noise of a band to the samples of each channel: in each bin with the energy of the echogram,
+/// which is spread over half the sampling rate.
 pub(super) fn add_noise(channels: &mut [Vec<f64>], sound: &Sound, band: usize, encoding: Encoding) {
     let echogram = sound.echogram;
     let mut noises = Noises::new(sound.seed, band);
@@ -260,8 +259,8 @@ pub(super) fn add_noise(channels: &mut [Vec<f64>], sound: &Sound, band: usize, e
     }
 }
 
-/// The samples of a response that a bin covers, and the share of the bin in each. A sample covers half its distance to
-/// the next on both sides; the first also covers everything before it.
+/// The samples of a response within a bin, and the share of the bin in each sample. A sample covers half its distance
+/// to the next sample on both sides; the first also covers all earlier time.
 pub(super) fn samples_of(sound: &Sound, bin: usize) -> impl Iterator<Item = (usize, f64)> {
     let edge = |bin: usize| (sound.echogram.edge_s(bin) * sound.rate_hz + 0.5).max(0.0);
     let (begins, ends) = (edge(bin), edge(bin + 1));
@@ -277,8 +276,7 @@ mod tests {
     use super::*;
     use crate::bands::BANDS_HZ;
 
-    /// Protects energy: the gains of the filters for taps add up to 1, those for noise by their
-    /// squares.
+    /// Protects energy: the gains of the filters for taps add up to 1, and so do the squared gains of those for noise.
     #[test]
     fn filters_are_complementary() {
         for step in 0..2000 {
@@ -296,7 +294,7 @@ mod tests {
     #[test]
     fn a_band_is_alone_at_its_centre() {
         for (band, centre_hz) in BANDS_HZ.into_iter().enumerate() {
-            // The nominal 63 Hz are exactly 62.5 Hz.
+            // The exact frequency of the nominal 63 Hz is 62.5 Hz.
             assert!(Crossing::Amplitude.gain(band, centre_hz) > 0.999);
             assert_eq!(Crossing::Power.gain(band, centre_hz), 1.0);
         }
@@ -306,7 +304,7 @@ mod tests {
         }
     }
 
-    /// Protects a tap at a whole sample from being smeared: it is that sample alone.
+    /// Protects a tap at an integer sample position from being smeared: it is that sample alone.
     #[test]
     fn a_tap_at_a_sample_is_one_sample() {
         let mut samples = vec![0.0; 128];
@@ -317,8 +315,8 @@ mod tests {
         }
     }
 
-    /// Protects phase and amplitude of a tap between samples, up to 0.4 of the sampling rate: its
-    /// spectrum is that of a pure delay.
+    /// Protects phase and amplitude of a tap between samples, up to 0.4 of the sampling rate: its spectrum equals that
+    /// of a pure delay.
     #[test]
     fn a_tap_between_samples_is_a_pure_delay() {
         let place = 60.37;
@@ -332,7 +330,7 @@ mod tests {
             };
             let sums = samples.iter().enumerate().map(at);
             let (real, imaginary) = sums.fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
-            // Blackman's window ripples by at most 2 in 10,000.
+            // Blackman's window has a ripple of at most 2 in 10,000.
             assert!((real - 1.0).abs() < 3e-4, "{turns}: {real}");
             assert!(imaginary.abs() < 3e-4, "{turns}: {imaginary}");
         }

@@ -23,11 +23,11 @@ const DEFAULT_RATE_HZ: u32 = 48_000;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ImpulseSettings {
-    /// Samples a second, in [`ImpulseSettings::RATES_HZ`].
+    /// Samples per second, in [`ImpulseSettings::RATES_HZ`].
     pub rate_hz: u32,
-    /// Length in seconds from the source's impulse on: above 0, at most [`ImpulseSettings::MAX_SECONDS`].
+    /// Length in seconds, from the source's impulse on: above 0, at most [`ImpulseSettings::MAX_SECONDS`].
     pub seconds: f64,
-    /// Its channels.
+    /// Format of the channels.
     pub format: Format,
     /// Seed of the late part's noise. The same seed gives the same samples.
     pub seed: u64,
@@ -57,18 +57,18 @@ impl ImpulseSettings {
 /// (1/m²) has the amplitude √(4π E). The first sample is the time of the source's impulse.
 ///
 /// # Method
-/// - **Taps** are at their exact time, also between samples (windowed sinc). Each is filtered to
-///   the energies of its bands, zero-phase: at a band's centre its amplitude is √(4π E) exactly,
-///   with a smooth transition between centres. So its peak is at its time whatever its bands. Taps
-///   at one time add their amplitudes, while figures add their energies.
-/// - **The echogram** becomes Gaussian noise, independent for each band and with zero mean, with
-///   the energy of each bin. Then it is filtered to its octave; the filters' powers add up to 1. A
-///   filter spreads the energy of a bin in time, by about 20 ms at 63 Hz and less than 1 ms from 2
-///   kHz on, in both directions: no filter is sharp both in time and in frequency.
-/// - **Binaural**: each tap is convolved with the HRIRs of its direction, at its exact time. The
-///   noise comes from 32 directions around the listener, independent in each, through their HRIRs.
-///   If the mean direction of a bin and band has the length m (0 diffuse, 1 one wave), the share 1
-///   − m comes from all of them evenly, and the share m from the three around the mean direction.
+/// - **Taps** are at their exact time, also between samples (windowed sinc). Zero-phase filters give each tap the
+///   energies of its bands: at a band's centre its amplitude is exactly √(4π E), with a smooth transition between
+///   centres. So the peak of a tap is at its time, whatever its bands. Taps at the same time add their amplitudes,
+///   while figures add their energies.
+/// - **The echogram** becomes Gaussian noise, independent for each band and with zero mean, with the energy of each
+///   bin. The noise is then filtered to its octave; the filters' powers add up to 1. A filter spreads the energy of a
+///   bin in time, by about 20 ms at 63 Hz and less than 1 ms from 2 kHz on, in both directions: no filter is sharp both
+///   in time and in frequency.
+/// - **Binaural**: each tap is convolved with the HRIRs of its direction, at its exact time. The noise comes from 32
+///   directions around the listener, with independent noise for each, through their HRIRs. If the mean direction of a
+///   bin and band has the length m (0 diffuse, 1 one wave), the share 1 − m comes evenly from all directions, and the
+///   share m from the three around the mean direction.
 /// - Below 63 Hz the energy is that of 63 Hz, above 8 kHz that of 8 kHz.
 ///
 /// ```
@@ -94,8 +94,8 @@ pub struct ImpulseResponse {
 }
 
 impl ImpulseResponse {
-    /// Computes the response to the arriving sound: `taps` one by one, `echogram` as noise. `axes`
-    /// are the listener's; [`Format::Mono`] does not use them.
+    /// Computes the response to the arriving sound: each of `taps` separately, `echogram` as noise. `axes` are the
+    /// listener's; [`Format::Mono`] does not use them.
     ///
     /// # Errors
     /// [`ResponseError::BadRate`] and [`ResponseError::BadLength`] if the settings are out of
@@ -142,7 +142,7 @@ impl ImpulseResponse {
         })
     }
 
-    /// Samples a second.
+    /// Samples per second.
     pub fn rate_hz(&self) -> u32 {
         self.rate_hz
     }
@@ -157,7 +157,7 @@ impl ImpulseResponse {
         &self.channels
     }
 
-    /// The samples of all channels in turn, as in a WAV file.
+    /// The samples of all channels, interleaved as in a WAV file.
     pub fn interleaved(&self) -> Vec<f32> {
         let frames = self.channels.first().map_or(0, Vec::len);
         let frame = |index: usize| self.channels.iter().map(move |samples| samples[index]);
@@ -170,7 +170,7 @@ pub(crate) fn tap_filter_gain(band: usize, frequency_hz: f64) -> f64 {
     Crossing::Amplitude.gain(band, frequency_hz)
 }
 
-/// The amplitude of an energy in 1/m².
+/// The amplitude for an energy in 1/m².
 pub(crate) fn amplitude(energy: f64) -> f64 {
     (4.0 * PI * energy.max(0.0)).sqrt()
 }
@@ -181,7 +181,7 @@ struct Sound<'a> {
     echogram: &'a Echogram,
     axes: &'a ListenerAxes,
     rate_hz: f64,
-    /// Samples of each channel.
+    /// Number of samples of each channel.
     samples: usize,
     seed: u64,
 }
@@ -216,8 +216,8 @@ impl Sound<'_> {
     }
 }
 
-/// Least length of a vector, and least sine of the angle between forward and up: below it the
-/// direction is lost in the rounding of `f32`, in which the vectors are given.
+/// Least length of a vector, and least sine of the angle between forward and up: below it the direction is lost in the
+/// rounding of the vectors to `f32`.
 const LEAST_LENGTH: f64 = 1e-6;
 
 /// A listener's axes in the world: orthogonal unit vectors.
@@ -229,12 +229,11 @@ pub struct ListenerAxes {
 }
 
 impl ListenerAxes {
-    /// The axes of a listener that looks along `forward`, with `up` upwards (world axes, any
-    /// length): `up` is made perpendicular to `forward`.
+    /// The axes of a listener that looks along `forward`, with `up` as the upward direction (world axes, any length):
+    /// `up` is made perpendicular to `forward`.
     ///
     /// # Errors
-    /// [`ResponseError::BadAxes`] if one of them has no length or is not finite, or both are
-    /// parallel.
+    /// [`ResponseError::BadAxes`] if a vector has length zero or is not finite, or both are parallel.
     pub fn new(forward: DVec3, up: DVec3) -> Result<ListenerAxes, ResponseError> {
         let bad = ResponseError::BadAxes { forward, up };
         let unit = |vector: DVec3| {
@@ -257,7 +256,7 @@ impl ListenerAxes {
     /// The axes of a scene's listener.
     ///
     /// # Errors
-    /// [`ResponseError::BadAxes`] if they are not finite.
+    /// [`ResponseError::BadAxes`] if the axes are not finite.
     pub fn of(listener: &Listener) -> Result<ListenerAxes, ResponseError> {
         ListenerAxes::new(listener.forward().as_dvec3(), listener.up().as_dvec3())
     }
@@ -277,8 +276,7 @@ impl ListenerAxes {
         self.up
     }
 
-    /// Converts a world vector to listener axes, those of AmbiX and SOFA: x ahead, y to the left, z
-    /// up.
+    /// Converts a world vector to listener axes, which are those of AmbiX and SOFA: x ahead, y to the left, z up.
     pub fn to_listener(&self, world: DVec3) -> DVec3 {
         DVec3::new(
             world.dot(self.forward),
@@ -301,19 +299,19 @@ pub enum Format {
     /// One channel, the same for all directions.
     #[default]
     Mono,
-    /// Left and right: each arrival is panned with constant power by its lateral component s along
-    /// the right ear, with gains cos and sin of (1 + s) π/4.
+    /// Left and right: each arrival is panned with constant power by its component s along the right ear's direction,
+    /// with gains cos and sin of (1 + s) π/4.
     Stereo,
-    /// First-order ambisonics in the convention AmbiX (C. Nachbar et al., *AmbiX – A Suggested
-    /// Ambisonics Format*, 2011): channels W, Y, Z, X (ACN), of a wave from (x, y, z) with gains
-    /// 1, y, z, x (SN3D); x is ahead of the listener, y to the left, z up.
+    /// First-order ambisonics in the convention AmbiX (C. Nachbar et al., *AmbiX – A Suggested Ambisonics Format*,
+    /// 2011): channels W, Y, Z, X (ACN); a wave from (x, y, z) has the gains 1, y, z, x (SN3D), where x is ahead of the
+    /// listener, y to the left, z up.
     AmbiX,
     /// Left and right ear, for headphones: each arrival is filtered by the head-related impulse
     /// responses of its direction. A set at another rate is resampled.
     Binaural(Arc<HrirSet>),
 }
 
-/// An encoding of directions by gains alone.
+/// An encoding of directions by gains only.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Encoding {
     Mono,
@@ -321,7 +319,7 @@ pub(crate) enum Encoding {
     AmbiX,
 }
 
-/// Amplitudes of noise in each channel: of one noise common to all, and of one of its own.
+/// Amplitudes of the noise in each channel: of the noise common to all channels, and of the channel's own noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Noise {
     common: [f64; MOST_CHANNELS],
@@ -365,12 +363,12 @@ impl Encoding {
         }
     }
 
-    /// Noise of power 1 from all directions, weighted by a mean direction: `mean` is the
-    /// energy-weighted mean of the unit vectors towards the sources, of length 0 (diffuse) to 1.
+    /// Noise of power 1 from all directions, weighted by a mean direction: `mean` is the energy-weighted mean of the
+    /// unit vectors towards the sources, of length 0 (diffuse) to 1.
     ///
-    /// AmbiX: the share |mean| of the energy is one wave from there, the rest is diffuse; so both
-    /// the energy and the intensity are correct. Stereo: independent noises with the powers of one
-    /// wave at that lateral position; equal if it is diffuse.
+    /// AmbiX: the share |mean| of the energy is one wave from the mean direction, the rest is diffuse; so both the
+    /// energy and the intensity are correct. Stereo: independent noise in each channel with the power of one wave at
+    /// that lateral position; equal powers if the sound is diffuse.
     fn noise(self, axes: &ListenerAxes, mean: DVec3) -> Noise {
         let none = [0.0; MOST_CHANNELS];
         match self {

@@ -37,7 +37,7 @@ pub(super) fn tap(seconds: f64, energy: Bands, from: DVec3) -> Tap {
     }
 }
 
-/// The energy of amplitude 1.
+/// The energy that corresponds to amplitude 1.
 pub(super) const ONE: Bands = [1.0 / (4.0 * PI); BAND_COUNT];
 
 /// The band-limited interpolation of the response between its samples.
@@ -55,15 +55,15 @@ fn at(samples: &[f32], place: f64) -> f64 {
         .sum()
 }
 
-/// Protects times and amplitudes: a source at 1 m gives amplitude 1, at its exact time; different
-/// bands do not move the peak.
+/// Protects times and amplitudes: a source at 1 m gives amplitude 1, at its exact time; differences between bands do
+/// not move the peak.
 #[test]
 fn a_tap_is_where_it_belongs() {
     let seconds = 0.010_006_9;
     let place = seconds * RATE_HZ;
     let flat = response(&[tap(seconds, ONE, DVec3::X)], &empty(), Format::Mono, 0);
     let samples = &flat.channels()[0][..1000];
-    // A window of 65 samples loses frequencies above 0.45 of the rate: a few per cent of the peak.
+    // A window of 65 samples removes frequencies above 0.45 of the rate: a few per cent of the peak.
     assert!(
         (at(samples, place) - 1.0).abs() < 0.05,
         "{}",
@@ -78,7 +78,7 @@ fn a_tap_is_where_it_belongs() {
         let samples = &response.channels()[0][..1000];
         let steps = (-100..=100).map(|step| place + f64::from(step) * 0.002);
         let peak = steps.max_by(|a, b| at(samples, *a).total_cmp(&at(samples, *b)));
-        // Frequencies above 0.45 of the rate have another phase: 0.02 samples are 0.4 µs.
+        // Frequencies above 0.45 of the rate have a phase error: 0.02 samples are 0.4 µs.
         assert!((peak.expect("a peak") - place).abs() <= 0.02);
     }
 }
@@ -99,7 +99,7 @@ fn a_tap_has_the_energy_of_its_bands() {
             )
         });
         let found = real.hypot(imaginary);
-        // The window ripples by 2 in 10,000; samples are f32.
+        // The window has a ripple of 2 in 10,000; samples are f32.
         assert!(
             (found / amplitude(*energy) - 1.0).abs() < 1e-3,
             "{band}: {found}"
@@ -113,7 +113,7 @@ fn a_tap_has_the_energy_of_its_bands() {
 fn directions_are_encoded() {
     let diagonal = DVec3::new(1.0, 1.0, -1.0).normalize();
     let third = 1.0 / 3.0_f64.sqrt();
-    // Towards −z is ahead, x is right, y is up.
+    // −z is ahead, x is right, y is up.
     for (from, gains) in [
         (DVec3::NEG_Z, [1.0, 0.0, 0.0, 1.0]),
         (DVec3::NEG_X, [1.0, 1.0, 0.0, 0.0]),
@@ -137,7 +137,7 @@ fn directions_are_encoded() {
     }
 }
 
-/// Decays with a different rate in each band, in equal parts from all of `from`.
+/// Decays with a different rate in each band, with equal energy from each direction of `from`.
 fn decaying(from: &[DVec3]) -> Echogram {
     let mut echogram = empty();
     for bin in 0..1000 {
@@ -151,7 +151,7 @@ fn decaying(from: &[DVec3]) -> Echogram {
     echogram
 }
 
-/// A channel filtered to this share of an octave on each side of a band's centre.
+/// A channel filtered to the given number of octaves on each side of a band's centre.
 pub(super) fn filtered(samples: &[f32], band: usize, octaves: f64) -> Vec<f64> {
     let length = samples.len().next_power_of_two();
     let mut planner = RealFftPlanner::new();
@@ -182,10 +182,9 @@ pub(super) fn filtered(samples: &[f32], band: usize, octaves: f64) -> Vec<f64> {
     signal.iter().map(|value| value / length as f64).collect()
 }
 
-/// Protects the late part's energy, by band and time. Within a third of an octave about its centre
-/// only one band contributes, and noise of that bandwidth B has in T seconds an energy with the
-/// relative standard deviation 1/√(B T). Four of these are allowed, and 3 % for energy spread
-/// across the edges of a window.
+/// Protects the late part's energy, by band and time. Within a third of an octave about its centre only one band
+/// contributes, and noise of that bandwidth B has in T seconds an energy with the relative standard deviation 1/√(B T).
+/// The test allows four standard deviations, and 3 % for energy spread across the edges of a window.
 #[test]
 fn noise_follows_the_echogram() {
     const WINDOWS: usize = 4;
@@ -213,9 +212,9 @@ fn noise_follows_the_echogram() {
     }
 }
 
-/// Protects the late part's time structure: the energy of single bins at high frequencies, where a
-/// filter is shorter than a bin. Every tenth bin has sound; a millisecond at 8 kHz has B T = 11
-/// over the octave, and so 300 bins together 2 %.
+/// Protects the late part's time structure: the energy of single bins at high frequencies, where a filter is shorter
+/// than a bin. Every tenth bin has sound; a millisecond at 8 kHz has B T = 11 over the octave, and so 300 bins together
+/// have a deviation of 2 %.
 #[test]
 fn noise_stays_in_its_bins() {
     let mut echogram = empty();
@@ -246,7 +245,7 @@ fn noise_stays_in_its_bins() {
     assert!(energy(0) < 0.01 * all, "{}", energy(0) / all);
 }
 
-/// The mean product of two channels' samples, relative to that of the first with itself.
+/// The mean product of two channels' samples, relative to the mean square of the first.
 fn share(response: &ImpulseResponse, a: usize, b: usize) -> f64 {
     let sum = |a: &[f32], b: &[f32]| -> f64 {
         let products = a.iter().zip(b).map(|(a, b)| f64::from(*a) * f64::from(*b));
@@ -256,9 +255,9 @@ fn share(response: &ImpulseResponse, a: usize, b: usize) -> f64 {
     sum(&channels[a], &channels[b]) / sum(&channels[0], &channels[0])
 }
 
-/// Protects the directions of the late part: a single one, and two opposite ones, which first order
-/// cannot distinguish from a diffuse field. The decaying noise has about 2000 independent values:
-/// deviations are 2 %, and four of them are allowed.
+/// Protects the directions of the late part: a single direction, and two opposite directions, which first order cannot
+/// distinguish from a diffuse field. The decaying noise has about 2000 independent values: the standard deviation is 2
+/// %, and the test allows four of them.
 #[test]
 fn noise_comes_from_where_the_energy_came() {
     let left = response(&[], &decaying(&[DVec3::NEG_X]), Format::AmbiX, 5);
@@ -328,7 +327,7 @@ fn bad_settings_are_refused() {
     assert!(make(44_100, 0.5).is_ok());
 }
 
-/// Protects samples from taps out of range: each is refused with its index and number.
+/// Protects samples from taps out of range: each is rejected with its index and number.
 #[test]
 fn taps_that_no_sound_has_are_refused() {
     let good = Tap {
@@ -374,7 +373,7 @@ fn taps_that_no_sound_has_are_refused() {
         let is_told = matches!(refused, Err(ResponseError::BadTap { index: 1, .. }));
         assert!(is_told, "{bad:?}: {refused:?}");
     }
-    // Samples after the end are cut off, however late.
+    // Samples after the end are dropped, however late.
     let late = Tap {
         seconds: 1e300,
         ..good
@@ -383,7 +382,7 @@ fn taps_that_no_sound_has_are_refused() {
     assert!(ImpulseResponse::new(&[good, late], &empty(), &axes(), &settings).is_ok());
 }
 
-/// Protects left and right, and an up that is not perpendicular.
+/// Protects left and right, and an up vector that is not perpendicular.
 #[test]
 fn axes_are_right_handed() {
     let axes = ListenerAxes::new(DVec3::NEG_Z * 3.0, DVec3::new(0.0, 2.0, -5.0));

@@ -1,14 +1,14 @@
-//! Importance sampling of start directions: more waves start where they contribute to the end of the decay.
+//! Importance sampling of start directions: more waves start in directions that contribute to the end of the decay.
 //!
 //! Between two hard walls a flutter echo remains long after all other sound has been absorbed, and the end of the decay
 //! comes from a few waves in ten thousand. So the first waves of a response, the pilot waves, estimate the energy from
-//! each direction after each moment ([`Pilot`]). The first half of them start evenly. If according to them at least
-//! [`ENOUGH_WAVES`] effective waves carry each part of the decay, or if two subsets of them disagree about the
-//! directions, all other waves start evenly. Otherwise the second half of the pilot waves is drawn by importance, so
-//! that the estimate is best where it matters; then most of the other waves are drawn by importance and some evenly,
-//! and each has the weight that compensates for this. The pilot waves are then dropped, because they have decided where
-//! the others start, so that sums have no bias. (If the others start evenly the pilot waves count, although they have
-//! decided so: the bias of that is small.)
+//! each direction after each moment ([`Pilot`]). The first half of the pilot waves starts evenly. All other waves start
+//! evenly, too, if this half shows that at least [`ENOUGH_WAVES`] effective waves carry each part of the decay, or if
+//! two subsets of it disagree about the directions. Otherwise the second half of the pilot waves is drawn by
+//! importance, to refine the estimate in the important directions; then most of the other waves are drawn by importance
+//! and some evenly, each with a weight that compensates for this. The pilot waves are then dropped, because they have
+//! influenced the starts of the others; so sums have no bias. (If the others start evenly, the pilot waves count
+//! although they led to this decision: the resulting bias is small.)
 
 use super::pilot::Pilot;
 use crate::sampling::{hash, unit_interval};
@@ -19,36 +19,36 @@ use glam::{DVec3, Vec3};
 use std::f64::consts::{FRAC_PI_4, PI};
 use std::ops::{Range, RangeInclusive};
 
-/// One in this number of waves is a pilot wave of the first or the second half.
+/// Number of all waves per pilot wave of the first half; the second half is equally large.
 const ONE_OF: u32 = 4;
 
 /// The minimum and the maximum number of pilot waves, both halves together: fewer give no estimate, and more are not
 /// needed.
 const PILOT_WAVES: RangeInclusive<u32> = 2048..=65_536;
 
-/// Sufficient number of waves of equal energy after each moment: a level is then 0.06 dB off, and a decay time,
-/// evaluated over 30 dB, 0.3 %.
+/// Sufficient number of waves of equal energy after each moment: the error is then 0.06 dB for a level, and 0.3 % for a
+/// decay time evaluated over 30 dB.
 const ENOUGH_WAVES: f64 = 5000.0;
 
-/// The share of waves that start evenly: levels and early decays come from these. In six very uneven rooms with 262,144
-/// waves and two seeds each, the worst error of T30 was 0.98 % on average with this and 1.04 % with 0.25.
+/// The share of waves that start evenly: levels and early decays come from these waves. In six very uneven rooms with
+/// 262,144 waves and two seeds each, the worst error of T30 was 0.98 % on average with this share and 1.04 % with 0.25.
 const EVEN_SHARE: f64 = 0.35;
 
 /// Minimum unevenness of the directions for importance sampling: the mean square of the importance over the square of
-/// its mean, the factor by which the variance could fall. With 2, the drawn waves, half of all, make up for those that
-/// start evenly and for the pilot waves.
+/// its mean, which is the factor by which the variance could fall. With 2, the drawn waves, half of all, make up for
+/// those that start evenly and for the pilot waves.
 const LEAST_UNEVENNESS: f64 = 2.0;
 
 /// Mean number of pilot waves in a cell: an estimate is blurred over a cell and its neighbours.
 const WAVES_IN_CELL: f64 = 2.0;
 
-/// Divisions of a cell each way once pilot waves have been drawn by importance: half of an estimate is then that of
-/// such a small cell and its neighbours. The longest lasting waves between two hard walls start within some hundredths
-/// of a radian.
+/// Divisions of a cell along each axis after pilot waves have been drawn by importance: half of an estimate then comes
+/// from such a small cell and its neighbours. The longest lasting waves between two hard walls start within some
+/// hundredths of a radian.
 const DIVIDED: usize = 4;
 
-/// Number of pilot waves; 0 if the waves are too few, if their directions are a lattice, which is even only as a whole,
-/// and if something scatters these bands: then the start direction has little influence.
+/// Number of pilot waves; 0 if there are too few waves, if their directions are a lattice, which is even only as a
+/// whole, or if a surface scatters in these bands: then the start direction has little influence.
 pub(super) fn pilot_waves(scene: &Scene, bands: &Range<usize>, trace: &Settings) -> u32 {
     let waves = (trace.waves / ONE_OF).min(*PILOT_WAVES.end());
     let is_random = trace.directions == Directions::Random;
@@ -69,7 +69,7 @@ pub(super) struct Importance {
 }
 
 impl Importance {
-    /// Estimates importance from the pilot waves of `waves` waves, which started in these directions; `None` if waves
+    /// Estimates importance from the pilot waves out of `waves` waves, which started in `directions`; `None` if waves
     /// may start evenly.
     pub fn of(pilot: &Pilot, directions: &[Vec3], waves: u32) -> Option<Importance> {
         let sums = pilot.sums();
@@ -89,7 +89,7 @@ impl Importance {
         Some(Importance::by(cells, &wanted))
     }
 
-    /// Refines the estimate with all pilot waves, including those in these directions that were drawn by importance.
+    /// Refines the estimate with all pilot waves, including those drawn by importance, which started in `directions`.
     pub fn refined(pilot: &Pilot, directions: &[Vec3]) -> Importance {
         let importance = pilot.importance(&pilot.sums());
         let cells = Cells::about(directions.len() as f64 / WAVES_IN_CELL);
@@ -103,7 +103,7 @@ impl Importance {
         Importance::by(fine, &wanted)
     }
 
-    /// The distribution over `cells` with the given importance of each.
+    /// The distribution over `cells` for the importance `wanted` of each cell.
     fn by(cells: Cells, wanted: &[f64]) -> Importance {
         let all: f64 = wanted.iter().sum();
         let mut sum = 0.0;
@@ -118,8 +118,8 @@ impl Importance {
         }
     }
 
-    /// Draws the starts of waves `numbers` out of `waves`, by seed. Each batch of all waves (wave by wave in turn) is
-    /// spread over all cells.
+    /// Draws the starts of waves `numbers` out of `waves`, by seed. Waves are assigned to batches in turn; each batch
+    /// is spread over all cells.
     pub fn starts(&self, numbers: Range<u32>, waves: u32, batches: usize, seed: u32) -> Vec<Start> {
         let stream = hash(u64::from(seed));
         let start = |wave: u32| {
@@ -133,7 +133,7 @@ impl Importance {
         numbers.map(start).collect()
     }
 
-    /// The sum of the probabilities: 1, except that cells are taken to be as large as at their middles.
+    /// The sum of the probabilities: 1, apart from the approximation of each cell's size by its value at the middle.
     fn total(&self) -> f64 {
         self.cumulative[self.cumulative.len() - 1]
     }
@@ -156,7 +156,8 @@ impl Importance {
     }
 }
 
-/// The importance of waves by cell: half of a wave's counts in its own cell, half in that cell and its neighbours.
+/// The importance of waves by cell: half of a wave's importance counts in its own cell, half in that cell and its
+/// neighbours.
 fn blurred<'a>(waves: impl Iterator<Item = (&'a Vec3, &'a f64)>, cells: Cells) -> Vec<f64> {
     let mut sums = vec![0.0; cells.count()];
     for (direction, importance) in waves {
@@ -170,26 +171,27 @@ fn blurred<'a>(waves: impl Iterator<Item = (&'a Vec3, &'a f64)>, cells: Cells) -
     sums
 }
 
-/// The mean over the cells of the squared importance, over the square of its mean. It multiplies one half of the waves
-/// with the other, so that chance does not contribute. 1 if all directions are equally important.
+/// The mean over the cells of the squared importance, over the square of its mean. The square is the product of the
+/// estimates from two halves of the waves, so that chance does not contribute. 1 if all directions are equally
+/// important.
 fn unevenness([even, odd]: &[Vec<f64>; 2]) -> f64 {
     let both: f64 = even.iter().zip(odd).map(|(even, odd)| even * odd).sum();
     let sum = |half: &[f64]| half.iter().sum::<f64>();
     both * even.len() as f64 / (sum(even) * sum(odd)).max(f64::MIN_POSITIVE)
 }
 
-/// Sides of a cube.
+/// Number of sides of a cube.
 const SIDES: usize = 6;
 
 /// The number of cells along each edge of the cube. An edge is divided evenly by angle, so that the largest cell is at
-/// most 1.4 times as large as the smallest one.
+/// most 1.4 times as large as the smallest.
 #[derive(Clone, Copy, Debug)]
 pub struct Cells {
     along: usize,
 }
 
 impl Cells {
-    /// About `count` cells, and at least six.
+    /// Creates about `count` cells, at least six.
     pub fn about(count: f64) -> Cells {
         let along = (count / SIDES as f64).sqrt() as usize;
         Cells {
@@ -197,7 +199,7 @@ impl Cells {
         }
     }
 
-    /// Divides each cell into `times` cells each way.
+    /// Divides each cell into `times` cells along each axis.
     pub fn divided(self, times: usize) -> Cells {
         Cells {
             along: self.along * times,
@@ -229,8 +231,8 @@ impl Cells {
         (side * self.along + place(1)) * self.along + place(2)
     }
 
-    /// The direction at a position in a cell, 0 … 1 each way, and the solid angle in steradians that the cell would
-    /// have if it were everywhere as wide as there.
+    /// The direction at a position in a cell, 0 … 1 along each axis, and the solid angle in steradians that the cell
+    /// would have if its width were everywhere as at that position.
     pub fn direction(self, cell: usize, place: [f64; 2]) -> (DVec3, f64) {
         let along = self.along;
         let side = cell / (along * along);
@@ -252,7 +254,7 @@ impl Cells {
         (direction.normalize(), steradians)
     }
 
-    /// The neighbours of a cell on its side of the cube, including itself.
+    /// The cells next to a cell on its side of the cube, including the cell itself.
     pub fn about_cell(self, cell: usize) -> impl Iterator<Item = usize> {
         let along = self.along as isize;
         let (row, column) = (cell as isize / along % along, cell as isize % along);
@@ -275,7 +277,7 @@ mod tests {
 
     const WAVES: u32 = 1 << 15;
 
-    /// An estimate from waves near the z axis that alone carry the end of a decay.
+    /// An estimate from a few waves near the z axis that alone carry the end of a decay.
     fn importance_of_few() -> Importance {
         let directions: Vec<Vec3> = lattice(u64::from(WAVES / ONE_OF))
             .map(|d| d.as_vec3())
@@ -296,8 +298,8 @@ mod tests {
         direction.truncate().length() < 0.08
     }
 
-    /// Protects sums over waves from bias: the weights of those in any part of the sphere add up to its solid angle,
-    /// and no weight is much above 1/[`EVEN_SHARE`].
+    /// Protects sums over waves from bias: the weights of the waves in any part of the sphere add up to its solid
+    /// angle, and no weight is much above 1/[`EVEN_SHARE`].
     #[test]
     fn weights_make_up_for_uneven_directions() {
         const MANY: u32 = 1 << 18;
@@ -311,7 +313,7 @@ mod tests {
             inside.map(|start| f64::from(start.weight)).sum::<f64>() / f64::from(MANY)
         };
         let part = 1.0 - (1.0_f64 - 0.08 * 0.08).sqrt();
-        // Some 20,000 waves: 0.7 %.
+        // Some 20,000 waves: a deviation of 0.7 %.
         let found = share(&is_important) / part;
         assert!((found - 1.0).abs() < 0.03, "{found}");
         assert!((share(&|_| true) - 1.0).abs() < 0.005);
@@ -321,8 +323,8 @@ mod tests {
         }
     }
 
-    /// Protects the purpose of importance sampling: many more waves start where few carry the end, in each batch the
-    /// same number.
+    /// Protects the purpose of importance sampling: many more waves start in the few directions that carry the end, the
+    /// same number in each batch.
     #[test]
     fn more_waves_start_where_they_matter() {
         const BATCHES: usize = 16;
@@ -331,9 +333,9 @@ mod tests {
         for (wave, start) in starts.iter().enumerate() {
             found[wave % BATCHES] += usize::from(is_important(start.direction.as_dvec3()));
         }
-        // Even starts would give 6 or 7 in a batch.
+        // With even starts a batch would have 6 or 7.
         assert!(found.iter().all(|found| *found > 100), "{found:?}");
-        // By chance sixteen counts of 300 would spread over a fifth of it.
+        // By chance, sixteen counts of 300 would vary over a range of a fifth.
         let most = found.iter().max().zip(found.iter().min());
         assert!(
             most.is_some_and(|(most, least)| most - least < most / 6),
@@ -341,7 +343,7 @@ mod tests {
         );
     }
 
-    /// Protects even starts: without an important direction waves are not drawn by importance.
+    /// Protects even starts: without important directions waves are not drawn by importance.
     #[test]
     fn importance_that_does_not_repeat_is_none() {
         let directions: Vec<Vec3> = lattice(4096).map(|d| d.as_vec3()).collect();
@@ -357,7 +359,7 @@ mod tests {
         assert!(Importance::of(&pilot, &directions, WAVES).is_none());
     }
 
-    /// Protects lattices, which are even only as a whole, runs of few waves, and scenes that scatter.
+    /// Protects lattices, which are even only as a whole, runs with few waves, and scenes that scatter.
     #[test]
     fn some_waves_tell_nothing_of_others() {
         let mut scene = Scene::builtin("shoebox").expect("a built-in scene");
@@ -403,7 +405,7 @@ mod tests {
         }
     }
 
-    /// Protects directions from using the estimate of another one.
+    /// Protects directions from using the estimate of another direction.
     #[test]
     fn directions_have_cells_and_neighbours() {
         let cells = Cells::about(5000.0);

@@ -1,11 +1,11 @@
-//! Late arrivals: waves followed to a sphere larger than the listener (`sphere.rs`), started where they matter
-//! (`importance.rs`).
+//! Late arrivals: waves followed to a sphere larger than the listener (`sphere.rs`), with more waves in important
+//! directions (`importance.rs`).
 //!
 //! Sound scattered within the maximum number of reflections of exact paths is counted in both spheres
 //! ([`NearScattering`]).
 //!
-//! Late arrivals may come from fewer waves than those that find exact paths: their noise only adds noise, while a path
-//! that no wave finds is missing.
+//! Late arrivals may come from fewer waves than the search for exact paths uses: fewer waves only add noise to late
+//! sound, while a path that no wave finds is missing.
 
 mod importance;
 mod pilot;
@@ -29,29 +29,30 @@ use std::cmp::Ordering;
 use std::f64::consts::PI;
 use std::ops::Range;
 
-/// The share of the energy of all waves down to which they are followed, −120 dB: a decay is audible over 60 dB, and if
-/// the listener is in another room than the source it may begin that much lower. Bands that decay fast and have their
-/// own waves take less time this way.
+/// The share of the energy of all waves down to which waves are followed, −120 dB: a decay is audible over 60 dB, and
+/// if the listener is in another room than the source the decay may begin that much lower. In bands that decay fast and
+/// have their own waves, this saves time.
 const LEAST_ENERGY: f64 = 1e-12;
 
 /// Mean number of crossings of a wave in a chunk. A chunk costs as much as ten iterations, and a wave that crosses more
-/// often than is recorded (four times) is drawn again: in a room of 8 × 3 × 5 m a response of 65,536 waves takes 0.39,
-/// 0.37, 0.35, 0.33 and 0.33 s with 8, 12, 16, 24 and 32 iterations in a chunk, which are 0.6 to 2.6 crossings.
+/// often than can be recorded (four times) is drawn again: in a room of 8 × 3 × 5 m a response of 65,536 waves takes
+/// 0.39, 0.37, 0.35, 0.33 and 0.33 s with 8, 12, 16, 24 and 32 iterations per chunk, which correspond to 0.6 to 2.6
+/// crossings.
 const CROSSINGS_IN_CHUNK: f64 = 2.0;
 
-/// Minimum iterations of a chunk.
+/// Minimum number of iterations in a chunk.
 const LEAST_ITERATIONS: u32 = 8;
 
 /// The arrivals of all waves.
 pub(super) struct Arrivals {
-    /// Arrivals that stay statistics.
+    /// Arrivals that remain statistical.
     pub echogram: Echogram,
-    /// The possible bias from the larger sphere alone, one standard deviation of energy.
+    /// The possible bias from the larger sphere alone: one standard deviation of the energy.
     pub bias: Echogram,
     pub counts: ArrivalCounts,
     /// Early arrivals, counted in the listener's own sphere.
     pub early: Vec<Arrival>,
-    /// Whether waves travel on after the maximum number of reflections of exact paths; `None` if that is unknown.
+    /// Whether waves continue after the maximum number of reflections of exact paths; `None` if unknown.
     pub travel_on: Option<bool>,
 }
 
@@ -77,7 +78,7 @@ pub(super) fn arrivals(
             .with_least_energy(LEAST_ENERGY);
         let counts = add_arrivals(&mut found, tracer, heard_in, settings, &how)?;
         found.counts = found.counts.and(counts);
-        // They arrive in chunks of iterations, after those of other bands.
+        // The arrivals come in chunks of iterations, band group after band group.
         found.early.sort_by(in_order);
         found
             .early
@@ -86,14 +87,14 @@ pub(super) fn arrivals(
     Ok(found)
 }
 
-/// Orders arrivals by wave, and along each wave.
+/// Orders arrivals by wave, and along each wave by time.
 fn in_order(a: &Arrival, b: &Arrival) -> Ordering {
     let by_length = || a.length_m.total_cmp(&b.length_m);
     a.wave.cmp(&b.wave).then_with(by_length)
 }
 
-/// Adds the energies of the second arrival to the first if both are one crossing of one wave, followed for different
-/// bands.
+/// Adds the energies of the second arrival to the first if both are the same crossing of the same wave, followed for
+/// different bands.
 fn is_added(first: &mut Arrival, second: &Arrival) -> bool {
     let is_same = first.wave == second.wave && first.length_m == second.length_m;
     if is_same {
@@ -102,7 +103,7 @@ fn is_added(first: &mut Arrival, second: &Arrival) -> bool {
     is_same
 }
 
-/// Adds the arrivals of waves that carry `how.bands` together, and returns their counts.
+/// Adds the arrivals of the waves that carry all of `how.bands`, and returns their counts.
 fn add_arrivals(
     found: &mut Arrivals,
     tracer: &mut Tracer,
@@ -144,7 +145,7 @@ fn add_arrivals(
         echogram,
         near: &mut near.wide,
     };
-    // Surfaces that gather sound spread waves of one direction, so pilot waves predict little there.
+    // Surfaces that focus sound spread waves of one direction, so pilot waves predict little there.
     let pilot_waves = match share < 1.0 {
         true => importance::pilot_waves(pair.scene, &how.bands, &trace),
         false => 0,
@@ -163,12 +164,12 @@ struct LateWaves<'a> {
     how: &'a ArrivalSettings,
     medium: &'a Medium,
     echogram: &'a mut Echogram,
-    /// Sound scattered after few reflections; empty if pilot waves are followed, because these are only mirrored.
+    /// Sound scattered after few reflections; empty if there are pilot waves, because these are only mirrored.
     near: &'a mut Echogram,
 }
 
 impl LateWaves<'_> {
-    /// Traces all waves. The first ones, the pilot waves, decide whether the others start evenly.
+    /// Traces all waves. The first waves, the pilot waves, decide whether the others start evenly.
     fn follow_all(
         mut self,
         trace: &Settings,
@@ -208,7 +209,8 @@ impl LateWaves<'_> {
     ) -> Result<Importance, Error> {
         let half = directions.len() as u32;
         let mut starts = importance.starts(0..half, half, batches, !trace.seed);
-        // The first half's energies are shares of those of all waves; these are scaled the same way.
+        // The energies of the first half are shares of the energy of all waves; the second half is scaled in the same
+        // way.
         let share = half as f32 / trace.waves as f32;
         starts.iter_mut().for_each(|start| start.weight *= share);
         directions.extend(starts.iter().map(|start| start.direction));
@@ -260,12 +262,12 @@ fn iterations_in_chunk(crossings: f64, most: u32) -> u32 {
     (fit as u32).max(LEAST_ITERATIONS).min(most)
 }
 
-/// Fewer waves give no estimate of what they have missed, however often each of them arrived.
+/// Number of waves below which there is no estimate of missed sound, however often each wave arrived.
 const FEW_WAVES: u32 = 64;
 
 /// The energy that the waves may have missed, by band, in 1/m², estimated from the number of arrivals. In a band
-/// without arrivals, and with few waves, it is that of a wave without losses if any wave could still arrive, otherwise
-/// 0. `travel_on` is [`Arrivals::travel_on`]; waves are traced again only if it is unknown.
+/// without arrivals, and with few waves, it is the energy of a wave without losses if any wave could still arrive,
+/// otherwise 0. `travel_on` is [`Arrivals::travel_on`]; if it is unknown, waves are traced again.
 pub(super) fn further_arrival(
     tracer: &mut Tracer,
     (pair, medium): (Pair, &Medium),
@@ -299,7 +301,7 @@ pub(super) fn further_arrival(
     }))
 }
 
-/// Whether waves travel on after the maximum number of reflections of exact paths, or after scattering before that.
+/// Whether waves continue after the maximum number of reflections of exact paths, or after scattering before that.
 fn may_arrive(
     tracer: &mut Tracer,
     pair: Pair,
@@ -333,7 +335,7 @@ mod tests {
                 "{crossings}"
             );
         }
-        // The loop limit may allow fewer than it should have.
+        // The loop limit may allow fewer iterations than intended.
         assert_eq!(iterations_in_chunk(0.01, 20), 20);
         assert_eq!(iterations_in_chunk(3.0, 5), 5);
     }

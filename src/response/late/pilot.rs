@@ -3,19 +3,20 @@
 use crate::bands::{BAND_COUNT, Bands};
 use rayon::prelude::*;
 
-/// Moments at which a decay is evaluated: each is 1.26 times as late as the previous one, to cover fast and slow bands
-/// alike; an exponential decay that ends at one moment falls by a fifth of its decibels after the previous one.
+/// Number of moments at which a decay is evaluated: each is 1.26 times as late as the previous one, to cover fast and
+/// slow bands alike. For an exponential decay that ends at one of these moments, the last step covers a fifth of its
+/// decibels.
 const MOMENTS: usize = 20;
 
 /// The first moment, as a share of the response's length.
 const FIRST_MOMENT: f64 = 0.01;
 
-/// The decay is evaluated until this share of the energy remains: T30 is evaluated from a decay of 35 dB, and the
-/// energy after that decides its end.
+/// The decay is evaluated until this share of the energy remains: T30 needs a decay of 35 dB, and the energy after that
+/// decides when it ends.
 const LEAST_LEFT: f64 = 3e-5;
 
 /// Number of iterations that equalise the noise of the sums: in six very uneven rooms with 262,144 waves the worst
-/// error of T30 was 1.00 % on average without, 0.91 % with one, 0.84 % with two and 0.82 % with four.
+/// error of T30 was on average 1.00 % with none, 0.91 % with one, 0.84 % with two and 0.82 % with four.
 const EVENED_OUT: usize = 2;
 
 /// A number for each moment and band.
@@ -36,8 +37,8 @@ pub struct Sums {
 }
 
 impl Sums {
-    /// Number of waves of equal energy that would be as noisy as the noisiest sum used for figures (L. Kish, *Survey
-    /// Sampling*, 1965, section 11.7).
+    /// The smallest effective number of waves, over the sums used for figures: the number of waves of equal energy with
+    /// the same noise (L. Kish, *Survey Sampling*, 1965, section 11.7).
     pub fn fewest_waves(&self) -> f64 {
         let waves = |(moment, band): (usize, usize)| {
             self.energies[moment][band].powi(2) / self.squares[moment][band]
@@ -54,7 +55,7 @@ impl Sums {
 }
 
 impl Pilot {
-    /// An empty estimate for `waves` waves, which are followed for `seconds` seconds.
+    /// Creates an empty estimate for `waves` waves, which are followed for `seconds` seconds.
     pub fn new(waves: u32, seconds: f64) -> Pilot {
         Pilot {
             seconds,
@@ -63,14 +64,14 @@ impl Pilot {
         }
     }
 
-    /// Adds `waves` further waves, which are numbered from 0.
+    /// Adds `waves` further waves, numbered from 0.
     pub fn begin(&mut self, waves: u32) {
         self.first = self.waves.len();
         let all = self.first + waves as usize;
         self.waves.resize(all, [[0.0; BAND_COUNT]; MOMENTS]);
     }
 
-    /// Adds the weighted energy of a wave `seconds` after the source's impulse.
+    /// Adds the weighted energy that a wave has `seconds` after the source's impulse.
     pub fn add(&mut self, wave: u32, seconds: f64, energy: &Bands) {
         let moment = last_moment(seconds / self.seconds);
         let sums = &mut self.waves[self.first + wave as usize][moment];
@@ -93,10 +94,10 @@ impl Pilot {
         Sums { energies, squares }
     }
 
-    /// The importance of each wave: the root of the sum of the squares of its shares of the energy after each moment in
-    /// each band. Drawing waves by it minimises the total variance of these sums (H. Kahn and A. W. Marshall, *Methods
-    /// of reducing sample size in Monte Carlo computations*, 1953). Shares of sums that would still be noisier than
-    /// others then get more weight, since every band is reported.
+    /// The importance of each wave: the root of the sum of squares of the wave's shares in the energy after each moment
+    /// in each band. Drawing waves by it minimises the total variance of these sums (H. Kahn and A. W. Marshall,
+    /// *Methods of reducing sample size in Monte Carlo computations*, 1953). The weights of sums that would still be
+    /// noisier than others are then increased, since every band is reported.
     pub fn importance(&self, sums: &Sums) -> Vec<f64> {
         let squared = |moment: usize, band: usize| sums.energies[moment][band].powi(2);
         let mut weights = [[0.0; BAND_COUNT]; MOMENTS];
@@ -126,7 +127,8 @@ impl Pilot {
         self.waves.par_iter().map(importance).collect()
     }
 
-    /// The mean square of the energy after each moment, up to a factor, if waves were drawn by this importance.
+    /// The mean square of the energy after each moment, up to a constant factor, if waves were drawn by this
+    /// importance.
     fn mean_squares(&self, importance: &[f64]) -> Moments<f64> {
         let mut squares = [[0.0; BAND_COUNT]; MOMENTS];
         for (wave, importance) in self.waves.iter().zip(importance) {
@@ -142,18 +144,18 @@ impl Pilot {
     }
 }
 
-/// Every moment in every band.
+/// Every pair of moment and band.
 fn all() -> impl Iterator<Item = (usize, usize)> {
     (0..MOMENTS).flat_map(|moment| (0..BAND_COUNT).map(move |band| (moment, band)))
 }
 
-/// The last moment not after this share of the response's length; the first if all are later.
+/// The last moment not after this share of the response's length; the first moment if all are later.
 fn last_moment(share: f64) -> usize {
     let later = (share / FIRST_MOMENT).ln() / (1.0 / FIRST_MOMENT).ln();
     ((later * MOMENTS as f64).max(0.0) as usize).min(MOMENTS - 1)
 }
 
-/// The energy after each moment, from the energy between moments.
+/// The energy after each moment, computed from the energy between moments.
 fn to_come(between: &Moments<f32>) -> Moments<f32> {
     let mut wave = *between;
     for moment in (1..MOMENTS).rev() {
@@ -169,7 +171,7 @@ fn to_come(between: &Moments<f32>) -> Moments<f32> {
 mod tests {
     use super::*;
 
-    /// Protects even starts of waves with equal energy, and the detection of the few that carry the end.
+    /// Protects even starts for waves with equal energy, and the detection of the few waves that carry the end.
     #[test]
     fn few_waves_that_bring_the_end_are_important() {
         const WAVES: u32 = 1000;
@@ -192,7 +194,7 @@ mod tests {
         assert_eq!(importance.len(), WAVES as usize);
         assert!(importance[..10].iter().all(|important| *important > 0.1));
         assert!(importance[10..].iter().all(|important| *important < 0.02));
-        // Energy 50 dB down has no influence on any figure.
+        // Energy at −50 dB has no influence on any figure.
         let mut faint = pilot(0);
         faint.add(3, 0.9, &[1e-2; BAND_COUNT]);
         assert!(faint.sums().fewest_waves() > 999.0);

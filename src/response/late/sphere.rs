@@ -1,34 +1,34 @@
-//! The sphere in which late arrivals are counted: larger than the listener where that changes little except the noise,
-//! which falls with 1/radius.
+//! The sphere in which late arrivals are counted. It is larger than the listener if this changes little except the
+//! noise, which falls with 1/radius.
 //!
-//! After the exact paths the energy at a place hardly differs from that a metre away, if no surface focuses sound and
+//! Beyond the exact paths, the energy at a point hardly differs from that a metre away if no surface focuses sound and
 //! no object is in between. So if all surfaces are flat or convex, late arrivals are counted in a sphere of
-//! [`RADIUS_M`], or of [`RADIUS_IN_SHADOWS_M`]. It ends before any surface, since there may be another room beyond it,
-//! except the walls of a `Room`, which have nothing beyond them: the sphere reaches at most as far behind such a wall
-//! as the wall is away. The energy is the mean over the open part of the sphere, and the times are those of paths to
-//! its centre, as in the listener itself.
+//! [`RADIUS_M`], or of [`RADIUS_IN_SHADOWS_M`]. The sphere ends before any surface, since there may be another room
+//! behind the surface. The walls of a `Room` are an exception, as there is nothing behind them: the sphere reaches at
+//! most as far behind such a wall as the listener is in front of it. The energy is the mean over the unobstructed part
+//! of the sphere, and the times are those of paths to its centre, as in the listener itself.
 //!
 //! # Near scattering surfaces
-//! Sound scattered within the maximum number of reflections of exact paths.
+//! This concerns sound scattered within the maximum number of reflections of exact paths.
 //!
 //! Next to a scattering wall that is close to a source, the energy density changes within a few decimetres, and its
-//! mean over the sphere of late arrivals differs from that at the listener: with source and listener
-//! half a metre from a corner whose walls scatter 0.9, G was 0.5 dB too low in a sphere of 0.8 m. The listener's own
-//! sphere has no such bias, but more noise. So this part is counted in both spheres, and averaged with the weights that
-//! minimise the mean square error. The remaining bias is an error of the figures.
+//! mean over the sphere of late arrivals differs from that at the listener: with source and listener half a metre from
+//! a corner whose walls scatter 0.9, G was 0.5 dB too low in a sphere of 0.8 m. The listener's own sphere has no such
+//! bias, but more noise. So this part is counted in both spheres, and averaged with the weights that minimise the mean
+//! square error. The remaining bias counts as an error of the figures.
 
 use crate::bands::{BAND_COUNT, Bands};
 use crate::response::{CommonErrors, Echogram};
 use crate::scene::shape::Room;
 use crate::scene::{Listener, Node, Pair, Scene, Surface};
 
-/// Radius in metres. In random rooms (docs/acoustics.md) T30 is 2.5 times as exact with it as with
-/// 0.3 m, and the bias of the mean over the sphere is still below the noise; with 1.5 m it is not.
+/// Radius in metres. In random rooms (docs/acoustics.md) T30 is 2.5 times as accurate as with 0.3 m, and the bias of
+/// the mean over the sphere is still below the noise; with 1.5 m it is not.
 const RADIUS_M: f32 = 1.0;
 
-/// Errors of figures from the mean over the sphere, one standard deviation: in a room of 4.4 × 3 × 4.3 m T30 was 0.2 to
-/// 0.4 % off in all bands, in one of 3.1 × 8.5 × 6.4 m C80 0.02 to 0.03 dB, in one of 24.8 × 2.5 × 3.8 m EDT up to 0.8
-/// % and C80 up to 0.04 dB.
+/// Errors of figures from the mean over the sphere, one standard deviation: T30 was 0.2 to 0.4 % off in all bands in a
+/// room of 4.4 × 3 × 4.3 m, C80 0.02 to 0.03 dB in one of 3.1 × 8.5 × 6.4 m, EDT up to 0.8 % and C80 up to 0.04 dB in
+/// one of 24.8 × 2.5 × 3.8 m.
 const ERRORS: CommonErrors = CommonErrors {
     decay_share: 0.003,
     early_decay_share: 0.005,
@@ -37,13 +37,13 @@ const ERRORS: CommonErrors = CommonErrors {
     centre_s: 0.0,
 };
 
-/// Radius in metres if an object is in the room: it hides part of the flutter echo between walls, and a large sphere
-/// extends beyond that shadow. In 14 random rooms with a ball or a box T30 differed from that in the listener's own
-/// sphere of 0.3 m by 1.1 % (rms of all bands, except noise) with 1 m, 0.6 % with 0.7 m and 0.4 % with 0.5 m, in the
-/// worst of them by 4.4, 2.8 and 1.8 %; by 2.2 and 1.7 % with 1 and 0.5 m if all surfaces scatter 0.1.
+/// Radius in metres if an object is in the room: the object hides part of the flutter echo between walls, and a large
+/// sphere extends beyond that shadow. In 14 random rooms with a ball or a box T30 differed from that in the listener's
+/// own sphere of 0.3 m by 1.1 % (rms of all bands, without noise) with 1 m, 0.6 % with 0.7 m and 0.4 % with 0.5 m; in
+/// the worst of these rooms by 4.4, 2.8 and 1.8 %; by 2.2 and 1.7 % with 1 and 0.5 m if all surfaces scatter 0.1.
 const RADIUS_IN_SHADOWS_M: f32 = 0.5;
 
-/// The same errors with that radius.
+/// The corresponding errors for that radius.
 const ERRORS_IN_SHADOWS: CommonErrors = CommonErrors {
     decay_share: 0.005,
     early_decay_share: 0.005,
@@ -52,13 +52,14 @@ const ERRORS_IN_SHADOWS: CommonErrors = CommonErrors {
     centre_s: 0.0,
 };
 
-/// Additional error of a sphere of 1 m in a room that scatters: sound from a place nearby that passes beside its centre
-/// is counted as early as sound from far away, which is too early by b²/2l (b: how far it passes the centre, l: how far
-/// off it was scattered). Ts was 0.03 to 0.35 ms too early in two random rooms, and C50 0.03 to 0.10 dB too high.
+/// Additional error of a sphere of 1 m in a room that scatters: sound from a nearby point that passes beside the
+/// sphere's centre is timed like sound from far away, which is too early by b²/2l (b: distance from the centre, l:
+/// distance from the point of scattering). In two random rooms Ts was 0.03 to 0.35 ms too early, and C50 0.03 to 0.10
+/// dB too high.
 const SCATTERED_CLARITY_DB: f64 = 0.06;
 const SCATTERED_CENTRE_S: f64 = 2e-4;
 
-/// Reach of the sphere in distances of a room's wall.
+/// Maximum radius of the sphere, in multiples of the distance to a room's wall.
 const BEHIND_WALLS: f32 = 2.0;
 
 /// The sphere of a listener.
@@ -66,12 +67,12 @@ const BEHIND_WALLS: f32 = 2.0;
 pub(in crate::response) struct LateSphere {
     /// Radius in metres, at least that of the listener.
     pub radius_m: f32,
-    /// The larger sphere's errors of figures; `None` for the listener's own sphere.
+    /// The errors of figures from the larger sphere; `None` for the listener's own sphere.
     pub errors: Option<CommonErrors>,
 }
 
-/// Minimum order of exact paths for the larger sphere. With fewer reflections early echoes count as late ones, which
-/// differ over the sphere: next to a source on the floor G of `--order 0` was 0.67 dB off.
+/// Minimum order of exact paths for the larger sphere. With a lower order, early echoes count as late, and these differ
+/// over the sphere: next to a source on the floor, G with `--order 0` was 0.67 dB off.
 pub(in crate::response) const LEAST_ORDER: u32 = 3;
 
 impl LateSphere {
@@ -115,7 +116,7 @@ fn scattered(errors: CommonErrors, radius_m: f32) -> CommonErrors {
     }
 }
 
-/// Whether an object is in the room.
+/// Whether there is an object in the room.
 pub(in crate::response) fn casts_shadows(scene: &Scene) -> bool {
     scene.surfaces.iter().any(|surface| {
         let node = &surface.shape.node;
@@ -137,9 +138,9 @@ fn reach_m(pair: Pair) -> f32 {
     reaches.fold(f32::INFINITY, f32::min)
 }
 
-/// The relative bias of a mean over a sphere of radius R, over (R / h)², where h is the distance of the source's
-/// nearest image. The mean of 1/r² over a small sphere is higher than at its centre by R² / 5 h². In a corner there are
-/// three images and their reflections; the factor is doubled for these.
+/// The relative bias of a mean over a sphere of radius R, in units of (R / h)², where h is the distance of the source's
+/// nearest image. The mean of 1/r² over a small sphere is higher than its value at the centre by R² / 5 h². In a corner
+/// there are three images and their reflections; the factor is doubled for these.
 const BIAS: f64 = 0.4;
 
 /// The same arrivals in two spheres.
@@ -160,7 +161,7 @@ impl NearScattering {
         NearScattering {
             own: like.without_arrivals(),
             wide: like.without_arrivals(),
-            // At most all of the energy, even with source and listener at one place on a wall.
+            // At most all of the energy, even with source and listener at the same point on a wall.
             bias: if is_wider {
                 (BIAS * square).min(1.0)
             } else {
@@ -169,7 +170,7 @@ impl NearScattering {
         }
     }
 
-    /// Adds the weighted mean of the two to `echogram`, and its possible bias to `bias`.
+    /// Adds the weighted mean of the two echograms to `echogram`, and its possible bias to `bias`.
     pub fn add_to(&self, echogram: &mut Echogram, bias: &mut Echogram) {
         let weights: Bands = std::array::from_fn(|band| self.weight_of_wide(band));
         echogram.add_scaled(&self.own, &weights.map(|weight| 1.0 - weight));
@@ -187,7 +188,7 @@ impl NearScattering {
         if wide == 0.0 {
             return 0.0;
         }
-        // The weight from variances 1/own and 1/wide + bias², without division by 0.
+        // The weight from variances 1/own and 1/wide + bias², written without a division by 0.
         1.0 / (1.0 + own * (1.0 / wide + self.bias.powi(2)))
     }
 }
@@ -260,8 +261,8 @@ mod tests {
         assert!((radius(vec![hollow_box], Vec3::X * 4.6) - 0.4).abs() < 1e-5);
     }
 
-    /// Protects figures behind obstacles: the sphere is smaller there, and its errors are reported; they are 0 for the
-    /// listener's own sphere.
+    /// Protects figures behind obstacles: the sphere is smaller there, and its errors are reported. For the listener's
+    /// own sphere these errors are 0.
     #[test]
     fn shadows_make_the_sphere_smaller() {
         let ball = Surface::new(Sphere { radius: 0.5 }).at(Vec3::X * 3.0);
@@ -304,7 +305,8 @@ mod tests {
         echogram
     }
 
-    /// Protects the distance of the source's image in a wall: 0.1 m and 0.4 m from it, 0.3 m and 0.4 m apart.
+    /// Protects the distance of the source's image in a wall, with source and listener 0.1 m and 0.4 m from the wall,
+    /// and 0.3 m and 0.4 m apart.
     #[test]
     fn the_nearest_image_is_that_of_the_source_in_its_wall() {
         let square = nearest_image_m2(corner(0.5).only_pair().unwrap());
@@ -315,8 +317,8 @@ mod tests {
         );
     }
 
-    /// Protects figures next to scattering walls: the larger sphere gets no weight if its bias is above the noise of
-    /// the listener's own sphere, and almost all weight without bias.
+    /// Protects figures next to scattering walls: the larger sphere gets no weight if its bias exceeds the noise of the
+    /// listener's own sphere, and almost all weight without bias.
     #[test]
     fn the_larger_sphere_counts_as_its_bias_allows() {
         let of = |bias: f64| {

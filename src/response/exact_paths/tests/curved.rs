@@ -18,8 +18,8 @@ fn hollow(radius: f32) -> Surface {
     Surface::new(Shape::from(Sphere { radius }).complement())
 }
 
-/// Lengths of stationary paths at a circle with the radius, in the plane of both ends and the
-/// centre, by a search over the whole circle (Alhazen's problem).
+/// Lengths of stationary paths at a circle with this radius, in the plane of both ends and the centre, found by a
+/// search over the whole circle (Alhazen's problem).
 fn alhazen(source: DVec3, listener: DVec3, radius: f64) -> Vec<f64> {
     let x = source.normalize();
     let y = (listener - x * listener.dot(x)).normalize();
@@ -35,7 +35,7 @@ fn alhazen(source: DVec3, listener: DVec3, radius: f64) -> Vec<f64> {
     all
 }
 
-/// Protects Alhazen's problem at a convex mirror, compared with a search: length and spreading.
+/// Protects Alhazen's problem at a convex mirror, with length and spreading compared with a search.
 #[test]
 fn a_ball_mirrors_as_a_search_says() {
     let ends = [
@@ -76,8 +76,7 @@ fn a_hollow_ball_has_all_of_alhazens_paths() {
             assert!((path.length_m - length).abs() < 1e-9);
             assert_specular(&scene, path, SPECULAR);
             let error = area(path) / traced_area(&scene, path, 1e-3) - 1.0;
-            // Normals of marched fields are accurate to 1e-9, differences to the square of the
-            // angle.
+            // Normals of marched fields are accurate to 1e-9, and differences to the square of the angle.
             assert!(error.abs() < 1e-4, "{error} at {path:?}");
         }
     }
@@ -101,10 +100,10 @@ fn a_hollow_ball_gathers_as_the_mirrors_equation_says() {
     }
 }
 
-/// Protects the scale of spreading: the energy mirrored by a ball, integrated over a distant
-/// sphere, is what it intercepts, (1 − √(1 − R²/d²))/2 of the source's power. Around the axis it is
-/// constant; along the axis it is integrated by Simpson's rule over 2000 parts, accurate to 1e-5
-/// for a density that has a kink at the shadow's border.
+/// Protects the scale of spreading: the energy mirrored by a ball, integrated over a distant sphere, is the energy that
+/// the ball intercepts, (1 − √(1 − R²/d²))/2 of the source's power. The density is constant around the axis; along the
+/// axis Simpson's rule over 2000 parts integrates it, accurate to 1e-5 for a density that has a kink at the shadow's
+/// border.
 #[test]
 fn a_ball_mirrors_the_energy_that_it_intercepts() {
     let (radius, away, far) = (1.0f64, 3.0f64, 100.0f64);
@@ -117,7 +116,7 @@ fn a_ball_mirrors_the_energy_that_it_intercepts() {
             listener,
             ..Ends::of(scene.only_pair().unwrap())
         };
-        // Half way between both ends, seen from the ball.
+        // Halfway between both ends, seen from the ball.
         let normal = (listener.normalize() + DVec3::X + DVec3::Y * 1e-9).normalize();
         let mut candidates = Candidates::new(1);
         candidates.add(0, &[vertex(1, normal * radius, normal)]);
@@ -169,9 +168,8 @@ fn any_number_of_threads_finds_the_same() {
     assert_eq!(one, run(3));
 }
 
-/// The shortest path at a cylinder about y, by a search: seen along y it is a path at a circle,
-/// whose stationary angle does not depend on heights, because the length of a straight line on the
-/// unrolled strip is √(flat² + rise²).
+/// The shortest path at a cylinder about y, found by a search: seen along y it is a path at a circle, whose stationary
+/// angle does not depend on heights, because the length of a straight line on the unrolled strip is √(flat² + rise²).
 fn searched(source: DVec3, listener: DVec3, radius: f64) -> f64 {
     let flat = |p: DVec3| DVec2::new(p.x, p.z);
     let (a, b) = (flat(source), flat(listener));
@@ -207,9 +205,8 @@ fn a_cylinder_mirrors_as_a_search_says() {
     }
 }
 
-/// Protects sequences of several curved surfaces and planes: two turned pillars on a floor, to
-/// order 3, and reciprocity: with the ends swapped the paths are the same, including lengths and
-/// spreading.
+/// Protects sequences of several curved surfaces and planes, with two turned pillars on a floor, to order 3; and
+/// reciprocity: with the ends swapped the paths are the same, including lengths and spreading.
 #[test]
 fn two_pillars_and_a_floor_mirror_in_turn() {
     let leaning = Quat::from_rotation_z(0.2);
@@ -254,7 +251,7 @@ fn two_pillars_and_a_floor_mirror_in_turn() {
     }
 }
 
-/// Protects finite cylinders: side and flat ends, each within its edges.
+/// Protects finite cylinders: side and flat ends mirror, each within its edges.
 #[test]
 fn a_drum_has_a_side_and_two_ends() {
     let drum = Surface::new(CappedCylinder {
@@ -276,8 +273,8 @@ fn a_drum_has_a_side_and_two_ends() {
     }
 }
 
-/// Protects the beam of a paraboloid: after the mirror its front keeps the area r² that it has
-/// there, r metres from the focus, however far the listener is.
+/// Protects the beam of a paraboloid: behind the mirror its front keeps the area r² that it has at the mirror, r metres
+/// from the focus, however far away the listener is.
 #[test]
 fn a_source_in_the_focus_of_a_dish_gives_a_beam() {
     // Turned: it opens along +x.
@@ -305,8 +302,7 @@ fn a_source_in_the_focus_of_a_dish_gives_a_beam() {
     }
 }
 
-/// Protects perfect foci: one path for the whole gallery, as all have the same length, with finite
-/// energy.
+/// Protects perfect foci: all paths in the gallery have the same length, so they count as one path with finite energy.
 #[test]
 fn focus_to_focus_is_one_focus() {
     let gallery = Shape::from(Ellipsoid {
@@ -339,7 +335,7 @@ fn two_dishes_have_a_focus() {
     let foci: Vec<_> = found.paths.iter().filter(|path| path.is_focus).collect();
     let [path] = foci[..] else { panic!("{foci:?}") };
     assert_eq!(path.surfaces, [2, 3]);
-    // The lengths from focus to mirror equal the distances to the directrix.
+    // The distances from a mirror's points to the focus equal their distances to the directrix.
     assert!(
         (path.length_m - (30.0 + 4.0)).abs() < 1e-6,
         "{}",

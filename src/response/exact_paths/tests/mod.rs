@@ -1,4 +1,4 @@
-//! Compares early paths with closed forms, brute force, and bundles of traced rays.
+//! Compares early paths with closed forms, exhaustive searches, and bundles of traced rays.
 
 use super::{Candidates, EarlyPaths, Ends, Found, Missed, NoPath, SpecularPath, Vertex};
 use crate::geometry::ExactScene;
@@ -38,7 +38,7 @@ pub fn directions(count: usize) -> Vec<Vec3> {
     (0..count).map(direction).collect()
 }
 
-/// The paths found by `waves` waves that come within `reach` metres of the listener.
+/// The paths found by `waves` waves, counting flights within `reach` metres of the listener.
 pub fn found(scene: &Scene, waves: usize, order: u32, reach: f64) -> Found {
     let early = EarlyPaths::new(scene).expect("a valid scene");
     let ends = Ends::of(scene.only_pair().unwrap());
@@ -57,8 +57,8 @@ pub fn area(path: &SpecularPath) -> f64 {
     1.0 / (4.0 * PI * path.spreading)
 }
 
-/// The same from eight rays around the path's departure, by differences of fourth order, without
-/// using curvatures. The rays are `angle` radians off, and twice that.
+/// The area of the front from eight rays around the path's departure, by differences of fourth order, without using
+/// curvatures. The rays are `angle` radians off, and twice that.
 pub fn traced_area(scene: &Scene, path: &SpecularPath, angle: f64) -> f64 {
     let exact = ExactScene::new(scene).expect("a valid scene");
     let ends = Ends::of(scene.only_pair().unwrap());
@@ -95,7 +95,7 @@ pub fn roots(steps: usize, value: impl Fn(f64) -> f64) -> Vec<f64> {
     (0..steps).filter(has_root).map(bisect).collect()
 }
 
-/// Asserts that every reflection is specular, to `most` radians.
+/// Asserts that every reflection is specular, to within `most` radians.
 pub fn assert_specular(scene: &Scene, path: &SpecularPath, most: f64) {
     let ends = Ends::of(scene.only_pair().unwrap());
     let mut all = vec![ends.source];
@@ -135,8 +135,8 @@ const SIZE: Vec3 = Vec3::new(8.0, 3.0, 5.0);
 const SOURCE: Vec3 = Vec3::new(-2.1, 0.2, -1.3);
 const LISTENER: Vec3 = Vec3::new(1.9, -0.4, 1.1);
 
-/// Images of the source in an empty room about the origin, up to an order: vector from the listener
-/// to the image, and order.
+/// Images of the source in an empty room about the origin, up to an order: the vector from the listener to the image,
+/// and the image's order.
 fn images(order: i32) -> Vec<(DVec3, usize)> {
     let (size, source) = (SIZE.as_dvec3(), SOURCE.as_dvec3());
     let mut all = Vec::new();
@@ -178,8 +178,8 @@ fn assert_all_images(scene: &Scene, into_room: Quat) {
     }
 }
 
-/// Protects the whole early part of a shoebox: every image to order 3, its length to 1e-9 m, the
-/// direction it comes from, and 1/(4π L²).
+/// Protects the whole early part of a shoebox: every image to order 3, its length to 1e-9 m, its direction, and 1/(4π
+/// L²).
 #[test]
 fn a_shoebox_has_all_its_images() {
     let room = Surface::new(Room { size: SIZE });
@@ -254,8 +254,7 @@ fn walls_are_numbered_by_axis_and_side() {
     assert_eq!(by_way_of(&found, &[1]).len(), 6);
 }
 
-/// Protects a path exactly through an edge of a room: there is one, though either wall may come
-/// first.
+/// Protects a path exactly through an edge of a room: there is one path, though either wall may come first.
 #[test]
 fn an_edge_is_one_path() {
     let room = Surface::new(Room {
@@ -278,8 +277,8 @@ fn an_edge_is_one_path() {
     );
 }
 
-/// Protects flat faces of solids: the top of a box mirrors, beyond its edge it does not, and no
-/// path goes over the edge.
+/// Protects flat faces of solids: the top of a box mirrors within its edges but not beyond, and no path goes over the
+/// edge.
 #[test]
 fn a_box_mirrors_within_its_faces() {
     let size = Vec3::new(4.0, 1.0, 4.0);
@@ -298,8 +297,8 @@ fn a_box_mirrors_within_its_faces() {
     }
 }
 
-/// Protects shadows: a box between both ends blocks the direct sound and leaves the echo, and
-/// one that reaches to the ground blocks both.
+/// Protects shadows: a box between both ends blocks the direct sound but not the echo, and a box that reaches to the
+/// ground blocks both.
 #[test]
 fn an_obstacle_blocks_what_it_crosses() {
     let ground = Surface::new(Plane).at(Vec3::Y * -2.0);
@@ -321,7 +320,7 @@ fn an_obstacle_blocks_what_it_crosses() {
     }
 }
 
-/// Protects against paths within solids: a candidate on the far side of a ball has none.
+/// Protects against paths inside solids: a candidate on the far side of a ball has no path.
 #[test]
 fn a_reflection_comes_from_the_air() {
     let ball = Surface::new(Sphere { radius: 1.0 });
@@ -355,8 +354,8 @@ fn users_fields_are_not_exact() {
     assert_eq!(found.outcomes, [Err(NoPath::NotExact)]);
 }
 
-/// Protects the estimate of missed paths: many waves miss little, few miss much, and without waves
-/// the estimate is `None`.
+/// Protects the estimate of missed paths: with many waves it is small, with few it is large, and without waves it is
+/// `None`.
 #[test]
 fn few_waves_say_that_they_miss_much() {
     let size = Vec3::new(20.0, 5.0, 13.0);

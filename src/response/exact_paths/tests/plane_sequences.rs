@@ -7,8 +7,7 @@ use crate::{Scene, Shape, Surface};
 use glam::{Quat, Vec3};
 use std::f64::consts::PI;
 
-/// The paths found from sequences of planes alone, and the number of reflections up to which all
-/// are tried.
+/// The paths found from sequences of planes alone, and the number of reflections up to which all sequences are tried.
 fn by_planes(scene: &Scene, order: u32) -> (Vec<SpecularPath>, u32) {
     let early = EarlyPaths::new(scene).expect("a valid scene");
     let ends = Ends::of(scene.only_pair().unwrap());
@@ -30,7 +29,7 @@ fn a_long_room_has_all_its_images() {
     );
     let (paths, known) = by_planes(&scene, 8);
     assert_eq!(known, 8);
-    // 4 n² + 2 images of n reflections.
+    // n reflections have 4 n² + 2 images.
     assert_eq!(paths.len(), 833);
     assert!(
         paths
@@ -39,8 +38,8 @@ fn a_long_room_has_all_its_images() {
     );
 }
 
-/// Protects paths among obstacles, and the order up to which all are known: a very large number of directions finds
-/// the same paths there as the images of the source.
+/// Protects paths among obstacles, and the order up to which all are known: a very large number of directions finds the
+/// same paths as the images of the source.
 #[test]
 fn paths_among_boxes_are_all_known() {
     let size = Vec3::new(9.0, 4.0, 7.0);
@@ -106,7 +105,7 @@ fn fields_of_planes_have_the_paths_of_basic_shapes() {
     }
 }
 
-/// Protects the number of images that are tried: faces of a field's parts in one plane count as one.
+/// Protects the number of images tried: faces of a field's parts in one plane count as one.
 #[test]
 fn flush_parts_of_a_field_are_one_plane() {
     let size = Vec3::new(5.0, 3.0, 5.0);
@@ -123,8 +122,8 @@ fn flush_parts_of_a_field_are_one_plane() {
     assert_eq!((known, paths.len()), (4, 129));
 }
 
-/// Protects the loudness of a source on a wall, in an edge and in a corner of the room, and on a box: paths are those
-/// of a source next to it.
+/// Protects the loudness of a source on a wall, in an edge and in a corner of the room, and on a box: its paths are
+/// those of a source next to it.
 #[test]
 fn a_source_on_a_wall_has_the_paths_of_one_next_to_it() {
     let size = Vec3::new(8.0, 3.0, 5.0);
@@ -153,14 +152,14 @@ fn a_source_on_a_wall_has_the_paths_of_one_next_to_it() {
     }
 }
 
-/// Protects a source in a corner from having fewer paths: all of eight reflections are known there too, in a room and
-/// in a hollow box.
+/// Protects a source in a corner from having fewer paths: all paths of up to eight reflections are known there too, in
+/// a room and in a hollow box.
 #[test]
 fn a_source_in_a_corner_has_all_its_images() {
     let size = Vec3::new(8.0, 3.0, 5.0);
     let hollow = Shape::from(Cuboid { size }).complement();
     for room in [Shape::from(Room { size }), hollow] {
-        // Rounding aside, the second listener has paths through edges.
+        // Except for rounding, the second listener has paths through edges.
         for listener in [Vec3::new(3.0, -0.3, 1.2), Vec3::new(2.0, -0.3, 1.5)] {
             let scene = scene(vec![Surface::new(room.clone())], size / -2.0, listener);
             let (paths, known) = by_planes(&scene, 8);
@@ -169,8 +168,8 @@ fn a_source_in_a_corner_has_all_its_images() {
     }
 }
 
-/// Protects the loudness of a source in an edge or a corner of a hollow box: waves that pass the listener are those of
-/// a room, mirrored by each wall in turn.
+/// Protects the loudness of a source in an edge or a corner of a hollow box: each wall in turn mirrors its waves, and
+/// those that pass the listener are the same as in a room.
 #[test]
 fn waves_leave_the_edges_of_a_hollow_box_as_those_of_a_room() {
     let size = Vec3::new(8.0, 3.0, 5.0);
@@ -208,8 +207,9 @@ fn edges_of_a_box_mirror_nothing_into_the_air_before_them() {
     }
 }
 
-/// Protects the loudness of a source on an edge and at a corner of a box: waves into the solid there are mirrored by
-/// one of its faces, and do not have images in each. (Three quarters, or seven eighths, of the sound fly off.)
+/// Protects the loudness of a source on an edge and at a corner of a box: each wave into the solid is mirrored by one
+/// of its faces, and does not have an image in each face. (Three quarters, or seven eighths, of the sound do not enter
+/// the solid.)
 #[test]
 fn edges_of_a_box_mirror_no_sound_twice() {
     let block = Surface::new(Cuboid { size: Vec3::ONE });
@@ -259,12 +259,12 @@ fn the_foot_of_a_box_is_mirrored_by_the_floor_alone() {
     }
 }
 
-/// Protects the loudness of a source and a listener on one wall: the wall mirrors waves along it, as it does those
-/// slightly off it.
+/// Protects the loudness of a source and a listener on one wall: the wall mirrors waves along it, just as it mirrors
+/// waves at a small angle to it.
 #[test]
 fn a_wall_mirrors_what_flies_along_it() {
     let size = Vec3::new(8.0, 3.0, 5.0);
-    // On the floor, on the floor and in one of its edges, and both in an edge.
+    // Both on the floor; one of them also in an edge of the floor; both in an edge.
     for (source, listener) in [
         (Vec3::new(-2.0, -1.5, 0.5), Vec3::new(3.0, -1.5, 1.25)),
         (Vec3::new(-4.0, -1.5, 0.5), Vec3::new(3.0, -1.5, 1.25)),
@@ -278,7 +278,7 @@ fn a_wall_mirrors_what_flies_along_it() {
             paths.iter().map(|p| p.length_m).collect::<Vec<f64>>()
         };
         let near = lengths(1e-4);
-        // 1, 6, 18, 38 and 66 images of none to four reflections.
+        // None to four reflections have 1, 6, 18, 38 and 66 images.
         assert_eq!(near.len(), 129);
         for off in [0.0, 1e-6] {
             let at = lengths(off);
@@ -289,8 +289,7 @@ fn a_wall_mirrors_what_flies_along_it() {
     }
 }
 
-/// Protects a source on a turned wall, which lies in its solid by rounding: it counts as on the
-/// wall.
+/// Protects a source on a turned wall, which is inside its solid by rounding: the source counts as on the wall.
 #[test]
 fn a_source_within_rounding_of_a_wall_is_on_it() {
     let size = Vec3::new(8.0, 3.0, 5.0);

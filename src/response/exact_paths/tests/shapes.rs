@@ -121,10 +121,10 @@ fn trees() -> Vec<Shape> {
 /// Number of waves that hit a shape in the test below.
 const TRIED: usize = 40;
 
-/// Protects every kind of sheet with its derivatives, moved and turned: to any listener that a
-/// reflected wave passes there is a path, it is specular, and its front has the area found by
-/// traced rays. The listener is put 3 m along a reflected wave, and the path is solved for from
-/// another wave 0.01 rad away; next to edges, seams and outlines that wave may miss.
+/// Protects every kind of sheet with its derivatives, moved and turned: for any listener that a reflected wave passes
+/// there is a path, it is specular, and its front has the area found by traced rays. The listener is 3 m along a
+/// reflected wave, and the path is solved for from another wave 0.01 rad away, which may miss next to edges, seams and
+/// outlines.
 #[test]
 fn shapes_mirror_as_rays_do() {
     let turn = Quat::from_euler(EulerRot::YXZ, 0.5, -0.8, 0.3);
@@ -140,25 +140,24 @@ fn shapes_mirror_as_rays_do() {
             let Some(path) = path_along(&mut scene, unit, unit + 0.01 * random.direction()) else {
                 continue;
             };
-            // Within 1e-8 m of the border of a blend, points have the sheet on one side of it;
-            // normals turn by the root of that.
+            // Within 1e-8 m of the border of a blend, points have the sheet on one side of the border; normals turn by
+            // the square root of that distance.
             assert_specular(&scene, &path, 1e-4);
-            // A bundle over the seam of two sheets gives a different area for each width.
+            // For a bundle over the seam of two sheets the area depends on the bundle's width.
             let [traced, wider] = [1e-4, 2e-4].map(|angle| traced_area(&scene, &path, angle));
             if (wider / traced - 1.0).abs() > 1e-4 {
                 continue;
             }
             met += 1;
             let error = area(&path) / traced - 1.0;
-            // Normals of marched fields are accurate to 1e-9, and so differences to 1e-5; 1e-3 is
-            // 0.004 dB.
+            // Normals of marched fields are accurate to 1e-9, and so differences to 1e-5; 1e-3 corresponds to 0.004 dB.
             assert!(error.abs() < 1e-3, "{name}: {error} at {path:?}");
         }
         assert!(met >= TRIED * 4 / 5, "{name}: {met} paths");
     }
 }
 
-/// Directions from the source that are mirrored once and are then free for 3 m.
+/// Directions from the source in which a wave is mirrored once and then flies freely for 3 m.
 fn mirrored(scene: &Scene) -> Vec<DVec3> {
     let exact = ExactScene::new(scene).expect("a valid scene");
     let start = scene.sources[0].position.as_dvec3();
@@ -174,8 +173,7 @@ fn mirrored(scene: &Scene) -> Vec<DVec3> {
     units.filter(is_mirrored).take(TRIED).collect()
 }
 
-/// The path that departs along `unit` to a listener on that wave, solved for from a wave at
-/// `beside`.
+/// The path that departs along `unit` to a listener on that wave, solved for from a wave that departs along `beside`.
 fn path_along(scene: &mut Scene, unit: DVec3, beside: DVec3) -> Option<SpecularPath> {
     let exact = ExactScene::new(&*scene).expect("a valid scene");
     let flight = exact.follow(Ends::of(scene.only_pair().unwrap()).source, unit, 1, |_| ())?;
@@ -217,7 +215,7 @@ fn furnished() -> Scene {
     )
 }
 
-/// A path's reflections in the other direction.
+/// A path's reflections in reverse order.
 fn reversed(path: &SpecularPath, ends: &Ends) -> Vec<Vertex> {
     let mut all = vec![ends.source];
     all.extend(&path.points);
@@ -233,9 +231,8 @@ fn reversed(path: &SpecularPath, ends: &Ends) -> Vec<Vertex> {
     (1..all.len() - 1).rev().map(vertex).collect()
 }
 
-/// Protects reciprocity among all kinds of surfaces: every path is also one from the listener to
-/// the source, with the same length and spreading. From the other side, other surfaces hide and
-/// other points come first.
+/// Protects reciprocity among all kinds of surfaces: every path also leads from the listener to the source, with the
+/// same length and spreading. In reverse, other surfaces hide and other points come first.
 #[test]
 fn every_path_goes_back() {
     let there = furnished();
@@ -258,14 +255,13 @@ fn every_path_goes_back() {
         let other = &again.paths[index];
         assert!((path.length_m - other.length_m).abs() < 1e-9);
         assert!((path.departure + other.arrival_direction).length() < 1e-8);
-        // The front at a torus' marched neighbour has the error of its normals.
+        // The front next to a marched torus has the error of its normals.
         let error = (path.spreading / other.spreading - 1.0).abs();
         assert!(error < 1e-7, "{error} at {path:?}");
     }
 }
 
-/// Protects the estimate of what the waves miss, compared with twenty times as many: the energy of
-/// the additional paths that these find.
+/// Protects the estimate of missed energy, compared with the additional paths that twenty times as many waves find.
 #[test]
 fn what_more_waves_find_was_estimated() {
     let scene = furnished();
@@ -287,7 +283,7 @@ fn what_more_waves_find_was_estimated() {
         "{} {missed:?}",
         new.len()
     );
-    // Good's variance is about (f1 + 2 f2)/n²; three deviations.
+    // Good's variance is about (f1 + 2 f2)/n²; the test allows three standard deviations.
     let once_and_twice = (missed.found_once + 2 * missed.found_twice) as f64;
     let deviation = once_and_twice.sqrt() / missed.waves as f64;
     assert!(
@@ -296,8 +292,8 @@ fn what_more_waves_find_was_estimated() {
     );
 }
 
-/// Protects spreading, compared with counts of waves: of N waves, N reach² / (4 A) come within
-/// `reach` of the listener by a path, plus or minus the root of that.
+/// Protects spreading, compared with counts of waves: of N waves, N reach² / (4 A) come within `reach` of the listener
+/// along a path, with a standard deviation of the square root of that.
 #[test]
 fn as_many_waves_arrive_as_the_spreading_says() {
     let (waves, reach) = (400_000, 0.3);
