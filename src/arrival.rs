@@ -1,26 +1,24 @@
-//! Sound that arrives at a listener: crossings of its sphere by waves, and exact taps.
+//! Sound that arrives at a listener: waves that cross its sphere, and exact taps.
 
 use crate::bands::Bands;
 use glam::DVec3;
 
-/// One crossing of the listener's sphere by one wave.
+/// One crossing of the listener's sphere by a wave.
 ///
-/// The listener is transparent. A crossing is one sample of the energy density at the listener:
-/// its expectation over the waves is the mean of the density over the sphere's open volume
-/// (M. Vorländer, *Auralization*, 2008, section 11.3: detectors with a volume).
+/// The listener is transparent. A crossing is one sample of the energy density at the listener: its expectation over
+/// the waves is the mean density over the sphere's open volume (M. Vorländer, *Auralization*, 2008, section 11.3:
+/// detectors with a volume).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arrival {
     /// The wave's number.
     pub wave: u32,
-    /// Whether the wave was only mirrored, and at most as often as exact paths are: then such a
-    /// path replaces it.
+    /// Whether the wave was only mirrored, and at most as often as exact paths are: an exact path then replaces it.
     pub is_early: bool,
-    /// Reflections before the crossing, mirrored and scattered ones.
+    /// Number of reflections before the crossing, mirrored and scattered.
     pub reflections: u32,
-    /// Metres flown from the source to the middle of the chord through the sphere. The middle is
-    /// the point nearest to the sphere's centre, so that for mirrored waves this is the length of
-    /// the path to the centre, except for b² / 2 l (b: distance at which the wave passes the
-    /// centre, l: metres from the source's image).
+    /// Length in metres from the source to the middle of the chord through the sphere. The middle is the point nearest
+    /// to the sphere's centre, so that for mirrored waves this is the length of the path to the centre, except for b² /
+    /// 2 l (b: distance at which the wave passes the centre, l: metres from the source's image).
     pub length_m: f64,
     /// Direction of flight: a unit vector, world axes.
     pub direction: DVec3,

@@ -3,7 +3,7 @@
 /// Number of octave bands.
 pub const BAND_COUNT: usize = 8;
 
-/// Centre frequencies in hertz (ISO 266): those for which absorption is commonly published.
+/// Centre frequencies in hertz (ISO 266), for which absorption is commonly published.
 pub const BANDS_HZ: [f64; BAND_COUNT] = [63.0, 125.0, 250.0, 500.0, 1e3, 2e3, 4e3, 8e3];
 
 /// One number per octave band.
@@ -42,7 +42,7 @@ impl PerBand for [f32; BAND_COUNT] {
 /// The weight 1 in each band.
 pub(crate) const ALL: Bands = [1.0; BAND_COUNT];
 
-/// Adds numbers, band by band.
+/// Adds `more` to `sum`, band by band.
 #[doc(hidden)]
 pub fn add(sum: &mut Bands, more: &Bands) {
     for (sum, more) in sum.iter_mut().zip(more) {
@@ -63,7 +63,7 @@ pub fn mean(bands: &Bands) -> f64 {
     bands.iter().sum::<f64>() / BAND_COUNT as f64
 }
 
-/// Energies after `length_m` metres of air: each multiplied by exp(−`air_per_m` × length) (ISO 9613-1 gives the
+/// Energies after `length_m` metres of air: each is multiplied by exp(−`air_per_m` × length) (ISO 9613-1 gives the
 /// attenuation in decibels: m = α ln 10 / 10).
 pub(crate) fn through_air(energy: &Bands, air_per_m: &Bands, length_m: f64) -> Bands {
     // Without air the factor is 1; a response has about a million arrivals, so the shortcut pays.

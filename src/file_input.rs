@@ -1,9 +1,8 @@
-//! Reads files: only regular ones, up to a size limit for each kind, and remembers each as an input
-//! so that no output replaces it.
+//! Reads regular files up to a size limit for each kind, and records each as an input so that no output replaces it.
 //!
-//! A scene may be untrusted, and it names other files. Reading a pipe would block, a device is
-//! endless, and a file may exceed the memory: all are rejected before a byte is read. In a folder that others can write
-//! to, only a plain file of exactly the given name is opened.
+//! A scene may be untrusted, and it names other files. Reading a pipe would block, a device is endless, and a file may
+//! exceed the memory: all are rejected before a byte is read. In a folder that others can write to, only a plain file
+//! with exactly the given name is opened.
 
 use crate::platform;
 use std::collections::BTreeSet;
@@ -28,7 +27,7 @@ pub struct MalformedText {
 }
 
 impl MalformedText {
-    /// The fault at a line and column of a text.
+    /// Creates the error for a line and column of a text.
     #[doc(hidden)]
     pub fn new(origin: &str, (line, column): (usize, usize), message: String) -> MalformedText {
         MalformedText {
@@ -40,14 +39,14 @@ impl MalformedText {
     }
 }
 
-/// A file that is not read, and why.
+/// Error when a file is not read.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum InputError {
     /// The program runs in a browser, which has no files.
     #[error("there are no files in a browser")]
     NoFiles,
-    /// The system's error, or the file is not text where it must be.
+    /// The system's error, or the file should be text but is not.
     #[error(transparent)]
     Io(#[from] io::Error),
     /// The path does not lead to a regular file.
@@ -56,7 +55,7 @@ pub enum InputError {
         /// Its kind, with the article.
         found: &'static str,
     },
-    /// The file is larger than files of this kind may be.
+    /// The file exceeds the size limit of its kind.
     #[error("it is larger than {limit_bytes} bytes, the most that is read")]
     TooLarge {
         /// The limit in bytes.
@@ -64,18 +63,18 @@ pub enum InputError {
     },
 }
 
-/// An open regular file that is read at most up to its limit.
+/// An open regular file that is read only up to its limit.
 #[derive(Debug)]
 pub struct InputFile {
     file: File,
     length: u64,
     limit_bytes: u64,
-    /// Bytes that may still be read.
+    /// Number of bytes that may still be read.
     left: u64,
 }
 
 impl InputFile {
-    /// Opens a file of at most `limit_bytes` and remembers it as an input.
+    /// Opens a file of at most `limit_bytes` and records it as an input.
     ///
     /// # Errors
     /// [`InputError`].
@@ -105,7 +104,7 @@ impl InputFile {
         self.length
     }
 
-    /// Moves to a byte position, from the beginning.
+    /// Moves to a byte offset from the beginning.
     pub fn skip_to(&mut self, byte: u64) -> io::Result<()> {
         self.left = self.limit_bytes.saturating_sub(byte);
         self.file.seek(io::SeekFrom::Start(byte)).map(drop)
@@ -129,8 +128,8 @@ impl InputFile {
 }
 
 impl Read for InputFile {
-    /// Fails with [`InputError::TooLarge`] in the error if the file has grown beyond its limit
-    /// since it was opened.
+    /// Fails with [`InputError::TooLarge`] inside the I/O error if the file has grown beyond its limit since it was
+    /// opened.
     fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
         if self.left == 0 && !into.is_empty() {
             return match self.file.read(&mut [0])? {
@@ -150,7 +149,7 @@ impl Read for InputFile {
 }
 
 impl InputError {
-    /// The error that [`InputFile`] passed through a reader's error, or that error itself.
+    /// The error of [`InputFile`] inside an I/O error, or the I/O error itself.
     pub(crate) fn from_reading(error: io::Error) -> InputError {
         match error.downcast::<InputError>() {
             Ok(ours) => ours,
@@ -159,7 +158,7 @@ impl InputError {
     }
 }
 
-/// Reads the bytes of a file of at most `limit_bytes` and remembers it as an input.
+/// Reads the bytes of a file of at most `limit_bytes` and records it as an input.
 ///
 /// # Errors
 /// [`InputError`].
@@ -167,7 +166,7 @@ pub fn read(path: &Path, limit_bytes: u64) -> Result<Vec<u8>, InputError> {
     InputFile::open(path, limit_bytes)?.bytes()
 }
 
-/// Reads the text of a file of at most `limit_bytes` and remembers it as an input.
+/// Reads the text of a file of at most `limit_bytes` and records it as an input.
 ///
 /// # Errors
 /// [`InputError`]; [`InputError::Io`] for text that is not UTF-8.
@@ -175,8 +174,8 @@ pub fn read_text(path: &Path, limit_bytes: u64) -> Result<String, InputError> {
     InputFile::open(path, limit_bytes)?.text()
 }
 
-/// Opens a file whose metadata pass a check: before opening, if there is a file, since opening alone makes some devices
-/// act; and afterwards, since the path may lead to another file by then.
+/// Opens a file whose metadata pass a check. The check runs before opening, since merely opening some devices makes
+/// them act, and afterwards, since the path may by then lead to another file.
 fn open_checked<E: From<io::Error>>(
     path: &Path,
     options: &OpenOptions,
@@ -190,7 +189,7 @@ fn open_checked<E: From<io::Error>>(
     Ok((file, about))
 }
 
-/// Makes opening not wait for a pipe, and not follow a link unless `follows`.
+/// Sets flags so that opening does not wait for a pipe, and does not follow a link unless `follows`.
 #[cfg(unix)]
 fn set_flags(options: &mut OpenOptions, follows: bool) {
     use std::os::unix::fs::OpenOptionsExt;
@@ -243,15 +242,15 @@ fn special(_: FileType) -> &'static str {
 /// The reason for rejecting a pipe or a device.
 const NO_PLAIN_FILE: &str = "it exists already and is not a plain file";
 
-/// Opens the file of exactly this name, if it is a plain file, in a folder that others can write to: never the target of
-/// a link, a pipe or a device.
+/// Opens the file with exactly this name in a folder that others can write to, if it is a plain file: never the target
+/// of a link, a pipe or a device.
 ///
 /// # Errors
 /// [`ErrorKind::InvalidInput`] for a link, a pipe, a device; [`ErrorKind::IsADirectory`]; other errors of the system,
 /// such as [`ErrorKind::NotFound`].
 pub fn open_plain(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
     let found = match std::fs::symlink_metadata(path) {
-        // Opening may create it.
+        // Opening may create the file.
         Err(error) if error.kind() == ErrorKind::NotFound => None,
         found => Some(found?),
     };
@@ -267,7 +266,7 @@ pub fn open_plain(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
 /// Rejects anything except a plain file at `path`, by its metadata.
 ///
 /// # Errors
-/// As [`open_plain`].
+/// The errors of [`open_plain`].
 pub fn check_plain(path: &Path, about: &Metadata) -> io::Result<()> {
     if about.is_symlink() {
         return Err(link_refused(path));
@@ -291,7 +290,7 @@ pub fn link_refused(path: &Path) -> io::Error {
     io::Error::new(ErrorKind::InvalidInput, text)
 }
 
-/// Whether the system rejected a link that has appeared since the check.
+/// Whether the system rejected a link that was created after the check.
 #[cfg(unix)]
 fn is_link(error: &io::Error) -> bool {
     error.raw_os_error() == Some(libc::ELOOP)
@@ -317,7 +316,7 @@ pub fn count_names(_: &Metadata) -> u64 {
 /// Real paths of all files read as inputs.
 static INPUTS: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
-/// Real paths of all files that this run has written: reading one again does not make it an input.
+/// Real paths of all files written by this run: reading such a file again does not make it an input.
 static OUTPUTS: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
 fn note(path: &Path) {
@@ -331,7 +330,7 @@ fn note(path: &Path) {
     }
 }
 
-/// Remembers a file as written by this run.
+/// Records a file as written by this run.
 pub fn note_output(path: &Path) {
     if let Ok(real) = std::fs::canonicalize(path) {
         let mut outputs = OUTPUTS.lock().unwrap_or_else(PoisonError::into_inner);
@@ -339,7 +338,7 @@ pub fn note_output(path: &Path) {
     }
 }
 
-/// Whether `path` leads to a file that was read as an input, by any path, symbolic or hard link.
+/// Whether `path` leads to a file that was read as an input, through any path, symbolic or hard link.
 pub fn is_input(path: &Path) -> bool {
     let is_regular = std::fs::metadata(path).is_ok_and(|about| about.is_file());
     if !is_regular {
@@ -353,7 +352,7 @@ pub fn is_input(path: &Path) -> bool {
         .any(|input| real.as_ref() == Some(input) || (file.is_some() && identity(input) == file))
 }
 
-/// The identity of a file, the same for all paths to it: its device and its number there.
+/// The identity of a file, equal for all paths to it: its device and its number on that device.
 #[cfg(unix)]
 fn identity(path: &Path) -> Option<(u64, u64)> {
     use std::os::unix::fs::MetadataExt;
@@ -363,7 +362,7 @@ fn identity(path: &Path) -> Option<(u64, u64)> {
 
 #[cfg(windows)]
 fn identity(path: &Path) -> Option<same_file::Handle> {
-    // By now an input's name may lead to anything, and opening a pipe waits.
+    // By now an input's name may lead to another file, and opening a pipe would wait.
     let is_regular = std::fs::metadata(path).is_ok_and(|about| about.is_file());
     is_regular.then(|| same_file::Handle::from_path(path).ok())?
 }
@@ -377,7 +376,7 @@ fn identity(_: &Path) -> Option<()> {
 mod tests {
     use super::*;
 
-    /// Protects the memory: the limit is reported, and applies to the file's size and to the bytes read.
+    /// Protects memory: exceeding the limit is an error, both for the file's size and for the bytes read.
     #[test]
     fn no_more_than_the_limit_is_read() {
         let folder = tempfile::tempdir().unwrap();
@@ -386,7 +385,7 @@ mod tests {
         assert_eq!(read(&path, 5).unwrap(), b"12345");
         let refused = read(&path, 4).unwrap_err().to_string();
         assert!(refused.contains("larger than 4 bytes"), "{refused}");
-        // The file grows after it was opened.
+        // The file grows after it is opened.
         let open = InputFile::open(&path, 5).unwrap();
         std::fs::write(&path, b"123456").unwrap();
         assert!(matches!(
@@ -435,7 +434,7 @@ mod tests {
         assert!(!is_input(&other) && !is_input(&folder.path().join("absent")));
     }
 
-    /// Protects files that a run has written from counting as inputs once they are read again.
+    /// Protects files that a run has written from counting as inputs after they are read again.
     #[test]
     fn a_run_replaces_what_it_wrote() {
         let folder = tempfile::tempdir().unwrap();
@@ -467,7 +466,7 @@ mod tests {
             assert!(opened(&path(name)).is_err(), "{name}");
         }
         assert!(opened(Path::new("/dev/null")).is_err());
-        // No file is created for a link that leads nowhere.
+        // No file is created through a dangling link.
         let mut making = File::options();
         making.write(true).create(true);
         assert!(open_plain(&path("dangling"), &mut making).is_err());

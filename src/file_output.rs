@@ -1,13 +1,13 @@
 //! Atomic file writes.
 //!
-//! Everything is written to a temporary file in the target's folder and renamed at the end, so that
-//! an interrupted run leaves an older file unchanged. Inputs (a scene, a file that it names, a
-//! sound, answers) are never replaced, whatever path or link leads to them.
+//! Everything is written to a temporary file in the target's folder and renamed at the end, so that an interrupted run
+//! leaves an older file unchanged. Inputs (a scene, a file that it names, a sound, answers) are never replaced,
+//! whatever path or link leads to them.
 //!
 //! # Links
-//! For a path that the user typed, a symbolic link is followed and the file that it names is replaced ([`write_whole`],
+//! For a path that the user typed, a symbolic link is followed and its target is replaced ([`write_whole`],
 //! [`check_file`]). Files that the program itself names, in a folder that the user typed, must lie in that folder: a
-//! symbolic link of such a name is rejected ([`write_inside`], [`check_inside`], [`prepare_folder_inside`]). Existing
+//! symbolic link with such a name is rejected ([`write_inside`], [`check_inside`], [`prepare_folder_inside`]). Existing
 //! files are never written in place, so the other names of a file (hard links) keep the older bytes.
 
 use crate::file_input::{check_plain, is_input, link_refused};
@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use tempfile::NamedTempFile;
 
-/// A file or folder that cannot be written.
+/// Error when a file or folder cannot be written.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot write {}: {}", path.display(), reason(source))]
 #[non_exhaustive]
@@ -30,24 +30,24 @@ pub struct OutputError {
 }
 
 impl OutputError {
-    /// Whether the given place is at fault rather than the disk.
+    /// Creates the error for a path.
     #[doc(hidden)]
     pub fn new(path: &Path, source: io::Error) -> OutputError {
         let path = path.to_owned();
         OutputError { path, source }
     }
 
-    /// Whether the place that was named is to blame, rather than the disk.
+    /// Whether the given path is at fault rather than the disk.
     pub fn is_bad_input(&self) -> bool {
         is_bad_place(&self.source)
     }
 }
 
-/// The reason why something cannot be written, in the same words for all callers.
+/// The reason for a failed write, worded the same for all callers.
 fn reason(error: &io::Error) -> String {
     let is_of_system = error.raw_os_error().is_some();
     if !is_of_system && error.to_string() != error.kind().to_string() {
-        // The text is already one of this crate's.
+        // The message is already one of this crate's.
         return error.to_string();
     }
     match error.kind() {
@@ -60,7 +60,7 @@ fn reason(error: &io::Error) -> String {
     }
 }
 
-/// Whether an error means that this place can never be written to.
+/// Whether an error means that this path can never be written to.
 pub fn is_bad_place(error: &io::Error) -> bool {
     use io::ErrorKind::{
         AlreadyExists, InvalidFilename, InvalidInput, IsADirectory, NotADirectory, NotFound,
@@ -82,7 +82,7 @@ pub fn is_bad_place(error: &io::Error) -> bool {
 /// Writes a file that the user named: `fill` writes to a temporary file in its folder, which is then renamed.
 ///
 /// # Errors
-/// [`OutputError`] with the path when any step fails; no temporary file remains.
+/// [`OutputError`] with the path if any step fails; no temporary file remains.
 pub fn write_whole(
     path: &Path,
     fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
@@ -90,10 +90,10 @@ pub fn write_whole(
     write_at(&followed(path), path, fill)
 }
 
-/// As [`write_whole`], for a file in a folder, named by the program itself: a link is rejected.
+/// Like [`write_whole`], for a file in a folder whose name the program itself chose: a link is rejected.
 ///
 /// # Errors
-/// As [`write_whole`].
+/// The errors of [`write_whole`].
 pub fn write_inside(
     path: &Path,
     fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
@@ -101,7 +101,7 @@ pub fn write_inside(
     write_at(path, path, fill)
 }
 
-/// Writes to `target`, which messages call `path`.
+/// Writes to `target`; messages name `path`.
 fn write_at(
     target: &Path,
     path: &Path,
@@ -121,7 +121,7 @@ fn write_at(
     Ok(())
 }
 
-/// The file that a user's path leads to: a link is kept, and the file that it names is replaced.
+/// The file that a user's path leads to: a link stays, and its target is replaced.
 pub fn followed(path: &Path) -> PathBuf {
     std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned())
 }
@@ -133,24 +133,24 @@ fn parts() -> MutexGuard<'static, Vec<PathBuf>> {
     PARTS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes every temporary file, and prevents new ones: a thread that begins one blocks for ever.
-/// Must be the last act of a program that is being interrupted.
+/// Removes every temporary file, and prevents new ones: a thread that starts one blocks forever. Must be the last
+/// action of a program that is being interrupted.
 ///
-/// Recordings of live sound stay: their temporary files must be found later.
+/// Recordings of live sound stay: users must be able to find their temporary files.
 #[cfg(unix)]
 pub fn remove_parts() {
     let parts = parts();
     for path in parts.iter() {
-        // It may have been renamed or removed by now, and errors cannot be reported any more.
+        // The file may have been renamed or removed by now, and errors can no longer be reported.
         let _ = std::fs::remove_file(path);
     }
     std::mem::forget(parts);
 }
 
-/// A temporary file to be renamed: removed when dropped, and when the program is interrupted.
+/// A temporary file to be renamed. It is removed when dropped, and when the program is interrupted.
 #[derive(Debug)]
 pub struct PartFile {
-    /// There until the file has its name.
+    /// `Some` until the file is renamed.
     file: Option<NamedTempFile>,
     path: PathBuf,
 }
@@ -168,13 +168,13 @@ impl PartFile {
         })
     }
 
-    /// Another handle to the file that was created, whatever file has its name by now.
+    /// Another handle to the created file, whatever file has its name by now.
     pub fn writer(&self) -> io::Result<File> {
         let file = self.file.as_ref().ok_or(io::ErrorKind::NotFound)?;
         file.as_file().try_clone()
     }
 
-    /// Renames the file once it is on the disk, replacing an older file that is not an input.
+    /// Renames the file after it is on the disk, replacing an older file that is not an input.
     pub fn persist(mut self, target: &Path) -> io::Result<()> {
         check_place(target)?;
         let Some(file) = self.file.take() else {
@@ -204,21 +204,21 @@ fn refuse_inputs(target: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// A temporary file in the folder of `target`, to be renamed to it: readable by others like any new
-/// file. An existing target that is not a plain file (a link, a folder, a device), or is an input,
-/// is rejected, since a rename would replace it.
+/// Creates a temporary file in the folder of `target`, to be renamed to it: readable by others like any new file. An
+/// existing target that is not a plain file (a link, a folder, a device), or is an input, is rejected, since renaming
+/// would replace it.
 pub fn temporary_beside(target: &Path) -> io::Result<PartFile> {
     PartFile::new(|| temporary_named(target, ".echomarch-".as_ref(), ".part"))
 }
 
-/// The same with a visible name, so that users find the file of an interrupted program. `heard.wav`
+/// Like [`temporary_beside`], with a visible name, so that users find the file of an interrupted program. `heard.wav`
 /// becomes `heard-XXXXXX.part.wav`.
 #[cfg(feature = "audio")]
 pub fn visible_part_beside(target: &Path) -> io::Result<PartFile> {
     let mut begin = target.file_stem().unwrap_or_default().to_owned();
     begin.push("-");
     let file = temporary_named(target, &begin, ".part.wav")?;
-    // Not in the list of removed files.
+    // Not listed in `PARTS`, so it is not removed.
     Ok(PartFile {
         path: file.path().to_owned(),
         file: Some(file),
@@ -244,20 +244,20 @@ fn temporary_named(target: &Path, begin: &OsStr, end: &str) -> io::Result<NamedT
         .map_err(|error| refused_in(folder_of(target), error.kind()))
 }
 
-/// Rejects a place whose content must not be replaced: anything except a plain file, and inputs.
+/// Rejects a path whose content must not be replaced: anything except a plain file, and inputs.
 fn check_place(target: &Path) -> io::Result<()> {
-    // Checked first, through any link: this is what the user has to know.
+    // Checked first, through any link: this is the most important error for the user.
     refuse_inputs(target)?;
     match std::fs::symlink_metadata(target) {
         Ok(found) => check_plain(target, &found)?,
-        // A name whose metadata cannot be read (too long, for example) cannot be written either.
+        // A path whose metadata cannot be read (too long, for example) cannot be written either.
         Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
         Err(_) => {}
     }
     Ok(())
 }
 
-/// The reason why no file can be created in a folder; a missing folder is named.
+/// The error if no file can be created in a folder; a missing folder is named.
 fn refused_in(folder: &Path, kind: io::ErrorKind) -> io::Error {
     if kind == io::ErrorKind::NotFound && !folder.exists() {
         let text = format!("there is no folder {}", folder.display());
@@ -266,8 +266,8 @@ fn refused_in(folder: &Path, kind: io::ErrorKind) -> io::Error {
     kind.into()
 }
 
-/// Creates a folder if need be and verifies that files can be written in it: call it before long
-/// work whose results go there.
+/// Creates a folder if necessary and verifies that files can be written in it: call it before long work whose results
+/// go to the folder.
 ///
 /// # Errors
 /// [`OutputError`] with the folder.
@@ -281,8 +281,8 @@ pub fn prepare_folder(folder: &Path) -> Result<(), OutputError> {
     Ok(())
 }
 
-/// As [`prepare_folder`], for a folder in an existing one, named by the program itself: a link is
-/// rejected, since its contents would lie elsewhere.
+/// Like [`prepare_folder`], for a folder in an existing folder whose name the program itself chose: a link is rejected,
+/// since its contents would lie elsewhere.
 ///
 /// # Errors
 /// [`OutputError`] with the folder.
@@ -296,8 +296,8 @@ pub fn prepare_folder_inside(folder: &Path) -> Result<(), OutputError> {
     prepare_folder(folder)
 }
 
-/// Verifies that a file that the user named can be written and is not an input of this run: call it
-/// after reading the inputs, before long work.
+/// Verifies that a file that the user named can be written and is not an input of this run: call it after reading the
+/// inputs and before long work.
 ///
 /// # Errors
 /// [`OutputError`] with the file.
@@ -305,7 +305,7 @@ pub fn check_file(path: &Path) -> Result<(), OutputError> {
     check_at(&followed(path), path)
 }
 
-/// As [`check_file`], for a file in a folder, named by the program itself: a link is rejected.
+/// Like [`check_file`], for a file in a folder whose name the program itself chose: a link is rejected.
 ///
 /// # Errors
 /// [`OutputError`] with the file.
@@ -334,7 +334,7 @@ fn folder_of(path: &Path) -> &Path {
 mod tests {
     use super::*;
 
-    /// Protects an older file from a run that fails half way.
+    /// Protects an older file from a run that fails halfway.
     #[test]
     fn a_failed_write_leaves_the_old_file_and_nothing_else() {
         let folder = tempfile::tempdir().unwrap();
@@ -349,7 +349,7 @@ mod tests {
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 
-    /// Protects links: the files that they name are replaced, the links stay.
+    /// Protects links: their targets are replaced, the links stay.
     #[cfg(unix)]
     #[test]
     fn a_link_is_followed() {
@@ -362,8 +362,8 @@ mod tests {
         assert_eq!(std::fs::read(&real).unwrap(), b"new");
     }
 
-    /// Protects files outside a folder from names that the program chooses in it: links of such names are neither
-    /// followed nor replaced, even if they lead nowhere.
+    /// Protects files outside a folder from names that the program chooses in it: links with such names are neither
+    /// followed nor replaced, even if they are dangling.
     #[cfg(unix)]
     #[test]
     fn links_inside_a_folder_are_refused() {
@@ -384,12 +384,12 @@ mod tests {
         assert!(check_file(&link).is_ok() && check_file(&dangling).is_err());
         assert!(write_whole(&dangling, |out| out.write_all(b"new")).is_err());
         assert_eq!(std::fs::read(&real).unwrap(), b"old");
-        // A link that appears while the file is written.
+        // A link is created while the file is written.
         let (late, place) = (folder.path().join("late"), folder.path().join("place"));
         let part = temporary_beside(&place).unwrap();
         symlink(&real, &place).unwrap();
         assert!(part.persist(&place).is_err() && place.is_symlink());
-        // A link in the place of the temporary file is not written to.
+        // A link in place of the temporary file is not written to.
         let part = temporary_beside(&late).unwrap();
         std::fs::remove_file(&part.path).unwrap();
         symlink(&real, &part.path).unwrap();
@@ -401,14 +401,14 @@ mod tests {
         std::fs::hard_link(&real, &other).unwrap();
         write(&other).unwrap();
         assert_eq!(std::fs::read(&real).unwrap(), b"old");
-        // A folder that is a link leads out of the folder.
+        // A folder that is a link leads out of the parent folder.
         let out = folder.path().join("out");
         symlink(std::env::temp_dir(), &out).unwrap();
         assert!(prepare_folder_inside(&out).is_err());
         assert!(prepare_folder(&out).is_ok());
     }
 
-    /// Protects devices and folders from being renamed over.
+    /// Protects devices and folders from being replaced by a rename.
     #[test]
     fn what_is_no_plain_file_is_refused() {
         let folder = tempfile::tempdir().unwrap();

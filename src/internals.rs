@@ -1,5 +1,5 @@
-//! What the programs in `apps/` share with the library. It is not a part of the public interface: anything in it may
-//! change in any version.
+//! Items of the library that the programs in `apps/` use. They are not part of the public interface and may change in
+//! any version.
 
 macro_rules! open {
     ($($module:ident),*) => {

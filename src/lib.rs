@@ -1,11 +1,10 @@
 //! Sound for worlds made of implicit surfaces.
 //!
-//! Echomarch follows sound waves through a scene given as a signed distance function, by sphere
-//! tracing in fragment shaders, and turns the waves that reach a listener into one panning value
-//! per frame. It is a faithful port of P. Sjöberg, *Real-Time Audio Simulation with Implicit
-//! Surfaces using Sphere Tracing on the GPU* (University of Skövde, 2011), to OpenGL 3.3 and OpenGL
-//! ES 3.0. It needs no window: contexts come from EGL or OSMesa, on a graphics card or on Mesa's
-//! software renderer.
+//! Echomarch follows sound waves through a scene given as a signed distance function, by sphere tracing in fragment
+//! shaders, and turns the waves that reach a listener into one panning value per frame. It is a faithful port of P.
+//! Sjöberg, *Real-Time Audio Simulation with Implicit Surfaces using Sphere Tracing on the GPU* (University of Skövde,
+//! 2011), to OpenGL 3.3 and OpenGL ES 3.0. It needs no window: contexts come from EGL or OSMesa, on a graphics card or
+//! on Mesa's software renderer.
 //!
 //! First make a [`Context`](gl::Context) and a [`Tracer`] on it. Then trace a [`Scene`] with
 //! [`Settings`], frame by frame: each [`Frame`] describes the sound that arrives at the listener.
@@ -60,11 +59,11 @@
 //! | `sofa` | head-related impulse responses from SOFA files |
 //! | `window` | contexts of windows on X11 and Wayland, for the program's own window |
 //!
-//! The program, its experiments and studies, and its window are packages of their own, under `apps/`.
+//! The program, its experiments and studies, and its window are separate packages, under `apps/`.
 //!
 //! # Threads
-//! Scenes, settings, frames and everything in [`audio`] may move between threads. A
-//! [`gl::Context`], and with it a [`Tracer`], stays on the thread that made it:
+//! Scenes, settings, frames and everything in [`audio`] may move between threads. A [`gl::Context`], and with it a
+//! [`Tracer`], stays on the thread that made it:
 //!
 //! ```compile_fail,E0277
 //! fn may_move<T: Send>() {}
@@ -98,13 +97,13 @@ mod shader;
 mod text;
 pub mod tracer;
 
-/// Code shared with the integration tests calls the crate by its name.
+/// Code shared with the integration tests refers to the crate by its name.
 #[cfg(test)]
 extern crate self as echomarch;
 #[cfg(test)]
 mod test_common;
 
-/// The statements on threads above, checked at compile time.
+/// Checks the statements on threads above at compile time.
 const _: () = {
     const fn may_move<T: Send>() {}
     may_move::<Scene>();

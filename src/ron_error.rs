@@ -1,18 +1,18 @@
 //! Errors in RON texts, in the terms of scene files and study files.
 //!
-//! RON's own errors mention structs, enums and identifiers. An author of a scene or a study knows
-//! fields, names, lists and numbers.
+//! RON's own errors mention structs, enums and identifiers. An author of a scene or a study knows fields, names, lists
+//! and numbers.
 
 use crate::text::{there_is_no, which_there_are};
 use ron::error::{Error, Position, SpannedError};
 
-/// Fields that are lengths in metres: the message on a missing one states the unit.
+/// Fields that are lengths in metres: the message for a missing one states the unit.
 const METRES: [&str; 3] = ["radius", "size", "radii"];
 
 /// A kind of file in RON.
 #[derive(Clone, Copy)]
 pub struct FileKind {
-    /// What its text begins with: `Scene`.
+    /// The first word of its text: `Scene`.
     pub outermost: &'static str,
     /// The name of such a file in messages: `scene`.
     pub what: &'static str,
@@ -28,7 +28,7 @@ pub const STUDY: FileKind = FileKind {
     what: "study",
 };
 
-/// The message for an error in this text of a file of this kind.
+/// The message for an error in this text, which is a file of this kind.
 pub fn sentence(text: &str, error: &SpannedError, kind: FileKind) -> String {
     if text.trim().is_empty() {
         return format!("the file is empty: {}", begins(kind));
@@ -57,14 +57,14 @@ fn ends(kind: FileKind) -> String {
     format!("the file ends before {}(…) is closed", kind.outermost)
 }
 
-/// An error at the end of a text: the text is cut off, whatever else is missing.
+/// The message for an error at the end of a text: the text is cut off, whatever else is missing.
 fn of_end(text: &str, error: &SpannedError, kind: FileKind) -> Option<String> {
     let is_of_value = matches!(error.code, Error::Message(_));
     let at = offset(text, error.span.end)?;
     (!is_of_value && text[at..].trim().is_empty()).then(|| ends(kind))
 }
 
-/// Another name than the expected one.
+/// The message for another name than the expected one.
 fn other_name(kind: FileKind, expected: &str, found: &str) -> String {
     match (expected == kind.outermost, found) {
         (true, "Scene") => {
@@ -76,7 +76,7 @@ fn other_name(kind: FileKind, expected: &str, found: &str) -> String {
     }
 }
 
-/// Errors of names that the notation has.
+/// The message for an error that concerns a name of the notation.
 fn of_name(code: &Error) -> Option<String> {
     let within = |outer: &Option<String>| {
         outer
@@ -109,7 +109,7 @@ fn of_name(code: &Error) -> Option<String> {
     })
 }
 
-/// Reports an unknown field of a part, and the known ones.
+/// Reports an unknown field of a part, and lists the known fields.
 fn field_unknown(found: &str, within: &str, known: &[&str]) -> String {
     which_there_are(
         &format!("there is no field `{found}`{within}"),
@@ -146,7 +146,7 @@ impl<'a> Around<'a> {
         }
     }
 
-    /// States the required form of the field, or of the text here.
+    /// States the required form of the field, or of the text at the error.
     fn must_be(self, what: &str, example: &str) -> String {
         match self.field {
             Some(field) => format!("{field} must be {what}: {field}: {example}"),
@@ -155,7 +155,7 @@ impl<'a> Around<'a> {
     }
 }
 
-/// Errors in the form of a value.
+/// The message for a value of the wrong form.
 fn of_form(code: &Error, around: Around) -> Option<String> {
     Some(match code {
         Error::ExpectedArray => {
@@ -196,7 +196,7 @@ fn of_form(code: &Error, around: Around) -> Option<String> {
     })
 }
 
-/// Errors of numbers and punctuation.
+/// The message for an error in a number or punctuation.
 fn of_sign(code: &Error) -> Option<String> {
     let told = match code {
         Error::ExpectedInteger | Error::InvalidIntegerDigit { .. } => {
@@ -235,7 +235,7 @@ mod tests {
         Scene::from_ron(text, "f").unwrap_err().to_string()
     }
 
-    /// Protects messages on files that are wrong as a whole: empty, cut off, or of another kind.
+    /// Protects messages on files that are wrong as a whole: empty, truncated, or of another kind.
     #[test]
     fn a_file_that_is_no_scene_is_told_what_it_is() {
         for (text, sentence) in [

@@ -6,14 +6,14 @@
 //! without the previous ones.
 //!
 //! G. Fowler, L. C. Noll, K.-P. Vo, D. Eastlake, *The FNV Non-Cryptographic Hash Algorithm*, IETF draft. The standard
-//! algorithm takes bytes; here whole numbers are accepted as well.
+//! algorithm hashes bytes; here it also hashes whole numbers.
 //!
-//! Mean, median and quantiles: one definition for every report.
+//! Mean, median and quantiles have one definition for every report.
 //!
-//! A quantile is interpolated linearly between order statistics: of *n* sorted values, the quantile
-//! of share *p* is at position (*n* − 1)*p*, counted from 0. This is type 7 of R. J. Hyndman and Y.
-//! Fan, *Sample Quantiles in Statistical Packages*, The American Statistician 50 (4), 1996. The
-//! median of an even number of values is therefore the mean of the two in the middle.
+//! A quantile is interpolated linearly between order statistics: for *n* sorted values, the quantile of share *p* is at
+//! position (*n* − 1)*p*, counted from 0. This is type 7 of R. J. Hyndman and Y. Fan, *Sample Quantiles in Statistical
+//! Packages*, The American Statistician 50 (4), 1996. The median of an even number of values is therefore the mean of
+//! the two in the middle.
 
 use glam::DVec3;
 use std::f64::consts::TAU;
@@ -21,12 +21,12 @@ use std::f64::consts::TAU;
 /// The odd integer next to 2^64 ÷ the golden ratio, the step of the counter.
 pub const GOLDEN_GAMMA: u64 = 0x9e37_79b9_7f4a_7c15;
 
-/// The number with this index, from 0, of the sequence of seed 0: 64 well mixed bits.
+/// The number with this index, from 0, in the sequence of seed 0: 64 well mixed bits.
 pub fn hash(index: u64) -> u64 {
     mix(index.wrapping_add(1).wrapping_mul(GOLDEN_GAMMA))
 }
 
-/// Uniform in 0 … 1, excluding 1, from the upper 53 bits, the precision of an `f64`.
+/// Uniform in 0 … 1, excluding 1, from the upper 53 bits, which is the precision of an `f64`.
 pub fn unit_interval(bits: u64) -> f64 {
     (bits >> 11) as f64 / (1_u64 << 53) as f64
 }
@@ -42,7 +42,7 @@ fn mix(counter: u64) -> u64 {
 pub struct Random(u64);
 
 impl Random {
-    /// Creates the sequence of a seed.
+    /// Creates the sequence for a seed.
     pub fn new(seed: u64) -> Random {
         Random(seed)
     }
@@ -52,14 +52,13 @@ impl Random {
         mix(self.0)
     }
 
-    /// Uniform in 0 … `count` − 1; 0 if `count` is 0. The high half of a product, whose bias is
-    /// below `count` ÷ 2^64.
+    /// Uniform in 0 … `count` − 1; 0 if `count` is 0. Computed as the high half of a product, whose bias is below
+    /// `count` ÷ 2^64.
     pub fn below(&mut self, count: usize) -> usize {
         ((u128::from(self.next()) * count as u128) >> 64) as usize
     }
 
-    /// Shuffles the items into an order that depends only on the seed and their number (Fisher and
-    /// Yates).
+    /// Shuffles the items into an order that depends only on the seed and the number of items (Fisher and Yates).
     pub fn shuffle<T>(&mut self, items: &mut [T]) {
         for end in (1..items.len()).rev() {
             items.swap(end, self.below(end + 1));
@@ -94,7 +93,7 @@ pub fn lattice(count: u64) -> impl Iterator<Item = DVec3> {
     })
 }
 
-/// The quantiles of these shares, each 0 … 1; 0 without values.
+/// The quantiles for these shares, each 0 … 1; 0 without values.
 pub fn quantiles<const N: usize>(
     values: impl IntoIterator<Item = f64>,
     shares: [f64; N],
@@ -135,7 +134,7 @@ fn at(sorted: &[f64], share: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Protects every seed's results: the first numbers of the published generator.
+    /// Protects results for every seed: the first numbers match the published generator.
     #[test]
     fn numbers_are_those_of_splitmix64() {
         assert_eq!(hash(0), 0xe220_a839_7b1d_cdaf);
@@ -151,7 +150,7 @@ mod tests {
         assert_eq!(unit_interval(u64::MAX), 1.0 - f64::EPSILON / 2.0);
     }
 
-    /// Protects sequences from those of other seeds: the first numbers of seed 1234567.
+    /// Protects sequences from being mixed up with those of other seeds: the first numbers of seed 1234567.
     #[test]
     fn a_sequence_begins_at_its_seed() {
         let mut random = Random::new(1_234_567);
@@ -164,8 +163,7 @@ mod tests {
         assert_eq!(first, expected);
     }
 
-    /// Protects the order of trials: a permutation, the same for the same seed and another for
-    /// another seed.
+    /// Protects the order of trials: it is a permutation, equal for equal seeds and different for different seeds.
     #[test]
     fn shuffling_permutes_by_the_seed_alone() {
         let order = |seed| {
@@ -180,7 +178,7 @@ mod tests {
         assert_eq!(sorted, (0..50).collect::<Vec<u32>>());
     }
 
-    /// Protects fingerprints from wrong constants: the draft's test vectors.
+    /// Protects fingerprints from wrong constants: the hashes match the draft's test vectors.
     #[test]
     fn hashes_are_those_of_fnv_1a() {
         assert_eq!(fnv_of_bytes(b""), 0xcbf2_9ce4_8422_2325);
@@ -188,7 +186,7 @@ mod tests {
         assert_eq!(fnv_of_bytes(b"foobar"), 0x8594_4171_f739_67e8);
     }
 
-    /// Protects the median, which every time in a report is.
+    /// Protects the median, by which every time in a report is stated.
     #[test]
     fn the_median_is_in_the_middle() {
         assert_eq!(median([3.0, 1.0, 2.0]), 2.0);
@@ -196,7 +194,7 @@ mod tests {
         assert_eq!(median([]), 0.0);
     }
 
-    /// Protects the definition: the positions of type 7, where types 1 to 6 give other values.
+    /// Protects the definition: at the positions of type 7, types 1 to 6 give other values.
     #[test]
     fn quantiles_are_interpolated_between_order_statistics() {
         let ten = || (1..=10).rev().map(f64::from);
@@ -216,7 +214,7 @@ mod tests {
         assert_eq!(quantiles(some_infinite, [0.5, 1.0]), [2.0, f64::INFINITY]);
     }
 
-    /// Protects the mean of no values from being a number.
+    /// Protects the mean without values from being a number.
     #[test]
     fn the_mean_of_nothing_is_none() {
         assert_eq!(mean([]), None);

@@ -1,12 +1,12 @@
-//! Prepares untrusted text for display: on a terminal, in a CSV cell, within a page.
+//! Prepares untrusted text for display: on a terminal, in a CSV cell, in a page.
 
 use std::borrow::Cow;
 
-/// Characters of a name in a scene or in answers at most.
+/// Maximum number of characters of a name in a scene or in answers.
 pub const LONGEST_NAME: usize = 200;
 
-/// Of some words the one that a mistyped word is most like, if any is: case, spaces and
-/// underscores apart at most a third of it is mistyped.
+/// The known word that is most similar to a mistyped word, if there is one: apart from case, spaces and underscores at
+/// most a third of the word may be mistyped.
 pub fn nearest<'a>(
     typed: &str,
     known: impl IntoIterator<Item = impl Into<&'a str>>,
@@ -25,7 +25,7 @@ pub fn there_is_no(what: &str, typed: &str, known: &[&str]) -> String {
     which_there_are(&format!("there is no {what} {typed:?}"), typed, known)
 }
 
-/// What was rejected, and the nearest to what was typed; which there are where none is near.
+/// Appends the known name most similar to the typed one to the message, or all known names if none is similar.
 pub fn nearest_or_all(refused: &str, typed: &str, known: &[&str]) -> String {
     match nearest(typed, known.iter().copied()) {
         Some(nearest) => format!("{refused}; did you mean {nearest}?"),
@@ -33,7 +33,7 @@ pub fn nearest_or_all(refused: &str, typed: &str, known: &[&str]) -> String {
     }
 }
 
-/// Appends all known names, and the one most similar to what was typed, to a message.
+/// Appends all known names, and the one most similar to the typed name, to a message.
 pub fn which_there_are(refused: &str, typed: &str, known: &[&str]) -> String {
     let told = format!("{refused}; there are: {}", known.join(", "));
     match nearest(typed, known.iter().copied()) {
@@ -42,13 +42,13 @@ pub fn which_there_are(refused: &str, typed: &str, known: &[&str]) -> String {
     }
 }
 
-/// The text in one line, for a terminal: invisible characters (escape codes and other controls,
-/// ends of lines, changes of direction, zero-width spaces) are escaped as in Rust.
+/// The text in one line, for a terminal: invisible characters (escape codes and other controls, ends of lines, changes
+/// of direction, zero-width spaces) are escaped as in Rust.
 pub fn in_a_line(text: &str) -> Cow<'_, str> {
     spelled_out(text, |_| false)
 }
 
-/// Rejects what is no name: a sentence without its subject.
+/// Checks a name; the error is a sentence without its subject.
 pub fn check_name(name: &str) -> Result<(), String> {
     let count = name.chars().count();
     if count > LONGEST_NAME {
@@ -85,8 +85,8 @@ pub fn is_hidden(c: char) -> bool {
     if c.is_ascii() {
         return c.is_ascii_control();
     }
-    // Characters that Rust escapes in a string's `Debug` are hidden, except spaces that have a
-    // width. Combining marks are visible; Rust escapes them only when they stand alone.
+    // Characters that Rust escapes in a string's `Debug` count as hidden, except spaces that have a width. Combining
+    // marks are visible; Rust escapes them only when they stand alone.
     const WIDE_SPACES: [char; 17] = [
         '\u{a0}', '\u{1680}', '\u{2000}', '\u{2001}', '\u{2002}', '\u{2003}', '\u{2004}',
         '\u{2005}', '\u{2006}', '\u{2007}', '\u{2008}', '\u{2009}', '\u{200a}', '\u{202f}',
@@ -102,8 +102,7 @@ pub fn is_hidden(c: char) -> bool {
 mod tests {
     use super::*;
 
-    /// Protects terminals: a text cannot move the cursor, begin a line or change the writing
-    /// direction.
+    /// Protects terminals: a text cannot move the cursor, begin a line or change the writing direction.
     #[test]
     fn what_is_not_seen_is_spelled_out() {
         let shown =

@@ -6,13 +6,13 @@ use crate::text::nearest;
 use glam::{EulerRot, Quat, Vec3};
 use std::collections::{BTreeMap, HashMap, HashSet};
 
-/// Frames a second at which a surface is checked between its keys: the default frame rate of a
-/// rendering, so that a scene that loads can also be rendered.
+/// Frames per second at which a surface is checked between its keys: the default frame rate of a rendering, so that a
+/// scene that loads can also be rendered.
 const CHECKED_FPS: f64 = 30.0;
 
 impl Surface {
-    /// Every number that may be driven; see [`Surface::parameter_names`]. Those of the rotation,
-    /// `rotation.x` … in radians, are stored in [`Surface::angles`].
+    /// Every number that may be driven; see [`Surface::parameter_names`]. The numbers of the rotation, `rotation.x` …
+    /// in radians, are stored in [`Surface::angles`].
     pub(crate) fn parameters_mut(&mut self) -> Vec<Parameter<'_>> {
         let mut all = Vec::new();
         self.position
@@ -30,7 +30,7 @@ impl Surface {
         self
     }
 
-    /// Sets the numbers for whose driver `value` returns a value.
+    /// Sets every number for whose driver `value` returns `Some`.
     fn drive(&mut self, value: impl Fn(&Surface, &Driver) -> Option<f32>) {
         let drivers = std::mem::take(&mut self.drivers);
         let mut values: HashMap<&str, f32> = HashMap::with_capacity(drivers.len());
@@ -60,9 +60,9 @@ impl Surface {
         }
     }
 
-    /// The names of the numbers that [`Surface::driven`] may move: `position.x` …, `rotation.x` …, the
-    /// shape's own (`radius`, `size.x` …), and those of its children, each after the child's number
-    /// (`0.radius` …).
+    /// The names of the numbers that [`Surface::driven`] may move: `position.x` …, `rotation.x` …, the shape's own
+    /// numbers (`radius`, `size.x` …), and the numbers of its children, each name after the child's number (`0.radius`
+    /// …).
     pub fn parameter_names(&self) -> HashSet<String> {
         let mut bare = Surface {
             drivers: Vec::new(),
@@ -76,9 +76,9 @@ impl Surface {
         parameters.map(|parameter| parameter.name).collect()
     }
 
-    /// Times in seconds at which the surface is checked before it is drawn: all keys, in order,
-    /// then the frames of a rendering at the default rate from the first key to the last, or at
-    /// most `most_between` of them, evenly spaced.
+    /// Times in seconds at which the surface is checked before it is drawn: all keys in order, then the frames of a
+    /// rendering at the default rate from the first key to the last, or `most_between` evenly spaced ones if there are
+    /// more.
     pub(super) fn checked_times(&self, most_between: usize) -> Vec<f64> {
         let mut times = Vec::new();
         for driver in &self.drivers {
@@ -114,8 +114,8 @@ impl Surface {
     }
 }
 
-/// Marks the node that a parameter's name leads to, and every node that its change affects: the
-/// numbers of a twist or a bend follow from the bounds of its child.
+/// Marks the node with the named parameter, and every node that depends on it: the numbers of a twist or a bend follow
+/// from the bounds of its child.
 fn mark(field: &Shape, parameter: &str, moving: &mut [bool]) {
     let mut node = field;
     let mut place = 0;
@@ -140,8 +140,8 @@ fn mark(field: &Shape, parameter: &str, moving: &mut [bool]) {
 }
 
 impl Scene {
-    /// Sets a named value wherever the scene uses it, in the unit of a scene file: metres, degrees
-    /// for an angle, degrees a metre for the rate of a twist or a bend.
+    /// Sets a named value wherever the scene uses it, in the unit of a scene file: metres, degrees for an angle,
+    /// degrees per metre for the rate of a twist or a bend.
     ///
     /// ```
     /// use echomarch::scene::{Motion, shape::Sphere};
@@ -159,12 +159,12 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// [`SceneError::UnknownValue`] if the scene has no value of that name.
+    /// [`SceneError::UnknownValue`] if the scene has no value with that name.
     pub fn set_value(&mut self, name: &str, value: f32) -> Result<(), SceneError> {
         self.set_values(&BTreeMap::from([(name.to_owned(), value)]))
     }
 
-    /// Sets several named values as [`Scene::set_value`] does, all in one pass.
+    /// Sets several named values, like [`Scene::set_value`], in one pass.
     pub(super) fn set_values(&mut self, values: &BTreeMap<String, f32>) -> Result<(), SceneError> {
         let names = self.value_names();
         let unknown = values
@@ -224,7 +224,7 @@ pub struct NamedValue {
     pub name: String,
     /// Its value, in the unit of the file.
     pub value: f32,
-    /// Its quantity; of several uses with different quantities, the one with the narrowest range.
+    /// Its quantity; if the value is used for several quantities, the one with the narrowest range.
     pub quantity: Quantity,
 }
 
@@ -279,7 +279,7 @@ impl Surface {
 mod tests {
     use super::*;
 
-    /// Every operator that turns, with other shapes, all driven by one name.
+    /// Every operator that turns, and other shapes, all driven by the same name.
     const TURNS: &str = r#"Scene(
         surfaces: [
             Surface(shape: Plane, position: (0, Value("a", 30), 0), rotation: (0, 0, Value("a", 30))),
@@ -291,8 +291,8 @@ mod tests {
         ],
         source: Source(position: (0, 1, -5)), listener: Listener(position: (0, 1, 5), radius: 1))"#;
 
-    /// Protects the unit of the file everywhere that an angle may be used: setting a value to the number in the
-    /// file changes nothing, and 60 means 60 degrees.
+    /// Protects the unit of the file for all uses of an angle: setting a value to the number in the file changes
+    /// nothing, and 60 means 60 degrees.
     #[test]
     fn values_are_in_the_unit_of_the_file() {
         let read = Scene::from_ron(TURNS, "turns").unwrap();

@@ -1,8 +1,8 @@
 //! Errors of scenes, and warnings about odd scenes that can still be traced.
 //!
-//! The messages are written where the check is: the syntax of a file in `crate::ron_error` and `scene/file/mod.rs`; a
-//! number's range in `scene/shape/part.rs` and `scene/notation/numbers.rs`; a shape in `scene/shape/mod.rs` and
-//! its own file; names, materials and the scene as a whole in `scene/check/`; sizes too large for a renderer in
+//! Each message is written next to its check: the syntax of a file in `crate::ron_error` and `scene/file/mod.rs`; a
+//! number's range in `scene/shape/part.rs` and `scene/notation/numbers.rs`; a shape in `scene/shape/mod.rs` and its own
+//! file; names, materials and the scene as a whole in `scene/check/`; sizes too large for a renderer in
 //! `shader/structure.rs`.
 
 use super::material::WALL_NAMES;
@@ -20,12 +20,11 @@ pub enum SceneError {
         nearest.as_ref().map_or_else(String::new, |name| format!("; did you mean {name}?"))
     )]
     Unknown {
-        /// The requested value.
+        /// The requested name.
         name: String,
         /// The names of the built-in scenes, separated by commas.
         builtin: String,
-        /// The built-in scene with a similar name, or a file with this name and an ending, if there
-        /// is one.
+        /// The built-in scene with a similar name, or a file with this name and an extension, if any.
         nearest: Option<String>,
     },
     /// The file cannot be read.
@@ -36,10 +35,10 @@ pub enum SceneError {
         /// The reason.
         source: InputError,
     },
-    /// The text is not a scene; its origin is the file's path, or `scene` for other text.
+    /// The text is not a scene; its origin is the file's path, or `scene` for text from elsewhere.
     #[error(transparent)]
     Malformed(MalformedText),
-    /// A scene file in that folder has no path by which it could name this one as its base.
+    /// No path leads from that folder to the scene file that is to be its base.
     #[error("{} has no path that a scene file in the folder {} can name", base.display(), folder.display())]
     NoBase {
         /// The folder of the other file.
@@ -55,10 +54,10 @@ pub enum SceneError {
         /// The file and the error.
         why: String,
     },
-    /// The scene is invalid at a time of its key frames, and not before.
+    /// The scene is invalid at a time of its key frames, but valid before.
     #[error("at {seconds} s, {refused}")]
     At {
-        /// The time, at a key or between two.
+        /// The time, at a key or between two keys.
         seconds: f64,
         /// The error at that time.
         refused: Box<SceneError>,
@@ -88,7 +87,7 @@ pub enum SceneError {
         scene: String,
         /// The surface.
         surface: String,
-        /// The requested value.
+        /// The requested name.
         parameter: String,
         /// The existing names.
         known: String,
@@ -101,14 +100,14 @@ pub enum SceneError {
     UnknownValue {
         /// The scene's name.
         scene: String,
-        /// The requested value.
+        /// The requested name.
         name: String,
         /// The existing names.
         known: String,
-        /// A similar name, if there is one.
+        /// A similar name, if any.
         nearest: Option<String>,
     },
-    /// The scene does not have a source or listener of this number.
+    /// There is no source or listener with this number.
     #[error("scene {scene:?} has no {what} number {number}: it has {count}, counted from 0")]
     NoSuchNumber {
         /// The scene's name.
@@ -117,7 +116,7 @@ pub enum SceneError {
         what: &'static str,
         /// The requested number, from 0.
         number: usize,
-        /// Number of existing ones.
+        /// Number of existing sources or listeners.
         count: usize,
     },
     /// One source and one listener are needed, and the scene has none or several. [`Scene::pair`](super::Scene::pair)
@@ -160,7 +159,7 @@ pub enum SceneError {
         /// The name.
         name: String,
     },
-    /// The name of a source or a listener is the number of another that has no name.
+    /// A source or a listener is named like the number of another one that has no name.
     #[error(
         "scene {scene:?}: one of the {what} is called {name:?}, which is the number of another that has no name: name that one too"
     )]
@@ -197,7 +196,7 @@ fn may_be_meant(why: &InputError, path: &Path) -> String {
 }
 
 impl SceneError {
-    /// The same error with a time; an error that already has a time stays as it is.
+    /// Adds a time to the error, unless the error already has one.
     #[doc(hidden)]
     pub fn at(self, seconds: f64) -> SceneError {
         match self {
@@ -213,7 +212,7 @@ impl SceneError {
 /// Maximum number of surfaces that one message lists.
 const MOST_LISTED: usize = 6;
 
-/// The first labels of a list, and the number of further ones.
+/// The first labels of a list, and how many more there are.
 fn listed(labels: &[String]) -> String {
     let (listed, more) = labels.split_at(labels.len().min(MOST_LISTED));
     match more.len() {
@@ -226,9 +225,9 @@ fn listed(labels: &[String]) -> String {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Warning {
-    /// The source is in a solid: it cannot be heard.
+    /// The source is in a solid and cannot be heard.
     SourceInsideSurface {
-        /// The source, as messages name it: `the source`, `source 2 (flute)`.
+        /// The source's name in messages: `the source`, `source 2 (flute)`.
         source: String,
         /// The surface, or the solid around a room.
         surface: String,
@@ -237,9 +236,9 @@ pub enum Warning {
     },
     /// The source is within the listener's sphere: each wave of a frame ends where it starts.
     SourceInsideListener {
-        /// The source, as messages name it.
+        /// The source's name in messages.
         source: String,
-        /// The listener, as messages name it.
+        /// The listener's name in messages.
         listener: String,
         /// Distance of the source from the listener's centre, in metres.
         distance: f32,
@@ -248,20 +247,20 @@ pub enum Warning {
     },
     /// The centre of the listener is in a solid.
     ListenerInsideSurface {
-        /// The listener, as messages name it.
+        /// The listener's name in messages.
         listener: String,
         /// The surface, or the solid around a room.
         surface: String,
         /// Depth in metres.
         depth: f32,
     },
-    /// Several rooms: each is solid outside, and fills the others except for the space inside all of them.
+    /// Several rooms: each is solid outside, so that only the space inside all of them is air.
     RoomsFillEachOther {
         /// Their labels: `1`, `surface 2 (Room)`.
         rooms: Vec<String>,
     },
-    /// Surfaces and walls without a material, in a scene where others have one: they reflect all
-    /// sound, which makes decays longer.
+    /// Surfaces and walls without a material, in a scene where others have one: they reflect all sound, which lengthens
+    /// decays.
     NoMaterial {
         /// Labels of the surfaces and walls: `1/floor`, `surface 2 (Sphere)`.
         surfaces: Vec<String>,
@@ -272,7 +271,7 @@ pub enum Warning {
         surface: String,
         /// The field's file.
         file: String,
-        /// Whether it is solid at every sample; otherwise it is air at every sample.
+        /// Whether it is solid at every sample; if not, it is air at every sample.
         solid: bool,
     },
 }

@@ -1,9 +1,8 @@
 //! Scenes: surfaces and their materials, air, sources, listeners.
 //!
-//! A [`Scene`] is plain data. It is read from a RON file ([`Scene::load`]), taken from the built-in
-//! ones ([`Scene::builtin`]) or written in Rust, and does not depend on OpenGL: the module `shader`
-//! turns it into shader text and numbers, [`Scene::distance`] is the same signed distance function
-//! on the CPU.
+//! A [`Scene`] is plain data. It is read from a RON file ([`Scene::load`]), built into the library ([`Scene::builtin`])
+//! or written in Rust, and does not depend on OpenGL: the module `shader` turns it into shader text and numbers, and
+//! [`Scene::distance`] is the same signed distance function on the CPU.
 //!
 //! World axes: x to the right, y up, z towards the viewer (right-handed).
 //! World units are metres, angles are radians in code and degrees in files.
@@ -49,9 +48,9 @@ use std::collections::BTreeMap;
 use std::path::{self, PathBuf};
 use std::sync::Arc;
 
-/// Eight units in the last place, as a share of the largest number in the computation of a
-/// distance: sums of three squares, a root and a product lose about half of that. Equal to the
-/// value in `glsl/common/rounding.glsl`. A point on a surface may lie this deep in its solid.
+/// Eight units in the last place, as a share of the largest number in the computation of a distance: sums of three
+/// squares, a root and a product lose about half of that. Equal to the value in `glsl/common/rounding.glsl`. A point on
+/// a surface may lie this deep inside its solid.
 pub(crate) const ROUNDING: f32 = 8.0 * f32::EPSILON;
 
 /// An acoustic world: surfaces with materials, air, sources and listeners.
@@ -72,8 +71,7 @@ pub(crate) const ROUNDING: f32 = 8.0 * f32::EPSILON;
 /// # Ok::<(), echomarch::Error>(())
 /// ```
 ///
-/// A scene serialises to the content of its file (`docs/scene-format.md`), and deserialises from
-/// that.
+/// A scene serialises to the content of its file (`docs/scene-format.md`), and deserialises from that content.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Scene {
@@ -81,10 +79,9 @@ pub struct Scene {
     pub name: String,
     /// The surfaces, numbered from 1 in this order in every wave's status.
     pub surfaces: Vec<Surface>,
-    /// The scene's own materials by their names; the [built-in ones](Material::BUILTIN) are
-    /// available without being listed here.
+    /// The scene's own materials by name; the [built-in materials](Material::BUILTIN) need not be listed here.
     pub materials: BTreeMap<String, Material>,
-    /// The air; without it the speed of sound is 343 m/s, and it does not absorb.
+    /// The air; if `None`, the speed of sound is 343 m/s and the air does not absorb.
     pub air: Option<Air>,
     /// The sources; a file has at least one. What needs one of them takes a [`Pair`].
     pub sources: Vec<Source>,
@@ -110,8 +107,8 @@ impl Scene {
         }
     }
 
-    /// An empty rectangular room about the origin, of `size` metres. The absorption of its walls at −x, +x, −y, +y, −z,
-    /// +z, by band, is that of the materials `wall 0` to `wall 5`.
+    /// Creates an empty rectangular room about the origin, of `size` metres. `wall 0` to `wall 5` are the materials of
+    /// its walls at −x, +x, −y, +y, −z, +z, with the given absorption by band.
     ///
     /// ```
     /// use echomarch::glam::Vec3;
@@ -162,7 +159,7 @@ impl Scene {
         posed
     }
 
-    /// Length of the longest path in seconds; 0 when nothing moves.
+    /// Length of the longest path in seconds; 0 if nothing moves.
     pub fn duration(&self) -> f64 {
         let drivers = self.surfaces.iter().flat_map(|s| &s.drivers);
         let driven = drivers.map(|driver| driver.motion.duration());
@@ -176,8 +173,7 @@ impl Scene {
 }
 
 impl Scene {
-    /// Seconds for one evaluation of the slowest user's field, if that was measured; see
-    /// `UserField::evaluation_seconds`.
+    /// Time in seconds of one evaluation of the slowest user's field, if measured; see `UserField::evaluation_seconds`.
     pub(crate) fn evaluation_seconds(&self) -> Option<f64> {
         self.user_fields()
             .filter_map(|field| field.evaluation_seconds())
@@ -189,7 +185,7 @@ impl Scene {
         self.field_nodes().filter_map(Node::user)
     }
 
-    /// The files, besides its own, that the scene was made from: users' fields and images.
+    /// The files other than the scene's own that it was made from: users' fields and images.
     pub fn files(&self) -> Vec<PathBuf> {
         let file = |asset: Asset| match asset {
             Asset::User(field) => field.file.clone(),
@@ -198,8 +194,8 @@ impl Scene {
         self.assets().map(file).collect()
     }
 
-    /// The contents of these files, in the order of [`Scene::files`]: texts, and the heights of
-    /// images as little-endian `f32` after their width and height.
+    /// The contents of the files of [`Scene::files`], in the same order: texts, and the heights of images as
+    /// little-endian `f32` after their width and height.
     #[doc(hidden)]
     pub fn file_contents(&self) -> Vec<Vec<u8>> {
         let content = |asset: Asset| match asset {
@@ -244,7 +240,7 @@ const BUILTIN: &[(&str, &str)] = built_in![
     "glasshouse",
 ];
 
-/// The GLSL fields that the built-in scenes name.
+/// The GLSL fields of the built-in scenes.
 pub(super) const FIELDS: &[(&str, &str)] = &[(
     "menger.glsl",
     include_str!("../../examples/scenes/menger.glsl"),
@@ -256,7 +252,7 @@ pub(super) fn is_own_text(text: &str) -> bool {
 }
 
 impl Scene {
-    /// The names that [`Scene::builtin`] knows.
+    /// The names that [`Scene::builtin`] accepts.
     pub const BUILTIN_NAMES: [&str; BUILTIN.len()] = {
         let mut names = [""; BUILTIN.len()];
         let mut index = 0;
@@ -292,17 +288,17 @@ impl Scene {
         known.map(|(_, text)| *text)
     }
 
-    /// Loads a built-in scene by its name, or else a scene file.
+    /// Loads a built-in scene by its name, or a scene file if there is no such scene.
     ///
     /// A name is looked up among the built-in scenes first; `./corner` is a file.
     ///
     /// # Errors
-    /// [`SceneError`]: unknown, unreadable, malformed, or no scene to be heard.
+    /// [`SceneError`] if the scene is unknown, unreadable, malformed or invalid.
     pub fn load(name_or_file: &str) -> Result<Scene, SceneError> {
         Scene::load_in(name_or_file, path::Path::new(""))
     }
 
-    /// Loads a scene as [`Scene::load`] does, with file names relative to `folder`.
+    /// Like [`Scene::load`], with file names relative to `folder`.
     #[doc(hidden)]
     pub fn load_in(name_or_file: &str, folder: &path::Path) -> Result<Scene, SceneError> {
         match named(name_or_file, Some(folder)) {
@@ -313,15 +309,14 @@ impl Scene {
     }
 }
 
-/// The scene, file or error that a scene's name leads to.
+/// The result of looking up a scene's name: a scene, a file or an error.
 pub(super) enum Named {
     BuiltIn(Result<Scene, SceneError>),
     File(PathBuf),
     Unknown(SceneError),
 }
 
-/// Looks up the name of a built-in scene, or else of a file in a folder; without a folder, no file
-/// is looked up.
+/// Looks up the name of a built-in scene, then of a file in a folder; without a folder, only built-in scenes.
 pub(super) fn named(name: &str, folder: Option<&path::Path>) -> Named {
     if Scene::BUILTIN_NAMES.contains(&name) {
         return Named::BuiltIn(Scene::builtin(name));
@@ -346,8 +341,7 @@ fn unknown(name: &str, folder: Option<&path::Path>) -> SceneError {
     }
 }
 
-/// A scene file whose name without the ending is `name`: in the folder, or among the examples of a
-/// checkout.
+/// A scene file whose name without the extension is `name`: in the folder, or among the examples of a checkout.
 fn file_of(name: &str, folder: &path::Path) -> Option<String> {
     let file = format!("{name}.ron");
     let example = format!("examples/scenes/{file}");
@@ -355,7 +349,7 @@ fn file_of(name: &str, folder: &path::Path) -> Option<String> {
     known.find(|file| folder.join(file).is_file())
 }
 
-/// The built-in scene whose name is closest to `name`, or that has it as a word or a beginning.
+/// The built-in scene whose name is most similar to `name`, or contains it as a word or a beginning.
 fn nearest(name: &str) -> Option<&'static str> {
     let plain = name.to_lowercase().replace([' ', '_'], "-");
     let has = |known: &&str| {
@@ -393,7 +387,7 @@ mod tests {
         assert_eq!(scene, Scene::builtin(BUILTIN[0].0).unwrap());
     }
 
-    /// For a mistyped name the nearest one is suggested, if any is near.
+    /// For a mistyped name the most similar one is suggested, if there is one.
     #[test]
     fn a_name_that_is_nearly_right_is_suggested() {
         for (typed, meant) in [
@@ -416,7 +410,7 @@ mod tests {
         }
     }
 
-    /// Protects every file in `examples/scenes/` that ships as a built-in scene.
+    /// Protects every file in `examples/scenes/` that is also a built-in scene.
     #[test]
     fn built_in_scenes_load_without_a_warning() {
         for name in Scene::BUILTIN_NAMES {

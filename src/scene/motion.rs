@@ -1,12 +1,11 @@
-//! Motion: key-framed paths, and that of a surface's numbers by key frames or by named values from the API.
+//! Motion: key-framed paths, and numbers of a surface driven by key frames or by named values from the API.
 //!
-//! The numbers themselves are stored in the shape, plain and current. A separate [`Driver`] states
-//! which of them it sets, and from what. A driven number is a uniform in the shader, so that
-//! setting it compiles nothing.
+//! The shape stores the current value of each number. A separate [`Driver`] states which number it sets, and from what.
+//! A driven number is a uniform in the shader, so that setting it does not compile anything.
 
 use glam::Vec3;
 
-/// The source of the values of one of a surface's numbers.
+/// Drives one of a surface's numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Driver {
     /// The number's name: `position.x`, `rotation.y`, `radius`, `0.by.z` …; see
@@ -16,10 +15,10 @@ pub struct Driver {
     pub motion: Motion,
 }
 
-/// The way a number changes. Lengths are in metres, angles in radians.
+/// The motion of a number. Lengths are in metres, angles in radians.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Motion {
-    /// Key frames (seconds, value), times strictly increasing: linear between them, held
+    /// Key frames (seconds, value) with strictly increasing times: the value is linear between them, and constant
     /// before the first and after the last.
     Keys(Vec<(f64, f32)>),
     /// The value set by [`Scene::set_value`](super::Scene::set_value) for this name, in the unit of a scene file.
@@ -27,7 +26,7 @@ pub enum Motion {
 }
 
 impl Motion {
-    /// The value at `seconds`; `None` for a named one.
+    /// The value at `seconds`; `None` for a named value.
     pub fn at(&self, seconds: f64) -> Option<f32> {
         let Motion::Keys(keys) = self else {
             return None;
@@ -52,8 +51,7 @@ impl Motion {
     }
 }
 
-/// The quantity of a surface's number, which determines its unit in a scene file and its valid
-/// range.
+/// The quantity of a surface's number. It determines the number's unit in a scene file and its valid range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// A coordinate or a difference of coordinates, in metres.
@@ -64,7 +62,7 @@ pub enum Quantity {
     Factor,
     /// An angle, in degrees.
     Angle,
-    /// A turn per length, in degrees a metre.
+    /// A turn per length, in degrees per metre.
     Rate,
     /// From 0 to 1.
     Share,
@@ -73,7 +71,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// The unit after a number in a message that uses the code's own units.
+    /// The unit after a number in a message that uses the units of the code.
     pub(super) fn unit(self) -> &'static str {
         match self {
             Quantity::Position | Quantity::Length => " metres",
@@ -99,7 +97,7 @@ impl Quantity {
         }
     }
 
-    /// A higher rank has a narrower valid range.
+    /// The rank of the quantity: a higher rank has a narrower valid range.
     pub(super) fn rank(self) -> u8 {
         match self {
             Quantity::Plain => 0,
@@ -111,11 +109,10 @@ impl Quantity {
     }
 }
 
-/// A key-framed path: keys in order of time; empty for something that stands still.
+/// A key-framed path: keys in order of time; empty for an object without motion.
 ///
-/// Between two keys positions and angles change linearly; before the first key and after the last
-/// one they are constant. Angles are taken as written, so a path may turn through more than a full
-/// circle.
+/// Between two keys positions and angles change linearly; before the first key and after the last they are constant.
+/// Angles are not reduced, so a path may turn through more than a full circle.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Path {
     keys: Vec<Key>,
@@ -135,7 +132,7 @@ pub struct Key {
 }
 
 impl Path {
-    /// A path over `keys`, or `None` when their times are not finite or do not strictly increase.
+    /// Creates a path over `keys`; `None` if their times are not finite or do not strictly increase.
     pub fn new(keys: Vec<Key>) -> Option<Path> {
         let increasing = keys.windows(2).all(|pair| pair[0].time < pair[1].time);
         let finite = keys.iter().all(|key| key.time.is_finite());
@@ -202,7 +199,7 @@ mod tests {
         assert_eq!(Path::default().at(1.0), None);
     }
 
-    /// Protects the order of keys, which interpolation relies on.
+    /// Protects the order of keys, on which interpolation relies.
     #[test]
     fn times_must_increase() {
         assert_eq!(

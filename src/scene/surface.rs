@@ -1,7 +1,7 @@
-//! A surface: a shape and its position; the signed distance of a scene on the CPU.
+//! A surface: a placed shape; the signed distance of a scene on the CPU.
 //!
-//! Distances are computed in `f64` and written independently of the shaders, so that the two can disagree; a test
-//! compares both at the same points. They are negative in the solid.
+//! Distances are computed in `f64` and written independently of the shaders, so that each can reveal errors of the
+//! other; a test compares both at the same points. They are negative in the solid.
 
 use super::shape::Room;
 use super::{Bounds3, Driver, Listener, Node, Scene, SceneError, Shape};
@@ -21,26 +21,25 @@ use glam::{DMat3, Quat, Vec3};
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Surface {
-    /// Name in reports; without one, its number is used.
+    /// Name in reports; without a name, the surface's number is used.
     pub name: Option<String>,
-    /// Its form and size.
+    /// The surface's form and size.
     pub shape: Shape,
     /// World position of the shape's own origin in metres.
     pub position: Vec3,
-    /// Turns the shape's own axes into the world's.
+    /// Turns the shape's own axes to the world's axes.
     pub rotation: Quat,
-    /// Declares that the rotation will change although it is the identity now.
+    /// Declares that the rotation will change even if it is currently the identity.
     ///
-    /// A surface that is not turned has no rotation in its shader text. One that is turned, or
-    /// declared here as turning, takes its rotation from a uniform, so that turning it never
-    /// compiles a shader.
+    /// A surface that is not turned has no rotation in its shader text. A surface that is turned, or declared here as
+    /// turning, takes its rotation from a uniform, so that turning it never compiles a shader.
     pub dynamic_rotation: bool,
     /// The angles of a driven rotation in radians, about x, then y, then z.
     pub angles: Vec3,
-    /// The drivers of its numbers; empty when it does not move.
+    /// The drivers of its numbers; empty if it does not move.
     #[doc(hidden)]
     pub drivers: Vec<Driver>,
-    /// The name of its material, one of the scene's or a built-in one; without one it reflects all.
+    /// The name of its material, one of the scene's or a built-in one; without a material it reflects all sound.
     pub material: Option<String>,
     /// For a [`Room`](super::shape::Room): the materials of walls that differ from the surface's,
     /// in the order of [`Room::WALL_NAMES`](super::shape::Room::WALL_NAMES). They turn with the room.
@@ -48,7 +47,7 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// A shape at the world's origin, not turned.
+    /// Creates a surface with its shape at the world's origin, not turned.
     pub fn new(shape: impl Into<Shape>) -> Surface {
         Surface {
             name: None,
@@ -63,31 +62,31 @@ impl Surface {
         }
     }
 
-    /// The same surface with its origin at `position` (metres).
+    /// Returns the surface with its origin at `position` (metres).
     pub fn at(mut self, position: Vec3) -> Surface {
         self.position = position;
         self
     }
 
-    /// The same surface turned by `rotation`.
+    /// Returns the surface turned by `rotation`.
     pub fn turned(mut self, rotation: Quat) -> Surface {
         self.rotation = rotation;
         self
     }
 
-    /// The same surface with a name for reports.
+    /// Returns the surface with a name for reports.
     pub fn named(mut self, name: impl Into<String>) -> Surface {
         self.name = Some(name.into());
         self
     }
 
-    /// The same surface with the material of this name.
+    /// Returns the surface with the material of this name.
     pub fn with_material(mut self, name: impl Into<String>) -> Surface {
         self.material = Some(name.into());
         self
     }
 
-    /// The same room with the material of this name on one of its walls (0 to 5, see
+    /// Returns the room with the material of this name on one of its walls (0 to 5, see
     /// [`Room::WALL_NAMES`](super::shape::Room::WALL_NAMES)).
     ///
     /// # Errors
@@ -127,12 +126,12 @@ impl Surface {
             .map(String::as_str)
     }
 
-    /// Whether its shape has walls that may be of different materials.
+    /// Whether its shape has walls that may have different materials.
     pub(super) fn has_walls(&self) -> bool {
         matches!(self.shape.node, Node::Room(_))
     }
 
-    /// Whether the two are equal except for the paths of the files that they name.
+    /// Whether both surfaces are equal, ignoring the paths of the files that they name.
     #[doc(hidden)]
     pub fn is_alike(&self, other: &Surface) -> bool {
         let at_one_place = Surface {
@@ -142,7 +141,7 @@ impl Surface {
         at_one_place == *other && self.shape.is_alike(&other.shape)
     }
 
-    /// The same surface, declared to rotate: see [`dynamic_rotation`](Surface::dynamic_rotation).
+    /// Returns the surface, declared to rotate: see [`dynamic_rotation`](Surface::dynamic_rotation).
     pub fn turning(mut self) -> Surface {
         self.dynamic_rotation = true;
         self
@@ -165,13 +164,13 @@ impl Surface {
     }
 }
 
-/// Result of a distance function at one point.
+/// Result of a distance function at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Nearest {
     /// Signed distance in metres, negative in a solid.
     pub distance: f32,
-    /// The nearest object: 0 is the listener, n the n-th surface from 1.
+    /// The nearest object: 0 is the listener, n is surface n, counted from 1.
     pub object: u32,
 }
 
@@ -216,8 +215,8 @@ impl Listener {
 }
 
 impl Shape {
-    /// Lower bound of the signed distance in metres at a point in the tree's own axes (metres): the
-    /// value, divided by its Lipschitz constant.
+    /// Lower bound of the signed distance in metres at a point in the tree's own axes (metres): the value divided by
+    /// its Lipschitz constant.
     pub fn distance(&self, p: Vec3) -> f32 {
         (self.value(p.as_dvec3()) / self.properties().lipschitz) as f32
     }

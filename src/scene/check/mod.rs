@@ -1,4 +1,4 @@
-//! Checks of a scene: errors where it cannot be traced, warnings where it is odd.
+//! Checks of a scene: errors if it cannot be traced, warnings if it is odd.
 
 #[cfg(test)]
 mod tests;
@@ -14,48 +14,45 @@ use std::collections::HashSet;
 use std::fmt;
 use std::ops::RangeInclusive;
 
-/// Maximum product of a surface's key-frame times and the nodes of its field: a few seconds of
-/// checking each node at each time.
+/// Maximum product of a surface's key-frame times and the nodes of its field: checking each node at each time then
+/// takes a few seconds.
 const MOST_WORK: usize = 3_000_000;
 
-/// As [`MOST_WORK`], for the times between keys alone and all surfaces together: less than a
-/// second.
+/// Like [`MOST_WORK`], for the times between keys only, and for all surfaces together: less than a second.
 const MOST_WORK_BETWEEN: usize = 300_000;
 
-/// Maximum number of frames between keys that are checked: a minute and a half.
+/// Maximum number of checked frames between keys: a minute and a half.
 const MOST_BETWEEN: usize = 2700;
 
-/// Level of a source relative to others in decibels: a wider range than from the softest audible
-/// sound to pain.
+/// Level of a source relative to others in decibels: the range is wider than from the softest audible sound to pain.
 pub(super) const LEVELS: RangeInclusive<f32> = -120.0..=120.0;
 
-/// Maximum number of a scene's sources, and of its listeners: each pair of them is checked, and
-/// traced as a sound of its own.
+/// Maximum number of a scene's sources, and of its listeners: each pair of source and listener is checked, and traced
+/// as a separate sound.
 pub(super) const MOST_PLACED: usize = 256;
 
 impl Scene {
-    /// Checks as [`Scene::validate_moving`] does, and every field as
-    /// [`Shape::check`](super::Shape::check) does: a few milliseconds for each field that states its
-    /// Lipschitz constant. Scene files are checked like this when they are read, and a tracer does so
-    /// with every new structure. The text of users' fields is compiled later, by the tracer.
+    /// Checks the scene like [`Scene::validate_moving`], and every field like [`Shape::check`](super::Shape::check): a
+    /// few milliseconds for each field that states its Lipschitz constant. This check runs when a scene file is read,
+    /// and when a tracer gets a new structure. The text of users' fields is compiled later, by the tracer.
     ///
     /// # Errors
-    /// As [`Scene::validate_moving`].
+    /// The errors of [`Scene::validate_moving`].
     pub fn check(&self) -> Result<(), SceneError> {
         self.validate_moving()?;
         for (index, surface) in self.surfaces.iter().enumerate() {
             let checked = surface.shape.check();
             checked.map_err(|why| self.bad_field(&surface.label(index), why))?;
         }
-        // With many times, fewer points are tried at each.
+        // With many times, fewer points are evaluated at each.
         self.at_checked_times(|scene, label, posed, times| {
             let checked = posed.shape.check_growth_at_one_of(times);
             checked.map_err(|why| scene.bad_field(label, why))
         })
     }
 
-    /// Checks every number: cheap, for every frame of a scene that moves or was written in
-    /// Rust. See [`Scene::check`] for what is checked once.
+    /// Checks every number. This is cheap enough for every frame of a scene that moves or was written in Rust; checks
+    /// that are needed only once are in [`Scene::check`].
     ///
     /// # Errors
     /// [`SceneError::Empty`] without surfaces; [`SceneError::BadNumber`] for
@@ -74,12 +71,11 @@ impl Scene {
         self.validate_sound()
     }
 
-    /// Checks as [`Scene::validate`] does, and each surface at every time of its key frames and at
-    /// the thirtieths of a second between them.
+    /// Checks the scene like [`Scene::validate`], and each surface at every time of its key frames and at the
+    /// thirtieths of a second between them.
     ///
     /// # Errors
-    /// Errors of [`Scene::validate`]; [`SceneError::At`] for a value that is wrong only at a later
-    /// time.
+    /// The errors of [`Scene::validate`]; [`SceneError::At`] for a value that is invalid only at a later time.
     pub fn validate_moving(&self) -> Result<(), SceneError> {
         self.validate()?;
         for (index, surface) in self.surfaces.iter().enumerate() {
@@ -88,7 +84,7 @@ impl Scene {
         self.at_checked_times(|scene, label, posed, _| scene.validate_pose(label, posed))
     }
 
-    /// Checks that evaluating every node at every key takes seconds at most.
+    /// Checks that evaluating every node at every key takes at most a few seconds.
     fn validate_work(&self, label: &str, surface: &Surface) -> Result<(), SceneError> {
         let nodes = surface.nodes();
         let keys = surface.checked_times(0).len();
@@ -100,8 +96,8 @@ impl Scene {
         Err(self.bad_number(&what, must, keys))
     }
 
-    /// Checks each surface in its state at every sampled time; `check` receives the number of
-    /// these times.
+    /// Calls `check` for each surface in its state at every sampled time; `check` also receives the number of these
+    /// times.
     fn at_checked_times(
         &self,
         check: impl Fn(&Scene, &str, &Surface, usize) -> Result<(), SceneError>,
@@ -122,7 +118,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Checks the current numbers.
+    /// Checks the numbers in their current state.
     fn validate_pose(&self, label: &str, surface: &Surface) -> Result<(), SceneError> {
         self.finite(&format!("{label}: position"), surface.position)?;
         let rotation = surface.rotation;
@@ -169,7 +165,7 @@ impl Scene {
     }
 
     fn bad_field(&self, label: &str, why: String) -> SceneError {
-        // The label of a user's field contains its kind already.
+        // The label of a user's field already contains its kind.
         let why = match why.strip_prefix("Field: ") {
             Some(rest) if label.ends_with("(Field)") => rest.to_owned(),
             _ => why,
@@ -346,7 +342,7 @@ impl Scene {
     }
 }
 
-/// Message where another shape than a room has materials of walls.
+/// The message if a shape other than a room has materials of walls.
 pub(super) const NOT_A_ROOM: &str = "only the walls of a Room have materials of their own";
 
 /// The first name that occurs twice.
@@ -355,7 +351,7 @@ pub(super) fn twice<'a>(names: impl Iterator<Item = Option<&'a String>>) -> Opti
     names.flatten().find(|name| !known.insert(*name))
 }
 
-/// A name that is the number of an unnamed one, which is called by its number.
+/// Finds a name that equals the number of an unnamed source or listener, whose number serves as its name.
 fn number_of_another<'a>(names: &[Option<&'a String>]) -> Option<&'a String> {
     let is_of_another = |(index, name): &(usize, &'a String)| {
         let other = name.parse::<usize>().ok().and_then(|n| n.checked_sub(1));
@@ -386,7 +382,7 @@ impl Scene {
         warnings
     }
 
-    /// Warns of several rooms.
+    /// Warns of scenes with several rooms.
     fn rooms_that_fill_each_other(&self) -> Option<Warning> {
         let all = self.surfaces.iter().enumerate();
         let rooms = all.filter(|(_, surface)| surface.has_walls());
@@ -394,7 +390,7 @@ impl Scene {
         (rooms.len() > 1).then_some(Warning::RoomsFillEachOther { rooms })
     }
 
-    /// Warns of surfaces without a material where others have one.
+    /// Warns of surfaces without a material if other surfaces have one.
     fn without_material(&self) -> Option<Warning> {
         if !self.has_materials() {
             return None;
@@ -480,7 +476,7 @@ impl Scene {
         let surface = &self.surfaces[index];
         let largest = point.abs().max(surface.position.abs()).max_element();
         if nearest.distance >= -ROUNDING * largest {
-            // Waves start there as on the surface itself.
+            // Waves start at such a point as on the surface itself.
             return None;
         }
         let label = surface.label(index);

@@ -1,4 +1,4 @@
-//! Scenes that are refused, and scenes that are warned of.
+//! Scenes that are rejected, and scenes with warnings.
 
 use super::*;
 use crate::scene::shape::{Cuboid, Room, Sphere};
@@ -15,7 +15,7 @@ fn room() -> Scene {
     )
 }
 
-/// Protects from numbers that would break a shader: they are refused.
+/// Protects from numbers that would break a shader: they are rejected.
 #[test]
 fn bad_numbers_are_refused() {
     assert!(room().validate().is_ok());
@@ -52,7 +52,7 @@ fn hall() -> Scene {
     scene
 }
 
-/// Names in messages: a single one has no number, one of several has.
+/// Names in messages: a single source or listener has no number, one of several has.
 #[test]
 fn one_of_several_is_called_by_its_number() {
     let mut scene = hall();
@@ -65,7 +65,7 @@ fn one_of_several_is_called_by_its_number() {
     assert_eq!(labels(&scene), ["the source", "the listener"]);
 }
 
-/// Numbers are unambiguous: no name is the number of an unnamed one.
+/// Numbers are unambiguous: a name must not equal the number of an unnamed source or listener.
 #[test]
 fn no_name_is_the_number_of_another() {
     let named = |first: Option<&str>, second: Option<&str>| {
@@ -190,7 +190,7 @@ fn bad_sound_is_refused_by_its_name() {
     }
 }
 
-/// Protects against rooms without air: the warning names both rooms and what to write instead.
+/// Protects against rooms without air: the warning names both rooms and the correct notation.
 #[test]
 fn rooms_that_fill_each_other_are_told() {
     let mut scene = room();
@@ -206,8 +206,8 @@ fn rooms_that_fill_each_other_are_told() {
     assert!(said.contains("Complement(of: Union(of: [Box(…), Box(…)]))"));
 }
 
-/// Protects decays from surfaces that reflect everything unnoticed: each is named, walls too; a
-/// scene without any material gets no such warning.
+/// Protects decays from surfaces that reflect all sound unnoticed: each is named, walls too; a scene without any
+/// material gets no such warning.
 #[test]
 fn what_has_no_material_is_told() {
     let mut scene = room();

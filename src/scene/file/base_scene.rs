@@ -1,4 +1,4 @@
-//! Scenes based on others: a file that names its base, and its differences from it; how it is read and written.
+//! Scenes based on others: reads and writes files that state their base and the differences from it.
 //!
 //! ```ron
 //! Scene(
@@ -8,8 +8,7 @@
 //! )
 //! ```
 //!
-//! The surfaces are always those of the base, so that a chain of files holds one list of them in
-//! memory.
+//! The surfaces are always those of the base, so that only one list of them is in memory for a chain of files.
 
 use super::serialise::{listeners, sources};
 use super::sources_and_listeners::{ListenerFile, Placed, Several, SourceFile, one_form};
@@ -27,11 +26,10 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::{Component, Path, PathBuf};
 
-/// Maximum number of scenes in a chain of bases: a chain is written by hand, and each of its files
-/// may have the full size.
+/// Maximum number of scenes in a chain of bases: chains are written by hand, and each file may have the full size.
 const MOST_BASES: usize = 8;
 
-/// The files from the requested scene down to the one being read, by their real paths.
+/// The real paths of the files from the requested scene down to the one being read.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Chain {
     files: Vec<PathBuf>,
@@ -39,7 +37,7 @@ pub(super) struct Chain {
 }
 
 impl Chain {
-    /// A chain that begins at a file.
+    /// A chain with one file.
     pub fn at(path: &Path) -> Chain {
         Chain {
             files: std::fs::canonicalize(path).into_iter().collect(),
@@ -47,7 +45,7 @@ impl Chain {
         }
     }
 
-    /// The chain extended by this base, or why it cannot be.
+    /// Returns the chain extended by this base, or the reason why that is not possible.
     pub fn down_to(&self, base: &Path) -> Result<Chain, String> {
         let real = std::fs::canonicalize(base).ok();
         if real.as_ref().is_some_and(|real| self.files.contains(real)) {
@@ -82,12 +80,12 @@ pub(super) struct BasedFile<'a> {
     sources: Option<Several<SourceFile>>,
     listener: Option<ListenerFile<Option<FixedRadius>>>,
     listeners: Option<Several<ListenerFile<FixedRadius>>>,
-    /// Each one is a [`ValueFile`].
+    /// Each entry is a [`ValueFile`].
     #[serde(borrow, default)]
     values: Vec<&'a RawValue>,
 }
 
-/// A named value of the base, set to a number in the unit of the base's file.
+/// A named value of the base and its new number, in the unit of the base's file.
 #[derive(Deserialize)]
 #[serde(rename = "Value")]
 struct ValueFile(Name, f32);
@@ -98,7 +96,7 @@ impl ValueFile {
     }
 }
 
-/// The part of a scene file that shows whether it has a base.
+/// The part of a scene file that states its base.
 #[derive(Deserialize)]
 #[serde(rename = "Scene")]
 struct Head<'a> {
@@ -106,13 +104,13 @@ struct Head<'a> {
     base: Option<&'a RawValue>,
 }
 
-/// The text that names a scene file's base, if it has one.
+/// The text of the field with a scene file's base, if any.
 fn base_of(text: &str) -> Option<&RawValue> {
     let head: Head = options().from_str(text).ok()?;
     head.base
 }
 
-/// Whether a text that cannot be read as a scene without a base names a base.
+/// Whether a text that cannot be read as a scene without a base states a base.
 pub(super) fn has_base(text: &str, error: &ron::Error) -> bool {
     let is_met = matches!(error, ron::Error::NoSuchStructField { found, outer, .. }
         if found == "base" && outer.as_deref() == Some("Scene"));
@@ -132,7 +130,7 @@ impl BasedFile<'_> {
         let Err(refused) = scene.check() else {
             return Ok(scene);
         };
-        // If the base itself is valid, the values are at fault.
+        // If the base itself is valid, the error is in the values.
         self.base(text, files, chain)?.check()?;
         Err(at_value(text, files, first, refused.to_string()))
     }
@@ -167,7 +165,7 @@ impl BasedFile<'_> {
         Ok(())
     }
 
-    /// The base, not yet checked as a whole.
+    /// The base, before it is checked as a whole.
     fn base(&self, text: &str, files: &Attached, chain: &Chain) -> Result<Scene, SceneError> {
         let refused = |why: String| at_value(text, files, self.base, why);
         let name: String = options()
@@ -228,7 +226,7 @@ fn at_value(text: &str, files: &Attached, value: &RawValue, why: String) -> Scen
     malformed(files, line, column, &why)
 }
 
-/// Rejects a name that both the first and one of the others have.
+/// Rejects a name that the first source or listener shares with one of the others.
 fn once_each<'a, T: Placed>(
     names: impl Iterator<Item = &'a Option<String>>,
 ) -> Result<(), Refused> {
@@ -239,7 +237,7 @@ fn once_each<'a, T: Placed>(
     Err(Refused::At(Place::Field(T::ONE), why))
 }
 
-/// The files that a scene file is based on, as far as they can be read.
+/// Returns the files that a scene file is based on, as far as they can be read.
 pub fn bases_of(path: &Path) -> Vec<PathBuf> {
     let mut bases = Vec::new();
     let mut path = path.to_owned();
@@ -256,7 +254,7 @@ pub fn bases_of(path: &Path) -> Vec<PathBuf> {
     bases
 }
 
-/// The file that a scene file names as its base; `None` for a built-in scene.
+/// The file that a scene file states as its base; `None` for a built-in scene.
 fn base_beside(path: &Path, name: &str) -> Option<PathBuf> {
     match named(name, Some(folder_of(path))) {
         Named::File(path) => Some(path),
@@ -264,7 +262,7 @@ fn base_beside(path: &Path, name: &str) -> Option<PathBuf> {
     }
 }
 
-/// A scene file with a base, to be written; values that are not set are the base's.
+/// A scene file with a base, to be written; the base gives the values that are not set.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BasedScene {
     base: String,
@@ -273,7 +271,7 @@ pub struct BasedScene {
     values: BTreeMap<String, f32>,
 }
 
-/// The fields of a scene file with a base, in the order in which they are written.
+/// The fields of a scene file with a base, in writing order.
 const FIELDS: [&str; 7] = [
     "name",
     "materials",
@@ -284,7 +282,7 @@ const FIELDS: [&str; 7] = [
     "listeners",
 ];
 
-/// The fields of a source that remain when it is moved.
+/// The fields of a source that stay when the source is moved.
 #[derive(Default, Deserialize)]
 #[serde(rename = "Source")]
 struct KeptSource<'a> {
@@ -294,7 +292,7 @@ struct KeptSource<'a> {
     level_db: Option<&'a RawValue>,
 }
 
-/// The fields of a listener that remain when it is moved.
+/// The fields of a listener that stay when the listener is moved.
 #[derive(Default, Deserialize)]
 #[serde(rename = "Listener")]
 struct KeptListener<'a> {
@@ -303,12 +301,13 @@ struct KeptListener<'a> {
 }
 
 impl BasedScene {
-    /// Starts a file in `folder` with the scene of `origin`, a built-in scene's name or a file. If
-    /// that file has a base itself, its base is used together with all its changes, so that files
+    /// Starts a file in `folder` based on the scene of `origin`, which is a built-in scene's name or a file. If that
+    /// file itself has a base, its base is used together with all its changes, so that files made from each other do
+    /// not form a chain.
     /// made from each other do not form a chain.
     ///
     /// # Errors
-    /// [`SceneError::Unreadable`]; [`SceneError::NoBase`] for a path that no scene file can name.
+    /// [`SceneError::Unreadable`]; [`SceneError::NoBase`] for a path that a scene file cannot state.
     pub fn of(origin: &str, folder: &Path) -> Result<BasedScene, SceneError> {
         let on = |base: String| BasedScene {
             base,
@@ -329,7 +328,7 @@ impl BasedScene {
         Ok(BasedScene { base, ..said })
     }
 
-    /// The content of a file; `None` if it has no base.
+    /// The content of a file; `None` if the file has no base.
     fn read(text: &str) -> Option<BasedScene> {
         let said = RawFields::of(text)?;
         let fields = FIELDS.into_iter().filter_map(|field| {
@@ -347,8 +346,8 @@ impl BasedScene {
         })
     }
 
-    /// Moves the first source to its place in `scene`, without a path. The other sources of `scene`
-    /// must be those of this file.
+    /// Moves the first source to its position in `scene`, without a path. The other sources of `scene` must equal those
+    /// of this file.
     pub fn put_source(&mut self, scene: &Scene) {
         if let Some(list) = self.fields.get_mut("sources") {
             *list = in_ron(&sources(scene));
@@ -364,8 +363,8 @@ impl BasedScene {
         self.fields.insert("source", text);
     }
 
-    /// Gives the first listener the position and direction that it has in `scene`, without a path.
-    /// The other listeners of `scene` must be those of this file.
+    /// Gives the first listener its position and direction in `scene`, without a path. The other listeners of `scene`
+    /// must equal those of this file.
     pub fn put_listener(&mut self, scene: &Scene) {
         if let Some(list) = self.fields.get_mut("listeners") {
             *list = in_ron(&listeners(scene));
@@ -386,10 +385,10 @@ impl BasedScene {
         self.fields.insert("listener", text);
     }
 
-    /// The file's value of a field; the default if the file leaves it to the base.
+    /// The file's value of a field; the default value if the file does not set the field.
     fn said<'a, T: Deserialize<'a> + Default>(&'a self, field: &str) -> T {
         let said = self.fields.get(field).map_or("()", String::as_str);
-        // Fields that were parsed before have this form.
+        // The text was parsed before, so it has the right form.
         options().from_str(said).unwrap_or_default()
     }
 
@@ -398,7 +397,7 @@ impl BasedScene {
         self.values.insert(name.to_owned(), value);
     }
 
-    /// The file's text after these comment lines.
+    /// The file's text, with `comment` as comment lines at its beginning.
     pub fn text(&self, comment: &str) -> String {
         let mut text = String::new();
         // Writing to a string never fails.
@@ -436,7 +435,7 @@ fn again<const N: usize>(fields: [(&str, Option<&RawValue>); N]) -> String {
     said.collect()
 }
 
-/// A list as a scene file writes it, in one line.
+/// Formats a list as in a scene file, on one line.
 fn in_ron(list: &Written) -> String {
     let notation = PrettyConfig::new()
         .struct_names(true)
@@ -454,14 +453,14 @@ fn quoted(text: &str) -> String {
     format!("{text:?}")
 }
 
-/// The relative path from a folder to a file, as a scene file there names it.
+/// The relative path from a folder to a file, as a scene file in that folder states it.
 fn relative(folder: &Path, file: &Path) -> Result<String, SceneError> {
     let refused = || SceneError::NoBase {
         folder: folder.to_owned(),
         base: file.to_owned(),
     };
     let name = file.file_name().ok_or_else(refused)?;
-    // The file itself may be a link: names in it are relative to the folder of the link.
+    // The file itself may be a link: paths in it are relative to the folder of the link.
     let (from, to) = (real(folder), real(folder_of(file)));
     let (Some(from), Some(to)) = (from, to) else {
         return Err(refused());
@@ -484,7 +483,7 @@ fn relative(folder: &Path, file: &Path) -> Result<String, SceneError> {
     }
 }
 
-/// A folder's real path; the current one where the path is empty.
+/// A folder's real path; that of the current folder if the path is empty.
 fn real(folder: &Path) -> Option<PathBuf> {
     let folder = match folder.as_os_str().is_empty() {
         true => Path::new("."),

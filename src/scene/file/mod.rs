@@ -1,8 +1,8 @@
-//! Scene files in RON: they are read, and read again when they change.
+//! Scene files in RON: reading them, and rereading them when they change.
 //!
-//! The types here are the content of the text (degrees, full sizes); they are converted to the
-//! plain [`Scene`] at once. Every number is checked while it is read, so that an error points at
-//! its line and column. See `docs/scene-format.md`.
+//! The types here are the content of the text (degrees, full sizes); they are immediately converted to the plain
+//! [`Scene`]. Every number is checked while it is read, so that an error points at its line and column. See
+//! `docs/scene-format.md`.
 
 mod base_scene;
 mod serialise;
@@ -32,29 +32,27 @@ use text::{Modern, Place, Refused};
 #[doc(hidden)]
 pub use base_scene::{BasedScene, bases_of};
 
-/// Maximum size of a scene file in bytes: 100,000 key frames are 2 MB, and the content of a text of
-/// this size (a shape in six bytes) fits into a gigabyte of memory.
+/// Maximum size of a scene file in bytes: 100,000 key frames are 2 MB, and the content of a text of this size (a shape
+/// in six bytes) fits into a gigabyte of memory.
 const LARGEST_FILE: u64 = 4 << 20;
 
-/// Maximum nesting of the text, which protects the stack; a shape within a shape takes four or five
-/// levels.
+/// Maximum nesting of the text, which protects the stack; each nested shape takes four or five levels.
 const DEEPEST: usize = 512;
 
 impl Scene {
-    /// Reads a scene file, its base, and the files that each names from its own folder.
+    /// Reads a scene file, its base, and the files that each of them names, relative to its own folder.
     ///
     /// # Errors
-    /// [`SceneError::Unreadable`], [`SceneError::Malformed`] with line and column,
-    /// [`SceneError::Attached`] for the files that it names, or what
-    /// [`Scene::check`] rejects.
+    /// [`SceneError::Unreadable`], [`SceneError::Malformed`] with line and column, [`SceneError::Attached`] for the
+    /// files that it names, and the errors of [`Scene::check`].
     pub fn from_file(path: &Path) -> Result<Scene, SceneError> {
         let scene = scene_of_file(path, &text_of(path)?, &Chain::at(path))?;
         scene.check()?;
         Ok(scene)
     }
 
-    /// Reads a scene from RON text; `origin` is its name in errors. Files that it names are
-    /// relative to the current folder.
+    /// Reads a scene from RON text; `origin` is its name in errors. File names in the text are relative to the current
+    /// folder.
     ///
     /// ```
     /// let text = "Scene(
@@ -68,15 +66,15 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// As for [`Scene::from_file`].
+    /// The errors of [`Scene::from_file`].
     pub fn from_ron(text: &str, origin: &str) -> Result<Scene, SceneError> {
         Scene::from_ron_in(text, origin, Path::new(""))
     }
 
-    /// Reads a scene as [`Scene::from_ron`] does; the files that it names are in `folder`.
+    /// Like [`Scene::from_ron`], with file names relative to `folder`.
     ///
     /// # Errors
-    /// As for [`Scene::from_file`].
+    /// The errors of [`Scene::from_file`].
     pub fn from_ron_in(text: &str, origin: &str, folder: &Path) -> Result<Scene, SceneError> {
         let files = Attached::in_folder(origin, folder);
         let scene = parse(text, &files, &Chain::default())?;
@@ -97,8 +95,7 @@ impl Scene {
     }
 }
 
-/// The text of a scene file, unchanged except for a byte-order mark, which some editors put before
-/// it.
+/// The text of a scene file, without the byte-order mark that some editors put at the beginning.
 fn text_of(path: &Path) -> Result<String, SceneError> {
     read_text(path, LARGEST_FILE).map_err(|source| SceneError::Unreadable {
         path: path.to_owned(),
@@ -111,7 +108,7 @@ fn folder_of(path: &Path) -> &Path {
     path.parent().unwrap_or(Path::new(""))
 }
 
-/// The scene of a file with this text, not yet checked as a whole.
+/// The scene of a file with this text, before it is checked as a whole.
 fn scene_of_file(path: &Path, text: &str, chain: &Chain) -> Result<Scene, SceneError> {
     let files = Attached::in_folder(&path.display().to_string(), folder_of(path));
     let mut scene = parse(text, &files, chain)?;
@@ -129,7 +126,7 @@ fn options() -> ron::Options {
         .with_recursion_limit(DEEPEST)
 }
 
-/// The scene of the text, not yet checked as a whole.
+/// The scene of the text, before it is checked as a whole.
 fn parse(text: &str, files: &Attached, chain: &Chain) -> Result<Scene, SceneError> {
     // Some editors put a byte-order mark before the text.
     let modern = Modern::of(text.trim_start_matches('\u{feff}'));
@@ -137,7 +134,7 @@ fn parse(text: &str, files: &Attached, chain: &Chain) -> Result<Scene, SceneErro
         .map_err(|error| modern.in_text_as_it_was(error, files.origin()))
 }
 
-/// The scene of a text whose operators are all in the current form.
+/// The scene of a text that has all operators in the current form.
 fn parse_modern(text: &str, files: &Attached, chain: &Chain) -> Result<Scene, SceneError> {
     let error = match options().from_str::<SceneFile>(text) {
         Ok(file) => {
@@ -165,7 +162,7 @@ fn from_ron(files: &Attached, text: &str, error: &SpannedError) -> SceneError {
     malformed(files, start.line, start.col, &message)
 }
 
-/// An error at a line and a column, each counted from 1.
+/// The error at a line and a column, each counted from 1.
 fn malformed(files: &Attached, line: usize, column: usize, message: &str) -> SceneError {
     SceneError::Malformed(MalformedText {
         origin: files.origin().to_owned(),
@@ -191,7 +188,7 @@ struct SceneFile {
 }
 
 impl SceneFile {
-    /// The scene, with the files that it names.
+    /// Converts to a scene, reading the files that it names.
     fn scene(self, files: &Attached) -> Result<Scene, Refused> {
         let sources = Several::needed(self.source, self.sources)?;
         let listeners = Several::needed(self.listener, self.listeners)?;
@@ -230,9 +227,9 @@ fn check_materials(scene: &Scene) -> Result<(), Refused> {
     Ok(())
 }
 
-/// The message for an error in this text, in terms of the notation, if the error is about a shape, an operator, or
-/// another part that has a name and fields. RON's own message reports what its parser expected; the author of `Sphere(1)`
-/// or `Air(20)` needs to know the correct notation.
+/// The message for an error in this text, in terms of the notation, if the error concerns a shape, an operator, or
+/// another part with a name and fields. RON's own message states what its parser expected; the author of `Sphere(1)` or
+/// `Air(20)` needs the correct notation.
 fn about_part(text: &str, error: &SpannedError) -> Option<String> {
     match &error.code {
         Error::NoSuchEnumVariant { found, outer, .. } if outer.as_deref() == Some("Shape") => {
@@ -266,7 +263,7 @@ fn how_written(before: &str, behind: &str) -> Option<String> {
     let form = form_of(name).or_else(|| form_of_sound(name))?;
     let has_bracket = behind.trim_start().starts_with(['(', '[', '{']);
     if form == Form::NameAlone && !has_bracket {
-        // The error is that something is missing after it.
+        // The error is a missing part after it.
         return None;
     }
     Some(format!("{name} is written {}", form.written(name)))
@@ -283,36 +280,36 @@ fn form_of_sound(name: &str) -> Option<Form> {
     }
 }
 
-/// Time of a file's last write and its length in bytes; `None` while the file does not exist.
+/// A file's last write time and its length in bytes; `None` while the file does not exist.
 type Stamp = Option<(SystemTime, u64)>;
 
 /// A scene file, its bases, and the files that they name, watched for changes.
 ///
-/// Does not use OpenGL: see [`tracer::Reloading`](crate::tracer::Reloading) for scenes that are also
-/// checked by the renderer. Polling takes a few microseconds a file.
+/// Does not use OpenGL: see [`tracer::Reloading`](crate::tracer::Reloading) for scenes that the renderer also checks.
+/// Polling takes a few microseconds per file.
 pub struct SceneWatch {
     load: Box<dyn Fn() -> Result<Scene, SceneError>>,
     /// The scene file; `None` for a built-in scene.
     own: Option<PathBuf>,
-    /// State of the files when last read.
+    /// State of the files when they were last read.
     read: Vec<(PathBuf, Stamp)>,
-    /// State found by the last poll, if it differs from `read`.
+    /// State of the files at the last poll, if it differs from `read`.
     found: Option<Vec<Stamp>>,
-    /// Message of the last error, until a scene is read.
+    /// The last error's message, until a scene is read.
     refused: Option<String>,
 }
 
 impl SceneWatch {
-    /// Reads a scene as [`Scene::load`] does, and watches it from now on.
+    /// Reads a scene like [`Scene::load`], and watches it from now on.
     ///
     /// # Errors
-    /// As [`Scene::load`].
+    /// The errors of [`Scene::load`].
     pub fn open(name_or_file: &str) -> Result<(SceneWatch, Scene), SceneError> {
         let name = name_or_file.to_owned();
         SceneWatch::open_with(name_or_file, move || Scene::load(&name))
     }
 
-    /// Watches a scene file that is read by `load`, for scenes that are changed after reading.
+    /// Watches a scene file that `load` reads; for scenes that are changed after reading.
     ///
     /// # Errors
     /// The errors of `load`.
@@ -339,10 +336,10 @@ impl SceneWatch {
         self.read.iter().map(|(path, _)| path.as_path())
     }
 
-    /// Returns the scene, or the error of reading it, once after each change; otherwise `None`.
+    /// Returns the scene, or the error when reading it, once after each change; otherwise `None`.
     ///
-    /// A change counts when two polls in a row find the same state: an editor may still be writing.
-    /// After an error the scene file's folder is watched too, in case a missing file appears.
+    /// A change counts when two consecutive polls find the same state, since an editor may still be writing. After an
+    /// error the scene file's folder is watched too, in case a missing file appears.
     pub fn poll(&mut self) -> Option<Result<Scene, SceneError>> {
         let now: Vec<Stamp> = self.read.iter().map(|(path, _)| stamp(path)).collect();
         if self.read.iter().map(|(_, stamp)| stamp).eq(&now) {
@@ -368,7 +365,7 @@ impl SceneWatch {
                 let folders: Vec<PathBuf> = self.own.iter().map(|own| folder(own)).collect();
                 let known = self.files().map(Path::to_owned).collect::<Vec<_>>();
                 self.keep([known, folders].concat());
-                // Another file may have appeared or vanished in the folder.
+                // Another file may have appeared in the folder or vanished from it.
                 let is_news = self.refused.as_ref() != Some(&sentence);
                 self.refused = Some(sentence);
                 is_news.then_some(Err(error))
@@ -376,8 +373,7 @@ impl SceneWatch {
         }
     }
 
-    /// Watches the scene's own file, its bases and `files`; keeps the recorded state of files
-    /// already watched.
+    /// Watches the scene's own file, its bases and `files`; files that are already watched keep their recorded state.
     fn keep(&mut self, files: Vec<PathBuf>) {
         let Some(own) = self.own.clone() else {
             return;

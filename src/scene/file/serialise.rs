@@ -1,7 +1,7 @@
 //! Serialises and deserialises scenes with serde: the content of a scene file, in any format.
 //!
-//! Fields have the names that the types reading them request ([`Form`]), and values have the units
-//! of the file, so that there is only one notation.
+//! Fields have the names that the types for reading declare ([`Form`]), and values have the units of the file, so that
+//! there is only one notation.
 
 use super::SceneFile;
 use crate::bands::BAND_COUNT;
@@ -15,8 +15,8 @@ use glam::{EulerRot, Quat, Vec3};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de, ser};
 use std::collections::BTreeMap;
 
-/// A scene is written as the content of its file, with the content of its base included. Height
-/// images and users' GLSL are written as file names, and these files are read with the scene.
+/// A scene is written as the content of its file, including the content of its base. Height images and users' GLSL are
+/// written as file names, and are read from these files with the scene.
 ///
 /// ```
 /// # use echomarch::Scene;
@@ -106,7 +106,7 @@ fn air(of: Air) -> Written {
     Written::Struct("Air", fields)
 }
 
-/// The name of something, if it has one.
+/// The field with the name, if there is one.
 fn named(name: &Option<String>) -> Fields {
     let name = name.iter().cloned();
     name.map(|name| ("name", Written::Text(name))).collect()
@@ -177,13 +177,13 @@ fn surface(of: &Surface) -> Written {
     Written::Struct("Surface", fields)
 }
 
-/// Angles of a rotation in degrees about x, then y, then z of the world's axes.
+/// The angles of a rotation in degrees, about x, then y, then z of the world's axes.
 fn angles_of(rotation: Quat) -> [f32; 3] {
     let (x, y, z) = rotation.as_dquat().normalize().to_euler(EulerRot::XYZEx);
     [x, y, z].map(|angle| angle.to_degrees() as f32)
 }
 
-/// Three numbers of a surface, in the unit of the file.
+/// Three numbers of a surface along the axes, in the unit of the file.
 fn along_axes(values: [f32; 3], name: &str, drivers: &[Driver]) -> Written {
     let axes = ["x", "y", "z"].into_iter().zip(values);
     let quantity = match name {
@@ -194,7 +194,7 @@ fn along_axes(values: [f32; 3], name: &str, drivers: &[Driver]) -> Written {
     Written::Tuple(axes.map(one).collect())
 }
 
-/// A tree, whose numbers have names that begin with `at`.
+/// A tree; the names of its numbers begin with `at`.
 fn node(of: &Shape, at: &str, drivers: &[Driver]) -> Written {
     let part = of.node.part();
     let child = |(index, child)| node(child, &format!("{at}{index}."), drivers);
@@ -224,8 +224,7 @@ fn node(of: &Shape, at: &str, drivers: &[Driver]) -> Written {
     }
 }
 
-/// Groups numbers by the first part of their names: those of a vector as `(x, y)`, and lists of
-/// vectors as `[(x, y), …]`.
+/// Groups numbers by the first part of their names: a vector becomes `(x, y)`, and a list of vectors `[(x, y), …]`.
 fn grouped(numbers: Vec<(String, Written)>) -> Vec<(String, Written)> {
     let mut groups: Vec<(String, Vec<(String, Written)>)> = Vec::new();
     for (name, number) in numbers {
@@ -254,7 +253,7 @@ fn together(mut members: Vec<(String, Written)>) -> Written {
 
 /// A number with its motion; `value` is in the unit of the file.
 fn number(name: &str, value: f32, quantity: Quantity, drivers: &[Driver]) -> Written {
-    // If several drivers set one number, the last one counts.
+    // If several drivers set a number, the last driver counts.
     let driver = drivers.iter().rev().find(|d| d.parameter == name);
     match driver.map(|driver| &driver.motion) {
         None => Written::Number(value),
@@ -274,8 +273,7 @@ fn point(of: Vec3) -> Written {
     Written::Tuple(of.to_array().map(Written::Number).to_vec())
 }
 
-/// Converts a number of the code to the unit of the file, if possible to one that is read back
-/// exactly.
+/// Converts a number of the code to the unit of the file, if possible to a value that converts back exactly.
 fn in_file(quantity: Quantity, value: f32) -> f32 {
     let near = quantity.in_file(value);
     let all = [near, near.next_up(), near.next_down()];
@@ -295,7 +293,7 @@ mod tests {
         Scene::from_ron(&text, "written").unwrap_or_else(|error| panic!("{error}\n{text}"))
     }
 
-    /// Whether it is complete without separate files.
+    /// Whether the entry needs no separate files.
     fn is_whole(entry: &Entry) -> bool {
         let mut nodes = entry.field.nodes().into_iter();
         nodes.all(|part| {
@@ -346,7 +344,7 @@ mod tests {
         }
     }
 
-    /// Protects every shape and operator: reading returns what was written.
+    /// Protects every shape and operator: writing and reading preserves them.
     #[test]
     fn every_shape_is_read_as_it_was_written() {
         for entry in entries().iter().filter(|entry| is_whole(entry)) {
@@ -355,8 +353,7 @@ mod tests {
         }
     }
 
-    /// Protects moving numbers and the units of the file: text and scene convert to each other
-    /// without loss.
+    /// Protects moving numbers and the units of the file: text and scene convert to each other without loss.
     #[test]
     fn what_moves_is_read_as_it_was_written() {
         const TEXT: &str = r#"Scene(
@@ -384,7 +381,7 @@ mod tests {
         assert_eq!(read.named_values(), scene.named_values());
     }
 
-    /// Protects other formats, and the built-in scenes, whose fields are within the program.
+    /// Protects other formats, and the built-in scenes, whose fields are embedded in the program.
     #[test]
     fn built_in_scenes_go_through_json() {
         for name in Scene::BUILTIN_NAMES {

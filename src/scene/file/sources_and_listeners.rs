@@ -20,7 +20,7 @@ pub(super) struct SourceFile {
     path: Option<PathFile>,
 }
 
-/// A listener with a radius of type `R`, which may be optional where the scene has a base.
+/// A listener with a radius of type `R`, which is optional if the scene has a base.
 #[derive(Deserialize)]
 #[serde(
     rename = "Listener",
@@ -76,21 +76,21 @@ fn path(keys: Vec<KeyFile>) -> Result<Path, String> {
     path.ok_or_else(|| "the times of a path's keys must increase".to_owned())
 }
 
-/// The path of a file; without one, it stands still.
+/// The path from the file; if there is none, a path without keys.
 fn path_of(file: &Option<PathFile>) -> Path {
     file.as_ref().map(|file| file.0.clone()).unwrap_or_default()
 }
 
 impl SourceFile {
-    /// The source of the file.
+    /// Returns the source of the file.
     pub fn read(&self) -> Source {
         let mut source = Source::at(Vec3::ZERO);
         self.change(&mut source);
         source
     }
 
-    /// Moves a source to its place in the file: without a position it is at the start of its path.
-    /// A given position removes a path that is not given with it.
+    /// Moves a source to its position in the file; without a position it is at the start of its path. If the file gives
+    /// a position and no path, the source loses its path.
     pub fn change(&self, source: &mut Source) {
         if let Some(name) = &self.name {
             source.name = Some(name.0.clone());
@@ -109,7 +109,7 @@ impl SourceFile {
 }
 
 impl ListenerFile<FixedRadius> {
-    /// The listener of the file.
+    /// Returns the listener of the file.
     pub fn read(&self) -> Listener {
         let mut listener = Listener::at(Vec3::ZERO, self.radius.0);
         self.change(&mut listener);
@@ -118,8 +118,8 @@ impl ListenerFile<FixedRadius> {
 }
 
 impl<R: Copy + Into<Option<FixedRadius>>> ListenerFile<R> {
-    /// Moves a listener to its place in the file: without a position, the start of its path gives
-    /// position and direction. A given position removes a path that is not given with it.
+    /// Moves a listener to its position in the file; without a position, position and direction are those at the start
+    /// of its path. If the file gives a position and no path, the listener loses its path.
     pub fn change(&self, listener: &mut Listener) {
         if let Some(name) = &self.name {
             listener.name = Some(name.0.clone());
@@ -148,11 +148,11 @@ impl<R: Copy + Into<Option<FixedRadius>>> ListenerFile<R> {
 
 /// An element of a scene that occurs once or several times and may have a name.
 pub(super) trait Placed {
-    /// Field name for a single one.
+    /// Name of the field with a single element.
     const ONE: &'static str;
-    /// Field name for several.
+    /// Name of the field with several elements.
     const SEVERAL: &'static str;
-    /// The notation of one.
+    /// The notation of one element.
     const NOTATION: &'static str;
 
     fn name(&self) -> Option<&Name>;
@@ -191,7 +191,7 @@ pub(super) fn one_form<T: Placed>(one: bool, several: bool) -> Result<(), Refuse
 }
 
 impl<T: Placed> Several<T> {
-    /// The values of a scene in whichever of the two forms it uses.
+    /// The elements of a scene, from whichever of the two fields it uses.
     pub fn needed(one: Option<T>, several: Option<Several<T>>) -> Result<Several<T>, Refused> {
         one_form::<T>(one.is_some(), several.is_some())?;
         let alone = |only| Several(vec![only]);

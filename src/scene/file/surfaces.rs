@@ -21,7 +21,7 @@ pub(super) struct SurfaceFile {
     shape: ShapeFile,
     #[serde(default)]
     position: Vector<Metres>,
-    /// Right-handed turns about x, then y, then z, of the world's axes.
+    /// Right-handed turns about the world's x, then y, then z axis.
     #[serde(default)]
     rotation: Vector<Angle>,
     #[serde(default)]
@@ -34,7 +34,7 @@ impl SurfaceFile {
     /// Converts the file's surface.
     ///
     /// # Errors
-    /// Errors of the files that it names.
+    /// The errors of the files that it names.
     pub fn read(self, files: &Attached) -> Result<Surface, SceneError> {
         let mut reader = Reader::new(files);
         let position = Vec3::read(self.position, "position", &mut reader);
@@ -55,7 +55,7 @@ impl SurfaceFile {
     }
 }
 
-/// Materials by their names, each defined once.
+/// Materials by name, each defined once.
 #[derive(Default)]
 pub struct Materials(pub BTreeMap<String, Material>);
 
@@ -64,12 +64,12 @@ pub struct Materials(pub BTreeMap<String, Material>);
 pub(super) struct MaterialFile {
     absorption: Option<Shares<false>>,
     scattering: Option<Shares<true>>,
-    /// The material that gives the values left out.
+    /// The material for the values that are not given.
     #[serde(default)]
     base: Base,
 }
 
-/// A built-in material by its name; without a name, a mirror.
+/// A built-in material by its name; without a name, a perfect mirror.
 #[derive(Default)]
 struct Base(Material);
 
@@ -96,7 +96,7 @@ impl MaterialFile {
     }
 }
 
-/// A file's values for single walls of a room.
+/// Values for single walls of a room.
 #[derive(Deserialize)]
 #[serde(rename = "Walls", deny_unknown_fields, bound = "T: Deserialize<'de>")]
 pub(super) struct Walls<T> {
@@ -129,11 +129,11 @@ impl Walls<Name> {
     }
 }
 
-/// Shares of energy by octave bands, given as one number or eight: of the scattered energy if
-/// `SCATTERED`, else of the absorbed energy.
+/// Shares of energy by octave band, given as one number or eight: of the scattered energy if `SCATTERED`, otherwise of
+/// the absorbed energy.
 struct Shares<const SCATTERED: bool>(Bands);
 
-/// One share, checked at its place.
+/// One share, checked when it is read.
 struct Share<const SCATTERED: bool>(f64);
 
 const fn what(scattered: bool) -> &'static str {
@@ -250,7 +250,7 @@ impl<'de> Visitor<'de> for ByName {
     }
 }
 
-/// The air of a file; values may be left out.
+/// The air in a file; values may be omitted.
 #[derive(Deserialize)]
 #[serde(rename = "Air", deny_unknown_fields)]
 pub(super) struct AirFile {
@@ -260,7 +260,7 @@ pub(super) struct AirFile {
 }
 
 impl AirFile {
-    /// The previous air, or else the default, with the given values changed.
+    /// The previous air, or the default, with the given values replaced.
     pub fn change(&self, before: Option<Air>) -> Air {
         let before = before.unwrap_or_default();
         Air {
@@ -307,8 +307,7 @@ mod tests {
         Ok(scene.materials["own"])
     }
 
-    /// Protects a built-in material that scatters: given values are used, and all others are those of the
-    /// base.
+    /// Protects a built-in material that scatters: given values are used, and the base gives all others.
     #[test]
     fn a_base_says_what_is_left_out() {
         let brick = Material::builtin("brick").expect("a built-in material");

@@ -1,4 +1,4 @@
-//! Files that are based on others, messages about wrong notation, and files that change.
+//! Files based on others, messages about wrong notation, and files that change.
 
 use crate::scene::{Path as KeyPath, Scene, SceneError, SceneWatch, Source};
 use glam::Vec3;
@@ -13,7 +13,7 @@ const HALL: &str = r#"Scene(
     listener: Listener(position: (0, 0, 6), radius: 1, yaw: 10, pitch: 5, path: [Key(time: 1, position: (0, 0, 5))]),
 )"#;
 
-/// A folder with `hall.ron`; other files are written next to it.
+/// A folder with `hall.ron`; tests write other files next to it.
 struct Folder(tempfile::TempDir);
 
 impl Folder {
@@ -39,14 +39,14 @@ impl Folder {
         Scene::from_file(&self.path("small.ron"))
     }
 
-    /// The error, without the folder.
+    /// The error's message, without the folder.
     fn refused(&self, text: &str) -> String {
         let said = self.read(text).unwrap_err().to_string();
         said.replace(&format!("{}/", self.0.path().display()), "")
     }
 }
 
-/// Protects the rule of a base: what is named is changed, everything else is the base's.
+/// Protects the rule of a base: fields in the file are changed, all others come from the base.
 #[test]
 fn only_what_is_named_differs_from_the_base() {
     let folder = Folder::new();
@@ -62,7 +62,7 @@ fn only_what_is_named_differs_from_the_base() {
         (values: [Value("door", 60)], source: (position: (0, 1, 0)), name: "small", base: "hall.ron")"#;
     assert_eq!(folder.read(text).unwrap(), expected);
 
-    // A listener with a given position has no path; a radius alone does not move it.
+    // If the file gives a listener's position, the listener has no path; a radius alone does not move it.
     let listener = |said: &str| {
         let text = format!(r#"Scene(base: "hall.ron", listener: Listener({said}))"#);
         folder.read(&text).unwrap().listeners.remove(0)
@@ -80,8 +80,8 @@ fn only_what_is_named_differs_from_the_base() {
     assert_eq!((walks.yaw, walks.pitch), (90f32.to_radians(), 0.0));
 }
 
-/// Protects names: a built-in scene first, then a file in the folder of the one that names it; an
-/// embedded text has no files.
+/// Protects the lookup of names: a built-in scene first, then a file in the folder of the naming file; an embedded text
+/// has no files.
 #[test]
 fn a_base_is_a_built_in_scene_or_a_file_beside() {
     let folder = Folder::new();
@@ -99,7 +99,7 @@ fn a_base_is_a_built_in_scene_or_a_file_beside() {
     assert_eq!(menger.listeners[0].radius, 0.5);
 }
 
-/// Each error names the file that it is in, and the line there.
+/// Each error states its file, and the line in that file.
 #[test]
 fn errors_point_at_their_own_file_and_line() {
     let folder = Folder::new();
@@ -217,8 +217,7 @@ fn chains_of_bases_have_an_end() {
     );
 }
 
-/// Protects a running program: a base is an input like the file that names it, and its changes are
-/// noticed.
+/// Protects a running program: a base is an input like the file that names it, and changes to the base are noticed.
 #[test]
 fn a_base_is_watched_and_never_replaced() {
     let folder = Folder::new();
@@ -267,7 +266,7 @@ fn a_shape_is_told_by_its_name_and_how_it_is_written() {
     }
 }
 
-/// A material, air or source in a wrong form is reported with its correct form.
+/// Material, air or a source in a wrong form is reported with its correct form.
 #[test]
 fn sound_is_told_how_it_is_written() {
     for (said, sentence) in [
@@ -291,7 +290,7 @@ fn sound_is_told_how_it_is_written() {
     }
 }
 
-/// For a mistyped shape the nearest one is suggested; without a near one, all are listed.
+/// For a mistyped shape the most similar name is suggested; if none is similar, all are listed.
 #[test]
 fn the_nearest_shape_is_suggested() {
     for (shape, nearest) in [
@@ -330,8 +329,7 @@ fn settled(watch: &mut SceneWatch) -> Option<Result<Scene, SceneError>> {
     (0..3).find_map(|_| watch.poll())
 }
 
-/// Protects a running program from half-written and broken files: each change is reported
-/// once, errors too.
+/// Protects a running program from half-written and broken files: each change is reported once, and so is each error.
 #[test]
 fn each_change_is_told_once() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,8 +1,8 @@
-//! The text of a scene file: its fields, the places of values that are rejected, and the older notation of three
-//! operators, `Union([…])` for `Union(of: […])`.
+//! The text of a scene file: its fields, the positions of rejected values, and the older notation of three operators,
+//! `Union([…])` for `Union(of: […])`.
 //!
 //! RON reads a name's content either as fields or as one value, so a text in the older notation is converted to the
-//! current one before it is read. Errors give places in the original text.
+//! current one before it is read. Errors give positions in the original text.
 
 use super::surfaces::Walls;
 use super::{malformed, options};
@@ -15,20 +15,20 @@ use std::borrow::Cow;
 
 /// The reason why a parsed file is rejected.
 pub(super) enum Refused {
-    /// The text at a place, and why it is invalid.
+    /// The position in the text, and why the text there is invalid.
     At(Place, String),
-    /// An error without a place, or one that reports its own.
+    /// An error without a position, or one that states its own.
     Scene(SceneError),
 }
 
-/// The place of a value in a scene file.
+/// The position of a value in a scene file.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Place {
     /// The value of a field of the scene.
     Field(&'static str),
     /// The material of a surface (from 0), or of one of its walls.
     Material { surface: usize, wall: Option<usize> },
-    /// The end of the scene, if something is missing.
+    /// The end of the scene, for something missing.
     End,
 }
 
@@ -50,7 +50,7 @@ impl Refused {
         }
     }
 
-    /// The error in a format without places.
+    /// The error's message in a format without positions.
     pub fn without_place(self) -> String {
         match self {
             Refused::Scene(error) => error.to_string(),
@@ -59,7 +59,7 @@ impl Refused {
     }
 }
 
-/// Line and column, each from 1, of a value that is a part of the text.
+/// Line and column, each counted from 1, of a value that is a part of the text.
 pub(super) fn place_of(text: &str, value: &RawValue) -> (usize, usize) {
     let value = value.trim().get_ron();
     let before = value.as_ptr() as usize - text.as_ptr() as usize;
@@ -68,7 +68,7 @@ pub(super) fn place_of(text: &str, value: &RawValue) -> (usize, usize) {
     (count, last.chars().count() + 1)
 }
 
-/// The values of a surface that may be rejected after the whole file was read.
+/// The values of a surface that are checked after the whole file was read.
 #[derive(Deserialize)]
 #[serde(rename = "Surface")]
 struct SurfaceValues<'a> {
@@ -78,7 +78,7 @@ struct SurfaceValues<'a> {
     walls: Option<Walls<&'a RawValue>>,
 }
 
-/// A file's scene that is rejected at its end.
+/// A scene that is rejected at the end of its text.
 #[derive(Deserialize)]
 #[serde(try_from = "IgnoredAny")]
 struct Ended;
@@ -91,7 +91,7 @@ impl TryFrom<IgnoredAny> for Ended {
 }
 
 impl Place {
-    /// Line and column, each from 1.
+    /// Line and column, each counted from 1.
     fn find(self, text: &str) -> Option<(usize, usize)> {
         if let Place::End = self {
             let end = options().from_str::<Ended>(text).err()?.span.start;
@@ -127,7 +127,7 @@ macro_rules! raw_fields {
         }
 
         impl<'a> RawFields<'a> {
-            /// The text of a field; `None` if the file does not have it.
+            /// The text of a field; `None` if the file lacks it.
             pub fn get(&self, name: &str) -> Option<&'a RawValue> {
                 match name {
                     $(stringify!($field) => self.$field,)*
@@ -141,7 +141,7 @@ macro_rules! raw_fields {
 raw_fields! { base name surfaces materials air source sources listener listeners values }
 
 impl<'a> RawFields<'a> {
-    /// The fields of a text; `None` if it is not a scene.
+    /// The fields of a text; `None` if the text is not a scene.
     pub fn of(text: &'a str) -> Option<RawFields<'a>> {
         options().from_str(text).ok()
     }
@@ -152,16 +152,16 @@ impl<'a> RawFields<'a> {
     }
 }
 
-/// Operators whose operands had no field name.
+/// Operators that had no field name for their operands in the older notation.
 const OPERATORS: [&str; 3] = ["Union", "Intersection", "Complement"];
 
-/// Text inserted before their operands.
+/// Text to insert before these operands.
 const NAME: &str = "of: ";
 
-/// A text in the current form, and its differences from the original text.
+/// A text in the current form, with the positions at which it differs from the original text.
 pub(super) struct Modern<'a> {
     pub text: Cow<'a, str>,
-    /// Line and column, each from 1, of every inserted name, in the original text; in order.
+    /// Line and column, each counted from 1, of every inserted name in the original text, in order.
     inserted: Vec<(usize, usize)>,
 }
 
@@ -196,8 +196,7 @@ impl<'a> Modern<'a> {
         }
     }
 
-    /// Converts the place of an error in this text, of the file called `origin`, to its place in
-    /// the original text.
+    /// Converts the position of an error in this text, with the origin `origin`, to its position in the original text.
     pub fn in_text_as_it_was(&self, mut error: SceneError, origin: &str) -> SceneError {
         if let SceneError::Malformed(malformed) = &mut error
             && malformed.origin == origin
@@ -210,7 +209,7 @@ impl<'a> Modern<'a> {
     fn column_as_it_was(&self, line: usize, column: usize) -> usize {
         let in_line = self.inserted.iter().filter(|(at, _)| *at == line);
         in_line.fold(column, |column, (_, begin)| {
-            // Within an inserted name: the place where it was inserted.
+            // Within an inserted name: the position of the insertion.
             match column > *begin {
                 true => column.saturating_sub(NAME.len()).max(*begin),
                 false => column,
@@ -219,7 +218,7 @@ impl<'a> Modern<'a> {
     }
 }
 
-/// Positions of operands without a name, in bytes.
+/// Byte positions of operands without a field name.
 fn places(text: &str) -> Vec<usize> {
     let mut places = Vec::new();
     let mut at = 0;
@@ -247,7 +246,7 @@ fn places(text: &str) -> Vec<usize> {
     places
 }
 
-/// Position of a parenthesis' content, if one opens here.
+/// Position of a parenthesis' content, if the parenthesis opens at `at`.
 fn inside(text: &str, at: usize) -> Option<usize> {
     let open = after_blanks(text, at);
     text[open..]
@@ -255,7 +254,7 @@ fn inside(text: &str, at: usize) -> Option<usize> {
         .then(|| after_blanks(text, open + 1))
 }
 
-/// Whether a value begins here rather than a field's name.
+/// Whether a value begins here and not a field's name.
 fn is_unnamed(text: &str, at: usize) -> bool {
     let word = word_length(&text[at..]);
     let is_name = word > 0 && text[after_blanks(text, at + word)..].starts_with(':');
@@ -298,7 +297,7 @@ fn beside_code(text: &str) -> Option<usize> {
     Some(text.len() - inside.len() + length)
 }
 
-/// Length in bytes of the comment that begins here; block comments nest.
+/// Length in bytes of the comment that begins here; block comments may be nested.
 fn comment_length(text: &str) -> Option<usize> {
     if text.starts_with("//") {
         return Some(text.find('\n').unwrap_or(text.len()));
@@ -343,7 +342,7 @@ mod tests {
     use super::*;
     use crate::scene::Scene;
 
-    /// Protects files of either form: names are inserted where they are missing, and nowhere else.
+    /// Protects files in either form: names are inserted exactly where they are missing.
     #[test]
     fn names_are_put_in_where_they_lack() {
         for (text, expected) in [
@@ -383,7 +382,7 @@ mod tests {
         }
     }
 
-    /// Protects the places of errors in files of the older form.
+    /// Protects the positions of errors in files of the older form.
     #[test]
     fn errors_stand_where_they_stood() {
         let told = |shape: &str| {
@@ -397,7 +396,7 @@ mod tests {
         ] {
             let said = told(shape);
             assert!(said.starts_with(place), "{shape}: {said}");
-            // As in the current form, except for the names.
+            // Same as in the current form, except for the names.
             let modern = told(&Modern::of(shape).text);
             assert_eq!(
                 said.split_once(": ").unwrap().1,

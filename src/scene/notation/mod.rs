@@ -1,5 +1,5 @@
-//! The notation of scene files below surfaces and shapes: numbers with their units, the form of shapes when they are
-//! read and written, and the files that a scene names.
+//! The notation of scene files below surfaces and shapes: numbers with their units, the form of shapes for reading and
+//! writing, and the files that a scene names.
 
 mod numbers;
 
@@ -28,7 +28,7 @@ use std::sync::Arc;
 /// The notation after the name of a shape or an operator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Form {
-    /// Numbers and children by their names: `Torus(ring: …, tube: …)`.
+    /// Numbers and children by name: `Torus(ring: …, tube: …)`.
     Fields(&'static [&'static str]),
     /// One value: `Quadric((…))`.
     Value,
@@ -37,12 +37,12 @@ pub(crate) enum Form {
 }
 
 impl Form {
-    /// The form that `F` requests when it is read; `None` if it accepts any.
+    /// The form that the type `F` requests when it is read; `None` if it accepts any.
     pub fn of<'de, F: Deserialize<'de>>() -> Option<Form> {
         F::deserialize(Asked).err().and_then(|answer| answer.0)
     }
 
-    /// A part of this name as it is written in this form.
+    /// Formats a part of this name in this form.
     pub fn written(self, name: &str) -> String {
         match self {
             Form::Fields(fields) => format!("{name}({}: …)", fields.join(": …, ")),
@@ -52,10 +52,10 @@ impl Form {
     }
 }
 
-/// A deserializer that reads nothing and records the requested form.
+/// A deserializer without content that records the requested form.
 struct Asked;
 
-/// The requested form, as the error that ends the reading.
+/// The requested form, returned as the error that ends the reading.
 #[derive(Debug)]
 struct Answer(Option<Form>);
 
@@ -179,23 +179,23 @@ pub(crate) enum Written {
     Tuple(Vec<Written>),
     /// In brackets.
     List(Vec<Written>),
-    /// A key-framed number: seconds and value.
+    /// A key-framed number: pairs of seconds and value.
     Keys(Vec<(f64, f32)>),
-    /// A number that follows a named value, and its current value.
+    /// A number driven by a named value, and its current value.
     Named(String, f32),
-    /// Names and their values: `{"name": …}`.
+    /// Values by name: `{"name": …}`.
     Map(Vec<(String, Written)>),
-    /// A name of the notation, and its fields.
+    /// A name of the notation, with fields.
     Struct(&'static str, Fields),
     /// The name of a shape or an operator.
     Plain(ShapeName),
-    /// The same with one value: `Quadric((…))`.
+    /// The name of a shape or operator with one value: `Quadric((…))`.
     Holding(ShapeName, Box<Written>),
-    /// The same with fields: `Torus(ring: …, tube: …)`.
+    /// The name of a shape or operator with fields: `Torus(ring: …, tube: …)`.
     With(ShapeName, Fields),
 }
 
-/// The name of a shape or an operator, and its number, which formats without names write.
+/// The name of a shape or an operator, and its number for formats that write no names.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ShapeName {
     pub name: &'static str,
@@ -257,10 +257,10 @@ impl Serialize for Written {
     }
 }
 
-/// Maximum size of a GLSL field in bytes: a larger file cannot be meant as one.
+/// Maximum size of a GLSL field in bytes: a larger file must be a mistake.
 const LARGEST_FIELD: u64 = 1 << 20;
 
-/// The places of a scene's files; each file is read once.
+/// The location of a scene's files; each file is read once.
 pub(crate) struct Attached {
     /// The name of the scene's text in errors.
     origin: String,
@@ -272,7 +272,7 @@ pub(crate) struct Attached {
 enum Place {
     /// In the scene file's folder.
     Folder(PathBuf),
-    /// Within the program: names and texts.
+    /// Embedded in the program: names and texts.
     Embedded(&'static [(&'static str, &'static str)]),
 }
 
@@ -282,7 +282,7 @@ impl Attached {
         Attached::new(origin, Place::Folder(folder.to_owned()))
     }
 
-    /// Texts within the program.
+    /// Texts embedded in the program.
     pub fn embedded(origin: &str, texts: &'static [(&'static str, &'static str)]) -> Attached {
         Attached::new(origin, Place::Embedded(texts))
     }
@@ -301,7 +301,7 @@ impl Attached {
         &self.origin
     }
 
-    /// The folder of the files; `None` for texts within the program.
+    /// The folder of the files; `None` for embedded texts.
     pub fn folder(&self) -> Option<&Path> {
         match &self.place {
             Place::Folder(folder) => Some(folder),
@@ -309,7 +309,7 @@ impl Attached {
         }
     }
 
-    /// Reads a height image by the name that the scene gives.
+    /// Reads a height image by its file name in the scene.
     pub fn heights(&self, name: &str) -> Result<Arc<HeightImage>, SceneError> {
         let known = self.images.borrow();
         if let Some((_, image)) = known.iter().find(|(known, _)| known == name) {
@@ -324,7 +324,7 @@ impl Attached {
         Ok(image)
     }
 
-    /// Reads a GLSL field by the file name that the scene gives.
+    /// Reads a GLSL field by its file name in the scene.
     pub fn field(
         &self,
         name: &str,
@@ -357,7 +357,7 @@ impl Attached {
         match &self.place {
             Place::Folder(folder) => {
                 let path = folder.join(name);
-                // A copy of a built-in scene in another folder still finds its field.
+                // If a built-in scene was copied to another folder, it still finds its field.
                 match (path.exists(), embedded(FIELDS, name)) {
                     (false, Some(text)) => Ok(text),
                     _ => read_text(&path, LARGEST_FIELD).map_err(|error| error.to_string()),

@@ -1,6 +1,6 @@
-//! Numbers of a scene file, in the units of the file, checked while they are read; the drivers of those that move.
+//! Numbers of a scene file, in the units of the file and checked while they are read; the drivers of moving numbers.
 //!
-//! A surface's numbers may move. Each is a plain number, key frames, or a named value:
+//! Each number of a surface is a plain number, key frames, or a named value:
 //!
 //! ```ron
 //! radius: 1.5
@@ -20,7 +20,7 @@ pub(crate) trait Unit {
     /// The quantity in the code.
     const QUANTITY: Quantity;
 
-    /// The value in the unit of the code.
+    /// Converts the value to the unit of the code.
     ///
     /// # Errors
     /// A message that states the valid range.
@@ -84,7 +84,7 @@ units! {
     Plain = Plain, finite("a number");
     /// An angle: degrees in the file, radians in the code.
     Angle = Angle, angle();
-    /// A turn per length: degrees a metre in the file, radians a metre in the code.
+    /// A turn per length: degrees per metre in the file, radians per metre in the code.
     Rate = Rate, angle();
     /// From 0 to 1.
     Share = Share, share();
@@ -114,7 +114,7 @@ pub(crate) struct Vector<U>(pub [Number<U>; 3]);
 #[serde(from = "(Number<U>, Number<U>)", bound(deserialize = "U: Unit"))]
 pub(crate) struct Pair<U>(pub [Number<U>; 2]);
 
-/// A number as the file writes it.
+/// A number in its notation in the file.
 #[derive(Deserialize)]
 #[serde(
     untagged,
@@ -133,7 +133,7 @@ enum Driven {
 }
 
 impl<U> Number<U> {
-    /// A number that stands still.
+    /// Creates a number without motion.
     pub fn fixed(value: f32) -> Number<U> {
         Number {
             start: value,
@@ -225,16 +225,16 @@ impl<U> TryFrom<Vec<Pair<U>>> for Corners<U> {
 pub(crate) struct Reader<'a> {
     files: &'a Attached,
     drivers: Vec<Driver>,
-    /// Prefix of the names of the numbers that are read: the path down the tree, as `1.0.`.
+    /// Prefix of the names of the numbers to be read: the path down the tree, such as `1.0.`.
     at: String,
 }
 
-/// Numbers that belong together, a single one or those of a vector, as a file writes them.
+/// Numbers that belong together, a single number or those of a vector, in their notation in the file.
 pub(crate) trait ReadNumbers: Sized {
-    /// The file's values.
+    /// The type of the values in the file.
     type Said<U: Unit>;
 
-    /// Returns their values at the start and keeps the drivers.
+    /// Returns the values at the start and stores the drivers.
     fn read<U: Unit>(said: Self::Said<U>, name: &str, reader: &mut Reader) -> Self;
 }
 
@@ -284,7 +284,7 @@ impl ReadNumbers for [Vec2; 3] {
 }
 
 impl<'a> Reader<'a> {
-    /// A reader of a surface whose files are `files`.
+    /// Creates a reader of a surface whose files are `files`.
     pub fn new(files: &'a Attached) -> Reader<'a> {
         Reader {
             files,
@@ -309,7 +309,7 @@ impl<'a> Reader<'a> {
         drivers.any(|driver| driver.parameter.starts_with(name))
     }
 
-    /// Returns a number's value at the start and keeps its driver.
+    /// Returns a number's value at the start and stores its driver.
     pub fn number<U>(&mut self, name: &str, said: Number<U>) -> f32 {
         if let Some(motion) = said.motion {
             let parameter = format!("{}{name}", self.at);
@@ -360,7 +360,7 @@ checked! {
         true => Ok(value),
         false => Err(format!("a number must be finite, not {value}")),
     };
-    /// An angle in degrees that does not move, kept in radians.
+    /// An angle in degrees that does not move, stored in radians.
     #[derive(Clone, Copy, Default)]
     pub(crate) Degrees(f32) from f32: angle;
     /// A radius in metres that does not move, finite and greater than 0.
@@ -372,7 +372,7 @@ checked! {
     /// Full width, height and depth in metres that do not move, each finite and greater than 0.
     #[derive(Clone, Copy)]
     pub(crate) Size(Vec3) from (f32, f32, f32): size;
-    /// Maximum growth of a value, in metres a metre: the stated Lipschitz constant.
+    /// Maximum growth of a value, in metres per metre: the stated Lipschitz constant.
     #[derive(Clone, Copy)]
     pub(crate) Lipschitz(f32) from f32: |constant| positive("a Lipschitz constant", constant);
 }

@@ -1,8 +1,8 @@
 //! Large objects that a shape's value depends on: height images and users' fields.
 //!
 //! A user's field is GLSL text with a `float field(vec3 p)`, and optionally a `vec3 fieldGradient(vec3 p)`. Only a GPU
-//! can evaluate it. For its own questions (whether the source is in a solid, where a walker may go) the CPU uses samples,
-//! which are taken once on the GPU when the field is checked; see `crate::tracer`.
+//! can evaluate it. For tests on the CPU (whether the source is in a solid, where a walker may go) there are samples,
+//! which the GPU takes once when the field is checked; see `crate::tracer`.
 
 use super::user_glsl;
 use crate::file_input::read;
@@ -13,7 +13,7 @@ use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
-/// A large object that a shape's value depends on, besides its numbers.
+/// A large object that a shape's value depends on, in addition to its numbers.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Asset<'a> {
     /// The heights of an image.
@@ -28,21 +28,21 @@ const LARGEST_SIDE: u32 = 1024;
 /// Maximum size of an image file in bytes: four channels of 16 bits need 8 MiB uncompressed.
 const LARGEST_FILE: u64 = 32 << 20;
 
-/// Maximum memory of the decoder in bytes, besides the picture: rows, and colour data in the file.
+/// Maximum memory of the decoder in bytes, without the picture: rows, and colour data in the file.
 const DECODER_BYTES: usize = 64 << 20;
 
-/// Shares of red, green and blue in the height of a coloured pixel: the luminances of the primaries of sRGB with its
+/// Weights of red, green and blue in the height of a coloured pixel: the luminances of the primaries of sRGB with its
 /// white D65 (IEC 61966-2-1), rounded as in earlier versions, so that a file keeps its heights.
 const LUMA: [f32; 3] = [0.212_647_84, 0.715_179_2, 0.072_173_04];
 
-/// A grid of heights from 0 (black) to 1 (white), the image's upper row first: the image is a view
-/// from above, with its upper edge at −z.
+/// A grid of heights from 0 (black) to 1 (white), with the image's upper row first: the image is a view from above,
+/// with its upper edge at −z.
 #[derive(Clone, Debug)]
 pub struct HeightImage {
     size: UVec2,
     heights: Vec<f32>,
     name: String,
-    /// The width and depth for which the steepest slope was first computed, and that slope.
+    /// The size for which the steepest slope was first computed, and that slope.
     steepest: OnceLock<(DVec2, f64)>,
 }
 
@@ -53,12 +53,12 @@ impl PartialEq for HeightImage {
 }
 
 impl HeightImage {
-    /// Whether the two are equal, wherever their files are.
+    /// Whether both have the same heights, whatever their files are.
     pub(crate) fn has_heights_of(&self, other: &HeightImage) -> bool {
         self.size == other.size && self.heights == other.heights
     }
 
-    /// A grid of heights, row by row; `name` is its name in reports.
+    /// Creates a grid of heights, row by row; `name` is its name in reports.
     ///
     /// # Errors
     /// [`SceneError::BadHeightImage`] if the grid is smaller than 2 × 2 or larger than 1024 × 1024, or a height is not
@@ -86,7 +86,7 @@ impl HeightImage {
         })
     }
 
-    /// Reads an 8- or 16-bit grey (or coloured: its luma) PNG file.
+    /// Reads a PNG file with 8 or 16 bits, in grey or in colour, in which case the heights are the luma.
     ///
     /// # Errors
     /// [`SceneError::BadHeightImage`] with the file if it cannot be read or is too large: more than 32 MiB, or more than
@@ -129,7 +129,7 @@ impl HeightImage {
         f64::from(self.heights[(z * self.size.x + x) as usize])
     }
 
-    /// The cell that contains a point, and the position in it. `at` is 0 to 1 along x and z.
+    /// The cell that contains a point, and the position in that cell. `at` is 0 to 1 along x and z.
     fn cell(&self, at: DVec2) -> (UVec2, DVec2) {
         let cells = (self.size - 1).as_dvec2();
         let place = (at * cells).clamp(DVec2::ZERO, cells);
@@ -148,7 +148,7 @@ impl HeightImage {
         near + (row(cell.y + 1) - near) * within.y
     }
 
-    /// The steepest slope, in heights for the full width, along x and z.
+    /// The steepest slope, in heights per full width, along x and z.
     ///
     /// Visits the whole image once; the result for the same size is cached.
     pub fn steepest(&self, size: DVec2) -> f64 {
@@ -206,7 +206,7 @@ impl From<DecodingError> for PngError {
     }
 }
 
-/// The picture's size, and the luma of its pixels from 0 to 65535. The size is checked before anything is decoded.
+/// The picture's size, and the luma of its pixels from 0 to 65535. The size is checked before decoding.
 fn luma(bytes: &[u8]) -> Result<(UVec2, Vec<u16>), PngError> {
     let limits = png::Limits {
         bytes: DECODER_BYTES,
@@ -236,9 +236,9 @@ fn luma(bytes: &[u8]) -> Result<(UVec2, Vec<u16>), PngError> {
     Ok((size, lumas))
 }
 
-/// The decoder assumes a palette of complete colours, and panics at others.
+/// Checks the palette: the decoder panics if its last colour is incomplete.
 fn check_palette(info: &png::Info) -> Result<(), PngError> {
-    /// Bytes of a colour: red, green and blue; a palette has at most 256 colours.
+    /// Bytes per colour: red, green and blue; a palette has at most 256 colours.
     const COLOUR: usize = 3;
     const MOST: usize = 256 * COLOUR;
     let length = info.palette.as_ref().map_or(0, |palette| palette.len());
@@ -250,7 +250,7 @@ fn check_palette(info: &png::Info) -> Result<(), PngError> {
     )))
 }
 
-/// The luma of pixels as the decoder returns them, big-endian and of at least 8 bits; `None` for other types.
+/// The luma of pixels in the decoder's output, big-endian with at least 8 bits; `None` for other types.
 fn lumas(colour: ColorType, depth: BitDepth, bytes: &[u8]) -> Option<Vec<u16>> {
     let (levels, most): (Vec<u16>, u16) = match depth {
         BitDepth::Eight => (bytes.iter().copied().map(u16::from).collect(), 255),
@@ -288,13 +288,13 @@ fn lumas(colour: ColorType, depth: BitDepth, bytes: &[u8]) -> Option<Vec<u16>> {
 /// A user's field, with its stated properties.
 #[derive(Debug)]
 pub struct UserField {
-    /// The file of the text, or another name for reports.
+    /// The file with the text, or another name for reports.
     pub file: PathBuf,
     /// GLSL with a `float field(vec3 p)`; helpers, constants and macros are allowed. A
     /// `vec3 fieldGradient(vec3 p)` states its gradient, in units of the value per metre.
     pub text: String,
-    /// Full size in metres of the box about the origin that it fills: it is cut off there, and
-    /// never evaluated outside.
+    /// Full size in metres of the field's box about the origin: the field is cut off at the box, and never evaluated
+    /// outside.
     pub size: Vec3,
     /// Lipschitz constant of its value, in metres per metre.
     pub lipschitz: f32,
@@ -303,7 +303,7 @@ pub struct UserField {
     evaluation_seconds: OnceLock<f64>,
 }
 
-/// Properties of the text that every frame needs: it is read only once.
+/// Properties of the text that every frame needs; cached because the text is parsed only once.
 #[derive(Clone, Copy, Debug, Default)]
 struct Read {
     has_loops: bool,
@@ -315,12 +315,12 @@ struct Read {
 pub struct UserSamples {
     /// Samples along each side.
     pub side: usize,
-    /// The values: x runs fastest, then y, then z.
+    /// The values: x varies fastest, then y, then z.
     pub values: Vec<f32>,
 }
 
 impl UserField {
-    /// A field from text; `file` is its name in reports.
+    /// Creates a field from text; `file` is its name in reports.
     pub fn new(file: impl Into<PathBuf>, text: String, size: Vec3, lipschitz: f32) -> UserField {
         UserField {
             file: file.into(),
@@ -333,25 +333,24 @@ impl UserField {
         }
     }
 
-    /// Stores the samples from the GPU; later calls change nothing.
+    /// Stores the samples from the GPU; later calls have no effect.
     pub(crate) fn set_samples(&self, samples: Arc<UserSamples>) {
-        // The same text over the same box has the same samples.
+        // The same text over the same box gives the same samples.
         let _ = self.samples.set(samples);
     }
 
-    /// The samples from the GPU, once they were taken.
+    /// The samples from the GPU, if they have been taken.
     pub(crate) fn samples(&self) -> Option<&Arc<UserSamples>> {
         self.samples.get()
     }
 
-    /// Stores the time of an evaluation; later calls change nothing.
+    /// Stores the time of an evaluation; later calls have no effect.
     pub(crate) fn set_evaluation_seconds(&self, seconds: f64) {
-        // Another measurement of the same text gives the same time, apart from the load.
+        // Another measurement of the same text gives the same time, except for the effect of other load.
         let _ = self.evaluation_seconds.set(seconds);
     }
 
-    /// Seconds per evaluation on the renderer, with many running in parallel, once that was
-    /// measured.
+    /// Time in seconds per evaluation on the renderer, with many running in parallel, if measured.
     pub(crate) fn evaluation_seconds(&self) -> Option<f64> {
         self.evaluation_seconds.get().copied()
     }
@@ -361,8 +360,7 @@ impl UserField {
         crate::scene::is_own_text(&self.text)
     }
 
-    /// The value interpolated from the samples (trilinear), clamped to the box; 0 before there are
-    /// any.
+    /// The value interpolated from the samples (trilinear), clamped to the box; 0 if there are no samples yet.
     pub fn value(&self, point: DVec3) -> f64 {
         let Some(samples) = self.samples.get() else {
             return 0.0;
@@ -371,24 +369,23 @@ impl UserField {
         samples.at(share)
     }
 
-    /// The text for use within a shader, line by line: in ASCII, with macros expanded, and without
-    /// directives and `precision` statements, which belong to the whole shader. Empty for a text
-    /// that [`UserField::check_text`] rejects.
+    /// The text for use within a shader, with unchanged line numbers: in ASCII, with macros expanded, and without
+    /// directives and `precision` statements, which belong to the whole shader. Empty for a text that
+    /// [`UserField::check_text`] rejects.
     pub fn shader_text(&self) -> String {
         user_glsl::read(&self.text).map_or_else(|_| String::new(), |text| text.code)
     }
 
-    /// Checks everything that can be checked without compiling.
+    /// Performs all checks that do not need a compiler.
     ///
     /// # Errors
-    /// The line, if the error is in one, and a message: the text lacks a `float field(vec3 p)`,
-    /// needs a value from outside, does something that a function of one point cannot do, or
-    /// exceeds the limits that protect compilers.
+    /// The line, if the error has one, and a message: the text lacks a `float field(vec3 p)`, needs a value from
+    /// outside, does something that a function of one point cannot do, or exceeds the limits that protect compilers.
     pub fn check_text(&self) -> Result<(), (Option<u32>, String)> {
         user_glsl::read(&self.text).map(|_| ())
     }
 
-    /// Whether the text contains loops, as far as it can be read.
+    /// Whether the text contains loops; false if it cannot be parsed.
     pub fn has_loops(&self) -> bool {
         self.read().has_loops
     }
@@ -408,14 +405,14 @@ impl UserField {
             .get_or_init(|| user_glsl::read(&self.text).map(read).unwrap_or_default())
     }
 
-    /// All names in the text that are not GLSL's own: they are renamed when it is included in a
-    /// shader, so that fields do not clash with each other or with the shader around them. Empty
-    /// for a text that [`UserField::check_text`] rejects.
+    /// All names in the text that are not GLSL's own: they are renamed when the text is included in a shader, so that
+    /// fields do not clash with each other or with the rest of the shader. Empty for a text that
+    /// [`UserField::check_text`] rejects.
     pub fn names(&self) -> Vec<String> {
         user_glsl::read(&self.text).map_or_else(|_| Vec::new(), |text| text.names)
     }
 
-    /// Whether the two are equal, wherever their files are.
+    /// Whether both have the same text and properties, whatever their files are.
     pub(crate) fn has_text_of(&self, other: &UserField) -> bool {
         self.text == other.text && self.size == other.size && self.lipschitz == other.lipschitz
     }
@@ -469,8 +466,8 @@ mod tests {
         assert_eq!(finer.value(DVec3::new(0.5, 0.3, -2.0)), 2.5);
     }
 
-    /// Protects the heights of existing files of every colour type: those that earlier versions read, by the weights of
-    /// red, green and blue and regardless of the opacity.
+    /// Protects the heights of existing files of every colour type: they are the same as in earlier versions, by the
+    /// weights of red, green and blue and regardless of the opacity.
     #[test]
     fn heights_are_the_luma_of_every_colour_type() {
         use BitDepth::{Eight, Four, Sixteen};

@@ -1,4 +1,4 @@
-//! A box; in Rust it is called a cuboid because `Box` is taken.
+//! A box, called a cuboid in Rust because the name `Box` is taken.
 
 use super::part::{arguments, part, surface_kind};
 use super::{Part, Properties, Shape};

@@ -1,4 +1,4 @@
-//! Cylinders: an infinite one, and one with plane ends. A scene file writes both as `Cylinder`.
+//! An infinite cylinder, and one with plane ends. Both are called `Cylinder` in scene files.
 
 use super::part::{Notation, half, parameters, surface_kind};
 use super::{Part, Properties, Rotate, Shape};
@@ -14,7 +14,7 @@ pub struct Cylinder {
     pub radius: f32,
 }
 
-/// Its form in a scene file: with a height it is finite, with an axis it is turned.
+/// Its form in a scene file: finite if it has a height, turned if it has an axis.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct File {

@@ -14,7 +14,7 @@ part! {
     }
 }
 
-/// A shorter normal has no direction that `f32` can resolve.
+/// Least length of a normal: `f32` cannot resolve the direction of a shorter one.
 const SHORTEST_NORMAL: f32 = 1e-6;
 
 impl Part for HalfSpace {

@@ -10,8 +10,8 @@ use glam::{DVec2, DVec3, Vec3};
 use serde::Deserialize;
 use std::sync::Arc;
 
-/// Ground with heights from an image: solid below, within a box that is centred on the origin.
-/// Black is at its floor, white at its ceiling.
+/// Ground with heights from an image: solid below, within a box centred on the origin. Black is at the box's floor,
+/// white at its ceiling.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeightField {
     /// The heights.
@@ -67,7 +67,7 @@ impl Part for HeightField {
         above.max(box_value(p, 0.5 * size))
     }
 
-    /// Half of the size, and the factor of the height above the ground.
+    /// Half of the size, and the factor that scales the height above the ground.
     fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
         let half = 0.5 * self.size.as_dvec3();
         vec![half.x, half.y, half.z, self.slowest()]
@@ -77,8 +77,8 @@ impl Part for HeightField {
 }
 
 impl HeightField {
-    /// The factor that makes the height above the ground a lower bound of the distance: the cosine
-    /// of the steepest slope.
+    /// The factor that turns the height above the ground into a lower bound of the distance: the cosine of the steepest
+    /// slope.
     fn slowest(&self) -> f64 {
         let flat = DVec2::new(self.size.x.into(), self.size.z.into());
         let slope = f64::from(self.size.y) * self.image.steepest(flat);

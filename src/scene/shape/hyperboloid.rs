@@ -8,8 +8,8 @@ use glam::DVec3;
 use serde::de::{Deserialize, Deserializer, Error};
 
 part! {
-    /// A hyperboloid about y. One sheet: x² + z² < waist² (1 + y²/rise²), a solid with a waist.
-    /// Two sheets: y² > rise² (1 + (x² + z²)/waist²), two solid bowls.
+    /// A hyperboloid about y. One sheet: x² + z² < waist² (1 + y²/rise²), a solid with a waist. Two sheets: y² > rise²
+    /// (1 + (x² + z²)/waist²), two solid bowls.
     Hyperboloid {
         /// Radius at the waist, in metres; for two sheets, that of the hyperbola's box.
         waist: f32 as Length,

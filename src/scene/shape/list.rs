@@ -1,5 +1,5 @@
-//! The list of all shapes and operators: to add one, write its two files, a line here, and its
-//! `mod` and `pub use` lines in `mod.rs`.
+//! The list of all shapes and operators: to add one, write its two files, a line in this list, and its `mod` and
+//! `pub use` lines in `mod.rs`.
 
 use super::part::{Notation, Part};
 use crate::scene::notation::{Form, Reader, ShapeName, Variant, Written};
@@ -64,10 +64,10 @@ macro_rules! parts {
         }
 
         impl ShapeFile {
-            /// Reads its tree.
+            /// Reads the shape's tree.
             ///
             /// # Errors
-            /// Errors of the files that it names.
+            /// The errors of the files that it names.
             pub fn read(self, reader: &mut Reader) -> Result<Shape, SceneError> {
                 match self {
                     $($(#[$said_attr])* ShapeFile::$said(file) => super::$said::read(file, reader),)*
@@ -75,7 +75,7 @@ macro_rules! parts {
             }
         }
 
-        /// The notation of the shape or operator of this name in a scene file.
+        /// The notation in scene files of the shape or operator with this name.
         pub(crate) fn form_of(name: &str) -> Option<Form> {
             match name {
                 $($(#[$said_attr])* $said_name => Form::of::<<super::$said as Notation>::File>(),)*
@@ -124,12 +124,12 @@ macro_rules! all_parts {
     };
 }
 
-/// Passes the list to a macro: the name in scene files, the name of the file under `glsl/` (except for parts that are
-/// written out there), the type.
+/// Passes the list to a macro: the name in scene files, the name of the file under `glsl/` (except for operators
+/// inlined in the shader's text), and the type.
 macro_rules! every_part {
     ($callback:ident) => {
         $callback! {
-            // Each with its functions in `glsl/shape/`.
+            // Each has functions in `glsl/shape/`.
             shapes: {
                 "Plane" plane::Plane,
                 "HalfSpace" half_space::HalfSpace,
@@ -151,7 +151,7 @@ macro_rules! every_part {
                 #[cfg(test)]
                 "Octahedron" octahedron::Octahedron,
             }
-            // Each with its functions in `glsl/operator/`.
+            // Each has functions in `glsl/operator/`.
             operators: {
                 "Union" union::Union,
                 "Intersection" intersection::Intersection,
@@ -200,7 +200,7 @@ pub(crate) fn shape_names() -> &'static [&'static str] {
     NAMES
 }
 
-/// This name and its number.
+/// The name and its number.
 pub(crate) fn numbered(name: &'static str) -> ShapeName {
     let index = NAMES.iter().position(|known| *known == name);
     let index = index.unwrap_or_default() as u32;
@@ -218,13 +218,13 @@ impl<'de> Deserialize<'de> for ShapeFile {
 
 /// The children of an operator in one field of a file.
 pub(crate) trait Operands {
-    /// Least and greatest number of children.
+    /// Minimum and maximum number of children.
     const COUNT: (usize, usize);
 
-    /// Adds them in order.
+    /// Adds the children in order.
     fn add_to(self, all: &mut Vec<ShapeFile>);
 
-    /// The value of the field, from the children that are left to write.
+    /// The value of the field, taken from the children that are not yet written.
     fn written(left: &mut impl Iterator<Item = Written>) -> Option<Written>;
 }
 

@@ -5,12 +5,12 @@
 //! tree state whether its value is the distance to the surface, a bound of it, or only Lipschitz
 //! (Hart 1996, section 3), the bounds of the solid, and whether it is convex.
 //!
-//! Each shape has a file of its own here, the operators are in `operator`, and each has a file under `glsl/`; `list`
-//! names them all.
+//! Each shape has a file in this folder, the operators are in `operator`, and each shape and operator has a file under
+//! `glsl/`; `list` lists them all.
 //!
-//! Theory: Hart 1996, "Sphere tracing"; Quilez, "distance functions", for the operators' customary
-//! names. Values here are computed in `f64`, independently of the shader's text, so that the two
-//! can disagree; tests compare both for a table of shapes.
+//! Theory: Hart 1996, "Sphere tracing"; Quilez, "distance functions", for the operators' customary names. Values here
+//! are computed in `f64`, independently of the shader's text, so that each can reveal errors of the other; tests
+//! compare both for a table of shapes.
 
 mod asset;
 mod capsule;
@@ -119,7 +119,7 @@ pub struct Shape {
 }
 
 impl Node {
-    /// The user's field, if the shape is one.
+    /// The user's field, if this shape is one.
     pub fn user(&self) -> Option<&Arc<UserField>> {
         match self.asset() {
             Some(Asset::User(field)) => Some(field),
@@ -143,9 +143,9 @@ impl Shape {
         }
     }
 
-    /// Whether the tree is a single one of the thesis' five shapes: a plane, a box, a room, a
-    /// sphere or a cylinder. Their sizes are passed to the shader relative to the listener, with
-    /// every frame; the numbers of all other trees are in its text.
+    /// Whether the tree is a single one of the thesis' five shapes: a plane, a box, a room, a sphere or a cylinder. The
+    /// sizes of basic shapes are passed to the shader with every frame, relative to the listener; the numbers of all
+    /// other trees are in the shader's text.
     pub fn is_basic(&self) -> bool {
         use Node::{Cuboid, Cylinder, Plane, Room, Sphere};
         matches!(
@@ -154,12 +154,12 @@ impl Shape {
         )
     }
 
-    /// Whether it is a single shape with plane faces only.
+    /// Whether it is a single shape that has only plane faces.
     pub(crate) fn is_flat(&self) -> bool {
         self.children.is_empty() && self.node.part().surface_kind().flat
     }
 
-    /// Whether all of its surface lies in planes, however they are combined and copied.
+    /// Whether its whole surface consists of planes, however they are combined and copied.
     pub(crate) fn has_planes_alone(&self) -> bool {
         self.all_parts(|part| part.surface_kind().flat)
     }
@@ -170,8 +170,8 @@ impl Shape {
         self.all_parts(|part| part.surface_kind().smooth)
     }
 
-    /// Whether sheets of its surface may meet in a hollow edge, where less than half of space is air: an edge of a
-    /// room, or a place where two solids touch.
+    /// Whether sheets of its surface may meet in a hollow edge, around which less than half of space is air: an edge of
+    /// a room, or a point where two solids touch.
     pub(crate) fn may_have_hollow_edges(&self) -> bool {
         if self.is_convex() || self.is_smooth() {
             return false;
@@ -180,18 +180,18 @@ impl Shape {
             || self.children.iter().any(Shape::may_have_hollow_edges)
     }
 
-    /// Whether all of its surface lies in the planes of its leaves.
+    /// Whether its whole surface lies in the planes of its leaves.
     pub(crate) fn has_planes_of_leaves(&self) -> bool {
         self.all_parts(|part| part.surface_kind().flat && !part.copies())
     }
 
-    /// Whether it is hollow and curved, so that it may focus sound.
+    /// Whether it is hollow and curved, and may therefore focus sound.
     #[doc(hidden)]
     pub fn gathers_sound(&self) -> bool {
         !self.has_planes_alone() && !self.is_convex()
     }
 
-    /// Whether `holds` is true for all nodes of the tree.
+    /// Whether `holds` returns true for all nodes of the tree.
     fn all_parts(&self, holds: fn(&dyn Part) -> bool) -> bool {
         holds(self.node.part()) && self.children.iter().all(|child| child.all_parts(holds))
     }
@@ -208,8 +208,8 @@ impl Shape {
         self.node.part().properties(&self.children)
     }
 
-    /// The value at a point of the tree's own axes (metres): positive in the air. It is the distance to the surface, or
-    /// grows with it: for most operators it is at most the distance.
+    /// The value at a point in the tree's own axes (metres): positive in the air. It is the distance to the surface, or
+    /// grows with that distance: for most operators it is at most the distance.
     pub fn value(&self, p: DVec3) -> f64 {
         self.node.part().value(&self.children, p)
     }
@@ -219,13 +219,13 @@ impl Shape {
         self.node.part().slowness(&self.children)
     }
 
-    /// The numbers that the shader's text of the outermost node uses.
+    /// The numbers of the outermost node that the shader's text uses.
     pub(crate) fn shader_numbers(&self) -> Vec<f64> {
         self.node.part().shader_numbers(&self.children)
     }
 
-    /// The largest length in the computation of its value, in metres: that of its bounds if they
-    /// are finite, else the largest among its nodes. 0 for a plane.
+    /// The largest length in the computation of its value, in metres: that of its bounds if they are finite, otherwise
+    /// the largest among its nodes. 0 for a plane.
     #[doc(hidden)]
     pub fn extent(&self) -> f64 {
         let bounds = self.properties().bounds;
@@ -254,8 +254,8 @@ impl Shape {
 
     /// Every number of the tree that may move.
     ///
-    /// A node's own numbers are named as in a scene file (`radius`, `size.x`); the names of the
-    /// n-th child's (from 0) begin with `n.` (`0.radius`, `1.0.by.y`).
+    /// A node's own numbers have their names in a scene file (`radius`, `size.x`); the names of the n-th child's
+    /// numbers (from 0) begin with `n.` (`0.radius`, `1.0.by.y`).
     pub(crate) fn parameters_mut(&mut self) -> Vec<Parameter<'_>> {
         let mut all = self.node.part_mut().parameters_mut();
         for (index, child) in self.children.iter_mut().enumerate() {
@@ -288,26 +288,26 @@ impl Shape {
     }
 }
 
-/// Maximum number of nodes in a tree: larger trees take a shader too much memory and time to
-/// compile. A field of 4,000 nodes took llvmpipe more than 7 GB.
+/// Maximum number of nodes in a tree: compiling a larger tree takes too much memory and time. A field of 4,000 nodes
+/// took llvmpipe more than 7 GB.
 pub(crate) const MOST_NODES: usize = 512;
 
 /// Number of points at which a stated Lipschitz constant is checked.
 const TRIES: usize = 4096;
 
-/// Maximum number of times at which it is checked at all these points; more times share the points.
+/// Maximum number of times at which it is checked at all these points; if there are more times, they share the points.
 const TIMES_IN_FULL: usize = 64;
 
 /// Minimum number of points at which it is checked at each time.
 const LEAST_TRIES: usize = 32;
 
-/// Relative excess of a difference quotient over a stated constant above which it is rejected: the
-/// effect of rounding on a quotient over a thousandth of the size.
+/// Relative excess of a difference quotient over a stated constant that is tolerated: the effect of rounding on a
+/// quotient over a thousandth of the size.
 const ROUNDING: f64 = 1e-3;
 
 impl Shape {
-    /// Checks the tree's numbers, its operators' operands and that every repetition is safe: cheap
-    /// enough for every frame. Checks that need evaluations are in [`Shape::check`].
+    /// Checks the tree's numbers, its operators' operands and that every repetition is safe: cheap enough for every
+    /// frame. Checks that need evaluations are in [`Shape::check`].
     ///
     /// # Errors
     /// A message that names the node and states the requirement.
@@ -333,8 +333,8 @@ impl Shape {
         Ok(())
     }
 
-    /// Checks the tree as [`Shape::validate`] does, and checks every stated Lipschitz constant by a
-    /// few thousand evaluations; the text of users' fields is read, but not yet compiled.
+    /// Checks the tree like [`Shape::validate`], and checks every stated Lipschitz constant by a few thousand
+    /// evaluations; the text of users' fields is parsed, but not compiled.
     ///
     /// # Errors
     /// A message that names the node and states the requirement.
@@ -349,8 +349,8 @@ impl Shape {
         Ok(())
     }
 
-    /// Checks every stated Lipschitz constant in the field's current state, at one of `times`
-    /// times, which together take a few seconds at most.
+    /// Checks every stated Lipschitz constant in the field's current state, at one of `times` times; the checks at all
+    /// times together take at most a few seconds.
     pub(in crate::scene) fn check_growth_at_one_of(&self, times: usize) -> Result<(), String> {
         let tries = TRIES * TIMES_IN_FULL / times.max(1);
         let tries = tries.clamp(LEAST_TRIES, TRIES);
@@ -406,8 +406,7 @@ impl Shape {
         }
     }
 
-    /// The greatest difference quotient found at points of the field's bounds, and the point where
-    /// it was found.
+    /// The greatest difference quotient found at points within the field's bounds, and the point at which it was found.
     pub fn steepest(&self) -> (f64, DVec3) {
         self.steepest_of(TRIES)
     }
@@ -432,7 +431,7 @@ impl Shape {
     }
 }
 
-/// The n-th point of Halton's sequence in bases 2, 3, 5: evenly distributed in the unit cube.
+/// The n-th point of Halton's sequence in bases 2, 3, 5, which is evenly distributed in the unit cube.
 pub(crate) fn halton(index: usize) -> DVec3 {
     let radical_inverse = |base: usize| {
         let (mut rest, mut share, mut sum) = (index, 1.0, 0.0);
@@ -450,7 +449,7 @@ impl Node {
     /// Checks the node's own numbers against their ranges.
     fn check(&self) -> Result<(), String> {
         if !in_range(self.part()) {
-            // Only an error message needs a copy and the names.
+            // The copy and the names are needed only for an error message.
             let mut copy = self.clone();
             let parameters = copy.part_mut().parameters_mut();
             parameters.iter().try_for_each(|number| number.check())?;

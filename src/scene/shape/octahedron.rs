@@ -13,7 +13,7 @@ part! {
 }
 
 impl Part for Octahedron {
-    /// The value is the distance to the nearest face's plane: a bound near edges.
+    /// The value is the distance to the nearest face's plane, which is a bound near edges.
     fn properties(&self, _: &[Shape]) -> Properties {
         let half_size = DVec3::splat(self.radius.into());
         Properties {
@@ -43,8 +43,8 @@ mod tests {
         listener: Listener(position: (0, 4, 0), radius: 0.5),
     )";
 
-    /// Protects the procedure of adding a shape: two files, a line in the list and two in `mod.rs` add one that
-    /// files can name, the CPU evaluates, and every profile traces; here it is compared with the reference, which
+    /// Protects the procedure for adding a shape: two files, a line in the list and two in `mod.rs` add a shape that
+    /// files can name, the CPU evaluates, and every profile traces. The test compares it with the reference, which
     /// knows only its value.
     #[test]
     fn a_shape_of_two_files_and_a_line_is_traced() {

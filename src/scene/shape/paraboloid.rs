@@ -20,8 +20,8 @@ impl Part for Paraboloid {
         Properties {
             convex: true,
             symmetric: [true, false, true],
-            // Below the vertex its value grows as the root of the distance: no multiple of it
-            // bounds the distance of a level from y = 0.
+            // Below the vertex its value grows as the root of the distance: no multiple of the value bounds the
+            // distance of a level set from y = 0.
             ..Properties::bound(Bounds3::EVERYWHERE)
         }
     }

@@ -1,8 +1,8 @@
 //! The interface of every shape and every operator.
 //!
 //! A part is one node of a tree without its children: its numbers and their ranges, its notation in scene files, the
-//! relation of its value to the distance, and the value itself in `f64`. Each shape has a file of its own; the operators
-//! are in `operator/`. The shaders are in `glsl/shape/` and `glsl/operator/`. [`parts`](super::list) lists all.
+//! relation of its value to the distance, and the value itself in `f64`. Each shape has its own file; the operators are
+//! in `operator/`. The shaders are in `glsl/shape/` and `glsl/operator/`. [`parts`](super::list) lists all.
 
 use super::asset::Asset;
 use super::{Properties, Shape, SurfaceKind};
@@ -11,26 +11,24 @@ use crate::scene::{Quantity, SceneError};
 use glam::{DVec3, Vec2, Vec3};
 use serde::de::DeserializeOwned;
 
-/// The interface of a shape or an operator. `children` are the operands of an operator; a shape has
-/// none.
+/// The interface of a shape or an operator. `children` are the operands of an operator; a shape has no children.
 pub(crate) trait Part: Parameters {
-    /// Its form in a scene file without its children and the numbers that may move.
+    /// Its form in a scene file, without its children and without the numbers that may move.
     fn words(&self) -> Fields {
         Fields::new()
     }
 
-    /// The kind of its surface; for an operator, if its children's surfaces are of that kind.
+    /// The kind of its surface; for an operator, the kind if its children's surfaces are of that kind.
     fn surface_kind(&self) -> SurfaceKind {
         SurfaceKind::GENERAL
     }
 
-    /// Whether it is an operator that copies its children's surface to other places.
+    /// Whether it is an operator that copies its children's surface to other positions.
     fn copies(&self) -> bool {
         false
     }
 
-    /// Whether its surface consists of those of its children, moved and copied, without any of them
-    /// touching.
+    /// Whether its surface consists of its children's surfaces, moved and copied, without any of them touching.
     fn keeps_apart(&self, _children: &[Shape]) -> bool {
         self.surface_kind().moved
     }
@@ -38,15 +36,15 @@ pub(crate) trait Part: Parameters {
     /// Rejects numbers that are within their ranges but do not fit together.
     ///
     /// # Errors
-    /// A message that states the requirement.
+    /// A message that states what is required.
     fn check(&self) -> Result<(), String> {
         Ok(())
     }
 
-    /// Rejects children that it cannot be applied to; their numbers are valid.
+    /// Rejects children to which it cannot be applied; their numbers have been checked.
     ///
     /// # Errors
-    /// A message that states the requirement.
+    /// A message that states what is required.
     fn check_over(&self, _children: &[Shape]) -> Result<(), String> {
         Ok(())
     }
@@ -54,15 +52,15 @@ pub(crate) trait Part: Parameters {
     /// Properties of its value.
     fn properties(&self, children: &[Shape]) -> Properties;
 
-    /// Distance in metres by which the solid may exceed its bounds along any axis when its surface
-    /// is moved to a value of 1 m. 1 m if the value is the distance; a bound of the distance can
-    /// grow more slowly, so that its levels are further apart.
+    /// Distance in metres by which the solid may exceed its bounds along any axis when its surface is moved to the
+    /// level of 1 m. 1 m if the value is the distance; a bound of the distance can grow more slowly, so that its levels
+    /// are farther apart.
     fn slowness(&self, children: &[Shape]) -> f64 {
         slowest(children)
     }
 
-    /// The largest length among its own numbers, in metres; for a bounded shape, its greatest
-    /// distance from the origin.
+    /// The largest length among its own numbers, in metres; for a bounded shape, the greatest distance of its points
+    /// from the origin.
     fn own_length(&self) -> f64 {
         let (_, most) = self.operands();
         let bounds = match most {
@@ -76,8 +74,8 @@ pub(crate) trait Part: Parameters {
     /// The value at a point of its own axes (metres): positive in the air.
     fn value(&self, children: &[Shape], p: DVec3) -> f64;
 
-    /// The numbers that the shader's text uses, in its order, derived from the parameters (halves,
-    /// squares, sines); without any derived ones, the parameters themselves.
+    /// The numbers that the shader's text uses, in its order, derived from the parameters (halves, squares, sines); by
+    /// default the parameters themselves.
     fn shader_numbers(&self, _children: &[Shape]) -> Vec<f64> {
         let mut numbers = Vec::new();
         self.each_number(&mut |_, number| numbers.push(number.into()));
@@ -125,7 +123,7 @@ pub(super) fn half(length: f32) -> f64 {
     0.5 * f64::from(length)
 }
 
-/// The greatest slowness of some trees, at least 1.
+/// The greatest slowness of these trees, at least 1.
 pub(super) fn slowest(of: &[Shape]) -> f64 {
     of.iter().map(Shape::slowness).fold(1.0, f64::max)
 }
@@ -140,9 +138,9 @@ pub struct Parameter<'a> {
     pub quantity: Quantity,
 }
 
-/// The content of a part: its numbers that may move, and the number of its children.
+/// The content of a part: the numbers that may move, and the number of its children.
 pub(crate) trait Parameters {
-    /// Least and greatest number of children.
+    /// Minimum and maximum number of children.
     fn operands(&self) -> (usize, usize);
 
     /// Its children as a scene file writes them.
@@ -151,15 +149,15 @@ pub(crate) trait Parameters {
     /// All numbers with their names and quantities, in order.
     fn parameters_mut(&mut self) -> Vec<Parameter<'_>>;
 
-    /// Visits all numbers without their names, which allocates no memory: for every frame.
+    /// Visits all numbers without their names. This allocates no memory, as it happens in every frame.
     fn each_number(&self, visit: &mut dyn FnMut(Quantity, f32));
 }
 
-/// The largest coordinate, size or time in a scene, in metres or seconds: results computed from it
-/// in `f32`, squares included, stay finite.
+/// The largest coordinate, size or time in a scene, in metres or seconds: results computed from it in `f32`, squares
+/// included, are finite.
 pub(crate) const LARGEST: f32 = 1e9;
 
-/// Whether a number is in the range of its quantity, and a statement of the range.
+/// Whether a number is in the range of its quantity, and a description of the range.
 fn range(quantity: Quantity, value: f32) -> (bool, &'static str) {
     match quantity {
         Quantity::Length | Quantity::Factor => (
@@ -197,7 +195,7 @@ impl Parameter<'_> {
     }
 }
 
-/// Numbers that belong together: a single one, or those of a vector.
+/// Numbers that belong together: a single number, or those of a vector.
 pub(crate) trait Numbers {
     /// Adds each number with its name.
     fn add_to<'a>(&'a mut self, name: &str, quantity: Quantity, all: &mut Vec<Parameter<'a>>);
@@ -245,7 +243,7 @@ impl Numbers for Vec3 {
     }
 }
 
-/// The numbers of an array are named by their position: `corners.0.x`.
+/// The numbers of an array are named by their index: `corners.0.x`.
 impl<T: Numbers, const N: usize> Numbers for [T; N] {
     fn add_to<'a>(&'a mut self, name: &str, quantity: Quantity, all: &mut Vec<Parameter<'a>>) {
         for (index, number) in self.iter_mut().enumerate() {
@@ -265,10 +263,10 @@ pub(crate) trait Notation {
     /// The content after its name.
     type File: DeserializeOwned;
 
-    /// Reads the tree with it as its root.
+    /// Reads the tree that has this part as its root.
     ///
     /// # Errors
-    /// Errors of the files that it names.
+    /// The errors of the files that it names.
     fn read(file: Self::File, reader: &mut Reader) -> Result<Shape, SceneError>;
 }
 

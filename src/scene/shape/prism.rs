@@ -16,8 +16,8 @@ part! {
     }
 }
 
-/// Area of a triangle, as a share of its longest side squared, below which its corners count as
-/// collinear: `f32` cannot resolve them better.
+/// Area of a triangle, as a share of its longest side squared, below which its corners count as collinear: `f32` cannot
+/// resolve smaller areas.
 const LEAST_AREA: f64 = 1e-6;
 
 impl Part for Prism {

@@ -1,10 +1,9 @@
 //! Properties of a field, from its leaves up, and the box that encloses its solid.
 //!
-//! Exactness on either side, and the Lipschitz constant L of the value: |value| / L never exceeds
-//! the distance to the surface, which is what a safe step needs (Hart 1996, theorem 1). Each shape
-//! and operator has its own rule. Common rules: where several fields are joined the value is a
-//! bound, with the greatest L; moving, turning, mirroring and cutting space never increases a
-//! distance.
+//! These are the exactness on either side, and the Lipschitz constant L of the value: |value| / L never exceeds the
+//! distance to the surface, as a safe step requires (Hart 1996, theorem 1). Each shape and operator has its own rule.
+//! Common rules: if several fields are joined, the value is a bound, with the greatest L; moving, turning, mirroring
+//! and cutting space never increases a distance.
 
 use Exactness::{Bound, Exact, Neither};
 use glam::{DMat3, DVec3};
@@ -16,11 +15,11 @@ pub enum Exactness {
     Exact,
     /// The value never exceeds the distance.
     Bound,
-    /// Neither: it must be divided by the Lipschitz constant.
+    /// Neither: the value must be divided by the Lipschitz constant.
     Neither,
 }
 
-/// Properties of a field that are known without evaluating it.
+/// Properties of a field that are known without evaluating the field.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Properties {
@@ -34,18 +33,18 @@ pub struct Properties {
     pub bounds: Bounds3,
     /// Whether the solid is convex.
     pub convex: bool,
-    /// Whether it is symmetric about x = 0, y = 0, z = 0.
+    /// Whether the solid is symmetric about x = 0, y = 0, z = 0.
     pub symmetric: [bool; 3],
 }
 
-/// The kind of a surface, known without evaluating it.
+/// The kind of a surface, known without evaluating the field.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SurfaceKind {
-    /// Whether all of it lies in planes.
+    /// Whether the whole surface consists of planes.
     pub flat: bool,
-    /// Whether it has no edges and no corners.
+    /// Whether the surface has neither edges nor corners.
     pub smooth: bool,
-    /// Whether it is that of a single child moved, turned or scaled.
+    /// Whether the surface is that of a single child, moved, turned or scaled.
     pub moved: bool,
 }
 
@@ -56,12 +55,13 @@ impl SurfaceKind {
         smooth: false,
         moved: false,
     };
-    /// Planes with edges between them; for an operator, flat if its children are, with edges where these meet.
+    /// Planes with edges between them; for an operator, flat if its children are flat, with edges where their surfaces
+    /// meet.
     pub(super) const FLAT: SurfaceKind = SurfaceKind {
         flat: true,
         ..SurfaceKind::GENERAL
     };
-    /// Curved, without edges; for an operator, smooth if its children are.
+    /// Curved, without edges; for an operator, smooth if its children are smooth.
     pub(super) const SMOOTH: SurfaceKind = SurfaceKind {
         smooth: true,
         ..SurfaceKind::GENERAL
@@ -72,9 +72,9 @@ impl SurfaceKind {
         smooth: true,
         moved: false,
     };
-    /// The child's, seen from its other side.
+    /// The child's surface, seen from its other side.
     pub(super) const TURNED_INSIDE_OUT: SurfaceKind = SurfaceKind::PLANE;
-    /// The child's, moved.
+    /// The child's surface, moved.
     pub(super) const MOVED: SurfaceKind = SurfaceKind {
         flat: true,
         smooth: true,
@@ -124,7 +124,7 @@ impl Properties {
 }
 
 impl Exactness {
-    /// The common relation of several values, with the Lipschitz constant of the steepest.
+    /// The common relation of several values, given the Lipschitz constant of the steepest.
     pub(super) fn worst(of: impl Iterator<Item = Exactness>, lipschitz: f64) -> Exactness {
         let mut of = of;
         match lipschitz > 1.0 {
@@ -134,7 +134,7 @@ impl Exactness {
         }
     }
 
-    /// A bound, if the constant allows it.
+    /// A bound, if the constant is at most 1.
     pub(super) fn bound(lipschitz: f64) -> Exactness {
         if lipschitz > 1.0 { Neither } else { Bound }
     }
@@ -145,7 +145,7 @@ impl Exactness {
     }
 }
 
-/// The axis-aligned box that encloses a solid: its least and greatest coordinates in metres, ±∞ where it is unbounded.
+/// The axis-aligned box that encloses a solid: its least and greatest coordinates in metres, ±∞ along unbounded axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds3 {
     /// Least x, y, z.
@@ -174,7 +174,7 @@ impl Bounds3 {
         points.into_iter().fold(nothing, grow)
     }
 
-    /// The smallest box that contains both.
+    /// The smallest box that contains both boxes.
     pub fn hull(self, other: Bounds3) -> Bounds3 {
         Bounds3::new(self.min.min(other.min), self.max.max(other.max))
     }
@@ -184,17 +184,17 @@ impl Bounds3 {
         Bounds3::new(self.min.max(other.min), self.max.min(other.max))
     }
 
-    /// Grown on all sides by a length in metres.
+    /// The box grown on all sides by a length in metres.
     pub fn grown(self, by: DVec3) -> Bounds3 {
         Bounds3::new(self.min - by, self.max + by)
     }
 
-    /// Moved by a vector in metres.
+    /// The box moved by a vector in metres.
     pub fn moved(self, by: DVec3) -> Bounds3 {
         Bounds3::new(self.min + by, self.max + by)
     }
 
-    /// Scaled about the origin.
+    /// The box scaled about the origin.
     pub fn scaled(self, by: f64) -> Bounds3 {
         Bounds3::new(self.min * by, self.max * by)
     }
@@ -205,7 +205,7 @@ impl Bounds3 {
         for column in 0..3 {
             for row in 0..3 {
                 let share = by.col(column)[row];
-                // Avoids 0 times infinity; a quarter turn in `f32` leaves 4e-8.
+                // Avoids 0 times infinity; a quarter turn in `f32` has a residue of 4e-8.
                 if share.abs() < 1e-6 {
                     continue;
                 }
@@ -217,7 +217,7 @@ impl Bounds3 {
         turned
     }
 
-    /// Whether the two do not touch, not even at their faces.
+    /// Whether the boxes do not touch, not even at their faces.
     pub(super) fn is_apart_from(self, other: Bounds3) -> bool {
         self.common(other).is_empty()
     }
@@ -251,8 +251,8 @@ impl Bounds3 {
             .length()
     }
 
-    /// The greatest distance of any of its points from an axis through the origin (0 = x …); from the origin for other
-    /// numbers than 0 to 2.
+    /// The greatest distance of its points from an axis through the origin (0 = x …), or from the origin if the number
+    /// is not 0 to 2.
     pub fn radius_about(self, axis: usize) -> f64 {
         let mut far = self.min.abs().max(self.max.abs());
         if let Some(along) = AsMut::<[f64; 3]>::as_mut(&mut far).get_mut(axis) {
@@ -271,13 +271,14 @@ impl Bounds3 {
     }
 }
 
-/// Common bounds of all.
+/// The smallest box that contains the bounds of all.
 pub(super) fn hull(of: &[Properties]) -> Bounds3 {
     let bounds = of.iter().map(|p| p.bounds);
     bounds.reduce(Bounds3::hull).unwrap_or(Bounds3::EVERYWHERE)
 }
 
-/// Properties of fields joined to one: a bound with the greatest constant, symmetric if all are.
+/// Properties of several fields joined to one: a bound with the greatest constant, symmetric if all fields are
+/// symmetric.
 pub(super) fn merged(of: &[Properties], bounds: Bounds3) -> Properties {
     let lipschitz = of.iter().map(|p| p.lipschitz).fold(1.0, f64::max);
     let every = |axis: usize| of.iter().all(|p| p.symmetric[axis]);

@@ -1,9 +1,8 @@
-//! The general quadric, and the common form of the special ones.
+//! The general quadric, and the common form of the special quadrics.
 //!
-//! The distance r to the surface of F obeys |F| ≤ g r + λ r² with g = |∇F| and λ the norm of the
-//! quadratic form (Taylor's theorem, exact for a quadratic). Solved for r, φ = 2 F / (g + √(g² + 4
-//! λ |F|)) never exceeds the distance, agrees with it to first order at the surface, and is
-//! Lipschitz with constant 1, because |∇g| ≤ 2 λ.
+//! The distance r to the surface of F obeys |F| ≤ g r + λ r², with g = |∇F| and λ the norm of the quadratic form
+//! (Taylor's theorem, exact for a quadratic). Solving for r gives φ = 2 F / (g + √(g² + 4 λ |F|)), which never exceeds
+//! the distance, agrees with it to first order at the surface, and is Lipschitz with constant 1, because |∇g| ≤ 2 λ.
 
 use super::part::{Notation, arguments, parameters};
 use super::{Bounds3, Part, Properties, Shape};
@@ -16,7 +15,7 @@ use serde::Deserialize;
 /// scene files.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GeneralQuadric {
-    /// A to J in this order.
+    /// A to J, in this order.
     pub coefficients: [f32; 10],
 }
 
@@ -111,7 +110,7 @@ macro_rules! straight_quadric {
 }
 pub(super) use straight_quadric;
 
-/// pᵀ Q p + b · p + c, Q symmetric.
+/// The quadratic function pᵀ Q p + b · p + c, with Q symmetric.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Quadric {
     /// Q's diagonal.
@@ -138,15 +137,14 @@ impl Quadric {
         }
     }
 
-    /// Diagonal, constant, norm: the numbers that differ between axis-parallel quadrics of one
-    /// kind.
+    /// Diagonal, constant, norm: the numbers in which axis-parallel quadrics of one kind differ.
     pub(super) fn straight_numbers(&self) -> Vec<f64> {
         let mut numbers = self.diagonal.to_array().to_vec();
         numbers.extend([self.constant, self.norm()]);
         numbers
     }
 
-    /// A lower bound of the distance to the surface, see the module.
+    /// A lower bound of the distance to the surface, see the module's documentation.
     pub(super) fn distance_bound(&self, p: DVec3) -> f64 {
         let (value, gradient) = self.at(p);
         let g = gradient.length();
@@ -157,7 +155,7 @@ impl Quadric {
         2.0 * value / (g + root)
     }
 
-    /// Q p.
+    /// The product Q p.
     fn form(&self, p: DVec3) -> DVec3 {
         let m = self.mixed;
         let mixed = DVec3::new(
@@ -175,8 +173,8 @@ impl Quadric {
         (value, 2.0 * form + self.linear)
     }
 
-    /// Upper bound of the factor by which Q stretches a vector: for a diagonal form its largest
-    /// element, else the Frobenius norm, which is never less.
+    /// Upper bound of the factor by which Q stretches a vector: for a diagonal form its largest element, otherwise the
+    /// Frobenius norm, which is never smaller.
     pub fn norm(&self) -> f64 {
         if self.mixed == DVec3::ZERO {
             return self.diagonal.abs().max_element();

@@ -14,8 +14,8 @@ part! {
 }
 
 impl Room {
-    /// The walls as a scene file names them, in the order of [`Surface::walls`](crate::Surface::walls): those at −x,
-    /// +x, −y, +y, −z and +z of the room's own axes. An unrotated listener faces the wall `front`.
+    /// The names of the walls in scene files, in the order of [`Surface::walls`](crate::Surface::walls): the walls at
+    /// −x, +x, −y, +y, −z and +z of the room's own axes. An unrotated listener faces the wall `front`.
     pub const WALL_NAMES: [&str; Room::WALL_COUNT] = WALL_NAMES;
 
     /// Number of walls of a room.

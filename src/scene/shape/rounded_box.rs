@@ -8,9 +8,9 @@ use glam::{DVec3, Vec3};
 part! {
     /// A box whose edges and vertices are rounded.
     RoundedBox {
-        /// Full width, height and depth in metres, the rounding included.
+        /// Full width, height and depth in metres, including the rounding.
         size: Vec3 as Side,
-        /// Radius of the rounding in metres, at most half the least size.
+        /// Radius of the rounding in metres, at most half the smallest side.
         rounding: f32 as Radius,
     }
 }

@@ -19,8 +19,8 @@ impl Part for Torus {
 
     fn properties(&self, _: &[Shape]) -> Properties {
         Properties {
-            // A tube that reaches across the axis covers its own inner side, which is then not a
-            // surface, but the value is the distance to it.
+            // A tube that reaches across the axis covers its own inner side. That side is then not a surface, but the
+            // value is still the distance to it.
             in_solid: match self.tube > self.ring {
                 true => Exactness::Bound,
                 false => Exactness::Exact,

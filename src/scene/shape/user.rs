@@ -10,8 +10,7 @@ use glam::DVec3;
 use serde::Deserialize;
 use std::sync::Arc;
 
-/// A user's GLSL `float field(vec3 p)`, within a box that is centred on the origin: `Field` in
-/// scene files.
+/// A user's GLSL `float field(vec3 p)`, within a box centred on the origin: `Field` in scene files.
 #[derive(Clone, Debug, PartialEq)]
 pub struct User {
     /// The text and its stated properties.

@@ -1,4 +1,4 @@
-//! Operators on shapes. Those that join several fields are here, and the functions of [`Shape`] that apply operators.
+//! Operators on shapes: those that join several fields, and the functions of [`Shape`] that apply operators.
 
 mod repeat;
 mod single;
@@ -32,7 +32,7 @@ impl Part for Union {
         })
     }
 
-    /// Exact in the air if all children are (Hart 1996, section 3.3).
+    /// Exact in the air if all children are exact there (Hart 1996, section 3.3).
     fn properties(&self, children: &[Shape]) -> Properties {
         let of: Vec<Properties> = children.iter().map(Shape::properties).collect();
         let merged = merged(&of, hull(&of));
@@ -57,7 +57,7 @@ part! {
 impl Part for Intersection {
     surface_kind!(FLAT);
 
-    /// Exact in the solid if all children are.
+    /// Exact in the solid if all children are exact there.
     fn properties(&self, children: &[Shape]) -> Properties {
         let of: Vec<Properties> = children.iter().map(Shape::properties).collect();
         let common = of.iter().map(|p| p.bounds).reduce(Bounds3::common);
@@ -105,9 +105,8 @@ part! {
 impl Part for SmoothUnion {
     surface_kind!(SMOOTH);
 
-    /// Blending mixes the gradients of two fields, so the greater Lipschitz constant still holds.
-    /// The solid reaches beyond the plain union by a quarter of the radius for each field that is
-    /// blended in.
+    /// Blending mixes the gradients of two fields, so the greater Lipschitz constant still holds. For each field that
+    /// is blended in, the solid reaches a quarter of the radius beyond the plain union.
     fn properties(&self, children: &[Shape]) -> Properties {
         let of: Vec<Properties> = children.iter().map(Shape::properties).collect();
         let blended = children.len().saturating_sub(1) as f64;
@@ -127,7 +126,7 @@ impl Part for SmoothUnion {
     }
 }
 
-/// The polynomial smooth minimum (Quilez): a quarter of `radius` lower where both are equal.
+/// The polynomial smooth minimum (Quilez): `radius` / 4 below the minimum where both are equal.
 fn smooth_min(a: f64, b: f64, radius: f64) -> f64 {
     let blend = (radius - (a - b).abs()).max(0.0);
     a.min(b) - 0.25 * blend * blend / radius
@@ -158,12 +157,12 @@ impl Shape {
         Shape::over(node, [self])
     }
 
-    /// The union: solid where any of the children is.
+    /// The union: solid where any child is solid.
     pub fn union(children: impl IntoIterator<Item = Shape>) -> Shape {
         Shape::over(Union, children)
     }
 
-    /// The intersection: solid where all of the children are.
+    /// The intersection: solid where all children are solid.
     pub fn intersection(children: impl IntoIterator<Item = Shape>) -> Shape {
         Shape::over(Intersection, children)
     }
@@ -185,32 +184,32 @@ impl Shape {
         Shape::over(Morph { amount }, [self, to])
     }
 
-    /// The complement: air and solid exchanged.
+    /// The complement: exchanges air and solid.
     pub fn complement(self) -> Shape {
         self.under(Complement)
     }
 
-    /// A wall of `thickness` metres along its surface.
+    /// A wall of `thickness` metres along the shape's surface.
     pub fn shell(self, thickness: f32) -> Shape {
         self.under(Shell { thickness })
     }
 
-    /// Grown by a length in metres, or shrunk by a negative one.
+    /// The shape grown by a length in metres, or shrunk by a negative one.
     pub fn offset(self, by: f32) -> Shape {
         self.under(Offset { by })
     }
 
-    /// Moved by a vector in metres.
+    /// The shape moved by a vector in metres.
     pub fn translate(self, by: Vec3) -> Shape {
         self.under(Translate { by })
     }
 
-    /// Turned about x, then y, then z of the outer axes, in radians.
+    /// The shape turned about x, then y, then z of the outer axes, in radians.
     pub fn rotate(self, by: Vec3) -> Shape {
         self.under(Rotate { by })
     }
 
-    /// Scaled by a factor.
+    /// The shape scaled by a factor.
     pub fn scale(self, by: f32) -> Shape {
         self.under(Scale { by })
     }
@@ -220,23 +219,23 @@ impl Shape {
         self.under(Mirror { axes })
     }
 
-    /// Repeated every `period` metres (0: not along that axis), `count` times (0: without end).
+    /// The shape repeated every `period` metres (0: not along that axis), `count` times (0: without end).
     pub fn repeat(self, period: Vec3, count: [u32; 3]) -> Shape {
         self.under(Repeat { period, count })
     }
 
-    /// Cut at the origin, with each half moved outwards by `by` metres.
+    /// The shape cut at the origin, with each half moved outwards by `by` metres.
     pub fn elongate(self, by: Vec3) -> Shape {
         self.under(Elongate { by })
     }
 
-    /// Turned about y by `rate` radians per metre of y.
+    /// The shape turned about y by `rate` radians per metre of y.
     pub fn twist(self, rate: f32) -> Shape {
         let lipschitz = 0.0;
         self.under(Twist { rate, lipschitz })
     }
 
-    /// Turned about z by `rate` radians per metre of x.
+    /// The shape turned about z by `rate` radians per metre of x.
     pub fn bend(self, rate: f32) -> Shape {
         let lipschitz = 0.0;
         self.under(Bend { rate, lipschitz })
@@ -252,8 +251,8 @@ mod tests {
         Shape::from(Cuboid { size: Vec3::ONE })
     }
 
-    /// Protects waves that start in an edge of a field: where sheets may meet with less than half of space in the air,
-    /// the shader evaluates each.
+    /// Protects waves that start in an edge of a field: if sheets may meet with less than half of space in the air, the
+    /// shader evaluates each sheet.
     #[test]
     fn edges_of_hollows_and_between_solids_that_touch_are_hollow() {
         let room = Shape::from(Room { size: Vec3::ONE });
@@ -275,7 +274,7 @@ mod tests {
         }
     }
 
-    /// Protects the speed of fields whose solids stand apart: none of their edges is hollow.
+    /// Protects the speed of fields whose solids are apart: none of their edges is hollow.
     #[test]
     fn edges_of_convex_solids_apart_are_not_hollow() {
         let pillar = Shape::from(Cylinder { radius: 0.5 });

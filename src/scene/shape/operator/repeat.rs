@@ -1,14 +1,13 @@
-//! Finds the copies of a repeated field that can be the nearest.
+//! Determines which copies of a repeated field can be the nearest.
 //!
-//! Along one axis a point q lies in the cell about copy i: |q − i P| ≤ P/2. If the child lies
-//! within its cell, the nearest copy is that one or the next on the side of q: for every point x of
-//! it, |q − x| ≤ |q − (x − P)| for q ≥ 0 and x ≤ P/2. If it is also symmetric about the cell's
-//! middle, copy i alone is the nearest. If it reaches out of its cell by up to k periods, k more
-//! copies on either side can be the nearest.
+//! Along one axis a point q lies in the cell about copy i: |q − i P| ≤ P/2. If the child lies within its cell, the
+//! nearest copy is copy i or the next one on the side of q: for every point x of copy i, |q − x| ≤ |q − (x − P)| for q
+//! ≥ 0 and x ≤ P/2. If the child is also symmetric about the cell's middle, copy i alone is the nearest. If the child
+//! reaches out of its cell by up to k periods, k more copies on either side can be the nearest.
 //!
-//! This holds for distances. A bound of the distance may be less for a copy that is further away,
-//! and would then jump where that copy stops being evaluated. So the value is capped there at the
-//! minimum value of such a copy, see [`Cap`].
+//! This holds for distances. A bound of the distance may be smaller for a more distant copy, and the value would then
+//! jump where that copy is no longer evaluated. So beyond that point the value is capped at the minimum value of such a
+//! copy, see [`Cap`].
 
 use super::{Bounds3, Exactness, Node, Part, Properties, Shape, ShapeFile, part, surface_kind};
 use crate::scene::notation::{Fields, Written};
@@ -18,7 +17,7 @@ use serde::de::{Deserialize, Deserializer};
 part! {
     /// Its child repeated along the axes.
     Repeat over (of: Box<ShapeFile>) {
-        /// Distance between copies in metres along x, y, z; 0 where it is not repeated.
+        /// Distance between copies in metres along x, y, z; 0 for an axis without repetition.
         period: Vec3 as Metres,
     } and {
         /// Number of copies along each axis, centred about the origin; 0 for an infinite number.
@@ -34,7 +33,7 @@ fn counts<'de, D: Deserializer<'de>>(from: D) -> Result<[u32; 3], D::Error> {
 /// Gap or overlap that rounding may cause between touching copies, as a share of the period.
 const TOUCHING: f64 = 1e-6;
 
-/// Maximum count whose neighbouring copies `f32` can distinguish.
+/// Maximum count for which `f32` can distinguish neighbouring copies.
 const MOST_COUNTED: u32 = 1 << 24;
 
 impl Part for Repeat {
@@ -109,7 +108,7 @@ impl Part for Repeat {
     }
 }
 
-/// Maximum number of copies that are evaluated: more would be too slow.
+/// Maximum number of evaluated copies: more would be too slow.
 const MOST_COPIES: u32 = 64;
 
 /// The copies evaluated along one axis, relative to the cell that contains the point.
@@ -117,11 +116,11 @@ const MOST_COPIES: u32 = 64;
 pub enum Copies {
     /// The axis is not repeated.
     None,
-    /// The copy of the cell.
+    /// Only the copy of the cell.
     Own,
-    /// The copy of the cell, and the next on the point's side.
+    /// The copy of the cell, and the next copy on the point's side.
     OwnAndNext,
-    /// This number of copies on either side, and that of the cell.
+    /// The copy of the cell, and this number of copies on either side.
     Around(u32),
 }
 
@@ -148,7 +147,7 @@ fn along(bounds: Bounds3, symmetric: bool, axis: usize, step: f64) -> Result<Cop
         ));
     }
     let reach = (most.abs().max(least.abs()) - 0.5 * step) / step;
-    // A child that just touches its cell's face counts as within it, despite rounding.
+    // A child that just touches the face of its cell counts as within the cell, despite rounding.
     if reach <= TOUCHING {
         return Ok(if symmetric {
             Copies::Own
@@ -156,12 +155,12 @@ fn along(bounds: Bounds3, symmetric: bool, axis: usize, step: f64) -> Result<Cop
             Copies::OwnAndNext
         });
     }
-    // |q − x| is at most (1 + reach) periods, so the nearest copy of x is at most that many away, rounded.
+    // |q − x| is at most (1 + reach) periods, so the nearest copy of x is at most that many periods away, rounded.
     Ok(Copies::Around((reach + 1.5).min(1e6) as u32))
 }
 
-/// The cap of a repeated bound's value: `near` among the copies, and further off the distance to
-/// the box about all of them, divided by the slowness of the value.
+/// The cap of a repeated bound's value: `near` among the copies, and farther away the distance to the box about all
+/// copies, divided by the slowness of the value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Cap {
     pub near: f64,
@@ -177,7 +176,7 @@ impl Cap {
 }
 
 impl Repeat {
-    /// The cap for a bound that is evaluated for several copies; `None` if no cap is needed.
+    /// The cap for a bound that is evaluated for several copies; `None` if a cap is not necessary.
     pub(crate) fn cap(&self, child: &Shape) -> Option<Cap> {
         let of = child.properties();
         if of.in_air == Exactness::Exact || of.bounds.is_empty() {
@@ -186,8 +185,8 @@ impl Repeat {
         let (copies, period) = (self.copies(child).ok()?, self.period.as_dvec3());
         let far = |b: Bounds3| b.min.abs().max(b.max.abs());
         let reach = far(of.bounds);
-        // The least distance of a copy's bounds where its evaluation begins or ends: at the middle
-        // of a cell, or at its face.
+        // The least distance to a copy's bounds at the point where its evaluation begins or ends: at the middle of a
+        // cell, or at its face.
         let along = (0..3).filter_map(|axis| match copies[axis] {
             Copies::None | Copies::Own => None,
             Copies::OwnAndNext => Some(period[axis] - reach[axis]),
@@ -217,10 +216,10 @@ impl Repeat {
         places
     }
 
-    /// The copies that are evaluated along x, y and z.
+    /// The copies to evaluate along x, y and z.
     ///
     /// # Errors
-    /// A message on why the repetition is not safe.
+    /// A message that states why the repetition is not safe.
     pub(crate) fn copies(&self, child: &Shape) -> Result<[Copies; 3], String> {
         let of = child.properties();
         let mut all = [Copies::None; 3];
@@ -240,7 +239,7 @@ impl Repeat {
 
 /// The box about a copy's middle, in metres; its faces are finite.
 fn copy_box(child: &Shape) -> Bounds3 {
-    /// Beyond every place, and finite in `f32` when divided by the least speed.
+    /// Farther than any position in a scene, and finite in `f32` when divided by the least speed.
     const NO_END: DVec3 = DVec3::splat(1e15);
     let bounds = child.properties().bounds;
     if bounds.is_empty() {
@@ -253,7 +252,7 @@ fn copy_box(child: &Shape) -> Bounds3 {
 }
 
 impl Shape {
-    /// Translations in metres that leave it unchanged: the periods of infinite repetitions.
+    /// Translations in metres that leave the repetition unchanged: the periods of infinite repetitions.
     pub(crate) fn periods(&self) -> Vec<DVec3> {
         let below = || {
             self.children
@@ -280,7 +279,7 @@ impl Shape {
         }
     }
 
-    /// The cap of a [`Repeat`]; `None` if no cap is needed.
+    /// The cap of a [`Repeat`]; `None` if a cap is not necessary.
     pub(crate) fn cap(&self) -> Option<Cap> {
         match (&self.node, self.children.first()) {
             (Node::Repeat(repeat), Some(child)) => repeat.cap(child),
@@ -288,10 +287,10 @@ impl Shape {
         }
     }
 
-    /// The copies of a [`Repeat`] that are evaluated along x, y and z.
+    /// The copies of a [`Repeat`] to evaluate along x, y and z.
     ///
     /// # Errors
-    /// A message on why the repetition is not safe.
+    /// A message that states why the repetition is not safe.
     pub(crate) fn copies(&self) -> Result<[Copies; 3], String> {
         match (&self.node, self.children.first()) {
             (Node::Repeat(repeat), Some(child)) => repeat.copies(child),
@@ -305,7 +304,7 @@ fn offsets(q: f64, period: f64, count: u32, copies: Copies) -> Vec<f64> {
     if copies == Copies::None || period == 0.0 {
         return vec![q];
     }
-    // With an even number of copies there is none at the origin.
+    // If the number of copies is even, none is at the origin.
     let shift = if count > 0 && count.is_multiple_of(2) {
         0.5 * period
     } else {
@@ -340,7 +339,8 @@ mod tests {
     use crate::scene::shape::Sphere;
     use std::f32::consts::FRAC_PI_2;
 
-    /// Protects distant places in infinite repetitions: they are moved by its periods, turned and scaled as it is.
+    /// Protects distant positions in infinite repetitions: they are moved by the repetition's periods, which turn and
+    /// scale with the repetition.
     #[test]
     fn periods_are_turned_and_scaled() {
         let repeat = Repeat {

@@ -1,4 +1,4 @@
-//! Operators on one field: it is moved, turned, scaled or mirrored, or its surface is moved along its normals.
+//! Operators on one field: they move, turn, scale or mirror it, or move its surface along the normals.
 
 use super::{
     Bounds3, Exactness, Part, Properties, Shape, ShapeFile, half, part, slowest, surface_kind,
@@ -56,7 +56,7 @@ impl Part for Rotate {
         }
     }
 
-    /// When a box grows along its axes, a corner moves by √3 of that.
+    /// When a box grows by a length along its axes, a corner moves by √3 of that length.
     fn slowness(&self, children: &[Shape]) -> f64 {
         match children[0].properties().in_air {
             Exactness::Exact => slowest(children),
@@ -68,14 +68,14 @@ impl Part for Rotate {
         children[0].value(self.matrix().transpose() * p)
     }
 
-    /// The matrix to the inner axes from the outer ones, column by column.
+    /// The matrix from the outer axes to the inner axes, column by column.
     fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
         self.matrix().transpose().to_cols_array().to_vec()
     }
 }
 
 impl Rotate {
-    /// The matrix from the inner axes to the outer ones.
+    /// The matrix from the inner axes to the outer axes.
     pub(crate) fn matrix(&self) -> DMat3 {
         let by = self.by.as_dvec3();
         DMat3::from_euler(EulerRot::XYZEx, by.x, by.y, by.z)
@@ -164,11 +164,11 @@ impl Part for Mirror {
             if of.symmetric[axis] {
                 continue;
             }
-            // A solid that crosses the mirror is cut off there, but its distance is not.
+            // A solid that crosses the mirror plane is cut off there, but its distance is not.
             if of.bounds.min[axis] < 0.0 {
                 result.in_air = result.in_air.or_bound();
             }
-            // A solid that touches the mirror merges with its image: its face there vanishes.
+            // A solid that touches the mirror plane merges with its image: its face in the plane vanishes.
             if of.bounds.min[axis] <= 0.0 {
                 result.in_solid = result.in_solid.or_bound();
             }
@@ -204,7 +204,7 @@ impl Part for Complement {
         }
     }
 
-    /// The complement of all space does not move.
+    /// The bounds of a complement are all of space, which does not grow.
     fn slowness(&self, _: &[Shape]) -> f64 {
         1.0
     }
@@ -257,8 +257,8 @@ part! {
 }
 
 impl Part for Offset {
-    /// The surface moves towards one side; on that side exact distances stay exact. With exact
-    /// distances a convex solid stays convex; the levels of a bound need not be convex.
+    /// The surface moves towards one side; on that side exact distances stay exact. With exact distances a convex solid
+    /// stays convex; the level sets of a bound need not be convex.
     fn properties(&self, children: &[Shape]) -> Properties {
         let of = children[0].properties();
         let by = f64::from(self.by);
@@ -291,7 +291,7 @@ impl Part for Offset {
 }
 
 part! {
-    /// Its child cut at the coordinate planes and moved apart, with the gap filled straight.
+    /// Its child cut at the coordinate planes and moved apart, with the gaps filled straight.
     Elongate over (of: Box<ShapeFile>) {
         /// Distance that each half moves along x, y and z, in metres.
         by: Vec3 as Metres,
@@ -312,8 +312,8 @@ impl Part for Elongate {
             in_air: Exactness::bound(of.lipschitz),
             in_solid: Exactness::bound(of.lipschitz),
             bounds: of.bounds.grown(self.by.as_dvec3()),
-            // A slanted side that crosses the cut gets a step; a symmetric solid becomes its sum
-            // with a box of half size `by`.
+            // A slanted side that crosses the cut gets a step; a symmetric convex solid becomes its Minkowski sum with
+            // a box of half size `by`.
             convex: of.convex && (0..3).all(|a| self.by[a] == 0.0 || of.symmetric[a]),
             ..of
         }

@@ -1,9 +1,8 @@
 //! Twist and bend: a turn proportional to a coordinate.
 //!
-//! A twist turns by rate · y, so its Jacobian is I + s t yᵀ with s = rate · radius and unit vectors
-//! t ⟂ y: its norm is (s + √(s² + 4)) / 2. A bend's t need not be perpendicular: its norm is at
-//! most 1 + s. Beyond the radius of the child's own bounds the value is that at the bounds plus the
-//! distance to them.
+//! A twist turns by rate · y, so its Jacobian is I + s t yᵀ with s = rate · radius and unit vectors t ⟂ y; its norm is
+//! (s + √(s² + 4)) / 2. For a bend t need not be perpendicular; its norm is at most 1 + s. Beyond the radius of the
+//! child's own bounds the value is the value at the bounds plus the distance to them.
 
 use super::{Bounds3, Part, Properties, Shape, ShapeFile, part};
 use crate::scene::notation::{Fields, Lipschitz, Written};
@@ -19,8 +18,8 @@ struct Turning {
     pub stated: f64,
 }
 
-/// The largest constant that may be stated. The least is 1: a turn never has less; with more than
-/// the largest no march ends.
+/// The largest constant that may be stated: with more no march ends. The smallest is 1, as the constant of a turn is
+/// never smaller.
 const LARGEST_LIPSCHITZ: f32 = 1e6;
 
 /// Rejects a stated constant that is out of range; 0 stands for none.
@@ -68,7 +67,7 @@ impl Turning {
         }
     }
 
-    /// The point is turned back, so that the child is turned right-handedly.
+    /// Turns the point back, which turns the child right-handedly.
     pub fn value(&self, child: &Shape, p: DVec3) -> f64 {
         let most = child.properties().bounds.radius_about(self.axis);
         let mut aside = p;
@@ -99,9 +98,9 @@ impl Turning {
         DVec3::new(cos * x + sin * y, cos * y - sin * x, held.z)
     }
 
-    /// Rate, radius of the child's own bounds, Lipschitz constant.
+    /// Rate, radius of the child's own bounds, and Lipschitz constant.
     pub fn shader_numbers(&self, child: &Shape) -> Vec<f64> {
-        /// Represents an infinite radius.
+        /// Stands for an infinite radius.
         const ENDLESS: f64 = 1e30;
         let radius = child.properties().bounds.radius_about(self.axis);
         let lipschitz = self.properties(child).lipschitz;
@@ -109,7 +108,7 @@ impl Turning {
     }
 }
 
-/// The norm of the Jacobian of a twist (axis 1) or a bend, for s = rate · radius.
+/// The norm of the Jacobian of a twist (axis 1) or a bend (axis 2), for s = rate · radius.
 fn norm_of_turning(axis: usize, s: f64) -> f64 {
     match axis {
         1 => 0.5 * (s + (s * s + 4.0).sqrt()),
@@ -117,13 +116,13 @@ fn norm_of_turning(axis: usize, s: f64) -> f64 {
     }
 }
 
-/// Reads a stated constant; 0 stands for none.
+/// Reads a stated constant; 0 stands for a missing one.
 fn stated<'de, D: Deserializer<'de>>(from: D) -> Result<f32, D::Error> {
     let stated = Option::<Lipschitz>::deserialize(from)?;
     Ok(stated.map_or(0.0, |stated| stated.0))
 }
 
-/// A twist or a bend, whose properties all come from [`Turning`] about one axis.
+/// A twist or a bend, whose properties come from [`Turning`] about one axis.
 macro_rules! turning {
     ($(#[$doc:meta])* $part:ident about $axis:literal, $rate:literal) => {
         part! {
@@ -187,8 +186,7 @@ turning! {
 }
 
 turning! {
-    /// Its child turned about z (right-handed) by an angle proportional to x: a bar along x becomes
-    /// an arc.
+    /// Its child turned about z (right-handed) by an angle proportional to x: a bar along x becomes an arc.
     Bend about 2, "Radians per metre of x."
 }
 
@@ -204,8 +202,8 @@ mod tests {
         Cuboid { size }.into()
     }
 
-    /// Protects the documented sense: with a positive rate a twist turns the upper part from z towards
-    /// x, and a bend the right part from x towards y.
+    /// Protects the documented direction of turns: with a positive rate a twist turns the upper part from z towards x,
+    /// and a bend turns the right part from x towards y.
     #[test]
     fn twist_and_bend_are_right_handed() {
         const RATE: f64 = 0.5;

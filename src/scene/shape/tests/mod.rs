@@ -1,5 +1,6 @@
-//! Tests of all shapes and operators: their `properties` against values sampled on the CPU, and the messages about
-//! invalid ones. The table of them is also used in `shader/tests` as shaders, and in `tracer/tests` with waves.
+//! Tests of all shapes and operators: their `properties`, compared with values sampled on the CPU, and the messages
+//! about invalid ones. The tests in `shader/tests` use the same table as shaders, and those in `tracer/tests` with
+//! waves.
 
 pub mod table;
 
@@ -19,8 +20,7 @@ fn anywhere(random: &mut Random, reach: f64) -> DVec3 {
     reach * DVec3::new(random.signed(), random.signed(), random.signed())
 }
 
-/// Points of the surface: sign changes along random lines, found by bisection. Only the sign of the
-/// value is used.
+/// Points of the surface: sign changes along random lines, found by bisection. Only the sign of the value is used.
 fn surface_points(entry: &Entry, random: &mut Random, lines: usize) -> Vec<DVec3> {
     const PIECES: usize = 48;
     let reach = 1.5 * entry.reach();
@@ -52,8 +52,8 @@ fn surface_points(entry: &Entry, random: &mut Random, lines: usize) -> Vec<DVec3
     found
 }
 
-/// Whether a step by the value against the gradient ends on the surface. As the distance is never
-/// less than the value, it is then equal to it.
+/// Whether a step by the value against the gradient ends on the surface. As the distance is never less than the value,
+/// the two are then equal.
 fn leads_to_surface(entry: &Entry, p: DVec3) -> bool {
     let (value, step) = (entry.distance(p), 1e-6 * entry.reach());
     let along = |axis: DVec3| {
@@ -64,8 +64,8 @@ fn leads_to_surface(entry: &Entry, p: DVec3) -> bool {
     foot.abs() <= 1e-4 * value.abs() + 1e-6 * entry.reach()
 }
 
-/// Protects safe steps: a value divided by the Lipschitz constant never exceeds the distance to the
-/// surface, and equals it on the sides where it is stated to be exact.
+/// Protects safe steps: a value divided by the Lipschitz constant never exceeds the distance to the surface, and equals
+/// it on the sides that are stated to be exact.
 #[test]
 fn values_are_the_distances_that_they_are_said_to_be() {
     let mut failures = Vec::new();
@@ -451,7 +451,7 @@ fn a_field_has_an_end() {
     assert!(many.validate().is_err_and(|why| why.contains("too large")));
 }
 
-/// Protects height images.
+/// Protects height images: invalid ones are rejected.
 #[test]
 fn height_images_are_checked() {
     let new = |size, count, height| HeightImage::new("x", size, vec![height; count]);

@@ -15,12 +15,12 @@ use std::sync::Arc;
 pub struct Entry {
     pub name: String,
     pub field: Shape,
-    /// The value of a user's text; the CPU has only samples of it.
+    /// The function that a user's text computes; the CPU has only samples of the text.
     pub truth: Option<fn(DVec3) -> f64>,
 }
 
 impl Entry {
-    /// The value that a march steps by.
+    /// The step length of a march.
     pub fn distance(&self, p: DVec3) -> f64 {
         match self.truth {
             Some(value) => value(p),
@@ -41,8 +41,8 @@ impl Entry {
 
 const KINDS: usize = 34;
 
-/// The number of a node's kind. A new variant does not compile until it is added here: give it a
-/// number, raise [`KINDS`], and add it to [`shapes`] or [`operators`].
+/// The number of a node's kind. A new variant does not compile until it is added here: give it a number, raise
+/// [`KINDS`], and add it to [`shapes`] or [`operators`].
 fn kind(node: &Node) -> usize {
     match node {
         Node::Plane(Plane) => 0,
@@ -238,7 +238,7 @@ pub fn users() -> Vec<Entry> {
     ]
 }
 
-/// Operators, one at a time and nested.
+/// Operators, alone and nested.
 pub fn operators() -> Vec<Shape> {
     let v = Vec3::new;
     let bar = || cuboid(2.0, 0.4, 0.3);
@@ -266,7 +266,7 @@ pub fn operators() -> Vec<Shape> {
         ellipsoid(2.0, 0.5, 1.0).shell(0.4),
         Shape::smooth_union(0.6, [sphere(0.7), bar(), aside()]),
         Shape::smooth_union(1.0, [ellipsoid(2.0, 0.4, 0.6), ellipsoid(0.4, 1.0, 0.5)]),
-        // Far apart except at one place; far from it the fields are unchanged.
+        // The fields are far apart except at one point; far from that point they are unchanged.
         Shape::smooth_union(
             0.15,
             [
@@ -370,8 +370,8 @@ pub fn on_cpu() -> Vec<Entry> {
     all.filter(|entry| entry.truth.is_none()).collect()
 }
 
-/// The field unmoved, and moved. A basic shape alone has no functions of its own in a shader, so it
-/// is put in a union of one.
+/// The field at the origin, and moved. A basic shape alone has no functions of its own in a shader, so it is wrapped in
+/// a union of one.
 pub fn surfaces(entry: &Entry) -> [Surface; 2] {
     let field = entry.field.clone();
     let plain = Surface::new(match field.is_basic() {

@@ -1,10 +1,10 @@
 //! Reads users' GLSL before a driver does.
 //!
 //! A driver's compiler trusts its input: macros that double, a hundred thousand terms or deeply nested brackets crash
-//! it, and the program with it. So the text is split into tokens and preprocessed here, within limits, and forbidden
-//! content is rejected by name. The driver gets the result: without directives, macros and continued lines; lines,
-//! blanks and comments (except those next to directives) stay where they were. The text that is checked is the text
-//! that is compiled.
+//! the compiler, and the program with it. So this module splits the text into tokens and preprocesses it, within
+//! limits, and rejects forbidden content by name. The driver gets the result: without directives, macros and continued
+//! lines; lines, blanks and comments (except those next to directives) keep their positions. The text that is checked
+//! is the text that is compiled.
 //!
 //! Remaining problems (sums that overflow a compiler's stack, infinite loops) are found only by
 //! compiling and running it: see [`crate::tracer::FieldTrial`].
@@ -21,33 +21,33 @@ use std::collections::HashSet;
 use tokens::{Kind, Token};
 use words::{Renamed, is_function, is_known, is_language, is_selection, is_type, refusal};
 
-/// Maximum size of a text in bytes. The largest published fields, whole scenes or small neural
-/// networks, have about 30,000.
+/// Maximum size of a text in bytes. The largest published fields, whole scenes or small neural networks, have about
+/// 30,000.
 const LARGEST_TEXT: usize = 1 << 18;
 
-/// Maximum number of tokens of a text after expanding its macros: four times those of the largest
-/// fields. Drivers take about 20 µs and 1 KB for each.
+/// Maximum number of tokens of a text after macro expansion: four times as many as the largest fields have. Drivers
+/// take about 20 µs and 1 KB per token.
 const MOST_TOKENS: usize = 1 << 15;
 
-/// The error in a text, and its line (from 1) if it is in one.
+/// The error in a text, and its line (from 1), if it has one.
 pub(super) type Refusal = (Option<u32>, String);
 
-/// A text that has been read.
+/// A parsed text.
 #[derive(Debug)]
 pub(super) struct Text {
     /// The text for use within a shader, line by line, in ASCII.
     pub code: String,
-    /// All names in it that GLSL does not define, in order of appearance.
+    /// All names in the text that GLSL does not define, in order of appearance.
     pub names: Vec<String>,
-    /// Whether it contains loops.
+    /// Whether the text contains loops.
     pub has_loops: bool,
-    /// Whether it contains a `vec3 fieldGradient(vec3 p)`.
+    /// Whether the text contains a `vec3 fieldGradient(vec3 p)`.
     pub states_gradient: bool,
 }
 
-/// Reads a text, and rejects it if it is not a field or has forbidden content.
+/// Parses a text, and rejects it if it is not a field or has forbidden content.
 ///
-/// `#version` lines and `precision` statements belong to whole shaders and are left out.
+/// `#version` lines and `precision` statements belong to whole shaders and are removed.
 pub(super) fn read(text: &str) -> Result<Text, Refusal> {
     if text.len() > LARGEST_TEXT {
         let size = text.len();
@@ -71,8 +71,8 @@ pub(super) fn read(text: &str) -> Result<Text, Refusal> {
     })
 }
 
-/// The lines of code in a whole shader's text, as its compiler gets them: without comments,
-/// directives and lines excluded by conditions, and with macros expanded.
+/// The lines of code in a whole shader's text, as the compiler sees them: without comments, directives and lines
+/// excluded by conditions, and with macros expanded.
 ///
 /// # Errors
 /// An error in a text that no compiler would accept.
@@ -91,13 +91,13 @@ pub fn code_lines(text: &str) -> Result<Vec<String>, String> {
     Ok(lines.map(written).collect())
 }
 
-/// Writes tokens in their lines, with the space before each and after the last.
+/// Writes tokens on their original lines, with the space before each and after the last.
 fn written(tokens: &[Token], renamed: &Renamed, end: &str) -> String {
     let mut code = String::new();
     let mut line = 1;
     for (place, token) in tokens.iter().enumerate() {
         let breaks = newlines(token.space);
-        // Lines that were removed.
+        // Line breaks for removed lines.
         while line + breaks < token.line {
             code.push('\n');
             line += 1;
@@ -120,11 +120,11 @@ fn newlines(space: &str) -> u32 {
 /// Maximum nesting of brackets.
 const DEEPEST: usize = 128;
 
-/// Maximum number of elements of an array. Each wave that is evaluated at once has its own array:
-/// 2^14 vectors are 256 KiB, which fit into the cache of a processor's core for all of them.
+/// Maximum number of elements of an array. Each wave evaluated in parallel has its own array: 2^14 vectors are 256 KiB,
+/// and the arrays of all parallel waves fit into the cache of a processor's core.
 const LONGEST_ARRAY: u64 = 1 << 14;
 
-/// Removes `precision highp float;` and similar statements: a shader has its own.
+/// Removes `precision highp float;` and similar statements: the whole shader has its own.
 fn leave_out_precisions<'a>(tokens: &[Token<'a>]) -> Vec<Token<'a>> {
     let is_precision = |at: &[Token]| {
         matches!(at, [word, how, of, end] if word.is("precision")
@@ -150,10 +150,10 @@ fn leave_out_precisions<'a>(tokens: &[Token<'a>]) -> Vec<Token<'a>> {
 
 /// The declarations of a text.
 struct Declared {
-    /// Whether it states its gradient.
+    /// Whether the text states its gradient.
     states_gradient: bool,
-    /// Positions of the words outside of brackets and initial values: the names of globals,
-    /// functions and structures, and the types.
+    /// Positions of the words outside brackets and initial values: the names of globals, functions and structures, and
+    /// the types.
     globals: Vec<usize>,
 }
 
@@ -248,8 +248,8 @@ fn check(tokens: &[Token]) -> Result<Declared, Refusal> {
     Err((None, why))
 }
 
-/// Whether the word at a position is one of the language where a name is declared: after a type or
-/// after `struct`.
+/// Whether the word at a position is a word of the language in place of a declared name: after a type or after
+/// `struct`.
 fn is_named_as_language(tokens: &[Token], place: usize) -> bool {
     let before = place.checked_sub(1).map(|before| tokens[before].text);
     is_language(tokens[place].text) && before.is_some_and(|word| is_type(word) || word == "struct")
@@ -263,8 +263,8 @@ fn is_prototype(tokens: &[Token], place: usize) -> bool {
     is_after_type && tokens.get(place + 1).is_some_and(|next| next.is("("))
 }
 
-/// Names in the text that GLSL does not define, as they are written, in order of appearance.
-/// Component selections (`.xyz`) do not count: no global has such a name.
+/// Names in the text that GLSL does not define, in their written form and in order of appearance. Component selections
+/// (`.xyz`) do not count: no global has such a name.
 fn names(tokens: &[Token], renamed: &Renamed) -> Vec<String> {
     let mut known = HashSet::new();
     let words = (0..tokens.len()).filter(|place| tokens[*place].is_word());
@@ -280,7 +280,7 @@ fn closes(open: &str, close: &str) -> bool {
     matches!((open, close), ("(", ")") | ("[", "]") | ("{", "}"))
 }
 
-/// The number of `[number]`, with which the tokens begin.
+/// The number in `[number]` at the beginning of the tokens.
 fn array_length(tokens: &[Token]) -> Option<u64> {
     match tokens {
         [open, number, close, ..]
@@ -288,14 +288,14 @@ fn array_length(tokens: &[Token]) -> Option<u64> {
         {
             let digits = number.text.trim_end_matches(['u', 'U']);
             let is_number = digits.bytes().all(|byte| byte.is_ascii_digit());
-            // A number with too many digits is too large as well.
+            // A number with too many digits also counts as too large.
             is_number.then(|| digits.parse().unwrap_or(u64::MAX))
         }
         _ => None,
     }
 }
 
-/// Whether tokens begin with the given type and name of a function, and `(vec3`.
+/// Whether the tokens begin with a function of this type and name, and `(vec3`.
 fn is_of_a_point(tokens: &[Token], [of_type, name]: [&str; 2]) -> bool {
     let mut inside = tokens.iter().map(|token| token.text);
     let opens = [of_type, name, "("]
@@ -305,11 +305,11 @@ fn is_of_a_point(tokens: &[Token], [of_type, name]: [&str; 2]) -> bool {
     opens && kind == Some("vec3")
 }
 
-/// Rejects loops whose text shows that they never end: `while (true)` and similar ones without a `break` or a `return`. Loops whose condition
-/// is computed at run time are left to the trial run.
+/// Rejects loops whose text shows that they never end: `while (true)` and similar loops without a `break` or a
+/// `return`. Loops whose condition is computed at run time are left to the trial run.
 ///
-/// Software renderers end a loop after 65,536 iterations, and a compiler removes a loop whose result is not used, so the
-/// trial run alone does not find these.
+/// Software renderers end a loop after 65,536 iterations, and a compiler removes a loop whose result is not used, so
+/// the trial run alone does not find endless loops.
 fn check_loops(tokens: &[Token]) -> Result<(), Refusal> {
     let endless = (0..tokens.len()).find(|&at| is_endless(tokens, at));
     match endless {
@@ -323,7 +323,7 @@ fn check_loops(tokens: &[Token]) -> Result<(), Refusal> {
     }
 }
 
-/// Whether an infinite loop begins, or is closed by its `while`, at this token.
+/// Whether an infinite loop begins at this token, or ends with the `while` at this token.
 fn is_endless(tokens: &[Token], at: usize) -> bool {
     let is_for = tokens[at].is("for");
     if !is_for && !tokens[at].is("while") {
@@ -353,7 +353,7 @@ fn condition<'a, 'b>(said: &'a [Token<'b>]) -> &'a [Token<'b>] {
     said.split(|token| token.is(";")).nth(1).unwrap_or(said)
 }
 
-/// Whether a condition is `true`; that of a `for` may be empty.
+/// Whether a condition is `true`; an empty condition of a `for` counts as true.
 fn is_true(condition: &[Token], is_for: bool) -> bool {
     let mut words = condition.iter().filter(|t| !t.is("(") && !t.is(")"));
     match words.next() {
@@ -362,7 +362,7 @@ fn is_true(condition: &[Token], is_for: bool) -> bool {
     }
 }
 
-/// The bracket that closes the one at `open`.
+/// The position of the bracket that closes the bracket at `open`.
 fn closing(tokens: &[Token], open: usize) -> Option<usize> {
     let mut depth = 0usize;
     for (at, token) in tokens.iter().enumerate().skip(open) {
@@ -385,7 +385,7 @@ fn statement<'a, 'b>(tokens: &'a [Token<'b>], at: usize) -> &'a [Token<'b>] {
         let end = closing(tokens, at).unwrap_or(tokens.len());
         return &tokens[at..end];
     }
-    // The extent of a nested statement with a block is unknown, as in `while (true) if (…) {…}`.
+    // The end of a nested statement with a block is not determined, as in `while (true) if (…) {…}`.
     let end = rest.iter().position(|t| t.is(";") || t.is("}"));
     match end {
         Some(end) if !rest[..end].iter().any(|t| t.is("{")) => &rest[..end],
@@ -393,7 +393,7 @@ fn statement<'a, 'b>(tokens: &'a [Token<'b>], at: usize) -> &'a [Token<'b>] {
     }
 }
 
-/// The block of `do {…} while`, whose `while` is at `at`; empty for a plain `while`.
+/// The block of the `do {…} while` whose `while` is at `at`; empty for a plain `while`.
 fn done_before<'a, 'b>(tokens: &'a [Token<'b>], at: usize) -> &'a [Token<'b>] {
     let mut depth = 0usize;
     for start in (0..at).rev() {

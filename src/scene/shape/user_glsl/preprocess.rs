@@ -1,13 +1,13 @@
-//! Preprocesses directives and macros, within limits.
+//! Expands directives and macros, within limits.
 
 use super::tokens::{Kind, Token, condition};
 use super::{Refusal, words};
 use std::collections::{HashMap, HashSet};
 
-/// Steps of the expansion of all macros per permitted token of the result: enough for eight levels.
+/// Steps of macro expansion per permitted token of the result: enough for eight levels.
 const STEPS_A_TOKEN: usize = 8;
 
-/// Maximum number of characters of an `#error` that are reported.
+/// Maximum number of reported characters of an `#error`.
 const LONGEST_ERROR: usize = 200;
 
 /// Maximum nesting of macro calls.
@@ -16,11 +16,10 @@ const DEEPEST_CALL: u32 = 64;
 /// Maximum nesting of conditions.
 const DEEPEST_CONDITION: usize = 64;
 
-/// Value of `__VERSION__`: the lower one of the two languages that a field is compiled in, GLSL ES
-/// 3.00 and GLSL 3.30.
+/// Value of `__VERSION__`: the lower of the two languages in which a field is compiled, GLSL ES 3.00 and GLSL 3.30.
 const VERSION: &str = "300";
 
-/// The text without directives and macros, of at most `most_tokens` tokens.
+/// Returns the text without directives and macros, with at most `most_tokens` tokens.
 pub fn preprocess<'a>(tokens: &[Token<'a>], most_tokens: usize) -> Result<Vec<Token<'a>>, Refusal> {
     let mut state = Preprocessor {
         expander: Expander::new(most_tokens),
@@ -48,14 +47,14 @@ pub fn preprocess<'a>(tokens: &[Token<'a>], most_tokens: usize) -> Result<Vec<To
     }
 }
 
-/// An `#if` whose `#endif` was not reached.
+/// An `#if` before its `#endif`.
 struct Condition {
     line: u32,
-    /// Whether the lines around it are active.
+    /// Whether the surrounding lines are active.
     outer: bool,
     /// Whether its current lines are active.
     is_on: bool,
-    /// Whether any of its lines have been active.
+    /// Whether any of its lines were active.
     was_on: bool,
     has_else: bool,
 }
@@ -81,7 +80,7 @@ impl<'a> Preprocessor<'a> {
             _ if !self.is_on() => Ok(()),
             "define" => self.expander.define(rest).map_err(told),
             "undef" => self.expander.undefine(rest).map_err(told),
-            // The whole shader has a version of its own.
+            // The whole shader has its own version.
             "version" => Ok(()),
             "error" => {
                 let words: Vec<&str> = rest.iter().take(20).map(|token| token.text).collect();
@@ -190,7 +189,7 @@ struct Macro<'a> {
 /// An item still to be processed.
 enum Item<'a> {
     Token(Token<'a>),
-    /// The end of a macro's own tokens, within which it is not expanded again.
+    /// The end of a macro's tokens, within which the macro is not expanded again.
     End(&'a str),
 }
 
@@ -273,7 +272,7 @@ impl<'a> Expander<'a> {
         depth: u32,
     ) -> Result<(), Refusal> {
         let mut left: Vec<Item> = tokens.iter().rev().map(|t| Item::Token(*t)).collect();
-        // The token after a macro must not merge with the macro's last one.
+        // The token after a macro must not merge with the macro's last token.
         let mut after_macro = false;
         while let Some(item) = left.pop() {
             let mut token = match item {
@@ -305,7 +304,7 @@ impl<'a> Expander<'a> {
         Ok(())
     }
 
-    /// Replaces a macro by its tokens; returns false if `name` is not a macro, or is not called.
+    /// Replaces a macro by its tokens; returns false if `name` is not a macro, or is a function macro without a call.
     fn call(
         &mut self,
         name: Token<'a>,
@@ -331,7 +330,7 @@ impl<'a> Expander<'a> {
         let told = |why: &str| (Some(name.line), format!("the macro '{}' {why}", name.text));
         let body = body_of(of, name);
         let mut given = self.arguments(name, left)?;
-        // An empty call has one argument, or none.
+        // An empty call has one empty argument, or none.
         if parameters.is_empty() && given.len() == 1 && given[0].is_empty() {
             given.clear();
         }
@@ -366,7 +365,7 @@ impl<'a> Expander<'a> {
         Ok(true)
     }
 
-    /// Removes the arguments of a call, whose `(` comes next, from the remaining items.
+    /// Removes the arguments of a call, beginning with its `(`, from the remaining items.
     fn arguments(
         &mut self,
         name: Token<'a>,
@@ -450,7 +449,7 @@ fn body_of<'a>(of: &Macro<'a>, name: Token<'a>) -> Vec<Token<'a>> {
         .collect()
 }
 
-/// A token produced by a macro, at the place of the macro's name.
+/// A token produced by a macro, at the position of the macro's name.
 fn made<'a>(token: Token<'a>, name: Token<'a>) -> Token<'a> {
     Token {
         space: " ",

@@ -1,4 +1,4 @@
-//! Texts that are read, and texts that are refused.
+//! Accepted and rejected texts.
 
 use super::*;
 
@@ -8,8 +8,8 @@ fn refusal(text: &str) -> (Option<u32>, String) {
     read(text).expect_err(&text[..text.len().min(200)])
 }
 
-/// Protects the counts of `cost`: comments and excluded lines do not count as code, names are
-/// renamed, and the limits of users' texts do not apply.
+/// Protects the counts of `cost`: comments and excluded lines do not count as code, names are renamed, and the limits
+/// of users' texts do not apply.
 #[test]
 fn a_shader_is_reduced_to_its_code() {
     let text = "// 1: a\n#line 1 1\n#define ON 1\n#define OFF 0\n#define field user0_field\n\
@@ -28,7 +28,7 @@ fn a_shader_is_reduced_to_its_code() {
     assert!(code_lines("#if 1\nfloat a;").is_err());
 }
 
-/// Protects the renaming: every name that could clash with one of ours is found.
+/// Protects the renaming: every name that could clash with one of the program's own is found.
 #[test]
 fn the_names_of_a_text_are_found() {
     let text = "// float not(vec3 p)\n#define PI 3.14\nconst float A = PI, B[2];\n\
@@ -41,7 +41,7 @@ fn the_names_of_a_text_are_found() {
     );
 }
 
-/// Protects line numbers, and shaders from statements that they have themselves.
+/// Protects line numbers, and shaders from duplicates of their own statements.
 #[test]
 fn a_text_is_made_fit_for_a_shader_line_by_line() {
     let text = "\u{feff}#version 450\r\n  precision highp float; // all\n// caf\u{e9}\n\
@@ -58,7 +58,7 @@ fn a_text_is_made_fit_for_a_shader_line_by_line() {
     assert_eq!(read(plain).unwrap().code, plain);
 }
 
-/// Protects texts: a function of another kind is not taken for their gradient.
+/// Protects the detection of a stated gradient: a function of another kind does not count.
 #[test]
 fn a_stated_gradient_is_found() {
     for (text, is_stated) in [
@@ -126,8 +126,8 @@ fn what_is_no_field_is_told() {
     }
 }
 
-/// Protects the shader around a field from forbidden content: it is reported by name and line,
-/// also in macros and continued lines.
+/// Protects the shader around a field from forbidden content: it is reported by name and line, also in macros and
+/// continued lines.
 #[test]
 fn what_a_field_cannot_have_is_refused_by_name() {
     let bad = [
@@ -293,8 +293,7 @@ fn with_body(body: &str) -> String {
     format!("float field(vec3 p) {{\n float a = 0.0; int i = 0;\n{body}\n return p.x; }}")
 }
 
-/// An infinite loop is rejected: a renderer would end it at an arbitrary iteration, without an
-/// error.
+/// An infinite loop is rejected: a renderer would end it after an arbitrary number of iterations, without an error.
 #[test]
 fn a_loop_without_an_end_is_refused_with_its_line() {
     for body in [
@@ -337,8 +336,7 @@ fn a_loop_that_can_be_left_is_taken() {
     }
 }
 
-/// Protects the one exception to renaming: no name in the program's own shaders looks like a
-/// selection of components.
+/// Protects the only exception to renaming: no name in the program's own shaders looks like a selection of components.
 #[test]
 fn selections_and_names_are_told_apart() {
     for word in ["x", "xyz", "rgba", "stp", "p", "aaaa"] {

@@ -2,8 +2,8 @@
 
 use super::Refusal;
 
-/// Maximum length of a name or a number. GLSL ES 3.00 has a limit of 1024 for names, and the prefix
-/// with which the program renames them has at most 16 characters.
+/// Maximum length of a name or a number. GLSL ES 3.00 limits names to 1024 characters, and the program's prefix for
+/// renamed names has at most 16.
 const LONGEST_WORD: usize = 1024 - 16;
 
 /// Symbols of several characters, longer ones first.
@@ -46,10 +46,10 @@ impl Token<'_> {
     }
 }
 
-/// The text in ASCII, as GLSL is, with `\n` at the end of lines, and without continued lines: their
-/// breaks are moved to the end of the joined line, so that later lines keep their numbers.
+/// The text in ASCII, as GLSL requires, with `\n` at the end of lines, and without continued lines: their breaks are
+/// moved to the end of the joined line, so that later lines keep their numbers.
 ///
-/// Other characters, which people write in comments, become question marks.
+/// Other characters, which occur in comments, become question marks.
 pub fn clean(text: &str) -> String {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut out = String::with_capacity(text.len());
@@ -80,7 +80,7 @@ fn end_line(out: &mut String, owed: &mut usize) {
     out.extend(std::iter::repeat_n('\n', 1 + std::mem::take(owed)));
 }
 
-/// The tokens of a clean text, and the space after the last.
+/// The tokens of a clean text, and the space after the last token.
 pub fn tokens(text: &str) -> Result<(Vec<Token<'_>>, &str), Refusal> {
     let mut all = Vec::new();
     let (mut at, mut line) = (0, 1);
@@ -105,7 +105,7 @@ pub fn tokens(text: &str) -> Result<(Vec<Token<'_>>, &str), Refusal> {
     }
 }
 
-/// The end of the blanks and comments, and whether a line begins in them.
+/// The end of the blanks and comments, and whether they contain the beginning of a line.
 fn space_end(
     text: &str,
     mut at: usize,
@@ -163,7 +163,7 @@ fn word_length(bytes: &[u8]) -> usize {
     bytes.iter().take_while(is_of_it).count()
 }
 
-/// Length as the preprocessor defines it: with a sign after the `e` of an exponent.
+/// Length of a number by the preprocessor's definition: including a sign after the `e` of an exponent.
 fn number_length(bytes: &[u8]) -> usize {
     let is_hex = bytes.len() > 1 && bytes[0] == b'0' && bytes[1].eq_ignore_ascii_case(&b'x');
     let mut length = 1;

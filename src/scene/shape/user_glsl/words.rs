@@ -1,28 +1,28 @@
-//! Words of GLSL that a field may use, and that it may not; new names for globals.
+//! The words of GLSL that a field may and may not use, and new names for globals.
 //!
-//! Names are renamed by macros, which would rename the `.s` of a vector too. So a global that looks like a selection of
-//! components, as `float s(float x)`, gets another name in the text itself: two fields with an `s` do not clash then.
+//! Names are renamed by macros, which would also rename the `.s` of a vector. So a global that looks like a selection
+//! of components, such as `float s(float x)`, gets another name in the text itself: two fields with an `s` then do not
+//! clash.
 
 use super::tokens::Token;
 use std::collections::{HashMap, HashSet};
 use std::sync::LazyLock;
 
-/// Types that GLSL 3.30 and GLSL ES 3.00 share and that a function of one point can use.
+/// Types common to GLSL 3.30 and GLSL ES 3.00 that a function of one point can use.
 const TYPES: &str = "
     void bool int uint float vec2 vec3 vec4 bvec2 bvec3 bvec4 ivec2 ivec3 ivec4 uvec2 uvec3
     uvec4 mat2 mat3 mat4 mat2x2 mat2x3 mat2x4 mat3x2 mat3x3 mat3x4 mat4x2 mat4x3 mat4x4";
 
-/// Other such words of both languages: qualifiers, and words of statements.
+/// Other usable words common to both languages: qualifiers, and words of statements.
 const WORDS: &str = "
     struct const in out inout highp mediump lowp precision if else for while do switch case
     default break continue return true false";
 
-/// Functions that both languages have and that a function of one point can use: a text can call
-/// them, but cannot declare them again. In GLSL 3.30 a declaration replaces the function for the
-/// whole shader, in GLSL ES 3.00 it is an error.
+/// Functions common to both languages that a function of one point can use: a text can call them, but cannot declare
+/// them again. In GLSL 3.30 a declaration replaces the function for the whole shader, in GLSL ES 3.00 it is an error.
 ///
-/// All other functions of either language are names that a text may use for its own: they are then
-/// renamed, like everything that it declares.
+/// All other functions of either language are names that a text may declare: they are then renamed, like all its
+/// declarations.
 const FUNCTIONS: &str = "
     radians degrees sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh pow exp log exp2
     log2 sqrt inversesqrt abs sign floor trunc round roundEven ceil fract mod modf min max clamp
@@ -36,19 +36,19 @@ const GIVEN: &str = "
     uniform varying attribute layout buffer shared centroid flat smooth noperspective invariant
     patch sample subroutine coherent volatile restrict readonly writeonly";
 
-/// Words that read or do something other than evaluating the field's own point.
+/// Words for reading or doing something other than evaluating the field's own point.
 const BEYOND: &str = "
     dFdx dFdy fwidth texture texelFetch texture2D textureLod textureSize textureOffset
     textureProj textureGrad";
 
-/// Words that either language reserves for later. Texts with them do not compile anywhere.
+/// Words that either language reserves for future use. Texts with them do not compile anywhere.
 const RESERVED: &str = "
     active asm atomic_uint cast class common double dvec2 dvec3 dvec4 enum extern external
     filter fixed fvec2 fvec3 fvec4 goto half hvec2 hvec3 hvec4 inline input interface long
     namespace noinline output packed partition public resource row_major short sizeof static
     superp template this typedef union unsigned using";
 
-/// What a word of GLSL is.
+/// The class of a word of GLSL.
 #[derive(Clone, Copy, PartialEq)]
 enum Class {
     Type,
@@ -94,7 +94,7 @@ pub fn is_type(word: &str) -> bool {
     is_of(Class::Type, word)
 }
 
-/// Whether a word belongs to the language, and so cannot be a name.
+/// Whether a word belongs to the language, so that it cannot be a name.
 pub fn is_language(word: &str) -> bool {
     is_of(Class::Word, word) || is_type(word)
 }
@@ -104,7 +104,7 @@ pub fn is_function(word: &str) -> bool {
     is_of(Class::Function, word)
 }
 
-/// The reason why a text cannot define or undefine a macro of this name, if there is one.
+/// The reason why a text cannot define or undefine a macro of this name, if any.
 pub fn macro_refusal(word: &str) -> Option<String> {
     let is_of_compiler = word.starts_with("GL_") || MACROS.contains(&word);
     is_of_compiler.then(|| {
@@ -118,7 +118,7 @@ pub fn is_selection(word: &str) -> bool {
     word.len() <= 4 && SELECTIONS.iter().any(is_of)
 }
 
-/// The reason why a field cannot contain a word, if there is one.
+/// The reason why a field cannot contain a word, if any.
 pub fn refusal(word: &str) -> Option<String> {
     if is_of(Class::Given, word) || is_opaque(word) {
         return Some(format!(
@@ -151,8 +151,8 @@ pub fn refusal(word: &str) -> Option<String> {
     (word == "defined").then(|| "'defined' belongs to the preprocessor".to_owned())
 }
 
-/// Whether a word begins with a prefix of renamed names: `user0_`, `users0_`. A macro that renames
-/// it would rename others again.
+/// Whether a word begins with a prefix of renamed names: `user0_`, `users0_`. The macros that rename names could then
+/// collide.
 fn is_of_renaming(word: &str) -> bool {
     let Some(after) = word.strip_prefix("user") else {
         return false;
@@ -179,15 +179,15 @@ fn is_opaque(word: &str) -> bool {
     rests.any(is_dimension)
 }
 
-/// The words of a text as they are written out: most are unchanged.
+/// The words of a text with their new names; most words are unchanged.
 pub struct Renamed<'a> {
-    /// The new names of tokens that have one, by position.
+    /// The new names of renamed tokens, by position.
     of: HashMap<usize, String>,
     tokens: &'a [Token<'a>],
 }
 
 impl<'a> Renamed<'a> {
-    /// The names of a text whose globals are at these positions.
+    /// Chooses new names for a text with globals at these positions.
     pub fn new(tokens: &'a [Token<'a>], globals: &[usize]) -> Renamed<'a> {
         let selections = globals.iter().map(|place| tokens[*place].text);
         let wanted: HashSet<&str> = selections.filter(|word| is_selection(word)).collect();
@@ -206,7 +206,7 @@ impl<'a> Renamed<'a> {
         Renamed { of, tokens }
     }
 
-    /// The token at this position as it is written out.
+    /// The output text of the token at this position.
     pub fn text(&self, place: usize) -> &str {
         self.of
             .get(&place)
@@ -214,8 +214,8 @@ impl<'a> Renamed<'a> {
     }
 }
 
-/// Finds a new name for each: one with a number, which the text does not contain and which does not
-/// select components.
+/// Finds a new name for each wanted name: the name with a number, such that the text does not contain it and it does
+/// not select components.
 fn new_names<'a>(tokens: &[Token<'a>], wanted: HashSet<&'a str>) -> HashMap<&'a str, String> {
     let known: HashSet<&str> = tokens.iter().map(|token| token.text).collect();
     let new = |word: &'a str| {
@@ -226,10 +226,10 @@ fn new_names<'a>(tokens: &[Token<'a>], wanted: HashSet<&'a str>) -> HashMap<&'a 
     wanted.into_iter().filter_map(new).collect()
 }
 
-/// Finds the declarations of structure members.
+/// Detects the declarations of structure members.
 #[derive(Default)]
 struct Members {
-    /// Whether a `struct` was read and its `{` was not.
+    /// Whether a `struct` was read but not yet its `{`.
     begins: bool,
     is_inside: bool,
     /// Whether the next word is a member's type.
@@ -238,7 +238,7 @@ struct Members {
 }
 
 impl Members {
-    /// Whether the next token declares the name of a member.
+    /// Whether the token declares the name of a member.
     fn is_declared_by(&mut self, token: &Token) -> bool {
         match token.text {
             "struct" => self.begins = true,
