@@ -214,7 +214,7 @@ mod tests {
         assert_eq!(quantiles(some_infinite, [0.5, 1.0]), [2.0, f64::INFINITY]);
     }
 
-    /// Protects the mean without values from being a number.
+    /// Protects means without values: they are `None`, not a number.
     #[test]
     fn the_mean_of_nothing_is_none() {
         assert_eq!(mean([]), None);

@@ -188,7 +188,7 @@ mod tests {
         )
     }
 
-    /// Protects lengths and orders along one axis, where they can be counted.
+    /// Protects lengths and orders along one axis, where they can be worked out by hand.
     #[test]
     fn a_wave_straight_at_a_wall_comes_back() {
         let images = ShoeboxImages::new(&scene(Vec3::X * -2.0)).expect("a shoebox");

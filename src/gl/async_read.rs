@@ -161,7 +161,7 @@ impl AsyncRead {
                 self.context.check_not_lost()?;
                 Ok(ControlFlow::Break(floats))
             }
-            // Slow or lost: only the driver can tell.
+            // Slow or lost: the driver's reset status decides.
             glow::TIMEOUT_EXPIRED => match self.context.check_not_lost() {
                 Ok(()) => Ok(ControlFlow::Continue(())),
                 Err(lost) => {

@@ -47,7 +47,7 @@ pub(super) trait Backend {
     /// Address of a GL function, or null if the library lacks it.
     fn proc_address(&self, name: &CStr) -> *const c_void;
 
-    /// Who made the context, and who makes it current.
+    /// The maker of the context: echomarch or the caller, and the one responsible for making it current.
     #[cfg_attr(target_arch = "wasm32", expect(dead_code))]
     fn owner(&self) -> Owner {
         Owner::Echomarch
@@ -150,7 +150,7 @@ where
 pub(super) struct Place;
 
 #[cfg(any(windows, target_os = "macos"))]
-/// Returns the one place.
+/// Returns the only device.
 ///
 /// # Errors
 /// None.

@@ -114,7 +114,7 @@ pub(super) fn enter(context: &Rc<dyn Backend>) -> Result<Entered, String> {
         }
         Owner::Caller | Owner::KeptCurrentByCaller => (None, Then::StaysCallers),
     };
-    // If the context cannot be made current, dropping this restores the previous one.
+    // If the context cannot be made current, dropping `entered` restores the previous context.
     let entered = Entered { foreign, then };
     make(context)?;
     Ok(entered)

@@ -8,7 +8,7 @@ use super::{Context, GpuError};
 
 /// A render target of red, green, blue and opacity with eight bits each, for pictures.
 ///
-/// Dropping it frees it.
+/// Dropping the picture frees it.
 #[derive(Debug)]
 pub struct Picture {
     context: Context,

@@ -9,7 +9,7 @@ use super::{Context, GpuError};
 
 /// A texture of four 32-bit floats per texel (RGBA32F), read without filtering and clamped to its edge.
 ///
-/// Dropping it frees it.
+/// Dropping the texture frees it.
 #[derive(Debug)]
 pub struct Texture {
     context: Context,

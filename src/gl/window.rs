@@ -1,6 +1,7 @@
 //! The context of a window: through EGL on X11 and Wayland, WGL on Windows, CGL on macOS.
 //!
-//! It supports everything that a [`Context`] without a window does: the tracer and the window's drawing share it.
+//! It supports everything that a [`Context`] without a window does: the tracer and the window's drawing share the
+//! context.
 
 use std::any::Any;
 use std::ffi::{CStr, c_void};

@@ -7,7 +7,7 @@ use realfft::RealFftPlanner;
 use realfft::num_complex::Complex;
 use std::f64::consts::TAU;
 
-/// Radius of the head in metres, and speed of sound in metres a second.
+/// Radius of the head in metres, and speed of sound in metres per second.
 pub(crate) const RADIUS_M: f64 = 0.0875;
 pub(crate) const SPEED: f64 = 343.0;
 

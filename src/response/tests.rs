@@ -181,7 +181,7 @@ const ABSORPTION: Bands = [0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.7];
 /// and consists of a few echoes of the highest orders, which random waves seldom find.
 const WORST_CLARITY_DB: f64 = 20.0;
 
-/// Maximum stated error of a time that must be within 3 % of the truth: a third of that.
+/// Maximum stated error of a time that must be within 3 % of the truth: a third of 3 %.
 const SURE: f64 = 0.01;
 
 /// Generates uniform numbers from a seed.

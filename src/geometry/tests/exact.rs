@@ -246,7 +246,7 @@ fn the_first_surface_is_nearer_than_asked() {
     assert_eq!(along.map(|hit| hit.t), Some(2.0));
 }
 
-/// Protects the bounds of boxes on the ground: a line that starts in the ground meets no side below the box.
+/// Protects the bounds of boxes on the ground: a line that starts in the ground hits no side below the box.
 #[test]
 fn a_box_does_not_go_on_below_its_covered_face() {
     let size = Vec3::splat(2.0);

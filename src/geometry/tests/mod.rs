@@ -344,7 +344,7 @@ fn as_field(shape: &Shape) -> Shape {
 }
 
 /// Protects marched references: a shape is hit at the same points in closed form and by marching, wherever it is in the
-/// scene. So no march ends before its hit, and none passes a nearer surface.
+/// scene. So no march ends before its hit, and none passes through a nearer surface.
 #[test]
 fn marched_shapes_are_met_as_those_in_closed_form() {
     const FLIGHTS: u32 = 3;

@@ -192,7 +192,7 @@ fn draw(seed: u64, waves: usize, only: Option<usize>) -> Echogram {
     echogram
 }
 
-/// Energies with the value in the lowest band only: the other bands have no figures, and take no time.
+/// Energies that are 0 except in the lowest band: the other bands have no figures, and cost no time.
 fn lowest(energy: f64) -> Bands {
     std::array::from_fn(|band| if band == 0 { energy } else { 0.0 })
 }

@@ -86,7 +86,7 @@ impl HeightImage {
         })
     }
 
-    /// Reads a PNG file with 8 or 16 bits, in grey or in colour, in which case the heights are the luma.
+    /// Reads a PNG file with 8 or 16 bits, grey or coloured; the heights of a coloured image are its luma.
     ///
     /// # Errors
     /// [`SceneError::BadHeightImage`] with the file if it cannot be read or is too large: more than 32 MiB, or more than

@@ -11,7 +11,7 @@ part! {
     /// A hyperboloid about y. One sheet: x² + z² < waist² (1 + y²/rise²), a solid with a waist. Two sheets: y² > rise²
     /// (1 + (x² + z²)/waist²), two solid bowls.
     Hyperboloid {
-        /// Radius at the waist, in metres; for two sheets, that of the hyperbola's box.
+        /// Radius at the waist, in metres; for two sheets, the half width of the hyperbola's box.
         waist: f32 as Length,
         /// Height in metres over which the asymptotic cone is as wide as the waist.
         rise: f32 as Length,

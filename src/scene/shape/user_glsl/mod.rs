@@ -190,9 +190,7 @@ fn check(tokens: &[Token]) -> Result<Declared, Refusal> {
             _ => (),
         }
         if open.len() > DEEPEST {
-            return told(format!(
-                "there are more than {DEEPEST} brackets in each other"
-            ));
+            return told(format!("brackets are nested more than {DEEPEST} deep"));
         }
         if let Some(length) = array_length(&tokens[index..]).filter(|l| *l > LONGEST_ARRAY) {
             return told(format!(

@@ -98,7 +98,7 @@ impl<'a> Preprocessor<'a> {
 
     fn begin(&mut self, line: u32, name: &str, rest: &[Token<'a>]) -> Result<(), Refusal> {
         if self.conditions.len() == DEEPEST_CONDITION {
-            let why = format!("there are more than {DEEPEST_CONDITION} #if within each other");
+            let why = format!("#if is nested more than {DEEPEST_CONDITION} deep");
             return Err((Some(line), why));
         }
         let outer = self.is_on();
@@ -156,7 +156,7 @@ impl<'a> Preprocessor<'a> {
             let (name, length) = match after {
                 [open, name, close, ..] if open.is("(") && close.is(")") => (name, 3),
                 [name, ..] if name.is_word() => (name, 1),
-                _ => return Err((Some(line), "'defined' wants a name".to_owned())),
+                _ => return Err((Some(line), "'defined' needs a name".to_owned())),
             };
             let is_defined = self.expander.is_defined(name.text);
             known.push(number(*first, if is_defined { "1" } else { "0" }));
@@ -240,7 +240,7 @@ impl<'a> Expander<'a> {
             kinds: rest.iter().map(|token| token.kind).collect(),
         };
         match self.macros.insert(name.text, new.clone()) {
-            Some(old) if old != new => Err(format!("'{}' is a macro already", name.text)),
+            Some(old) if old != new => Err(format!("'{}' is already a macro", name.text)),
             _ => Ok(()),
         }
     }
@@ -261,7 +261,10 @@ impl<'a> Expander<'a> {
         if self.steps <= self.most_tokens.saturating_mul(STEPS_A_TOKEN) {
             return Ok(());
         }
-        Err((Some(line), "its macros expand to too much".to_owned()))
+        Err((
+            Some(line),
+            "its macros expand to too many tokens".to_owned(),
+        ))
     }
 
     /// Expands the macros of some tokens.
@@ -342,7 +345,7 @@ impl<'a> Expander<'a> {
             )));
         }
         if depth == DEEPEST_CALL {
-            return Err(told("is called within too many calls"));
+            return Err(told("has calls that are nested too deeply"));
         }
         let mut expanded = HashMap::new();
         for (parameter, tokens) in parameters.iter().zip(given) {

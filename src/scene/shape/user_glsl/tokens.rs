@@ -202,7 +202,7 @@ pub fn condition(tokens: &[Token]) -> Result<i64, String> {
     let value = parser.binary(0)?;
     match parser.tokens.first() {
         None => Ok(value),
-        Some(token) => Err(format!("'{}' is one too many", token.text)),
+        Some(token) => Err(format!("unexpected '{}'", token.text)),
     }
 }
 
@@ -256,7 +256,7 @@ impl<'a> Parser<'a, '_> {
             text if token.kind == Kind::Number => {
                 whole(text).ok_or_else(|| format!("{text} is not a whole number"))?
             }
-            text => return Err(format!("'{text}' cannot stand there")),
+            text => return Err(format!("'{text}' is not allowed there")),
         };
         self.depth -= 1;
         Ok(value)

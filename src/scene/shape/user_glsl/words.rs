@@ -145,7 +145,7 @@ pub fn refusal(word: &str) -> Option<String> {
     }
     if is_of_renaming(word) {
         return Some(format!(
-            "'{word}' begins as the names that the program gives: choose another name"
+            "'{word}' begins like names that the program generates: choose another name"
         ));
     }
     (word == "defined").then(|| "'defined' belongs to the preprocessor".to_owned())
