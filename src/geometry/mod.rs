@@ -8,9 +8,10 @@
 //!
 //! - [`ExactScene`] solves each flight in closed form in `f64`: a line against a plane, the slabs
 //!   of a box (Kay & Kajiya 1986), a sphere or a cylinder (the discriminant from the line's
-//! distance to the centre, which does not cancel: Haines et al., *Ray Tracing Gems*, 2019, chapter 7). None of these is
-//! marched, so they need neither a minimum distance nor a start offset. A field is marched: by plain steps of its value
-//! divided by its Lipschitz constant, down to 10⁻¹² of its extent, and no farther than the nearest hit in closed form.
+//!   distance to the centre, which does not cancel: Haines et al., *Ray Tracing Gems*, 2019,
+//!   chapter 7). None of these is marched, so they need neither a minimum distance nor a start
+//!   offset. A field is marched: by plain steps of its value divided by its Lipschitz constant,
+//!   down to 10⁻¹² of its extent, and no farther than the nearest hit in closed form.
 //! - `ShoeboxImages` supports only an empty rectangular room and mirrors the listener instead of
 //!   the wave (Allen & Berkley, *Image method for efficiently simulating small-room acoustics*,
 //!   JASA 65, 1979): in the unfolded room the wave is one straight line. It shares no code with

@@ -145,7 +145,6 @@ impl ShoeboxEnergies {
     /// The energies of all images within `length_m` metres except those of up to `without_order` reflections, in cells
     /// of `cell_m` metres. Takes a few nanoseconds per image on each core; 64 bytes per cell, and 16 times that during
     /// the sum.
-    /// bytes a cell, 16 times that while it runs.
     ///
     /// # Errors
     /// [`TraceError::BadSetting`] for a length that is not finite, cells that are not above 0, more than a million

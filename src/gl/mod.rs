@@ -19,6 +19,7 @@
 //! with it can be sent to another thread. Everything made with a context holds a reference to it, so drop order does
 //! not matter. Several contexts, also of different [`Api`]s, may be used in turn on one thread: every operation makes
 //! its own context current first.
+//!
 //! # Cost
 //! Making the current context current again costs one query to its library. Switching between contexts flushes the
 //! previous context. Making a context takes some milliseconds with Mesa's llvmpipe. Reading texels back waits for all

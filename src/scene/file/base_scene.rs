@@ -304,7 +304,6 @@ impl BasedScene {
     /// Starts a file in `folder` based on the scene of `origin`, which is a built-in scene's name or a file. If that
     /// file itself has a base, its base is used together with all its changes, so that files made from each other do
     /// not form a chain.
-    /// made from each other do not form a chain.
     ///
     /// # Errors
     /// [`SceneError::Unreadable`]; [`SceneError::NoBase`] for a path that a scene file cannot state.
