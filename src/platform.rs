@@ -1,4 +1,4 @@
-//! Abilities of the platform: a native program has files and may wait, a page in a browser has neither files nor
+//! Abilities of the platform: a native program can use files and block; a page in a browser can do neither.
 //! waiting.
 //!
 //! All differences in a browser (`wasm32-unknown-unknown`) depend on these constants, and on the modules that `gl`
