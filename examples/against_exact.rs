@@ -1,4 +1,4 @@
-//! The thesis' algorithm against closed-form tracing of the same waves:
+//! Compares the thesis' algorithm with closed-form tracing of the same waves:
 //!
 //! ```sh
 //! cargo run --release --example against_exact [WAVES]
@@ -31,13 +31,13 @@ fn main() -> Result<(), Box<dyn Error>> {
                 .with_iterations(iterations);
             let (frame, marched) = tracer.frame_with_waves(&scene, &settings)?;
 
-            // The start directions of the GPU, in f64 from here on.
+            // The start directions of the GPU, followed in f64.
             let starts: Vec<Vec3> = marched.iter().map(|wave| wave.start_direction).collect();
             let source = scene.sources[0].position.as_dvec3();
             let exact = exact_scene.trace_all(source, &starts, iterations);
             let heard = exact.iter().filter(|wave| wave.status == 0).count();
 
-            // Ends of the waves that have not died (no wave escapes from a closed room).
+            // The ends of the waves that are not dead (no wave escapes from a closed room).
             let offs: Vec<f64> = marched
                 .iter()
                 .zip(&exact)

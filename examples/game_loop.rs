@@ -1,5 +1,5 @@
-//! A game's loop: each picture begins or continues a frame of waves, and never waits for it; the result
-//! sets the gains of one voice of the game's own audio engine.
+//! A game loop: for each picture the game begins or continues a frame of waves, and never waits for the frame. The
+//! result sets the gains of one voice of the game's own audio engine.
 //!
 //! ```sh
 //! cargo run --release --example game_loop
@@ -10,7 +10,7 @@ use echomarch::gl::{Context, ContextOptions};
 use echomarch::{Error, Scene, Settings, Tracer};
 use std::time::{Duration, Instant};
 
-/// Duration of one picture at 60 a second.
+/// Duration of one picture at 60 pictures per second.
 const PICTURE: Duration = Duration::from_micros(16_667);
 
 /// Milliseconds of each picture spent on the waves.
@@ -19,7 +19,7 @@ const WAVES_MS: f64 = 4.0;
 /// Metres that the source moves per picture.
 const STEP_M: f32 = 0.05;
 
-/// Stands for the voice of an audio engine, which glides to the given gains.
+/// A placeholder for the voice of an audio engine, which glides to the given gains.
 #[derive(Default)]
 struct Voice {
     gains: Gains,

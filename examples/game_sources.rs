@@ -1,5 +1,5 @@
-//! A game's loop with two sources and a wall between them: each is traced at intervals, and its own sound
-//! is played through its response, into slices for the game's audio engine.
+//! A game loop with two sources and a wall between them: each source is traced at intervals, and its sound is played
+//! through its response, into slices for the game's audio engine.
 //!
 //! ```sh
 //! cargo run --release --example game_sources [FILE.wav]
@@ -35,7 +35,7 @@ const HALL: &str = r#"Scene(
     listener: Listener(position: (-3, 0, 3), radius: 0.3),
 )"#;
 
-/// A source's sound, and the ears that play it.
+/// A source's sound, and the auralisation that plays it.
 struct Playing {
     sound: Sound,
     ears: Auralisation,

@@ -1,4 +1,4 @@
-//! A built-in scene to one panning value, without a window:
+//! Computes one panning value for a built-in scene, without a window:
 //!
 //! ```sh
 //! cargo run --release --example headless

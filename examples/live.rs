@@ -1,4 +1,4 @@
-//! A sound that moves from left to right, through the sound card:
+//! Plays a sound that moves from left to right, through the sound card:
 //!
 //! ```sh
 //! cargo run --release --example live -- --sound speech --seconds 10
@@ -54,7 +54,7 @@ fn play(arguments: Arguments) -> Result<(), Failure> {
             break;
         }
         let along = place(time / arguments.seconds, arguments.steps);
-        // As from a tracer: the sums of the left and of the right.
+        // The sums of left and right, as a tracer would return them.
         live.set_panning(1.0 - along, along);
         if time >= next_line {
             next_line += 0.25;
@@ -104,7 +104,7 @@ fn print_line(live: &Live, time: f64, along: f64) {
     );
 }
 
-/// Returns `None` if there is nothing left to do.
+/// Returns `None` if the program has nothing to play, as after `--help`.
 fn read_arguments() -> Result<Option<Arguments>, Failure> {
     let mut arguments = Arguments {
         sound: "speech".to_owned(),

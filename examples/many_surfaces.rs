@@ -1,5 +1,5 @@
-//! Cost of a hall with many pillars: time per wave and iteration by the number of pillars, and the time that
-//! moving one of them adds to a frame.
+//! Measures the cost of a hall with many pillars: the time per wave and iteration for each number of pillars, and the
+//! time that moving one pillar adds to a frame.
 //!
 //! ```sh
 //! cargo run --release --example many_surfaces
@@ -15,7 +15,7 @@ use std::time::Instant;
 /// Metres between neighbouring pillars.
 const SPACING: f32 = 4.0;
 
-/// Number of frames per median: with many waves, and with hardly any.
+/// Numbers of frames per median: with many waves, and with few waves.
 const FRAMES: usize = 9;
 const SMALL_FRAMES: usize = 101;
 
@@ -55,13 +55,13 @@ fn main() -> Result<(), Error> {
     Ok(())
 }
 
-/// Milliseconds of the march in a frame.
+/// Duration of the march in a frame, in milliseconds.
 fn march(tracer: &mut Tracer, scene: &Scene, settings: &Settings) -> Result<f64, Error> {
     let frames = (0..FRAMES).map(|_| Ok(tracer.frame(scene, settings)?.milliseconds.march));
     Ok(median(frames.collect::<Result<Vec<f64>, Error>>()?))
 }
 
-/// Milliseconds of a whole frame without a move, and after a pillar has moved, in turns.
+/// Durations of a whole frame without a move and after a pillar has moved, measured in turns, in milliseconds.
 fn still_and_moving(
     tracer: &mut Tracer,
     scene: &Scene,
@@ -78,7 +78,7 @@ fn still_and_moving(
     Ok((median(still), median(moving)))
 }
 
-/// Milliseconds that a caller waits for a frame.
+/// Time that a caller waits for a frame, in milliseconds.
 fn whole(tracer: &mut Tracer, scene: &Scene, settings: &Settings) -> Result<f64, Error> {
     let began = Instant::now();
     tracer.frame(scene, settings)?;

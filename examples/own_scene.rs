@@ -1,5 +1,5 @@
-//! A scene written in Rust whose parts move from frame to frame. Its three programs (start,
-//! march, pan) are compiled once:
+//! A scene written in Rust whose parts move from frame to frame. Its three shader programs (start, march, pan) are
+//! compiled only once:
 //!
 //! ```sh
 //! cargo run --release --example own_scene
@@ -26,7 +26,7 @@ fn main() -> Result<(), Error> {
             Surface::new(Node::Room(Room {
                 size: Vec3::new(16.0, 6.0, 16.0),
             })),
-            // It will turn later, although it has no rotation now.
+            // The door will turn later, although it has no rotation now.
             door.named("door").turning(),
             Surface::new(Node::Cylinder(Cylinder { radius: 0.6 })).at(Vec3::new(4.0, 0.0, -2.0)),
         ],
@@ -53,7 +53,7 @@ fn main() -> Result<(), Error> {
         );
     }
 
-    // One more surface changes the structure: only this compiles again.
+    // Adding a surface changes the structure, so that the march is compiled again.
     let stone = Node::Sphere(Sphere { radius: 1.0 });
     scene
         .surfaces

@@ -1,6 +1,6 @@
-//! Figures of responses of random rectangular rooms, and their errors against image sources (docs/acoustics.md):
-//! `response_rooms WAVES ROOMS SEED LEAST MOST`. Each wall absorbs its own share of each band, LEAST to MOST, drawn
-//! evenly on a logarithmic scale.
+//! Compares figures of responses in random rectangular rooms with image sources (docs/acoustics.md):
+//! `response_rooms WAVES ROOMS SEED LEAST MOST`. Each wall absorbs a separate share of each band, from LEAST to MOST,
+//! drawn evenly on a logarithmic scale.
 
 use echomarch::bands::{BAND_COUNT, Bands};
 use echomarch::geometry::ShoeboxEnergies;
@@ -13,17 +13,17 @@ use fastrand::Rng;
 
 const SPEED: f64 = 343.0;
 
-/// Radius of the listener, and least distance of source and listener from walls, in metres.
+/// Radius of the listener, and minimum distance of source and listener from walls, in metres.
 const RADIUS: f32 = 0.3;
 const FROM_WALLS: f32 = 0.5;
 
-/// A figure, how it is compared, and its counts.
+/// A figure, the method of its comparison, and its counts.
 struct Tally {
     name: &'static str,
     of: fn(&BandFigures) -> Option<f64>,
-    /// Whether its error is relative to the truth, in per cent.
+    /// Whether the error is relative to the true value, in per cent.
     is_relative: bool,
-    /// Maximum acceptable error, in per cent or in its own unit.
+    /// Maximum acceptable error, in per cent or in the figure's unit.
     limit: f64,
     exist: u32,
     told: u32,
@@ -81,7 +81,7 @@ impl Tally {
     }
 }
 
-/// A room of 20 to 4,500 m³, its walls' absorption, and two positions in it.
+/// A room of 20 to 4,500 m³, the absorption of its walls, and two positions in the room.
 struct Case {
     size: Vec3,
     source: Vec3,

@@ -1,8 +1,8 @@
-//! Draws the pictures of `docs/scene-format.md`: one of every shape and operator, from its text in a scene
-//! file, and one of each built-in scene that shows them.
+//! Draws the pictures of `docs/scene-format.md`: one for every shape and operator, from its notation in a scene file,
+//! and one for each built-in scene that shows them.
 //!
-//! `cargo run --release --example shape_pictures` writes `docs/images/shapes/*.png`; with
-//! names after `--` only those.
+//! `cargo run --release --example shape_pictures` writes `docs/images/shapes/*.png`; with names after `--` it writes
+//! only these pictures.
 
 use echomarch::gl::{Context, ContextOptions};
 use echomarch::picture::{ViewOptions, first_person, save_png};
@@ -21,7 +21,7 @@ type Picture = (&'static str, &'static str, Eye);
 enum Eye {
     /// In front of a shape that stands on a floor.
     Outside,
-    /// The same, from further away.
+    /// In front of a shape that stands on a floor, from further away.
     Far,
     /// In the air inside a shape.
     Inside,
@@ -267,7 +267,7 @@ fn stage(shape: &str, eye: Eye) -> Result<Scene, SceneError> {
     Scene::from_ron(&text, shape)
 }
 
-/// Hills of a few waves, 65 x 65 heights.
+/// Hills that are a sum of a few sine waves, 65 x 65 heights.
 fn hills() -> HeightImage {
     const SIDE: u32 = 65;
     let heights = (0..SIDE * SIDE).map(|index| {

@@ -1,20 +1,19 @@
 #!/usr/bin/env bash
-# Builds apps/page, a page that walks through a scene and plays it, to static files for any web
-# server.
+# Builds apps/page, the page for walking through a scene and hearing it, as static files for any web server.
 set -euo pipefail
 
 usage() {
     cat <<'END'
 usage: scripts/browser.sh [-o DIR] [--serve [PORT]] [--check-size | --update-size]
 
-Builds the page to DIR (target/page): a new or empty folder, or one that this script has made. --serve
-then serves it at http://localhost:PORT/ (8000) with python3 until interrupted.
+Builds the page in DIR (default target/page), which must be new, empty, or made by this script. --serve then
+serves the page at http://localhost:PORT/ (default 8000) with python3 until interrupted.
 
-  --check-size   fails if the size in docs/browser.md, in tenths of a megabyte, is not that of the build
-  --update-size  updates that size
+  --check-size   fails if docs/browser.md does not state the size of this build, in tenths of a megabyte
+  --update-size  updates the size in docs/browser.md
 
-If the installed Rust lacks wasm32-unknown-unknown, rustup adds it; if that is not possible, Debian's
-compiler for browsers is unpacked beneath target/tools and used for the page alone.
+If the installed Rust lacks the target wasm32-unknown-unknown, rustup adds it. If that is not possible,
+Debian's compiler for browsers is unpacked in target/tools and used only for the page.
 END
 }
 
@@ -55,13 +54,13 @@ source scripts/lib.sh
 
 readonly WASM=wasm32-unknown-unknown
 readonly MANIFEST=apps/page/Cargo.toml
-# Separate from the program's build: other features and, with Debian's compiler, another compiler.
+# Separate from the program's build, because the features and possibly the compiler differ.
 readonly BUILT=target/browser
 readonly DEBIAN=target/tools/rustc-web
 readonly DEBIAN_PACKAGES=(rustc-web libstd-rust-web-dev rust-web-src)
 # In a folder made by this script: lists the files that it has written, one per line.
 readonly MARKER=.echomarch-page
-# States the size of the wasm.
+# The document that states the size of the wasm.
 readonly DOCUMENT=docs/browser.md
 out="${out:-$PWD/target/page}"
 
@@ -72,7 +71,7 @@ clean_up() {
 }
 trap clean_up EXIT
 
-# Refuses a folder with files of another origin.
+# Rejects an output folder that contains other files.
 check_out() {
     [[ -e "$out" ]] || return 0
     if [[ ! -d "$out" ]]; then
@@ -80,7 +79,7 @@ check_out() {
         exit 2
     fi
     if [[ ! -f "$out/$MARKER" && -n "$(ls -A "$out")" ]]; then
-        complain "$out holds files that this script has not made: name a new or an empty folder with -o"
+        complain "$out contains files that this script has not made: name a new or an empty folder with -o"
         exit 2
     fi
 }
@@ -104,7 +103,7 @@ unpack_debian() {
     mkdir -p "$(dirname "$DEBIAN")"
     unpacked="$(mktemp -d "$DEBIAN.XXXXXX")"
     temporary+=("$folder" "$unpacked")
-    # The libraries' packages have versions in their names: takes those that the newest compiler depends on.
+    # Package names of libraries contain versions: takes the packages that the newest compiler depends on.
     packages="$(apt-cache depends --recurse --no-recommends --no-suggests --no-conflicts --no-breaks \
         --no-replaces --no-enhances "${DEBIAN_PACKAGES[@]}" |
         grep -E '^(rustc-web|rust-web-src|libstd-rust-web.*|libllvm[0-9]+|libz3-4)$' | sort -u)"
@@ -146,12 +145,12 @@ choose_compiler() {
     local root="$PWD/$DEBIAN/usr" libraries
     libraries="$(debian_libraries)"
     cargo_wasm=(env "LD_LIBRARY_PATH=$libraries" "RUSTC=$root/bin/rustc"
-        # Builds the standard library from source too, which stable compilers only do with this variable.
+        # Also builds the standard library from source, which stable compilers only do with this variable.
         RUSTC_BOOTSTRAP=1 CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_LINKER=wasm-ld
         cargo -Zbuild-std=std,panic_abort)
 }
 
-# Puts the page, its wasm and the JavaScript that loads it in place of the files written before.
+# Replaces the files written before by the page, its wasm and the JavaScript that loads the wasm.
 assemble() {
     local parts file
     mkdir -p "$out"
@@ -172,7 +171,7 @@ assemble() {
 
 check_out
 if [[ -n "$port" ]] && ! command -v python3 >/dev/null; then
-    complain "--serve needs python3: install it, or give $out out by another web server"
+    complain "--serve needs python3: install it, or serve $out with another web server"
     exit 2
 fi
 need_cargo build
@@ -181,13 +180,13 @@ run "${cargo_wasm[@]}" build --release --locked --manifest-path "$MANIFEST" --ta
     --target-dir "$BUILT"
 assemble
 
-# The sentence of docs/browser.md with these sizes in bytes: of the wasm, and of its gzip file.
+# The sentence in docs/browser.md for the sizes of the wasm ($1) and of its gzip file ($2), in bytes.
 size_in_words() {
     awk -v whole="$1" -v small="$2" \
         'BEGIN { printf "The wasm has %.1f MB, %.1f MB with `gzip -9`", whole / 1e6, small / 1e6 }'
 }
 
-# Compares the size in docs/browser.md with the build, or rewrites it.
+# Compares the size in docs/browser.md with the build, or updates it.
 settle_size() {
     local told
     told="$(size_in_words "$1" "$2")"
@@ -197,10 +196,10 @@ settle_size() {
     case "$size" in
     update-size) sed -i -E "s/The wasm has [0-9.,]+ MB, [0-9.,]+ MB with \`gzip -9\`/$told/" "$DOCUMENT" ;;
     check-size)
-        complain "$DOCUMENT states another size than was built ($told): run scripts/browser.sh --update-size"
+        complain "$DOCUMENT does not state the size of this build ($told): run scripts/browser.sh --update-size"
         return 1
         ;;
-    *) say "$DOCUMENT states another size: correct it by scripts/browser.sh --update-size" ;;
+    *) say "$DOCUMENT does not state the size of this build: run scripts/browser.sh --update-size" ;;
     esac
 }
 

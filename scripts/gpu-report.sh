@@ -13,13 +13,13 @@ iterations and surfaces, also as a picture (.svg). A graphics card takes minutes
 renderer half an hour.
 
   --bandwidth GB/S   the card's memory bandwidth, from its data sheet
-  --arithmetic GOPS  its additions and multiplications of 32 bits, from its data sheet, in billions a
-                     second; a fused multiply-add counts as two
+  --arithmetic GOPS  the card's 32-bit additions and multiplications, from its data sheet, in billions
+                     per second; a fused multiply-add counts as two
   --growth           only time and memory against waves, iterations and surfaces
-  --sweeps NAMES     only these of those three, separated by commas
+  --sweeps NAMES     only these sweeps: waves, iterations, surfaces, separated by commas
   --profiles NAMES   only these profiles (default hybrid,march,thesis)
   --one-core         run on one core: for software renderers
-  --quick            few waves and surfaces, for a trial: its figures mean little
+  --quick            few waves and surfaces, for a trial; the figures are not reliable
   -o FILE            where to write (default docs/benchmarks/report-RENDERER.md)
 
   ECHOMARCH=PATH     the program to measure; nothing is then installed or built

@@ -7,28 +7,28 @@ readonly -a NEEDED=(
     "command:cc           gcc               links Rust programs"
     "start:crt1.o         libc6-dev         the C library to link against"
     "libEGL.so.1          libegl1           finds the graphics devices without a window"
-    "libEGL_mesa.so.0     libegl-mesa0      Mesa's share of EGL, for the renderer below"
-    "dri:swrast           libgl1-mesa-dri   the drivers, among them the software renderer llvmpipe"
+    "libEGL_mesa.so.0     libegl-mesa0      Mesa's EGL, for the renderer below"
+    "dri:swrast           libgl1-mesa-dri   the drivers, including the software renderer llvmpipe"
     "libOSMesa.so.8       libosmesa6        OpenGL in memory, without EGL (--gl osmesa)"
     "libasound.so.2       libasound2        sound cards"
     "file:/usr/include/alsa/asoundlib.h libasound2-dev linking with the sound cards' library"
-    "command:pkg-config   pkg-config        finds that library"
+    "command:pkg-config   pkg-config        finds the sound cards' library"
     "command:python3      python3           checks imports, and writes reports"
     "libX11.so.6          libx11-6          the window (echomarch demo): the display"
-    "libX11-xcb.so.1      libx11-xcb1       the window: the display, the other way"
-    "libXcursor.so.1      libxcursor1       the window: the mouse's shape"
+    "libX11-xcb.so.1      libx11-xcb1       the window: the display, through XCB"
+    "libXcursor.so.1      libxcursor1       the window: the mouse cursor"
     "libXi.so.6           libxi6            the window: the mouse's movement"
     "libxkbcommon-x11.so.0 libxkbcommon-x11-0 the window: the keyboard"
 )
 
-# Needed by the tests alone: a sound server that plays to a file, a browser, a display without a screen, and
+# Needed only by the tests: a sound server that plays to a file, a browser, a display without a screen, and
 # simulated key presses.
 # shellcheck disable=SC2034 # Used by test.sh.
 readonly -a NEEDED_TO_TEST=(
     "command:pulseaudio   pulseaudio        a sound server that needs no sound card"
-    "command:parec        pulseaudio-utils  records what it plays"
+    "command:parec        pulseaudio-utils  records the sound server's output"
     "command:chromium     chromium          fills in the localisation form"
-    "command:chromedriver chromium-driver   controls it"
+    "command:chromedriver chromium-driver   controls Chromium"
     "command:Xvfb         xvfb              a display without a screen, for the window"
     "command:xdotool      xdotool           presses the window's keys"
     "command:sox          sox               reads written WAV files"
@@ -43,7 +43,7 @@ complain() {
     printf '%s\n' "$*" >&2
 }
 
-# Prints the usage ($1) if the first option asks for it, and refuses every other option.
+# Prints the usage ($1) if the first option is -h or --help, and rejects every other option.
 take_no_options() {
     case "${2:-}" in
     "") ;;
@@ -58,7 +58,7 @@ take_no_options() {
     esac
 }
 
-# Whether the loader finds a library of that name.
+# Whether the loader finds the library $1.
 has_library() {
     local cache
     # ldconfig lives in /sbin, which is not in every user's PATH.
@@ -77,7 +77,7 @@ has_dri_driver() {
     return 1
 }
 
-# Whether Vulkan has a driver of that name.
+# Whether Vulkan has the driver $1.
 has_vulkan_driver() {
     local file
     for file in /usr/share/vulkan/icd.d/"$1"_icd*.json; do
@@ -86,7 +86,7 @@ has_vulkan_driver() {
     return 1
 }
 
-# Whether programs can be linked with the C library: its start-up code is installed.
+# Whether the C library's start-up code is installed, so that programs can be linked.
 has_start_code() {
     local file
     for file in /usr/lib/"$1" /usr/lib64/"$1" /usr/lib/*/"$1"; do
@@ -121,7 +121,7 @@ install_packages() {
         apt-get install -y --no-install-recommends "$@"
 }
 
-# Installs the missing packages that building, OpenGL without a window, and sound need, and those of the
+# Installs the missing packages that are needed to build and for OpenGL without a window and sound, and those of the
 # given lines, which have the form above.
 provide_packages() {
     local -a needed=("${NEEDED[@]}" "$@") missing=()
@@ -158,7 +158,7 @@ how_to_install_cargo() {
 # Fails unless cargo and the named cargo subcommands are installed.
 need_cargo() {
     if ! command -v cargo >/dev/null; then
-        complain "cargo is missing: install Rust 1.95 or later, as https://rustup.rs says"
+        complain "cargo is missing: install Rust 1.95 or later from https://rustup.rs"
         return 1
     fi
     local command
@@ -171,7 +171,7 @@ need_cargo() {
     cargo --version
 }
 
-# Prints a command in a form that can be pasted, then runs it.
+# Prints a command, then runs it.
 run() {
     printf '\n$ %s\n' "$*"
     "$@"
@@ -182,9 +182,9 @@ is_among() {
     [[ "$1" != *" "* && " $2 " == *" $1 "* ]]
 }
 
-# Parses the arguments of a measuring script in Python: sets `options` for it, and `program` to the program that
-# ECHOMARCH names, if any. $1 and $2: the options without and with a value, separated by spaces, besides -o FILE.
-# Then the arguments. Relative file names refer to the folder of the caller.
+# Parses the arguments of a measuring script: sets `options` to the options for its Python module, and `program` to the
+# program in ECHOMARCH, if set. $1 and $2 list the options without and with a value, separated by spaces; -o FILE is
+# always accepted. The remaining parameters are the arguments. Relative file names refer to the caller's folder.
 take_measuring_options() {
     local flags="$1" valued="$2"
     shift 2

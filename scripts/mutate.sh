@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Changes the code one statement at a time and runs the tests: a change that survives is covered by no
-# test. Run by hand; a file of shaders takes minutes to hours.
+# Mutation testing: changes the code one statement at a time and runs the tests. No test covers a change that
+# survives. Run by hand; a shader file takes minutes to hours.
 set -euo pipefail
 
 usage() {
@@ -9,11 +9,11 @@ usage: scripts/mutate.sh glsl [--every N] [FILE...]
        scripts/mutate.sh rust [ARGUMENT...]
 
   glsl   changes the shaders (all of glsl/, or the named files) by scripts/mutate/glsl.rules, and
-         runs the tests of shaders, surfaces and frames for each change; --every N tries only each
-         N-th of all changes
+         runs the tests of shaders, surfaces and frames for each change; --every N tries only every
+         N-th change
   rust   runs cargo-mutants over scene, shader, tracer and audio, with these additional arguments
 
-Surviving changes are written to target/mutate/survivors.txt (glsl), or to target/mutate/mutants.out.
+Surviving changes are written to target/mutate/survivors.txt (glsl) or target/mutate/mutants.out (rust).
 
 examples:
   scripts/mutate.sh glsl glsl/shape/cylinder.glsl
@@ -30,7 +30,7 @@ readonly WORK="$PWD/target/mutate"
 # Longer than the slowest tests take on two busy cores.
 readonly LONGEST_S=1200
 
-# The mutating program, in its own Python environment.
+# Installs the mutating program in its own Python environment.
 provide_universalmutator() {
     local environment="$WORK/python"
     if [[ ! -x "$environment/bin/mutate" ]]; then
@@ -50,8 +50,8 @@ build_tests() {
     TRACER="$WORK/build/$(grep -oE 'debug/deps/tracer-[0-9a-f]+' <<<"$built")"
 }
 
-# Whether all tests pass with the shaders in ECHOMARCH_GLSL; those that find the most run first. Tests that
-# compare the shaders' text with goldens are excluded, because they would fail at every change.
+# Whether all tests pass with the shaders in ECHOMARCH_GLSL. The tests that detect the most changes run first. Tests
+# that compare the shaders' text with goldens are excluded, because they would fail at every change.
 tests_pass() {
     local limited=(timeout "$LONGEST_S")
     "${limited[@]}" "$UNITS" tracer::tests::gpu_against_cpu &&
@@ -62,7 +62,7 @@ tests_pass() {
         "${limited[@]}" "$TRACER"
 }
 
-# Tries every N-th change of all files that falls into this file: $1 the file, $2 N.
+# Tries the changes of one file ($1). Only every $2-th change is tried, counted over all files.
 try_file() {
     local file="$1" every="$2" mutant folder
     folder="$WORK/mutants/${file//\//_}"
@@ -86,7 +86,7 @@ try_mutant() {
         survived=$((survived + 1))
         printf '%s\n%s\n\n' "$file" "$change" | tee -a "$WORK/survivors.txt"
     fi
-    say "$file: $made made, $survived survive"
+    say "$file: $made changes, $survived survive"
 }
 
 mutate_glsl() {

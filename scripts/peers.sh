@@ -6,24 +6,24 @@ usage() {
     cat <<'TEXT'
 usage: scripts/peers.sh [--rounds N] [--scenes "A B …"] [--quick] [--add] [-o FILE]
 
-Builds and runs, one after the other in each round and each on the same core:
+Builds these programs, and runs them in each round one after the other on the same core:
   closed form in C++, sphere tracing in C++ (AVX2, eight waves at a time; scripts/peers/)
   Embree 3 (Debian's libembree-dev), by packets of 16
   pyroomacoustics 0.10.1 (PyPI)
   echomarch, profiles hybrid and march, whole frames
-on the scenes A (an empty room), B (two more walls and three pillars), B16, B64, B256 and B1024 (16
-to 1024 thin pillars), and writes the results as Markdown. Peers that cannot be installed are left out.
+The scenes are A (an empty room), B (two more walls and three pillars), B16, B64, B256 and B1024 (16
+to 1024 thin pillars). Results are written as Markdown. Programs that cannot be installed are left out.
 
   --rounds N       number of rounds; results are medians over them (default 5)
   --scenes NAMES   only these scenes
-  --quick          few waves and two rounds, for a trial: its figures mean little
-  --add            keep the rounds measured before, and add to them
+  --quick          few waves and two rounds, for a trial; the figures are not reliable
+  --add            keep the rounds measured before, and add new rounds
   -o FILE          where to write (default docs/benchmarks/peers-RENDERER.md)
 
-  ECHOMARCH=PATH   the program to measure; none is then built
+  ECHOMARCH=PATH   the program to measure, instead of building it
   CXX=PATH         the compiler (default g++)
 
-The built programs and the results by round (rounds.jsonl) are in target/peers.
+The built programs and the results of each round (rounds.jsonl) are in target/peers.
 TEXT
 }
 
@@ -46,7 +46,7 @@ provide_peers() {
         "file:/usr/include/embree3/rtcore.h libembree-dev Embree, a peer"
 }
 
-# Builds a peer in C++: $1 its name, then its libraries. The others are measured even if this fails.
+# Builds a peer in C++: $1 is its name, then follow its libraries. A failure does not stop the other peers.
 build_peer() {
     local name="$1" flags=(-std=c++17 -O3 -mavx2 -mfma)
     shift

@@ -10,7 +10,7 @@ usage: scripts/public-api.sh [--update]
 
   --update  rewrites docs/public-api.txt
 
-Builds the documentation, of the library without features and with all of them, and fails on any warning.
+Builds the library's documentation without features and with all features, and fails on any warning.
 END
 }
 
@@ -36,7 +36,7 @@ readonly LISTED="docs/public-api.txt"
 readonly PAGES="${CARGO_TARGET_DIR:-target}/doc/echomarch"
 export LC_ALL=C
 
-# The parts of one item, by the anchors of its page ($1) under its path ($2).
+# Lists the parts of one item from the anchors of its page ($1), under its path ($2).
 list_parts() {
     awk -v path="$2" '
         BEGIN { RS = "<"; own = path; sub(/.*::/, "", own) }
@@ -100,7 +100,7 @@ if $update; then
     cp "$found" "$LISTED"
     say "wrote $LISTED"
 elif ! diff -u "$LISTED" "$found" >&2; then
-    complain "what the library makes public differs from $LISTED: if that is meant, run"
-    complain "scripts/public-api.sh --update, and say in CHANGELOG.md what changes for callers"
+    complain "the public items of the library differ from $LISTED: if this is intended, run"
+    complain "scripts/public-api.sh --update, and describe the change for callers in CHANGELOG.md"
     exit 1
 fi

@@ -6,18 +6,18 @@ usage() {
     cat <<'TEXT'
 usage: scripts/renderers.sh [--waves N] [--iterations N] [--with NAME=SETTINGS ...] [-o FILE]
 
-Traces scenes on this machine's first renderer, and the same scenes on others: the OpenGL ES and OSMesa
-of the same, zink, softpipe (fewer waves). Writes a Markdown table: waves with the same bits, the greatest
-distance between waves after one iteration, and the waves that end elsewhere after all of them, beside
-those that end elsewhere on the first renderer alone when the source is moved by 1 micrometre.
+Traces scenes on this machine's first renderer, and the same scenes on other renderers: OpenGL ES and OSMesa
+of the same driver, zink, and softpipe (fewer waves). Writes a Markdown table: the bit-identical waves, the
+greatest distance between waves after one iteration, and the waves that end elsewhere after all iterations,
+beside the waves that end elsewhere on the first renderer when the source is moved by 1 micrometre.
 
-  --waves N              waves a scene (default 65536)
+  --waves N              waves per scene (default 65536)
   --iterations N         iterations (default 8)
-  --with NAME=SETTINGS   one more implementation: settings are VARIABLE=VALUE words and options of
+  --with NAME=SETTINGS   one more implementation; SETTINGS are VARIABLE=VALUE words and options of
                          echomarch, such as "ANGLE=LD_LIBRARY_PATH=/opt/angle --gl gles"
   -o FILE                where to write (default: print it)
 
-  ECHOMARCH=PATH         this program, and nothing is installed or built
+  ECHOMARCH=PATH         the program to run; nothing is then installed or built
 TEXT
 }
 
@@ -28,8 +28,8 @@ take_measuring_options "" "--waves --iterations --with" "$@"
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 if [[ -z "$program" ]]; then
-    provide_packages "command:python3 python3 compares" \
-        "icd:lvp mesa-vulkan-drivers Vulkan in software, under OpenGL of another kind (zink)"
+    provide_packages "command:python3 python3 compares the waves" \
+        "icd:lvp mesa-vulkan-drivers Vulkan in software, for another OpenGL (zink)"
     build_program
 fi
 export PYTHONPATH=scripts PYTHONDONTWRITEBYTECODE=1

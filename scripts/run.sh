@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
-# Builds the program and runs it once: tables, a sound, pictures.
+# Builds the program and runs it once, to write tables, a sound and pictures.
 set -euo pipefail
 
 usage() {
     cat <<'TEXT'
 usage: scripts/run.sh [FOLDER]
 
-Installs the Debian packages that are missing, builds echomarch and writes
-into FOLDER (default: out):
-  figures.csv, .json, .svg   the thesis' four tables beside this machine's
+Installs missing Debian packages, builds echomarch, and writes into FOLDER
+(default out):
+  figures.csv, .json, .svg   the thesis' four tables beside those of this machine
   open-field.wav             a source that passes from left to right
   corner.png, obstacles.png, open-pillars.png
                              three scenes, each as its listener sees it
@@ -32,7 +32,7 @@ if (($# > 1)); then
     exit 2
 fi
 
-# The folder is relative to the caller's.
+# FOLDER is relative to the caller's folder.
 mkdir -p "${1:-out}"
 out="$(cd "${1:-out}" && pwd)"
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -52,7 +52,7 @@ for scene in corner obstacles open-pillars; do
     run "$program" view "$scene" -o "$out/$scene.png"
 done
 run "$program" slice corner -o "$out/corner-paths.png" --paths 150 --iterations 5
-# In obstacles few waves are heard: this takes more of them, and longer.
+# Few waves are heard in obstacles, so more paths and iterations are needed.
 run "$program" slice obstacles -o "$out/obstacles-paths.png" --paths 600 --iterations 16
 
 say

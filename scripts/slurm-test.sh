@@ -1,22 +1,21 @@
 #!/usr/bin/env bash
-# Runs a study on a real single-node Slurm, started in a temporary folder: an array of 16 shards of 2,000
-# points, two of whose tasks are killed midway and requeued. The joined tables must equal those of a run in
-# one process byte for byte.
+# Runs a study on a real single-node Slurm in a temporary folder, as an array of 16 shards of 2,000 points. Two of
+# the tasks are killed midway and requeued. The joined tables must be byte-identical to those of a single process.
 set -euo pipefail
 
 # shellcheck source=scripts/lib.sh
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
-take_no_options "usage: scripts/slurm-test.sh     (ECHOMARCH names a program that is built already)" "$@"
+take_no_options "usage: scripts/slurm-test.sh     (ECHOMARCH=PATH: use this program instead of building one)" "$@"
 program="${ECHOMARCH:+$(realpath "$ECHOMARCH")}"
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 # Daemons are in /usr/sbin, which is not in every user's PATH.
 export PATH="$PATH:/usr/sbin:/sbin"
 provide_packages \
-    "command:slurmctld    slurmctld         Slurm: gives tasks to nodes" \
+    "command:slurmctld    slurmctld         Slurm: assigns tasks to nodes" \
     "command:slurmd       slurmd            Slurm: a node" \
     "command:sbatch       slurm-client      Slurm: its commands" \
-    "command:munged       munge             tells Slurm's parts who they are"
+    "command:munged       munge             authenticates Slurm's parts"
 if [[ -z "$program" ]]; then
     run cargo build --release --locked -p echomarch-cli --no-default-features --features parquet
     program="$(realpath "${CARGO_TARGET_DIR:-target}")/release/echomarch"
@@ -24,7 +23,7 @@ fi
 sbatch_file="$(realpath examples/cluster/study.sbatch)"
 
 readonly SHARDS=16
-# Points of the study: 10 × 10 places, 20 seeds.
+# Points of the study: 10 × 10 places times 20 seeds.
 readonly POINTS=2000
 
 folder="$(mktemp -d)"
@@ -37,7 +36,7 @@ clean_up() {
 trap clean_up EXIT
 cd "$folder"
 
-# Waits up to ten minutes for a command to succeed: Slurm itself holds a requeued task for two.
+# Waits up to ten minutes for a command to succeed. Slurm itself holds a requeued task for two minutes.
 wait_for() {
     local what="$1" turn
     shift
@@ -45,7 +44,7 @@ wait_for() {
         "$@" >/dev/null 2>&1 && return 0
         sleep 0.1
     done
-    complain "waited in vain for $what"
+    complain "timed out waiting for $what"
     tail -n 5 ./*.log >&2 || true
     return 1
 }
@@ -128,7 +127,7 @@ has_failed() {
     scontrol show job "$1" | grep -q 'JobState=FAILED'
 }
 
-# Kills the program of a task, as a node without memory does.
+# Kills the program of a task, as happens on a node that runs out of memory.
 kill_program() {
     local id pid
     id="$(squeue -h -j "$1" -o %A)"
@@ -138,7 +137,7 @@ kill_program() {
             return 0
         fi
     done
-    complain "task $1 runs no program"
+    complain "task $1 does not run the program"
     return 1
 }
 
@@ -153,7 +152,7 @@ RON
 
 start_slurm
 sinfo --version
-# The study demands this machine's renderer.
+# The study requires this machine's renderer.
 renderer="$("$program" study study.ron --count --json --quiet |
     python3 -c 'import json, sys; print(json.load(sys.stdin)["renderer"])')"
 export ECHOMARCH="$program" ECHOMARCH_RENDERER="$renderer"
@@ -189,4 +188,4 @@ fi
 restarts="$(for task in 2 7; do scontrol show job "${job}_$task" | grep -o 'Restarts=[0-9]*'; done)"
 say "$restarts" | tr '\n' ' '
 say
-say "the tables of the array are the very bytes of one process: $(sha256sum array/study.csv)"
+say "the tables of the array are byte-identical to those of one process: $(sha256sum array/study.csv)"

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Runs the window for long under random keys and mouse moves, with its own sound server and display, and
-# prints its report: GL errors, late sound, memory, frame times.
+# Runs the window for a long time with random key presses and mouse moves, on its own display and sound server,
+# and prints the window's report: GL errors, late sound, memory, frame times.
 set -euo pipefail
 
 usage() {
@@ -26,7 +26,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/lib.sh
 for program in Xvfb xdotool pulseaudio pactl; do
     if ! is_there "command:$program"; then
-        complain "$program is missing: scripts/test.sh installs what the tests need"
+        complain "$program is missing: scripts/test.sh installs all packages that the tests need"
         exit 1
     fi
 done
@@ -94,5 +94,5 @@ if ! wait "$demo"; then
     exit 1
 fi
 
-# Omits the pans, which are most of the report and not needed.
+# Omits the pans, which make up most of the report and are not needed.
 sed '/^  "pans": \[/,/^  \]/c\  "pans": []' report.json

@@ -1,17 +1,17 @@
 #!/usr/bin/env bash
-# Runs all checks required before a change is accepted: format, lints, docs, tests, package. It needs OpenGL, but
-# not a graphics card (llvmpipe will do).
+# Runs all checks required before a change is accepted: format, lints, docs, tests, package. They need OpenGL, but no
+# graphics card: llvmpipe suffices.
 set -euo pipefail
 
 usage() {
     cat <<'END'
 usage: scripts/test.sh [--fast]
 
-Checks format, lints, documentation and package, and runs all tests, on other implementations of OpenGL and
-in a browser too. Missing Debian packages are installed.
+Checks format, lints, documentation and package, and runs all tests, some of them also on other implementations
+of OpenGL and in a browser. Missing Debian packages are installed.
 
-  --fast  only format, lints, unit tests and one integration program of the library, without the slowest of
-          them, and without other OpenGL, a display, a sound server or a browser; nothing is installed
+  --fast  only format, lints, unit tests and one integration program of the library, without the slowest
+          tests, and without other OpenGL, a display, a sound server or a browser; nothing is installed
 END
 }
 
@@ -19,11 +19,11 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 # shellcheck source=scripts/lib.sh
 source scripts/lib.sh
 
-# One set of features for lints and tests, so that each package is compiled once for either.
+# Lints and tests use the same features, so that each package is compiled only once for each.
 readonly -a EVERYTHING=(--locked --workspace --all-features)
 
-# Parts of names of tests that --fast leaves out: statistics over many draws, and waves through large scenes. Each
-# takes more than three seconds on a quiet core, all of them most of the time.
+# Parts of the names of tests that --fast skips: statistics over many draws, and waves through large scenes. Each takes
+# more than three seconds on an idle core; together they take most of the time.
 readonly -a SLOW=(
     a_known_room_has_its_figures
     closed_form_and_image_sources_agree_wave_for_wave
@@ -49,7 +49,7 @@ readonly -a SLOW=(
     waves_that_graze_a_torus_are_not_given_up
 )
 
-# The files that the library's package must contain, and those it must not.
+# Checks that the library's package contains the required files and no others from excluded folders.
 check_package() {
     local list file
     list="$(cargo package --list --locked --allow-dirty -p echomarch)"
@@ -62,14 +62,14 @@ check_package() {
         fi
     done
     if grep -E '^(\.ci|\.github|apps|docs/benchmarks|out|scripts|target)/' <<<"$list"; then
-        complain "the package must not hold these"
+        complain "the package must not contain these files"
         return 1
     fi
-    say "the package holds $(wc -l <<<"$list") files"
+    say "the package contains $(wc -l <<<"$list") files"
 }
 
-# Runs unit tests on another implementation of OpenGL: $1 is the start of its renderer's name, $2 the variables
-# that choose it, the rest the arguments of the tests. Fails if another renderer answers.
+# Runs unit tests on another implementation of OpenGL. $1 is the start of its renderer's name, $2 the variables that
+# select it; the remaining parameters are the arguments of the tests. Fails if a different renderer is used.
 test_on() {
     local renderer="$1" names
     local -a with units=(cargo test "${EVERYTHING[@]}" --lib --)
@@ -78,7 +78,7 @@ test_on() {
     names="$(env "${with[@]}" "${units[@]}" --nocapture gpu_context_describes_itself 2>&1)"
     if ! grep -qF "gl: $renderer" <<<"$names"; then
         complain "$names"
-        complain "not tested on $renderer: another renderer draws with ${with[*]}"
+        complain "not tested on $renderer: a different renderer is used with ${with[*]}"
         return 1
     fi
     say
@@ -90,8 +90,8 @@ test_on() {
     run env "${with[@]}" "${units[@]}" "$@"
 }
 
-# zink on lavapipe is OpenGL on top of Vulkan. Its tests run one after the other, and one of them without Mesa's
-# thread for GL: docs/portability.md explains why. softpipe is slow and runs the smallest tests.
+# zink on lavapipe is OpenGL on top of Vulkan. Its tests run one after the other, and one of them without Mesa's GL
+# thread; docs/portability.md explains why. softpipe is slow, so only the smallest tests run there.
 check_other_implementations() {
     local zink="LIBGL_ALWAYS_SOFTWARE=1 MESA_LOADER_DRIVER_OVERRIDE=zink"
     local softpipe="LIBGL_ALWAYS_SOFTWARE=1 GALLIUM_DRIVER=softpipe"
@@ -101,8 +101,8 @@ check_other_implementations() {
     test_on softpipe "$softpipe" gl:: shader::tests::driver_functions
 }
 
-# Lints each package with each of its features alone, and without any. Not by cargo hack: in the root it also builds
-# the other default members, which turn on features that the library alone would lack.
+# Lints each package with each of its features alone, and without any feature. cargo hack is not used, because in the
+# root it also builds the other default members, which turn on features that the library alone would lack.
 check_features() {
     local combinations package features
     combinations="$(cargo metadata --locked --no-deps --format-version 1 | python3 scripts/common/features.py)"
@@ -111,22 +111,22 @@ check_features() {
     done <<<"$combinations"
 }
 
-# The oldest Rust that Cargo.toml promises compiles everything. Nothing to do if it is the one that ran the tests.
+# Checks that the oldest Rust version stated in Cargo.toml compiles everything, unless it already ran the tests.
 check_oldest_rust() {
     local oldest
     oldest="$(sed -n 's/^rust-version = "\(.*\)"$/\1/p' Cargo.toml)"
     if [[ "$(rustc --version)" == "rustc $oldest."* ]]; then
-        say "Rust $oldest, the oldest promised, compiled all of this"
+        say "Rust $oldest, the oldest supported version, compiled everything above"
     elif command -v rustup >/dev/null; then
         run rustup toolchain install --profile minimal "$oldest"
         run cargo "+$oldest" check --target-dir target/oldest-rust "${EVERYTHING[@]}"
     else
-        complain "Rust $oldest, the oldest promised, was not tried: there is no rustup to install it"
+        complain "Rust $oldest, the oldest supported version, was not tested: there is no rustup to install it"
     fi
 }
 
-# Licences and duplicates of the crates that are used (deny.toml). Advisories, which come from the net and change
-# without a change here, are looked up by .github/workflows/ci.yml.
+# Checks licences and duplicates of the dependencies (deny.toml). Advisories are downloaded and change independently of
+# this repository, so .github/workflows/ci.yml checks them.
 check_crates() {
     if cargo deny --version >/dev/null 2>&1; then
         run cargo deny --workspace --all-features check bans licenses sources
@@ -177,4 +177,4 @@ case "${1:-}" in
 esac
 
 say
-say "all of these checks passed"
+say "all checks passed"

@@ -1,5 +1,5 @@
-"""Prints each package of the workspace with each of its features alone, and without any: a line each, `PACKAGE FEATURE`
-or `PACKAGE`. Reads what `cargo metadata --no-deps` writes."""
+"""Prints a line for each package of the workspace with each of its features alone (`PACKAGE FEATURE`) and without
+features (`PACKAGE`). Reads the output of `cargo metadata --no-deps`."""
 
 import json
 import sys

@@ -2,7 +2,7 @@
 """Lists circles of imports among the Rust files of the library and of each package in apps/, and among their folders;
 exits 1 if there are any.
 
-A file imports another if a `use` names something defined there. A file and the files of its own folder-module
+A file imports another if one of its `use`s names an item defined there. A file and the folder of its submodules
 (`cells.rs` and `cells/`) count as one module: circles between a module and its parts are ignored, and so are tests.
 """
 
@@ -139,7 +139,7 @@ def folders(imports, source):
 
 
 def has_circles(source):
-    """Whether a package has any; prints them."""
+    """Whether a package has circles; prints them."""
     imports = Sources(source).imports()
     found = False
     for what, graph in (("files", imports), ("folders", folders(imports, source))):
@@ -155,7 +155,7 @@ def has_circles(source):
 def main():
     sys.setrecursionlimit(10_000)
     sources = [ROOT / "src", *sorted(ROOT.glob("apps/**/src"))]
-    # Every package is looked at, also after one with circles.
+    # Every package is checked, also after a package with circles.
     return 1 if any([has_circles(source) for source in sources]) else 0
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 
 def table(heads, lines):
-    """The first column is text, the others are numbers."""
+    """A table whose first column is text and whose other columns are numbers."""
     rule = ["---"] + ["---:"] * (len(heads) - 1)
     return "\n".join("| " + " | ".join(cells) + " |" for cells in [heads, rule, *lines])
 

@@ -1,4 +1,4 @@
-"""Lines over two logarithmic axes as SVG: panels in rows, with one legend."""
+"""Draws lines over two logarithmic axes as SVG: panels in rows, with one legend."""
 
 import math
 from html import escape

@@ -1,7 +1,7 @@
 """Runs the peers in interleaved rounds and writes their results; called by scripts/peers.sh.
 
 A round runs every peer on every scene, scene by scene, each as a separate process on one core.
-A peer traces a frame to warm up and then several timed ones, whose median is its time in the
+A peer traces a warm-up frame and then several timed frames, whose median is its time in the
 round.
 """
 
@@ -73,7 +73,7 @@ def trace(echomarch, work, scene, profile, waves, iterations, frames):
 
 
 def hits_by_order(echomarch, work, scene, profile, waves):
-    """The hits of each number of iterations, minus those of one iteration fewer."""
+    """The hits by order: the hits of each number of iterations minus the hits of one iteration fewer."""
     counts = range(1, ITERATIONS + 1)
     heard = [trace(echomarch, work, scene, profile, waves, count, 0)["heard"] for count in counts]
     return [after - before for before, after in zip([0] + heard, heard)]
@@ -90,8 +90,8 @@ def measure_round(at, chosen, there, record):
 
 
 def check_hits(there, chosen, echomarch, work, rows, record):
-    """The hits by order of echomarch, once: the others print theirs in each round. Those of `march`, which
-    is slow among many surfaces, only in A and B."""
+    """Records the hits by order of echomarch once; the other programs print theirs in each round. `march` is
+    slow among many surfaces, so its hits are counted only in A and B."""
     known = {(row["scene"], row["peer"], row["waves"]) for row in rows if "hits" in row}
     for profile in ("hybrid", "march"):
         name = f"echomarch {profile}"

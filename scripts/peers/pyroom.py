@@ -1,12 +1,12 @@
-"""pyroomacoustics: its ray tracer on a scene, with the interface of the C++ programs (see peer.h).
+"""Runs the ray tracer of pyroomacoustics on a scene, with the interface of the C++ programs (see peer.h).
 
     pyroom.py SCENE.txt WAVES ITERATIONS FRAMES
 
-Room A is its shoe box, the others are its general room of polygons; pillars are prisms of 16 sides
-(its intersection tries every wall, so more sides would only be slower). Its rays take the given
-directions, lose half of their energy at each wall, and end below a threshold, that is, after
-ITERATIONS segments. The listener does not end them, so a few are counted twice. The time includes
-making the directions and the tracer itself, which is C++, but not the impulse response after it.
+Scene A is the shoe box of pyroomacoustics, the other scenes are its general room of polygons. Pillars are
+prisms of 16 sides (the intersection tries every wall, so more sides would only be slower). Rays take the
+given directions, lose half of their energy at each wall, and end below a threshold, that is, after
+ITERATIONS segments. The listener does not end rays, so a few are counted twice. The time includes making
+the directions and the tracer itself, which is C++, but not the impulse response after it.
 """
 
 import json
@@ -71,7 +71,7 @@ def room(scene):
 
 def polygons(scene):
     height = scene["room"][1]
-    # Normals out of the air.
+    # Normals point out of the air.
     yield from faces((0, 0, 0), scene["room"], inward=False)
     for box in scene["box"]:
         yield from list(faces(box[:3], box[3:], inward=True))[:4]
@@ -84,7 +84,7 @@ def polygons(scene):
 
 
 def faces(low, high, inward):
-    """The six faces of a box, the upright ones first."""
+    """The six faces of a box, the upright faces first."""
     (ax, ay, az), (bx, by, bz) = low, high
     sides = [
         [(ax, ay, az), (ax, ay, bz), (ax, by, bz), (ax, by, az)],
@@ -99,7 +99,7 @@ def faces(low, high, inward):
 
 def trace(made, scene, waves, iterations):
     """Traces all waves; returns the number of hits."""
-    # 0.5^iterations is below the threshold, and one wall fewer is not.
+    # The energy is below the threshold after `iterations` walls, but not after one wall fewer.
     made.set_ray_tracing(
         n_rays=waves,
         receiver_radius=scene["listener"][3],
@@ -113,7 +113,7 @@ def trace(made, scene, waves, iterations):
 
 
 def main(path, waves, iterations, frames):
-    # It warns against this many rays, which does not matter here.
+    # pyroomacoustics warns against this number of rays, which does not matter here.
     warnings.simplefilter("ignore")
     scene = read(path)
     made = room(scene)

@@ -1,4 +1,4 @@
-"""The rounds of measure.py as Markdown."""
+"""Writes the rounds of measure.py as Markdown."""
 
 import os
 from pathlib import Path
@@ -36,13 +36,13 @@ class Rounds:
         return min(found, key=lambda peer: peer[1], default=None)
 
     def rates(self, peer, scene, part=None):
-        """Millions of waves times iterations per second, by round; of one part of a frame, or all of it."""
+        """Millions of waves times iterations per second, by round, for one part of a frame or the whole frame."""
         rows = [row for row in self.of(peer, scene) if part is None or "parts" in row]
         times = {row["round"]: row["parts"][part] if part else row["milliseconds"] for row in rows}
         return {at: rate(peer[1], time) for at, time in times.items()}
 
     def ratio(self, one, other, scene, part=None):
-        """The speed relative to the other peer: the median over the rounds with both."""
+        """The speed relative to the other peer: the median over the rounds that include both."""
         if one is None or other is None:
             return None
         ours, theirs = self.rates(one, scene, part), self.rates(other, scene)

@@ -1,7 +1,7 @@
-"""The scenes of the comparison: scene files of Echomarch and texts for the other programs.
+"""The scenes of the comparison, as scene files of Echomarch and as texts for the other programs.
 
-A is an empty room. B has two walls and three pillars in it. B16 … B1024 have that many thin pillars
-on an even grid instead of the three. Metres, from a corner of the room.
+A is an empty room. B is the room with two walls and three pillars. B16 … B1024 have 16 to 1024 thin
+pillars on an even grid instead of the three. Coordinates are in metres from a corner of the room.
 """
 
 import math
@@ -21,7 +21,7 @@ SEED = 1
 
 @dataclass
 class Scene:
-    """Boxes are two corners, pillars x, z and radius."""
+    """A scene. A box is given by two corners, a pillar by x, z and radius."""
 
     name: str
     boxes: list = field(default_factory=list)
@@ -50,7 +50,7 @@ def grid(count):
 
 
 def text(scene):
-    """The text for the C++ programs, see scene.h."""
+    """The text for the C++ programs (see scene.h)."""
     lines = [
         words("room", ROOM),
         words("source", SOURCE),
@@ -67,7 +67,7 @@ def words(name, numbers):
 
 
 def ron(scene):
-    """A scene file of Echomarch."""
+    """The scene file for Echomarch."""
     surfaces = [surface("room", f"Room(size: {vector(ROOM)})", middle((0, 0, 0), ROOM))]
     for low, high in scene.boxes:
         size = [high - low for low, high in zip(low, high)]

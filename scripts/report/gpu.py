@@ -11,8 +11,8 @@ from common.markdown import machine, short, table
 from common.program import first_line, slug, trace
 from report import growth, operations
 
-# Bytes that each part of a frame reads and writes per wave: a wave is two texels of RGBA32F, its contribution
-# one. A frame that is drawn as one pass writes only the contribution.
+# Bytes that each part of a frame reads and writes per wave: a wave takes two texels of RGBA32F, its contribution one.
+# A frame that is drawn as one pass writes only the contribution.
 BYTES = {"initialise": 32, "march": 64, "pan": 32 + 16, "whole": 16, "read_back": 16}
 SCENES = ("shoebox", "corner", "obstacles")
 PAPER = "../cost-on-paper.md"
@@ -37,7 +37,7 @@ def arguments():
 
 
 def said(command, expected=(0,)):
-    """What a program prints."""
+    """The output of a program."""
     command = [str(word) for word in command]
     print(" ".join(command), file=sys.stderr)
     ran = subprocess.run(command, capture_output=True, text=True)
@@ -69,7 +69,7 @@ def hard_cases(asked):
 
 
 def tables_of_figures(asked, folder):
-    """The thesis' tables, with their headings one level lower."""
+    """The thesis' tables as Markdown, with headings one level lower."""
     runs, most = ("1", "256") if asked.quick else ("3", "1048576")
     said([asked.echomarch, "figures", "--runs", runs, "--max-waves", most, "-o", folder, "--quiet"])
     lines = (Path(folder) / "figures.md").read_text().splitlines()
@@ -77,7 +77,7 @@ def tables_of_figures(asked, folder):
 
 
 class Pass:
-    """Memory traffic and arithmetic of a part of a frame, over its time."""
+    """Memory traffic and arithmetic of a part of a frame, divided by its time."""
 
     def __init__(self, name, waves, milliseconds, number_of_bytes, plain=None):
         self.name, self.milliseconds = name, milliseconds
@@ -100,7 +100,7 @@ class Pass:
 
 
 def fused(time, waves, plain):
-    """All iterations in one pass. If that pass makes the waves and their contributions too, it is the
+    """The pass with all iterations. If this pass also makes the waves and their contributions, it is the
     whole frame."""
     if time["initialise"] == 0:
         return Pass("all in one pass: the whole frame", waves, time["march"], BYTES["whole"], plain)
@@ -150,7 +150,7 @@ def passes(asked, scene, profile):
 
 
 def operation_cells(asked, scene):
-    """Plain and special operations of each pass."""
+    """The numbers of plain and special operations of each pass, as text."""
     for name in ("initialise", "march", "pan"):
         counted = operations.of_shader(asked.echomarch, scene, ["--pass", name])
         yield f"{counted[0]} + {counted[1]} special" if counted else "–"

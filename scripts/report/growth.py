@@ -11,11 +11,11 @@ from report import hall_scene
 
 SCENE = "corner"
 ITERATIONS = 8
-# Waves in the sweeps over iterations and surfaces: normally, and with --quick.
+# Number of waves in the sweeps over iterations and surfaces: by default, and with --quick.
 WAVES, FEW_WAVES = 65_536, 1_024
-# Waves times iterations of all timed frames of a count: more frames where they are short.
+# Maximum of waves times iterations over all timed frames of a count: short frames are repeated more often.
 MOST_WORK = 8 * WAVES * ITERATIONS
-# A count is on the straight line if its cost per wave and iteration is within this share of the usual one.
+# A count is on the straight line if its cost per wave and iteration is within this share of the usual cost.
 OFF_THE_LINE = 0.25
 
 LEGENDS = {
@@ -29,7 +29,7 @@ LEGENDS = {
 
 
 class Sweep:
-    """The counts of one growing quantity, and the measurements at each for each profile."""
+    """The counts of one growing quantity, and the measurements of each profile at each count."""
 
     def __init__(self, name, counts, profiles, waves):
         self.name, self.counts, self.profiles, self.waves = name, counts, profiles, waves
@@ -64,12 +64,12 @@ class Sweep:
         return [self.found[count, profile] for count in self.counts]
 
     def usual(self, profile):
-        """The cost per wave and iteration: the median of the upper half of the counts."""
+        """The usual cost per wave and iteration: the median over the upper half of the counts."""
         costs = [found["ns"] for found in self.of(profile)]
         return median(costs[len(costs) // 2 :])
 
     def on_the_line(self, profile):
-        """The counts at which the cost is near the usual one, as text."""
+        """The counts at which the cost is near the usual cost, as text."""
         usual = self.usual(profile)
         near = [
             count for count, found in zip(self.counts, self.of(profile)) if abs(found["ns"] / usual - 1) <= OFF_THE_LINE
@@ -115,7 +115,7 @@ class Sweep:
         return (f"time by {self.name}", self.name, "milliseconds a frame", lines)
 
     def memory(self):
-        """The memory by count; None if unknown."""
+        """The memory used at each count; None if unknown."""
         lines = {
             profile: [(count, (found["kibibytes"] or 0) / 1024) for count, found in zip(self.counts, self.of(profile))]
             for profile in self.profiles
@@ -132,7 +132,8 @@ def powers(first, factor, last):
 
 
 def sweeps(quick, profiles, only):
-    """Waves to 16.7 million, iterations to 1024, surfaces to 65,536 (scene files are limited); few when quick."""
+    """The sweeps over waves (up to 16.7 million), iterations (up to 1024) and surfaces (up to 65,536, because the size
+    of scene files is limited); with lower limits when quick."""
     limits = {"waves": 16_777_216, "iterations": 1_024, "surfaces": 65_536}
     if quick:
         limits = {"waves": 1_024, "iterations": 4, "surfaces": 32}
@@ -143,7 +144,7 @@ def sweeps(quick, profiles, only):
 
 
 def picture(measured, renderer):
-    """Times above, memory below."""
+    """The plot, with times above and memory below."""
     panels = [sweep.times() for sweep in measured] + [sweep.memory() for sweep in measured]
     known = [panel for panel in panels if panel is not None]
     return plot.svg(f"Growth, on {renderer}", known, columns=len(measured))

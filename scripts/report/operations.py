@@ -1,12 +1,13 @@
 """Counts the operations of a shader for one wave from its SPIR-V.
 
-`glslangValidator` compiles the printed text, `spirv-opt -O` inlines all functions and removes unused
-code, and each remaining instruction is counted, times the components of its result. Every branch is
-counted as taken, as on a renderer that runs lanes side by side, and the body of a loop once: for
-`hybrid` without marched fields that is one iteration.
+`glslangValidator` compiles the printed text, and `spirv-opt -O` inlines all functions and removes unused
+code. Each remaining instruction is counted, times the number of components of its result. Every branch
+counts as taken, as on a renderer that runs lanes in parallel. The body of a loop counts once: for
+`hybrid` without marched fields this is one iteration.
 
-Plain: add, multiply, compare, select, minimum, sign; a dot product of n is 2n − 1, a fused
-multiply-add 2. Special: division, root, sine and the like. Moves and negations are free.
+Plain operations: add, multiply, compare, select, minimum, sign; a dot product of n components counts as
+2n − 1, a fused multiply-add as 2. Special operations: division, root, sine and similar functions. Moves
+and negations are free.
 """
 
 import re
@@ -56,7 +57,7 @@ EXTENDED_SPECIAL = {"Sqrt", "InverseSqrt", "Sin", "Cos", "Tan", "Exp", "Exp2", "
 
 
 def of_shader(program, scene, options):
-    """(plain, special, bytes fetched) of a shader, or none without glslang and SPIRV-Tools."""
+    """(plain, special, bytes fetched) of a shader; None if glslang or SPIRV-Tools are missing."""
     tools = ["glslangValidator", "spirv-opt", "spirv-dis"]
     if not all(shutil.which(tool) for tool in tools):
         return None
@@ -89,7 +90,7 @@ def count(assembly):
         elif operation in SPECIAL:
             special += width
         elif operation == "OpDot":
-            # For vectors whose type is not in the line: three components nearly always.
+            # The line does not state the type of the vectors; they nearly always have three components.
             plain += 5
         elif operation == "OpImageFetch":
             fetched += 16

@@ -1,4 +1,4 @@
-"""Waves of several renderers against those of the first, as Markdown; called by scripts/renderers.sh."""
+"""Compares the waves of several renderers with those of the first, as Markdown; called by scripts/renderers.sh."""
 
 import argparse
 import array
@@ -41,7 +41,7 @@ FAR = 0.01  # metres: more than rounding causes in a few reflections without cha
 
 
 class Waves:
-    """A program's dump: start, position and direction, and status of each wave."""
+    """The waves that a program has dumped: start, position, direction and status of each."""
 
     def __init__(self, file):
         with open(file, newline="") as opened:
@@ -56,7 +56,7 @@ class Waves:
         return self.rows[index][9]
 
     def apart(self, other, index):
-        """Metres between the ends of a wave; None where it ended at another object."""
+        """The distance in metres between the ends of a wave; None if the wave ended at another object."""
         if self.status(index) != other.status(index):
             return None
         return math.dist(self.rows[index][3:6], other.rows[index][3:6])
@@ -73,7 +73,7 @@ class Renderer:
                 self.words.append(word)
 
     def trace(self, scene, profile, waves, iterations, file):
-        """The waves, and the report of the program; the last option of a name counts."""
+        """The waves and the report of the program. Options in `words` override those of the arguments."""
         options = {"--waves": str(waves)}
         options |= dict(zip(self.words[::2], self.words[1::2]))
         command = [str(self.echomarch), "trace", str(scene), "--profile", profile]
@@ -99,14 +99,14 @@ def arguments():
 
 
 def source_of(scene):
-    """The position of the source in its file."""
+    """The position of the source in the scene's file."""
     text = Path(f"examples/scenes/{scene}.ron").read_text()
     place = re.search(r"source: (?:Source)?\(position: \(([^)]*)\)", text)
     return [float(number) for number in place[1].split(",")]
 
 
 def moved(scene, folder):
-    """The scene with its source moved, as a file."""
+    """Writes the scene with its source moved to a file, and returns the file."""
     x, y, z = source_of(scene)
     base = Path(f"examples/scenes/{scene}.ron").resolve()
     file = Path(folder) / "moved.ron"
@@ -115,13 +115,13 @@ def moved(scene, folder):
 
 
 def elsewhere(first, second):
-    """Waves that end at another object, or further off than FAR."""
+    """The number of waves that end at another object, or more than FAR apart."""
     apart = [first.apart(second, index) for index in range(len(second.rows))]
     return sum(gap is None or gap > FAR for gap in apart)
 
 
 class Traced:
-    """The first renderer's waves of a scene, and with its source moved; each is traced once."""
+    """The first renderer's waves in each scene, as it is and with the source moved; each is traced only once."""
 
     def __init__(self, renderer, asked, folder):
         self.renderer, self.asked, self.folder = renderer, asked, Path(folder)
@@ -135,7 +135,7 @@ class Traced:
         return self.known[key]
 
     def by_chance(self, scene, profile, waves):
-        """Waves that end elsewhere with the source moved."""
+        """The number of waves that end elsewhere when the source is moved."""
         key = (scene, profile, waves)
         if key not in self.known:
             iterations = self.asked.iterations
@@ -159,7 +159,7 @@ HEADS = [
 
 
 def line(first, other, scene, profile):
-    """One scene on another renderer, beside the first one."""
+    """A row of the table: one scene on another renderer, compared with the first renderer."""
     asked = first.asked
     file = f"examples/scenes/{scene}.ron"
     there, _ = other.trace(file, profile, asked.waves, 1, first.folder / "other.csv")
@@ -185,7 +185,7 @@ def line(first, other, scene, profile):
 
 
 def section(first, name, settings):
-    """The table of one renderer, or why there is none."""
+    """The table of one renderer, or the reason why there is none."""
     other = Renderer(first.asked.echomarch, settings)
     lines = []
     try:
