@@ -42,7 +42,7 @@ float distanceFunction(vec3 p, out float object) {
 // the values of the surfaces
 uniform vec4 uSurfaces[2];
 
-// Copies for the loops: a uniform may be loaded again at each use.
+// Copies for the loops: a driver may load a uniform again at each use.
 void copyUniforms() {
     listener = uListener;
     squaredListenerRadius = listener.w * listener.w;

@@ -12,10 +12,10 @@ vec4 surfaceValue0 = vec4(0.0);
 float squaredRadius0 = 0.0;
 
 // the scene
-// How far from p along d the next object is, and its number. A convex surface is
-// not met by the wave that leaves it (last). Where nothing is met before limit the
-// distance is limit and the number means nothing; it is GIVEN_UP where a step limit
-// left open what comes first.
+// Returns the distance from p along d to the first object hit, and its number. The wave that leaves
+// a convex surface (last) cannot hit it again. Without a hit before limit the distance is limit,
+// and the number is meaningless; if a step limit left the first hit undecided, the distance is
+// GIVEN_UP.
 float closestHit(vec3 p, vec3 d, float last, float limit, out float object) {
     float nearest = min(hitListener(p, d), limit);
     object = 0.0;
@@ -31,8 +31,8 @@ float closestHit(vec3 p, vec3 d, float last, float limit, out float object) {
 // glsl/shape/sphere.glsl
 // glsl/common/mirror_direction.glsl
 // the scene
-// Reflects a wave at the object that it meets t ahead: p, from where it flies along d,
-// becomes the point on the surface, and d is mirrored.
+// Reflects a wave at the object that it hits t metres ahead: moves p along d onto the surface, and
+// mirrors d.
 void reflectWave(float object, float t, inout vec3 p, inout vec3 d) {
     vec3 from = p;
     vec3 along = d;
@@ -60,7 +60,7 @@ void reflectWave(float object, float t, inout vec3 p, inout vec3 d) {
 // the values of the surfaces
 uniform vec4 uSurfaces[1];
 
-// Copies for the loops: a uniform may be loaded again at each use.
+// Copies for the loops: a driver may load a uniform again at each use.
 void copyUniforms() {
     listener = uListener;
     squaredListenerRadius = listener.w * listener.w;

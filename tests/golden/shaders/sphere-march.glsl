@@ -11,10 +11,10 @@
 vec4 surfaceValue0 = vec4(0.0);
 
 // the scene
-// Distance to the nearest object that a wave at p along d can meet, its number, and
-// the distance to the second nearest. What the wave leaves (last) is out of its way
-// when it is convex, and so is all that it recedes from; of a room only the walls
-// ahead count.
+// Distance to the nearest object that a wave at p along d can hit, its number, and
+// the distance to the second nearest. A convex surface that the wave
+// leaves (last) or moves away from cannot be hit; of a room, only the walls ahead
+// can be hit.
 float directedDistance(vec3 p, vec3 d, float last, out float object, out float second) {
     float nearest = sdListenerDirected(p, d);
     object = 0.0;
@@ -30,7 +30,7 @@ float directedDistance(vec3 p, vec3 d, float last, out float object, out float s
 // glsl/common/rounding.glsl
 // glsl/shape/sphere.glsl
 // the scene
-// The gradient of the distance to one object, and what rounding may do to it.
+// The gradient of the distance to one object, and the distance's error bound.
 vec3 directedGradient(vec3 p, vec3 d, float object, out float errorBound) {
     if (object == 1.0) { errorBound = roundErrorBound(surfaceValue0); return gradientSphere(p - surfaceValue0.xyz); } // surface 1 (Sphere)
     errorBound = roundErrorBound(listener);
@@ -41,8 +41,8 @@ vec3 directedGradient(vec3 p, vec3 d, float object, out float errorBound) {
 // glsl/shape/sphere.glsl
 // glsl/common/mirror_direction.glsl
 // the scene
-// Reflects a wave at the object that it meets t ahead: p, from where it flies along d,
-// becomes the point on the surface, and d is mirrored.
+// Reflects a wave at the object that it hits t metres ahead: moves p along d onto the surface, and
+// mirrors d.
 void reflectWave(float object, float t, inout vec3 p, inout vec3 d) {
     vec3 from = p;
     vec3 along = d;
@@ -72,7 +72,7 @@ uniform vec4 uSurfaces[1];
 
 float squaredRadius0 = 0.0;
 
-// Copies for the loops: a uniform may be loaded again at each use.
+// Copies for the loops: a driver may load a uniform again at each use.
 void copyUniforms() {
     listener = uListener;
     squaredListenerRadius = listener.w * listener.w;

@@ -32,7 +32,7 @@ uniform vec4 uSurfaces[1];
 
 float squaredRadius0 = 0.0;
 
-// Copies for the loops: a uniform may be loaded again at each use.
+// Copies for the loops: a driver may load a uniform again at each use.
 void copyUniforms() {
     listener = uListener;
     squaredListenerRadius = listener.w * listener.w;

@@ -8,10 +8,10 @@
 // glsl/common/ball.glsl
 // glsl/common/listener.glsl
 // the scene
-// How far from p along d the next object is, and its number. A convex surface is
-// not met by the wave that leaves it (last). Where nothing is met before limit the
-// distance is limit and the number means nothing; it is GIVEN_UP where a step limit
-// left open what comes first.
+// Returns the distance from p along d to the first object hit, and its number. The wave that leaves
+// a convex surface (last) cannot hit it again. Without a hit before limit the distance is limit,
+// and the number is meaningless; if a step limit left the first hit undecided, the distance is
+// GIVEN_UP.
 float closestHit(vec3 p, vec3 d, float last, float limit, out float object) {
     float nearest = min(hitListener(p, d), limit);
     object = 0.0;
@@ -31,9 +31,9 @@ float field1(vec3 p) {
 vec4 surfaceValue0 = vec4(0.0);
 
 // the fields
-// The least value of the fields that a wave at p along d can meet, and whose it is. It
-// holds as far as reach along d; as far as within the same fields are asked. A convex one
-// that the wave leaves is out of its way.
+// The least value of the fields that a wave at p along d can hit, and that field's
+// number. The value is valid up to reach along d; the same fields are evaluated up to within.
+// A convex field that the wave leaves (last) cannot be hit.
 float fieldsAhead(vec3 p, vec3 d, float last, out float object, out float reach, out float within) {
     float nearest = 1e30;
     reach = 1e30;
@@ -58,7 +58,7 @@ vec4 gradient1(vec3 p) {
 }
 
 // the fields
-// The gradient of one of them, and what rounding may do to its value.
+// The gradient of one field, and the error bound of its value.
 vec3 fieldGradient(vec3 p, float object, out float errorBound) {
     errorBound = 0.0;
     if (object == 1.0) { errorBound = surfaceValue0.w; return gradient1(p - surfaceValue0.xyz).xyz; } // surface 1 (Torus)
@@ -77,8 +77,8 @@ float free1(vec3 p, vec3 d, float errorBound) {
 }
 
 // the fields
-// How far along d from p no field is met for sure, where errorBound is what rounding may do
-// to their values.
+// Distance along d from p that is certainly free of every field; errorBound is the rounding
+// error of their values.
 float fieldsFree(vec3 p, vec3 d, float last, float errorBound) {
     float way = NO_END;
     float candidate;
@@ -92,8 +92,8 @@ float fieldsFree(vec3 p, vec3 d, float last, float errorBound) {
 // glsl/common/onto_field.glsl
 // glsl/common/mirror_direction.glsl
 // the scene
-// Reflects a wave at the object that it meets t ahead: p, from where it flies along d,
-// becomes the point on the surface, and d is mirrored.
+// Reflects a wave at the object that it hits t metres ahead: moves p along d onto the surface, and
+// mirrors d.
 void reflectWave(float object, float t, inout vec3 p, inout vec3 d) {
     vec3 from = p;
     vec3 along = d;
@@ -119,7 +119,7 @@ void reflectWave(float object, float t, inout vec3 p, inout vec3 d) {
 uniform vec4 uSurfaces[1];
 
 
-// Copies for the loops: a uniform may be loaded again at each use.
+// Copies for the loops: a driver may load a uniform again at each use.
 void copyUniforms() {
     listener = uListener;
     squaredListenerRadius = listener.w * listener.w;

@@ -7,10 +7,10 @@
 // glsl/common/rounding.glsl
 // glsl/common/listener.glsl
 // the scene
-// Distance to the nearest object that a wave at p along d can meet, its number, and
-// the distance to the second nearest. What the wave leaves (last) is out of its way
-// when it is convex, and so is all that it recedes from; of a room only the walls
-// ahead count.
+// Distance to the nearest object that a wave at p along d can hit, its number, and
+// the distance to the second nearest. A convex surface that the wave
+// leaves (last) or moves away from cannot be hit; of a room, only the walls ahead
+// can be hit.
 float directedDistance(vec3 p, vec3 d, float last, out float object, out float second) {
     float nearest = sdListenerDirected(p, d);
     object = 0.0;
@@ -21,7 +21,7 @@ float directedDistance(vec3 p, vec3 d, float last, out float object, out float s
 
 // glsl/common/rounding.glsl
 // the scene
-// The gradient of the distance to one object, and what rounding may do to it.
+// The gradient of the distance to one object, and the distance's error bound.
 vec3 directedGradient(vec3 p, vec3 d, float object, out float errorBound) {
     errorBound = roundErrorBound(listener);
     return normalize(p - listener.xyz);
@@ -46,9 +46,9 @@ float field1(vec3 p) {
 vec4 surfaceValue0 = vec4(0.0);
 
 // the fields
-// The least value of the fields that a wave at p along d can meet, and whose it is. It
-// holds as far as reach along d; as far as within the same fields are asked. A convex one
-// that the wave leaves is out of its way.
+// The least value of the fields that a wave at p along d can hit, and that field's
+// number. The value is valid up to reach along d; the same fields are evaluated up to within.
+// A convex field that the wave leaves (last) cannot be hit.
 float fieldsAhead(vec3 p, vec3 d, float last, out float object, out float reach, out float within) {
     float nearest = 1e30;
     reach = 1e30;
@@ -75,7 +75,7 @@ vec4 gradient1(vec3 p) {
 }
 
 // the fields
-// The gradient of one of them, and what rounding may do to its value.
+// The gradient of one field, and the error bound of its value.
 vec3 fieldGradient(vec3 p, float object, out float errorBound) {
     errorBound = 0.0;
     if (object == 1.0) { errorBound = surfaceValue0.w; return gradient1(p - surfaceValue0.xyz).xyz; } // surface 1 (SmoothUnion)
@@ -98,8 +98,8 @@ float free1(vec3 p, vec3 d, float errorBound) {
 }
 
 // the fields
-// How far along d from p no field is met for sure, where errorBound is what rounding may do
-// to their values.
+// Distance along d from p that is certainly free of every field; errorBound is the rounding
+// error of their values.
 float fieldsFree(vec3 p, vec3 d, float last, float errorBound) {
     float way = NO_END;
     float candidate;
@@ -113,8 +113,8 @@ float fieldsFree(vec3 p, vec3 d, float last, float errorBound) {
 // glsl/common/onto_field.glsl
 // glsl/common/mirror_direction.glsl
 // the scene
-// Reflects a wave at the object that it meets t ahead: p, from where it flies along d,
-// becomes the point on the surface, and d is mirrored.
+// Reflects a wave at the object that it hits t metres ahead: moves p along d onto the surface, and
+// mirrors d.
 void reflectWave(float object, float t, inout vec3 p, inout vec3 d) {
     vec3 from = p;
     vec3 along = d;
@@ -146,7 +146,7 @@ void reflectWave(float object, float t, inout vec3 p, inout vec3 d) {
 uniform vec4 uSurfaces[1];
 
 
-// Copies for the loops: a uniform may be loaded again at each use.
+// Copies for the loops: a driver may load a uniform again at each use.
 void copyUniforms() {
     listener = uListener;
     squaredListenerRadius = listener.w * listener.w;
