@@ -140,6 +140,22 @@ pub enum SceneError {
         /// Its name or file, and the requirement.
         why: String,
     },
+    /// The orientation of a listener tilts its head: a listener has yaw and pitch alone.
+    #[error(
+        "a listener's head cannot be tilted to a side, and this orientation tilts it by {roll_deg}° to the right: give the direction of its gaze instead"
+    )]
+    RolledListener {
+        /// Turn about the gaze in degrees, positive to the right.
+        roll_deg: f32,
+    },
+    /// The orientation of a listener is 0 or not finite.
+    #[error("a listener's {of} must be finite and not 0, not {value}")]
+    NoOrientation {
+        /// `quaternion` or `direction`.
+        of: &'static str,
+        /// The numbers.
+        value: String,
+    },
     /// A room has no wall of this number.
     #[error(
         "a room has no wall number {wall}: they are counted from 0, {}",

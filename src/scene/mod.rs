@@ -43,7 +43,6 @@ pub use surface::{Nearest, Surface};
 
 use crate::bands::Bands;
 use crate::scene::shape::{Asset, Room};
-use glam::Vec3;
 use std::collections::BTreeMap;
 use std::path::{self, PathBuf};
 use std::sync::Arc;
@@ -70,6 +69,9 @@ pub(crate) const ROUNDING: f32 = 8.0 * f32::EPSILON;
 /// assert_eq!((nearest.object, nearest.distance), (2, 0.5));
 /// # Ok::<(), echomarch::Error>(())
 /// ```
+///
+/// Positions and directions are given as whatever converts into three numbers: `[f32; 3]`, or the vectors of `glam`
+/// and other crates, in any version.
 ///
 /// A scene serialises to the content of its file (`docs/scene-format.md`), and deserialises from that content.
 #[derive(Clone, Debug, PartialEq)]
@@ -111,20 +113,20 @@ impl Scene {
     /// its walls at −x, +x, −y, +y, −z, +z, with the given absorption by band.
     ///
     /// ```
-    /// use echomarch::glam::Vec3;
     /// use echomarch::{Listener, Scene, Source};
     ///
-    /// let source = Source::at(Vec3::new(-2.0, 0.0, 1.0));
-    /// let listener = Listener::at(Vec3::new(2.0, 0.0, 1.0), 0.3);
-    /// let scene = Scene::shoebox(Vec3::new(8.0, 3.0, 5.0), &[[0.2; 8]; 6], source, listener);
+    /// let source = Source::at([-2.0, 0.0, 1.0]);
+    /// let listener = Listener::at([2.0, 0.0, 1.0], 0.3);
+    /// let scene = Scene::shoebox([8.0, 3.0, 5.0], &[[0.2; 8]; 6], source, listener);
     /// assert_eq!(scene.materials["wall 5"].absorption, [0.2; 8]);
     /// ```
     pub fn shoebox(
-        size: Vec3,
+        size: impl Into<[f32; 3]>,
         absorption: &[Bands; Room::WALL_COUNT],
         source: Source,
         listener: Listener,
     ) -> Scene {
+        let size = size.into().into();
         let mut room = Surface::new(Room { size });
         let mut materials = BTreeMap::new();
         for (wall, absorption) in absorption.iter().enumerate() {

@@ -131,6 +131,18 @@ pub struct Key {
     pub pitch: f32,
 }
 
+impl Key {
+    /// A position at a time in seconds, with a gaze along −z.
+    pub fn at(time: f64, position: impl Into<[f32; 3]>) -> Key {
+        Key {
+            time,
+            position: position.into().into(),
+            yaw: 0.0,
+            pitch: 0.0,
+        }
+    }
+}
+
 impl Path {
     /// Creates a path over `keys`; `None` if their times are not finite or do not strictly increase.
     pub fn new(keys: Vec<Key>) -> Option<Path> {

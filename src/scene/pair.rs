@@ -43,7 +43,8 @@ impl<'a> Pair<'a> {
 
     /// Signed distance in metres from a world point to the nearest surface or to the listener's sphere: the function
     /// that the march in the thesis evaluates (figure 9).
-    pub fn distance(&self, point: Vec3) -> Nearest {
+    pub fn distance(&self, point: impl Into<[f32; 3]>) -> Nearest {
+        let point = Vec3::from(point.into());
         let listener = Nearest {
             distance: self.listener.distance(point),
             object: 0,

@@ -1,9 +1,13 @@
 //! Sources and listeners; all of them in a scene, and what affects the sound between them.
 
-use super::{Air, Material, Path, Scene};
+use super::{Air, Material, Path, Scene, SceneError};
 use crate::bands::{BAND_COUNT, Bands};
 use crate::text::nearest_or_all;
-use glam::Vec3;
+use glam::{DQuat, DVec3, DVec4, Vec3};
+
+/// The tilt of a head, in radians, that counts as level: more than the rounding of a quaternion that was composed of
+/// thousands in `f32`, and less than the hundredth part of a degree-wide step that a listener could hear.
+const MOST_TILT: f64 = 1e-3;
 
 /// A point that sends waves in all directions.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,28 +43,36 @@ pub struct Listener {
 
 impl Source {
     /// A source that stands still at `position` (metres).
-    pub fn at(position: Vec3) -> Source {
+    pub fn at(position: impl Into<[f32; 3]>) -> Source {
         Source {
             name: None,
             level_db: 0.0,
-            position,
+            position: position.into().into(),
             path: Path::default(),
         }
     }
 
     /// The same source with a name.
+    #[must_use]
     pub fn named(mut self, name: impl Into<String>) -> Source {
         self.name = Some(name.into());
+        self
+    }
+
+    /// The same source with a level relative to other sources, in decibels.
+    #[must_use]
+    pub fn with_level_db(mut self, level_db: f32) -> Source {
+        self.level_db = level_db;
         self
     }
 }
 
 impl Listener {
     /// A listener that stands still at `position` (metres) and looks along −z.
-    pub fn at(position: Vec3, radius: f32) -> Listener {
+    pub fn at(position: impl Into<[f32; 3]>, radius: f32) -> Listener {
         Listener {
             name: None,
-            position,
+            position: position.into().into(),
             yaw: 0.0,
             pitch: 0.0,
             radius,
@@ -69,9 +81,76 @@ impl Listener {
     }
 
     /// The same listener with a name.
+    #[must_use]
     pub fn named(mut self, name: impl Into<String>) -> Listener {
         self.name = Some(name.into());
         self
+    }
+
+    /// The same listener, turned by a quaternion (x, y, z, w; of any length but 0) from a gaze along −z with +y
+    /// upwards: the rotation of a camera in a right-handed world with y up.
+    ///
+    /// ```
+    /// use echomarch::Listener;
+    /// use echomarch::glam::{Quat, Vec3};
+    ///
+    /// let left = Quat::from_rotation_y(std::f32::consts::FRAC_PI_2);
+    /// let listener = Listener::at([0.0, 1.7, 0.0], 0.2).with_orientation(left)?;
+    /// assert!(listener.forward().distance(Vec3::NEG_X) < 1e-6);
+    /// # Ok::<(), echomarch::scene::SceneError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`SceneError::RolledListener`] if the head is tilted to a side, or upside down: the ears of a listener lie on a
+    /// level axis. [`Listener::looking_along`] ignores such a tilt. [`SceneError::NoOrientation`] for a quaternion that
+    /// is 0 or not finite.
+    pub fn with_orientation(
+        mut self,
+        orientation: impl Into<[f32; 4]>,
+    ) -> Result<Listener, SceneError> {
+        let [x, y, z, w] = orientation.into().map(f64::from);
+        let length = DVec4::new(x, y, z, w).length();
+        if !(length.is_finite() && length > 0.0) {
+            return Err(SceneError::NoOrientation {
+                of: "quaternion",
+                value: format!("({x}, {y}, {z}, {w})"),
+            });
+        }
+        let turn = DQuat::from_xyzw(x, y, z, w).normalize();
+        let [right, up] = [turn * DVec3::X, turn * DVec3::Y];
+        // Looking straight up or down, a turn about the gaze is a yaw.
+        if right.y.hypot(up.y) > MOST_TILT {
+            let roll = -right.y.atan2(up.y);
+            if roll.abs() > MOST_TILT {
+                let roll_deg = roll.to_degrees() as f32;
+                return Err(SceneError::RolledListener { roll_deg });
+            }
+        }
+        let ahead = turn * DVec3::NEG_Z;
+        self.yaw = right.z.atan2(right.x) as f32;
+        self.pitch = ahead.y.clamp(-1.0, 1.0).asin() as f32;
+        Ok(self)
+    }
+
+    /// The same listener, looking along a direction (world axes, any length but 0). Straight up and down, its yaw stays
+    /// as it was.
+    ///
+    /// # Errors
+    /// [`SceneError::NoOrientation`] for a direction that is 0 or not finite.
+    pub fn looking_along(mut self, forward: impl Into<[f32; 3]>) -> Result<Listener, SceneError> {
+        let forward = Vec3::from(forward.into());
+        let unit = forward.as_dvec3().try_normalize();
+        let Some(unit) = unit.filter(|_| forward.is_finite()) else {
+            return Err(SceneError::NoOrientation {
+                of: "direction",
+                value: forward.to_string(),
+            });
+        };
+        if unit.x != 0.0 || unit.z != 0.0 {
+            self.yaw = unit.x.atan2(-unit.z) as f32;
+        }
+        self.pitch = unit.y.atan2(unit.x.hypot(unit.z)) as f32;
+        Ok(self)
     }
 
     /// Unit vector of the viewing direction.
@@ -201,7 +280,8 @@ fn labels<'a>(names: impl Iterator<Item = Option<&'a str>>) -> Vec<String> {
 mod tests {
     use super::*;
     use crate::scene::shape::{Room, Sphere};
-    use crate::scene::{Air, Key, SceneError, Surface};
+    use crate::scene::{Air, Key, Surface};
+    use glam::{EulerRot, Quat};
     use std::f32::consts::FRAC_PI_2;
 
     /// Protects the sign of yaw and pitch: right and up are positive.
@@ -215,6 +295,65 @@ mod tests {
         listener.pitch = FRAC_PI_2;
         assert!((listener.forward() - Vec3::Y).length() < 1e-6);
         assert!((listener.up() - Vec3::NEG_X).length() < 1e-6);
+    }
+
+    /// Protects orientations of other programs: of yaw and pitch alone the quaternion gives the same gaze and ears, also
+    /// straight up, at any length, and a tilted head is refused.
+    #[test]
+    fn a_quaternion_turns_a_listener_unless_it_tilts_the_head() {
+        let of = |turn: Quat| Listener::at([0.0; 3], 0.2).with_orientation(turn);
+        for (yaw, pitch) in [
+            (0.0, 0.0),
+            (0.7, -0.4),
+            (-2.9, 1.2),
+            (3.1, 0.1),
+            (1.0, FRAC_PI_2),
+            (-2.0, -FRAC_PI_2),
+        ] {
+            let mut expected = Listener::at(Vec3::ZERO, 0.2);
+            (expected.yaw, expected.pitch) = (yaw, pitch);
+            // The yaw of a listener is to the right, a turn about +y to the left.
+            let turn = Quat::from_euler(EulerRot::YXZ, -yaw, pitch, 0.0);
+            for turn in [turn, -turn, turn * 40.0] {
+                let turned = of(turn).unwrap();
+                let off = turned.forward().distance(expected.forward());
+                assert!(off < 1e-3, "{yaw}, {pitch}: {turned:?}");
+                let off = turned.right().distance(expected.right());
+                assert!(off < 1e-3, "{yaw}, {pitch}: {turned:?}");
+            }
+            for roll in [0.01, -0.5, 3.1] {
+                let turn = Quat::from_euler(EulerRot::YXZ, -yaw, pitch, roll);
+                let is_vertical = pitch.abs() == FRAC_PI_2;
+                match of(turn) {
+                    Err(SceneError::RolledListener { roll_deg }) => {
+                        let sign = roll_deg.to_radians() + roll;
+                        assert!(!is_vertical && sign.abs() < 1e-3, "{roll_deg}, {roll}");
+                    }
+                    other => assert!(is_vertical && other.is_ok(), "{other:?}"),
+                }
+            }
+        }
+        for bad in [[0.0; 4], [f32::NAN, 0.0, 0.0, 1.0]] {
+            let refused = Listener::at([0.0; 3], 0.2).with_orientation(bad);
+            assert!(matches!(refused, Err(SceneError::NoOrientation { .. })));
+        }
+    }
+
+    /// Protects gazes along a direction: any length will do, and straight up the yaw stays.
+    #[test]
+    fn a_listener_looks_along_a_direction() {
+        let mut listener = Listener::at([1.0, 2.0, 3.0], 0.2);
+        listener.yaw = 0.5;
+        for way in [Vec3::X, Vec3::NEG_Z, Vec3::new(-3.0, 4.0, 1e-3), Vec3::Y] {
+            let looking = listener.clone().looking_along(20.0 * way).unwrap();
+            assert!(looking.forward().distance(way.normalize()) < 1e-6, "{way}");
+        }
+        let up = listener.clone().looking_along(Vec3::NEG_Y).unwrap();
+        assert_eq!((up.yaw, up.pitch), (0.5, -FRAC_PI_2));
+        for bad in [Vec3::ZERO, Vec3::NAN, Vec3::new(f32::INFINITY, 0.0, 0.0)] {
+            let refused = listener.clone().looking_along(bad);
+            assert!(matches!(refused, Err(SceneError::NoOrientation { .. })));
+        }
     }
 
     fn hall() -> Scene {

@@ -63,24 +63,28 @@ impl Surface {
     }
 
     /// Returns the surface with its origin at `position` (metres).
-    pub fn at(mut self, position: Vec3) -> Surface {
-        self.position = position;
+    #[must_use]
+    pub fn at(mut self, position: impl Into<[f32; 3]>) -> Surface {
+        self.position = position.into().into();
         self
     }
 
-    /// Returns the surface turned by `rotation`.
-    pub fn turned(mut self, rotation: Quat) -> Surface {
-        self.rotation = rotation;
+    /// Returns the surface turned by `rotation`: a unit quaternion (x, y, z, w).
+    #[must_use]
+    pub fn turned(mut self, rotation: impl Into<[f32; 4]>) -> Surface {
+        self.rotation = Quat::from_array(rotation.into());
         self
     }
 
     /// Returns the surface with a name for reports.
+    #[must_use]
     pub fn named(mut self, name: impl Into<String>) -> Surface {
         self.name = Some(name.into());
         self
     }
 
     /// Returns the surface with the material of this name.
+    #[must_use]
     pub fn with_material(mut self, name: impl Into<String>) -> Surface {
         self.material = Some(name.into());
         self
@@ -142,6 +146,7 @@ impl Surface {
     }
 
     /// Returns the surface, declared to rotate: see [`dynamic_rotation`](Surface::dynamic_rotation).
+    #[must_use]
     pub fn turning(mut self) -> Surface {
         self.dynamic_rotation = true;
         self
@@ -176,12 +181,12 @@ pub struct Nearest {
 
 impl Scene {
     /// Signed distance to the nearest surface, ignoring the listener.
-    pub fn surface_distance(&self, point: Vec3) -> Nearest {
+    pub fn surface_distance(&self, point: impl Into<[f32; 3]>) -> Nearest {
         let nothing = Nearest {
             distance: f32::INFINITY,
             object: 0,
         };
-        self.nearest_surface(point, nothing)
+        self.nearest_surface(point.into().into(), nothing)
     }
 
     pub(super) fn nearest_surface(&self, point: Vec3, mut nearest: Nearest) -> Nearest {
@@ -198,8 +203,8 @@ impl Scene {
 
 impl Surface {
     /// Signed distance from a world point in metres.
-    pub fn distance(&self, point: Vec3) -> f32 {
-        let offset = point - self.position;
+    pub fn distance(&self, point: impl Into<[f32; 3]>) -> f32 {
+        let offset = Vec3::from(point.into()) - self.position;
         if !self.has_rotation() {
             return self.shape.distance(offset);
         }
@@ -209,15 +214,16 @@ impl Surface {
 
 impl Listener {
     /// Signed distance to the listener's sphere in metres.
-    pub fn distance(&self, point: Vec3) -> f32 {
-        (point - self.position).length() - self.radius
+    pub fn distance(&self, point: impl Into<[f32; 3]>) -> f32 {
+        (Vec3::from(point.into()) - self.position).length() - self.radius
     }
 }
 
 impl Shape {
-    /// Lower bound of the signed distance in metres at a point in the tree's own axes (metres): the value divided by
-    /// its Lipschitz constant.
-    pub fn distance(&self, p: Vec3) -> f32 {
+    /// Lower bound of the signed distance in metres at a point in the tree's own axes (metres): the
+    /// value, divided by its Lipschitz constant.
+    pub fn distance(&self, p: impl Into<[f32; 3]>) -> f32 {
+        let p = Vec3::from(p.into());
         (self.value(p.as_dvec3()) / self.properties().lipschitz) as f32
     }
 }

@@ -275,15 +275,24 @@ impl Tracer {
         &mut self,
         pair: impl IntoPair<'a>,
         settings: &Settings,
-        directions: &[Vec3],
+        directions: &[impl Copy + Into<[f32; 3]>],
     ) -> Result<Vec<Vec<Wave>>, Error> {
-        let pair = pair.chosen()?;
+        let directions = directions.iter().map(|way| Vec3::from((*way).into()));
+        let units = unit_directions(&directions.collect::<Vec<_>>())?;
+        self.trace_units(pair.chosen()?, settings, &units)
+    }
+
+    fn trace_units(
+        &mut self,
+        pair: Pair,
+        settings: &Settings,
+        units: &[Vec3],
+    ) -> Result<Vec<Vec<Wave>>, Error> {
         let _entered = self.context.enter()?;
-        let units = unit_directions(directions)?;
         let waves = u32::try_from(units.len()).unwrap_or(u32::MAX);
         let settings = settings.clone().with_waves(waves);
         let frame = self.prepare(pair, &settings, Waves::Kept)?;
-        self.targets()?.upload_starts(&frame, &units)?;
+        self.targets()?.upload_starts(&frame, units)?;
         self.follow(&frame)
     }
 

@@ -12,7 +12,7 @@ pub use turning::{Bend, Twist};
 use super::part::{half, part, slowest, surface_kind};
 use super::properties::{hull, merged};
 use super::{Bounds3, Exactness, Node, Part, Properties, Shape, ShapeFile};
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 part! {
     /// Solid where any of its children is.
@@ -200,12 +200,14 @@ impl Shape {
     }
 
     /// The shape moved by a vector in metres.
-    pub fn translate(self, by: Vec3) -> Shape {
+    pub fn translate(self, by: impl Into<[f32; 3]>) -> Shape {
+        let by = by.into().into();
         self.under(Translate { by })
     }
 
     /// The shape turned about x, then y, then z of the outer axes, in radians.
-    pub fn rotate(self, by: Vec3) -> Shape {
+    pub fn rotate(self, by: impl Into<[f32; 3]>) -> Shape {
+        let by = by.into().into();
         self.under(Rotate { by })
     }
 
@@ -220,12 +222,14 @@ impl Shape {
     }
 
     /// The shape repeated every `period` metres (0: not along that axis), `count` times (0: without end).
-    pub fn repeat(self, period: Vec3, count: [u32; 3]) -> Shape {
+    pub fn repeat(self, period: impl Into<[f32; 3]>, count: [u32; 3]) -> Shape {
+        let period = period.into().into();
         self.under(Repeat { period, count })
     }
 
     /// The shape cut at the origin, with each half moved outwards by `by` metres.
-    pub fn elongate(self, by: Vec3) -> Shape {
+    pub fn elongate(self, by: impl Into<[f32; 3]>) -> Shape {
+        let by = by.into().into();
         self.under(Elongate { by })
     }
 
@@ -246,6 +250,7 @@ impl Shape {
 mod tests {
     use super::super::{Cuboid, Cylinder, Plane, Room, Sphere};
     use super::*;
+    use glam::Vec3;
 
     fn cube() -> Shape {
         Shape::from(Cuboid { size: Vec3::ONE })
