@@ -121,5 +121,5 @@ pub use error::Error;
 pub use glam;
 #[doc(hidden)]
 pub use scene::Node;
-pub use scene::{Listener, Scene, Shape, Source, Surface};
+pub use scene::{Listener, Pair, Scene, Shape, Source, Surface};
 pub use tracer::{Frame, Panning, Profile, Settings, Tracer};

@@ -124,7 +124,8 @@ impl Default for SliceOptions {
 
 /// The scene cut at a height and seen from above: x to the right, z downwards. Listeners, sources, their key-framed
 /// paths and the paths of waves are drawn on top, whatever their height. Waves are those of the pair; the scene's other
-/// sources and listeners are paler.
+/// sources and listeners are paler. A scene without a source is drawn, too, and with a given height one without a
+/// listener.
 ///
 /// # Errors
 /// [`Error::Picture`] for an impossible size or bounds, [`Error::Scene`] and [`Error::Trace`] for

@@ -43,7 +43,7 @@ impl Default for ViewOptions {
 }
 
 /// The scene as seen from a listener's position along its gaze direction, with a source. The listener is not
-/// drawn; the source is a glowing ball that lights everything it can reach.
+/// drawn; the source is a glowing ball that lights everything it can reach. A scene without a source is drawn, too.
 ///
 /// # Errors
 /// [`Error::Picture`] for an impossible size or field of view, [`Error::Scene`] and
@@ -369,7 +369,7 @@ fn sized<'a>(
     }
 }
 
-/// What a picture is seen by, and the position of the source that it shows.
+/// The listener of a picture, and the position of its source.
 #[derive(Clone, Debug, PartialEq)]
 struct Eye {
     /// The listener without name and path, which cannot be seen.

@@ -1,4 +1,4 @@
-//! A source and a listener of a scene: what a frame, a response or a picture is of.
+//! A source and a listener of a scene: the input of a frame, a response or a picture.
 
 use super::{Listener, Nearest, Scene, SceneError, Source};
 use glam::Vec3;
@@ -72,7 +72,7 @@ impl PartialEq for Pair<'_> {
     }
 }
 
-/// What can be traced or drawn: a [`Pair`], or a scene that has one source and one listener alone.
+/// An input of traces and pictures: a [`Pair`], or a scene that has one source and one listener alone.
 ///
 /// ```
 /// use echomarch::gl::Context;
@@ -100,9 +100,9 @@ pub(crate) mod sealed {
     use super::{Listener, Pair, Scene, SceneError, Source};
 
     pub trait Chosen<'a> {
-        /// What is traced.
+        /// The input of a trace.
         fn chosen(self) -> Result<Pair<'a>, SceneError>;
-        /// What is drawn.
+        /// The input of a picture.
         fn viewpoint(self) -> Result<Viewpoint<'a>, SceneError>;
     }
 
@@ -160,7 +160,7 @@ impl<'a> Viewpoint<'a> {
         self.listener.ok_or_else(|| self.scene.not_one_pair())
     }
 
-    /// What the waves in the picture are of.
+    /// The source and the listener of the waves in the picture.
     ///
     /// # Errors
     /// [`SceneError::NotOnePair`] without a source or without a listener.

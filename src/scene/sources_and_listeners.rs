@@ -6,7 +6,7 @@ use crate::text::nearest_or_all;
 use glam::{DQuat, DVec3, DVec4, Vec3};
 
 /// The tilt of a head, in radians, that counts as level: more than the rounding of a quaternion that was composed of
-/// thousands in `f32`, and less than the hundredth part of a degree-wide step that a listener could hear.
+/// thousands in `f32`. It raises an ear of a listener by a thousandth of the head's half width.
 const MOST_TILT: f64 = 1e-3;
 
 /// A point that sends waves in all directions.

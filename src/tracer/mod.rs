@@ -201,8 +201,8 @@ impl Tracer {
     /// number of waves creates its textures; neither counts in the frame's times.
     ///
     /// # Errors
-    /// [`Error::Scene`] and [`Error::Trace`] for input that cannot be traced, such as a scene with several sources of
-    /// which none was [chosen](Scene::pair); [`Error::Gpu`] when the renderer fails.
+    /// [`Error::Scene`] and [`Error::Trace`] for input that cannot be traced, such as a scene with several sources that is
+    /// given without a [choice](Scene::pair); [`Error::Gpu`] when the renderer fails.
     pub fn frame<'a>(
         &mut self,
         pair: impl IntoPair<'a>,

@@ -178,6 +178,52 @@ fn a_slice_shows_all_sources_and_listeners() {
     assert!(shown.max.x > 40.0, "{shown:?}");
 }
 
+/// Protects pictures from demands that they do not need: without a source there are a view and a plan, without a listener
+/// a plan at a given height; of several the caller chooses.
+#[test]
+fn a_picture_needs_no_source() {
+    let mut tracer = tracer(Api::Gl);
+    let context = tracer.context().clone();
+    let view = ViewOptions {
+        width: 64,
+        height: 48,
+        ..ViewOptions::default()
+    };
+    let mut scene = Scene::builtin("corner").unwrap();
+    let with_source = first_person(&context, &scene, &view).unwrap();
+    let own = scene.sources.remove(0);
+    let plan = SliceOptions {
+        width: 64,
+        ..SliceOptions::default()
+    };
+    let without = first_person(&context, &scene, &view).unwrap();
+    assert_eq!(without.dimensions(), with_source.dimensions());
+    slice(&mut tracer, &scene, &plan).unwrap();
+    let with_paths = SliceOptions {
+        paths: 4,
+        ..plan.clone()
+    };
+    refused(slice(&mut tracer, &scene, &with_paths));
+    let listener = scene.listeners.remove(0);
+    refused(first_person(&context, &scene, &view));
+    refused(slice(&mut tracer, &scene, &plan));
+    let at_height = SliceOptions {
+        height: Some(0.0),
+        ..plan.clone()
+    };
+    slice(&mut tracer, &scene, &at_height).unwrap();
+    scene.surfaces.clear();
+    let nowhere = Bounds::of(&scene, 0.0);
+    assert!(nowhere.min.is_finite() && nowhere.max.is_finite());
+    scene.surfaces = Scene::builtin("corner").unwrap().surfaces;
+    scene.sources = vec![own.clone(), own];
+    scene.listeners = vec![listener];
+    refused(first_person(&context, &scene, &view));
+    refused(slice(&mut tracer, &scene, &plan));
+    let chosen = first_person(&context, scene.pair(1, 0).unwrap(), &view).unwrap();
+    assert_eq!(chosen, with_source);
+}
+
 /// Protects the user from an empty picture, and the renderer from sizes that it cannot draw.
 #[test]
 fn pictures_that_cannot_be_are_refused_as_bad_input() {

@@ -27,12 +27,12 @@ const AT_MOST: Duration = Duration::from_millis(2);
 #[derive(Default)]
 pub struct Paths {
     states: Vec<Vec<Wave>>,
-    /// What they were traced with.
+    /// Input of the last trace.
     of: Option<(Traced, Settings)>,
     search: HeardSearch,
 }
 
-/// What the paths of waves depend on: not on the gaze.
+/// The state of a scene that determines the paths of its waves. The gaze does not matter.
 struct Traced {
     surfaces: Vec<Surface>,
     source: Vec3,
