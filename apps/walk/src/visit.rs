@@ -22,7 +22,7 @@ use glam::Vec3;
 /// let mut visit = Visit::new(&context, Scene::builtin("corner")?)?;
 /// let ahead = MoveInput { forward: 1.0, ..MoveInput::default() };
 /// visit.pass(&ahead, 0.1);
-/// assert!(visit.scene().listener.position.z < 8.0);
+/// assert!(visit.scene().listeners[0].position.z < 8.0);
 /// while visit.trace(8.0)?.is_none() {}
 /// assert!(visit.frame().is_some_and(|frame| frame.counts.listener_hits > 0));
 /// # Ok::<(), echomarch::Error>(())
