@@ -12,6 +12,7 @@ const SAID: [&str; 4] = ["left", "centre", "right", "nothing"];
 
 /// One line of the observer's report: a direction in the open, or a sound and setting in a room.
 /// Angles in degrees, positive to the right; shares from 0 to 1 for programs.
+#[derive(Default)]
 pub(super) struct Line<'a> {
     /// `open` (all around the listener), `alike` (three sources with the same levels)
     /// or `room`.
@@ -58,14 +59,11 @@ impl<'a> Line<'a> {
             elevation: Some(at.elevation_deg),
             trials: report.seeds,
             unheard: 1.0 - heard as f64 / f64::from(report.seeds.max(1)),
-            hits: None,
             mean_answer: at.answer_deg,
             source: at.error,
-            limit: None,
             blind: at.blind,
-            confusion: None,
-            side_right: None,
             renderer: &report.renderer,
+            ..Line::default()
         }
     }
 
@@ -77,18 +75,15 @@ impl<'a> Line<'a> {
             profile: &cell.profile,
             waves: cell.waves,
             iterations: cell.iterations,
-            azimuth: None,
-            elevation: None,
             trials: cell.trials,
             unheard: cell.unheard,
             hits: Some(cell.hits),
-            mean_answer: None,
             source: cell.source,
             limit: cell.limit,
-            blind: None,
             confusion: Some(cell.confusion),
             side_right: cell.side_right,
             renderer: &report.renderer,
+            ..Line::default()
         }
     }
 }

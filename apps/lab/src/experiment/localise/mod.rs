@@ -139,8 +139,7 @@ impl LocaliseOptions {
 
     /// Waves and iterations, sorted by waves: another number of waves needs other textures.
     fn counts(&self) -> impl Iterator<Item = (u32, u32)> {
-        let of = |&waves| self.iterations.iter().map(move |&count| (waves, count));
-        self.waves.iter().flat_map(of)
+        pairs(&self.waves, &self.iterations)
     }
 
     /// Settings that are too large to be run: of more than [`MOST_WORK`] waves × iterations.
@@ -151,18 +150,11 @@ impl LocaliseOptions {
 
     /// Every profile with every combination of numbers.
     fn settings(&self) -> Vec<Settings> {
-        let mut all = Vec::new();
-        for (waves, iterations) in self.counts() {
-            if too_large(waves, iterations) {
-                continue;
-            }
-            let of = |&profile: &Profile| {
-                let settings = Settings::new(profile);
-                settings.with_waves(waves).with_iterations(iterations)
-            };
-            all.extend(self.profiles.iter().map(of));
-        }
-        all
+        let counts = self.counts();
+        combined(
+            &self.profiles,
+            counts.filter(|&(waves, iterations)| !too_large(waves, iterations)),
+        )
     }
 
     /// Number of steps that [`run`] reports.
@@ -171,6 +163,21 @@ impl LocaliseOptions {
         let cells = self.settings().len() as u64;
         self.open.len() as u64 + self.scenes.len() as u64 * (FACINGS + cells)
     }
+}
+
+/// Every number of waves with every number of iterations.
+fn pairs(waves: &[u32], iterations: &[u32]) -> impl Iterator<Item = (u32, u32)> {
+    let of = |&waves| iterations.iter().map(move |&count| (waves, count));
+    waves.iter().flat_map(of)
+}
+
+/// The settings of every profile with each number of waves and iterations.
+fn combined(profiles: &[Profile], counts: impl Iterator<Item = (u32, u32)>) -> Vec<Settings> {
+    let of = |(waves, iterations): (u32, u32)| {
+        let settings = profiles.iter().map(|&profile| Settings::new(profile));
+        settings.map(move |settings| settings.with_waves(waves).with_iterations(iterations))
+    };
+    counts.flat_map(of).collect()
 }
 
 fn too_large(waves: u32, iterations: u32) -> bool {

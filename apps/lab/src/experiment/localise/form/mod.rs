@@ -19,6 +19,7 @@ mod plan;
 use super::answers::StimulusInfo;
 use super::listen::{LoadedSound, facings, listen};
 use super::observer::{Levels, Observer, azimuth_deg, lateral_deg};
+use super::{combined, pairs};
 use echomarch::Error;
 use echomarch::audio::{PanningLaw, SoundSpec};
 use echomarch::internals::file_output::{OutputError, write_inside};
@@ -126,13 +127,19 @@ pub fn build(
     let sounds = sounds?;
     let rooms: Vec<Scene> = options.scenes.iter().flat_map(facings).collect();
     let total = (rooms.len() + options.trials() / sounds.len().max(1)) as u64;
+    let settings = combined(
+        &options.profiles,
+        pairs(&options.waves, &options.iterations),
+    );
+    let seeded = settings.into_iter().map(|it| it.with_seed(options.seed));
+    let settings: Vec<Settings> = seeded.collect();
     let (mut done, mut plans, mut stimuli) = (0, Vec::new(), Vec::new());
     for (index, room) in rooms.iter().enumerate() {
         plans.push(Plan::new(tracer.context(), room)?);
         done += 1;
         progress(done, total);
-        for settings in settings(options) {
-            let heard = stimuli_of(tracer, room, &settings, &sounds, options.law)?;
+        for settings in &settings {
+            let heard = stimuli_of(tracer, room, settings, &sounds, options.law)?;
             stimuli.extend(heard.into_iter().map(|stimulus| (index, stimulus)));
             done += 1;
             progress(done, total);
@@ -159,20 +166,6 @@ pub fn build(
         sounds,
         plans,
     })
-}
-
-fn settings(options: &FormOptions) -> Vec<Settings> {
-    let mut all = Vec::new();
-    for &waves in &options.waves {
-        for &iterations in &options.iterations {
-            let of = |&profile: &Profile| {
-                let settings = Settings::new(profile).with_seed(options.seed);
-                settings.with_waves(waves).with_iterations(iterations)
-            };
-            all.extend(options.profiles.iter().map(of));
-        }
-    }
-    all
 }
 
 /// The stimuli of one frame with every sound.
