@@ -7,8 +7,7 @@
 use crate::audio::{AudioError, FrameBlocks, Mixer, Sound};
 use crate::auralisation::{Auralisation, Heard, Spec};
 use crate::error::Error;
-use crate::response::ListenerAxes;
-use crate::response::{HeardSource, Response, ResponseSettings};
+use crate::response::{HeardSource, ListenerAxes, Response, ResponseSettings};
 use crate::scene::{IntoPair, Pair, Scene};
 use crate::tracer::{Frame, Settings, TraceError, Tracer};
 

@@ -5,10 +5,9 @@ use super::delay_line::REACH;
 use super::{CHANNELS, Spec};
 use crate::bands::{self, BAND_COUNT};
 use crate::response::{
-    Encoding, Format, ImpulseResponse, ImpulseSettings, ListenerAxes, ResponseError, Tap,
-    amplitude, check_taps,
+    Encoding, Format, HeardPath, ImpulseResponse, ImpulseSettings, ListenerAxes, Response,
+    ResponseError, Tap, amplitude, check_taps,
 };
-use crate::response::{HeardPath, Response};
 use crate::sampling::hash;
 
 /// One of the strongest paths, as an echo.

@@ -5,8 +5,7 @@ use glam::Vec4;
 use glow::HasContext;
 
 use super::caller_state::SCRATCH_UNIT;
-use super::texture;
-use super::{Api, Context, GpuError, Program, Texture};
+use super::{Api, Context, GpuError, Program, Texture, texture};
 
 /// A list of vectors: a buffer in OpenGL (`samplerBuffer`), or rows of a texture (`sampler2D`) in ES, which has no
 /// texture buffers. Buffers are faster to read since they have neither rows nor levels. The list grows as needed and is

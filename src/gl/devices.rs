@@ -2,8 +2,7 @@
 
 use std::fmt;
 
-use super::native;
-use super::{Api, Context, ContextOptions, GpuError, Limits};
+use super::{Api, Context, ContextOptions, GpuError, Limits, native};
 
 /// One device, and the result of making a context on it.
 #[derive(Debug)]

@@ -1,6 +1,5 @@
 //! Arrivals: the passes that trace waves past a transparent listener.
 
-use super::Tracer;
 use super::arrivals::{
     ArrivalCounts, ArrivalSettings, ArrivalTargets, Block, EventTable, Followed, LISTED_AT_MOST,
     Listed, Replay, Start, WAVES_IN_BLOCK, WavesToFollow, listed_rows, open_volume,
@@ -9,7 +8,7 @@ use super::gpu_scene::check_uniforms;
 use super::prepared::{FramePrograms, PreparedFrame};
 use super::programs::{ScenePass, loops_asked};
 use super::targets::draw;
-use super::{Algorithm, Grid, Profile, Settings, TraceError};
+use super::{Algorithm, Grid, Profile, Settings, TraceError, Tracer};
 use crate::arrival::Arrival;
 use crate::bands::{BAND_COUNT, Bands};
 use crate::error::Error;

@@ -1,7 +1,6 @@
 //! The search for waves that reach the listener, and their paths.
 
-use super::Tracer;
-use super::{Fate, Settings, Wave};
+use super::{Fate, Settings, Tracer, Wave};
 use crate::error::Error;
 use crate::scene::Pair;
 use glam::Vec3;

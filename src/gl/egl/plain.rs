@@ -2,8 +2,7 @@
 //! Used for ANGLE and older drivers.
 
 use std::ffi::{CStr, c_void};
-use std::fmt;
-use std::ptr;
+use std::{fmt, ptr};
 
 use glutin_egl_sys::egl;
 use glutin_egl_sys::egl::types::{EGLConfig, EGLContext, EGLDisplay, EGLSurface, EGLint};

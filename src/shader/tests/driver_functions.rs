@@ -1,8 +1,7 @@
 //! Results must not depend on the parts of GLSL that are left to the driver.
 
 use crate::gl::{Context, Program, RenderTarget, Texture, full_screen_pass};
-use crate::shader::text::library;
-use crate::shader::text::link;
+use crate::shader::text::{library, link};
 use crate::shader::{Source, first_sum_text, join, pan_text};
 use crate::test_common::for_each_api;
 use std::f64::consts::TAU;

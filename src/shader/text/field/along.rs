@@ -6,8 +6,7 @@
 //! difference or a shell exchanges air and solid.
 
 use super::value::{Axis, arguments, mirrored};
-use super::{CopyAxes, keep_to_cells};
-use super::{Place, Writer};
+use super::{CopyAxes, Place, Writer, keep_to_cells};
 use crate::scene::shape::{HeightField, Mirror, Repeat};
 use crate::scene::{Copies, Node, Shape};
 use crate::shader::structure::Assets;

@@ -10,8 +10,7 @@
 //! only if the wave hits no other surface.
 
 use super::value::arguments;
-use super::{CopyAxes, cells_crossed, has_step_limit, keep_to_cells};
-use super::{Place, Writer};
+use super::{CopyAxes, Place, Writer, cells_crossed, has_step_limit, keep_to_cells};
 use crate::scene::{Node, Shape};
 use crate::shader::structure::Assets;
 use crate::shader::text::link::has_function;
