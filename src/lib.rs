@@ -93,6 +93,7 @@ pub mod response;
 mod ron_error;
 mod sampling;
 pub mod scene;
+mod serialised;
 mod shader;
 mod text;
 pub mod tracer;

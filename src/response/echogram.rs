@@ -4,6 +4,7 @@ use super::error::{bad, check, check_speed};
 use super::{Arrival, ResponseError};
 use crate::bands::{self, BAND_COUNT, BANDS_HZ, Bands};
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 
 /// Maximum number of bins: 65 s at 1 ms, 80 MiB with 16 batches. Later arrivals are summed without their times
@@ -27,7 +28,8 @@ pub(super) const MAX_BINS: usize = 1 << 16;
 /// assert_eq!(echogram.total(), [0.25; 8]);
 /// # Ok::<(), echomarch::response::ResponseError>(())
 /// ```
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(try_from = "EchogramFile")]
 pub struct Echogram {
     bin_s: f64,
     first_s: f64,
@@ -39,6 +41,55 @@ pub struct Echogram {
     /// Energy × direction of flight by bin and band; all batches together.
     flows: Vec<[DVec3; BAND_COUNT]>,
     beyond: Bands,
+}
+
+/// An [`Echogram`] as it is read, before its numbers are checked.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct EchogramFile {
+    bin_s: f64,
+    first_s: f64,
+    batches: usize,
+    energies: Vec<Bands>,
+    squares: Vec<Bands>,
+    flows: Vec<[DVec3; BAND_COUNT]>,
+    beyond: Bands,
+}
+
+impl TryFrom<EchogramFile> for Echogram {
+    type Error = ResponseError;
+
+    fn try_from(file: EchogramFile) -> Result<Echogram, ResponseError> {
+        let empty = Echogram::new(file.bin_s, file.batches)?;
+        let bins = file.flows.len();
+        let refused = |what, must, value| Err(ResponseError::BadNumber { what, must, value });
+        if bins > MAX_BINS {
+            return refused("the number of bins", "at most 65536", bins as f64);
+        }
+        if file.energies.len() != bins * file.batches || file.squares.len() != bins {
+            let entries = file.energies.len() as f64;
+            return refused(
+                "the number of energies",
+                "one for each bin and batch",
+                entries,
+            );
+        }
+        if !(0.0..=file.bin_s).contains(&file.first_s) {
+            return refused(
+                "the start of the first bin in seconds",
+                "0 to a bin",
+                file.first_s,
+            );
+        }
+        Ok(Echogram {
+            first_s: file.first_s,
+            energies: file.energies,
+            squares: file.squares,
+            flows: file.flows,
+            beyond: file.beyond,
+            ..empty
+        })
+    }
 }
 
 /// One band of one bin, summed over all batches.

@@ -68,11 +68,13 @@ use crate::bands::{self, BAND_COUNT, Bands};
 use crate::error::Error;
 use crate::platform::Instant;
 use crate::scene::{IntoPair, Pair};
+use crate::serialised::finite;
 use crate::tracer::{ArrivalCounts, ArrivalSettings, Settings, Tracer};
 use early_part::{Caught, EarlyPart};
 pub use exact_paths::{Missed, SpecularPath};
 use glam::Vec3;
 use late::{Arrivals, LateSphere};
+use serde::{Deserialize, Serialize};
 use source_sound::Medium;
 
 /// The sound of one source at one listener.
@@ -91,7 +93,7 @@ use source_sound::Medium;
 /// assert!((direct.delay_s - direct.path.length_m / 343.0).abs() < 1e-9);
 /// # Ok::<(), echomarch::Error>(())
 /// ```
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[non_exhaustive]
 pub struct Response {
     /// The exact early paths with energy, by length.
@@ -115,6 +117,7 @@ pub struct Response {
     pub seconds: f64,
     /// Time in seconds until which the waves were followed, if more than one in a thousand was given up before the
     /// record's end: the figures hold until then.
+    #[serde(serialize_with = "finite")]
     pub followed_s: Option<f64>,
     /// Fates of the waves; if late arrivals are counted in a larger sphere than the listener, or come from fewer waves,
     /// of these waves. With importance sampling the pilot waves are not counted.

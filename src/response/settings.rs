@@ -4,10 +4,16 @@ use super::duration;
 use crate::error::Error;
 use crate::response::{Echogram, ImpulseSettings, ResponseError};
 use crate::scene::{IntoPair, Scene, Surface};
+use crate::serialised::finite;
 use crate::tracer::{ArrivalSettings, Profile, Settings, TraceError, Tracer};
+use serde::{Deserialize, Serialize};
 
 /// Settings of a [`Response`](super::Response).
-#[derive(Clone, Debug, PartialEq)]
+///
+/// Serialised with each field by its name. A field that is left out has its default; unknown ones and numbers out of
+/// range are refused.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(try_from = "SettingsFile")]
 #[non_exhaustive]
 pub struct ResponseSettings {
     /// Waves, start directions, seed and algorithm. The iterations follow from the seconds, so any but the default
@@ -15,6 +21,7 @@ pub struct ResponseSettings {
     pub trace: Settings,
     /// Length of the record; `None` to follow the waves until the energy of every band has fallen
     /// by 60 dB, as estimated by a few waves.
+    #[serde(serialize_with = "finite")]
     pub seconds: Option<f64>,
     /// Maximum length of the record if `seconds` is `None`, in seconds: 10 by default, as few halls are audible for
     /// longer. A record is never shorter than the time of the direct sound.
@@ -32,6 +39,60 @@ pub struct ResponseSettings {
     pub bin_s: f64,
     /// Number of batches for estimating errors: 16 by default.
     pub batches: usize,
+}
+
+/// The fields of [`ResponseSettings`], each of which may be left out.
+#[derive(Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct SettingsFile {
+    trace: Settings,
+    seconds: Option<f64>,
+    longest_s: f64,
+    late_waves: Option<u32>,
+    order: Option<u32>,
+    bin_s: f64,
+    batches: usize,
+}
+
+impl Default for SettingsFile {
+    fn default() -> SettingsFile {
+        let ResponseSettings {
+            trace,
+            seconds,
+            longest_s,
+            late_waves,
+            order,
+            bin_s,
+            batches,
+        } = ResponseSettings::default();
+        SettingsFile {
+            trace,
+            seconds,
+            longest_s,
+            late_waves,
+            order,
+            bin_s,
+            batches,
+        }
+    }
+}
+
+impl TryFrom<SettingsFile> for ResponseSettings {
+    type Error = Error;
+
+    fn try_from(file: SettingsFile) -> Result<ResponseSettings, Error> {
+        let settings = ResponseSettings {
+            trace: file.trace,
+            seconds: file.seconds,
+            longest_s: file.longest_s,
+            late_waves: file.late_waves,
+            order: file.order,
+            bin_s: file.bin_s,
+            batches: file.batches,
+        };
+        settings.validate()?;
+        Ok(settings)
+    }
 }
 
 /// The default orders: see [`ResponseSettings::order`].

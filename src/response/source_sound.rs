@@ -7,7 +7,7 @@ use crate::response::exact_paths::SpecularPath;
 use crate::response::{Arrival, Echogram, Figures, Tap};
 use crate::scene::{Listener, Material, Pair, Scene};
 use glam::{DVec3, Vec3};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 /// Effects on the sound between source and listener, except those of the surfaces.
@@ -109,7 +109,7 @@ fn along(
 }
 
 /// A specular path from source to listener, and the sound along it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[non_exhaustive]
 pub struct HeardPath {
     /// The path's geometry.
@@ -176,7 +176,7 @@ impl HeardSource {
 }
 
 /// A source's sound at the listener, in few numbers.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[non_exhaustive]
 pub struct Level {
     /// Strength *G* of all energy, averaged over the bands: decibels relative to the same source without its `level_db`

@@ -7,10 +7,10 @@ use super::text::{
     join, library, link, source,
 };
 use crate::scene::Scene;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// How the start directions are chosen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Directions {
     /// Independent and uniform over the sphere, as in the thesis.

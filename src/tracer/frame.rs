@@ -19,7 +19,7 @@ use std::time::Duration;
 /// assert_eq!(counts.listener_hits + counts.dead + counts.travelling, 1024);
 /// # Ok::<(), echomarch::Error>(())
 /// ```
-#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Deserialize, serde::Serialize)]
 #[non_exhaustive]
 pub struct Frame {
     /// The sound at the two ears.
@@ -31,7 +31,7 @@ pub struct Frame {
 }
 
 /// Time of one frame by part, in milliseconds.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Deserialize, serde::Serialize)]
 #[non_exhaustive]
 pub struct Milliseconds {
     /// The initialise pass; 0 if all passes of the frame are drawn as one.
@@ -76,7 +76,7 @@ impl Milliseconds {
 /// let gains = PanningLaw::Linear.gains(panning.pan() as f32);
 /// assert_eq!((gains.left, gains.right), (0.25, 0.75));
 /// ```
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Deserialize, serde::Serialize)]
 #[non_exhaustive]
 pub struct Panning {
     /// Sum of the contributions to the left.
@@ -99,7 +99,7 @@ impl Panning {
 
 /// Counts of waves by fate, and of events during their march. When summed on the GPU, the counts of
 /// marches and evaluations are exact up to 2^24 and rounded above.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
 #[non_exhaustive]
 pub struct Counts {
     /// Waves that reached the listener.
@@ -117,7 +117,7 @@ pub struct Counts {
     /// Marches that reached the step limit.
     pub step_limit_reached: u64,
     /// Evaluations of the distance, if they were counted; the two previous counts are then 0.
-    #[serde(skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "is_zero")]
     pub evaluations: u64,
 }
 

@@ -12,3 +12,4 @@ mod panning;
 mod pictures;
 mod responses;
 mod rooms_that_scatter;
+mod serialised;

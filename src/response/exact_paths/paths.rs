@@ -26,6 +26,7 @@
 
 use super::sheet::Sheet;
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 use std::f64::consts::PI;
 
@@ -46,7 +47,7 @@ impl FoundBy {
 }
 
 /// A path of sound from source to listener, mirrored at surfaces.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[cfg_attr(test, derive(Default))]
 #[non_exhaustive]
 pub struct SpecularPath {
@@ -275,7 +276,7 @@ fn mirrored(neighbour: Neighbour, d: DVec3, n: DVec3, bend: glam::DMat3) -> Neig
 }
 
 /// Estimate of the early sound that the waves and the additional search have missed.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[non_exhaustive]
 pub struct Missed {
     /// Number of waves that found a path.

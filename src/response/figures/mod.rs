@@ -6,9 +6,11 @@ use super::error::{bad, check_speed};
 use super::{Echogram, ImpulseSettings, ResponseError, Tap, check_taps};
 use crate::bands::BAND_COUNT;
 use crate::geometry::{ImageSource, ShoeboxEnergies};
+use crate::serialised::finite;
 use decay::Decay;
 use glam::DVec3;
 use pieces::Piece;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use uncertainty::Halves;
 
@@ -36,24 +38,32 @@ const LEAST_ARRIVALS: f64 = 500.0;
 
 /// The figures of a band, by ISO 3382-1. `None` if the decay is too short or too noisy, or if the figure is not
 /// defined: no decay time without an echo, no clarity without late sound.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[non_exhaustive]
 pub struct BandFigures {
     /// Early decay time in seconds: six times the decay from 0 dB to −10 dB.
+    #[serde(serialize_with = "finite")]
     pub edt_s: Option<f64>,
     /// Reverberation time in seconds from the decay from −5 dB to −25 dB.
+    #[serde(serialize_with = "finite")]
     pub t20_s: Option<f64>,
     /// Reverberation time in seconds from the decay from −5 dB to −35 dB.
+    #[serde(serialize_with = "finite")]
     pub t30_s: Option<f64>,
     /// Clarity in decibels: energy within 50 ms of the direct sound relative to later energy.
+    #[serde(serialize_with = "finite")]
     pub c50_db: Option<f64>,
     /// Clarity in decibels, divided at 80 ms.
+    #[serde(serialize_with = "finite")]
     pub c80_db: Option<f64>,
     /// Definition: the share of the energy within 50 ms, 0 … 1.
+    #[serde(serialize_with = "finite")]
     pub d50: Option<f64>,
     /// Centre time in seconds after the direct sound.
+    #[serde(serialize_with = "finite")]
     pub ts_s: Option<f64>,
     /// Strength in decibels relative to the same source at 10 m in a free field.
+    #[serde(serialize_with = "finite")]
     pub g_db: Option<f64>,
 }
 
@@ -93,7 +103,7 @@ pub struct BandFigures {
 /// [`Response`](crate::response::Response) adds the known effects of the listener's size and the effect of one further
 /// arrival. In bands with fewer than 64 arrivals it reports C50, C80 and G only with errors of at most 1 dB, D50 with
 /// at most 0.05 and Ts with at most 10 ms.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[non_exhaustive]
 pub struct Figures {
     /// The figures by band.
@@ -104,9 +114,11 @@ pub struct Figures {
     /// The share of the energy in the tail after the record; `None` if the tail cannot be estimated.
     pub cut_off: [Option<f64>; BAND_COUNT],
     /// Time origin of the figures: seconds after the source's impulse. `None` if nothing arrived.
+    #[serde(serialize_with = "finite")]
     pub begins_s: Option<f64>,
     /// The error of `begins_s`, one standard deviation in seconds: 0 for the direct sound. The errors of the figures
     /// include it. `None` if nothing arrived.
+    #[serde(serialize_with = "finite")]
     pub begins_error_s: Option<f64>,
     /// Bands in which a figure was removed because few waves arrived.
     pub(crate) have_few_arrivals: [bool; BAND_COUNT],

@@ -7,6 +7,7 @@ use crate::hrtf::HrirSet;
 use crate::scene::Listener;
 use filters::{Crossing, Spectra};
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 use std::ops::RangeInclusive;
 use std::sync::Arc;
@@ -20,7 +21,12 @@ mod tests;
 const DEFAULT_RATE_HZ: u32 = 48_000;
 
 /// Settings of an impulse response.
-#[derive(Clone, Debug, PartialEq)]
+///
+/// Serialised with each field by its name; the format is `"mono"`, `"stereo"` or `"ambix"`, and `binaural` is refused: it
+/// has a set of measurements. A field that is left out has its default, except the seconds; unknown ones and numbers out
+/// of range are refused.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(try_from = "SettingsFile")]
 #[non_exhaustive]
 pub struct ImpulseSettings {
     /// Samples per second, in [`ImpulseSettings::RATES_HZ`].
@@ -48,6 +54,53 @@ impl ImpulseSettings {
             format: Format::Mono,
             seed: 0,
         }
+    }
+
+    /// Checks the rate and the length against their ranges.
+    ///
+    /// # Errors
+    /// [`ResponseError::BadRate`] and [`ResponseError::BadLength`].
+    pub fn validate(&self) -> Result<(), ResponseError> {
+        let (rate_hz, seconds) = (self.rate_hz, self.seconds);
+        if !ImpulseSettings::RATES_HZ.contains(&rate_hz) {
+            return Err(ResponseError::BadRate { rate_hz });
+        }
+        if !(seconds > 0.0 && seconds <= ImpulseSettings::MAX_SECONDS) {
+            return Err(ResponseError::BadLength { seconds });
+        }
+        Ok(())
+    }
+}
+
+/// The fields of [`ImpulseSettings`] as they are read.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SettingsFile {
+    #[serde(default = "default_rate_hz")]
+    rate_hz: u32,
+    seconds: f64,
+    #[serde(default)]
+    format: Format,
+    #[serde(default)]
+    seed: u64,
+}
+
+fn default_rate_hz() -> u32 {
+    DEFAULT_RATE_HZ
+}
+
+impl TryFrom<SettingsFile> for ImpulseSettings {
+    type Error = ResponseError;
+
+    fn try_from(file: SettingsFile) -> Result<ImpulseSettings, ResponseError> {
+        let settings = ImpulseSettings {
+            rate_hz: file.rate_hz,
+            seconds: file.seconds,
+            format: file.format,
+            seed: file.seed,
+        };
+        settings.validate()?;
+        Ok(settings)
     }
 }
 
@@ -110,12 +163,7 @@ impl ImpulseResponse {
         let ImpulseSettings {
             rate_hz, seconds, ..
         } = *settings;
-        if !ImpulseSettings::RATES_HZ.contains(&rate_hz) {
-            return Err(ResponseError::BadRate { rate_hz });
-        }
-        if !(seconds > 0.0 && seconds <= ImpulseSettings::MAX_SECONDS) {
-            return Err(ResponseError::BadLength { seconds });
-        }
+        settings.validate()?;
         check_taps(taps)?;
         let samples = (seconds * f64::from(rate_hz)).ceil() as usize;
         let sound = Sound {
@@ -294,7 +342,8 @@ const MOST_CHANNELS: usize = 4;
 const DIFFUSE_SHARE: f64 = 1.0 / 3.0;
 
 /// The channels of an impulse response.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Format {
     /// One channel, the same for all directions.
     #[default]
@@ -308,6 +357,7 @@ pub enum Format {
     AmbiX,
     /// Left and right ear, for headphones: each arrival is filtered by the head-related impulse
     /// responses of its direction. A set at another rate is resampled.
+    #[serde(skip)]
     Binaural(Arc<HrirSet>),
 }
 

@@ -134,7 +134,7 @@ impl WavesToFollow<'_> {
 }
 
 /// The fates of the waves whose arrivals were traced.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Deserialize, serde::Serialize)]
 #[non_exhaustive]
 pub struct ArrivalCounts {
     /// Number of followed waves: if bands scatter differently, the sum over the groups of bands.
@@ -150,7 +150,8 @@ pub struct ArrivalCounts {
     /// Waves that were cut off after [`ArrivalSettings::iterations`].
     pub cut_off: u64,
     /// Distance from the source in metres within which at most one in a thousand waves was cut off;
-    /// ∞ if at most that many were cut off in total.
+    /// ∞, serialised as nothing, if at most that many were cut off in total.
+    #[serde(with = "crate::serialised::infinite")]
     pub followed_m: f64,
     /// Traced iterations; waves of a later block may have needed more than those of earlier blocks.
     pub iterations: u32,

@@ -2,10 +2,11 @@
 
 use super::{TraceError, bad, positive};
 use crate::shader::MAX_STEPS;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// The name of an algorithm.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Deserialize, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Profile {
     /// Closed form for each surface that has one. Recommended.
     Hybrid,

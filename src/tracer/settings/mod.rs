@@ -4,11 +4,12 @@
 //! to all algorithms, [`Algorithm`] those of one algorithm (`algorithm.rs`).
 
 mod algorithm;
+mod serialised;
 
 use super::TraceError;
 use crate::shader::Directions;
 pub use algorithm::{Algorithm, HybridOptions, MarchOptions, Profile, ThesisOptions};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// The largest distance that may be requested, in metres: its square, and the square of a wave's
@@ -36,8 +37,10 @@ const THESIS_MAX_DISTANCE: f32 = 300.0;
 /// assert!(settings.validate().is_ok());
 /// ```
 ///
-/// Serialised flat: the algorithm's options are next to its name as `profile`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+/// Serialised flat: the algorithm's options are next to its name as `profile`; lengths are in metres. A field that is left
+/// out has its default; unknown ones, the options of another algorithm and numbers out of range are refused.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(try_from = "serialised::SettingsFile")]
 #[non_exhaustive]
 pub struct Settings {
     /// The algorithm and its own options. To change to another algorithm, begin with

@@ -1,0 +1,37 @@
+//! Numbers of settings and results in text: those that a format such as JSON cannot hold are refused or have a meaning of
+//! their own, and never become others.
+
+use serde::de::{Deserialize, Deserializer};
+use serde::ser::{Error, Serialize, Serializer};
+
+/// Reads a field that may be left out. `null` is a value of it only if the type has one.
+pub(crate) fn given<'de, D, T>(deserializer: D) -> Result<Option<T>, D::Error>
+where
+    D: Deserializer<'de>,
+    T: Deserialize<'de>,
+{
+    T::deserialize(deserializer).map(Some)
+}
+
+/// Writes an optional number, and refuses one that is not finite: in JSON it would be read as missing.
+pub(crate) fn finite<S: Serializer>(value: &Option<f64>, to: S) -> Result<S::Ok, S::Error> {
+    match value {
+        Some(value) if !value.is_finite() => Err(Error::custom(format!(
+            "{value} cannot be written: it is not a finite number"
+        ))),
+        value => value.serialize(to),
+    }
+}
+
+/// A number that may be ∞, which is written as nothing.
+pub(crate) mod infinite {
+    use super::*;
+
+    pub(crate) fn serialize<S: Serializer>(value: &f64, to: S) -> Result<S::Ok, S::Error> {
+        super::finite(&Some(*value).filter(|value| *value != f64::INFINITY), to)
+    }
+
+    pub(crate) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+        Option::deserialize(from).map(|value| value.unwrap_or(f64::INFINITY))
+    }
+}
