@@ -3,7 +3,7 @@
 /// Setters that take the value of a field: `fn name(value: type) => field`.
 macro_rules! setters {
     ($($(#[$doc:meta])* $see:vis fn $name:ident($value:ident: $kind:ty) => $field:ident;)*) => {
-        $($(#[$doc])* $see fn $name(mut self, $value: $kind) -> Self {
+        $($(#[$doc])* #[must_use] $see fn $name(mut self, $value: $kind) -> Self {
             self.$field = $value;
             self
         })*

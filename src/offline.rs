@@ -159,6 +159,7 @@ impl FullSettings {
     }
 
     /// Sets the length of the responses in seconds.
+    #[must_use]
     pub fn with_tail(mut self, seconds: f64) -> FullSettings {
         self.response.seconds = Some(seconds);
         self

@@ -116,6 +116,7 @@ impl Spec {
     }
 
     /// Sets the length of the longest response, in seconds.
+    #[must_use]
     pub fn with_longest(mut self, seconds: f64) -> Spec {
         self.longest_s = seconds;
         self

@@ -34,6 +34,7 @@ impl ContextOptions {
     }
 
     /// Selects one device, by its index from 0.
+    #[must_use]
     pub fn with_gpu(mut self, gpu: usize) -> ContextOptions {
         self.gpu = Some(gpu);
         self

@@ -123,6 +123,7 @@ impl ResponseSettings {
     pub const MAX_ORDER: u32 = 16;
 
     /// Sets the waves, directions and algorithm. Tracing rejects settings with their own iterations.
+    #[must_use]
     pub fn with_trace(mut self, trace: Settings) -> ResponseSettings {
         self.trace = trace;
         self
@@ -130,30 +131,35 @@ impl ResponseSettings {
 
     /// Sets the waves, directions and algorithm from the settings of frames, without their iterations.
     #[doc(hidden)]
+    #[must_use]
     pub fn with_trace_of_frames(self, frames: &Settings) -> ResponseSettings {
         let usual = Settings::new(frames.profile()).iterations;
         self.with_trace(frames.clone().with_iterations(usual))
     }
 
     /// Sets the length of the record in seconds.
+    #[must_use]
     pub fn with_seconds(mut self, seconds: f64) -> ResponseSettings {
         self.seconds = Some(seconds);
         self
     }
 
     /// Sets the maximum length of the record in seconds, used if no length is set.
+    #[must_use]
     pub fn with_longest(mut self, seconds: f64) -> ResponseSettings {
         self.longest_s = seconds;
         self
     }
 
     /// Sets the number of waves for late arrivals.
+    #[must_use]
     pub fn with_late_waves(mut self, waves: u32) -> ResponseSettings {
         self.late_waves = Some(waves);
         self
     }
 
     /// Sets the maximum number of reflections of exact paths.
+    #[must_use]
     pub fn with_order(mut self, order: u32) -> ResponseSettings {
         self.order = Some(order);
         self

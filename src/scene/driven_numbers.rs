@@ -23,6 +23,7 @@ impl Surface {
     }
 
     /// The same surface with one of its numbers driven.
+    #[must_use]
     pub fn driven(mut self, parameter: &str, motion: Motion) -> Surface {
         let parameter = parameter.to_owned();
         self.dynamic_rotation |= parameter.starts_with("rotation.");

@@ -214,6 +214,7 @@ fn may_be_meant(why: &InputError, path: &Path) -> String {
 impl SceneError {
     /// Adds a time to the error, unless the error already has one.
     #[doc(hidden)]
+    #[must_use]
     pub fn at(self, seconds: f64) -> SceneError {
         match self {
             SceneError::At { .. } => self,

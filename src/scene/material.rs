@@ -54,6 +54,7 @@ impl Material {
 
     /// The same material, scattering a share (0 to 1) of the reflected energy in every band: one number, or one for
     /// each.
+    #[must_use]
     pub fn scattering_by(self, share: impl PerBand) -> Material {
         Material {
             scattering: share.per_band(),

@@ -144,6 +144,7 @@ impl Scene {
     }
 
     /// The scene at `seconds` on its key-framed paths.
+    #[must_use]
     pub fn at(&self, seconds: f64) -> Scene {
         let mut posed = self.clone();
         for source in &mut posed.sources {

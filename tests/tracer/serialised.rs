@@ -32,7 +32,7 @@ fn results_round_trip() {
     assert!(response.paths.len() > 7 && response.counts.followed_m == f64::INFINITY);
     read_back(&response);
     read_back(&response.figures);
-    read_back(&response.level(&scene.listener).unwrap());
+    read_back(&response.level(&scene.listeners[0]).unwrap());
     let frame: Frame = tracer.frame(&scene, &settings.trace).unwrap();
     assert!(frame.counts.listener_hits > 0);
     read_back(&frame);

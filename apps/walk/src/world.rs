@@ -170,6 +170,7 @@ impl World {
     }
 
     /// Returns this scene with its named values set to the values of the same names in `other`.
+    #[must_use]
     pub fn like(mut self, other: &World) -> World {
         for slider in &other.sliders {
             let (name, value) = (&slider.name, other.value_of(slider));

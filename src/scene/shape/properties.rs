@@ -175,31 +175,37 @@ impl Bounds3 {
     }
 
     /// The smallest box that contains both boxes.
+    #[must_use]
     pub fn hull(self, other: Bounds3) -> Bounds3 {
         Bounds3::new(self.min.min(other.min), self.max.max(other.max))
     }
 
     /// The intersection; if it is empty, its minimum may exceed its maximum.
+    #[must_use]
     pub fn common(self, other: Bounds3) -> Bounds3 {
         Bounds3::new(self.min.max(other.min), self.max.min(other.max))
     }
 
     /// The box grown on all sides by a length in metres.
+    #[must_use]
     pub fn grown(self, by: DVec3) -> Bounds3 {
         Bounds3::new(self.min - by, self.max + by)
     }
 
     /// The box moved by a vector in metres.
+    #[must_use]
     pub fn moved(self, by: DVec3) -> Bounds3 {
         Bounds3::new(self.min + by, self.max + by)
     }
 
     /// The box scaled about the origin.
+    #[must_use]
     pub fn scaled(self, by: f64) -> Bounds3 {
         Bounds3::new(self.min * by, self.max * by)
     }
 
     /// Bounds of the box turned about the origin.
+    #[must_use]
     pub fn turned(self, by: DMat3) -> Bounds3 {
         let mut turned = Bounds3::new(DVec3::ZERO, DVec3::ZERO);
         for column in 0..3 {

@@ -127,6 +127,7 @@ impl Settings {
     }
 
     /// Changes the algorithm, with all of its defaults, and keeps the waves.
+    #[must_use]
     pub fn with_profile(self, profile: Profile) -> Settings {
         Settings {
             waves: self.waves,

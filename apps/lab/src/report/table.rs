@@ -84,39 +84,46 @@ impl<R> Column<R> {
     }
 
     /// Marks a column of text.
+    #[must_use]
     pub fn text(mut self) -> Column<R> {
         self.head.is_text = true;
         self
     }
 
     /// Sets the unit of the numbers.
+    #[must_use]
     pub fn unit(mut self, unit: &'static str) -> Column<R> {
         self.head.unit = unit;
         self
     }
 
     /// Marks a column whose cells are [`Cell::Interval`] or empty.
+    #[must_use]
     pub fn interval(mut self) -> Column<R> {
         self.head.is_interval = true;
         self
     }
 
     /// Sets a fixed number of decimals.
+    #[must_use]
     pub fn fixed(self, digits: usize) -> Column<R> {
         self.notation(Notation::Fixed(digits))
     }
 
     /// Sets a fixed number of decimals, with a sign.
+    #[must_use]
     pub fn signed(self, digits: usize) -> Column<R> {
         self.notation(Notation::Signed(digits))
     }
 
     /// Sets shares from 0 to 1 in percent, with a fixed number of decimals.
+    #[must_use]
     pub fn percent(self, digits: usize) -> Column<R> {
         self.notation(Notation::Percent(digits)).unit("%")
     }
 
     /// Sets the number of significant digits.
+    #[must_use]
     pub fn significant(self, digits: usize) -> Column<R> {
         self.notation(Notation::Significant(digits))
     }

@@ -173,6 +173,7 @@ impl Shape {
     }
 
     /// This field minus all the others.
+    #[must_use]
     pub fn minus(self, cut: impl IntoIterator<Item = Shape>) -> Shape {
         let mut children = vec![self];
         children.extend(cut);
@@ -180,66 +181,78 @@ impl Shape {
     }
 
     /// A blend between this field (0) and another (1).
+    #[must_use]
     pub fn morph(self, to: Shape, amount: f32) -> Shape {
         Shape::over(Morph { amount }, [self, to])
     }
 
     /// The complement: exchanges air and solid.
+    #[must_use]
     pub fn complement(self) -> Shape {
         self.under(Complement)
     }
 
     /// A wall of `thickness` metres along the shape's surface.
+    #[must_use]
     pub fn shell(self, thickness: f32) -> Shape {
         self.under(Shell { thickness })
     }
 
     /// The shape grown by a length in metres, or shrunk by a negative one.
+    #[must_use]
     pub fn offset(self, by: f32) -> Shape {
         self.under(Offset { by })
     }
 
     /// The shape moved by a vector in metres.
+    #[must_use]
     pub fn translate(self, by: impl Into<[f32; 3]>) -> Shape {
         let by = by.into().into();
         self.under(Translate { by })
     }
 
     /// The shape turned about x, then y, then z of the outer axes, in radians.
+    #[must_use]
     pub fn rotate(self, by: impl Into<[f32; 3]>) -> Shape {
         let by = by.into().into();
         self.under(Rotate { by })
     }
 
     /// The shape scaled by a factor.
+    #[must_use]
     pub fn scale(self, by: f32) -> Shape {
         self.under(Scale { by })
     }
 
     /// The part on the positive side of the chosen axes, mirrored to the other side.
+    #[must_use]
     pub fn mirror(self, axes: [bool; 3]) -> Shape {
         self.under(Mirror { axes })
     }
 
     /// The shape repeated every `period` metres (0: not along that axis), `count` times (0: without end).
+    #[must_use]
     pub fn repeat(self, period: impl Into<[f32; 3]>, count: [u32; 3]) -> Shape {
         let period = period.into().into();
         self.under(Repeat { period, count })
     }
 
     /// The shape cut at the origin, with each half moved outwards by `by` metres.
+    #[must_use]
     pub fn elongate(self, by: impl Into<[f32; 3]>) -> Shape {
         let by = by.into().into();
         self.under(Elongate { by })
     }
 
     /// The shape turned about y by `rate` radians per metre of y.
+    #[must_use]
     pub fn twist(self, rate: f32) -> Shape {
         let lipschitz = 0.0;
         self.under(Twist { rate, lipschitz })
     }
 
     /// The shape turned about z by `rate` radians per metre of x.
+    #[must_use]
     pub fn bend(self, rate: f32) -> Shape {
         let lipschitz = 0.0;
         self.under(Bend { rate, lipschitz })

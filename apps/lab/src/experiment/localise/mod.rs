@@ -127,6 +127,7 @@ impl LocaliseOptions {
     }
 
     /// The same with few settings and seeds: seconds.
+    #[must_use]
     pub fn quick(self) -> LocaliseOptions {
         LocaliseOptions {
             waves: vec![1024, 16_384, 65_536],
