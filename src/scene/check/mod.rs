@@ -32,7 +32,7 @@ pub(super) const LEVELS: RangeInclusive<f32> = -120.0..=120.0;
 pub(super) const MOST_PLACED: usize = 256;
 
 impl Scene {
-    /// Checks the scene like [`Scene::validate_moving`], and every field like [`Shape::check`](super::Shape::check): a
+    /// Checks the scene like [`Scene::validate_moving`], and every field like `Shape::check`: a
     /// few milliseconds for each field that states its Lipschitz constant. This check runs when a scene file is read,
     /// and when a tracer gets a new structure. The text of users' fields is compiled later, by the tracer.
     ///
