@@ -2,7 +2,7 @@
 //!
 //! | module | contents |
 //! | --- | --- |
-//! | [`experiment`] | the thesis' experiments, and what accuracy costs |
+//! | [`experiment`] | the thesis' experiments, and the cost of accuracy |
 //! | [`report`] | tables and documents, for people and for programs |
 //! | [`study`] | sweeps and maps in shards that are computed anywhere and joined |
 //! | [`text`] | untrusted text on terminals, in CSV and in pages |
@@ -12,14 +12,14 @@ pub mod report;
 pub mod study;
 pub mod text;
 
-/// The scene with its first source and its first listener alone: experiments and studies are of one pair.
+/// Returns the scene with only its first source and its first listener: an experiment or a study traces one such pair.
 pub fn of_first_pair(mut scene: echomarch::Scene) -> echomarch::Scene {
     scene.sources.truncate(1);
     scene.listeners.truncate(1);
     scene
 }
 
-/// Mean, median and quantiles: one definition for every report.
+/// Mean, median and quantiles, defined once for all reports.
 pub mod stats {
     pub use echomarch::internals::sampling::{mean, median, quantiles};
 }

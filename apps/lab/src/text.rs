@@ -1,4 +1,4 @@
-//! Untrusted text as it may be shown: on a terminal, in a CSV cell, within a page.
+//! Makes untrusted text safe to show on a terminal, in a CSV cell or in a page.
 
 pub use echomarch::internals::text::{check_name, in_a_line};
 
@@ -11,12 +11,12 @@ const MOST_LINES: usize = 10;
 /// Maximum characters of a message.
 const MOST_CHARACTERS: usize = 1000;
 
-/// As [`in_a_line`], but keeps ends of lines and tabs.
+/// Like [`in_a_line`], but keeps line ends and tabs.
 pub fn in_lines(text: &str) -> Cow<'_, str> {
     spelled_out(text, |c| c == '\n' || c == '\t')
 }
 
-/// As [`in_lines`], cut to a readable length: 10 lines, 1,000 characters. Later lines are indented,
+/// Like [`in_lines`], but cut to 10 lines and 1,000 characters. Lines after the first are indented,
 /// so that each looks like a part of the message.
 pub fn message(text: &str) -> String {
     let text = in_lines(text.trim_end());
@@ -24,12 +24,12 @@ pub fn message(text: &str) -> String {
     cut_characters(&cut_lines(&lines).join("\n  "))
 }
 
-/// Whether [`message`] would show all of the text's characters unchanged.
+/// Whether [`message`] leaves every character of the text unchanged.
 pub fn is_showable(text: &str) -> bool {
     text.len() <= MOST_CHARACTERS && matches!(in_lines(text), Cow::Borrowed(_))
 }
 
-/// Keeps the first and the last lines: the error is at the start or at the end.
+/// Keeps the first and the last lines, because the error is at the start or at the end.
 fn cut_lines(lines: &[&str]) -> Vec<String> {
     const LAST: usize = 2;
     let whole = |lines: &[&str]| -> Vec<String> { lines.iter().map(|&l| l.to_owned()).collect() };
@@ -47,7 +47,7 @@ fn cut_lines(lines: &[&str]) -> Vec<String> {
 /// Keeps the first and the last characters.
 fn cut_characters(text: &str) -> String {
     const LAST: usize = 300;
-    /// Room for the text in between.
+    /// Characters reserved for the note that replaces the cut part.
     const BETWEEN: usize = 50;
     let count = text.chars().count();
     if count <= MOST_CHARACTERS {
@@ -60,7 +60,7 @@ fn cut_characters(text: &str) -> String {
     format!("{begin} … ({left_out} characters left out) … {end}")
 }
 
-/// JSON for a terminal: invisible characters are written as `\u…` escapes of JSON.
+/// JSON for a terminal, with invisible characters as JSON escapes (`\u…`).
 pub fn json(text: &str) -> Cow<'_, str> {
     if !text.chars().any(|c| c != '\n' && is_hidden(c)) {
         return Cow::Borrowed(text);
@@ -76,8 +76,8 @@ pub fn json(text: &str) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// A record of JSON in one line, for a program that reads standard error: as [`json`], and at most
-/// as long as a message. For a longer one only the length is reported.
+/// A JSON record in one line, for a program that reads standard error. It is escaped like [`json`]
+/// and at most as long as a message; a longer record is replaced by its length.
 pub fn json_record(text: &str) -> Cow<'_, str> {
     let shown = json(text);
     match shown.chars().count() {
@@ -88,8 +88,8 @@ pub fn json_record(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// JSON for a `script` element, without characters that have a meaning in HTML. Any JSON reader
-/// reads the same.
+/// JSON for a `script` element, without characters that have a meaning in HTML. A JSON reader gets
+/// the same value.
 pub fn json_in_html(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
     for c in text.chars() {
@@ -110,8 +110,8 @@ fn push_json(json: &mut String, c: char) {
     }
 }
 
-/// Text for a CSV cell: in one line, with an apostrophe before anything that a spreadsheet would
-/// take for a formula.
+/// Text for a CSV cell: one line, with an apostrophe before text that a spreadsheet would read as a
+/// formula.
 pub fn csv_cell(text: &str) -> String {
     let text = in_a_line(text);
     match text.trim_start().chars().next() {
@@ -138,7 +138,7 @@ pub fn markdown(text: &str) -> String {
 mod tests {
     use super::*;
 
-    /// Protects terminals: ends of lines and tabs stay, and nothing else that moves the cursor.
+    /// Protects terminals: only line ends and tabs remain of the characters that move the cursor.
     #[test]
     fn lines_stay() {
         assert_eq!(in_lines("a\n\tb\u{1b}"), "a\n\tb\\u{1b}");
@@ -157,8 +157,8 @@ mod tests {
         assert_eq!(message("one\ntwo"), "one\n  two");
     }
 
-    /// Protects pages: no text ends the script element or begins another, and a reader of
-    /// JSON finds it again.
+    /// Protects pages: a text cannot end the script element or begin another one, and a JSON reader
+    /// gets the text back unchanged.
     #[test]
     fn json_within_a_page_is_the_same_json() {
         let text = "<!--<script>\u{2028}&\u{202e}𝄞 é";
@@ -171,8 +171,8 @@ mod tests {
         assert_eq!(serde_json::from_str::<String>(&shown).unwrap(), text);
     }
 
-    /// Protects readers of a window's records: each is JSON in one line, does not move the cursor,
-    /// and is at most as long as a message.
+    /// Protects readers of a window's records: each record is JSON in one line, does not move the
+    /// cursor, and is at most as long as a message.
     #[test]
     fn records_are_short_json() {
         let record = |name: &str| serde_json::json!({ "scene": name }).to_string();
@@ -188,7 +188,7 @@ mod tests {
         }
     }
 
-    /// Protects spreadsheets from running what a scene is called.
+    /// Protects spreadsheets from running a scene's name as a formula.
     #[test]
     fn cells_are_no_formulas() {
         for formula in ["=1+1", "+1", "-1", "@x", " =1", "\u{3000}=x", "＝1"] {

@@ -1,5 +1,5 @@
-//! The energy and its decay against time in one picture: the energy of each bin, the exact paths, the decay curve of
-//! each band, and the direct sound.
+//! Plots the energy and its decay against time: the energy of each bin, the exact paths, each band's decay curve, and
+//! the direct sound.
 
 use super::plot::{Panel, Sheet, Stroke, builder, draw_legend, draw_line};
 use crate::report::PlotError;
@@ -17,16 +17,17 @@ const SHEET: Sheet = Sheet {
     row_height: 380,
 };
 
-/// Width of the plots in pixels; the legend takes the rest.
+/// Width of the plots in pixels; the legend fills the remaining width.
 const PLOTS_WIDTH: u32 = 900;
 
-/// Range of the plots below the maximum, in decibels.
+/// Range of the plots, in decibels below the maximum.
 const DEPTH_DB: f64 = 80.0;
 
 const ENERGY: RGBColor = RGBColor(150, 150, 150);
 const PATHS: RGBColor = RGBColor(213, 94, 0);
 
-/// From dark to light with the frequency (viridis): neighbours are distinguishable, and so is the order.
+/// Band colours from dark (low frequency) to light (high frequency) (viridis): neighbours can be told apart, and the
+/// order is visible.
 const BAND_COLOURS: [RGBColor; BAND_COUNT] = [
     RGBColor(68, 1, 84),
     RGBColor(70, 50, 126),
@@ -42,15 +43,15 @@ type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64
 
 /// The curves, in decibels against seconds.
 struct Curves {
-    /// The mean of the bands' energies, for each bin that is not empty.
+    /// The energy of each bin that is not empty, averaged over the bands.
     energy: Vec<(f64, f64)>,
     paths: Vec<(f64, f64)>,
-    /// The remaining energy, relative to the total, with the energy after the record as the figures estimate it
-    /// ([`Figures::cut_off`]).
+    /// The remaining energy relative to the total, including the energy after the end of the record as the figures
+    /// estimate it ([`Figures::cut_off`]).
     decay: [Vec<(f64, f64)>; BAND_COUNT],
 }
 
-/// The picture as SVG.
+/// The plot as SVG.
 ///
 /// # Errors
 /// When the drawing fails; the text contains the reason.
@@ -110,7 +111,8 @@ fn plot_decay(
     draw_legend(&legend, &entries)
 }
 
-/// Groups adjacent bands with equal curves: they get one line, as the last would hide the others.
+/// Groups adjacent bands with equal curves. Each group gets one line, because the last band's line would hide the
+/// others.
 fn equal_bands(decay: &[Vec<(f64, f64)>; BAND_COUNT]) -> Vec<Range<usize>> {
     let mut groups: Vec<Range<usize>> = Vec::new();
     for band in 0..BAND_COUNT {
@@ -196,7 +198,7 @@ impl Curves {
     }
 }
 
-/// The mean of the bands in decibels, without empty pieces.
+/// The pieces' energies in decibels, averaged over the bands; empty pieces are left out.
 fn in_db(pieces: impl Iterator<Item = (f64, Bands)>) -> Vec<(f64, f64)> {
     let mean = pieces.map(|(x, bands)| (x, bands::mean(&bands)));
     let heard = mean.filter(|(_, energy)| *energy > 0.0);
@@ -205,8 +207,8 @@ fn in_db(pieces: impl Iterator<Item = (f64, Bands)>) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// The energy remaining at each piece relative to the total, in decibels; the share `cut_off` of the total follows
-/// after the pieces.
+/// The energy remaining at each piece relative to the total, in decibels. The share `cut_off` of the total arrives
+/// after the last piece.
 fn decay(pieces: &[(f64, Bands)], band: usize, cut_off: f64) -> Vec<(f64, f64)> {
     let told: f64 = pieces.iter().map(|(_, bands)| bands[band]).sum();
     let all = told / (1.0 - cut_off);
@@ -226,7 +228,7 @@ fn decay(pieces: &[(f64, Bands)], band: usize, cut_off: f64) -> Vec<(f64, f64)> 
 mod tests {
     use super::*;
 
-    /// Protects the decay curve: it begins with the total, and falls to the remaining energy in each step.
+    /// Protects the decay curve: it begins with the total energy, and each step falls to the remaining energy.
     #[test]
     fn the_decay_falls_from_all_to_the_last() {
         let pieces = [
@@ -247,7 +249,7 @@ mod tests {
         assert!((levels[0] - 0.0).abs() < 1e-9 && (levels[1] + 10.0).abs() < 1e-9);
     }
 
-    /// Protects bands from being hidden by others with the same curve.
+    /// Protects bands from being hidden by other bands with the same curve.
     #[test]
     fn equal_bands_are_one_line() {
         let curve = |db: f64| vec![(0.0, db)];

@@ -1,8 +1,8 @@
 //! The performance experiment: figures 11.1 to 11.4 of the thesis (section 4.2).
 //!
-//! For each table and each number of waves, one warm-up frame is followed by `runs` frames on the
-//! same textures, with the profiles in turns; times are medians. All runs use the same seed, so
-//! their counts are the same.
+//! For each table and number of waves, one warm-up frame is followed by `runs` frames on the same
+//! textures, with the profiles in turns. Times are medians. All runs use the same seed and
+//! therefore have the same counts.
 
 mod plot;
 mod report;
@@ -13,26 +13,26 @@ use echomarch::scene::Scene;
 use echomarch::tracer::{Counts, Frame, Milliseconds, Settings, Tracer};
 use serde::Serialize;
 
-/// Milliseconds of a frame at 30 frames per second: the thesis' limit of real time.
+/// Duration of a frame at 30 frames per second in milliseconds: the thesis' limit of real time.
 pub const FRAME_BUDGET_MS: f64 = 1000.0 / 30.0;
 
 /// The options of a run.
 #[derive(Clone, Debug)]
 pub struct FiguresOptions {
-    /// The profiles, side by side; waves and iterations come from the tables.
+    /// The profiles to compare; the tables set waves and iterations.
     pub profiles: Vec<Settings>,
-    /// Rows with more waves are left out.
+    /// Maximum number of waves; rows with more waves are left out.
     pub max_waves: u32,
     /// Number of timed frames per row.
     pub runs: u32,
 }
 
-/// All four tables as measured.
+/// The measurements for all four tables.
 #[derive(Clone, Debug, Serialize)]
 pub struct FiguresReport {
     /// The renderer's name.
     pub renderer: String,
-    /// The kind of clock that timed the passes.
+    /// The kind of clock that measured the times of the passes.
     pub clock: String,
     /// Number of timed frames per row.
     pub runs: u32,
@@ -51,20 +51,20 @@ pub struct FigureTable {
     pub scene: &'static str,
     /// Iterations of every wave.
     pub iterations: u32,
-    /// The rows, by number of waves, then by profile.
+    /// The rows, ordered by number of waves, then by profile.
     pub rows: Vec<FigureRow>,
 }
 
-/// One row, with the thesis' own beside it.
+/// One row, with the thesis' row for comparison.
 #[derive(Clone, Debug, Serialize)]
 pub struct FigureRow {
     /// Name of the profile.
     pub profile: String,
     /// Number of waves.
     pub waves: u32,
-    /// Medians over the runs.
+    /// Median times over the runs.
     pub milliseconds: Milliseconds,
-    /// The counts of waves by fate.
+    /// Number of waves with each fate.
     pub counts: Counts,
     /// Share of all (wave, iteration) pairs whose march ended at distance 0.
     pub zero_length_share: f64,
@@ -75,8 +75,9 @@ pub struct FigureRow {
 }
 
 impl FigureRow {
-    /// Difference of the listener hits from the thesis' in standard errors: the root of the sum of
-    /// both counts, as both are counts of rare independent events.
+    /// Difference between the listener hits and the thesis' hits in standard errors. Both counts
+    /// are counts of rare independent events, so the standard error of the difference is the root
+    /// of their sum.
     pub fn standard_errors(&self) -> f64 {
         let ours = self.counts.listener_hits as f64;
         let thesis = self.thesis.listener_hits as f64;
@@ -87,7 +88,7 @@ impl FigureRow {
     }
 }
 
-/// Runs the experiment. `progress` receives the rows done and the total.
+/// Runs the experiment. `progress` receives the number of completed rows and the total.
 ///
 /// # Errors
 /// Errors of [`Tracer::frame`].

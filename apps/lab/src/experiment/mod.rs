@@ -1,7 +1,7 @@
-//! The thesis' experiments, repeated and compared with its own figures.
+//! The thesis' experiments, repeated and compared with the thesis' own figures.
 //!
-//! An experiment takes a [`Tracer`](crate::Tracer), works in an order that is fair to the cases it
-//! compares, and returns plain data. The other files of an experiment convert that data to a
+//! An experiment takes a [`Tracer`](crate::Tracer), runs its cases in an order that is fair to all
+//! of them, and returns plain data. The other files of an experiment convert this data to a
 //! [`Report`](crate::report::Report) and SVG.
 
 pub mod accuracy;

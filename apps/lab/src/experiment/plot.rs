@@ -1,6 +1,6 @@
 //! Common parts of the experiments' plots: a sheet of rows, the profiles' colours, charts with two
-//! logarithmic axes (whole decades, one notation of numbers, a line for zero), lines that stay
-//! distinguishable where they overlap, and a legend beside them.
+//! logarithmic axes (whole decades, one number notation, a line for zero), lines that stay
+//! distinguishable where they overlap, and a legend.
 
 use crate::report::PlotError;
 use plotters::coord::Shift;
@@ -16,7 +16,7 @@ pub(super) const THESIS: RGBColor = RGBColor(213, 94, 0);
 pub(super) const MARCH: RGBColor = RGBColor(0, 114, 178);
 pub(super) const HYBRID: RGBColor = RGBColor(0, 200, 140);
 
-/// The size of a picture with a title and equal rows below it, in pixels.
+/// Size of a plot with a title and equal rows below the title, in pixels.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sheet {
     pub width: u32,
@@ -25,7 +25,7 @@ pub(super) struct Sheet {
 }
 
 impl Sheet {
-    /// The picture as SVG; `draw` fills its rows.
+    /// The plot as SVG; `draw` fills the rows.
     ///
     /// # Errors
     /// When the drawing fails; the text contains the reason.
@@ -51,11 +51,11 @@ impl Sheet {
     }
 }
 
-/// A number of waves, or a time, and a value.
+/// A point of a chart: a number of waves or a time, and a value.
 pub(super) type Point = (f64, f64);
 
-/// A logarithmic axis from one power of ten to another. As a logarithm has no zero, zero has a line
-/// of its own, a decade below the smallest value.
+/// A logarithmic axis from one power of ten to another. Zero has no logarithm, so it gets a
+/// separate line one decade below the smallest value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LogAxis {
     low: f64,
@@ -64,7 +64,7 @@ pub(super) struct LogAxis {
 }
 
 impl LogAxis {
-    /// The decades around these values; one decade at least.
+    /// An axis of the decades that contain these values, at least one decade.
     pub fn around(values: impl Iterator<Item = f64> + Clone) -> LogAxis {
         let positive = values.clone().filter(|value| *value > 0.0);
         let least = positive.clone().fold(f64::INFINITY, f64::min);
@@ -83,7 +83,7 @@ impl LogAxis {
         }
     }
 
-    /// The position of zero, whether or not it occurs.
+    /// The axis position of zero, whether or not zero occurs.
     fn zero(self) -> f64 {
         self.low / 10.0
     }
@@ -92,24 +92,24 @@ impl LogAxis {
         if self.has_zero { self.zero() } else { self.low }
     }
 
-    /// Slightly longer at either end than the range of numbers, as rounding would drop the last
-    /// ones.
+    /// The axis range, extended slightly at both ends because rounding would drop the outermost
+    /// labels.
     fn range(self) -> std::ops::Range<f64> {
         const HAIR: f64 = 1.001;
         self.start() / HAIR..self.high * HAIR
     }
 
-    /// The number at its end.
+    /// The largest number on the axis.
     pub fn end(self) -> f64 {
         self.high
     }
 
-    /// The position of a value.
+    /// The axis position of a value.
     pub fn place(self, value: f64) -> f64 {
         if value > 0.0 { value } else { self.zero() }
     }
 
-    /// The label of an axis position: a power of ten, or 0; empty for others.
+    /// The label of an axis position: a power of ten or 0; empty at other positions.
     fn tick(self, value: f64) -> String {
         if self.has_zero && value < 0.5 * self.low {
             return "0".to_owned();
@@ -142,9 +142,9 @@ fn power_of_ten(power: i32) -> String {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Stroke {
     pub colour: RGBColor,
-    /// Width in pixels; 0 for a dot without a line.
+    /// Line width in pixels; 0 for a dot without a line.
     pub width: u32,
-    /// Pixels of a dash and of the gap after it; none for a line without gaps.
+    /// Length of a dash and of the gap after it in pixels; none for a solid line.
     pub dash: Option<(i32, i32)>,
 }
 
@@ -157,13 +157,13 @@ impl Stroke {
         }
     }
 
-    /// A line without gaps.
+    /// A solid line.
     pub const fn solid(colour: RGBColor, width: u32) -> Stroke {
         Stroke::new(colour, width, None)
     }
 }
 
-/// The margins, caption and room for labels that charts have.
+/// A chart builder with margins, a caption and room for labels.
 pub(super) fn builder<'a, 'b>(
     panel: &'a Panel<'b>,
     caption: &str,
@@ -205,7 +205,7 @@ pub(super) fn chart<'a, 'b>(
     Ok(chart)
 }
 
-/// Draws a line through points given in axis coordinates.
+/// Draws a line through points in axis coordinates.
 pub(super) fn draw_line<'b, X, Y>(
     chart: &mut ChartContext<'_, SVGBackend<'b>, Cartesian2d<X, Y>>,
     points: Vec<Point>,
@@ -223,7 +223,7 @@ where
     Ok(())
 }
 
-/// Draws the legend, one entry below the other.
+/// Draws the legend as a vertical list of entries.
 pub(super) fn draw_legend(panel: &Panel, entries: &[(String, Stroke)]) -> Result<(), PlotError> {
     const TOP: i32 = 60;
     const LINE: i32 = 24;

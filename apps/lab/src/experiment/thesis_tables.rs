@@ -1,6 +1,6 @@
 //! The tables of the thesis, figures 11.1 to 11.4, as printed there.
 
-/// Numbers of waves in the rows of every table.
+/// Numbers of waves of the rows in every table.
 pub const WAVE_COUNTS: [u32; 8] = [64, 256, 1024, 4096, 16_384, 65_536, 262_144, 1_048_576];
 
 /// One of the four tables.
@@ -8,22 +8,22 @@ pub const WAVE_COUNTS: [u32; 8] = [64, 256, 1024, 4096, 16_384, 65_536, 262_144,
 pub struct ThesisTable {
     /// Number of the figure, such as `11.1`.
     pub figure: &'static str,
-    /// Built-in scene.
+    /// Name of the built-in scene.
     pub scene: &'static str,
     /// Iterations of every wave.
     pub iterations: u32,
-    /// A row for each of [`WAVE_COUNTS`].
+    /// The rows, one for each of [`WAVE_COUNTS`].
     pub rows: [ThesisRow; 8],
 }
 
 /// The thesis' measurements for one number of waves.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct ThesisRow {
-    /// Milliseconds a frame on the mobile machine (GeForce GT 330M).
+    /// Milliseconds per frame on the mobile machine (GeForce GT 330M).
     pub mobile_ms: f64,
-    /// Milliseconds a frame on the desktop machine (Radeon HD 3650).
+    /// Milliseconds per frame on the desktop machine (Radeon HD 3650).
     pub desktop_ms: f64,
-    /// Waves that reached the listener.
+    /// Number of waves that reached the listener.
     pub listener_hits: u64,
 }
 
@@ -35,8 +35,8 @@ const fn row(mobile_ms: f64, desktop_ms: f64, listener_hits: u64) -> ThesisRow {
     }
 }
 
-/// The four tables in the order of the thesis. The thesis calls its mobile times at 1,048,576 waves
-/// a fault of that machine, to be ignored.
+/// The four tables, in the order of the thesis. The thesis says to ignore the mobile times at
+/// 1,048,576 waves, as a fault of that machine.
 pub const THESIS_TABLES: [ThesisTable; 4] = [
     ThesisTable {
         figure: "11.1",

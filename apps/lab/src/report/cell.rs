@@ -1,4 +1,4 @@
-//! One cell of a table, in the forms for people and for programs.
+//! A table cell, formatted for people and for programs.
 
 use crate::text::csv_cell;
 use serde::{Serialize, Serializer};
@@ -6,9 +6,9 @@ use serde::{Serialize, Serializer};
 /// A value of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cell {
-    /// There is no value.
+    /// A missing value.
     None,
-    /// A count, or another whole number.
+    /// A count or another whole number.
     Integer(i128),
     /// A measured or computed number.
     Number(f64),
@@ -27,13 +27,13 @@ pub enum Cell {
 /// The notation of a column's numbers for people. Programs always get every digit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Notation {
-    /// As many digits as it takes to read the same number back.
+    /// The shortest digits that read back as the same number.
     Plain,
     /// A fixed number of decimals.
     Fixed(usize),
-    /// The same with a sign.
+    /// A fixed number of decimals, with a sign.
     Signed(usize),
-    /// A share from 0 to 1 in percent, with a fixed number of decimals.
+    /// A share from 0 to 1, shown in percent with a fixed number of decimals.
     Percent(usize),
     /// A fixed number of significant digits, see [`significant`].
     Significant(usize),
@@ -52,8 +52,8 @@ impl Notation {
     }
 }
 
-/// Formats a number with the given number of significant digits: plain from 0.01 to 1000, beyond
-/// that with a power of ten.
+/// Formats a number with the given number of significant digits: as a plain decimal from 0.01 to
+/// 1000, otherwise with a power of ten.
 pub fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 {
         return "0".to_owned();
@@ -76,8 +76,8 @@ impl Cell {
         Cell::Text(text.into())
     }
 
-    /// The cell for people, without the characters that [`crate::text::in_a_line`] hides; not
-    /// escaped for any format.
+    /// The cell as text for people, without the characters that [`crate::text::in_a_line`] hides.
+    /// It is not yet escaped for any format.
     pub fn for_people(&self, notation: Notation) -> String {
         match self {
             Cell::None => NOTHING.to_owned(),
@@ -101,7 +101,7 @@ impl Cell {
         }
     }
 
-    /// The cell in a CSV file; empty without a value. Numbers are written as in JSON.
+    /// The cell as text for a CSV file: empty without a value, with numbers as in JSON.
     pub fn for_csv(&self) -> String {
         match self {
             Cell::None => String::new(),
@@ -112,7 +112,7 @@ impl Cell {
         }
     }
 
-    /// The ends of an interval as cells of their own.
+    /// The two ends of an interval, as separate cells.
     pub fn ends(&self) -> [Cell; 2] {
         match self {
             Cell::Interval {
@@ -155,7 +155,7 @@ impl From<f64> for Cell {
 }
 
 impl From<f32> for Cell {
-    /// The number whose shortest decimal form is that of the `f32`.
+    /// Converts to the `f64` that has the same shortest decimal form as the `f32`.
     fn from(number: f32) -> Cell {
         let decimal = number.to_string().parse();
         Cell::Number(decimal.unwrap_or(f64::from(number)))
@@ -196,8 +196,8 @@ impl<T: Into<Cell>> From<Option<T>> for Cell {
 mod tests {
     use super::*;
 
-    /// Protects numbers that people compare: they have the same number of digits whatever their
-    /// size, and only these two notations.
+    /// Protects numbers that people compare: the number of digits does not depend on their size,
+    /// and only these two notations occur.
     #[test]
     fn significant_digits_are_counted() {
         let cases = [

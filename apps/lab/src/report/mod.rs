@@ -1,10 +1,10 @@
-//! Reports: results, with each column described once.
+//! Reports: experiment results, with each column described once.
 //!
 //! A [`Table`] has columns and rows. Each column is described once, beside the type of the rows:
 //! its name for programs, its heading for people, its unit, its notation, and the function that
-//! returns a row's cell. CSV, JSON, Markdown and text for a terminal are written from that. A
-//! [`Document`] holds the text around tables. CSV and JSON get every digit of a number; text and
-//! Markdown get the significant ones, with the unit in the heading.
+//! returns a row's cell. CSV, JSON, Markdown and terminal text are written from this description. A
+//! [`Document`] holds the text around tables. CSV and JSON contain every digit of a number;
+//! terminal text and Markdown contain the significant digits, with the unit in the heading.
 
 mod cell;
 mod markdown;
@@ -19,21 +19,21 @@ use serde::Serialize;
 /// Maximum number of characters in a line for a terminal.
 const WIDTH: usize = 100;
 
-/// The results of an experiment: its data by [`Serialize`], and the texts and tables made from
-/// them.
+/// The results of an experiment: data for [`Serialize`], and the texts and tables made from this
+/// data.
 pub trait Report: Serialize {
-    /// The name of its files, without their endings.
+    /// Name of the report's files, without extension.
     const NAME: &'static str;
-    /// Whether it can be plotted.
+    /// Whether the report has a plot.
     const HAS_PLOT: bool = false;
 
     /// The whole report for people.
     fn document(&self) -> Document;
 
-    /// All rows, for CSV.
+    /// All rows as a table, for CSV.
     fn table(&self) -> Table;
 
-    /// The plot as SVG; empty if there is no plot.
+    /// The plot as SVG; empty for a report without a plot.
     ///
     /// # Errors
     /// When the drawing fails; the text contains the reason.
@@ -42,10 +42,10 @@ pub trait Report: Serialize {
     }
 }
 
-/// The reason why a plot could not be drawn.
+/// Error when a plot cannot be drawn.
 pub type PlotError = Box<dyn std::error::Error + Send + Sync>;
 
-/// Headings, text and tables in order. Text is plain: each format escapes it.
+/// Headings, paragraphs, lists and tables, in order. The text is plain: each format escapes it.
 #[derive(Clone, Debug, Default)]
 pub struct Document {
     blocks: Vec<Block>,
@@ -53,7 +53,7 @@ pub struct Document {
 
 #[derive(Clone, Debug)]
 enum Block {
-    /// A heading of a level, from 1.
+    /// A heading with its level, counted from 1.
     Heading(usize, String),
     Paragraph(String),
     List(Vec<String>),
@@ -61,12 +61,12 @@ enum Block {
 }
 
 impl Document {
-    /// Adds a heading of a level, from 1.
+    /// Adds a heading at a level, counted from 1.
     pub fn heading(&mut self, level: usize, text: impl Into<String>) {
         self.blocks.push(Block::Heading(level, text.into()));
     }
 
-    /// Adds a paragraph, which the writer breaks into lines.
+    /// Adds a paragraph; the writer breaks the text into lines.
     pub fn paragraph(&mut self, text: impl Into<String>) {
         self.blocks.push(Block::Paragraph(text.into()));
     }
@@ -83,7 +83,7 @@ impl Document {
         self.blocks.push(Block::Table(Table::of(rows)));
     }
 
-    /// The document as text; `heading` takes the marks of a heading's level, and its text.
+    /// The document as text. `heading` formats a heading from the marks of its level and its text.
     fn written(
         &self,
         escaped: fn(&str) -> String,
@@ -104,9 +104,9 @@ impl Document {
     }
 }
 
-/// Breaks a text into lines of [`WIDTH`] characters at its spaces. The first line begins with
-/// `mark`, the others with the same number of spaces. A longer word has a line of its own, or
-/// several.
+/// Breaks a text at its spaces into lines of [`WIDTH`] characters. The first line begins with
+/// `mark`, the others with spaces of the same width. A word that is too long gets one or more lines
+/// of its own.
 fn wrapped(text: &str, mark: &str) -> String {
     let indent = mark.chars().count();
     let mut lines = Vec::new();
@@ -162,8 +162,7 @@ mod tests {
         }
     }
 
-    /// Protects every format: each shows the columns intended for it, and a value is the same in
-    /// all of them.
+    /// Protects every format: each shows the columns intended for it, and all show the same value.
     #[test]
     fn a_table_is_written_in_every_format() {
         let table = Table::of([Pair("a|b", Some(2.25)), Pair("=c", None)]);
@@ -181,7 +180,7 @@ mod tests {
         assert_eq!(table.markdown(), expected);
     }
 
-    /// Protects documents: blocks are separated, and text is escaped where necessary.
+    /// Protects documents: blocks are separated, and text is escaped where the format needs it.
     #[test]
     fn a_document_is_escaped_and_broken_into_lines() {
         let mut document = Document::default();

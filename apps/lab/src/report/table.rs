@@ -14,22 +14,22 @@ pub trait Row: Sized {
 /// The description of a column, independent of its rows.
 #[derive(Clone, Debug)]
 pub struct Head {
-    /// In CSV and JSON; `None` for a column that only people are shown.
+    /// The column's name in CSV and JSON; `None` for a column shown only to people.
     pub name: Option<String>,
-    /// The heading on a terminal and in Markdown; `None` for a column only for programs.
+    /// The column's heading on a terminal and in Markdown; `None` for a column only for programs.
     pub heading: Option<String>,
-    /// The unit of the numbers, shown behind the heading.
+    /// The unit of the numbers, shown after the heading.
     pub unit: &'static str,
-    /// Whether its cells are text: aligned to the left, with long text wrapped.
+    /// Whether the cells are text: left-aligned, and wrapped if long.
     pub is_text: bool,
-    /// Whether programs get two more cells, the ends of an interval.
+    /// Whether programs get two more cells with the ends of an interval.
     pub is_interval: bool,
-    /// The notation of its numbers.
+    /// The notation of the column's numbers.
     pub notation: Notation,
 }
 
 impl Head {
-    /// Heading and unit.
+    /// The heading with the unit.
     pub fn shown(&self) -> Option<String> {
         let heading = self.heading.as_ref()?;
         Some(match self.unit {
@@ -134,9 +134,9 @@ impl<R> Column<R> {
     }
 }
 
-/// The columns of rows of one type, in order, each with the cell of a row: `("name") => cell` for programs,
-/// `(_, "heading") => cell` for people, `("name", "heading") => cell` for both. After a comma follow methods of
-/// [`Column`]; `..columns` adds further columns.
+/// Returns the columns of a row type, in order, each with an expression for a row's cell: `("name") => cell` for
+/// programs, `(_, "heading") => cell` for people, `("name", "heading") => cell` for both. Methods of [`Column`] follow
+/// after a comma; `..columns` adds further columns.
 #[macro_export]
 macro_rules! columns {
     ($row:ident: $kind:ty; $($items:tt)*) => {{
@@ -166,8 +166,8 @@ macro_rules! columns {
     };
 }
 
-/// Columns and rows, to be written as CSV, as JSON (by [`Serialize`]: a list of objects, keyed by
-/// the columns' names), as Markdown or for a terminal.
+/// Columns and rows, written as CSV, JSON (by [`Serialize`], as a list of objects with the columns' names as keys),
+/// Markdown or terminal text.
 #[derive(Clone, Debug)]
 pub struct Table {
     pub(super) heads: Vec<Head>,
@@ -188,8 +188,8 @@ impl Table {
         }
     }
 
-    /// Names of the columns for programs, in order. An interval has three: its value, and its
-    /// ends as `NAME_low` and `NAME_high`.
+    /// The columns' names for programs, in order. An interval has three names: `NAME` for its value, `NAME_low` and
+    /// `NAME_high` for its ends.
     pub fn names(&self) -> Vec<String> {
         let names = |head: &Head| -> Vec<String> {
             let Some(name) = &head.name else {
@@ -204,7 +204,7 @@ impl Table {
         self.heads.iter().flat_map(names).collect()
     }
 
-    /// The cells of a row under [`Table::names`].
+    /// The cells of a row, in the order of [`Table::names`].
     fn cells(&self, row: &[Cell]) -> Vec<Cell> {
         let mut cells = Vec::new();
         for (head, cell) in self.heads.iter().zip(row) {
@@ -219,12 +219,11 @@ impl Table {
         cells
     }
 
-    /// Writes the table as CSV: the first line has the columns' names, a cell without a value is
-    /// empty, numbers have enough digits to read them back exactly, and text cannot begin a
-    /// spreadsheet formula.
+    /// Writes the table as CSV. The first line has the columns' names, a missing value is an empty cell, numbers have
+    /// enough digits to be read back exactly, and no text can begin a spreadsheet formula.
     ///
     /// # Errors
-    /// Errors of `out`.
+    /// Returns the errors of `out`.
     pub fn write_csv(&self, out: &mut dyn Write) -> io::Result<()> {
         let mut writer = csv::Writer::from_writer(out);
         writer.write_record(self.names())?;
@@ -241,7 +240,7 @@ impl Table {
         heads.filter_map(|(index, head)| head.heading.as_ref().map(|_| index))
     }
 
-    /// A cell for people, not escaped for any format.
+    /// A cell as text for people, not yet escaped for any format.
     pub(super) fn cell_for_people(&self, row: &[Cell], column: usize) -> String {
         let notation = self.heads[column].notation;
         row[column].for_people(notation)

@@ -1,4 +1,5 @@
-//! Documents and tables for a terminal: texts in lines of [`WIDTH`](super::WIDTH) characters, tables as wide as they are.
+//! Documents and tables for a terminal: paragraphs in lines of [`WIDTH`](super::WIDTH) characters, tables at their full
+//! width.
 
 use super::table::Table;
 use super::{Document, wrapped};
@@ -54,8 +55,8 @@ mod tests {
         }
     }
 
-    /// Protects names from being broken, and terminals from long sentences in cells: each line ends with the numbers'
-    /// column, and all lines are equally wide.
+    /// Protects names from being broken, and terminals from long sentences in cells: each line ends with the column of
+    /// numbers, and all lines have the same width.
     #[test]
     fn words_are_broken_into_lines_and_names_are_not() {
         for words in ["word ".repeat(60), "x".repeat(300)] {

@@ -1,18 +1,18 @@
 //! Separates chaos from error.
 //!
 //! # Theory
-//! Two rays that start close together separate in proportion to the length of their flight, but a
+//! Two rays that start close together separate in proportion to the length of their flight. A
 //! convex mirror makes them separate exponentially: a flight of length l between mirrors of radius
-//! r multiplies their separation by about 1 + 2 l / (r cos θ) (Sinai 1970, dispersing billiards).
-//! No arithmetic of finite precision can follow such a wave for long: past its *horizon* an
+//! r multiplies the separation by about 1 + 2 l / (r cos θ) (Sinai 1970, dispersing billiards). No
+//! arithmetic of finite precision can follow such a wave for long: past the wave's *horizon* an
 //! end-point error depends on the precision, not on the algorithm.
 //!
 //! # Method
 //! Pairs of exact waves, started a billionth of a radian apart, are followed as long as both meet
-//! the same surfaces. The growth is the geometric mean, over all waves and all their flights from
-//! one curved surface to the next, of the factor by which the separation grows; flat mirrors on the
-//! way count as part of the flight. The horizon is the number of such flights after which one
-//! rounding error of a position in `f32` has grown to a centimetre.
+//! the same surfaces. The growth is the factor by which the separation grows from one curved
+//! surface to the next, as the geometric mean over all pairs and all such flights; reflections at
+//! flat mirrors count as part of the flight. The horizon is the number of such flights after which
+//! one rounding error of a position in `f32` has grown to a centimetre.
 
 use super::report::{Chaos, ChaosStep};
 use echomarch::geometry::{ExactScene, PathVertex};
@@ -29,7 +29,7 @@ const ROUNDING: f64 = 1e-6;
 /// The smallest end-point error that counts as an error, in metres.
 const NOTICED: f64 = 0.01;
 
-/// Number of curved surfaces met with a line of their own.
+/// Maximum number of curved surfaces that get a line of their own in the report.
 const STEPS: usize = 8;
 
 /// Sums of logarithms at the n-th curved surface.
@@ -70,7 +70,7 @@ pub fn measure(scene: &Scene, exact: &ExactScene, directions: &[Vec3], iteration
     }
 }
 
-/// Number of curved surfaces after which an error with this growth is noticeable.
+/// Number of curved surfaces after which an error with this growth becomes noticeable.
 fn horizon(growth: f64) -> Option<f64> {
     (growth > 1.0).then(|| (NOTICED / ROUNDING).ln() / growth.ln())
 }
@@ -101,7 +101,7 @@ fn is_curved(scene: &Scene, object: u32) -> bool {
     })
 }
 
-/// A unit vector perpendicular to `direction`, a different one for each index.
+/// A unit vector perpendicular to `direction`; its angle about `direction` depends on the index.
 fn across(direction: DVec3, index: usize) -> DVec3 {
     let (u, v) = direction.any_orthonormal_pair();
     let (sin, cos) = (TAU * (index as f64 * 0.618_033_988_749_895).fract()).sin_cos();
@@ -131,7 +131,7 @@ mod tests {
     use super::*;
     use crate::experiment::accuracy::directions::lattice;
 
-    /// Protects the distinction between chaos and error: flat walls have no chaos, pillars have.
+    /// Protects the distinction between chaos and error: flat walls cause no chaos, pillars do.
     #[test]
     fn errors_grow_at_pillars_alone() {
         let of = |name: &str| {
@@ -147,7 +147,8 @@ mod tests {
         assert!(obstacles.horizon.unwrap() > 0.5);
     }
 
-    /// Protects the arithmetic of the horizon: four decades, one at each hit.
+    /// Protects the arithmetic of the horizon: a growth by ten per hit takes four hits for four
+    /// decades.
     #[test]
     fn the_horizon_is_where_rounding_shows() {
         assert!((horizon(10.0).unwrap() - 4.0).abs() < 1e-12);

@@ -1,10 +1,10 @@
-//! The columns of the rows and of the targets.
+//! The columns of the tables of rows and of targets.
 
 use super::report::{AccuracyReport, Row, SceneReport, Target, WaveErrors};
 use crate::columns;
 use crate::report::{self, Column, significant};
 
-/// A row with its context.
+/// A row of the report, with its scene.
 pub(super) struct Line<'a> {
     pub report: &'a AccuracyReport,
     pub scene: &'a SceneReport,
@@ -12,7 +12,7 @@ pub(super) struct Line<'a> {
 }
 
 impl report::Row for Line<'_> {
-    /// Times in milliseconds, distances in metres; shares from 0 to 1 for programs.
+    /// Times are in milliseconds, distances in metres; programs get shares from 0 to 1.
     fn columns() -> Vec<Column<Self>> {
         columns! { line: Line;
             ("scene") => &line.scene.scene;
@@ -62,7 +62,7 @@ fn by_order(hits: &[u64]) -> String {
     hits.join(" ")
 }
 
-/// The difference of the waves heard from the exact number, by order of reflection.
+/// The number of waves heard minus the exact number, by order of reflection.
 fn hits_less_exact(waves: &WaveErrors) -> String {
     let pairs = waves.hits.iter().zip(&waves.exact_hits);
     let off = pairs.map(|(&hits, &exact)| match hits as i128 - exact as i128 {

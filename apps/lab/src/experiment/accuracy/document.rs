@@ -75,7 +75,7 @@ impl Report for AccuracyReport {
     }
 }
 
-/// The numbers of exact waves and seeds.
+/// The numbers of compared waves and of seeds.
 fn compared(scene: &SceneReport) -> String {
     let rows = || scene.rows.iter();
     let waves = rows().map(|row| row.waves.compared).max().unwrap_or(0);
@@ -83,7 +83,7 @@ fn compared(scene: &SceneReport) -> String {
     format!("compared one by one: {waves} waves a row at most; twin bias: of {seeds} seeds")
 }
 
-/// The numbers of surfaces in cells and of marched ones.
+/// The numbers of surfaces in cells and of marched surfaces.
 fn surfaces(counts: SurfaceCounts) -> String {
     let SurfaceCounts {
         all,

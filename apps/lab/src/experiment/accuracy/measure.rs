@@ -1,4 +1,4 @@
-//! Compares each wave with its exact twin, and counts evaluations.
+//! Compares each wave with its exact twin, and counts evaluations of the distance.
 
 use super::report::{Chaos, Quantiles, WaveErrors};
 use super::truth::Truth;
@@ -7,10 +7,10 @@ use echomarch::geometry::{ExactWave, sequence_hash};
 use echomarch::tracer::{Fate, Settings, Tracer, Wave};
 use glam::Vec3;
 
-/// Compares the waves of `settings` with the exact waves of the same start directions.
+/// Compares the waves of `settings` with exact waves that have the same start directions.
 ///
-/// Ends are those of an unchanged frame; the surfaces met are read back after each iteration of
-/// another frame.
+/// End points are taken from an unchanged frame; the surfaces met are read back after each
+/// iteration of a second frame.
 ///
 /// # Errors
 /// Errors of [`Tracer::frame`].
@@ -27,7 +27,7 @@ pub fn wave_errors(
     Ok(compare(&ends, &met, &exact, chaos, settings.iterations))
 }
 
-/// Evaluations of the distance for each wave and iteration, in an untimed frame.
+/// Counts the evaluations of the distance per wave and iteration, in an untimed frame.
 ///
 /// # Errors
 /// Errors of [`Tracer::frame`].
@@ -63,12 +63,12 @@ fn objects_met(states: &[Vec<Wave>]) -> Vec<Vec<u32>> {
     met
 }
 
-/// The status as a whole number; figure 8's margin about the listener's 0.
+/// The status as a whole number, 0 within the margin of figure 8 about the listener's status.
 fn status(wave: &Wave) -> i32 {
     match wave.fate() {
         Fate::Listener => 0,
         Fate::Dead => -1,
-        // Counted separately as well.
+        // Waves that are not finite are also counted separately.
         Fate::Travelling | Fate::NotFinite => wave.status.round() as i32,
     }
 }
@@ -130,7 +130,7 @@ mod tests {
         wave
     }
 
-    /// Protects the quantiles, and their values without data.
+    /// Protects the quantiles, including their values without data.
     #[test]
     fn quantiles_have_their_shares() {
         let of = Quantiles::of((0..=200).rev().map(f64::from).collect());
@@ -138,8 +138,8 @@ mod tests {
         assert_eq!(Quantiles::of(Vec::new()), Quantiles::default());
     }
 
-    /// Protects surface sequences from the marches of a wave after its end: the thesis marches dead
-    /// waves on.
+    /// Protects surface sequences from marches after a wave's end: the thesis goes on marching dead
+    /// waves.
     #[test]
     fn nothing_is_met_after_the_end() {
         let states = [0.5, 2.0, -1.0, 1.0].map(|status| vec![wave(status)]);

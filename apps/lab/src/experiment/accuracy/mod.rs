@@ -3,21 +3,21 @@
 //! # Method
 //! Every [`Case`] (settings with a name) runs in every scene and yields a [`Row`]:
 //!
-//! - *Waves*: each wave is compared with the exact one ([`ExactScene`](crate::geometry::ExactScene),
-//!   closed form in `f64`) of the same start direction: status, surfaces met, metres
-//!   between the ends. At most [`Plan::compared_waves`] waves of seed 1 are compared; more have
-//!   the same distribution. A wave whose exact twin dies has no end and no error; one that dies
-//!   although its twin does not counts at its own end point.
-//! - *Panning*: over at least 16 seeds, against the same start directions followed exactly
-//!   (twin bias) and against the limit of many waves (limit bias, mean square error,
-//!   efficiency). Without arrivals the panning is 0: that answer counts.
-//! - *Speed*: medians of the same frames, in turns with all other cases of the same number of waves,
-//!   after one warm-up frame each. Evaluations of the distance are counted in a further
-//!   frame and divided by waves × iterations; the thesis' dead waves march on and count.
+//! - *Waves*: each wave is compared with the exact wave ([`ExactScene`](crate::geometry::ExactScene), closed form in
+//!   `f64`) that has the same start direction: status, surfaces met, metres between the end points. At most
+//!   [`Plan::compared_waves`] waves of seed 1 are compared; further waves have the same distribution. A wave whose
+//!   exact twin dies has no end point and no error. A wave that dies although its twin survives counts with its own end
+//!   point.
+//! - *Panning*: over at least 16 seeds, compared with the same start directions followed exactly (twin bias) and with
+//!   the limit of many waves (limit bias, mean square error, efficiency). A frame without arrivals answers 0, and this
+//!   answer counts.
+//! - *Speed*: medians of the same frames, run in turns with all other cases of the same number of waves, after one
+//!   warm-up frame each. Evaluations of the distance are counted in a further frame and divided by waves × iterations.
+//!   The thesis goes on marching dead waves; their evaluations count.
 //!
-//! The limit is the exact panning over two Fibonacci lattices of directions; half of their difference is its
-//! uncertainty. The header of `chaos` explains how chaos is separated from error, that of `panning_error` defines
-//! efficiency.
+//! The limit is the exact panning over two Fibonacci lattices of directions; half of the difference between the
+//! lattices is the uncertainty. The header of `chaos` explains how chaos is separated from error, and the header of
+//! `panning_error` defines efficiency.
 //!
 //! # Deviations from the thesis
 //! Sjöberg (2011) measures only time and judges the sound by ear.
@@ -59,20 +59,20 @@ use truth::Truth;
 pub struct AccuracyOptions {
     /// The scenes with their cases.
     pub plans: Vec<Plan>,
-    /// Whether all combinations of settings are run.
+    /// Whether to run all combinations of settings.
     pub full: bool,
-    /// Number of frames per case, each with its own seed: at least 2, 16 for reliable figures.
+    /// Number of frames per case, each with a different seed: at least 2, and 16 for reliable figures.
     pub seeds: u32,
     /// The panning error that the recommended setting must not exceed.
     pub stated_error: f64,
-    /// Whether to measure the project's own targets.
+    /// Whether to measure the project's own performance targets.
     pub targets: bool,
     /// Whether to measure impulse responses.
     pub responses: bool,
 }
 
 impl AccuracyOptions {
-    /// Changes one setting at a time: some four minutes for the default scenes on two cores.
+    /// Changes one setting at a time; takes some four minutes for the default scenes on two cores.
     pub fn quick(scenes: Vec<Scene>) -> AccuracyOptions {
         AccuracyOptions {
             plans: scenes.into_iter().map(Plan::quick).collect(),
@@ -84,7 +84,7 @@ impl AccuracyOptions {
         }
     }
 
-    /// All combinations of settings: hours.
+    /// Runs all combinations of settings; takes hours.
     pub fn full(scenes: Vec<Scene>) -> AccuracyOptions {
         AccuracyOptions {
             plans: scenes.into_iter().map(Plan::full).collect(),
@@ -93,7 +93,7 @@ impl AccuracyOptions {
         }
     }
 
-    /// Number of calls of [`Progress::step`] in a scene.
+    /// Number of calls of [`Progress::step`] per scene.
     fn steps(&self, plan: &Plan) -> u64 {
         let groups = by_waves(&plan.cases).len() as u64;
         let slopes = 2 * plan.slope_waves.len() as u64;
@@ -115,7 +115,7 @@ impl Progress<'_> {
     }
 }
 
-/// Runs the experiment. `progress` receives the steps done and the total.
+/// Runs the experiment. `progress` receives the number of completed steps and the total.
 ///
 /// # Errors
 /// Errors of [`Tracer::frame`].
@@ -207,19 +207,18 @@ fn run_scene(
     })
 }
 
-/// Returns the panning of the waves that a frame of `scene` starts with these settings, followed
-/// exactly in `f64`.
+/// Returns the exact panning, in `f64`, of the waves that a frame of `scene` starts with these settings.
 ///
 /// # Errors
 /// Errors of [`Tracer::frame`].
 pub fn exact_pan(tracer: &mut Tracer, scene: &Scene, settings: &Settings) -> Result<f64, Error> {
-    // No limit of many waves is asked for.
+    // The limit of many waves is not needed here.
     let mut truth = Truth::new(scene, 0)?;
     truth.pan_of_twins(tracer, settings, settings.iterations)
 }
 
-/// Groups the indices of the cases by number of waves: changing that number changes the textures,
-/// and their creation would be timed.
+/// Groups the indices of the cases by number of waves: a change of the number of waves creates new textures, and the
+/// creation time would be measured.
 fn by_waves(cases: &[Case]) -> Vec<Vec<usize>> {
     let mut groups: Vec<(u32, Vec<usize>)> = Vec::new();
     for (index, case) in cases.iter().enumerate() {
@@ -276,7 +275,7 @@ fn run_group(
     Ok(measured.map(row).collect())
 }
 
-/// How the panning error of `hybrid` falls with the number of waves.
+/// Measures how the panning error of `hybrid` falls with the number of waves.
 fn run_slopes(
     tracer: &mut Tracer,
     truth: &mut Truth,

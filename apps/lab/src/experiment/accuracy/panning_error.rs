@@ -1,14 +1,15 @@
-//! The panning of many frames compared with that of the exact geometry: biases, spread, efficiency; and the times of
-//! the same frames.
+//! Compares the panning of many frames with the panning of the exact geometry: biases, spread and efficiency. Also
+//! reports the times of the same frames.
 //!
 //! # Theory
-//! A frame's panning is a Monte Carlo estimate. Its mean square error from the limit of many waves is MSE = (mean −
-//! limit)² + spread²; more waves reduce only the second term. (Over n frames the spread is the estimate with n − 1, the
-//! error a plain mean: spread² counts (n − 1) ÷ n times in it.) The first term, the *limit bias*, is only known to
-//! spread ÷ √n. The *twin bias* is the difference from the exact panning of the same start directions and therefore
-//! free of their randomness; it depends only on the tracing. The value of a frame is its *efficiency*, 1 ÷ (mean square
-//! error × time): it does not change with the number of waves while the spread of independent directions dominates
-//! (Veach 1997, section 2.4.1), and falls with it once bias dominates.
+//! A frame's panning is a Monte Carlo estimate. Its mean square error relative to the limit of many waves is MSE =
+//! (mean − limit)² + spread²; more waves reduce only the second term. (Over n frames the spread is estimated with n − 1
+//! and the error is a plain mean, so that spread² enters the error with the factor (n − 1) ÷ n.) The first term is the
+//! square of the *limit bias*, which is only known to within spread ÷ √n. The *twin bias* is the difference from the
+//! exact panning of the same start directions: it is free of their randomness and depends only on the tracing. The
+//! value of a frame is its *efficiency*, 1 ÷ (mean square error × time). The efficiency does not change with the number
+//! of waves while the spread of independent directions dominates (Veach 1997, section 2.4.1), and falls with the number
+//! of waves once bias dominates.
 
 use super::report::{PanningError, Speed};
 use super::sweep::Case;
@@ -17,7 +18,7 @@ use crate::stats::{mean, median};
 use echomarch::Error;
 use echomarch::tracer::{Frame, Panning, Settings, Tracer};
 
-/// The frames of one case, each with its own seed.
+/// The frames of one case, each with a different seed.
 #[derive(Clone, Default)]
 pub struct Frames {
     total_ms: Vec<f64>,
@@ -26,8 +27,8 @@ pub struct Frames {
     exact_pans: Vec<f64>,
 }
 
-/// Runs cases with the same number of waves in turns, one frame per seed, after one warm-up frame each: disturbances of
-/// the machine affect all of them equally.
+/// Runs cases with the same number of waves in turns, one frame per seed, after one warm-up frame per case. The turns
+/// spread disturbances of the machine equally over all cases.
 ///
 /// # Errors
 /// Errors of [`Tracer::frame`].
@@ -52,7 +53,7 @@ pub fn run_in_turns(
     Ok(frames)
 }
 
-/// Adds the exact panning of the same start directions to each of the first `seeds` frames.
+/// Computes the exact panning of the same start directions for each of the first `seeds` frames.
 ///
 /// # Errors
 /// Errors of [`Tracer::frame`].
@@ -84,7 +85,7 @@ impl Frames {
         self.pans.push(frame.panning.pan());
     }
 
-    /// Medians of the times.
+    /// The median times.
     pub fn speed(&self, settings: &Settings) -> Speed {
         let total_ms = median(self.total_ms.iter().copied());
         let segments = f64::from(settings.waves) * f64::from(settings.iterations);
@@ -97,7 +98,7 @@ impl Frames {
         }
     }
 
-    /// The panning over the seeds compared with its limit.
+    /// The panning over the seeds, compared with the limit.
     pub fn panning(&self, limit: f64) -> PanningError {
         let frames = self.pans.len().max(1) as f64;
         let mean_pan = mean(self.pans.iter().copied()).unwrap_or(0.0);
@@ -120,7 +121,7 @@ impl Frames {
         }
     }
 
-    /// Mean square error of the panning.
+    /// Mean square error of the panning, relative to `limit`.
     pub fn mean_square(&self, limit: f64) -> f64 {
         mean(self.pans.iter().map(|pan| (pan - limit).powi(2))).unwrap_or(0.0)
     }
@@ -139,13 +140,13 @@ fn standard_error(values: &[f64], mean_value: f64) -> f64 {
     }
 }
 
-/// 1 ÷ (mean square error × seconds); 0 for a frame without error estimate or time.
+/// 1 ÷ (mean square error × seconds); 0 if the error or the time is 0 or missing.
 fn efficiency(mean_square: f64, seconds: f64) -> f64 {
     let cost = mean_square * seconds;
     if cost > 0.0 { cost.recip() } else { 0.0 }
 }
 
-/// Relative difference of all arrivals summed on the GPU from the sum on the CPU, from two frames with these settings.
+/// Relative difference between the sum of all arrivals on the GPU and on the CPU, from two frames with these settings.
 ///
 /// # Errors
 /// Errors of [`Tracer::frame`].

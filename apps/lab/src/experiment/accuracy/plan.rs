@@ -1,36 +1,37 @@
-//! The cases that are run in each scene.
+//! The cases to run in each scene.
 //!
 //! For a few basic shapes the exact reference evaluates a handful of formulas per flight. For a field it marches in
-//! `f64` with some hundred evaluations, which takes a hundred times as long; many surfaces take longer too. Such scenes
-//! get the short sweep, with less work for the exact reference: fewer directions for the limit, waves compared one by
+//! `f64` with several hundred evaluations, which takes a hundred times as long; many surfaces are slow too. Scenes with
+//! a slow reference get the short sweep, with fewer directions for the limit, fewer waves compared one by one, and
+//! fewer seeds for the twin bias. The report states the resulting uncertainty beside each figure.
 //! one, and seeds of the twin bias. The uncertainty of each figure is then stated beside it.
 
 use super::sweep::{Case, full, quick, short};
 use echomarch::internals::shader::{Layout, Lists};
 use echomarch::scene::{Scene, Surface};
 
-/// The scenes of the thesis' tables, which the targets are based on.
+/// The scenes of the thesis' tables, on which the targets are based.
 pub const ROOMS: [&str; 2] = ["corner", "obstacles"];
 
-/// The default scenes: the rooms, a scene of marched fields and one with cells.
+/// The default scenes: the thesis' rooms, a scene of marched fields and a scene with cells.
 pub const DEFAULT_SCENES: [&str; 4] = [ROOMS[0], ROOMS[1], "cave", "glasshouse"];
 
-/// Powers of two for the slope of the panning error.
+/// Exponents of the numbers of waves (powers of two) for the slope of the panning error.
 const SLOPE_POWERS: std::ops::RangeInclusive<u32> = 10..=18;
 const SHORT_SLOPE_POWERS: std::ops::RangeInclusive<u32> = 10..=14;
 
-/// Number of waves of a row that are compared one by one.
+/// Maximum number of waves of a row that are compared one by one.
 const COMPARED: u32 = 65_536;
 const SHORT_COMPARED: u32 = 8192;
 
-/// Number of pairs of waves for measuring chaos.
+/// Number of wave pairs for measuring chaos.
 const CHAOS_PAIRS: u64 = 16_384;
 const SHORT_CHAOS_PAIRS: u64 = 1024;
 
-/// Number of directions for the limit of many waves if the exact reference is slow.
+/// Number of directions for the limit of many waves when the exact reference is slow.
 const SHORT_LIMIT_DIRECTIONS: u64 = 200_000;
 
-/// Number of seeds for the twin bias if the exact reference is slow.
+/// Number of seeds for the twin bias when the exact reference is slow.
 const SHORT_TWIN_SEEDS: u32 = 4;
 
 /// A scene with its cases.
@@ -44,16 +45,16 @@ pub struct Plan {
     pub limit_directions: u64,
     /// Maximum number of waves of a row that are compared one by one.
     pub compared_waves: u32,
-    /// Maximum number of seeds for the twin bias: the first ones.
+    /// Maximum number of seeds for the twin bias; the first seeds are used.
     pub twin_seeds: u32,
-    /// Number of pairs of waves for measuring chaos.
+    /// Number of wave pairs for measuring chaos.
     pub chaos_pairs: u64,
     /// Numbers of waves for the slope of the panning error.
     pub slope_waves: Vec<u32>,
 }
 
 impl Plan {
-    /// Changes one setting at a time; the short sweep if the exact reference is slow.
+    /// Changes one setting at a time, with the short sweep if the exact reference is slow.
     pub fn quick(scene: Scene) -> Plan {
         if is_slow(&scene) {
             return Plan::short(scene);
@@ -77,7 +78,7 @@ impl Plan {
         }
     }
 
-    /// All combinations of settings.
+    /// Runs all combinations of settings.
     pub fn full(scene: Scene) -> Plan {
         Plan {
             scene,
@@ -91,12 +92,12 @@ impl Plan {
     }
 }
 
-/// Returns every second power of two.
+/// Returns every second power of two in a range of exponents.
 fn counts(powers: std::ops::RangeInclusive<u32>) -> Vec<u32> {
     powers.step_by(2).map(|power| 1 << power).collect()
 }
 
-/// Whether the exact waves of a scene are slow.
+/// Whether the exact reference is slow for a scene.
 fn is_slow(scene: &Scene) -> bool {
     let is_field = |surface: &Surface| surface.shape.field().is_some();
     Layout::of(&scene.surfaces, Lists::Lines).has_cells() || scene.surfaces.iter().any(is_field)
@@ -107,7 +108,7 @@ mod tests {
     use super::super::SurfaceCounts;
     use super::*;
 
-    /// Protects the default run: its scenes are of the documented kinds.
+    /// Protects the default run: its scenes are of the kinds that the documentation states.
     #[test]
     fn the_default_scenes_are_of_every_kind() {
         let scenes = DEFAULT_SCENES.map(|name| Scene::builtin(name).unwrap());

@@ -1,5 +1,5 @@
-//! Speed against error as one picture: two log-log plots per scene, a colour for each profile, and
-//! the Pareto front of each.
+//! Plots error against time: two plots with logarithmic axes per scene, with a colour and a Pareto
+//! front for each profile.
 
 use super::recommend::{ITERATIONS, comparable, pareto_front};
 use super::report::{AccuracyReport, Row, SceneReport};
@@ -16,7 +16,7 @@ const SHEET: Sheet = Sheet {
     title_height: 48,
     row_height: 460,
 };
-/// Width of a plot in pixels; the legend takes the rest.
+/// Width of a plot in pixels; the legend fills the remaining width.
 const PLOT_WIDTH: u32 = 560;
 
 const COLOURS: [(Profile, RGBColor); 3] = [
@@ -27,7 +27,8 @@ const COLOURS: [(Profile, RGBColor); 3] = [
 const FRONT: RGBColor = RGBColor(60, 60, 60);
 const FRONT_LINE: Stroke = Stroke::solid(FRONT, 1);
 
-/// A row's point (milliseconds and error), and the radius of its dot by its number of waves.
+/// A row's point (milliseconds and error), and the radius of its dot, which depends on the number
+/// of waves.
 type Dot = (Point, i32);
 
 /// The report as an SVG picture: a row of two plots for each scene.
@@ -68,7 +69,7 @@ fn entries() -> Vec<(String, Stroke)> {
     all
 }
 
-/// One log-log plot.
+/// One plot with logarithmic axes.
 fn plot(
     panel: &Panel,
     scene: &SceneReport,
@@ -98,7 +99,7 @@ fn plot(
     Ok(())
 }
 
-/// The [`comparable`] rows of a profile, except those without a time.
+/// The points of the [`comparable`] rows of a profile; rows without a time are left out.
 fn dots(scene: &SceneReport, profile: Profile, error: impl Fn(&Row) -> f64) -> Vec<Dot> {
     let name = profile.to_string();
     comparable(&scene.rows)
@@ -108,14 +109,14 @@ fn dots(scene: &SceneReport, profile: Profile, error: impl Fn(&Row) -> f64) -> V
         .collect()
 }
 
-/// Radius in pixels: 3 for 4096 waves, one more for each factor of four.
+/// Radius of a dot in pixels: 3 for 4096 waves, 1 more for each factor of four.
 fn radius(waves: u32) -> i32 {
     ((f64::from(waves.max(1)).log2() - 6.0) / 2.0)
         .round()
         .clamp(2.0, 9.0) as i32
 }
 
-/// The front as stairs: between two points the earlier one is the best available.
+/// The Pareto front as steps: between two points the earlier point is the best available.
 fn steps(front: &[Point], end: f64) -> Vec<Point> {
     let mut stairs = Vec::new();
     for (index, &point) in front.iter().enumerate() {

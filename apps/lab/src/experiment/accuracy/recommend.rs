@@ -1,13 +1,13 @@
-//! The recommended setting: the fastest row within the stated error.
+//! The recommended setting: the fastest row whose error is at most the stated error.
 
 use super::report::{Recommendation, Row};
 
-/// The number of iterations at which rows are compared: another number gives another limit of the
-/// panning.
+/// The number of iterations at which rows are compared. Each number of iterations has its own
+/// panning limit.
 pub const ITERATIONS: u32 = 8;
 
-/// The rows used for recommendations, plots and targets. Rows without hits are left out: their
-/// answer, 0, can be near the truth only by chance.
+/// The rows used for recommendations, plots and targets. Rows without hits are left out: they
+/// answer 0, which is near the truth only by chance.
 pub fn comparable(rows: &[Row]) -> impl Iterator<Item = &Row> {
     rows.iter().filter(|row| {
         let hears = row.waves.hits.iter().any(|&hits| hits > 0);
@@ -37,8 +37,8 @@ fn recommended(row: &Row) -> Recommendation {
     }
 }
 
-/// The points (time, error) that no other point beats in both, sorted by time: errors fall along
-/// it.
+/// The points (time, error) that no other point beats in both coordinates, sorted by time; the
+/// errors therefore decrease.
 pub fn pareto_front(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let mut sorted = points.to_vec();
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
@@ -78,7 +78,7 @@ mod tests {
         }
     }
 
-    /// Protects the recommendation from rows that hear nothing, or are slower than necessary.
+    /// Protects the recommendation from rows without hits and from unnecessarily slow rows.
     #[test]
     fn the_fastest_good_row_that_hears_is_recommended() {
         let deaf = row("deaf", 0, 1.0, 0.001);
@@ -96,7 +96,7 @@ mod tests {
         assert_eq!(label(fastest(&[longer], 0.02)), None);
     }
 
-    /// Protects the front: no point on it is beaten by another, and no such point is lost.
+    /// Protects the front: it contains every point that no other point beats, and no other points.
     #[test]
     fn the_front_holds_what_nothing_beats() {
         let points = [(2.0, 1.0), (1.0, 3.0), (3.0, 1.0), (2.0, 2.0), (4.0, 0.5)];

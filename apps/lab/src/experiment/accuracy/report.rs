@@ -1,4 +1,4 @@
-//! The results of the experiment as plain data, written as CSV, JSON, SVG and tables.
+//! The results of the experiment as plain data, for CSV, JSON, SVG and tables.
 
 use super::surface_counts::SurfaceCounts;
 use crate::stats::quantiles;
@@ -9,33 +9,33 @@ use serde::Serialize;
 pub struct AccuracyReport {
     /// The renderer's name.
     pub renderer: String,
-    /// The kind of clock that timed the passes.
+    /// The kind of clock that measured the times of the passes.
     pub clock: String,
     /// Whether all combinations of settings were run.
     pub full: bool,
     /// Number of seeds for each panning error.
     pub seeds: u32,
-    /// Wall time of everything, in seconds.
+    /// Wall-clock time of the whole run, in seconds.
     pub seconds: f64,
-    /// The panning error that [`SceneReport::recommendation`] does not exceed.
+    /// Upper bound on the panning error of [`SceneReport::recommendation`].
     pub stated_error: f64,
     /// The scenes, in the requested order.
     pub scenes: Vec<SceneReport>,
-    /// The project's own targets; empty when their scenes were not requested.
+    /// The project's own targets; empty if their scenes were not requested.
     pub targets: Vec<Target>,
-    /// Impulse responses; empty when they were not requested.
+    /// Impulse responses; empty if they were not requested.
     pub responses: Vec<ResponseRow>,
 }
 
-/// An impulse response compared with image sources: the largest error of each figure over the bands, `None` if it
-/// exists in no band.
+/// An impulse response compared with image sources: the largest error of each figure over the bands, `None` if no band
+/// has the figure.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ResponseRow {
     /// Name of the profile.
     pub profile: String,
     /// Number of waves.
     pub waves: u32,
-    /// Median time of a response.
+    /// Median time of a response, in milliseconds.
     pub milliseconds: f64,
     /// Error of the reverberation time, as a share.
     pub t30_error: Option<f64>,
@@ -64,7 +64,7 @@ pub struct SceneReport {
     pub rows: Vec<Row>,
     /// The fall of the panning error with the number of waves.
     pub slopes: Vec<Slope>,
-    /// The fastest row below the stated error.
+    /// The fastest row whose error is at most the stated error.
     pub recommendation: Option<Recommendation>,
     /// The row with the smallest panning error.
     pub best: Option<Recommendation>,
@@ -77,9 +77,9 @@ pub struct Limit {
     pub iterations: u32,
     /// Number of directions in both lattices together.
     pub directions: u64,
-    /// The mean of both.
+    /// Mean panning of the two lattices.
     pub pan: f64,
-    /// Half of their difference.
+    /// Half of the difference between the two lattices.
     pub uncertainty: f64,
     /// Share of all waves that are heard.
     pub heard: f64,
@@ -90,29 +90,29 @@ pub struct Limit {
 pub struct Chaos {
     /// Number of pairs of waves followed.
     pub pairs: u64,
-    /// Iterations of each.
+    /// Iterations of each wave.
     pub iterations: u32,
     /// Number of pairs whose two waves met the same surfaces.
     pub same_sequence: u64,
-    /// The factor by which a separation grows from one curved surface to the next: the geometric mean. `None` if no
-    /// wave meets two.
+    /// Geometric mean of the factor by which the separation grows from one curved surface to the next. `None` if no
+    /// wave meets two curved surfaces.
     pub growth: Option<f64>,
     /// Number of curved surfaces met before a rounding error has grown to a centimetre.
     pub horizon: Option<f64>,
-    /// Separation at the n-th curved surface.
+    /// Separations at the first, second and further curved surfaces.
     pub steps: Vec<ChaosStep>,
 }
 
 /// Waves at their n-th curved surface.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ChaosStep {
-    /// n, from 1.
+    /// The number n of the curved surface, counted from 1.
     pub curved_hits: u32,
-    /// Number of pairs that reached it.
+    /// Number of pairs that reached the surface.
     pub pairs: u64,
-    /// Geometric mean of their separation divided by their initial angle, in metres per radian.
+    /// Geometric mean of the pairs' separation divided by their initial angle, in metres per radian.
     pub separation: f64,
-    /// Geometric mean of its growth since the previous curved surface.
+    /// Geometric mean of the growth of the separation since the previous curved surface.
     pub growth: Option<f64>,
 }
 
@@ -121,9 +121,9 @@ pub struct ChaosStep {
 pub struct Row {
     /// The difference from the profile's defaults.
     pub label: String,
-    /// The settings that are swept.
+    /// The values of the swept settings.
     pub case: CaseReport,
-    /// Speed.
+    /// Median times.
     pub speed: Speed,
     /// Each wave compared with its exact twin.
     pub waves: WaveErrors,
@@ -131,7 +131,7 @@ pub struct Row {
     pub panning: PanningError,
 }
 
-/// The settings of a row that are swept.
+/// The values of a row's swept settings.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct CaseReport {
     /// Name of the profile.
@@ -155,42 +155,42 @@ pub struct CaseReport {
 pub struct Speed {
     /// Wall-clock time of a whole frame, in milliseconds.
     pub total_ms: f64,
-    /// Time of its march passes, in milliseconds.
+    /// Time of the frame's march passes, in milliseconds.
     pub march_ms: f64,
     /// Millions of waves × iterations per second of whole frames.
     pub million_per_second: f64,
     /// Evaluations of the distance ÷ (waves × iterations), including those for normals.
     pub evaluations_per_segment: f64,
-    /// Number of frames in the medians.
+    /// Number of frames over which the medians are taken.
     pub frames: u32,
 }
 
-/// The waves compared with the exact ones of the same start directions.
+/// The comparison of waves with the exact waves of the same start directions.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct WaveErrors {
-    /// Waves compared.
+    /// Number of compared waves.
     pub compared: u64,
-    /// Share of waves that ended with another status.
+    /// Share of waves whose final status differs.
     pub status_differs: f64,
-    /// Share of waves that met other objects, or ended with another status.
+    /// Share of waves that met different objects or ended with a different status.
     pub sequence_differs: f64,
-    /// Waves without a finite end point (NaN or infinite).
+    /// Number of waves without a finite end point (NaN or infinite).
     pub not_finite: u64,
-    /// Distances between the ends in metres, over all waves with an exact end point.
+    /// Distances between the end points in metres, over all waves with an exact end point.
     pub end: Quantiles,
-    /// The same over the waves that meet no more curved surfaces than the horizon.
+    /// As `end`, but only for waves that meet no more curved surfaces than the horizon.
     pub end_within_horizon: Quantiles,
-    /// Share of waves that meet more.
+    /// Share of waves that meet more curved surfaces than the horizon.
     pub beyond_horizon: f64,
-    /// Waves heard after 0, 1, 2 … reflections, before they died: waves that `thesis` hears later (it marches dead
-    /// waves on) count in its panning, but not here.
+    /// Number of waves heard after 0, 1, 2 … reflections, before they died. Waves that `thesis` hears after their death
+    /// (it goes on marching dead waves) count in its panning, but not here.
     pub hits: Vec<u64>,
-    /// The same for the exact waves.
+    /// As `hits`, for the exact waves.
     pub exact_hits: Vec<u64>,
 }
 
 impl WaveErrors {
-    /// The largest difference of hits in any order.
+    /// The largest difference between hits and exact hits over all orders of reflection.
     pub fn largest_hit_difference(&self) -> u64 {
         let pairs = self.hits.iter().zip(&self.exact_hits);
         pairs.map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0)
@@ -204,12 +204,12 @@ pub struct Quantiles {
     pub median: f64,
     /// The 99th percentile.
     pub p99: f64,
-    /// The largest.
+    /// The maximum.
     pub max: f64,
 }
 
 impl Quantiles {
-    /// Computes the quantiles of these distances; 0 without distances.
+    /// Computes the quantiles of the given distances; 0 if there are none.
     pub fn of(distances: Vec<f64>) -> Quantiles {
         let [median, p99, max] = quantiles(distances, [0.5, 0.99, 1.0]);
         Quantiles { median, p99, max }
@@ -225,7 +225,7 @@ pub struct PanningError {
     pub limit_bias: f64,
     /// Mean difference from the exact panning of the same start directions.
     pub twin_bias: f64,
-    /// Number of seeds in the twin bias: the first ones.
+    /// Number of seeds in the twin bias; the first seeds are used.
     pub twin_seeds: u32,
     /// Standard error of the twin bias.
     pub twin_bias_error: f64,
@@ -247,10 +247,10 @@ pub struct Slope {
     pub directions: String,
     /// The points, by number of waves.
     pub points: Vec<SlopePoint>,
-    /// Exponent of the number of waves, from the fitted points: −0.5 for independent directions. `None` for fewer than
-    /// two.
+    /// Exponent of the number of waves, fitted to the points: −0.5 for independent directions. `None` for fewer than
+    /// two fitted points.
     pub slope: Option<f64>,
-    /// Standard error of the exponent; `None` for fewer than three points.
+    /// Standard error of the exponent; `None` for fewer than three fitted points.
     pub standard_error: Option<f64>,
 }
 
@@ -261,22 +261,22 @@ pub struct SlopePoint {
     pub waves: u32,
     /// Root mean square panning error over the seeds.
     pub rms: f64,
-    /// Expected number of waves heard, from the limit's share.
+    /// Expected number of heard waves, computed from the limit's share of heard waves.
     pub heard: f64,
-    /// Whether the exponent is fitted through this point: if at least 10 waves are heard.
+    /// Whether the exponent is fitted through this point: true for at least 10 heard waves.
     pub fitted: bool,
 }
 
 /// A recommended row.
 #[derive(Clone, Debug, Serialize)]
 pub struct Recommendation {
-    /// Its name.
+    /// The row's name.
     pub label: String,
-    /// Its settings.
+    /// The row's settings.
     pub case: CaseReport,
-    /// Its time for a frame, in milliseconds.
+    /// Time of the row's frames, in milliseconds.
     pub total_ms: f64,
-    /// Its panning error.
+    /// The row's root mean square panning error.
     pub rms: f64,
 }
 
@@ -287,10 +287,10 @@ pub struct Target {
     pub what: String,
     /// The measured value.
     pub measured: f64,
-    /// The bound; `None` for a figure without a target.
+    /// The bound; `None` for a figure that is only reported.
     pub bound: Option<f64>,
     /// Whether the bound is a minimum rather than a maximum.
     pub at_least: bool,
-    /// Whether the target is met.
+    /// Whether the measured value satisfies the bound; `None` without a bound.
     pub met: Option<bool>,
 }

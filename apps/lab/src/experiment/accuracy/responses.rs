@@ -1,9 +1,9 @@
-//! Impulse responses compared with image sources: the error of their figures against their time.
+//! Compares impulse responses with image sources: the error of their figures, and the computation time.
 //!
-//! One room of 8 × 3 × 5 m whose absorption differs by wall and band (0.1 to 0.43), with 4,096 to 262,144 waves. Errors
-//! are the largest over the bands with the figure; the other bands are counted. They are compared with the just
-//! noticeable differences: 5 % in reverberation times, 1 dB in clarity and strength (ISO 3382-1:2009, annex A, table
-//! A.1).
+//! The test room has 8 × 3 × 5 m, an absorption that differs by wall and band (0.1 to 0.43), and 4,096 to 262,144
+//! waves. Each error is the largest over the bands that have the figure; the other bands are counted. The errors are
+//! compared with the just noticeable differences: 5 % in reverberation times, 1 dB in clarity and strength (ISO
+//! 3382-1:2009, annex A, table A.1).
 
 use super::report::{AccuracyReport, ResponseRow};
 use crate::columns;
@@ -27,10 +27,10 @@ const WAVES: [u32; 4] = [1 << 12, 1 << 14, 1 << 16, 1 << 18];
 /// Profiles that compute responses.
 const PROFILES: [Profile; 2] = [Profile::Hybrid, Profile::March];
 
-/// Number of runs of each; their median time is reported. The first one compiles.
+/// Number of runs per case; the median time is reported. The first run includes shader compilation.
 const RUNS: usize = 4;
 
-/// Length of the record in seconds: a decay of 60 dB and a quarter more.
+/// Length of the record in seconds: the time of a 60 dB decay and a quarter more.
 const SECONDS: f64 = 1.2;
 
 /// Just noticeable differences: of times as a share, of levels in decibels.
@@ -52,7 +52,7 @@ fn room() -> Scene {
     Scene::shoebox(SIZE, &absorption(), source, listener)
 }
 
-/// The figures from image sources.
+/// The exact figures, from image sources.
 fn truth(speed: f64) -> Result<Figures, Error> {
     let [size, source, listener] = [SIZE, SOURCE, LISTENER].map(|v| v.as_dvec3());
     let Some(exact) = ShoeboxEnergies::new(size, source, listener, &absorption()) else {
@@ -64,7 +64,7 @@ fn truth(speed: f64) -> Result<Figures, Error> {
 /// Number of calls of `step` in [`measure`].
 pub(super) const STEPS: u64 = (WAVES.len() * PROFILES.len()) as u64;
 
-/// Traces the room with every profile and number of waves.
+/// Traces the room with every combination of profile and number of waves.
 pub(super) fn measure(
     tracer: &mut Tracer,
     step: &mut dyn FnMut(),
@@ -141,7 +141,7 @@ impl Row for &ResponseRow {
 
 type Figure = fn(&ResponseRow) -> Option<f64>;
 
-/// A line of the plot: its name, its colour, and the error that it shows.
+/// A line of the plot: name, colour, and the error that it shows.
 type Drawn = (&'static str, RGBColor, Figure);
 
 /// Plots the errors of times and of levels against milliseconds, with the just noticeable differences.

@@ -1,4 +1,4 @@
-//! Counts the surfaces of a scene that lie in cells, and those that are marched.
+//! Counts a scene's surfaces that lie in cells, and its marched surfaces.
 
 use echomarch::internals::shader::{Layout, Lists, is_marched};
 use echomarch::scene::Scene;
@@ -11,7 +11,7 @@ pub struct SurfaceCounts {
     pub all: usize,
     /// Number of surfaces in cells.
     pub in_cells: usize,
-    /// Number of surfaces that `hybrid` has to march to as well: fields without a closed form.
+    /// Number of surfaces without a closed form, to which `hybrid` also has to march.
     pub marched: usize,
 }
 

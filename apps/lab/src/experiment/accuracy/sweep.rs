@@ -1,9 +1,9 @@
-//! The settings that are run.
+//! The settings to run.
 //!
 //! The quick sweep changes one setting at a time from each profile's defaults. The full sweep
-//! combines all settings that change the result, and in addition, at the default waves and
-//! iterations, all settings that should change only the speed. The short sweep is a part of the
-//! quick one, for scenes with a slow exact reference.
+//! combines all settings that change the result; at the default waves and iterations it also
+//! combines the settings that should change only the speed. The short sweep is a part of the quick
+//! sweep, for scenes with a slow exact reference.
 
 use super::report::CaseReport;
 use echomarch::scene::Scene;
@@ -12,19 +12,19 @@ use echomarch::tracer::{Algorithm, Budget, Directions, Profile, Settings};
 /// Minimum distances in metres.
 pub const MIN_DISTANCES: [f32; 6] = [1e-4, 1e-3, 1e-2, 0.03, 0.1, 0.3];
 
-/// Minimum distance in metres with which the thesis' algorithm traces most waves correctly.
+/// Minimum distance in metres at which the thesis' algorithm traces most waves correctly.
 pub const CAREFUL: f32 = 1e-3;
 
 /// Numbers of iterations, with the default in the middle.
 pub const ITERATIONS: [u32; 3] = [4, 8, 16];
 
-/// Number of waves of each profile's defaults, and of rows that change another setting.
+/// Number of waves in each profile's defaults, and in rows that change another setting.
 pub const BASE_WAVES: u32 = 65_536;
 
-/// The same in the quick sweep: with 16 seeds per row, more would take too long.
+/// As [`BASE_WAVES`], for the quick sweep: with 16 seeds per row, more waves would take too long.
 pub const QUICK_WAVES: u32 = 32_768;
 
-/// The same in the short sweep.
+/// As [`BASE_WAVES`], for the short sweep.
 pub const SHORT_WAVES: u32 = 16_384;
 
 /// Number of waves of `thesis` in the short sweep of a scene with surfaces in cells.
@@ -33,7 +33,7 @@ const SHORT_THESIS_WAVES: u32 = 1024;
 /// Settings with a name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
-    /// The difference from the profile's defaults.
+    /// The difference from the profile's defaults, in words.
     pub label: String,
     /// The settings.
     pub settings: Settings,
@@ -47,7 +47,7 @@ impl Case {
         }
     }
 
-    /// Returns the case with one change.
+    /// Returns a copy of the case with one change.
     fn but(&self, label: &str, change: impl FnOnce(&mut Settings)) -> Case {
         let mut settings = self.settings.clone();
         change(&mut settings);
@@ -58,7 +58,7 @@ impl Case {
         Case { label, settings }
     }
 
-    /// The case in the report of a scene.
+    /// The case as it appears in the report of a scene.
     pub fn report(&self, scene: &Scene) -> CaseReport {
         let settings = &self.settings;
         let min_distance = match &settings.algorithm {
@@ -77,7 +77,7 @@ impl Case {
     }
 }
 
-/// Normalises settings: equal results mean equal computations.
+/// Normalises settings: settings with the same computation become equal.
 fn computed(settings: &Settings) -> Settings {
     let mut computed = settings.clone();
     computed.iterations_per_pass = settings.iterations_per_pass.min(settings.iterations);
@@ -110,9 +110,9 @@ pub fn quick() -> Vec<Case> {
     named(cases)
 }
 
-/// Changes one setting at a time, but only those with a specific effect on marched fields or cells.
-/// If surfaces lie in cells, a wave of `thesis` takes about thirty times as long as one of
-/// `hybrid`, so it gets few waves, and only its defaults.
+/// Changes one setting at a time, limited to settings that affect marched fields or cells in
+/// particular. If surfaces lie in cells, a wave of `thesis` takes about thirty times as long as a
+/// wave of `hybrid`, so `thesis` runs only with its defaults and few waves.
 pub fn short(in_cells: bool) -> Vec<Case> {
     let mut cases = Vec::new();
     for profile in Profile::ALL {
@@ -137,7 +137,7 @@ pub fn short(in_cells: bool) -> Vec<Case> {
     named(cases)
 }
 
-/// All combinations of settings, and the options in addition.
+/// All combinations of settings, including the options.
 pub fn full() -> Vec<Case> {
     let mut cases = quick();
     for profile in Profile::ALL {
@@ -162,7 +162,7 @@ pub fn full() -> Vec<Case> {
     named(cases)
 }
 
-/// Removes empty parts of labels, and duplicate computations.
+/// Cleans up the labels, and removes cases that repeat an earlier computation.
 fn named(cases: Vec<Case>) -> Vec<Case> {
     let mut kept: Vec<Case> = Vec::new();
     for mut case in cases {
@@ -208,7 +208,7 @@ fn turned(case: &Case, directions: Directions) -> Case {
     }
 }
 
-/// Cases with each option alone.
+/// Cases that change one option each.
 fn options(base: &Case) -> Vec<Case> {
     let mut cases = vec![
         base.but("fibonacci", |s| s.directions = Directions::Fibonacci),
@@ -233,8 +233,8 @@ fn options_together(base: &Case) -> Vec<Case> {
     cases
 }
 
-/// Switches between all iterations in one pass and one per pass, whichever is not the profile's
-/// default.
+/// Switches from the profile's default (all iterations in one pass, or one iteration per pass) to
+/// the alternative.
 fn other_passes(base: &Case) -> Case {
     match base.settings.iterations_per_pass {
         1 => base.but("fused", |s| {
@@ -244,7 +244,7 @@ fn other_passes(base: &Case) -> Case {
     }
 }
 
-/// All options that can make a profile's defaults faster or better without making them worse.
+/// Sets every option that can make a profile's defaults faster or better without making them worse.
 fn every(base: &Case) -> Case {
     base.but("GPU sum, fibonacci", |s| {
         s.sum_on_gpu = true;
@@ -258,7 +258,7 @@ mod tests {
     use echomarch::scene::shape::Torus;
     use echomarch::scene::{Node, Surface};
 
-    /// Protects the sweep from settings that cannot be traced, and from duplicate work.
+    /// Protects the sweep from settings that cannot be traced, and from duplicate computations.
     #[test]
     fn every_case_is_valid_and_there_once() {
         for cases in [short(false), short(true), quick(), full()] {
@@ -285,8 +285,8 @@ mod tests {
         }
     }
 
-    /// Protects "fused" from settings that the tracer does not use: the tracer's own rule
-    /// determines what fits a pass, and depends on the scene.
+    /// Protects "fused" from claiming more than the tracer does: the tracer decides how many
+    /// iterations fit into a pass, depending on the scene.
     #[test]
     fn fused_is_what_runs_in_one_pass() {
         let corner = Scene::builtin("corner").unwrap();

@@ -13,17 +13,17 @@ use echomarch::scene::Scene;
 use echomarch::tracer::{Profile, Settings, ThesisOptions, Tracer};
 use glam::Vec3;
 
-/// Number of waves for the targets on single waves and on speed.
+/// Number of waves for the targets for single waves and for speed.
 const WAVES: u32 = 262_144;
 
-/// Number of waves for the target on hits by order.
+/// Number of waves for the target for hits by order.
 const MANY_WAVES: u32 = 1 << 20;
 
 /// Number of timed frames per profile.
 const FRAMES: usize = 5;
 
-/// Measures all targets, in the thesis' rooms and the shoebox; those on efficiency use the default
-/// rows of `scenes`.
+/// Measures all targets in the thesis' rooms and the shoebox. The targets for efficiency use the
+/// default rows of `scenes`.
 ///
 /// # Errors
 /// Errors of [`Tracer::frame`].
@@ -65,8 +65,8 @@ impl Target {
     }
 }
 
-/// Compares the waves heard in each iteration, from frames with one iteration more each, with the
-/// image sources.
+/// Compares the number of waves heard in each iteration with the image sources. Successive frames
+/// have one iteration more each.
 fn hits_by_order(tracer: &mut Tracer, waves: u32) -> Result<Target, Error> {
     let scene = Scene::builtin("shoebox")?;
     let settings = Settings::hybrid().with_waves(waves);
@@ -135,7 +135,7 @@ fn single_waves(tracer: &mut Tracer, corner: &Scene) -> Result<Vec<Target>, Erro
     Ok(targets.into())
 }
 
-/// Times whole frames in turns, compared with the thesis' algorithm at its careful distance.
+/// Times whole frames, in turns with the thesis' algorithm at its careful minimum distance.
 fn speeds(tracer: &mut Tracer, corner: &Scene) -> Result<Vec<Target>, Error> {
     let careful = Settings::new(ThesisOptions::default().with_min_distance(CAREFUL));
     let runs = [Settings::hybrid(), Settings::march(), careful]
@@ -177,7 +177,7 @@ fn efficiencies(scene: &SceneReport) -> Option<Target> {
     ))
 }
 
-/// For information: the thesis' algorithm with its best settings.
+/// The comparison with the thesis' algorithm at its best settings, reported without a bound.
 fn against_the_best_thesis(scene: &SceneReport) -> Option<Target> {
     let hybrid = default_row(scene, Profile::Hybrid)?;
     let name = Profile::Thesis.to_string();
@@ -200,7 +200,7 @@ fn against_the_best_thesis(scene: &SceneReport) -> Option<Target> {
 mod tests {
     use super::*;
 
-    /// Protects "met": it is the comparison with the bound.
+    /// Protects `met`: it is true exactly when the value satisfies the bound.
     #[test]
     fn targets_are_held_against_their_bounds() {
         assert_eq!(Target::at_most("", 2.0, 2.0).met, Some(true));

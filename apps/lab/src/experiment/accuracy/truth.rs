@@ -1,4 +1,4 @@
-//! Results of the exact geometry, each computed only once.
+//! Results of the exact geometry, computed once and cached.
 
 use super::directions::lattice;
 use super::report::Limit;
@@ -13,34 +13,34 @@ use std::rc::Rc;
 /// Number of directions traced at a time, limited by memory.
 const PART: usize = 1 << 20;
 
-/// The parameters of start directions: their set, the number of waves, the seed. They are the same
-/// for every profile.
+/// The parameters of start directions: their set, the number of waves, the seed. Every profile gets
+/// the same directions from them.
 type Start = (Directions, u32, u32);
 
 /// A scene with its exact results.
 pub struct Truth<'a> {
     /// The scene.
     pub scene: &'a Scene,
-    /// The scene in `f64`.
+    /// The scene as exact geometry in `f64`.
     pub exact: ExactScene,
     /// Number of directions for the limits.
     limit_directions: u64,
-    /// Limits by iterations, from 0 up to the largest requested number.
+    /// Limits by number of iterations, from 0 to the largest requested number.
     limits: Vec<Limit>,
-    /// Panning by iterations.
+    /// Panning of the twins, by number of iterations.
     twins: HashMap<Start, Vec<f64>>,
-    /// The waves themselves, by start and iterations.
+    /// The exact waves, by start directions and number of iterations.
     followed: HashMap<(Start, u32), Rc<[ExactWave]>>,
 }
 
-/// Sums over the arrivals' sides, by the iteration of arrival.
+/// Sums over the sides of the arrivals, by the iteration of arrival.
 struct Arrivals {
     sides: Vec<f64>,
     heard: Vec<u64>,
 }
 
 impl<'a> Truth<'a> {
-    /// The exact results of `scene`, initially empty; limits will use `limit_directions`
+    /// Creates an empty cache for `scene`; limits will be computed with `limit_directions`
     /// directions.
     ///
     /// # Errors
@@ -56,14 +56,14 @@ impl<'a> Truth<'a> {
         })
     }
 
-    /// Exact waves from the source along `directions`.
+    /// Traces exact waves from the source along `directions`.
     pub fn waves(&self, directions: &[Vec3], iterations: u32) -> Vec<ExactWave> {
         let start = self.scene.sources[0].position.as_dvec3();
         self.exact.trace_all(start, directions, iterations)
     }
 
-    /// Returns the exact waves of the start directions `starts` of these settings: followed only
-    /// once, whatever the other settings.
+    /// Returns the exact waves for the start directions `starts` of these settings. They are traced
+    /// only once and shared by settings with the same start directions.
     pub fn twins(&mut self, settings: &Settings, starts: &[Vec3]) -> Rc<[ExactWave]> {
         let key = (start(settings), settings.iterations);
         if let Some(known) = self.followed.get(&key) {
@@ -74,9 +74,9 @@ impl<'a> Truth<'a> {
         waves
     }
 
-    /// Computes the limit of many waves for each number of iterations up to `most`, as
-    /// [`Truth::limit`] would, all at the cost of one. Each of the two lattices has half of the
-    /// directions.
+    /// Computes the limits of many waves for all numbers of iterations up to `most`, at the cost of
+    /// a single limit; the results equal those of [`Truth::limit`]. Each of the two lattices has
+    /// half of the directions.
     pub fn find_limits(&mut self, most: u32) {
         let half = (self.limit_directions / 2).max(1);
         let [upright, turned] = [false, true].map(|t| self.arrivals(&lattice(half, t), most));
@@ -94,7 +94,7 @@ impl<'a> Truth<'a> {
         self.limits = (0..=most).map(limit).collect();
     }
 
-    /// Returns the limit of many waves: traced unless [`Truth::find_limits`] has computed it.
+    /// Returns the limit of many waves; traces it unless [`Truth::find_limits`] has computed it.
     pub fn limit(&mut self, iterations: u32) -> Limit {
         if self.limits.len() <= iterations as usize {
             self.find_limits(iterations);
@@ -152,7 +152,7 @@ impl Arrivals {
         self.heard[..iterations as usize].iter().sum()
     }
 
-    /// The panning after the given number of iterations: 0 without arrivals.
+    /// The panning after the given number of iterations; 0 without arrivals.
     fn pan(&self, iterations: u32) -> f64 {
         let side: f64 = self.sides[..iterations as usize].iter().sum();
         match self.heard(iterations) {
@@ -166,7 +166,7 @@ fn start(settings: &Settings) -> Start {
     (settings.directions, settings.waves, settings.seed)
 }
 
-/// The start directions of these settings: the same for every profile.
+/// The start directions of these settings, which are the same for every profile.
 fn start_directions(
     tracer: &mut Tracer,
     scene: &Scene,
@@ -183,7 +183,7 @@ mod tests {
     use super::*;
     use echomarch::geometry::ShoeboxImages;
 
-    /// Protects the limit: with the same directions it has the hits of the image sources.
+    /// Protects the limit: for the same directions, its hits equal those of the image sources.
     #[test]
     fn the_limit_of_the_shoebox_is_that_of_its_images() {
         let scene = Scene::builtin("shoebox").unwrap();

@@ -1,4 +1,4 @@
-//! The four tables as one picture: time and hits against waves, log-log.
+//! Plots the four tables: time and hits against waves, with logarithmic axes.
 
 use super::{FRAME_BUDGET_MS, FigureRow, FigureTable, FiguresReport};
 use crate::experiment::plot::{
@@ -12,11 +12,11 @@ const SHEET: Sheet = Sheet {
     title_height: 40,
     row_height: 340,
 };
-/// Width of a plot in pixels; the legend takes the rest.
+/// Width of a plot in pixels; the legend fills the remaining width.
 const PLOT_WIDTH: u32 = 510;
 
-/// The thesis' two machines are grey, measured profiles coloured. Later lines are drawn over
-/// earlier ones: they are thinner, or have gaps, so that the earlier ones stay visible.
+/// Line styles: the thesis' two machines are grey, measured profiles are coloured. Later lines are
+/// drawn over earlier ones, so later lines are thinner or dashed to keep the earlier lines visible.
 const MOBILE: Stroke = Stroke::new(RGBColor(185, 185, 185), 7, None);
 const DESKTOP: Stroke = Stroke::new(RGBColor(110, 110, 110), 7, None);
 const BUDGET: Stroke = Stroke::new(RGBColor(204, 121, 167), 1, Some((12, 4)));
@@ -74,7 +74,8 @@ fn times_of(table: &FigureTable) -> Vec<Curve> {
     curves
 }
 
-/// The thesis has the same counts on both of its machines.
+/// The curves of hits, with one curve for the thesis, which has the same counts on both of its
+/// machines.
 fn hits_of(table: &FigureTable) -> Vec<Curve> {
     let hits = |row: &FigureRow| row.thesis.listener_hits as f64;
     let mut curves = vec![thesis_curve(table, "printed", DESKTOP, hits)];
@@ -126,7 +127,7 @@ fn wave_range(table: &FigureTable) -> (f64, f64) {
     (first.min(last), last.max(2.0 * first))
 }
 
-/// One log-log plot.
+/// One plot with logarithmic axes.
 fn plot(panel: &Panel, table: &FigureTable, what: &str, curves: &[Curve]) -> Result<(), PlotError> {
     let points = || curves.iter().flat_map(|curve| &curve.points);
     let x = LogAxis::around(points().map(|point| point.0));

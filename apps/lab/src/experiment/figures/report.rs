@@ -10,7 +10,7 @@ const LEGEND: &str = "init to read: median times of the parts of a frame; frame:
     limit: marches that reached it. se: difference of the hits from the thesis' in standard \
     errors, √(ours + thesis).";
 
-/// A row with its context.
+/// A row of the report, with its table.
 struct Line<'a> {
     report: &'a FiguresReport,
     table: &'a FigureTable,
