@@ -1,10 +1,10 @@
-//! The conclusions of the report, in sentences.
+//! The report's conclusions, as sentences.
 
 use super::change::Change;
 use super::surfaces::{SurfaceRow, Verdict};
 use super::{CostReport, OptionRow};
 
-/// Noise of the waves heard, in percent, above which it hides audible changes.
+/// Noise of the number of heard waves, in percent, above which the noise hides audible changes.
 const MUCH_NOISE: f64 = 5.0;
 
 pub(super) fn sentences(report: &CostReport) -> Vec<String> {
@@ -75,7 +75,7 @@ fn of_surfaces(report: &CostReport) -> String {
     }
 }
 
-/// Returns the name capitalised for the beginning of a sentence.
+/// Returns the name capitalised, to begin a sentence.
 fn capitalised(name: &str) -> String {
     let mut letters = name.chars();
     let first = letters.next().map(|c| c.to_ascii_uppercase());
@@ -89,8 +89,8 @@ fn in_words(change: Change) -> String {
     )
 }
 
-/// Returns a sentence on options that save time without an audible change; `None` if there are
-/// none.
+/// Returns a sentence about the options that save time without an audible change; `None` if no
+/// option does.
 fn of_options(report: &CostReport) -> Option<String> {
     let saves =
         |row: &&OptionRow| row.within_noise && row.total.beyond_noise && row.total.saved_ms > 0.0;

@@ -1,15 +1,15 @@
-//! The effect of a change on the sound, compared with the effect of another seed.
+//! Compares the effect of a change on the sound with the effect of another seed.
 
 use crate::stats::mean;
 use echomarch::tracer::{Frame, Panning};
 use serde::Serialize;
 
-/// The size of a change over several pairs of frames.
+/// The size of a change, over several pairs of frames.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Size {
-    /// The mean of the pairs, with its sign.
+    /// The signed mean over the pairs.
     pub mean: f64,
-    /// The root mean square: the typical change of a single frame.
+    /// The root mean square over the pairs: the typical change of a single frame.
     pub rms: f64,
 }
 
@@ -20,24 +20,25 @@ pub struct Change {
     pub heard_percent: Size,
     /// Change of the panning value (−1 to 1).
     pub pan: Size,
-    /// Change of the level in dB, at the ear with the larger change, with the same energy for every
-    /// heard wave; `None` if an ear falls silent, or begins to hear.
+    /// Change of the level in dB at the ear with the larger change, with equal energy for every
+    /// heard wave; `None` if an ear falls silent or begins to hear.
     pub level_db: Option<Size>,
 }
 
-/// The effect of another seed on the complete scene: the root mean square difference of two seeds.
+/// The effect of another seed on the complete scene: the root mean square difference between two
+/// seeds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Noise {
     /// Number of seeds.
     pub seeds: u32,
-    /// Share of all waves of a frame that are heard (the mean over the seeds).
+    /// Share of a frame's waves that are heard (mean over the seeds).
     pub heard: f64,
-    /// Noise of the share of waves heard, in percent of it.
+    /// Noise of the share of heard waves, in percent of this share.
     pub heard_percent: f64,
     /// Noise of the panning value.
     pub pan: f64,
     /// Noise of the level at the worse ear, in dB; `None` if an ear hears nothing with some seed:
-    /// then every change of level is within noise.
+    /// every level change is then within the noise.
     pub level_db: Option<f64>,
 }
 
@@ -52,8 +53,8 @@ impl Size {
 }
 
 impl Change {
-    /// The change between pairs of frames with these numbers of waves; `None` without hits before
-    /// it.
+    /// The change between pairs of frames with these numbers of waves; `None` if no wave is heard
+    /// before the change.
     pub(super) fn of(base: (&[Frame], u32), changed: (&[Frame], u32)) -> Option<Change> {
         let shares = |(frames, waves): (&[Frame], u32)| -> Vec<f64> {
             frames.iter().map(|f| heard(f) / f64::from(waves)).collect()
@@ -77,7 +78,7 @@ impl Change {
         })
     }
 
-    /// Whether another seed has at least the same effect in every measure.
+    /// Whether the effect of another seed is at least as large in every measure.
     pub fn is_within(&self, noise: &Noise) -> bool {
         let level = match (self.level_db, noise.level_db) {
             (_, None) => true,
@@ -89,7 +90,7 @@ impl Change {
 }
 
 impl Noise {
-    /// The noise of frames of one scene that differ only in the seed.
+    /// The noise of frames that differ only in the seed.
     pub(super) fn of(frames: &[Frame], waves: u32) -> Noise {
         let mean_heard = mean(frames.iter().map(heard)).unwrap_or(0.0);
         let percent = match mean_heard > 0.0 {
@@ -119,7 +120,7 @@ fn heard(frame: &Frame) -> f64 {
     frame.counts.listener_hits as f64
 }
 
-/// The change of level in dB, at the ear with the larger change.
+/// The change of the level in dB, at the ear with the larger change.
 fn level(before: &Panning, after: &Panning, gain: f64) -> Option<f64> {
     let of = |before: f64, after: f64| match (before > 0.0, after > 0.0) {
         (true, true) => Some(10.0 * (gain * after / before).log10()),
@@ -135,7 +136,7 @@ fn level(before: &Panning, after: &Panning, gain: f64) -> Option<f64> {
     })
 }
 
-/// The root mean square difference of two such values: √2 standard deviations.
+/// The root mean square difference between two values of this distribution: √2 standard deviations.
 fn of_two(values: impl Iterator<Item = f64> + Clone) -> f64 {
     let count = values.clone().count() as f64;
     if count < 2.0 {
@@ -157,7 +158,7 @@ mod tests {
         frame
     }
 
-    /// Protects the measures: signs, units, and that half of the waves does not mean half of the
+    /// Protects the measures: signs, units, and that halving the number of waves does not halve the
     /// sound.
     #[test]
     fn changes_are_taken_by_the_share_of_waves() {
@@ -171,7 +172,8 @@ mod tests {
         assert!((less.level_db.unwrap().mean + 10.0).abs() < 1e-12);
     }
 
-    /// Protects the limits: an ear that falls silent exceeds any noise, and silence has no change.
+    /// Protects the limiting cases: the silence of an ear exceeds any noise, and a silent scene has
+    /// no change.
     #[test]
     fn silence_is_no_number() {
         let (base, silent) = ([frame(5.0, 5.0)], [frame(0.0, 0.0)]);

@@ -1,4 +1,4 @@
-//! The report: one table of all changes, and the conclusions.
+//! The report as a document: one table of all changes, and the conclusions.
 
 use super::{Change, CostReport, Noise, OptionRow, ShaderReport, SurfaceRow, Timing, Verdict};
 use crate::columns;
@@ -26,9 +26,9 @@ struct Line<'a> {
     leaves_cells: bool,
 }
 
-/// The audible change of a row.
+/// The audible effect in a row.
 enum Heard<'a> {
-    /// Of another seed.
+    /// The effect of another seed.
     Noise(&'a Noise),
     /// The effect of a change; `None` if it cannot be estimated.
     Change(Option<&'a Change>),
@@ -79,7 +79,7 @@ impl<'a> Line<'a> {
         }
     }
 
-    /// The change.
+    /// The change in words.
     fn change(&self) -> String {
         if self.verdict.is_none() {
             return "another seed".to_owned();
@@ -119,7 +119,7 @@ impl<'a> Line<'a> {
         })
     }
 
-    /// `None` if it cannot be estimated.
+    /// Whether the change is within the noise; `None` if it cannot be estimated.
     fn within_noise(&self) -> Option<bool> {
         match self.heard {
             Heard::Change(Some(_)) => Some(self.verdict == Some(Verdict::CanBeLeftOut)),
@@ -165,7 +165,7 @@ fn times<R>(of: &str, timing: impl Fn(&R) -> Option<Timing> + Copy + 'static) ->
     PARTS.map(column).into()
 }
 
-/// Noise has no mean.
+/// The columns of the audible effect; noise has no mean.
 fn heard<'a>() -> Vec<Column<Line<'a>>> {
     type OfChange = fn(&Change) -> Option<super::Size>;
     fn both(line: &Line, change: OfChange, noise: fn(&Noise) -> Option<f64>) -> [Cell; 2] {

@@ -1,9 +1,9 @@
-//! The cost of each surface and option, and the error of leaving it out.
+//! The cost of each surface and option, and the error from leaving it out.
 //!
-//! Everything is measured in pairs: a complete frame beside a frame with one change, in turns, with
-//! the same waves and one seed per run. The saving is the median of the pairs' differences. The
-//! audible change is compared with the effect of another seed: a smaller change is inaudible, as
-//! every frame has it.
+//! Everything is measured in pairs of a complete frame and a frame with one change. The two frames
+//! of a pair run in turns, with the same waves; each run has its own seed. The saving is the median
+//! of the pairs' differences. The audible change is compared with the effect of another seed: a
+//! smaller change is inaudible, because every frame contains that much noise.
 
 mod advice;
 mod change;
@@ -25,13 +25,13 @@ use echomarch::tracer::{Frame, Settings, Tracer};
 use pair::{Case, pair};
 use serde::Serialize;
 
-/// Number of frames, each with its own seed, for the noise.
+/// Number of frames for measuring the noise, each with a different seed.
 const NOISE_SEEDS: u32 = 8;
 
 /// The options of a run.
 #[derive(Clone, Debug)]
 pub struct CostOptions {
-    /// Number of pairs of frames per row, each with its own seed; at least 1.
+    /// Number of pairs of frames per row, at least 1; each pair has its own seed.
     pub runs: u32,
 }
 
@@ -41,14 +41,14 @@ impl Default for CostOptions {
     }
 }
 
-/// The cost of everything.
+/// The results of the cost experiment.
 #[derive(Clone, Debug, Serialize)]
 pub struct CostReport {
     /// The scene's name.
     pub scene: String,
     /// The renderer's name.
     pub renderer: String,
-    /// The kind of clock that timed the passes.
+    /// The kind of clock that measured the times of the passes.
     pub clock: String,
     /// Name of the profile.
     pub profile: String,
@@ -60,30 +60,30 @@ pub struct CostReport {
     pub seed: u32,
     /// Name of the start directions.
     pub directions: String,
-    /// Pairs of frames for each row.
+    /// Number of pairs of frames per row.
     pub runs: u32,
-    /// The march of the complete frame compared with itself: the noise of the clock.
+    /// March times of the complete frame compared with itself: the noise of the clock.
     pub control: Timing,
-    /// The same for the whole frame.
+    /// The same comparison for the time of the whole frame.
     pub control_total: Timing,
     /// The effect of another seed.
     pub noise: Noise,
-    /// Number of waves followed to find the surfaces that they meet.
+    /// Number of waves followed to find which surfaces they meet.
     pub followed: u32,
-    /// Whether surfaces are grouped by kind, as there are too many.
+    /// Whether surfaces are grouped by kind, because there are too many for one row each.
     pub by_kind: bool,
     /// The rows of the surfaces, in the order of the scene.
     pub surfaces: Vec<SurfaceRow>,
-    /// The rows of the settings, each changed alone.
+    /// The rows of the settings, with one setting changed in each.
     pub options: Vec<OptionRow>,
-    /// The contents of the shader.
+    /// The contents of the scene's shader.
     pub shader: ShaderReport,
-    /// The conclusions, in sentences.
+    /// The conclusions, as sentences.
     pub advice: Vec<String>,
 }
 
-/// Measures a scene in its present state, with these settings. `progress` receives the rows done
-/// and the total.
+/// Measures a scene in its present state, with these settings. `progress` receives the number of
+/// completed rows and the total.
 ///
 /// # Errors
 /// Errors of [`Tracer::frame`].
@@ -94,7 +94,7 @@ pub fn measure(
     options: &CostOptions,
     progress: &mut dyn FnMut(u64, u64),
 ) -> Result<CostReport, Error> {
-    // A whole frame first, so that a scene that cannot be traced fails before anything is changed.
+    // Traces a whole frame first, so that an invalid scene fails before anything is changed.
     tracer.frame(scene, settings)?;
     let rows = surfaces::rows(scene);
     let variants = options::variants(settings);

@@ -1,4 +1,4 @@
-//! The cost or saving of each option, changed alone.
+//! The cost or saving of each option, with one option changed at a time.
 
 use super::Bench;
 use super::change::Change;
@@ -10,15 +10,15 @@ use serde::Serialize;
 /// One setting changed.
 #[derive(Clone, Debug, Serialize)]
 pub struct OptionRow {
-    /// The change, as it is typed if it is an option.
+    /// The change, written like the command line option if there is one.
     pub name: String,
-    /// The march time that the change saves.
+    /// The march time saved by the change.
     pub march: Timing,
-    /// The whole frame's time that it saves.
+    /// The time of the whole frame saved by the change.
     pub total: Timing,
-    /// The audible change; `None` without hits before the change.
+    /// The audible change; `None` if no wave is heard before the change.
     pub change: Option<Change>,
-    /// Whether another seed has at least the same effect.
+    /// Whether the effect of another seed is at least as large.
     pub within_noise: bool,
 }
 
@@ -28,8 +28,8 @@ pub(super) struct Variant {
     settings: Settings,
 }
 
-/// The variants of the requested settings, without invalid ones and without those whose effect is
-/// below the noise of a busy processor (docs/cost.md).
+/// The variants of the requested settings. Invalid variants are left out, and variants whose effect
+/// is below the noise of a busy processor (docs/cost.md).
 pub(super) fn variants(asked: &Settings) -> Vec<Variant> {
     let mut all = Vec::new();
     let mut add = |name: &str, settings: Settings| {

@@ -1,4 +1,4 @@
-//! Repeated pairs of frames, and the differences of their times.
+//! Repeated pairs of frames, and the differences between their times.
 
 use crate::stats::{median, quantiles};
 use echomarch::Error;
@@ -6,37 +6,37 @@ use echomarch::scene::Scene;
 use echomarch::tracer::{Frame, Milliseconds, Settings, Tracer};
 use serde::Serialize;
 
-/// Scene and settings of a frame.
+/// The scene and the settings of a frame.
 #[derive(Clone, Copy)]
 pub(super) struct Case<'a> {
     pub scene: &'a Scene,
     pub settings: &'a Settings,
 }
 
-/// Frames of two cases, run by run, with the same seeds.
+/// Frames of two cases, run by run; both frames of a run have the same seed.
 pub(super) struct Pair {
     pub base: Vec<Frame>,
     pub changed: Vec<Frame>,
 }
 
-/// The time that a change saves.
+/// The time saved by a change.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Timing {
     /// Median time without the change, in milliseconds.
     pub base_ms: f64,
     /// Median time with the change, in milliseconds.
     pub changed_ms: f64,
-    /// Median of the differences run by run, in milliseconds; negative if the change costs.
+    /// Median of the differences per run, in milliseconds; negative if the change costs time.
     pub saved_ms: f64,
-    /// The same in percent of `base_ms`.
+    /// `saved_ms` in percent of `base_ms`.
     pub saved_percent: f64,
-    /// Half the distance between the quartiles of these differences, in milliseconds.
+    /// Half the distance between the quartiles of the differences, in milliseconds.
     pub spread_ms: f64,
     /// Whether the difference exceeds both its spread and the noise of the clock.
     pub beyond_noise: bool,
 }
 
-/// Runs both cases in turns, alternating the first.
+/// Runs both cases in turns; the case that runs first alternates.
 pub(super) fn pair(
     tracer: &mut Tracer,
     base: Case,
@@ -45,7 +45,7 @@ pub(super) fn pair(
 ) -> Result<Pair, Error> {
     tracer.frame(base.scene, base.settings)?;
     tracer.frame(changed.scene, changed.settings)?;
-    // Another number of waves needs new textures, and memory pages are allocated at their first
+    // A different number of waves needs new textures, and memory pages are allocated at their first
     // use.
     let warms = base.settings.waves != changed.settings.waves;
     let mut frame = |case: Case, run: u32| {
@@ -108,7 +108,7 @@ impl Pair {
 }
 
 impl Timing {
-    /// Noise of a saving in percent, from this pair of equal cases.
+    /// Noise of a saving in percent, measured with this pair of identical cases.
     pub(super) fn own_noise_percent(&self) -> f64 {
         match self.base_ms > 0.0 {
             true => 100.0 * (self.saved_ms.abs() + self.spread_ms) / self.base_ms,

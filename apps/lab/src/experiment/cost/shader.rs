@@ -6,47 +6,47 @@ use echomarch::tracer::{Pass, Settings, shader_text};
 use serde::Serialize;
 
 /// The march pass of a scene as the compiler sees it: without comments, empty lines and parts
-/// excluded by conditions.
+/// excluded by preprocessor conditions.
 #[derive(Clone, Debug, Serialize)]
 pub struct ShaderReport {
     /// Number of lines.
     pub lines: usize,
     /// Number of functions.
     pub functions: usize,
-    /// Number of lines for a scene of one plane, the minimum.
+    /// Number of lines for a scene of one plane: the minimum.
     pub least_lines: usize,
-    /// Number of functions for it.
+    /// Number of functions for a scene of one plane.
     pub least_functions: usize,
-    /// Shapes and operators that have functions in the text. Those that only move points
-    /// (`Translate`, `Rotate` and similar) are written inline and have none.
+    /// Shapes and operators that have functions in the shader text. Operators that only move points
+    /// (`Translate`, `Rotate` and similar) are written inline and have no functions.
     pub features: Vec<Feature>,
     /// Functions that are never called.
     pub unused_functions: Vec<String>,
 }
 
-/// A shape or an operator with functions in the text.
+/// A shape or an operator with functions in the shader text.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Feature {
     /// Its name in scene files.
     pub name: String,
-    /// Whether it is in the scene.
+    /// Whether the scene contains the shape or operator.
     pub in_scene: bool,
     /// The shapes and operators in the scene that call its functions.
     pub called_by: Vec<String>,
 }
 
-/// Prefixes of the functions of shapes and operators.
+/// Prefixes in the names of shapes' and operators' functions.
 const PREFIXES: [&str; 6] = ["sd", "gd", "hit", "project", "gradient", "op"];
 
-/// Suffixes after the name.
+/// Suffixes that may follow the shape's or operator's name.
 const SUFFIXES: [&str; 2] = ["Directed", "Cap"];
 
-/// Names in such functions that are neither a shape nor an operator.
+/// Function names, without their prefix, that belong to neither a shape nor an operator.
 const HELPERS: [&str; 8] = [
     "Ball", "Chord", "Circle", "Corner", "Kind", "Listener", "OfKind", "OntoKind",
 ];
 
-/// Functions with other names.
+/// Functions whose names do not follow this pattern, with their operators.
 const OTHERWISE: [(&str, &str); 4] = [
     ("repeatCopy", "Repeat"),
     ("repeatSide", "Repeat"),
@@ -54,7 +54,8 @@ const OTHERWISE: [(&str, &str); 4] = [
     ("bend", "Bend"),
 ];
 
-/// Shapes that call the functions of others: a box is rounded, and repeated copies are united.
+/// Pairs of a shape and another shape or operator that calls its functions: a rounded box calls a
+/// box, repeated copies call a union.
 const CALLERS: [(&str, &str); 5] = [
     ("Box", "RoundedBox"),
     ("Box", "HeightField"),
@@ -81,7 +82,7 @@ impl ShaderReport {
         }
     }
 
-    /// Names in the text that the scene does not need.
+    /// Names of shapes and operators in the text that the scene does not need.
     pub fn unneeded(&self) -> Vec<&str> {
         let is_unneeded = |f: &&Feature| !f.in_scene && f.called_by.is_empty();
         let unneeded = self.features.iter().filter(is_unneeded);
@@ -89,7 +90,7 @@ impl ShaderReport {
     }
 }
 
-/// The lines of a text that are code; all lines if the text cannot be parsed.
+/// The lines of code in a shader text; all lines if the text cannot be parsed.
 fn code(text: &str) -> Vec<String> {
     code_lines(text).unwrap_or_else(|_| text.lines().map(str::to_owned).collect())
 }
@@ -116,7 +117,7 @@ fn features(scene: &Scene, functions: &[String]) -> Vec<Feature> {
     names.into_iter().map(of).collect()
 }
 
-/// Shapes and operators of a scene.
+/// Names of the shapes and operators in a scene.
 fn names_in(scene: &Scene) -> Vec<&'static str> {
     let mut names = Vec::new();
     for surface in &scene.surfaces {
@@ -147,7 +148,7 @@ fn feature(function: &str) -> Option<&str> {
     }
 }
 
-/// Names of the functions that a text defines, one per definition.
+/// Names of the functions that a shader text defines, one per definition.
 fn defined(lines: &[String]) -> Vec<String> {
     let mut functions = Vec::new();
     let mut depth = 0_i64;
@@ -163,7 +164,7 @@ fn defined(lines: &[String]) -> Vec<String> {
     functions
 }
 
-/// The function whose definition begins in this line.
+/// The name of the function whose definition begins in this line.
 fn heading(line: &str) -> Option<&str> {
     let (head, rest) = line.split_once('(')?;
     let mut words = head.split_whitespace();
@@ -173,7 +174,7 @@ fn heading(line: &str) -> Option<&str> {
     is_heading.then_some(name)
 }
 
-/// Functions that are named only in their definition.
+/// Functions whose names occur only in their definitions.
 fn unused(lines: &[String], functions: &[String]) -> Vec<String> {
     let mut unused: Vec<String> = Vec::new();
     for name in functions.iter().filter(|name| *name != "main") {
@@ -191,7 +192,8 @@ fn unused(lines: &[String], functions: &[String]) -> Vec<String> {
 mod tests {
     use super::*;
 
-    /// Protects the table of features: functions are distinguished from their helpers.
+    /// Protects the table of features: functions of shapes and operators are distinguished from
+    /// helpers.
     #[test]
     fn functions_are_told_by_their_names() {
         let of = [

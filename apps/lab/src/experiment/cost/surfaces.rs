@@ -1,4 +1,4 @@
-//! The cost of each surface, the waves that meet it, and the audible change without it.
+//! The cost of each surface, the waves that meet it, and the audible change when it is left out.
 
 use super::Bench;
 use super::change::Change;
@@ -10,35 +10,36 @@ use echomarch::scene::Scene;
 use echomarch::tracer::Tracer;
 use serde::Serialize;
 
-/// Maximum number of surfaces measured one by one; above it each kind of shape is measured.
+/// Maximum number of surfaces measured one by one; larger scenes are measured by kind of shape.
 pub const MOST_SURFACES: usize = 32;
 
-/// Maximum number of waves followed, and of their states.
+/// Maximum number of waves followed, and of states read back.
 const MOST_FOLLOWED: u32 = 16_384;
 const MOST_STATES: u32 = 1 << 21;
 
-/// A surface, or all surfaces of a kind.
+/// A surface, or all surfaces of one kind.
 #[derive(Clone, Debug, Serialize)]
 pub struct SurfaceRow {
-    /// Its name in a sentence.
+    /// The row's name, for use in a sentence.
     pub name: String,
-    /// Their numbers, from 1.
+    /// The surfaces' numbers, counted from 1.
     pub surfaces: Vec<usize>,
-    /// Number of followed waves that met one of them.
+    /// Number of followed waves that met one of these surfaces.
     pub met: u32,
-    /// The same in percent of the waves followed.
+    /// `met` in percent of the followed waves.
     pub met_percent: f64,
-    /// Number of shader lines saved by leaving it out; `None` as below.
+    /// Number of shader lines saved by leaving the surfaces out; `None` if no surface would be
+    /// left.
     pub lines: Option<i64>,
-    /// The march time saved by leaving it out; `None` if no surface would be left.
+    /// March time saved by leaving the surfaces out; `None` if no surface would be left.
     pub march: Option<Timing>,
-    /// The same for the whole frame.
+    /// Time of the whole frame saved by leaving the surfaces out.
     pub total: Option<Timing>,
-    /// The audible change; `None` also without hits in the complete scene.
+    /// The audible change; `None` also if no wave is heard in the complete scene.
     pub change: Option<Change>,
-    /// Whether too few surfaces are left to lie in cells.
+    /// Whether too few surfaces remain to be put into cells.
     pub leaves_cells: bool,
-    /// Whether it can be left out.
+    /// Whether the surfaces can be left out.
     pub verdict: Verdict,
 }
 
@@ -46,17 +47,17 @@ pub struct SurfaceRow {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// Another seed has at least the same effect.
+    /// The effect of another seed is at least as large.
     CanBeLeftOut,
     /// The change is audible.
     IsHeard,
     /// The scene would have no surface.
     LeavesNothing,
-    /// The complete scene has no hits, so surfaces cannot be judged.
+    /// No wave is heard in the complete scene, so surfaces cannot be judged.
     NothingHeard,
 }
 
-/// The rows: names, and indices of their surfaces.
+/// The rows: each with its name and the indices of its surfaces.
 pub(super) fn rows(scene: &Scene) -> Vec<(String, Vec<usize>)> {
     let surfaces = scene.surfaces.iter().enumerate();
     if scene.surfaces.len() <= MOST_SURFACES {
@@ -78,13 +79,14 @@ pub(super) fn rows(scene: &Scene) -> Vec<(String, Vec<usize>)> {
     kinds
 }
 
-/// Number of waves that met the surfaces of each row.
+/// The number of waves that met the surfaces of each row.
 pub(super) struct Met {
     pub followed: u32,
     by_row: Vec<u32>,
 }
 
-/// Follows waves: fewer than those of the frame if it has many.
+/// Follows the waves of a frame, or fewer if there are too many, and counts which surfaces the
+/// waves meet.
 pub(super) fn met(
     tracer: &mut Tracer,
     base: Case,
@@ -106,7 +108,7 @@ pub(super) fn met(
         seen.fill(false);
         for state in states.iter().skip(1) {
             let status = state.get(wave).map_or(-1.0, |wave| wave.status.round());
-            // A surface's number counts from 1; dead, heard and unmoved waves have none.
+            // A surface's number counts from 1; dead, heard and unmoved waves have no surface.
             let number = status.max(0.0) as usize;
             if let Some(&row) = number.checked_sub(1).and_then(|index| row_of.get(index)) {
                 seen[row] = true;
@@ -119,7 +121,7 @@ pub(super) fn met(
     Ok(Met { followed, by_row })
 }
 
-/// Measures every row, leaving out one at a time.
+/// Measures every row: leaves out the surfaces of one row at a time.
 pub(super) fn measure(
     tracer: &mut Tracer,
     bench: &Bench,
