@@ -1,7 +1,7 @@
-//! The answers of a test person in the form's file: JSON, complete or interrupted.
+//! A test person's answers as saved by the form: JSON, from a complete or an interrupted session.
 //!
-//! A file is read in full or rejected with an error that names the problem, and a trial without an
-//! answer counts as such.
+//! A file is either read completely or rejected with an error that names the problem. A trial
+//! without an answer counts as unanswered.
 
 use super::observer::Side;
 use crate::text::{check_name, in_a_line};
@@ -13,19 +13,19 @@ use std::path::{Path, PathBuf};
 /// Maximum number of trials in a form.
 pub const MOST_TRIALS: usize = 999;
 
-/// The type that a file of answers declares.
+/// The value of `format` in a file of answers.
 pub const FORMAT: &str = "echomarch-localise-answers";
 
-/// The only version that is read: since 2 each person has an own order of the trials.
+/// The only version that is read. Since version 2 each person has a separate order of trials.
 pub const VERSION: u32 = 2;
 
-/// Maximum size of a file of answers in bytes: a form of 999 trials makes about one megabyte.
+/// Maximum size of a file of answers in bytes; a form of 999 trials makes about one megabyte.
 const LARGEST_FILE: u64 = 16 << 20;
 
-/// The largest confidence, certain; 1 is a guess.
+/// The largest confidence value, which means certain; 1 means a guess.
 pub const MOST_CONFIDENT: u32 = 5;
 
-/// The saved answers of one person in one session, or of several successive saves.
+/// The saved answers of one person in one session, possibly merged from several saves.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Session {
@@ -33,38 +33,39 @@ pub struct Session {
     pub format: String,
     /// [`VERSION`].
     pub version: u32,
-    /// The form's identifier: equal for all people with the same form.
+    /// The form's identifier, equal for all people with the same form.
     pub experiment: String,
-    /// The session's identifier: chosen by the form when it began.
+    /// The session's identifier, chosen by the form when the session began.
     pub session: String,
-    /// A code that the person chose; may be empty.
+    /// A code chosen by the person; may be empty.
     pub participant: String,
-    /// When the session began, in ISO 8601.
+    /// Start time of the session, in ISO 8601.
     pub started: String,
-    /// When the file was saved, in ISO 8601.
+    /// Time of saving, in ISO 8601.
     pub saved: String,
-    /// The seed from which the page computed the order; none in files from before it was saved.
+    /// The seed from which the page computed the order of the trials; none in files from before the
+    /// seed was saved.
     #[serde(default)]
     pub order_seed: Option<u32>,
-    /// The numbers of the trials in the order in which they were heard.
+    /// The trials' numbers, in the order in which the person heard them.
     pub order: Vec<u32>,
-    /// Every trial of the form, by number.
+    /// Every trial of the form, ordered by number.
     pub trials: Vec<TrialAnswer>,
 }
 
-/// One trial, with its answer if there is one.
+/// A trial, with the person's answer if there is one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TrialAnswer {
-    /// Its number in the form, from 1.
+    /// The trial's number in the form, from 1.
     pub number: u32,
     /// The sound that was played.
     pub stimulus: StimulusInfo,
-    /// The answer.
+    /// The answer; none if the trial is unanswered.
     pub answer: Option<Answer>,
 }
 
-/// One sound in one setting, and the position of its source.
+/// A sound in a setting, and the direction of its source.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StimulusInfo {
@@ -86,11 +87,11 @@ pub struct StimulusInfo {
     pub seed: u32,
     /// Panning value of the frame.
     pub pan: f64,
-    /// Waves that arrived.
+    /// Number of waves that arrived.
     pub hits: u64,
-    /// The direction of the source, right of the gaze, in degrees, −180 … 180.
+    /// The direction of the source in degrees, positive to the right of the gaze, −180 … 180.
     pub source_azimuth_deg: f64,
-    /// The lateral angle of the source, which levels determine, in degrees, −90 … 90.
+    /// The lateral angle of the source in degrees, −90 … 90; it determines the levels.
     pub source_lateral_deg: f64,
     /// The [`Observer`](super::Observer)'s answer to the same sound, in degrees.
     pub observer_lateral_deg: f64,
@@ -100,25 +101,25 @@ pub struct StimulusInfo {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Answer {
-    /// The position clicked in the plan, right of the listener, in metres.
+    /// The position clicked in the plan, in metres to the right of the listener.
     pub right_m: f64,
-    /// The same, ahead of the listener.
+    /// The position clicked in the plan, in metres ahead of the listener.
     pub ahead_m: f64,
-    /// The direction of the click, right of the gaze, in degrees, −180 … 180.
+    /// The direction of the click in degrees, positive to the right of the gaze, −180 … 180.
     pub azimuth_deg: f64,
     /// The side that the person chose.
     pub side: Side,
-    /// 1, a guess, to [`MOST_CONFIDENT`], certain.
+    /// Confidence from 1 (a guess) to [`MOST_CONFIDENT`] (certain).
     pub confidence: u32,
     /// Number of times the sound was played.
     pub plays: u32,
-    /// Seconds from the first playing to the answer, while the trial was shown.
+    /// Seconds from the first playback to the answer, counted only while the trial was shown.
     pub seconds: f64,
-    /// The time of the answer, in ISO 8601.
+    /// Time of the answer, in ISO 8601.
     pub answered: String,
 }
 
-/// A file of answers that cannot be used.
+/// Error when a file of answers cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum AnswersError {
@@ -155,28 +156,28 @@ pub enum AnswersError {
         /// Its version.
         version: u32,
     },
-    /// An invalid value.
+    /// A value is invalid.
     #[error("{}: {what}", path.display())]
     Bad {
         /// The file.
         path: PathBuf,
-        /// The place, the value found, and the valid values.
+        /// The field, the value found, and the valid values.
         what: String,
     },
-    /// Two files of one session that contradict each other.
+    /// Two files of one session contradict each other.
     #[error(
         "{} and {} are of one session ({session}) and differ in trial {number}: give one of them",
         first.display(),
         second.display()
     )]
     Contradiction {
-        /// One file.
+        /// The first file.
         first: PathBuf,
-        /// The other.
+        /// The second file.
         second: PathBuf,
-        /// The session.
+        /// The session's identifier.
         session: String,
-        /// The trial, from 1.
+        /// The trial's number, from 1.
         number: u32,
     },
 }
@@ -284,12 +285,12 @@ impl Answer {
         if self.plays == 0 {
             return Err("plays must be 1 or more, not 0".to_owned());
         }
-        // At the listener a direction is undefined.
+        // A click at the listener has no direction.
         const LEAST_M: f64 = 0.001;
         if self.right_m.hypot(self.ahead_m) <= LEAST_M {
             return Err("the click lies at the listener".to_owned());
         }
-        // Numbers are saved with fewer digits than they are computed with.
+        // Numbers are saved with fewer digits than they are computed with, so allow for rounding.
         const ROUNDING_DEG: f64 = 1.0;
         let clicked = self.right_m.atan2(self.ahead_m).to_degrees();
         let off = (clicked - self.azimuth_deg).rem_euclid(360.0);
@@ -314,7 +315,7 @@ fn named(what: &str, name: &str) -> Result<(), String> {
 }
 
 fn within(what: &str, value: f64, most: f64) -> Result<(), String> {
-    // The last digit may have been rounded up.
+    // Rounding may have increased the last digit.
     if value.is_finite() && value.abs() - most <= 1e-6 {
         return Ok(());
     }

@@ -1,4 +1,4 @@
-//! The columns of the reports on the observer and on people.
+//! The columns of the observer's report and of the people's report.
 
 use super::report::{Cell as RoomCell, LocaliseReport, OpenDirection, OpenReport};
 use super::score::Group;
@@ -6,7 +6,7 @@ use super::statistics::{ErrorFigures, Figure, Share};
 use crate::columns;
 use crate::report::{Cell, Column, Row};
 
-/// Sides of the source, and of the answers.
+/// The sides, of sources and of answers.
 const SIDES: [&str; 3] = ["left", "centre", "right"];
 const SAID: [&str; 4] = ["left", "centre", "right", "nothing"];
 
@@ -14,8 +14,7 @@ const SAID: [&str; 4] = ["left", "centre", "right", "nothing"];
 /// Angles in degrees, positive to the right; shares from 0 to 1 for programs.
 #[derive(Default)]
 pub(super) struct Line<'a> {
-    /// `open` (all around the listener), `alike` (three sources with the same levels)
-    /// or `room`.
+    /// `open` (all around the listener), `alike` (three sources with the same levels) or `room`.
     kind: &'static str,
     scene: &'a str,
     sound: Option<&'a str>,
@@ -131,7 +130,7 @@ pub(super) fn figure(figure: Option<Figure>, rough: bool) -> Cell {
     })
 }
 
-/// A figure of errors: its name, whether it has a sign, and the function that returns it.
+/// A figure of errors: its name, whether it has a sign, and the function that returns its value.
 type Pick = (&'static str, bool, fn(&ErrorFigures) -> Option<Figure>);
 
 const FIGURES: [Pick; 4] = [
@@ -141,8 +140,8 @@ const FIGURES: [Pick; 4] = [
     ("spread", false, |error| error.spread),
 ];
 
-/// The columns of errors; people see one figure per heading. `…_rough` is 1 if the intervals are
-/// drawn from too few answers to be called 95 %.
+/// The columns of errors; people get one figure per heading. `…_rough` is 1 if the intervals are
+/// computed from too few answers to be called 95 % intervals.
 fn errors<R>(
     of: &str,
     headings: &[&str],
@@ -171,8 +170,8 @@ fn errors<R>(
     columns
 }
 
-/// The columns of a confusion table, which counts trials: `said_right_when_left` and so on for
-/// programs, one column per side of the source for people.
+/// The columns of a confusion table, which counts trials. Programs get one column per pair of sides
+/// (`said_right_when_left` and so on), people get one column per side of the source.
 fn confusion<R, const N: usize>(
     said: [&str; N],
     first: &str,
@@ -199,8 +198,8 @@ fn confusion<R, const N: usize>(
     columns
 }
 
-/// A property that defines a group: its name, its heading, and the function that returns it; empty
-/// for all.
+/// A property that distinguishes groups: its name, its heading, and the function that returns its
+/// value, which is empty in a group of all values.
 type Kind = (&'static str, &'static str, fn(&Group) -> Cell);
 
 const KINDS: [Kind; 6] = [
@@ -250,7 +249,7 @@ impl Row for &Group {
     }
 }
 
-/// The spread of people's answers: empty if too few answered for an interval.
+/// The spread of people's answers; empty if too few people answered for an interval.
 fn spread(group: &Group) -> Cell {
     let error = group.source.as_ref();
     let spread = error.and_then(|error| error.spread);

@@ -1,4 +1,4 @@
-//! The report for people.
+//! The report as a document for people.
 
 use super::columns::{Line, figure};
 use super::plot::plot_svg;
@@ -64,7 +64,7 @@ impl Report for LocaliseReport {
     }
 }
 
-/// Describes the intervals.
+/// Describes the intervals in words.
 fn intervals(report: &LocaliseReport) -> String {
     match report.rough {
         true => format!("rough: fewer than {LEAST_DRAWN} seeds"),
@@ -138,7 +138,7 @@ fn worst_azimuth(open: &OpenReport) -> Option<String> {
     Some(format!("{error:.2} at {at}"))
 }
 
-/// One of three sources that have the same levels.
+/// One of three sources with the same levels.
 struct Alike<'a> {
     open: &'a OpenReport,
     at: &'a OpenDirection,
@@ -181,7 +181,7 @@ fn tell_scene(report: &LocaliseReport, scene: &SceneReport, document: &mut Docum
     document.table(first_sound(scene).map(|cell| Line::room(report, &scene.scene, cell)));
 }
 
-/// The converged panning for one facing.
+/// The converged panning for one facing of the listener.
 struct FacingLimit<'a> {
     facing: &'a FacingReport,
     limit: &'a LimitReport,
@@ -240,7 +240,7 @@ impl Row for &Plateau {
     }
 }
 
-/// Trials without arrivals: the sound is then in the middle, wherever the source is.
+/// Explains trials without arrivals: the sound is then heard in the middle, wherever the source is.
 fn tell_unheard(report: &LocaliseReport, document: &mut Document) {
     document.heading(2, "What is heard at all");
     document.paragraph(
@@ -258,12 +258,12 @@ fn tell_unheard(report: &LocaliseReport, document: &mut Document) {
     document.table(rows);
 }
 
-/// Number of arriving waves, beside a row of the thesis.
+/// The number of arriving waves, compared with a row of the thesis.
 struct Arrivals {
     table: &'static ThesisTable,
     waves: u32,
     printed: u64,
-    /// Counts in the order of [`Profile::ALL`].
+    /// The counts, in the order of [`Profile::ALL`].
     heard: [Option<String>; 3],
 }
 

@@ -1,5 +1,5 @@
-//! Scenes with different facings of the listener, and their sound: one traced frame, mixed by the same mixer that plays
-//! it.
+//! Turns the listener of a scene, and computes the sound it hears: one frame is traced, and the same mixer as in
+//! playback mixes the sound.
 
 use super::observer::{Levels, Observer, azimuth_deg};
 use echomarch::Error;
@@ -8,19 +8,20 @@ use echomarch::scene::Scene;
 use echomarch::tracer::{Settings, TraceError, Tracer};
 use glam::DVec3;
 
-/// Angle from the middle, in degrees, in scenes whose own source is close to the middle.
+/// Angle of the side facings from the middle, in degrees, for scenes whose own source is close to the middle.
 const BESIDE_DEG: f64 = 45.0;
 
-/// The longest sound of a trial, in seconds: ten minutes.
+/// Maximum length of a trial's sound, in seconds.
 const MOST_SECONDS: f64 = 600.0;
 
-/// Length of the fades in seconds, long enough to avoid clicks at the ends of a sound.
+/// Length of the fades in seconds: long enough to avoid clicks at the ends of a sound.
 const FADE_S: f64 = 0.01;
 
-/// The scene with its source left, ahead and right: only the listener turns.
+/// Returns the scene three times, with its source to the left, ahead and to the right. Only the listener turns.
 ///
-/// The angle to the sides is that of the scene's own source, so that one of the three is the unchanged scene, or 45° if
-/// the source is near the middle, ahead or behind. Paths are left out: all positions are fixed.
+/// The side angle is that of the scene's own source, so that one of the three scenes is the unchanged scene. If the
+/// source is near the middle, ahead or behind, the side angle is 45°. Motion is removed, so that all positions are
+/// fixed.
 pub fn facings(scene: &Scene) -> Vec<Scene> {
     let own = azimuth_deg(scene);
     let beside = match own.abs() {
@@ -39,7 +40,7 @@ pub fn facings(scene: &Scene) -> Vec<Scene> {
     [-beside, 0.0, beside].map(turned).into()
 }
 
-/// The scene without its motion.
+/// Returns the scene without its motion.
 pub fn standing(scene: &Scene) -> Scene {
     let mut still = scene.clone();
     for source in &mut still.sources {
@@ -54,13 +55,13 @@ pub fn standing(scene: &Scene) -> Scene {
     still
 }
 
-/// The scene with its source at an azimuth (degrees, right of the gaze) and `metres` from the listener, at the height
-/// of the ears.
+/// Returns the scene with its source at an azimuth (degrees, positive to the right of the gaze) and `metres` from the
+/// listener, at the height of the ears.
 pub fn source_at(scene: &Scene, azimuth_deg: f64, metres: f64) -> Scene {
     source_towards(scene, (azimuth_deg, 0.0), metres)
 }
 
-/// The same with an elevation above the ears, in degrees, after the azimuth.
+/// As [`source_at`], with an elevation above the ears in degrees after the azimuth.
 pub fn source_towards(
     scene: &Scene,
     (azimuth_deg, elevation_deg): (f64, f64),
@@ -75,7 +76,8 @@ pub fn source_towards(
     placed
 }
 
-/// The scene with every surface lowered until it returns no sound. The surfaces stay, because a scene must have one.
+/// Returns the scene with every surface lowered until it reflects no sound to the listener. The surfaces stay, because
+/// a scene needs at least one.
 pub fn without_ground(scene: &Scene) -> Scene {
     const METRES: f32 = 1000.0;
     let mut bare = scene.clone();
@@ -85,21 +87,21 @@ pub fn without_ground(scene: &Scene) -> Scene {
     bare
 }
 
-/// A sound of the experiment, loaded once.
+/// A sound of the experiment, loaded once for all trials.
 #[derive(Clone, Debug)]
 pub struct LoadedSound {
-    /// Its name as given.
+    /// The sound's name as given.
     pub name: String,
     /// Samples at [`Sound::SAMPLE_RATE`], faded in and out.
     pub mono: Vec<f32>,
 }
 
 impl LoadedSound {
-    /// The first `seconds` of a sound, faded at both ends.
+    /// Loads the first `seconds` of a sound, faded at both ends.
     ///
     /// # Errors
-    /// [`Error::Audio`] for a sound that cannot be loaded, [`Error::Trace`] for a length that is not above 0 and at
-    /// most ten minutes.
+    /// [`Error::Audio`] for a sound that cannot be loaded; [`Error::Trace`] for a length that is not positive or
+    /// exceeds ten minutes.
     pub fn new(spec: &SoundSpec, seconds: f64) -> Result<LoadedSound, Error> {
         if !(seconds > 0.0 && seconds <= MOST_SECONDS) {
             return Err(Error::from(TraceError::BadSetting {
@@ -124,7 +126,7 @@ impl LoadedSound {
         Ok(LoadedSound { name, mono })
     }
 
-    /// Both channels at one panning value.
+    /// Both channels, interleaved, at one panning value.
     pub fn mixed(&self, pan: f64, law: PanningLaw) -> Vec<f32> {
         let mut stereo = vec![0.0; 2 * self.mono.len()];
         let mixed = Mixer::new(law).mix(&self.mono, pan as f32, &mut stereo);
@@ -133,12 +135,12 @@ impl LoadedSound {
     }
 }
 
-/// The results of one frame.
+/// The result of one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Heard {
     /// The frame's panning value.
     pub pan: f64,
-    /// Waves that arrived.
+    /// Number of waves that arrived.
     pub hits: u64,
 }
 
@@ -170,15 +172,15 @@ pub fn observe(
     Ok(Observer::new(scene, law).answer_deg(levels))
 }
 
-/// The converged panning of `hybrid`: the mean of `frames` frames with `waves` waves each, with rotated lattices of
+/// The converged panning of `hybrid`: the mean over `frames` frames of `waves` waves each, with rotated lattices of
 /// directions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Converged {
-    /// Panning value.
+    /// The panning value.
     pub pan: f64,
-    /// Its standard error, from the frames' scatter; 0 for one frame.
+    /// The standard error of the panning value, from the frames' scatter; 0 for one frame.
     pub uncertainty: f64,
-    /// Share of the waves that are heard.
+    /// Share of waves that are heard.
     pub heard: f64,
 }
 
@@ -192,7 +194,7 @@ pub fn converge(
     iterations: u32,
     (waves, frames): (u32, u32),
 ) -> Result<Converged, Error> {
-    // Far from the seeds of the trials.
+    // Far from the seeds of the trials, so that no directions repeat.
     const FIRST_SEED: u32 = 1_000_001;
     let mut settings = Settings::hybrid()
         .with_waves(waves)
@@ -223,7 +225,7 @@ mod tests {
     use super::*;
     use crate::experiment::localise::observer::lateral_deg;
 
-    /// Protects the truths: one facing is the scene itself, and the three are mirror images.
+    /// Protects the true directions: one facing is the scene itself, and the three are mirror images.
     #[test]
     fn a_scene_is_faced_in_three_ways() {
         for name in ["corner", "obstacles"] {
@@ -239,7 +241,7 @@ mod tests {
         assert_eq!(ahead[1].duration(), 0.0);
     }
 
-    /// Protects the positions of sources for the open field.
+    /// Protects the positions of sources in the open field.
     #[test]
     fn a_source_is_put_where_it_is_wanted() {
         let scene = Scene::builtin("open-field").unwrap();
@@ -249,7 +251,7 @@ mod tests {
             let away = (placed.sources[0].position - scene.listeners[0].position).length();
             assert!((away - 5.0).abs() < 1e-5, "{away}");
         }
-        // Raised, with the same lateral angle as 30 degrees ahead.
+        // A raised source, with the same lateral angle as a source 30 degrees to the side at ear height.
         let raised = source_towards(&scene, (45.0, 45.0), 5.0);
         assert!((azimuth_deg(&raised) - 45.0).abs() < 1e-3);
         assert!((lateral_deg(&raised) - 30.0).abs() < 1e-3);

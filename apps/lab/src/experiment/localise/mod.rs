@@ -1,26 +1,28 @@
-//! The thesis' second experiment, localisation of the source, for an observer and for people.
+//! The thesis' second experiment: localisation of the source, by an observer and by people.
 //!
-//! Sjöberg (2011, section 4.1 and the head of 4.3) sketches a psychometric experiment: two scenes,
-//! two sounds between 200 and 1000 Hz, fixed positions, a listener whose gaze is the screen's,
-//! headphones, a form that asks for the position of the source, several numbers of waves and
-//! iterations. The text that this port is based on ends before its form and its results.
+//! Sjöberg (2011, section 4.1 and the beginning of 4.3) sketches a psychometric experiment: two
+//! scenes, two sounds between 200 and 1000 Hz, fixed positions, a listener whose gaze is that of
+//! the screen, headphones, a form with questions about the position of the source, several numbers
+//! of waves and iterations. The copy of the thesis that this port is based on ends before the form
+//! and the results.
 //!
 //! # Method
-//! - *For machines*: an [`Observer`] answers only from the levels of the rendered channels.
-//!   [`run`] measures its error in the open, where it has to be right, and in rooms, for each
-//!   sound, profile, number of waves and of iterations, over several seeds and three facings
-//!   ([`facings`]). Every answer is compared with two truths: the *source*, the lateral angle of
-//!   the straight path to it; and the *limit*, the observer's answer to the converged panning of
-//!   `hybrid` after the same number of iterations. A trial in which no wave arrives has no answer
-//!   and is counted separately.
-//! - *For people*: [`form`] writes the sounds and a page that plays them and takes the
-//!   answers; [`score`] reads these.
+//! - *For machines*: an [`Observer`] answers only from the levels of the rendered channels. [`run`]
+//!   measures its error in the open, where the observer must be right, and in rooms, for each
+//!   sound, profile, number of waves and number of iterations, over several seeds and three facings
+//!   ([`facings`]). Every answer is compared with two truths: the *source*, which is the lateral
+//!   angle of the straight path to the source; and the *limit*, which is the observer's answer to
+//!   the converged panning of `hybrid` after the same number of iterations. A trial without
+//!   arrivals has no answer and is counted separately.
+//! - *For people*: [`form`] writes the sounds and a page that plays the sounds and records the
+//!   answers; [`score`] evaluates the answers.
 //!
-//! The theory is in the header of [`observer`], that of the intervals in [`statistics`].
+//! The header of [`observer`] explains the theory, the header of [`statistics`] the intervals.
 //!
 //! # Deviations from the thesis
-//! The listener also faces two other ways, so that the source is left, ahead and right; the
-//! observer is an addition. The form is not the thesis' own, whose questions are not known.
+//! The listener also faces two other directions, so that the source is left, ahead and right. The
+//! observer is an addition. The questions of the thesis' form are not known, so the form here is a
+//! new one.
 
 mod answers;
 mod columns;
@@ -61,15 +63,16 @@ use echomarch::tracer::{Profile, Settings};
 /// Distance of the source in the open field, in metres.
 pub const OPEN_DISTANCE_M: f64 = 5.0;
 
-/// Maximum waves × iterations of a setting: 1,048,576 waves for 8 iterations, the thesis' largest.
+/// Maximum product of waves and iterations in a setting: 1,048,576 waves for 8 iterations, the
+/// largest in the thesis.
 pub const MOST_WORK: u64 = 8 << 20;
 
-/// One setting in the open.
+/// A setting for the open field.
 #[derive(Clone, Debug)]
 pub struct OpenCase {
-    /// Profile and counts.
+    /// The profile, and the numbers of waves and iterations.
     pub settings: Settings,
-    /// Whether there is a ground that reflects.
+    /// Whether there is a reflecting ground.
     pub ground: bool,
 }
 
@@ -84,15 +87,16 @@ pub struct LocaliseOptions {
     pub profiles: Vec<Profile>,
     /// Numbers of waves.
     pub waves: Vec<u32>,
-    /// Numbers of iterations. Settings of more than [`MOST_WORK`] are left out, and reported.
+    /// Numbers of iterations. Settings with more than [`MOST_WORK`] are left out and listed in the
+    /// report.
     pub iterations: Vec<u32>,
-    /// Number of frames per setting and facing, each with its own seed.
+    /// Number of frames per setting and facing, each with a different seed.
     pub seeds: u32,
-    /// The law from panning values to levels.
+    /// The panning law, from panning values to levels.
     pub law: PanningLaw,
     /// Length of the sound that the observer hears, in seconds.
     pub sound_seconds: f64,
-    /// Numbers of waves and frames for the converged panning.
+    /// Number of waves and number of frames for the converged panning.
     pub limit: (u32, u32),
     /// The settings in the open.
     pub open: Vec<OpenCase>,
@@ -101,8 +105,8 @@ pub struct LocaliseOptions {
 }
 
 impl LocaliseOptions {
-    /// The thesis' scenes and sounds, its numbers of waves, and iterations around its 4 and 8: some
-    /// minutes on two cores.
+    /// The thesis' scenes, sounds and numbers of waves, with iterations around its 4 and 8. A run
+    /// takes some minutes on two cores.
     pub fn new(scenes: Vec<Scene>, sounds: Vec<SoundSpec>) -> LocaliseOptions {
         let case = |settings, ground| OpenCase { settings, ground };
         let straight = |profile| case(Settings::new(profile).with_iterations(1), true);
@@ -138,18 +142,19 @@ impl LocaliseOptions {
         }
     }
 
-    /// Waves and iterations, sorted by waves: another number of waves needs other textures.
+    /// Pairs of waves and iterations, sorted by waves: a different number of waves needs different
+    /// textures.
     fn counts(&self) -> impl Iterator<Item = (u32, u32)> {
         pairs(&self.waves, &self.iterations)
     }
 
-    /// Settings that are too large to be run: of more than [`MOST_WORK`] waves × iterations.
+    /// Settings that are not run because they exceed [`MOST_WORK`] waves × iterations.
     pub fn left_out(&self) -> Vec<(u32, u32)> {
         let is_large = |&(waves, iterations): &(u32, u32)| too_large(waves, iterations);
         self.counts().filter(is_large).collect()
     }
 
-    /// Every profile with every combination of numbers.
+    /// Every combination of profile, waves and iterations.
     fn settings(&self) -> Vec<Settings> {
         let counts = self.counts();
         combined(
@@ -158,7 +163,7 @@ impl LocaliseOptions {
         )
     }
 
-    /// Number of steps that [`run`] reports.
+    /// Number of steps that [`run`] reports as the total.
     fn steps(&self) -> u64 {
         const FACINGS: u64 = 3;
         let cells = self.settings().len() as u64;
@@ -188,5 +193,5 @@ fn too_large(waves: u32, iterations: u32) -> bool {
 /// The thesis' two scenes.
 pub const ROOMS: [&str; 2] = ["corner", "obstacles"];
 
-/// Two sounds mainly between 200 and 1000 Hz, one with speech and one without.
+/// Two sounds with most of their energy between 200 and 1000 Hz, one speech and one not.
 pub const SOUNDS: [&str; 2] = ["speech", "sine:500"];

@@ -1,45 +1,45 @@
-//! The computed observer: estimates a direction from the levels of two channels.
+//! The simulated observer: estimates a direction from the levels of two channels.
 //!
 //! # Theory
-//! The final pass adds (1 ∓ side) / 2 for each wave that arrives at the point **n** of the unit
-//! sphere about the listener, where side = **n** · right. The panning value is therefore the mean
-//! side of all arrivals.
+//! For each wave that arrives at the point **n** of the unit sphere about the listener, the final
+//! pass adds (1 ∓ side) / 2 to the two channels, where side = **n** · right. The panning value is
+//! therefore the mean side of all arrivals.
 //!
-//! With a point source in the open, at the distance *D* from a listener of radius *R*, only the
+//! Consider a point source in the open, at the distance *D* from a listener of radius *R*. Only the
 //! arrival that points straight back at the source lies in the source's direction **u**. The
-//! arrivals cover a cap about **u**, evenly about its axis, so that the mean of **n** is *m* **u**
+//! arrivals cover a cap about **u**, evenly about its axis, so that the mean of **n** is *m* **u**,
 //! where *m* is the mean of **n** · **u**. With *k* = *R*/*D*, a wave that leaves at the angle *α*
 //! to the axis arrives where
 //!
 //! **n** · **u** = (sin² *α* + cos *α* √(*k*² − sin² *α*)) / *k*.
 //!
-//! Waves leave evenly over the sphere, so cos *α* is uniform between *c* = √(1 − *k*²) and 1,
-//! and both terms can be integrated:
+//! Waves leave the source uniformly over the sphere, so cos *α* is uniform between *c* = √(1 −
+//! *k*²) and 1, and both terms can be integrated:
 //!
 //! *m*(*k*) = [(1 − *c*) − (1 − *c*³)/3 + *k*³/3] / [*k* (1 − *c*)],
 //!
-//! which is about 2/3 + *k*/2 for a far source, and 1 for one that touches the listener. The
-//! panning value of a source with the *lateral angle* λ (between its direction and the median
-//! plane, sin λ = **u** · right) is *m* sin λ. The observer computes the panning value from the
-//! channels' levels by the panning law, and answers λ = asin(pan / *m*).
+//! which is about 2/3 + *k*/2 for a far source, and 1 for a source that touches the listener. The
+//! *lateral angle* λ of a source is the angle between its direction and the median plane: sin λ =
+//! **u** · right. The panning value of the source is *m* sin λ. The observer computes the panning
+//! value from the channels' levels by the panning law, and answers λ = asin(pan / *m*).
 //!
 //! # Limits of the observer
-//! Two levels give only one number. Front and back, above and below have the same levels: only the
-//! lateral angle can be determined, which for a source at the height of the ears is its azimuth,
-//! folded to the front. The observer knows *R* and the true straight distance *D*, which no test
-//! person does, as the source is not in the picture. So it knows more than a person can. The
-//! *blind* observer ([`Observer::blind`]) does not know *D* and assumes a distant source, *m* =
-//! 2/3; a near source then seems further to the side than it is. Neither knows the reflections.
+//! Two levels contain only one number. Front and back have the same levels, and so do above and
+//! below: only the lateral angle can be determined, which for a source at the height of the ears is
+//! the azimuth folded to the front. The observer knows *R* and the true straight distance *D*. A
+//! test person does not know *D*, because the source is not in the picture. The *blind* observer
+//! ([`Observer::blind`]) does not know *D* either and assumes a distant source, *m* = 2/3; a near
+//! source then seems further to the side than it is. Neither observer knows the reflections.
 
 use echomarch::audio::PanningLaw;
 use echomarch::scene::Scene;
 use glam::DVec3;
 
-/// Lateral angles below this, in degrees to either side, are in the centre. It is more than twice
-/// the accuracy of a few degrees that is required of the observer.
+/// Bound of the centre in degrees: smaller lateral angles to either side are in the centre. The
+/// value is more than twice the accuracy of a few degrees that the observer must have.
 pub const CENTRE_DEG: f64 = 15.0;
 
-/// Levels of the two channels: root mean squares, of full scale 1.
+/// Levels of the two channels, as root mean squares relative to full scale.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Levels {
     /// Level of the left channel.
@@ -49,7 +49,7 @@ pub struct Levels {
 }
 
 impl Levels {
-    /// The levels of interleaved samples (left, right, …); 0 without samples.
+    /// The levels of interleaved samples (left, right, …); 0 if there are no samples.
     pub fn of(interleaved: &[f32]) -> Levels {
         let (mut left, mut right) = (0.0, 0.0);
         let pairs = interleaved.as_chunks::<2>().0;
@@ -64,7 +64,7 @@ impl Levels {
         }
     }
 
-    /// The panning value that gives these levels by the law, −1 … 1; 0 for silence.
+    /// The panning value that gives these levels under the law, −1 … 1; 0 for silence.
     pub fn pan(&self, law: PanningLaw) -> f64 {
         let sum = self.left + self.right;
         if sum.is_nan() || sum <= 0.0 {
@@ -79,7 +79,7 @@ impl Levels {
     }
 }
 
-/// A direction in the resolution that two levels allow.
+/// A direction at the resolution that two levels allow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Side {
@@ -92,7 +92,7 @@ pub enum Side {
 }
 
 impl Side {
-    /// In the order of the confusion tables.
+    /// All sides, in the order of the confusion tables.
     pub const ALL: [Side; 3] = [Side::Left, Side::Centre, Side::Right];
 
     /// The side of a lateral angle in degrees.
@@ -106,7 +106,7 @@ impl Side {
         }
     }
 
-    /// Its name, in lower case.
+    /// The side's name, in lower case.
     pub fn name(self) -> &'static str {
         match self {
             Side::Left => "left",
@@ -116,7 +116,7 @@ impl Side {
     }
 }
 
-/// The observer, which knows the listener's radius and the source's distance, or neither.
+/// The observer. It knows both the listener's radius and the source's distance, or neither.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observer {
     mean_side: f64,
@@ -124,7 +124,7 @@ pub struct Observer {
 }
 
 impl Observer {
-    /// An observer in `scene` that hears by `law`.
+    /// An observer in `scene` that hears with the panning law `law`.
     pub fn new(scene: &Scene, law: PanningLaw) -> Observer {
         let ratio = f64::from(scene.listeners[0].radius) / direct_distance(scene);
         Observer {
@@ -133,7 +133,7 @@ impl Observer {
         }
     }
 
-    /// An observer that does not know the distance: its *m* is that of a far source.
+    /// An observer that does not know the distance; its *m* is that of a far source.
     pub fn blind(law: PanningLaw) -> Observer {
         Observer {
             mean_side: mean_side(0.0),
@@ -141,35 +141,35 @@ impl Observer {
         }
     }
 
-    /// *m*: the panning value of a source in the open at a right angle.
+    /// *m*: the panning value of a source in the open, straight to the side.
     pub fn mean_side(&self) -> f64 {
         self.mean_side
     }
 
-    /// The lateral angle estimated from a panning value, in degrees: −90 left, 90 right.
+    /// The lateral angle estimated from a panning value, in degrees from −90 (left) to 90 (right).
     pub fn lateral_deg(&self, pan: f64) -> f64 {
         (pan / self.mean_side).clamp(-1.0, 1.0).asin().to_degrees()
     }
 
-    /// Its answer to the levels, in degrees: the middle for silence.
+    /// The observer's answer to the levels, in degrees; the middle for silence.
     pub fn answer_deg(&self, levels: Levels) -> f64 {
         self.lateral_deg(levels.pan(self.law))
     }
 }
 
-/// *m*(*k*) of the module's text; `ratio` is the listener's radius divided by the distance of the
-/// source. 1 for a source on or in the listener.
+/// *m*(*k*) of the module's header, where `ratio` is *k*: the listener's radius divided by the
+/// distance of the source. Returns 1 for a source on or in the listener.
 pub fn mean_side(ratio: f64) -> f64 {
     let k = ratio;
     if k.is_nan() || k >= 1.0 {
         return 1.0;
     }
     if k < 1e-4 {
-        // The closed form is a difference of nearly equal numbers here.
+        // For small k the closed form is a difference of nearly equal numbers, so use the series.
         return 2.0 / 3.0 + 0.5 * k;
     }
     let c = (1.0 - k * k).sqrt();
-    // 1 − c without cancellation.
+    // 1 − c, computed without cancellation.
     let cap = k * k / (1.0 + c);
     let along = cap * (1.0 - (1.0 + c + c * c) / 3.0);
     (along + k.powi(3) / 3.0) / (k * cap)
@@ -180,8 +180,8 @@ pub fn direct_distance(scene: &Scene) -> f64 {
     to_source(scene).length()
 }
 
-/// The direction of the source from the listener in the horizontal plane, in degrees, 0 ahead,
-/// 90 to the right, −180 … 180. A source straight above or below is ahead.
+/// The direction of the source from the listener in the horizontal plane, in degrees: 0 ahead, 90
+/// to the right, −180 … 180. A source straight above or below counts as ahead.
 pub fn azimuth_deg(scene: &Scene) -> f64 {
     let (right, ahead) = horizontal_axes(scene);
     let to_source = to_source(scene);
@@ -191,9 +191,9 @@ pub fn azimuth_deg(scene: &Scene) -> f64 {
         .to_degrees()
 }
 
-/// The angle between the straight path to the source and the median plane, in degrees, −90 left to
-/// 90 right: the azimuth folded to the front if the source is at the height of the ears. 0 for a
-/// source at the listener's centre.
+/// The angle between the straight path to the source and the median plane, in degrees from −90
+/// (left) to 90 (right). For a source at the height of the ears, this is the azimuth folded to the
+/// front. 0 for a source at the listener's centre.
 pub fn lateral_deg(scene: &Scene) -> f64 {
     let (right, _) = horizontal_axes(scene);
     let sine = to_source(scene).normalize_or_zero().dot(right);
@@ -205,7 +205,7 @@ pub fn folded_deg(azimuth_deg: f64) -> f64 {
     azimuth_deg.to_radians().sin().asin().to_degrees()
 }
 
-/// The directions right and ahead of the listener, without its pitch.
+/// The listener's horizontal directions right and ahead, without its pitch.
 pub fn horizontal_axes(scene: &Scene) -> (DVec3, DVec3) {
     let (sin, cos) = f64::from(scene.listeners[0].yaw).sin_cos();
     (DVec3::new(cos, 0.0, sin), DVec3::new(sin, 0.0, -cos))
@@ -220,8 +220,8 @@ mod tests {
     use super::*;
     use echomarch::audio::Mixer;
 
-    /// Protects the closed form from errors: it is compared with a sum over rays that shares only
-    /// the geometry.
+    /// Protects the closed form from errors: the test compares it with a sum over rays that shares
+    /// only the geometry.
     #[test]
     fn the_mean_side_is_that_of_rays_on_a_sphere() {
         for ratio in [1e-3, 0.0838, 0.4, 0.9] {
@@ -244,7 +244,7 @@ mod tests {
         assert_eq!(mean_side(1.0), 1.0);
     }
 
-    /// Protects the conversion from levels back to the pan, for either law and any sound.
+    /// Protects the conversion from levels back to the panning value, for both laws and any sound.
     #[test]
     fn levels_tell_the_pan_again() {
         for law in [PanningLaw::Linear, PanningLaw::ConstantPower] {
@@ -262,7 +262,7 @@ mod tests {
         }
     }
 
-    /// Protects the fold: behind becomes in front, and sides stay.
+    /// Protects the fold: it moves directions behind to the front, and keeps the side.
     #[test]
     fn azimuths_fold_to_the_front() {
         for (azimuth, folded) in [(0.0, 0.0), (180.0, 0.0), (135.0, 45.0), (-100.0, -80.0)] {

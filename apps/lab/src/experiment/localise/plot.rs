@@ -1,6 +1,6 @@
-//! The report as one picture: the open field, then each room's errors against waves and iterations, a colour for each
-//! profile, bars for the medians' intervals. Points are hollow if half of the trials hear nothing, and missing if all
-//! of them do.
+//! Plots the report: first the open field, then each room's errors against waves and iterations, with a colour for each
+//! profile and bars for the medians' intervals. A point is hollow if at least half of its trials hear nothing, and
+//! missing if all of them hear nothing.
 
 use super::report::{Cell, LocaliseReport, SceneReport};
 use super::report_contents::{first_sound, measured};
@@ -15,24 +15,24 @@ const SHEET: Sheet = Sheet {
     title_height: 48,
     row_height: 360,
 };
-/// Width of the plots of a row in pixels; the legend takes the rest.
+/// Width of a row's plots in pixels; the legend fills the remaining width.
 const PLOTS_WIDTH: u32 = 1230;
 
 const COLOURS: [(&str, RGBColor); 3] = [("thesis", THESIS), ("march", MARCH), ("hybrid", HYBRID)];
 
-/// The line style of a profile. All three often have the same errors: then the narrow dashes of `thesis` lie on
-/// `hybrid`, and that on the wide line of `march`, and points and bars stand side by side.
+/// The line style of a profile. All three profiles often have the same errors. So the narrow dashed line of `thesis` is
+/// drawn over the line of `hybrid`, and that over the wide line of `march`; points and bars stand side by side.
 struct Look {
     profile: &'static str,
-    /// Width in pixels.
+    /// Line width in pixels.
     width: u32,
-    /// Pixels of a dash and of the gap after it.
+    /// Length of a dash and of the gap after it in pixels.
     dash: Option<(i32, i32)>,
-    /// Offset of points and bars, as a share of the panel's width.
+    /// Horizontal offset of points and bars, as a share of the panel's width.
     beside: f64,
 }
 
-/// In drawing order, the lowest first.
+/// The styles in drawing order, the lowest first.
 const LOOKS: [Look; 3] = [
     Look {
         profile: "march",
@@ -55,7 +55,7 @@ const LOOKS: [Look; 3] = [
 ];
 
 impl Look {
-    /// The style of a profile; lines of other names are narrow, without dashes.
+    /// The style of a profile; other names get a narrow solid line.
     fn of(profile: &str) -> &'static Look {
         const PLAIN: Look = Look {
             profile: "",
@@ -72,19 +72,19 @@ impl Look {
 const GROUND: RGBColor = RGBColor(120, 120, 120);
 const BARE: RGBColor = RGBColor(204, 121, 167);
 
-/// Number of iterations in the panels along waves, if it was measured; otherwise the largest.
+/// Number of iterations in the panels along waves; if it was not measured, the largest measured number.
 const ITERATIONS: u32 = 8;
-/// Number of waves in the panels along iterations, if it was measured; otherwise the largest.
+/// Number of waves in the panels along iterations; if it was not measured, the largest measured number.
 const WAVES: u32 = 65_536;
 
-/// Share of unheard trials from which on a point is hollow.
+/// Share of unheard trials from which on a point is drawn hollow.
 const HOLLOW: f64 = 0.5;
 
-/// A number or azimuth, and its error.
+/// A number of waves or iterations or an azimuth, and the error there.
 #[derive(Clone, Copy)]
 struct Point {
     x: f64,
-    /// None without hits: a gap in the line.
+    /// None without hits, which leaves a gap in the line.
     error: Option<Figure>,
     is_hollow: bool,
 }
@@ -101,19 +101,19 @@ impl Point {
     }
 }
 
-/// A line of a panel.
+/// A line of a panel, with its points.
 struct Line {
     name: String,
     colour: RGBColor,
-    /// Width in pixels; `dash` as in [`LOOKS`].
+    /// Line width in pixels; `dash` as in [`LOOKS`].
     width: u32,
     dash: Option<(i32, i32)>,
-    /// Offset of its points, as a share of the panel's width.
+    /// Horizontal offset of the points, as a share of the panel's width.
     beside: f64,
     points: Vec<Point>,
 }
 
-/// The report as an SVG picture.
+/// The report as an SVG plot.
 ///
 /// # Errors
 /// When the drawing fails; the text contains the reason.
@@ -142,7 +142,7 @@ fn plot_open(row: &Panel, report: &LocaliseReport) -> Result<(), PlotError> {
             (_, true) => (" with the ground", GROUND),
             (_, false) => (", more iterations, no ground", BARE),
         };
-        // Other lines of a profile have a colour of their own.
+        // Further lines of the same profile get a colour of their own.
         let look = Look::of(if heard.is_empty() { &open.profile } else { "" });
         let points = open.azimuths.iter();
         let points = points.map(|at| Point::new(at.azimuth_deg, at.error, 0.0));
@@ -225,7 +225,7 @@ fn lines(scene: &SceneReport, pick: impl Fn(&Cell) -> Option<Point>) -> Vec<Line
     COLOURS.into_iter().map(line).collect()
 }
 
-/// The legend entries of the lines with points.
+/// The legend entries of the lines that have points.
 fn entries(lines: &[Line]) -> Vec<(String, Stroke)> {
     let shown = lines.iter().filter(|line| !line.points.is_empty());
     let entry = |line: &Line| {
@@ -235,7 +235,7 @@ fn entries(lines: &[Line]) -> Vec<(String, Stroke)> {
     shown.map(entry).collect()
 }
 
-/// Draws one panel; `by_powers`: numbers, with one step of the axis per doubling.
+/// Draws one panel. `by_powers`: whether the x axis has one step per doubling.
 fn plot_lines(
     panel: &Panel,
     caption: &str,
@@ -281,7 +281,7 @@ fn plot_lines(
         .iter()
         .filter(|line| !line.points.is_empty())
         .collect();
-    // A wide line below a narrow one is visible on either side of it, and one below dashes between them.
+    // A wide line is visible on both sides of a narrow line drawn over it, and any line is visible between dashes.
     shown.sort_by_key(|line| (line.dash.is_some(), std::cmp::Reverse(line.width)));
     for line in shown {
         let beside = line.beside * (most - least + 2.0 * margin);

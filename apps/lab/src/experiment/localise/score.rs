@@ -1,11 +1,11 @@
-//! The answers of test persons, compared with the source's position and with its lateral angle.
+//! Scores the answers of test persons against the source's position and lateral angle.
 //!
-//! A click on the plan has an azimuth all around; levels determine only its lateral angle. So the error is that of the
-//! azimuth folded to the front, and the number of clicks behind is reported separately. Intervals and spread are
-//! computed over persons ([`figures_of_people`]), as one person's answers are not independent. Sounds in which no wave
-//! was heard are a group of their own: they are in the middle, wherever their source is. Several files of one session
-//! count as one session: answers are locked once given, so later files only add to earlier ones; two that contradict
-//! each other are rejected.
+//! A click on the plan can have any azimuth, but levels determine only the lateral angle. So the error is computed from
+//! the azimuth folded to the front, and the number of clicks behind is reported separately. Intervals and spread are
+//! computed over persons ([`figures_of_people`]), because one person's answers are not independent. Sounds in which no
+//! wave was heard form a separate group: they are heard in the middle, wherever their source is. Several files of one
+//! session count as one session. Answers are locked once given, so later files only add answers to earlier files; two
+//! files that contradict each other are rejected.
 
 use super::answers::{Answer, AnswersError, Session, StimulusInfo, TrialAnswer};
 use super::observer::{Side, folded_deg};
@@ -14,22 +14,22 @@ use crate::stats::mean;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// All answers, scored.
+/// The scored answers of all sessions.
 #[derive(Clone, Debug, Serialize)]
 pub struct ScoreReport {
     /// One entry per session, in the order given.
     pub sessions: Vec<SessionLine>,
-    /// All answers to heard sounds together, then those of each scene, sound, law and setting, then all answers to
-    /// sounds in which no wave was heard.
+    /// The groups, in this order: all answers to heard sounds; the answers for each scene, sound, law and setting; all
+    /// answers to sounds in which no wave was heard.
     pub groups: Vec<Group>,
     /// Notes on the files.
     pub notes: Vec<String>,
 }
 
-/// One session.
+/// A session's files, identifiers and counts.
 #[derive(Clone, Debug, Serialize)]
 pub struct SessionLine {
-    /// The files that it was read from.
+    /// The files from which the session was read.
     pub files: Vec<String>,
     /// The form's identifier.
     pub experiment: String,
@@ -37,40 +37,40 @@ pub struct SessionLine {
     pub session: String,
     /// The person's code.
     pub participant: String,
-    /// Trials with an answer.
+    /// Number of answered trials.
     pub answered: usize,
-    /// Trials in the form.
+    /// Number of trials in the form.
     pub trials: usize,
 }
 
-/// Answers of one kind.
+/// The figures of one group of answers.
 #[derive(Clone, Debug, Serialize)]
 pub struct Group {
-    /// Name of the scene; empty for all.
+    /// Name of the scene; empty in a group of all scenes.
     pub scene: String,
-    /// Name of the sound; empty for all.
+    /// Name of the sound; empty in a group of all sounds.
     pub sound: String,
-    /// Name of the panning law; empty for all.
+    /// Name of the panning law; empty in a group of all laws.
     pub law: String,
-    /// Name of the profile; empty for all.
+    /// Name of the profile; empty in a group of all profiles.
     pub profile: String,
-    /// Waves; none for all.
+    /// Number of waves; none in a group of all numbers.
     pub waves: Option<u32>,
-    /// Iterations; none for all.
+    /// Number of iterations; none in a group of all numbers.
     pub iterations: Option<u32>,
-    /// Whether any wave was heard in these sounds.
+    /// Whether at least one wave was heard in these sounds.
     pub heard: bool,
     /// Number of answers.
     pub answers: usize,
-    /// Number of persons, by their codes; each session without a code counts as a person.
+    /// Number of persons, distinguished by their codes; each session without a code counts as a person.
     pub people: usize,
-    /// Errors of the folded clicks against the lateral angle of the source.
+    /// Errors of the folded clicks relative to the lateral angle of the source.
     pub source: Option<ErrorFigures>,
-    /// Errors of the folded clicks against the observer's answers to the same sounds.
+    /// Errors of the folded clicks relative to the observer's answers to the same sounds.
     pub observer: Option<ErrorFigures>,
-    /// Numbers of answers: rows are the side of the source, columns the side ticked, each left, centre, right.
+    /// Numbers of answers: one row per side of the source, one column per side ticked (both left, centre, right).
     pub confusion: [[u32; 3]; 3],
-    /// Share of the answers whose ticked side is the click's.
+    /// Share of answers whose ticked side is the side of the click.
     pub side_is_clicked: f64,
     /// Share of clicks that are behind.
     pub clicked_behind: f64,
@@ -78,7 +78,7 @@ pub struct Group {
     pub confidence: f64,
 }
 
-/// A session with the files that it came from.
+/// A session, and the files that it was merged from.
 struct Merged {
     files: Vec<PathBuf>,
     session: Session,
@@ -138,7 +138,7 @@ pub fn score(files: &[PathBuf]) -> Result<ScoreReport, AnswersError> {
     })
 }
 
-/// Notes that answers to different forms are pooled if their settings are the same.
+/// Adds a note that answers to different forms are pooled if their settings are equal.
 fn note_experiments(sessions: &[SessionLine], notes: &mut Vec<String>) {
     let mut forms: Vec<&str> = sessions.iter().map(|of| of.experiment.as_str()).collect();
     forms.sort_unstable();
@@ -235,7 +235,7 @@ fn key(of: &StimulusInfo) -> (&str, &str, &str, &str, u32, u32) {
     (names.0, names.1, names.2, names.3, of.waves, of.iterations)
 }
 
-/// One stimulus of each kind, in order of the kinds.
+/// One stimulus of each kind, in sorted order.
 fn kinds<'a>(all: &[Answered<'a>]) -> Vec<&'a StimulusInfo> {
     let mut kinds: Vec<&StimulusInfo> = all.iter().map(|of| of.stimulus).collect();
     kinds.sort_by(|a, b| key(a).cmp(&key(b)));
@@ -243,7 +243,7 @@ fn kinds<'a>(all: &[Answered<'a>]) -> Vec<&'a StimulusInfo> {
     kinds
 }
 
-/// The answers of each person together.
+/// Groups the answers by person.
 fn people<'a>(answers: &[Answered<'a>]) -> Vec<Vec<Answered<'a>>> {
     let mut people: Vec<Vec<Answered>> = Vec::new();
     for answer in answers {
@@ -255,7 +255,7 @@ fn people<'a>(answers: &[Answered<'a>]) -> Vec<Vec<Answered<'a>>> {
     people
 }
 
-/// The figures of answers of one kind, or of all; none without answers.
+/// The figures of the answers of one kind, or of all answers; none without answers.
 fn group(answers: &[Answered], kind: Option<&StimulusInfo>) -> Option<Group> {
     let first = answers.first()?;
     let people = people(answers);

@@ -1,33 +1,33 @@
-//! Figures over answers: median, bias, spread, and their uncertainty.
+//! Statistics of answers: median, bias, spread, and their uncertainty.
 //!
-//! Intervals are percentile bootstrap intervals (Efron 1979): answers are resampled with
-//! replacement, [`RESAMPLES`] times by a generator with a fixed seed, and the interval of each
-//! figure contains the middle 95 % of the resampled figures. That makes no assumption about the
-//! errors' distribution, which is far from normal: answers end at ±90°, and each truth has its own
-//! bias. The resampled units are those chosen by chance:
+//! Intervals are percentile bootstrap intervals (Efron 1979): the answers are resampled with
+//! replacement, [`RESAMPLES`] times with a fixed seed, and the interval of each figure contains the
+//! middle 95 % of the resampled figures. The method makes no assumption about the errors'
+//! distribution, which is far from normal: answers are limited to ±90°, and each truth has its own
+//! bias. The resampled units are those that are drawn at random:
 //!
-//! - for the observer, the seeds: as many answers to each truth as measured, so that the
+//! - for the observer, the seeds: each truth keeps its measured number of answers, so that the
 //!   interval covers the randomness of the waves, not the choice of truths ([`figures`]);
-//! - for people, the persons, each with all of their answers: the answers of one person are not
-//!   independent ([`figures_of_people`]). This does not cover the choice of truths either.
+//! - for people, the persons, each with all of their answers, because the answers of one person are
+//!   not independent ([`figures_of_people`]). The choice of truths is not covered here either.
 //!
-//! Resampling narrows a spread by √((*n* − 1)/*n*); the resampled spread is widened by the same
-//! factor. With [`LEAST_DRAWN`] seeds the interval of a bias contains the true value in 92 of 100
-//! simulated cases, that of a spread in 83; with 2 in 75 and 70 (a test below). So an interval of
-//! fewer than five seeds is not called a 95 % interval, but marked as rough; with fewer persons
-//! than that no interval is reported.
+//! Resampling narrows a spread by √((*n* − 1)/*n*), so the resampled spread is widened by the
+//! inverse factor. With [`LEAST_DRAWN`] seeds the interval of a bias contains the true value in 92
+//! of 100 simulated cases and the interval of a spread in 83; with 2 seeds, in 75 and 70 (see the
+//! test below). So an interval from fewer than five seeds is marked as rough instead of being
+//! called a 95 % interval. With fewer than five persons no interval is reported.
 
 use crate::stats::{mean, median, quantiles};
 use echomarch::internals::sampling::Random;
 use serde::Serialize;
 
-/// Number of resamples of a bootstrap.
+/// Number of bootstrap resamples.
 pub const RESAMPLES: usize = 1000;
 
-/// Share of the resampled figures in an interval.
+/// Share of the resampled figures that an interval contains.
 pub const CONFIDENCE: f64 = 0.95;
 
-/// Minimum number of answers to each truth, or of persons, for an interval that is not rough.
+/// Minimum number of answers per truth, or of persons, for an interval that is not rough.
 pub const LEAST_DRAWN: usize = 5;
 
 /// A figure and its uncertainty.
@@ -35,7 +35,8 @@ pub const LEAST_DRAWN: usize = 5;
 pub struct Figure {
     /// The figure, in degrees.
     pub deg: f64,
-    /// Ends of its interval, in degrees; none if there was too little to resample.
+    /// The ends of the figure's interval, in degrees; none if there were too few answers to
+    /// resample.
     pub interval_deg: Option<[f64; 2]>,
 }
 
@@ -48,19 +49,20 @@ pub struct ErrorFigures {
     pub median_abs: Figure,
     /// Mean error: positive for answers too far to the right.
     pub bias: Figure,
-    /// Mean error away from the middle, over truths beside it: negative for answers pulled towards
-    /// the middle. None if all truths are in the middle.
+    /// Mean error away from the middle, over truths to either side: negative for answers that are
+    /// pulled towards the middle. None if all truths are in the middle.
     pub outward_bias: Option<Figure>,
-    /// Deviation from the mean answer to the same truth. None if no truth has two answers.
+    /// Standard deviation from the mean answer to the same truth. None if no truth has two answers.
     pub spread: Option<Figure>,
-    /// Whether the intervals are drawn from fewer than [`LEAST_DRAWN`], and so too narrow.
+    /// Whether the intervals are computed from fewer than [`LEAST_DRAWN`] answers per truth and are
+    /// therefore too narrow.
     pub rough: bool,
 }
 
-/// A truth and the answer to it, in degrees.
+/// A true angle and the answer to it, in degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair {
-    /// The right answer.
+    /// The true angle.
     pub truth_deg: f64,
     /// The answer.
     pub answer_deg: f64,
@@ -81,7 +83,7 @@ struct Point {
     spread: Option<f64>,
 }
 
-/// The figures of an observer's answers, resampled truth by truth; none without answers.
+/// The figures of an observer's answers, resampled separately for each truth; none without answers.
 pub fn figures(pairs: &[Pair]) -> Option<ErrorFigures> {
     let strata = by_truth(pairs);
     let fewest = strata.iter().map(Vec::len).min()?;
@@ -98,7 +100,7 @@ pub fn figures(pairs: &[Pair]) -> Option<ErrorFigures> {
     })
 }
 
-/// The figures of people's answers, one entry of `people` per person; persons are resampled. No
+/// The figures of people's answers, resampled over persons; `people` has one entry per person. No
 /// intervals for fewer than [`LEAST_DRAWN`] persons; none without answers.
 pub fn figures_of_people(people: &[Vec<Pair>]) -> Option<ErrorFigures> {
     let all: Vec<Pair> = people.iter().flatten().copied().collect();
@@ -116,7 +118,7 @@ pub fn figures_of_people(people: &[Vec<Pair>]) -> Option<ErrorFigures> {
     Some(together(all.len(), &point(&by_truth(&all)), &drawings))
 }
 
-/// Resamples the items with replacement: the result has the same length.
+/// Resamples the items with replacement, keeping their number.
 fn drawn<T: Clone>(items: &[T], random: &mut Random) -> Vec<T> {
     let one = |_| items[random.below(items.len())].clone();
     (0..items.len()).map(one).collect()
@@ -150,13 +152,13 @@ fn together(answers: usize, found: &Point, drawings: &[Point]) -> ErrorFigures {
     }
 }
 
-/// The middle 95 % of some values; none without values.
+/// The middle 95 % of the values; none without values.
 fn interval(values: Vec<f64>) -> Option<[f64; 2]> {
     let tail = 0.5 * (1.0 - CONFIDENCE);
     (!values.is_empty()).then(|| quantiles(values, [tail, 1.0 - tail]))
 }
 
-/// The answers to each truth together.
+/// Groups the answers by truth.
 fn by_truth(pairs: &[Pair]) -> Vec<Vec<Pair>> {
     let mut strata: Vec<Vec<Pair>> = Vec::new();
     for pair in pairs {
@@ -170,7 +172,7 @@ fn by_truth(pairs: &[Pair]) -> Vec<Vec<Pair>> {
 }
 
 fn point(strata: &[Vec<Pair>]) -> Point {
-    // For a truth this close to the middle "outward" is undefined.
+    // For a truth this close to the middle, "outward" is undefined.
     const MIDDLE_DEG: f64 = 1.0;
     let pairs = || strata.iter().flatten();
     let beside = pairs().filter(|pair| pair.truth_deg.abs() > MIDDLE_DEG);
@@ -193,20 +195,20 @@ fn spread(strata: &[Vec<Pair>]) -> Option<f64> {
     mean(variances).map(f64::sqrt)
 }
 
-/// A share of trials, with its interval (Wilson 1927, 95 %), which is valid for few trials and for
-/// shares of 0 and 1 too. It assumes independent trials.
+/// A share of trials, with its interval (Wilson 1927, 95 %), which is also valid for few trials and
+/// for shares of 0 and 1. The interval assumes independent trials.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Share {
     /// The share, 0 … 1.
     pub share: f64,
-    /// The ends of its interval, 0 … 1.
+    /// The ends of the share's interval, 0 … 1.
     pub interval: [f64; 2],
 }
 
 impl Share {
-    /// The share `count` of `all`; none if `all` is 0.
+    /// The share of `count` in `all`; none if `all` is 0.
     pub fn of(count: u32, all: u32) -> Option<Share> {
-        // The normal distribution has 95 % within this number of deviations.
+        // A normal distribution has 95 % of its values within this number of standard deviations.
         const DEVIATIONS: f64 = 1.959_964;
         let (n, z2) = (f64::from(all), DEVIATIONS * DEVIATIONS);
         let share = f64::from(count) / n;
@@ -229,7 +231,7 @@ mod tests {
         }
     }
 
-    /// Protects signs: a pull to the middle has no bias when both sides are pulled equally.
+    /// Protects signs: answers pulled to the middle have no bias if both sides are pulled equally.
     #[test]
     fn biases_and_spread_are_told_apart() {
         let pulled = figures(&[
@@ -251,7 +253,7 @@ mod tests {
         assert_eq!(figures(&[]), None);
     }
 
-    /// Protects a reader from an interval without meaning: one answer to a truth cannot be
+    /// Protects a reader from a meaningless interval: a single answer to a truth cannot be
     /// resampled.
     #[test]
     fn one_answer_a_truth_has_no_interval() {
@@ -262,7 +264,8 @@ mod tests {
         assert_eq!(figures(&[pair(0.0, 3.0)]).unwrap().outward_bias, None);
     }
 
-    /// Protects the interval: it is the middle of many, wide for few, and the same every time.
+    /// Protects the interval: it is the middle of many answers, wide for few answers, and
+    /// reproducible.
     #[test]
     fn intervals_narrow_with_more_values() {
         let ramp = |count: u32| -> Vec<Pair> {
@@ -277,7 +280,7 @@ mod tests {
             high - low
         };
         assert!(width(11) > 2.0 * width(1001));
-        // Truths with biases of their own, and no random error: the interval has no width.
+        // Truths with different biases and no random error, so the interval has zero width.
         let sure = [vec![pair(10.0, 11.0); 5], vec![pair(20.0, 29.0); 5]].concat();
         let sure = figures(&sure).unwrap();
         assert_eq!(sure.median_abs.interval_deg, Some([5.0, 5.0]));
@@ -285,15 +288,16 @@ mod tests {
         assert_eq!(figures(&ramp(11)), figures(&ramp(11)));
     }
 
-    /// How often the intervals of bias and spread contain the true values: three truths with biases
-    /// of their own, normal noise of 1°, `answers` answers each.
+    /// The share of runs in which the intervals of bias and spread contain the true values: three
+    /// truths with different biases, normal noise of 1°, `answers` answers each.
     fn coverage(answers: usize) -> [f64; 2] {
         const RUNS: u64 = 300;
         let mut held = [0.0; 2];
         for run in 0..RUNS {
             let mut random = Random::new(run);
             let mut uniform = || random.below(1 << 20) as f64 / f64::from(1 << 20);
-            // Irwin and Hall: the sum of twelve is nearly normal except in its far tails.
+            // Irwin–Hall: the sum of twelve uniform numbers is nearly normal except in its far
+            // tails.
             let mut noise = || (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
             let mut pairs = Vec::new();
             for (truth, bias) in [(-48.0, 20.0), (0.0, 1.0), (48.0, -9.0)] {
@@ -311,9 +315,10 @@ mod tests {
         held
     }
 
-    /// Protects the meaning of the intervals as documented: with five answers per truth they
-    /// contain a bias in about 92 % and a spread in 83 %, and with two in far fewer, which is why
-    /// these are called rough. The allowance is three standard errors of 300 runs.
+    /// Protects the documented meaning of the intervals: with five answers per truth they contain a
+    /// bias in about 92 % of runs and a spread in 83 %. With two answers the shares are far lower,
+    /// which is why such intervals are called rough. The tolerance is three standard errors of 300
+    /// runs.
     #[test]
     fn five_answers_make_an_interval_and_two_do_not() {
         let [bias, spread] = coverage(LEAST_DRAWN);
@@ -323,7 +328,7 @@ mod tests {
     }
 
     /// Protects people's intervals: a person who answers often still counts once, and a few persons
-    /// make no interval.
+    /// give no interval.
     #[test]
     fn persons_are_drawn_and_not_their_answers() {
         let person = |bias: f64, answers: usize| vec![pair(0.0, bias); answers];
@@ -341,7 +346,7 @@ mod tests {
         assert_eq!(figures_of_people(&[Vec::new()]), None);
     }
 
-    /// Protects the share's interval: a worked example, and that it stays within 0 … 1.
+    /// Protects the share's interval: it matches a worked example and stays within 0 … 1.
     #[test]
     fn shares_have_wilsons_interval() {
         let half = Share::of(5, 10).unwrap();

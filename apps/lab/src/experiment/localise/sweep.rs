@@ -1,4 +1,4 @@
-//! Runs the observer through scenes and settings.
+//! Runs the observer on all scenes and settings.
 
 use super::listen::{LoadedSound, converge, facings, listen};
 use super::observer::{Levels, Observer, Side, azimuth_deg, direct_distance, lateral_deg};
@@ -11,7 +11,7 @@ use echomarch::scene::Scene;
 use echomarch::tracer::{Settings, Tracer};
 use std::time::Instant;
 
-/// The common state of all trials.
+/// The state shared by all trials.
 pub(super) struct Run<'a> {
     tracer: &'a mut Tracer,
     pub(super) options: &'a LocaliseOptions,
@@ -23,15 +23,15 @@ pub(super) struct Run<'a> {
 
 /// The answers to one frame.
 pub(super) struct Answers {
-    /// One answer per sound, in degrees.
+    /// One answer per sound, in degrees, of the observer that knows the distance.
     pub(super) told: Vec<f64>,
-    /// The answer to the first sound of the observer that does not know the distance.
+    /// The answer to the first sound by the observer that does not know the distance.
     pub(super) blind: Option<f64>,
-    /// Waves that arrived.
+    /// Number of waves that arrived.
     pub(super) hits: u64,
 }
 
-/// One frame of one facing.
+/// One frame for one facing of the listener.
 struct Trial {
     source_deg: f64,
     limit_deg: f64,
@@ -40,7 +40,7 @@ struct Trial {
     answers: Vec<f64>,
 }
 
-/// Runs the experiment. `progress` receives the steps done and the total.
+/// Runs the experiment. `progress` receives the number of completed steps and the total.
 ///
 /// # Errors
 /// [`Error::Audio`] for a sound that cannot be loaded; errors of [`Tracer::frame`].
@@ -123,7 +123,7 @@ impl Run<'_> {
         for settings in self.options.settings() {
             let mut trials = Vec::new();
             for (index, (facing, report)) in scenes.iter().zip(&reports).enumerate() {
-                // Each trial has its own waves.
+                // Each trial has its own seed, so no trial repeats the waves of another.
                 let first = 1 + index as u32 * self.options.seeds;
                 for seed in first..first + self.options.seeds {
                     let seeded = settings.clone().with_seed(seed);
@@ -175,19 +175,19 @@ impl Run<'_> {
 }
 
 impl FacingReport {
-    /// The converged answer after the given number of iterations, in degrees; the middle if it was
-    /// not computed.
+    /// The answer to the converged panning after the given number of iterations, in degrees; the
+    /// middle if it was not computed.
     fn limit_deg(&self, iterations: u32) -> f64 {
         let of = self.limits.iter().find(|of| of.iterations == iterations);
         of.map_or(0.0, |of| of.lateral_deg)
     }
 }
 
-/// The last column of a confusion table, for trials without hits.
+/// The index of a confusion table's last column, for trials without hits.
 const NOTHING: usize = 3;
 
-/// The figures of one sound in one setting. Silence does not count as an answer: it would be the
-/// right one for a source ahead.
+/// The figures of one sound in one setting. Silence does not count as an answer: as the middle, it
+/// would be right for a source ahead.
 fn cell(sound: &str, settings: &Settings, trials: &[Trial], index: usize) -> Cell {
     let heard = || trials.iter().filter(|trial| trial.hits > 0);
     let errors = |truth: fn(&Trial) -> f64| {

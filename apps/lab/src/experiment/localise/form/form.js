@@ -1,5 +1,5 @@
-// The form: one session at a time. Input for a trial is stored immediately, under a key of its
-// session; a locked answer is never replaced.
+// The form shows one session at a time. Input for a trial is stored immediately, under the
+// session's key; a locked answer is never replaced.
 (() => {
   const { data, trials, newDraft, azimuth, isBeside, isObject, isAnswer, isSession, orderOf } = form;
   const prefix = `echomarch-localise:${data.experiment}:`;
@@ -9,10 +9,10 @@
   // { session, participant, started, order_seed, order: [number], answers: { number: answer },
   //   drafts: { number: draft }, saved: answers in the last file }
   let session = null;
-  let place = 0; // of the trial shown, in the session's order
-  let draft = null; // { spot, side, confidence, plays, seconds } of it, see newDraft
-  let since = null; // when the draft's seconds began to run, by performance.now()
-  let isKept = true; // whether this browser keeps what is stored
+  let place = 0; // position of the shown trial in the session's order
+  let draft = null; // { spot, side, confidence, plays, seconds } of the shown trial, see newDraft
+  let since = null; // performance.now() when the draft's seconds began to run
+  let isKept = true; // whether this browser keeps stored answers
   let audio = null;
 
   // ---- storage --------------------------------------------------------------
@@ -22,7 +22,7 @@
     byId("warning").hidden = text === "";
   };
 
-  // Before order seeds were saved, the session's name gave the order.
+  // Sessions from before order seeds were saved got their order from the session's name.
   const seedOf = ({ order_seed: seed }) => (seed === undefined ? null : seed);
 
   const read = (key) => {
@@ -39,7 +39,7 @@
     warn("This browser cannot store answers: save a file before you close the page.");
   };
 
-  // Stored answers take precedence: they are locked, in whichever tab they were given.
+  // Stored answers take precedence: an answer given in any tab is locked.
   const store = () => {
     const stored = read(session.session);
     if (isSession(stored)) {
@@ -153,7 +153,7 @@
   const seconds = () =>
     draft.seconds + (since === null ? 0 : (performance.now() - since) / 1000);
 
-  // Stores the input for the trial shown, unless it is locked: also before it is left.
+  // Stores the input for the shown trial unless that is locked; also called before leaving it.
   const keep = () => {
     if (session && draft && !answerOf(place)) {
       session.drafts[session.order[place]] = { ...draft, seconds: seconds() };
@@ -199,7 +199,7 @@
     return made;
   };
 
-  // Metres: x to the listener's right, and y down, which is away from its gaze.
+  // Metres: x to the listener's right, y down the plan (against the gaze).
   const drawPlan = (plan) => {
     const svg = byId("plan");
     const [x, y] = [plan.min[0], -plan.max[1]];
@@ -254,7 +254,7 @@
   const pressOnPlan = (event) => {
     const steps = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
     const step = steps[event.key];
-    // With a modifier key the browser uses them: a page back, a word on.
+    // With a modifier key these keys belong to the browser (previous page, next word).
     if (!step || event.altKey || event.ctrlKey || event.metaKey) {
       return;
     }
@@ -320,7 +320,7 @@
     return `The mark is ${Math.abs(azimuth(spot)).toFixed(0)}° to the ${side} of your gaze.`;
   };
 
-  // Updates only changed text, since it is read out.
+  // Updates only changed text, since screen readers read updates aloud.
   const say = (id, text) => {
     if (byId(id).textContent !== text) {
       byId(id).textContent = text;
@@ -361,7 +361,7 @@
     goOn();
   };
 
-  // Asks before answers are lost that exist only in this page, or are complete and not handed in.
+  // Asks before answers are lost that exist only in this page, or form a complete set not handed in.
   const warnOfLoss = (event) => {
     if (session && answered(session) > session.saved && (!isKept || isComplete())) {
       event.preventDefault();
@@ -399,7 +399,7 @@
     byId("saved").textContent = `Saved as ${link.download} among your downloads.`;
   };
 
-  // Returns the session of a file, if its trials and answers have the form that is saved.
+  // Returns the session of a file if its trials and answers have the format of saved files.
   const sessionOf = (file) => {
     const { session: name, participant, started, order } = file;
     const answers = {};

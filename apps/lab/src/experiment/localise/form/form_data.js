@@ -1,11 +1,11 @@
 "use strict";
-// The data of a form, and the checks of answers, drafts and sessions: the same as in the
-// program that reads the answers.
+// The data of a form, and the checks of answers, drafts and sessions. The program that reads the
+// answers makes the same checks.
 const form = (() => {
   const data = JSON.parse(document.getElementById("data").textContent);
   const trials = new Map(data.trials.map((trial) => [trial.number, trial]));
-  // Input for a trial that is not locked; seconds since it was first played, while it was
-  // shown.
+  // Input for a trial that is not locked. Seconds count from the first playback, while the trial
+  // is shown.
   const newDraft = () => ({ spot: null, side: null, confidence: null, plays: 0, seconds: 0 });
 
   const isText = (value) => typeof value === "string";
@@ -18,7 +18,7 @@ const form = (() => {
   const isOrder = (value) => Array.isArray(value) && value.length === trials.size
     && new Set(value).size === trials.size && value.every((number) => trials.has(number));
 
-  // At the listener a direction is undefined.
+  // A click at the listener has no direction.
   const isBeside = (spot) => Math.hypot(spot.right_m, spot.ahead_m) > 0.001;
   const azimuth = (spot) => (Math.atan2(spot.right_m, spot.ahead_m) * 180) / Math.PI;
 
@@ -49,8 +49,8 @@ const form = (() => {
     && areOf(value.answers, isAnswer) && areOf(value.drafts, isDraft)
     && Number.isInteger(value.saved);
 
-  // The order of a session: sorted by a hash of trial, form and order seed (FNV-1a with the
-  // last mixing of MurmurHash3).
+  // A session's order: the trials sorted by a hash of trial, form and order seed (FNV-1a with the
+  // final mixing step of MurmurHash3).
   const rank = (text) => {
     let hash = 0x811c9dc5;
     for (const letter of text) {

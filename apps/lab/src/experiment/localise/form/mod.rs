@@ -1,16 +1,17 @@
-//! The experiment for people: a page that plays the sounds and takes the answers.
+//! The experiment for people: a page that plays the sounds and records the answers.
 //!
 //! One HTML file contains everything: the sounds (16 bits), a plan and a view for each facing, and
-//! the data to be saved with every answer. It needs no network. The plan has the gaze upwards, as
-//! the listener faces the screen, and does not show the source; the view is lit from behind the
-//! listener, so that the light does not reveal the source.
+//! the data to be saved with every answer. The page works without a network. The plan has the gaze
+//! upwards, as the listener faces the screen, and does not show the source. The view is lit from
+//! behind the listener, so that the light does not reveal the source.
 //!
 //! Trials are numbered in an order that depends only on the form's seed and the number of trials,
-//! so that a number reveals nothing about its trial. The page computes the order of a session from
-//! the form's seed and an order seed: the form's ([`FormOptions::order_seed`]), or else one that
-//! each session draws. It saves both with the answers. Answers are locked once given. Beside the
-//! page lie the same sounds as WAV files (16 bits, which every browser plays), named by the trials'
-//! numbers, and `experiment.json`, which describes each of them.
+//! so that a number reveals nothing about its trial. The page computes a session's order from the
+//! form's seed and an order seed: the order seed is the form's ([`FormOptions::order_seed`]) or
+//! else drawn for each session. Both the order and the order seed are saved with the answers.
+//! Answers are locked once given. The folder of the page also contains the same sounds as WAV files
+//! (16 bits, which every browser plays), named by the trials' numbers, and `experiment.json`, which
+//! describes all trials.
 
 mod encode;
 mod page;
@@ -31,10 +32,11 @@ use serde::Serialize;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Maximum size of the sounds in the page, in bytes of 16-bit WAV; larger sets lie beside it.
+/// Maximum size of the sounds embedded in the page, in bytes of 16-bit WAV; larger sets stay in
+/// separate files.
 const MOST_EMBEDDED: usize = 48 << 20;
 
-/// The contents of the form: every combination, with each facing of each scene.
+/// The contents of the form: every combination of the values below, with each facing of each scene.
 #[derive(Clone, Debug)]
 pub struct FormOptions {
     /// The rooms.
@@ -47,19 +49,19 @@ pub struct FormOptions {
     pub waves: Vec<u32>,
     /// Numbers of iterations.
     pub iterations: Vec<u32>,
-    /// Seed of the trials' numbers, their orders, and the start directions of the waves.
+    /// Seed of the trials' numbers, the sessions' orders, and the waves' start directions.
     pub seed: u32,
-    /// Seed of the order of the trials, the same for every session; without it each session draws
-    /// its own.
+    /// Seed of the order of the trials, the same for every session; if none, each session draws its
+    /// own.
     pub order_seed: Option<u32>,
-    /// Length of each sound, in seconds.
+    /// Length of each sound in seconds.
     pub seconds: f64,
-    /// The law from panning values to levels.
+    /// The panning law, from panning values to levels.
     pub law: PanningLaw,
 }
 
 impl FormOptions {
-    /// Number of trials of the form.
+    /// Number of trials in the form.
     pub fn trials(&self) -> usize {
         const FACINGS: usize = 3;
         let settings = self.profiles.len() * self.waves.len() * self.iterations.len();
@@ -70,29 +72,29 @@ impl FormOptions {
 /// One trial.
 #[derive(Clone, Debug, Serialize)]
 pub struct Trial {
-    /// Its number, from 1: independent of its place in a person's order.
+    /// The trial's number, from 1, independent of its position in a session's order.
     pub number: usize,
     /// The sound and its setting.
     pub stimulus: StimulusInfo,
-    /// Index of its plan, from 0.
+    /// Index of the trial's plan, from 0.
     pub plan: usize,
-    /// The file of the sound, beside the page.
+    /// File name of the sound, in the folder of the page.
     pub file: String,
 }
 
-/// A form that is not written yet.
+/// A form that has not been written yet.
 #[derive(Debug)]
 pub struct Form {
-    /// The form's identifier: differs for any difference in its trials.
+    /// The form's identifier, which differs between forms with different trials.
     pub experiment: String,
-    /// Seed of the trials' numbers, their orders, and the start directions of the waves.
+    /// Seed of the trials' numbers, the sessions' orders, and the waves' start directions.
     pub seed: u32,
-    /// Seed of the order of the trials, the same for every session; without it each session draws
-    /// its own.
+    /// Seed of the order of the trials, the same for every session; if none, each session draws its
+    /// own.
     pub order_seed: Option<u32>,
-    /// The trials, by number.
+    /// The trials, ordered by number.
     pub trials: Vec<Trial>,
-    /// Whether the page contains the sounds.
+    /// Whether the sounds are embedded in the page.
     pub embedded: bool,
     renderer: String,
     law: PanningLaw,
@@ -100,7 +102,7 @@ pub struct Form {
     plans: Vec<Plan>,
 }
 
-/// `experiment.json`.
+/// The content of `experiment.json`.
 #[derive(Serialize)]
 struct Key<'a> {
     experiment: &'a str,
@@ -110,7 +112,8 @@ struct Key<'a> {
     trials: &'a [Trial],
 }
 
-/// Traces every trial and draws every plan. `progress` receives the steps done and the total.
+/// Traces every trial and draws every plan. `progress` receives the number of completed steps and
+/// the total.
 ///
 /// # Errors
 /// [`Error::Audio`] for a sound that cannot be loaded, [`Error::Picture`] and errors of
@@ -196,10 +199,10 @@ fn stimuli_of(
     Ok(sounds.iter().map(stimulus).collect())
 }
 
-/// A form that cannot be written.
+/// Error when a form cannot be written.
 #[derive(Debug, thiserror::Error)]
 pub enum WriteError {
-    /// The folder contains files, which are not replaced.
+    /// The folder already contains files, which are not overwritten.
     #[error(
         "the folder {} is not empty: a form never replaces files, choose another",
         folder.display()
@@ -213,8 +216,8 @@ pub enum WriteError {
     Output(#[from] OutputError),
 }
 
-/// Creates the folder, and checks that it is empty and can be written to: to be called before the
-/// form is built.
+/// Creates the folder, and checks that it is empty and writable. To be called before the form is
+/// built.
 ///
 /// # Errors
 /// [`WriteError`] with the folder.
@@ -242,7 +245,7 @@ impl Form {
     /// Writes the page, the sounds and `experiment.json` into an empty folder.
     ///
     /// # Errors
-    /// [`WriteError`], at once if the folder is not empty.
+    /// Returns [`WriteError`], before anything is written if the folder is not empty.
     pub fn write(&self, folder: &Path) -> Result<(), WriteError> {
         prepare(folder)?;
         let sounds = folder.join("sounds");
@@ -262,14 +265,14 @@ impl Form {
         write_inside(&folder.join("experiment.json"), |out| {
             Ok(serde_json::to_writer_pretty(out, &key)?)
         })?;
-        // Last, so that the page exists only when all files that it needs exist.
+        // The page is written last, so that it exists only when all files that it needs exist.
         write_inside(&folder.join("form.html"), |out| {
             out.write_all(self.html()?.as_bytes())
         })?;
         Ok(())
     }
 
-    /// Left and right samples interleaved.
+    /// The interleaved left and right samples of a trial.
     fn samples(&self, trial: &Trial) -> Vec<f32> {
         let stimulus = &trial.stimulus;
         let sound = self

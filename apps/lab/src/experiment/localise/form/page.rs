@@ -1,4 +1,4 @@
-//! The page: its text, style and script, with the form's data inserted.
+//! Assembles the page from its text, style and script, with the form's data inserted.
 
 use super::Form;
 use super::encode::{data_url, wav_16};
