@@ -15,7 +15,7 @@ use crate::response::ResponseError;
 use crate::scene::SceneError;
 use crate::tracer::TraceError;
 
-/// An error, by the module that it comes from.
+/// Any error of the crate, with one variant for each module.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -34,12 +34,12 @@ pub enum Error {
     /// Echograms or impulse responses that cannot be computed.
     #[error(transparent)]
     Acoustics(#[from] ResponseError),
-    /// A name that stands for nothing: of a profile, or of a way to choose directions.
+    /// An unknown name of a profile, or of a kind of start directions.
     #[error("{message}")]
     UnknownName {
         /// The given name.
         name: String,
-        /// What was named, and what there is.
+        /// The message: the kind of name, the given name, and the known names.
         message: String,
     },
     /// Live sound that cannot be played or recorded.
@@ -57,7 +57,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// The error of a scene, at a time on its paths.
+    /// Adds the time on the scene's paths to an error of a scene; returns other errors unchanged.
     pub(crate) fn at(self, seconds: f64) -> Error {
         match self {
             Error::Scene(refused) => Error::Scene(refused.at(seconds)),
@@ -101,7 +101,7 @@ impl From<OutputError> for Error {
     }
 }
 
-/// Protects callers that keep errors, and send them between threads.
+/// Protects callers that store errors or send them between threads.
 const _: () = {
     const fn may_be_kept<T: std::error::Error + Send + Sync + 'static>() {}
     may_be_kept::<Error>();
@@ -119,8 +119,8 @@ mod tests {
     use crate::tracer::{Directions, Profile};
     use glam::UVec2;
 
-    /// Protects callers with one error type: what any module refuses converts into it, in the same words, and names bad
-    /// input.
+    /// Protects callers that use one error type: the errors of all modules convert into it, keep their messages and
+    /// report whether the input is at fault.
     #[test]
     fn refusals_of_all_modules_convert_and_name_bad_input() {
         fn refused<T, E: Into<Error> + ToString>(result: Result<T, E>) {

@@ -1,6 +1,6 @@
-//! Code that would stand many times, stated once.
+//! Macros for repetitive code.
 
-/// Setters that take the value of a field: `fn name(value: type) => field`.
+/// Defines setters that take the value of a field: `fn name(value: type) => field`.
 macro_rules! setters {
     ($($(#[$doc:meta])* $see:vis fn $name:ident($value:ident: $kind:ty) => $field:ident;)*) => {
         $($(#[$doc])* #[must_use] $see fn $name(mut self, $value: $kind) -> Self {
@@ -10,7 +10,7 @@ macro_rules! setters {
     };
 }
 
-/// The names of the values of an enum, as they are typed and printed; `$what` says what they are, in the message for
+/// Defines the names of an enum's values as typed and printed. `$what` is the word for such a value in the message for
 /// an unknown name.
 macro_rules! named_values {
     ($kind:ident, $what:literal: $($value:ident = $name:literal),*) => {

@@ -1,7 +1,7 @@
-//! A scene to sound without a sound card: traced and played frame by frame.
+//! Renders the sound of a scene frame by frame, without a sound card.
 //!
-//! [`render`] uses the thesis' method: the gains of one sound glide to a frame's panning by the end of the frame's
-//! block of samples. [`render_full`] plays each source with delays, loudness, echoes and reverberation
+//! [`render`] uses the thesis' method: during a frame's block of samples, the gains of one sound glide to the panning
+//! of that frame. [`render_full`] plays each source with delays, loudness, echoes and reverberation
 //! ([`auralisation`](crate::auralisation)). Each frame is traced with the scene at the frame's start.
 
 use crate::audio::{AudioError, FrameBlocks, Mixer, Sound};
@@ -64,8 +64,8 @@ impl Timing {
     }
 }
 
-/// One frame's part of the sound. `Of` is what the samples were made from: one traced [`Frame`] ([`render`]), or each
-/// source as the listener hears it ([`render_full`]).
+/// One frame's part of the sound. `Of` is the traced result that the samples were made from: one [`Frame`]
+/// ([`render`]), or each source as the listener hears it ([`render_full`]).
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct Block<'a, Of: ?Sized> {
@@ -73,7 +73,7 @@ pub struct Block<'a, Of: ?Sized> {
     pub index: u64,
     /// Start time in seconds.
     pub time: f64,
-    /// What is heard in the frame.
+    /// The traced result that the samples were made from.
     pub heard: &'a Of,
     /// Interleaved left and right samples, at [`Sound::SAMPLE_RATE`].
     pub samples: &'a [f32],
@@ -119,26 +119,26 @@ pub fn render<'a, E: From<Error>>(
     Ok(())
 }
 
-/// Seconds between two late parts: reverberation changes more slowly than echoes, and its kernel
-/// costs as much as several frames.
+/// Seconds between two late parts. Reverberation changes more slowly than echoes, and computing its kernel costs as
+/// much as several frames.
 const LATE_S: f64 = 0.25;
 
 /// Samples between the end of a fade and the next late part: blocks of the convolution do not end
 /// at frame borders.
 const FADE_MARGIN: u32 = 2048;
 
-/// Number of moments of a path, from its start to its end, at which the length of the responses is estimated.
+/// Number of times, from the start to the end of the scene's paths, at which the length of the responses is estimated.
 const MOMENTS: u32 = 3;
 
-/// The longest response by default, in seconds: later sound is hardly audible behind continuous sound.
+/// The longest response by default, in seconds: later reverberation is hardly audible behind continuous sound.
 const LONGEST_S: f64 = 3.0;
 
 /// Settings of full listening to a scene.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct FullSettings {
-    /// Settings of each response. Without `seconds`, responses have the greatest length needed at the start, in the
-    /// middle and at the end of the scene's path.
+    /// Settings of each response. If `seconds` is `None`, all responses have the longest of the lengths needed at the
+    /// start, the middle and the end of the scene's paths.
     pub response: ResponseSettings,
     /// Index of the listener in [`Scene::listeners`], from 0.
     pub listener: usize,
@@ -147,8 +147,8 @@ pub struct FullSettings {
 }
 
 impl FullSettings {
-    /// Settings for a listener, by its index; responses last up to 3 seconds, or as long as `response` states if that is
-    /// shorter.
+    /// Settings for a listener, by its index. If `response` sets no length, responses last at most 3 seconds, or at
+    /// most its own limit if that is shorter.
     pub fn new(response: ResponseSettings, listener: usize) -> FullSettings {
         let longest_s = response.longest_s.min(LONGEST_S);
         FullSettings {
@@ -198,8 +198,8 @@ struct Playing<'a> {
 }
 
 /// Traces and plays `timing.seconds` of a moving scene, with one of `sounds` for each source, and passes each frame's
-/// block to `take`, with each source as the listener hears it, in the scene's order. Single echoes are updated with each frame, the late part every quarter of a second. While the scene
-/// stands still, it is not traced again.
+/// block to `take`, with each source as the listener hears it, in the scene's order. Echoes are updated with each
+/// frame, the late part every quarter of a second. A scene that stands still is not traced again.
 ///
 /// # Errors
 /// [`Error::Trace`] for settings out of range, [`Error::Audio`] for an invalid frame rate, those of
@@ -277,7 +277,7 @@ impl<'a> Playing<'a> {
         })
     }
 
-    /// Glides to the responses of a pair within the given number of samples; `before` is the pair in the frame before.
+    /// Glides to the response of a pair over the given number of samples; `before` is the pair in the previous frame.
     fn listen(
         &mut self,
         tracer: &mut Tracer,
@@ -305,7 +305,7 @@ impl<'a> Playing<'a> {
         self.fade_late()
     }
 
-    /// Computes the late part from the traces since the last one.
+    /// Computes the late part from the last response, if there is a new one.
     fn make_late(&mut self, axes: &ListenerAxes, settings: &FullSettings) -> Result<(), Error> {
         let Some(response) = self.response.take() else {
             return Ok(());
@@ -315,7 +315,7 @@ impl<'a> Playing<'a> {
         Ok(())
     }
 
-    /// Takes the first late part at once, and skips the latency.
+    /// Applies the first late part without a fade, and skips the latency.
     fn begin(&mut self) -> Result<(), Error> {
         if let Some(late) = &mut self.late {
             self.ears.glide_late(late, 0)?;

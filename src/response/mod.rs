@@ -1,9 +1,9 @@
-//! The sound of a source at a listener: exact early paths, an echogram of everything else, figures.
+//! The sound of a source at a listener: exact early paths, an echogram of all other arrivals, and figures.
 //!
-//! Waves are traced through the scene on the GPU, and every crossing of the listener's sphere is an [`Arrival`].
-//! Arrivals that were mirrored a few times and never scattered give the sequences of surfaces for which exact paths are
-//! found, from point to point ([`SpecularPath`]); each is a [`Tap`]. All other arrivals are added up in an
-//! [`Echogram`]. Both together give the [`Figures`] of ISO 3382-1 and the sampled [`ImpulseResponse`].
+//! Waves are traced through the scene on the GPU, and every crossing of the listener's sphere is an [`Arrival`]. An
+//! arrival after a few specular reflections and no scattering gives a sequence of surfaces. For each sequence the exact
+//! path from point to point is computed ([`SpecularPath`]), and becomes a [`Tap`]. All other arrivals are added up in
+//! an [`Echogram`]. Taps and echogram together give the [`Figures`] of ISO 3382-1 and the sampled [`ImpulseResponse`].
 //! `docs/acoustics.md` describes the model, its sources and its limits.
 //!
 //! ```text
@@ -13,10 +13,10 @@
 //! ```
 //!
 //! # Units
-//! The source has power 1. Energies are energy densities at the listener times the speed of sound,
-//! in 1/m²: 1 / (4π r²) for the direct sound at r metres. Times are seconds from the source's
-//! impulse, except those of figures, which count from the direct sound. Directions are those of
-//! flight, away from where sound comes from, in world axes.
+//! The source has power 1. Energies are energy densities at the listener times the speed of sound, in 1/m²: 1 / (4π r²)
+//! for the direct sound at r metres. Times are seconds from the source's impulse, except in figures, whose times count
+//! from the direct sound. Directions are directions of flight in world axes: they point away from where the sound comes
+//! from.
 //!
 //! ```
 //! use echomarch::response::{Echogram, Figures, Tap};
@@ -98,15 +98,15 @@ use source_sound::Medium;
 pub struct Response {
     /// The exact early paths with energy, by length.
     pub paths: Vec<HeardPath>,
-    /// How much of the early part the waves have missed.
+    /// The estimated early energy that the waves have missed.
     pub missed: Missed,
-    /// Number of arrivals with few reflections whose paths were not searched for, because there are too many at curved
-    /// surfaces, or too many surfaces: they are in the echogram.
+    /// Number of arrivals with few reflections whose paths were not searched for, because curved surfaces give too many
+    /// paths, or the scene has too many surfaces. The echogram contains these arrivals.
     pub left_out: u64,
-    /// Their share of all energy, 0 … 1, averaged over the bands.
+    /// The share of all energy in the `left_out` arrivals, 0 … 1, averaged over the bands.
     pub left_out_share: f64,
     /// The share, 0 … 1, of the 16,384 directions that were not searched for paths over planes, because too many
-    /// surfaces obstruct one another: there such a path is known only if waves find it.
+    /// surfaces obstruct one another. In these directions such a path is known only if waves find it.
     pub search_left_out_share: f64,
     /// Everything outside the exact paths: energy densities in 1/m² for a source of power 1, by
     /// time and band, including the source's level and the loss in the air.
@@ -119,15 +119,16 @@ pub struct Response {
     /// record's end: the figures hold until then.
     #[serde(serialize_with = "finite")]
     pub followed_s: Option<f64>,
-    /// Fates of the waves; if late arrivals are counted in a larger sphere than the listener, or come from fewer waves,
-    /// of these waves. With importance sampling the pilot waves are not counted.
+    /// Fates of the waves. If late arrivals are counted in a sphere larger than the listener, or with fewer waves,
+    /// these are the fates of the waves for late arrivals. Pilot waves of importance sampling are not counted.
     pub counts: ArrivalCounts,
     /// Total time in milliseconds, including the compilation of new shaders.
     pub milliseconds: f64,
 }
 
 impl Response {
-    /// Traces the sound of a source at a listener, or of a scene that has one of each, in the scene's current state.
+    /// Traces the sound of a pair, or of a scene with exactly one source and one listener, in the scene's current
+    /// state.
     ///
     /// # Errors
     /// As [`Tracer::arrivals`]; [`Error::Acoustics`] for bins out of range.
@@ -168,7 +169,7 @@ impl Response {
         let mut paths = all_paths.clone();
         let is_heard = |path: &HeardPath| path.energy.iter().any(|energy| *energy > 0.0);
         paths.retain(|path| path.delay_s <= seconds && is_heard(path));
-        // If waves were given up, the decay is that of the remaining ones.
+        // If waves were given up, the later decay is that of the remaining waves only.
         let followed_s = Some(counts.followed_m / medium.speed).filter(|until| *until < seconds);
         let ends_s = followed_s.unwrap_or(seconds);
         let taps = taps(&paths);
@@ -177,7 +178,7 @@ impl Response {
         if let Some(common) = late.errors {
             figures = figures.with_common_errors(&common);
         }
-        // Empty without scattering.
+        // The bias is empty without scattering.
         if bias.bins() > 0 {
             let mut biased = echogram.clone();
             biased.add_scaled(&bias, &bands::ALL);
@@ -264,7 +265,7 @@ fn taps(paths: &[HeardPath]) -> Vec<Tap> {
     paths.iter().map(HeardPath::tap).collect()
 }
 
-/// The waves that arrived early, in order, each once with its start direction.
+/// The waves that arrived early, each once, in order of number, with their start directions.
 fn start_directions(
     tracer: &mut Tracer,
     settings: &Settings,

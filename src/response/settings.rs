@@ -16,26 +16,26 @@ use serde::{Deserialize, Serialize};
 #[serde(try_from = "SettingsFile")]
 #[non_exhaustive]
 pub struct ResponseSettings {
-    /// Waves, start directions, seed and algorithm. The iterations follow from the seconds, so any but the default
-    /// number is rejected.
+    /// Waves, start directions, seed and algorithm. The number of iterations follows from the length, so any
+    /// number but the default is rejected.
     pub trace: Settings,
     /// Length of the record; `None` to follow the waves until the energy of every band has fallen
     /// by 60 dB, as estimated by a few waves.
     #[serde(serialize_with = "finite")]
     pub seconds: Option<f64>,
-    /// Maximum length of the record if `seconds` is `None`, in seconds: 10 by default, as few halls are audible for
-    /// longer. A record is never shorter than the time of the direct sound.
+    /// Maximum length of the record if `seconds` is `None`, in seconds: 10 by default, as sound in few halls is audible
+    /// for longer. A record never ends before the direct sound arrives.
     pub longest_s: f64,
-    /// Number of waves for late arrivals; `None`, or a number above that of all waves, for all. Exact paths are found
-    /// with all waves.
+    /// Number of waves whose late arrivals are counted; all waves if `None`, or if larger than the number of waves.
+    /// Exact paths are searched for with all waves.
     pub late_waves: Option<u32>,
-    /// Maximum reflections of an exact path, 0 to [`ResponseSettings::MAX_ORDER`]. `None` takes 8 if all surfaces are
-    /// flat, otherwise 3. If walls absorb half of the sound, a decay of 35 dB is some dozen echoes of up to six
-    /// reflections, and each is met by few waves. In an empty room all paths of up to eight reflections are known. At curved surfaces up to 512
-    /// waves of each sequence are solved for.
+    /// Maximum number of reflections of an exact path, 0 to [`ResponseSettings::MAX_ORDER`]. `None` stands for 8 if all
+    /// surfaces are flat, otherwise 3. If walls absorb half of the sound, a decay of 35 dB consists of some dozen
+    /// echoes of up to six reflections, and few waves find each. In an empty room all paths of up to eight reflections
+    /// are found. At curved surfaces, paths are solved for from up to 512 waves of each sequence of surfaces.
     pub order: Option<u32>,
-    /// Length of a time bin of the echogram in seconds: 1 ms by default, less than the time that
-    /// sound takes through a listener of common size.
+    /// Length of a time bin of the echogram in seconds: 1 ms by default, less than sound needs to cross a listener of
+    /// common size.
     pub bin_s: f64,
     /// Number of batches for estimating errors: 16 by default.
     pub batches: usize,
@@ -103,7 +103,7 @@ const ORDER_AT_CURVES: u32 = 3;
 const USUAL_LONGEST_S: f64 = 10.0;
 
 impl Default for ResponseSettings {
-    /// 65,536 waves of the profile `hybrid`, exact paths of the default order.
+    /// Returns 65,536 waves of the profile `hybrid`, and exact paths of the default order.
     fn default() -> ResponseSettings {
         ResponseSettings {
             trace: Settings::default(),
@@ -118,8 +118,8 @@ impl Default for ResponseSettings {
 }
 
 impl ResponseSettings {
-    /// Upper limit of the order of exact paths: the number of paths grows with the cube of the order,
-    /// and waves find fewer and fewer of them.
+    /// Upper limit of the order of exact paths: the number of paths grows with the cube of the order, and waves find an
+    /// ever smaller share of them.
     pub const MAX_ORDER: u32 = 16;
 
     /// Sets the waves, directions and algorithm. Tracing rejects settings with their own iterations.
@@ -129,7 +129,7 @@ impl ResponseSettings {
         self
     }
 
-    /// Sets the waves, directions and algorithm from the settings of frames, without their iterations.
+    /// Sets the waves, directions and algorithm from the settings of frames, and ignores their number of iterations.
     #[doc(hidden)]
     #[must_use]
     pub fn with_trace_of_frames(self, frames: &Settings) -> ResponseSettings {
@@ -165,9 +165,9 @@ impl ResponseSettings {
         self
     }
 
-    /// The length of a response of this pair: `seconds`, or the time until the energy of every band has fallen by 60
-    /// dB as a few waves estimate it within `longest_s`, and at most that; but never less than the time of the direct
-    /// sound.
+    /// The length of the response of this pair: `seconds`, or if that is `None`, the time until the energy of every
+    /// band has fallen by 60 dB as estimated with a few waves, but at most `longest_s`. The length is never less than
+    /// the time of the direct sound.
     ///
     /// # Errors
     /// As [`Response::trace`](super::Response::trace).
@@ -184,14 +184,14 @@ impl ResponseSettings {
         }
     }
 
-    /// The settings of waves whose late arrivals count.
+    /// The trace settings of the waves whose late arrivals are counted.
     pub(super) fn late_trace(&self) -> Settings {
         let waves = self.trace.waves;
         let late = self.late_waves.map_or(waves, |late| late.min(waves));
         self.trace.clone().with_waves(late)
     }
 
-    /// The order of exact paths in this scene.
+    /// The maximum order of exact paths in this scene.
     pub(super) fn order_in(&self, scene: &Scene) -> u32 {
         let is_flat = |surface: &Surface| surface.shape.is_flat();
         self.order
@@ -204,7 +204,7 @@ impl ResponseSettings {
     /// Checks every number against its range, before anything is traced.
     ///
     /// # Errors
-    /// [`Error::Trace`] with the name, the range and the value, also for iterations other than the usual ones;
+    /// [`Error::Trace`] with the name, the range and the value, also for a number of iterations other than the default;
     /// [`TraceError::NoArrivals`] for the profile `thesis`; [`Error::Acoustics`] for more than
     /// [`ImpulseSettings::MAX_SECONDS`], and for bins and batches out of range.
     pub fn validate(&self) -> Result<(), Error> {
@@ -291,15 +291,15 @@ mod tests {
         ] {
             assert!(bad.validate().is_err(), "{bad:?}");
         }
-        // More than all waves means all.
+        // A number above that of all waves stands for all.
         assert_eq!(
             settings.clone().with_late_waves(1 << 30).late_trace(),
             settings.trace
         );
     }
 
-    /// Protects the default order: exact paths of eight reflections among planes, however these are combined, and of
-    /// three if a surface is curved.
+    /// Protects the default order of exact paths: eight reflections if all surfaces are flat, however they are
+    /// combined, and three if a surface is curved.
     #[test]
     fn paths_among_planes_have_more_reflections() {
         let size = Vec3::splat(4.0);

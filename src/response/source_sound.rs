@@ -1,4 +1,4 @@
-//! What the listener hears: the medium between source and listener, the reflectance of the surfaces along an exact
+//! The sound at the listener: the medium between source and listener, the reflectance of the surfaces along an exact
 //! path, the sound along such a path, and summaries of a source's sound.
 
 use super::Response;
@@ -10,7 +10,7 @@ use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Effects on the sound between source and listener, except those of the surfaces.
+/// Influences on the sound between source and listener, except the surfaces.
 pub(super) struct Medium {
     /// Speed of sound in metres per second.
     pub speed: f64,
@@ -18,7 +18,7 @@ pub(super) struct Medium {
     pub air: Bands,
     /// The source's level as a factor of energy.
     pub level: f64,
-    /// Arrival of the direct sound if unobstructed, in seconds.
+    /// Arrival time of the direct sound if unobstructed, in seconds.
     pub direct_s: f64,
 }
 
@@ -40,12 +40,12 @@ impl Medium {
         bands::through_air(&emitted, &self.air, arrival.length_m)
     }
 
-    /// Adds an arrival, with the source's level and the loss in the air. Ignores one with invalid numbers, from a
-    /// faulty driver.
+    /// Adds an arrival, with the source's level and the loss in the air. Ignores an arrival with invalid numbers, which
+    /// a faulty driver can cause.
     pub fn add(&self, echogram: &mut Echogram, arrival: &Arrival) {
         let mut arrival = *arrival;
         arrival.energy = arrival.energy.map(|energy| energy * self.level);
-        // The only error is that of invalid numbers.
+        // Only invalid numbers cause an error.
         let _ = echogram.add_arrival(&arrival, self.speed, &self.air);
     }
 }
@@ -77,19 +77,19 @@ pub(super) fn mirrored_share(scene: &Scene, at: impl Iterator<Item = (u32, Optio
     bands::mean(&along(scene, at, mirrored))
 }
 
-/// Mean number of waves, out of `waves`, that cross a listener of this radius along a path.
+/// Expected number of waves, out of `waves`, that cross a listener of this radius along a path.
 pub(super) fn passing(scene: &Scene, path: &SpecularPath, radius_m: f64, waves: u32) -> f64 {
     let mirrored = path.spreading * mirrored_share(scene, reflections(path));
     crossing(mirrored, radius_m, waves)
 }
 
-/// Mean number of waves, out of `waves`, that cross a listener of this radius, if a wave brings the energy density
-/// `spreading`.
+/// Expected number of waves, out of `waves`, that cross a listener of this radius, where the waves together bring the
+/// energy density `spreading`.
 pub(super) fn crossing(spreading: f64, radius_m: f64, waves: u32) -> f64 {
     f64::from(waves) * PI * radius_m * radius_m * spreading
 }
 
-/// The product of a property of the materials of these surfaces and walls, by band.
+/// The product of a property over the materials of these surfaces and walls, by band.
 fn along(
     scene: &Scene,
     at: impl Iterator<Item = (u32, Option<u8>)>,
@@ -126,7 +126,7 @@ pub struct HeardPath {
 }
 
 impl HeardPath {
-    /// Whether it is the direct sound.
+    /// Whether this path is the direct sound.
     pub fn is_direct(&self) -> bool {
         self.path.surfaces.is_empty()
     }
@@ -160,7 +160,7 @@ pub struct HeardSource {
     pub level_db: Option<f64>,
     /// Number of exact paths.
     pub paths: usize,
-    /// Whether the direct sound is one of them.
+    /// Whether the direct sound is among the exact paths.
     pub is_direct: bool,
 }
 
@@ -182,22 +182,22 @@ pub struct Level {
     /// Strength *G* of all energy, averaged over the bands: decibels relative to the same source without its `level_db`
     /// at 10 m in the open.
     pub g_db: f64,
-    /// Arrival of the first sound, in seconds after the source's impulse: exact for the direct
-    /// sound and exact paths, otherwise the echogram's bin.
+    /// Arrival time of the first sound, in seconds after the source's impulse: exact if it arrives along an exact path,
+    /// otherwise to a bin of the echogram.
     pub delay_s: f64,
-    /// Mean direction that the energy comes from, to the right of the listener's gaze, in radians from −π to π: that of
-    /// the sum of energy × direction over all arrivals.
+    /// Azimuth of the mean direction that the energy comes from, to the right of the listener's gaze, in radians from
+    /// −π to π. The mean direction is the sum of energy × direction over all arrivals.
     pub azimuth: f64,
-    /// The same, above the plane of the listener's ears, in radians.
+    /// Elevation of the mean direction above the plane of the listener's ears, in radians.
     pub elevation: f64,
-    /// Directionality of the sound, 0 to 1: the length of that sum over the energy. 1 means all from one direction, 0
-    /// from no preferred one.
+    /// Directionality of the sound, 0 to 1: the length of the sum of energy × direction, divided by the total energy. 1
+    /// means that all sound comes from one direction, 0 that no direction is preferred.
     pub one_sided: f64,
 }
 
 impl Response {
-    /// Level, delay and direction of the source's sound at `listener`, the one that was traced; `None` without
-    /// arrivals.
+    /// Level, delay and direction of the source's sound at `listener`, which must be the traced listener; `None`
+    /// without arrivals.
     pub fn level(&self, listener: &Listener) -> Option<Level> {
         let g_db = Figures::strength_db(bands::mean(&self.energy()))?;
         let delay_s = self.figures.begins_s?;

@@ -1,5 +1,5 @@
-//! Materials of surfaces (the share of a sound's energy that each reflection keeps, and the share of that which is
-//! scattered), and the air between them: its speed of sound, and the energy that it absorbs.
+//! Materials of surfaces (absorption and scattering), and the air between the surfaces (speed of sound and
+//! attenuation).
 
 use crate::bands::{BAND_COUNT, Bands, PerBand};
 use std::ops::{Range, RangeInclusive};
@@ -14,7 +14,7 @@ pub(super) const WALL_NAMES: [&str; 6] = ["left", "right", "floor", "ceiling", "
 /// let curtain = Material::absorbing(0.5).scattering_by(0.2);
 /// assert_eq!(curtain.reflectance(), [0.5; 8]);
 /// assert!(Material::MIRROR.is_mirror() && !curtain.is_mirror());
-/// // 63 Hz to 8 kHz, as data sheets have them.
+/// // 63 Hz to 8 kHz, as in data sheets.
 /// let panel = Material::absorbing([0.18, 0.18, 0.12, 0.10, 0.09, 0.08, 0.07, 0.07]);
 /// assert_eq!(panel.absorption[4], 0.09);
 /// ```
@@ -30,8 +30,8 @@ pub struct Material {
 
 impl Material {
     /// Materials that every scene may name; a scene's own material of the same name takes precedence.
-    ///
-    /// At 63 Hz each has the published value of 125 Hz; `wood-floor` has that of 4 kHz at 8 kHz. They
+    /// At 63 Hz each material has its published value for 125 Hz; at 8 kHz `wood-floor` has its value for 4 kHz. None
+    /// of the materials scatters.
     /// do not scatter.
     pub const BUILTIN: &[BuiltinMaterial] = BUILTIN_MATERIALS;
 
@@ -41,8 +41,8 @@ impl Material {
         scattering: [0.0; BAND_COUNT],
     };
 
-    /// A mirror that absorbs a share (0 to 1) in every band: one number, or one for each. [`Scene::validate`] refuses
-    /// other numbers.
+    /// A specular reflector that absorbs a share (0 to 1) of the energy: one number for all bands, or one number per
+    /// band. [`Scene::validate`] rejects numbers outside 0 to 1.
     ///
     /// [`Scene::validate`]: super::Scene::validate
     pub fn absorbing(share: impl PerBand) -> Material {
@@ -67,17 +67,17 @@ impl Material {
         self.absorption.map(|absorbed| 1.0 - absorbed)
     }
 
-    /// Whether it mirrors all energy in every band.
+    /// Whether the material reflects all energy specularly in every band.
     pub fn is_mirror(&self) -> bool {
         *self == Material::MIRROR
     }
 
-    /// Whether it scatters in some of these bands.
+    /// Whether the material scatters in any of these bands.
     pub(crate) fn scatters(&self, bands: Range<usize>) -> bool {
         self.scattering[bands].iter().any(|share| *share > 0.0)
     }
 
-    /// Whether all octave bands are treated alike, so that a reflection keeps the timbre.
+    /// Whether absorption and scattering are equal in all octave bands, so that a reflection keeps the timbre.
     pub fn is_grey(&self) -> bool {
         let is_even = |bands: &Bands| bands.iter().all(|value| *value == bands[0]);
         is_even(&self.absorption) && is_even(&self.scattering)
@@ -113,8 +113,8 @@ pub struct BuiltinMaterial {
 /// The source of all values of [`Material::BUILTIN`].
 const VORLAENDER: &str = "M. Vorländer, Auralization, Springer 2008, annex, tables of random-incidence absorption coefficients";
 
-/// Extends seven published coefficients, 125 Hz to 8 kHz. The tables have no values at 63 Hz: that
-/// at 125 Hz is used there. They have no scattering coefficients: these materials are mirrors.
+/// Extends seven published coefficients (125 Hz to 8 kHz) to eight bands. The tables have no values at 63 Hz: the value
+/// at 125 Hz is used there. They have no scattering coefficients: the materials do not scatter.
 const fn published(name: &'static str, of: &'static str, a: [f64; 7]) -> BuiltinMaterial {
     BuiltinMaterial {
         name,
@@ -261,22 +261,21 @@ impl Default for Air {
 }
 
 impl Air {
-    /// Speed of sound in metres a second of a scene without air: that at 20 °C, rounded.
+    /// Speed of sound in a scene without air, in metres a second: the speed at 20 °C, rounded.
     pub const USUAL_SPEED_OF_SOUND: f64 = 343.0;
 
     /// Speed of sound in metres a second: 343.2 √(T / 293.15 K), as in ISO 9613-1, annex A.
     ///
-    /// Ignores humidity: it raises the speed by 0.2 % at 20 °C and 50 %, and by about 1 % at 40 °C
-    /// and 100 %.
+    /// Humidity is ignored: it raises the speed by 0.2 % at 20 °C and 50 %, and by about 1 % at 40 °C and 100 %.
     pub fn speed_of_sound(&self) -> f64 {
         REFERENCE_SPEED * (self.kelvin() / REFERENCE_K).sqrt()
     }
 
-    /// Attenuation of the energy of a sound, by bands, in 1/m: after s metres exp(−m s) of it is
-    /// left. Equations (3) to (5) of ISO 9613-1:1993 for pure tones, at the exact midband
-    /// frequencies of equation (6), 10^(3k/10) kHz (7943 Hz, not 8 kHz), as in its tables.
+    /// Attenuation of sound energy by band, in 1/m: after s metres the share exp(−m s) of the energy is left. Equations
+    /// (3) to (5) of ISO 9613-1:1993 for pure tones, at the exact midband frequencies of equation (6), 10^(3k/10) kHz
+    /// (7943 Hz, not 8 kHz), as in the standard's tables.
     pub fn attenuation(&self) -> Bands {
-        // The fifth band is that of 1 kHz.
+        // The index of the 1 kHz band.
         const BAND_OF_1_KHZ: i32 = 4;
         let db_in_m = std::f64::consts::LN_10 / 10.0;
         let mut bands = [0.0; BAND_COUNT];
@@ -351,7 +350,7 @@ mod tests {
         assert_eq!(Material::builtin("bricks"), None);
     }
 
-    /// Protects materials from one number or eight, in either precision: all bands, in their order.
+    /// Protects materials given by one number or eight, as `f32` or `f64`: every band gets its number.
     #[test]
     fn materials_take_one_number_or_one_for_each_band() {
         let each: Bands = std::array::from_fn(|band| band as f64 / 8.0);
@@ -368,7 +367,7 @@ mod tests {
         );
     }
 
-    /// Protects the order of bands: low ones first, 63 Hz as 125 Hz.
+    /// Protects the order of bands: from low to high, with the value of 125 Hz at 63 Hz.
     #[test]
     fn published_values_stand_at_their_bands() {
         let carpet = Material::builtin("carpet").unwrap();
@@ -403,8 +402,8 @@ mod tests {
                 ..Air::default()
             };
             for (band, (found, expected)) in db_a_km(&air).into_iter().zip(expected).enumerate() {
-                // Half of the last printed digit, and a tenth of that: two of the 48 values lie
-                // halfway between two printable ones (4.151, 12.75).
+                // Half of the last printed digit, and a tenth of that half: two of the 48 values lie halfway between
+                // two printable ones (4.151, 12.75).
                 let digit = if expected > 100.0 { 1.0 } else { 0.1 };
                 assert!(
                     (found - expected).abs() <= 0.6 * digit,
@@ -426,8 +425,7 @@ mod tests {
         assert!((at(0.0).speed_of_sound() - 331.29).abs() < 0.005);
     }
 
-    /// Protects from values that are not numbers: every corner of the ranges gives some loss, more
-    /// in each higher band.
+    /// Protects from NaN: at every corner of the ranges the attenuation is positive and increases from band to band.
     #[test]
     fn every_air_in_range_takes_more_of_higher_bands() {
         let ends = |range: &RangeInclusive<f64>| [*range.start(), *range.end()];

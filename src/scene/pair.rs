@@ -6,11 +6,11 @@ use sealed::{Chosen, Viewpoint};
 
 /// One source and one listener of a scene.
 ///
-/// Chosen by [`Scene::pair`], or by [`Scene::only_pair`] where there is nothing to choose. It borrows the scene, and
-/// copies nothing of it.
+/// [`Scene::pair`] chooses a pair, or [`Scene::only_pair`] in a scene with exactly one. A pair borrows the scene and
+/// copies none of it.
 ///
-/// Two pairs are equal if they sound alike: if surfaces, materials, air, the source and the listener are equal. Other
-/// sources and listeners of the scenes, and the scenes' names, do not count.
+/// Two pairs are equal if they sound alike: their surfaces, materials, air, sources and listeners are equal. The
+/// scenes' names and their other sources and listeners are ignored.
 #[derive(Clone, Copy, Debug)]
 pub struct Pair<'a> {
     pub(crate) scene: &'a Scene,
@@ -20,7 +20,7 @@ pub struct Pair<'a> {
 }
 
 impl<'a> Pair<'a> {
-    /// The scene that both are in.
+    /// The scene that contains the source and the listener.
     pub fn scene(&self) -> &'a Scene {
         self.scene
     }
@@ -35,8 +35,8 @@ impl<'a> Pair<'a> {
         self.listener
     }
 
-    /// The arguments of [`Scene::pair`]: the indices of the source and of the listener, from 0. They lead to the same
-    /// pair in another state of the scene, such as that at another time.
+    /// The arguments of [`Scene::pair`]: the indices of the source and of the listener, from 0. With these arguments
+    /// [`Scene::pair`] returns the same pair from another state of the scene, such as its state at another time.
     pub fn indices(&self) -> (usize, usize) {
         self.indices
     }
@@ -89,13 +89,13 @@ impl PartialEq for Pair<'_> {
 /// # Ok::<(), echomarch::Error>(())
 /// ```
 ///
-/// Pictures are seen by one listener, and need no source: they take a scene without one, too.
+/// A picture needs a listener but no source: a scene without a source can be drawn too.
 pub trait IntoPair<'a>: Chosen<'a> {}
 
 impl<'a> IntoPair<'a> for Pair<'a> {}
 impl<'a> IntoPair<'a> for &'a Scene {}
 
-/// The two conversions, which callers need not know.
+/// The two conversions, hidden from callers.
 pub(crate) mod sealed {
     use super::{Listener, Pair, Scene, SceneError, Source};
 
@@ -106,13 +106,13 @@ pub(crate) mod sealed {
         fn viewpoint(self) -> Result<Viewpoint<'a>, SceneError>;
     }
 
-    /// A scene with at most one source and one listener in the foreground of a picture.
+    /// A scene to draw, with the source and the listener in the picture's foreground, if it has them.
     #[derive(Clone, Copy, Debug)]
     pub struct Viewpoint<'a> {
         pub scene: &'a Scene,
         pub source: Option<&'a Source>,
         pub listener: Option<&'a Listener>,
-        /// Both of them.
+        /// The source and the listener as a pair; `None` if either is missing.
         pub pair: Option<Pair<'a>>,
     }
 }
@@ -155,7 +155,7 @@ impl<'a> Viewpoint<'a> {
     /// The listener that sees the picture.
     ///
     /// # Errors
-    /// [`SceneError::NotOnePair`] without one.
+    /// [`SceneError::NotOnePair`] without a listener.
     pub(crate) fn listener(&self) -> Result<&'a Listener, SceneError> {
         self.listener.ok_or_else(|| self.scene.not_one_pair())
     }
@@ -205,7 +205,7 @@ impl Scene {
     /// The source and the listener of a scene that has one of each.
     ///
     /// # Errors
-    /// [`SceneError::NotOnePair`] for none or several: [`Scene::pair`] chooses.
+    /// [`SceneError::NotOnePair`] if the scene does not have exactly one of each: choose with [`Scene::pair`] instead.
     pub fn only_pair(&self) -> Result<Pair<'_>, SceneError> {
         match (self.sources.len(), self.listeners.len()) {
             (1, 1) => self.pair(0, 0),
@@ -228,7 +228,7 @@ mod tests {
     use crate::scene::shape::Sphere;
     use crate::scene::{Air, Surface};
 
-    /// A ball with sources and listeners at 1 m, 2 m … along x and along y.
+    /// A scene with a ball, sources at 1 m, 2 m … along x, and listeners at 1 m, 2 m … along y.
     fn scene(sources: usize, listeners: usize) -> Scene {
         let ball = Surface::new(Sphere { radius: 0.5 });
         let mut scene = Scene::new(
@@ -244,7 +244,7 @@ mod tests {
         scene
     }
 
-    /// Protects the choice by number, and callers from numbers out of range.
+    /// Protects the choice by index, and callers from indices out of range.
     #[test]
     fn a_pair_is_what_the_numbers_say() {
         let scene = scene(2, 3);
@@ -262,8 +262,8 @@ mod tests {
         assert!(text.contains("it has 3"), "{text}");
     }
 
-    /// Protects callers from a source or a listener that is taken in silence: without a choice there must be exactly
-    /// one of each.
+    /// Protects callers from a default that is chosen silently: without a choice a scene must have exactly one source
+    /// and one listener.
     #[test]
     fn the_only_pair_is_the_one_that_is_alone() {
         let alone = scene(1, 1);
@@ -286,7 +286,7 @@ mod tests {
         }
     }
 
-    /// Protects callers that trace only what has changed: all that is heard counts, and nothing else.
+    /// Protects callers that trace only after a change: two pairs differ exactly when an audible property differs.
     #[test]
     fn pairs_are_equal_if_they_sound_alike() {
         let before = scene(2, 2);
@@ -308,7 +308,8 @@ mod tests {
         }));
     }
 
-    /// Protects the distance that a march evaluates: to the listener of the pair, not to another.
+    /// Protects the distance that a march evaluates: it includes the sphere of the pair's listener, not of another
+    /// listener.
     #[test]
     fn the_distance_is_to_the_listener_of_the_pair() {
         let scene = scene(1, 2);

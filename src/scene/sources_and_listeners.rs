@@ -1,4 +1,4 @@
-//! Sources and listeners; all of them in a scene, and what affects the sound between them.
+//! Sources and listeners of a scene, and the properties of the scene that affect the sound between them.
 
 use super::{Air, Material, Path, Scene, SceneError};
 use crate::bands::{BAND_COUNT, Bands};
@@ -223,13 +223,12 @@ impl Scene {
         })
     }
 
-    /// Whether some surface absorbs or scatters; otherwise a reflection keeps all of the energy,
-    /// and mirrors it.
+    /// Whether any surface absorbs or scatters; otherwise every reflection is specular and keeps all energy.
     pub fn has_materials(&self) -> bool {
         self.used_materials().any(|material| !material.is_mirror())
     }
 
-    /// Whether some surface scatters.
+    /// Whether any surface scatters.
     pub(crate) fn scatters(&self) -> bool {
         let mut materials = self.used_materials();
         materials.any(|material| material.scatters(0..BAND_COUNT))
@@ -240,7 +239,7 @@ impl Scene {
         self.air.is_some() || self.used_materials().any(|material| !material.is_grey())
     }
 
-    /// The materials of surfaces and walls, once for each use.
+    /// The materials of surfaces and walls; a material is repeated for each surface or wall that uses it.
     fn used_materials(&self) -> impl Iterator<Item = &Material> {
         let names = self.surfaces.iter().flat_map(|s| s.material_names());
         names.filter_map(|name| self.material_named(name))
@@ -252,8 +251,8 @@ impl Scene {
             .map_or(Air::USUAL_SPEED_OF_SOUND, |air| air.speed_of_sound())
     }
 
-    /// Attenuation of the energy of a sound by the air, by bands, in 1/m (see
-    /// [`Air::attenuation`](super::Air::attenuation)); 0 where the scene has no air.
+    /// Attenuation of sound energy by the air, by band, in 1/m (see [`Air::attenuation`](super::Air::attenuation)); 0
+    /// where the scene has no air.
     pub fn air_attenuation(&self) -> Bands {
         self.air.map_or([0.0; BAND_COUNT], |air| air.attenuation())
     }
@@ -396,7 +395,8 @@ mod tests {
         assert!(scene.has_materials() && !scene.has_bands());
     }
 
-    /// Protects motion: every listener or source with a path moves, and the longest path counts.
+    /// Protects motion: every listener or source with a path moves, and the longest path determines the scene's
+    /// duration.
     #[test]
     fn all_sources_and_listeners_follow_their_paths() {
         let mut scene = hall();
@@ -420,7 +420,7 @@ mod tests {
         assert_eq!((listener.position.x, listener.yaw), (0.5, 0.5));
     }
 
-    /// Protects a scene without air: 343 m/s, and no loss.
+    /// Protects a scene without air: the speed of sound is 343 m/s, and there is no attenuation.
     #[test]
     fn without_air_nothing_is_lost() {
         let mut scene = hall();
@@ -435,7 +435,7 @@ mod tests {
         assert_eq!(scene.air_attenuation(), air.attenuation());
     }
 
-    /// Protects callers from a wall's number out of range.
+    /// Protects callers from a wall index out of range.
     #[test]
     fn numbers_that_nobody_has_are_refused() {
         let room = Surface::new(Room { size: Vec3::ONE });
