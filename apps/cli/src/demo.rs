@@ -199,7 +199,7 @@ fn options(arguments: &Arguments, common: &Common) -> anyhow::Result<DemoOptions
         frames: window.frames,
         seconds: window.seconds,
         help: !window.no_help,
-        // The report states the number of errors.
+        // GL errors are checked for the report, which contains their number.
         check_gl: common.json,
         is_asked_to_end: super::interrupt::is_asked,
         log_frames: window.log_frames.then_some(print::tell_record),
@@ -247,7 +247,7 @@ fn check_law(sound: &SoundOptions) -> Result<(), BadInput> {
     Err(super::render::no_effect_in_full("--law"))
 }
 
-/// Called after sound and scene were read, so that the files read are known and not overwritten.
+/// Called after the sound and the scene were read: only then are the input files known, which must not be overwritten.
 fn check_outputs(arguments: &Arguments) -> anyhow::Result<()> {
     let window = &arguments.window;
     for file in [&arguments.sound.record, &window.save, &window.screenshot] {
@@ -300,7 +300,7 @@ fn counted(count: u64, what: &str) -> String {
 }
 
 fn to_output(line: &str) {
-    // If this cannot be printed, the window still shows it.
+    // If the line cannot be printed, the window still shows it.
     let _ = print::line(&text::message(line));
 }
 

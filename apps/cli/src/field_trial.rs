@@ -5,15 +5,15 @@ use echomarch::tracer::{FieldTrial, TrialCommand, answer_field_trial};
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-/// Makes users' fields be tried in child processes, on the requested renderer.
+/// Sets that users' fields are tried in child processes, on the requested renderer.
 pub fn choose(common: &Common) {
     let mut arguments = vec![
         OsString::from("field-trial"),
         format!("--gl={}", common.gl).into(),
     ];
     arguments.extend(common.gpu.map(|gpu| format!("--gpu={gpu}").into()));
-    // Without the path of this program every trial fails, and all fields with it: they are never
-    // compiled untried.
+    // If the path of this program is unknown, every trial fails, and every field is refused: no
+    // field is compiled untried.
     let command = TrialCommand::this_program(arguments.clone()).unwrap_or(TrialCommand {
         program: "echomarch".into(),
         arguments,
@@ -21,7 +21,7 @@ pub fn choose(common: &Common) {
     FieldTrial::InChild(command).set();
 }
 
-/// Answers the parent process.
+/// Runs the trial, and answers the parent process.
 pub fn answer(common: &Common) -> ExitCode {
     answer_field_trial(&common.context_options())
 }

@@ -33,7 +33,7 @@ Examples:
   echomarch impulse hall.ron --source flute --listener stalls --plot decay.svg
   echomarch impulse hall.ron --echogram echogram.csv --json > hall.json";
 
-/// The shortest response in seconds: less than a time bin contains no information.
+/// The shortest response in seconds: one shorter than a time bin contains no information.
 const SHORTEST_S: f64 = 1e-3;
 
 /// Arguments of `impulse`.
@@ -210,7 +210,7 @@ impl Arguments {
         Ok(())
     }
 
-    /// The files that are to be written.
+    /// The output files.
     fn files(&self) -> impl Iterator<Item = &PathBuf> {
         [&self.output, &self.echogram, &self.plot]
             .into_iter()

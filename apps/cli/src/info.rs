@@ -131,7 +131,7 @@ fn print_gpu(gpu: &GpuReport) -> anyhow::Result<()> {
     print::line(&format!(
         "    version {}, GLSL {}",
         renderer.version,
-        // ES puts its name before the number.
+        // OpenGL ES puts its name before the version number.
         renderer
             .shading_language
             .trim_start_matches("OpenGL ES GLSL ")

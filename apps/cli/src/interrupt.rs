@@ -1,8 +1,8 @@
 //! Signals that end the program: from the terminal (SIGINT), by another program (SIGTERM), or
 //! because the terminal is closed (SIGHUP).
 //!
-//! The temporary files are removed, and the exit code is 128 and the signal's number, as a
-//! shell reports it. The window ends as if it had been closed.
+//! The program removes its temporary files, and exits with 128 plus the number of the signal, as
+//! shells do. The window ends as if it had been closed.
 
 use echomarch::internals::file_output::remove_parts;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
@@ -20,11 +20,11 @@ static IS_GENTLE: AtomicBool = AtomicBool::new(false);
 /// The signal received; 0 for none.
 static ASKED: AtomicI32 = AtomicI32::new(0);
 
-/// Handles signals from now on as described in the module header. A hang-up that was ignored before
+/// Installs the handlers described in the module header. A hang-up signal that was ignored before
 /// (`nohup`) stays ignored.
 ///
 /// # Errors
-/// Errors of the system, which may be unable to start another thread.
+/// Errors of the system, which may fail to start another thread.
 pub fn install() -> io::Result<()> {
     let mut answered = vec![SIGINT, SIGTERM];
     if !is_ignored(SIGHUP) {
@@ -41,8 +41,8 @@ pub fn install() -> io::Result<()> {
     Ok(())
 }
 
-/// The first signal requests the end if the running command polls for it. Otherwise, and at the
-/// second signal, the process exits.
+/// At the first signal the running command is told to end if it polls for that. Otherwise, and at
+/// the second signal, the process exits at once.
 fn answer(signal: i32) {
     let is_first = ASKED.swap(signal, SeqCst) == 0;
     if !(is_first && IS_GENTLE.load(SeqCst)) {
@@ -59,7 +59,7 @@ fn answer(signal: i32) {
 
 fn end(signal: i32) {
     remove_parts();
-    // Exits at once: other threads may be in the middle of anything.
+    // Exits without cleaning up: other threads may hold locks.
     signal_hook::low_level::exit(exit_code(signal));
 }
 
@@ -67,7 +67,7 @@ fn exit_code(signal: i32) -> i32 {
     128 + signal
 }
 
-/// From now on a signal only requests the end; the running command must poll [`asked`].
+/// From now on a signal only requests the end. The running command must poll [`asked`].
 #[cfg(feature = "demo")]
 pub fn ask_from_now_on() {
     IS_GENTLE.store(true, SeqCst);
@@ -89,7 +89,7 @@ pub fn asked() -> Option<u8> {
 
 fn is_ignored(signal: i32) -> bool {
     // SAFETY: all zero bytes are a valid `sigaction` (no handler, an empty mask), and without a new
-    // action `sigaction` only writes the present one to the given place.
+    // action `sigaction` only writes the current action to the given address.
     unsafe {
         let mut present: libc::sigaction = std::mem::zeroed();
         let asked = libc::sigaction(signal, std::ptr::null(), &raw mut present);

@@ -194,8 +194,7 @@ fn run_options(arguments: &RunArguments, common: &Common) -> anyhow::Result<Loca
     Ok(options)
 }
 
-/// Settings that are too large are rejected if they were requested; otherwise the report lists
-/// them.
+/// Settings that are too large are rejected if the user requested them; otherwise the report lists them.
 fn check_work(arguments: &RunArguments, options: &LocaliseOptions) -> anyhow::Result<()> {
     let left_out = options.left_out();
     let Some((waves, iterations)) = left_out.first() else {
@@ -219,14 +218,14 @@ fn stimuli(from: &Stimuli, common: &Common) -> anyhow::Result<(Vec<Scene>, Vec<S
     let mut sounds = Vec::new();
     for name in distinct(&from.sounds) {
         let spec: SoundSpec = name.parse().map_err(Error::from)?;
-        // Before any work: the file may not exist.
+        // Loaded before any work begins: the file may not exist.
         Sound::load(&spec, Sound::SAMPLE_RATE).map_err(Error::from)?;
         sounds.push(spec);
     }
     Ok((scenes?, sounds))
 }
 
-/// The items without duplicates, in the order given.
+/// The items without duplicates, in their original order.
 fn distinct<T: Clone + PartialEq>(items: &[T]) -> Vec<T> {
     let mut once = Vec::new();
     for item in items {

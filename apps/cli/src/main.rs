@@ -15,7 +15,7 @@ mod impulse;
 mod info;
 #[cfg(unix)]
 mod interrupt;
-/// On systems without signals the system ends the program.
+/// Without signals, the system itself ends the program.
 #[cfg(not(unix))]
 mod interrupt {
     pub fn install() -> std::io::Result<()> {

@@ -5,7 +5,7 @@ use clap::error::{ContextKind, ContextValue, ErrorKind};
 /// Words that users type to get a list of the scenes.
 const SCENE_LISTS: [&str; 3] = ["scenes", "list", "scene"];
 
-/// Returns a hint for an unknown command or option, where one is known to help.
+/// Returns a hint for an unknown command or option, if there is one.
 pub fn hint(error: &clap::Error) -> Option<String> {
     match error.kind() {
         ErrorKind::UnknownArgument => {
@@ -23,7 +23,8 @@ pub fn hint(error: &clap::Error) -> Option<String> {
     }
 }
 
-/// Removes the tip to pass an unknown option as a value, which no subcommand here accepts.
+/// Removes clap's tip to pass an unknown option as a value: no subcommand here accepts such a
+/// value.
 pub fn drop_misleading(error: &mut clap::Error) {
     let Some(ContextValue::StyledStrs(tips)) = error.get(ContextKind::Suggested) else {
         return;
@@ -40,7 +41,7 @@ fn word(error: &clap::Error, kind: ContextKind) -> Option<&str> {
     }
 }
 
-/// Returns a hint for an option that this subcommand does not have.
+/// Returns a hint for an option that this subcommand lacks.
 fn of_option(command: &str, typed: &str) -> Option<&'static str> {
     Some(match (command, typed) {
         ("trace", "-o" | "--output") => {

@@ -30,17 +30,17 @@ pub struct Common {
 }
 
 impl Common {
-    /// The choice of the renderer.
+    /// The options of the renderer.
     pub fn context_options(&self) -> ContextOptions {
         let mut options = ContextOptions::new(self.gl);
         options.gpu = self.gpu;
         options
     }
 
-    /// The requested renderer; its name goes to standard error.
+    /// Opens the requested renderer, and prints its name to standard error.
     pub fn context(&self) -> Result<Context, Error> {
         let context = Context::headless(&self.context_options())?;
-        // A device that is there but cannot be used is told even with --quiet.
+        // A device that exists but cannot be used is reported even with --quiet.
         for reason in context.passed_over() {
             print::tell(&format!("warning: skipped {reason}"));
         }
@@ -61,7 +61,7 @@ impl Common {
     }
 }
 
-/// Frames a second.
+/// Frames per second.
 #[derive(Args, Clone, Copy, Debug)]
 pub struct FrameRateOption {
     /// Frames traced a second
@@ -105,7 +105,7 @@ pub struct ProfilesOption {
 /// Default number of segments of each wave.
 const USUAL_ITERATIONS: u32 = 8;
 
-/// How to trace.
+/// Settings of the tracer.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "How to trace")]
 pub struct TraceOptions {
@@ -145,7 +145,7 @@ pub struct TraceOptions {
 }
 
 impl TraceOptions {
-    /// The settings that were typed, checked.
+    /// Returns the typed settings, after checking them.
     pub fn settings(&self) -> anyhow::Result<Settings> {
         let mut settings = Settings::new(self.algorithm()?)
             .with_iterations(self.iterations.unwrap_or(USUAL_ITERATIONS))
@@ -160,7 +160,7 @@ impl TraceOptions {
         Ok(settings)
     }
 
-    /// The algorithm with its options as typed.
+    /// The typed algorithm with its options.
     fn algorithm(&self) -> Result<Algorithm, BadInput> {
         let mut algorithm = Algorithm::of(self.profile);
         let Some(metres) = self.min_distance else {
@@ -177,7 +177,7 @@ impl TraceOptions {
         Ok(algorithm)
     }
 
-    /// Prints a note when a pass takes fewer iterations than requested.
+    /// Prints a note if a pass takes fewer iterations than requested.
     pub fn note_passes(&self, common: &Common, scene: &Scene, settings: &Settings) {
         let Some(asked) = self.iterations_per_pass else {
             return;
@@ -192,7 +192,7 @@ impl TraceOptions {
     }
 }
 
-/// Rejects a file whose name does not have the ending of its format.
+/// Rejects a file name without the extension of its format.
 pub fn check_ending(file: &Path, ending: &str) -> Result<(), BadInput> {
     match file.extension() {
         Some(found) if found.eq_ignore_ascii_case(ending) => Ok(()),
@@ -214,7 +214,7 @@ pub fn check_range(what: &str, value: f64, least: f64, most: f64) -> Result<(), 
     )))
 }
 
-/// Formats a limit: very small ones as powers of ten.
+/// Formats a limit; very small limits are powers of ten.
 fn plain(limit: f64) -> String {
     /// Below this, decimals are hard to count.
     const SMALL: f64 = 1e-4;

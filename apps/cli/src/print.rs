@@ -5,29 +5,29 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 use std::io::Write;
 
-/// Prints a line or a table. A closed pipe is an error like any other. Control characters are
-/// escaped.
+/// Prints a line or a table, with control characters escaped. A closed pipe is an error like any
+/// other.
 pub fn line(text: &str) -> anyhow::Result<()> {
     writeln!(std::io::stdout(), "{}", text::in_lines(text)).map_err(unwritten)
 }
 
-/// Adds to an error that standard output could not be written; keeps the cause.
+/// Adds to an error the message that standard output could not be written, and keeps the cause.
 pub fn unwritten(error: std::io::Error) -> anyhow::Error {
     let text = format!("cannot write standard output: {error}");
     anyhow::Error::new(error).context(text)
 }
 
-/// Prints a message to standard error. Every message of the program goes through here and has at
-/// most 10 lines and 1,000 characters.
+/// Prints a message to standard error. Every message of the program is printed by this function,
+/// and is cut to 10 lines and 1,000 characters.
 pub fn tell(message: &str) {
-    // A message that cannot be written is not an error.
+    // A failure to write the message is ignored.
     let _ = writeln!(std::io::stderr(), "{}", text::message(message));
 }
 
 /// Prints a JSON record to standard error, for a program that controls this one.
 #[cfg(feature = "demo")]
 pub fn tell_record(json: &str) {
-    // The receiver may have gone.
+    // The receiver may have exited.
     let _ = writeln!(std::io::stderr(), "{}", text::json_record(json));
 }
 

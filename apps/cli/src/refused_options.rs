@@ -4,9 +4,9 @@ use super::exit::BadInput;
 use clap::ArgMatches;
 use clap::parser::ValueSource;
 
-/// Options that a subcommand accepts but does not use.
+/// A rule for options that a subcommand accepts but does not use.
 struct Ignored {
-    /// The subcommand, and its own subcommand.
+    /// The subcommand, and the subcommand below it.
     command: &'static [&'static str],
     options: &'static [&'static str],
     /// Whether the rule applies to these arguments.
@@ -78,7 +78,7 @@ const IGNORED: &[Ignored] = &[
     },
 ];
 
-/// Renamed options, with their present names.
+/// Renamed options: the subcommand, the old name and the new name.
 const RENAMED: &[(&str, &str, &str)] = &[
     (
         "slice",
@@ -122,7 +122,7 @@ pub fn check(matches: &ArgMatches) -> Result<(), BadInput> {
     let rules = IGNORED.iter().filter(|rule| rule.command == path);
     for rule in rules.filter(|rule| (rule.when)(given)) {
         let wanted = |id: &&str| match rule.options {
-            // All options except those that print the list.
+            // All options except those for the printed list.
             [] => !["list_devices", "json", "quiet"].contains(id),
             options => options.contains(id),
         };
@@ -140,7 +140,7 @@ pub fn check(matches: &ArgMatches) -> Result<(), BadInput> {
     Ok(())
 }
 
-/// The named value that is set a second time.
+/// Returns the named value that is set twice, if there is one.
 fn set_twice(given: &ArgMatches) -> Option<&str> {
     let sets = given.try_get_many::<(String, f32)>("set").ok().flatten()?;
     let names: Vec<&str> = sets.map(|(name, _)| name.as_str()).collect();
@@ -148,7 +148,7 @@ fn set_twice(given: &ArgMatches) -> Option<&str> {
     (0..names.len()).find(is_again).map(|at| names[at])
 }
 
-/// The error for a list value that is given twice, and would be computed twice.
+/// Returns the error for a value given twice in a list, which would be computed twice.
 fn given_twice(given: &ArgMatches) -> Option<String> {
     let twice = |id: &str| {
         let raw = given.try_get_raw(id).ok().flatten()?;

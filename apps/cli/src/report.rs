@@ -1,4 +1,4 @@
-//! Common parts of the experiments on the command line: progress, files, print-out.
+//! Common parts of the experiments on the command line: progress, files, printed reports.
 
 use super::options::Common;
 use super::print;
@@ -76,7 +76,7 @@ pub fn print_report<R: Report>(common: &Common, report: &R) -> anyhow::Result<()
     }
 }
 
-/// The endings of a report's files; the first is that of its table.
+/// The file name extensions of a report's files, beginning with that of its table.
 fn endings<R: Report>() -> &'static [&'static str] {
     match R::HAS_PLOT {
         true => &["csv", "json", "md", "svg"],

@@ -8,10 +8,11 @@ use echomarch::Error;
 use echomarch::internals::shader::{Layout, Lists};
 use echomarch::scene::{Scene, SceneError};
 
-/// Maximum number of warnings printed for one scene; above it only their number is printed.
+/// Maximum number of warnings printed for one scene. If there are more, only their number is
+/// printed.
 const MOST_WARNINGS: usize = 8;
 
-/// From about this number on, compiling a scene's shader takes seconds (docs/scene-format.md).
+/// Number of surfaces from which compiling a scene's shader takes seconds (docs/scene-format.md).
 const MANY_SURFACES: usize = 64;
 
 /// A scene and its named values.
@@ -26,7 +27,7 @@ pub struct SceneArguments {
 }
 
 impl SceneArguments {
-    /// The scene with its named values set, checked once more.
+    /// Loads the scene, sets its named values, and checks it again.
     pub fn load(&self) -> Result<Scene, SceneError> {
         let mut scene = Scene::load(&self.name_or_file)?;
         for (name, value) in &self.set {
@@ -66,12 +67,12 @@ impl Common {
         Ok(self.told(Scene::load(name_or_file)?))
     }
 
-    /// Loads a scene, sets its named values, and prints the warnings that remain.
+    /// Loads a scene, sets its named values, and prints the remaining warnings.
     pub fn scene_with_values(&self, arguments: &SceneArguments) -> Result<Scene, Error> {
         Ok(self.told(arguments.load()?))
     }
 
-    /// The scene with its named values set, at a time on its paths.
+    /// Loads the scene, sets its named values and the time on its paths.
     pub fn scene_at_time(&self, arguments: &SceneAtTime) -> anyhow::Result<Scene> {
         let Some(seconds) = arguments.time else {
             return Ok(self.scene_with_values(&arguments.scene)?);
@@ -93,14 +94,14 @@ impl Common {
         Ok(self.told(scene))
     }
 
-    /// Prints the warnings of a loaded scene.
+    /// Prints the warnings of a loaded scene, and returns the scene.
     fn told(&self, scene: Scene) -> Scene {
         self.warn_when_known(&scene, false);
         self.note_many(&scene);
         scene
     }
 
-    /// Prints a note if the scene has more surfaces than compile quickly.
+    /// Prints a note if the scene has so many surfaces that its shaders compile slowly.
     fn note_many(&self, scene: &Scene) {
         let unrolled = Layout::of(&scene.surfaces, Lists::Lines).unrolled.len();
         if unrolled > MANY_SURFACES {
@@ -110,8 +111,8 @@ impl Common {
         }
     }
 
-    /// Prints the warnings of a scene that the renderer has checked, unless they were printed when
-    /// it was loaded: users' fields can be checked only by the renderer.
+    /// Prints the warnings of a scene after the renderer has checked it, except those printed when
+    /// it was loaded. Only the renderer can check users' fields.
     pub fn warn_checked(&self, scene: &Scene) {
         self.warn_when_known(scene, true);
     }

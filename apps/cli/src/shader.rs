@@ -56,7 +56,7 @@ enum Which {
     Slice,
 }
 
-/// Runs the subcommand. It needs no renderer: it prints what would be compiled.
+/// Runs the subcommand. It needs no renderer: it only prints the shader's text.
 pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     let scene = common.scene(&arguments.scene)?;
     if let Some(path) = &arguments.output {
@@ -74,7 +74,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     print::line(text.trim_end())
 }
 
-/// Rejects options that would not change the text.
+/// Rejects options that would not change the shader's text.
 fn check_effects(arguments: &Arguments, scene: &Scene) -> Result<(), BadInput> {
     let usual = |change: fn(&mut Arguments)| {
         let mut usual = arguments.clone();

@@ -97,14 +97,15 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     print::line(&output)
 }
 
-/// Minimum number of waves in one frame of the search for heard ones: smaller frames take equally
-/// long.
+/// Minimum number of waves in one frame of the search for heard waves: a smaller frame takes
+/// equally long.
 const LEAST_SEARCHED: u32 = 4096;
 
-/// Maximum number of waves traced to find heard ones: half a minute without a graphics card.
+/// Maximum number of waves traced in the search for heard waves: half a minute without a graphics
+/// card.
 const MOST_TRACED: u64 = 1 << 22;
 
-/// Prints a note when fewer heard waves were found than requested.
+/// Prints a note if fewer heard waves were found than requested.
 fn tell_missing(found: &HeardPaths, wanted: usize, common: &Common) {
     let count = found.count();
     if count < wanted {
@@ -115,7 +116,7 @@ fn tell_missing(found: &HeardPaths, wanted: usize, common: &Common) {
     }
 }
 
-/// Rejects too many path points: they are kept in memory, and too many paths make the picture
+/// Rejects too many path points: all points are kept in memory, and too many paths make the picture
 /// unreadable.
 fn check_paths(option: &str, paths: u32, iterations: u32) -> anyhow::Result<()> {
     const MOST_POINTS: f64 = 1e7;

@@ -1,4 +1,4 @@
-//! `echomarch study`: sweeps and maps of many points.
+//! `echomarch study`: sweeps and maps over many points.
 
 mod jobs;
 mod print_out;
@@ -125,7 +125,7 @@ fn worker<'a>(
     }
 }
 
-/// Checks, before long work, that the tables can be written and are not inputs.
+/// Checks, before hours of work, that the tables can be written and would not replace inputs.
 fn check_outputs(folder: &Path) -> anyhow::Result<()> {
     prepare_folder(folder)?;
     for name in ["study.csv", "study.parquet", "study.json"] {
@@ -134,8 +134,8 @@ fn check_outputs(folder: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Computes the missing points of all shards, in the number of shards that the study was begun with here. Returns the
-/// worker, if it is in this process.
+/// Computes the missing points of all shards; the number of shards is that with which the study was begun in this
+/// folder. Returns the worker if it runs in this process.
 fn compute_all<'a>(
     study: &'a Study,
     folder: &Path,
@@ -164,8 +164,8 @@ fn compute_all<'a>(
     Ok(Some(worker))
 }
 
-/// Returns a function that shows progress on a bar, after `before` points of other shards. Points computed earlier are
-/// not used to estimate the time left.
+/// Returns a function that shows progress on a bar, starting after the `before` points of other shards. Points of
+/// earlier runs are not used to estimate the remaining time.
 fn shown(bar: &ProgressBar, before: u64) -> impl FnMut(u64) + '_ {
     let mut is_first = true;
     move |done| {
@@ -183,7 +183,7 @@ fn joined(study: &Study, folder: &Path, common: &Common) -> anyhow::Result<Joine
     Ok(joined)
 }
 
-/// Ends this process when its parent has ended, for any reason.
+/// Ends this process when its parent process has ended, for whatever reason.
 fn end_with_input() -> anyhow::Result<()> {
     let watch = || {
         let mut byte = [0];

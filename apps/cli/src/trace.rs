@@ -107,12 +107,12 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     trace(arguments, common, &mut tracer, &scene, &settings)
 }
 
-/// Called after the scene was read, so that its files are known and not overwritten.
+/// Called after the scene was read: only then are its files known, which must not be overwritten.
 fn check_output(arguments: &Arguments) -> Result<(), OutputError> {
     arguments.dump_waves.as_deref().map_or(Ok(()), check_file)
 }
 
-/// Traces again whenever a file of the scene changes, until the program is ended.
+/// Traces again whenever a file of the scene changes, until the program ends.
 fn watch(arguments: &Arguments, common: &Common, settings: &Settings) -> anyhow::Result<()> {
     let watched = arguments.scene.scene.clone();
     let file = watched.name_or_file.clone();
@@ -139,7 +139,7 @@ fn watch(arguments: &Arguments, common: &Common, settings: &Settings) -> anyhow:
                 common.warn(reloading.scene());
                 trace(arguments, common, &mut tracer, reloading.scene(), settings)?;
             }
-            // Printed even with --quiet: the file just written is not in use.
+            // Printed even with --quiet: the result does not include the file's latest change.
             Err(error) => {
                 print::tell(&format!("echomarch: {error} (the last scene stays)"));
             }
@@ -148,7 +148,7 @@ fn watch(arguments: &Arguments, common: &Common, settings: &Settings) -> anyhow:
     Ok(())
 }
 
-/// Traces and prints one frame; with `--repeat` also the median times of the frames after it.
+/// Traces and prints one frame; with `--repeat` also the median times of the repeated frames.
 fn trace(
     arguments: &Arguments,
     common: &Common,
@@ -214,7 +214,7 @@ fn repeated(
     Ok(Milliseconds::medians(&frames))
 }
 
-/// The maximum number of steps of a march: fields have a limit of their own.
+/// The maximum number of steps of a march; scenes with fields have a separate limit.
 fn step_limits(scene: &Scene, settings: &Settings) -> String {
     let budget = Budget::of(scene, settings);
     let limits = [
@@ -291,7 +291,7 @@ fn print_text(report: &Report) -> anyhow::Result<()> {
     ))
 }
 
-/// Writes one line per wave, with numbers in the shortest form that reads back to the same bits.
+/// Writes one line per wave, with numbers in the shortest form that restores the same bits.
 fn dump(waves: &[Wave], out: &mut dyn Write) -> io::Result<()> {
     let mut csv = csv::Writer::from_writer(out);
     csv.write_record([

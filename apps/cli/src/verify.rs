@@ -46,7 +46,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The cases of exactly that name, or else those whose names begin with it.
+/// Returns the cases with exactly that name, or otherwise those whose names begin with it.
 fn chosen(names: &[String]) -> Result<Vec<Case>, BadInput> {
     let all = verify::all();
     if names.is_empty() {
@@ -72,7 +72,7 @@ fn chosen(names: &[String]) -> Result<Vec<Case>, BadInput> {
 
 /// The error for an unknown name, with the names nearest to it.
 fn no_such_case(name: &str, all: &[Case]) -> String {
-    /// Maximum number of names printed: a line of them.
+    /// Maximum number of names printed: as many as fit a line.
     const TOLD: usize = 5;
     let mut known: Vec<&str> = all.iter().map(|case| case.name.as_str()).collect();
     let typed = name.to_lowercase();

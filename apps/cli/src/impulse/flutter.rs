@@ -1,11 +1,11 @@
-//! Notes on decays that are longer than a diffuse field's.
+//! Notes on decays that last longer than in a diffuse field.
 
 use echomarch::bands::BANDS_HZ;
 use echomarch::response::{Flutter, Response, flutters};
 use echomarch::scene::Scene;
 use echomarch::scene::shape::Room;
 
-/// Returns a sentence for each pair of walls between which sound lasts.
+/// Returns a sentence for each pair of walls that causes a flutter echo.
 pub fn notes(scene: &Scene, response: &Response) -> Vec<String> {
     let t30_s = response.figures.bands.map(|band| band.t30_s);
     let found = flutters(scene, t30_s);

@@ -1,13 +1,13 @@
-//! Why figures are missing from a response, and what helps.
+//! Reasons for missing figures of a response, and remedies.
 
 use echomarch::bands::{BAND_COUNT, BANDS_HZ};
 use echomarch::response::{BandFigures, Gap, Response};
 use echomarch::scene::Scene;
 
-/// Returns a sentence for each reason why figures are missing, with the bands that it applies to.
+/// Returns a sentence for each reason for missing figures, with the affected bands.
 pub fn reasons(scene: &Scene, response: &Response) -> Vec<String> {
     if response.counts.arrivals == 0 && response.paths.is_empty() {
-        // Another note reports that nothing arrives.
+        // In this case another note reports that no sound arrives.
         return Vec::new();
     }
     let gaps = response.gaps();
@@ -67,7 +67,7 @@ const ALL_FIGURES: [(&str, Figure); 8] = [
     ("G", |band| band.g_db),
 ];
 
-/// Returns the figures that some bands lack, each with its bands; figures that the same bands lack are grouped.
+/// Returns the figures that some bands lack, each with its bands; figures missing in the same bands are grouped.
 fn missing_among(
     figures_named: &[(&'static str, Figure)],
     figures: &[BandFigures; BAND_COUNT],
@@ -87,7 +87,7 @@ fn missing_among(
     words.collect::<Vec<_>>().join("; ")
 }
 
-/// Bands in words: `at 63 and 125 Hz`, `at 500 Hz, 1 and 2 kHz`, `in all bands`.
+/// Formats bands as text: `at 63 and 125 Hz`, `at 500 Hz, 1 and 2 kHz`, `in all bands`.
 fn bands(of: [bool; BAND_COUNT]) -> String {
     const KILO: f64 = 1000.0;
     if of == [true; BAND_COUNT] {
@@ -113,7 +113,7 @@ fn bands(of: [bool; BAND_COUNT]) -> String {
     format!("at {}", parts.collect::<Vec<_>>().join(", "))
 }
 
-/// `a`, `a and b`, `a, b and c`.
+/// Formats a list as text: `a`, `a and b`, `a, b and c`.
 fn listed(words: &[impl AsRef<str>]) -> String {
     let words: Vec<&str> = words.iter().map(AsRef::as_ref).collect();
     match words.split_last() {
@@ -131,7 +131,8 @@ mod tests {
         std::array::from_fn(|band| bands.contains(&band))
     }
 
-    /// Protects the reader from a note that contradicts the table: a time is named with exactly the bands that lack it.
+    /// Protects the reader from a note that contradicts the table: the note names exactly the bands without a
+    /// reverberation time.
     #[test]
     fn a_time_is_named_with_the_bands_that_lack_it() {
         let mut whole = BandFigures::default();

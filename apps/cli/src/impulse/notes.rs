@@ -1,4 +1,4 @@
-//! Notes about a response: what is missing or inexact, and what helps.
+//! Notes on missing or inexact figures of a response, and on remedies.
 
 use super::super::options::Common;
 use super::flutter;
@@ -7,22 +7,22 @@ use super::pairs::NamedPair;
 use echomarch::response::{HeardPath, Response};
 use echomarch::scene::{Pair, Scene, Surface, Warning};
 
-/// Printed before waves are traced, because tracing takes long where sound does not decay.
+/// The note where nothing absorbs, printed before waves are traced: tracing takes long if sound does not decay.
 const NOTHING_ABSORBS: &str = "note: no surface absorbs in this scene: where sound cannot leave it, it does not decay, and figures will be missing; give its surfaces a material (docs/scene-format.md)";
 
-/// The note where only the air absorbs.
+/// The note if only the air absorbs.
 const ONLY_AIR_ABSORBS: &str = "note: no surface absorbs in this scene, only the air does, so the air alone limits the decays; give its surfaces a material (docs/scene-format.md)";
 
 /// One sentence about a response.
 #[derive(Clone, Debug, PartialEq)]
 struct Note {
-    /// Whether it makes figures inexact.
+    /// Whether the note is about inexact figures.
     is_warning: bool,
     text: String,
 }
 
-/// Returns the sentences about a response for the JSON, including the one about surfaces without a material, which the
-/// text output prints when the scene is loaded.
+/// Returns the notes on a response for the JSON. They include the note on surfaces without a material, which the text
+/// output prints when the scene is loaded.
 pub fn texts(pair: Pair, response: &Response) -> Vec<String> {
     let notes = all(pair, response).into_iter().map(|note| note.text);
     let of_scene = pair.scene().warnings().into_iter();
@@ -30,7 +30,7 @@ pub fn texts(pair: Pair, response: &Response) -> Vec<String> {
     notes.chain(of_decay.map(|w| w.to_string())).collect()
 }
 
-/// Prints, before anything is traced, that no decay can be estimated.
+/// Prints, before anything is traced, a note if no decay can be estimated.
 pub fn tell_first(common: &Common, scene: &Scene) {
     if !scene.has_materials() {
         common.note(match scene.air {
@@ -40,7 +40,7 @@ pub fn tell_first(common: &Common, scene: &Scene) {
     }
 }
 
-/// Prints what the responses lack: each sentence once, with the pairs it applies to.
+/// Prints the notes on the responses: each note once, with the pairs that it applies to.
 pub fn tell(common: &Common, heard: &[(NamedPair, Response)]) {
     let mut told: Vec<(Note, Vec<String>)> = Vec::new();
     for (pair, response) in heard {

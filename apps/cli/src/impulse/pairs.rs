@@ -11,16 +11,17 @@ pub struct NamedPair<'a> {
     pub pair: Pair<'a>,
 }
 
-/// The first source and the first listener, for commands without a choice (docs/scene-format.md).
+/// The first source and the first listener, for commands without options to choose them
+/// (docs/scene-format.md).
 ///
 /// # Errors
-/// [`SceneError::NoSuchNumber`] without one.
+/// [`SceneError::NoSuchNumber`] if the scene has no source or no listener.
 pub fn first(scene: &Scene) -> Result<Pair<'_>, SceneError> {
     scene.pair(0, 0)
 }
 
-/// Returns the pairs of the sources and listeners chosen by name or number; all pairs without a
-/// choice.
+/// Returns the pairs of the sources and listeners chosen by name or number, or all pairs if none
+/// are chosen.
 pub fn chosen<'a>(
     scene: &'a Scene,
     source: Option<&str>,
@@ -43,13 +44,14 @@ pub fn chosen<'a>(
     both.map(pair).collect()
 }
 
-/// Returns the index of the listener chosen by name or number; the first without a choice.
+/// Returns the index of the listener chosen by name or number, or of the first listener if none is
+/// chosen.
 pub fn listener(scene: &Scene, wanted: Option<&str>) -> Result<usize, BadInput> {
     let chosen = choose("listener", &scene.listener_labels(), wanted)?;
     Ok(chosen[0])
 }
 
-/// The error that files contain only one pair.
+/// The error for several pairs where the output files can contain only one.
 pub fn too_many(scene: &Scene, count: usize) -> String {
     format!(
         "files hold one source and one listener, and {} has {count} such pairs: choose by --source and --listener",
@@ -91,7 +93,7 @@ mod tests {
     fn names_count_before_numbers() {
         let labels = ["2", "2", "flute"].map(str::to_owned);
         assert_eq!(choose("source", &labels, None).unwrap(), [0, 1, 2]);
-        // The second source, without a name, is "2" as well: the name wins.
+        // The second source has no name, so its label is "2" as well: the name wins.
         assert_eq!(choose("source", &labels, Some("2")).unwrap(), [0]);
         assert_eq!(choose("source", &labels, Some("3")).unwrap(), [2]);
         assert_eq!(choose("source", &labels, Some("flute")).unwrap(), [2]);

@@ -46,23 +46,23 @@ struct PairReport<'a> {
     #[serde(flatten)]
     figures: FigureReport<'a>,
     error: FigureReport<'a>,
-    /// The share of the energy after the response's end.
+    /// The share of the energy that arrives after the end of the response.
     cut_off: [Option<f64>; BAND_COUNT],
     /// The share of the early energy on paths that no wave found.
     missed_early_share: Option<f64>,
-    /// The share of all energy that came by paths of few reflections that were not searched.
+    /// The share of all energy in arrivals with few reflections whose paths were not searched for.
     left_out_share: f64,
     /// The share of the directions that were not searched for paths over planes.
     search_left_out_share: f64,
-    /// The time until which the figures hold, in seconds; `null` for the whole response.
+    /// The time in seconds until which the figures hold; `null` for the whole response.
     followed_s: Option<f64>,
-    /// Notes on what is missing or inexact, and what helps.
+    /// Notes on missing or inexact figures, and remedies.
     notes: Vec<String>,
     direct: Option<DirectReport>,
     paths: Vec<PathReport<'a>>,
 }
 
-/// Figures by band, or their errors: one standard deviation.
+/// Figures by band, or the standard deviations of the figures.
 struct FigureReport<'a>(&'a [BandFigures; BAND_COUNT]);
 
 impl Serialize for FigureReport<'_> {
@@ -88,7 +88,7 @@ struct PathReport<'a> {
     /// The walls of rooms: left, right, floor, ceiling, front, back.
     walls: Vec<Option<&'static str>>,
     delay_s: f64,
-    /// From the mean of the bands' energies.
+    /// Strength *G*, computed from the mean energy of the bands.
     g_db: Option<f64>,
     g_db_bands: Vec<Option<f64>>,
     azimuth_deg: f64,
@@ -96,7 +96,7 @@ struct PathReport<'a> {
     is_focus: bool,
 }
 
-/// The whole result.
+/// Returns the whole report.
 pub fn report<'a>(
     scene: &'a Scene,
     renderer: &'a str,
@@ -173,12 +173,12 @@ fn of_path(path: &HeardPath) -> PathReport<'_> {
     }
 }
 
-/// *G* of the mean of a path's bands, in decibels; `None` for silence.
+/// Strength *G* of the mean energy of a path's bands, in decibels; `None` for silence.
 fn mean_strength_db(path: &HeardPath) -> Option<f64> {
     Figures::strength_db(bands::mean(&path.energy))
 }
 
-/// The names of the walls that a path is mirrored at; `None` for other surfaces.
+/// The names of the walls that reflect a path; `None` for a surface that is not a wall.
 fn wall_names(path: &HeardPath) -> impl Iterator<Item = Option<&'static str>> {
     let walls = path.path.walls.iter();
     walls.map(|wall| wall.map(|wall| Room::WALL_NAMES[usize::from(wall)]))
@@ -259,7 +259,7 @@ fn print_paths(scene: &Scene, response: &Response) -> anyhow::Result<()> {
     }
 }
 
-/// The surfaces that a path is mirrored at, by their names or numbers, and the walls of rooms.
+/// The surfaces that reflect a path, by their names or numbers, and the walls of rooms.
 fn mirrors(scene: &Scene, path: &HeardPath) -> Vec<String> {
     let surfaces = path.path.surfaces.iter().zip(wall_names(path));
     let name = |(number, wall): (&u32, Option<&str>)| {

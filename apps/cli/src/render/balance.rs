@@ -32,7 +32,7 @@ struct FrameLine {
     pan: f64,
 }
 
-/// Renders the first source by its pan.
+/// Renders the first source with its pan.
 pub fn run(job: Job) -> anyhow::Result<()> {
     let (arguments, common, scene, timing) = (job.arguments, job.common, &job.scene, job.timing);
     let settings = arguments.options.settings()?;

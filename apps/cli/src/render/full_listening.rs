@@ -1,4 +1,4 @@
-//! Rendering in full: loudness, delays, echoes, reverberation.
+//! Full rendering, with loudness, delays, echoes and reverberation.
 
 use super::super::impulse::pairs;
 use super::super::numbers::{count, real, tenths};
@@ -13,13 +13,13 @@ use echomarch::response::ImpulseSettings;
 use echomarch::response::{HeardSource, ResponseSettings};
 use serde::Serialize;
 
-/// Largest gain accepted, up or down, in decibels: this includes every audible gain.
+/// Largest accepted gain in decibels, positive or negative: the range includes every audible gain.
 const MOST_GAIN_DB: f64 = 120.0;
 
 /// The shortest response, in seconds.
 const SHORTEST_TAIL_S: f64 = 1e-3;
 
-/// Options that have an effect only when all is heard.
+/// Options that have an effect only in full listening.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "With --listen full")]
 pub struct FullOptions {
@@ -40,7 +40,7 @@ pub struct FullOptions {
 }
 
 impl FullOptions {
-    /// The first of these options that was typed.
+    /// Returns the first of these options that was typed.
     pub fn given(&self) -> Option<&'static str> {
         let typed = [
             (self.gain.is_some(), "--gain"),
@@ -65,7 +65,7 @@ struct Report<'a> {
     tail_s: f64,
     sample_rate: u32,
     fps: f64,
-    /// The largest sample, in decibels relative to full scale; none for silence.
+    /// The largest sample, in decibels relative to full scale; `None` for silence.
     peak_db: Option<f64>,
     frames: Vec<FrameLine>,
 }
@@ -80,7 +80,7 @@ struct FrameLine {
 #[derive(Serialize)]
 struct SourceLine {
     source: String,
-    /// The strength *G* of all arrivals; none without arrivals.
+    /// The strength *G* of all arrivals; `None` without arrivals.
     g_db: Option<f64>,
     paths: usize,
     direct: bool,
@@ -139,7 +139,7 @@ pub fn run(job: Job) -> anyhow::Result<()> {
     print_text(&report)
 }
 
-/// The names of the sources, and the settings of listening.
+/// Returns the names of the sources, and the settings of full listening.
 fn settings(job: &Job) -> anyhow::Result<(Vec<String>, FullSettings)> {
     let options = &job.arguments.full;
     if let Some(gain) = options.gain {
@@ -183,7 +183,7 @@ fn source_lines(names: &[String], sources: &[HeardSource]) -> Vec<SourceLine> {
     names.iter().zip(sources).map(line).collect()
 }
 
-/// Prints a note when the sound is louder than other programs can play it.
+/// Prints a note if samples exceed full scale: other programs may clip them.
 fn note_peak(job: &Job, report: &Report) {
     if let Some(peak_db) = report.peak_db.filter(|peak| *peak > 0.0) {
         job.common.note(&format!(

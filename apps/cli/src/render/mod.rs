@@ -31,7 +31,7 @@ Examples:
 /// Default length in seconds for a scene in which nothing moves.
 const STANDING_SECONDS: f64 = 5.0;
 
-/// About the maximum that a WAV of this kind holds.
+/// About the maximum length that a WAV file of this format can hold.
 const LONGEST_SECONDS: f64 = 3.0 * 3600.0;
 
 /// Arguments of `render`.
@@ -90,7 +90,7 @@ struct Job<'a> {
     common: &'a Common,
     scene: Scene,
     timing: Timing,
-    /// One for each source.
+    /// The sounds, one per source.
     sounds: Vec<SoundSpec>,
 }
 
@@ -105,7 +105,7 @@ struct ReportHead<'a> {
 }
 
 impl Arguments {
-    /// The listening mode; the thesis has only the balance.
+    /// Returns the listening mode; the profile `thesis` supports only the balance.
     fn listen(&self) -> Result<Listen, BadInput> {
         let thesis = (self.options.profile == Profile::Thesis).then_some("--profile thesis");
         let of_balance = thesis.or_else(|| self.balance_option());
@@ -122,7 +122,7 @@ impl Arguments {
         }
     }
 
-    /// Prints a note when an option other than `--listen` has chosen the balance.
+    /// Prints a note if an option other than `--listen` has selected the balance.
     fn note_balance(&self, common: &Common, listen: Listen) {
         if self.listen.is_some()
             || listen == Listen::Full
@@ -137,7 +137,7 @@ impl Arguments {
         }
     }
 
-    /// The first option typed that only the balance has.
+    /// Returns the first typed option that applies only to the balance.
     fn balance_option(&self) -> Option<&'static str> {
         let options = &self.options;
         let typed = [
@@ -154,7 +154,7 @@ impl Arguments {
     }
 }
 
-/// Returns the error for an option of the balance that has no effect on sound in full, with the reason.
+/// Returns the error for an option of the balance that has no effect in full listening, with the reason.
 pub(super) fn no_effect_in_full(option: &str) -> BadInput {
     let why = match option {
         "--law" => "where each arrival is panned with constant power",
@@ -168,7 +168,7 @@ pub(super) fn no_effect_in_full(option: &str) -> BadInput {
 }
 
 impl Job<'_> {
-    /// Checks, before anything is traced, what could fail later.
+    /// Checks, before anything is traced, for errors that would otherwise occur later.
     fn check(&self) -> anyhow::Result<()> {
         check_file(&self.arguments.output)?;
         check_on_the_way(&self.scene, self.timing)?;
@@ -200,7 +200,7 @@ impl Job<'_> {
     }
 }
 
-/// Rejects, before anything is traced, a scene that becomes impossible while things move.
+/// Rejects, before anything is traced, a scene that becomes invalid while things move.
 fn check_on_the_way(scene: &Scene, timing: Timing) -> Result<(), Error> {
     if scene.duration() == 0.0 {
         return Ok(());
@@ -215,7 +215,7 @@ fn check_on_the_way(scene: &Scene, timing: Timing) -> Result<(), Error> {
     Ok(())
 }
 
-/// Prints warnings about the scene while things move: each kind once, with its time.
+/// Prints the warnings that arise while things move: each kind once, with its time.
 fn warn_on_the_way(scene: &Scene, timing: Timing, common: &Common) {
     let mut told: Vec<_> = scene
         .warnings()

@@ -6,8 +6,9 @@ use echomarch::audio::{Sound, SoundSpec};
 use echomarch::scene::Scene;
 use std::str::FromStr;
 
-/// A sound for all sources, or `NAME=SOUND` for one, which is given by its number where it has no
-/// name. A file's name may contain a `=` too: the names of the scene's sources decide.
+/// A sound for all sources, or `NAME=SOUND` for one source, where NAME is its name, or its number
+/// if it has no name. A file name may contain `=` too, so the text is split only if NAME is a
+/// source of the scene.
 #[derive(Clone, Debug)]
 pub struct SourceSound {
     text: String,
@@ -34,7 +35,7 @@ impl FromStr for SourceSound {
     }
 }
 
-/// Returns the sound of each source of a scene; by default each speaks with another voice.
+/// Returns the sound of each source of a scene; by default each source has a different voice.
 pub fn of_sources(scene: &Scene, typed: &[SourceSound]) -> Result<Vec<SoundSpec>, BadInput> {
     let names = scene.source_labels();
     let voice = |seed: usize| SoundSpec::Speech { seed: seed as u64 };
@@ -62,7 +63,7 @@ pub fn load(specs: &[SoundSpec]) -> Result<Vec<Sound>, Error> {
     specs.iter().map(load).collect()
 }
 
-/// The names of the sounds in the report.
+/// The names of the sounds, for the report.
 pub fn names(specs: &[SoundSpec]) -> String {
     let mut names: Vec<String> = specs.iter().map(SoundSpec::to_string).collect();
     names.dedup();
@@ -93,7 +94,8 @@ mod tests {
         Ok(names(&specs))
     }
 
-    /// Protects the choice of sounds: separate voices, one sound for all, and a source's own.
+    /// Protects the choice of sounds: a different voice per source by default, one sound for all
+    /// sources, and one sound for one source.
     #[test]
     fn each_source_has_its_sound() {
         assert_eq!(sounds(&[]).unwrap(), "speech:0, speech:1");

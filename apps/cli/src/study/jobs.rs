@@ -1,8 +1,8 @@
 //! `--jobs`: one process of this program per shard, at most the given number at a time.
 //!
-//! Processes, not threads: a crashing driver ends only one of them, each has its own OpenGL context
-//! with the driver's own threads, and the same program runs on a cluster. They share the cores:
-//! each gets an equal share of the threads, unless the environment sets them.
+//! Jobs are processes, not threads: a crashing driver ends only one of them, each has its own
+//! OpenGL context with the driver's own threads, and the same program runs on a cluster. Each job
+//! gets an equal share of the cores as threads, unless the environment sets the number of threads.
 
 use super::Arguments;
 use crate::exit::BadInput;
@@ -16,32 +16,32 @@ use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::Duration;
 
-/// Time between two checks of the processes.
+/// Time between two checks of the job processes.
 const BETWEEN_LOOKS: Duration = Duration::from_millis(100);
 
 /// The variables that set the number of threads of llvmpipe and of this program.
 const THREADS: [&str; 2] = ["LP_NUM_THREADS", "RAYON_NUM_THREADS"];
 
-/// Maximum number of bytes read of a process' message.
+/// Maximum number of bytes read of a process' error message.
 const LONGEST_MESSAGE: u64 = 1 << 16;
 
-/// A process that computes a shard; dropping this ends it.
+/// A process that computes a shard; it is killed on drop.
 struct Job {
     shard: Shard,
     child: Child,
-    /// Bytes and lines of its file read until now.
+    /// Number of bytes and of lines of the working file read so far.
     seen: (u64, u64),
 }
 
 impl Drop for Job {
     fn drop(&mut self) {
-        // It may have ended already; an error cannot be reported here.
+        // The process may have ended already; an error cannot be reported here.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
 }
 
-/// Computes all `of` shards, each in a process of its own, and shows the number of points done.
+/// Computes all `of` shards, each in its own process, and shows the number of completed points.
 pub fn run(
     study: &Study,
     of: u32,
@@ -127,11 +127,11 @@ fn start(
     })
 }
 
-/// The error of a process that failed, in its own words.
+/// The error of a failed process, with the process' own message.
 fn failed(job: &mut Job, status: ExitStatus) -> anyhow::Error {
     let mut message = String::new();
     if let Some(stderr) = job.child.stderr.take() {
-        // If the message cannot be read, the failure is still reported.
+        // If the message cannot be read, the failure is reported without it.
         let _ = stderr.take(LONGEST_MESSAGE).read_to_string(&mut message);
     }
     let last = message.lines().rfind(|line| !line.trim().is_empty());

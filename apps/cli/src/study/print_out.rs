@@ -72,7 +72,7 @@ pub fn shard(common: &Common, study: &Study, shard: Shard, folder: &Path) -> any
     print::line(&format!("shard {shard}: {points} points in {file}"))
 }
 
-/// Prints the tables and pictures written.
+/// Prints which tables and pictures were written.
 pub fn joined(common: &Common, study: &Study, joined: &Joined) -> anyhow::Result<()> {
     let files: Vec<String> = joined
         .files
@@ -96,10 +96,11 @@ pub fn joined(common: &Common, study: &Study, joined: &Joined) -> anyhow::Result
     ))
 }
 
-/// Maximum number of columns whose empty cells are reported one by one; study.json lists all.
+/// Maximum number of columns whose empty cells are reported individually; study.json lists all
+/// columns.
 const MOST_COLUMNS: usize = 12;
 
-/// Reports which cells of the tables are empty, and why.
+/// Prints the number of empty cells of the tables, and the reasons.
 fn tell_empty(common: &Common, joined: &Joined) {
     let mut columns: Vec<(&str, Vec<&EmptyCells>)> = Vec::new();
     for cells in &joined.empty {
@@ -130,7 +131,7 @@ fn tell_empty(common: &Common, joined: &Joined) {
     }
 }
 
-/// The same for programs.
+/// The empty cells as JSON.
 fn empty_of(joined: &Joined) -> Vec<serde_json::Value> {
     let cells = joined.empty.iter();
     let cells = cells.map(|of| json!({"column": of.column, "why": of.why, "cells": of.cells}));

@@ -1,4 +1,4 @@
-//! Level, delay and direction of each source as heard.
+//! Level, delay and direction of each source at a listener.
 
 use super::super::impulse::pairs::chosen;
 use super::super::print;
@@ -7,23 +7,23 @@ use echomarch::scene::Scene;
 use echomarch::tracer::{Settings, Tracer};
 use serde::Serialize;
 
-/// A source as heard by a listener.
+/// Level, delay and direction of a source at a listener.
 #[derive(Serialize)]
 pub struct Heard {
     source: String,
     listener: String,
     heard: bool,
-    /// These are `null` if nothing arrives.
+    /// `g_db` and the fields below are `null` if no sound arrives.
     g_db: Option<f64>,
     delay_s: Option<f64>,
-    /// Direction of the mean flow of all energy, not of the first arrival.
+    /// Azimuth of the mean direction of all energy, not of the first arrival.
     azimuth_deg: Option<f64>,
     elevation_deg: Option<f64>,
-    /// Length of that mean, 0 to 1.
+    /// Length of the mean direction, 0 to 1.
     one_sided: Option<f64>,
 }
 
-/// A mean direction with a smaller share of the energy is not reported: it is noise of the waves.
+/// A mean direction shorter than this is not reported: it would be noise.
 const LEAST_ONE_SIDED: f64 = 0.1;
 
 /// Traces every pair of a source and a listener, as `impulse` does.
