@@ -1,5 +1,5 @@
-//! A game with its own window and context, by winit and glutin: each picture begins or continues a frame of waves on
-//! that context, draws, and polls the result. Echomarch restores all state that it changes.
+//! A game with its own window and context, made with winit and glutin. For each picture it begins or continues a frame
+//! of waves on that context, draws, and polls the result. Echomarch restores all GL state that it changes.
 //!
 //! ```sh
 //! cargo run --release -p echomarch-window --example own_window
@@ -31,7 +31,8 @@ const WAVES_MS: f64 = 4.0;
 /// Metres that the source moves per picture.
 const STEP_M: f32 = 0.05;
 
-/// The fields are dropped in this order: the tracer while the context is current, then the context, the window last.
+/// The fields are dropped in this order: the tracer while the context is current, then the context, and the window
+/// last.
 struct Game {
     tracer: Tracer,
     scene: Scene,
@@ -57,7 +58,7 @@ impl Game {
         let gl = unsafe { glow::Context::from_loader_function(of_game) };
         let display = context.display();
         let loader = move |name: &std::ffi::CStr| display.get_proc_address(name);
-        // SAFETY: the functions are those of the game's context, which stays current on this thread to the end.
+        // SAFETY: the functions belong to the game's context, which stays current on this thread until the end.
         let shared = unsafe { Context::from_loader(loader, MakeCurrent::ByCaller) }?;
         println!("renderer: {}", shared.renderer());
         Ok(Game {
@@ -73,7 +74,7 @@ impl Game {
         })
     }
 
-    /// Draws one picture: the waves get their share of its time, the game the rest.
+    /// Draws one picture: tracing waves gets its share of the time, and the game the rest.
     fn picture(&mut self) -> Result<(), Box<dyn Error>> {
         self.scene.sources[0].position.x += STEP_M;
         if !self.tracer.is_frame_pending() {
@@ -99,7 +100,7 @@ impl Game {
             .resize(&self.context, side(size.width), side(size.height));
     }
 
-    /// The game's picture: one colour, which comes and goes.
+    /// Draws the game's picture: one colour that brightens and darkens.
     fn draw(&self) {
         let light = (self.pictures % 60) as f32 / 60.0;
         // SAFETY: the game's context is current.

@@ -9,7 +9,7 @@ use echomarch::tracer::Profile;
 use std::path::{Path, PathBuf};
 
 impl App {
-    /// Performs the requests.
+    /// Performs the given action.
     pub fn act(&mut self, action: Action) {
         match action {
             Action::Profile(profile) => {
@@ -18,7 +18,7 @@ impl App {
                 self.say(format!("profile {profile}"));
             }
             Action::Waves(steps) => {
-                // Setting the number by hand stops it from following the frame time.
+                // A manual change of the number ends its adaptation to the frame time.
                 self.choices.adapt_waves = false;
                 self.choices.change_waves(steps);
                 self.say(format!("{} waves", self.choices.settings.waves));

@@ -1,12 +1,12 @@
 //! Keeps the frame time: chooses the picture's resolution and the number of waves.
 //!
-//! Pure functions of the measurements. Going down is quick and going up is slow, with a gap between the two to prevent
-//! oscillation.
+//! Pure functions of the measurements. The cost is lowered quickly and raised slowly, with a gap between the two
+//! thresholds to prevent oscillation.
 
 use echomarch::internals::sampling::median;
 
-/// Sides of the grid of waves that the control chooses from. The first is the minimum: of fewer than 4,096 waves only a
-/// few dozen are heard, too few for a stable pan.
+/// Sides of the grid of waves that the control chooses from. The first is the minimum: of fewer than 4,096 waves the
+/// listener receives only a few dozen, too few for a stable pan.
 const SIDES: [u32; 11] = [64, 96, 128, 192, 256, 384, 512, 768, 1024, 1448, 2048];
 
 /// Maximum number of waves that the control and the slider choose.
@@ -35,7 +35,7 @@ pub struct Control {
 }
 
 impl Control {
-    /// Adds one frame: its whole time, and the part of it that depends on the choice, in milliseconds.
+    /// Adds one frame: its whole time, and the part of that time that depends on the choice, in milliseconds.
     pub fn add(&mut self, whole: f64, part: f64) {
         self.whole.push(whole);
         self.part.push(part);
@@ -45,8 +45,8 @@ impl Control {
         }
     }
 
-    /// Returns the step to use from now on. `costs` are those of the ladder's steps in any unit, growing; `now` is the
-    /// step in use; `target` the frame time to keep, in milliseconds.
+    /// Returns the step to use from now on. `costs` are the increasing costs of the ladder's steps in any unit, `now`
+    /// is the step in use, and `target` is the frame time to keep, in milliseconds.
     pub fn choose(&mut self, costs: &[f64], now: usize, target: f64) -> usize {
         let now = now.min(costs.len().saturating_sub(1));
         if self.whole.len() < FRAMES || costs.is_empty() {
@@ -73,7 +73,7 @@ impl Control {
         chosen
     }
 
-    /// Clears the measurements after something else has changed.
+    /// Clears the measurements, which are no longer valid after another change.
     pub fn forget(&mut self) {
         self.whole.clear();
         self.part.clear();
@@ -95,7 +95,7 @@ pub fn wave_ladder(most: u32) -> Vec<u32> {
         .collect()
 }
 
-/// Returns the largest step of a growing ladder that does not exceed a value; the first if all exceed it.
+/// Returns the largest step of an increasing ladder that does not exceed a value; the first step if all exceed it.
 pub fn step_of<T: PartialOrd>(ladder: &[T], value: T) -> usize {
     ladder
         .iter()
@@ -103,7 +103,7 @@ pub fn step_of<T: PartialOrd>(ladder: &[T], value: T) -> usize {
         .unwrap_or_default()
 }
 
-/// The costs of the scales: their numbers of pixels.
+/// The costs of the scales: the number of pixels at each.
 pub fn scale_costs() -> Vec<f64> {
     SCALES
         .iter()
@@ -117,8 +117,8 @@ mod tests {
 
     const TARGET: f64 = 33.3;
 
-    /// Simulates a machine that needs `fixed` milliseconds plus `full` at the ladder's end; returns the steps it went
-    /// through.
+    /// Simulates a machine that needs `fixed` milliseconds plus `full` at the end of the ladder; returns the visited
+    /// steps.
     fn run(fixed: f64, full: f64, start: usize, frames: usize) -> Vec<usize> {
         let costs = scale_costs();
         let mut control = Control::default();
@@ -135,8 +135,8 @@ mod tests {
         steps
     }
 
-    /// Protects the frame time: on every machine the control ends below the target, where one step more would not fit,
-    /// and does not oscillate there.
+    /// Protects the frame time: on every machine the control ends below the target, at the highest step that fits, and
+    /// does not oscillate there.
     #[test]
     fn the_control_settles_at_the_most_that_fits() {
         let costs = scale_costs();
@@ -153,14 +153,14 @@ mod tests {
         }
     }
 
-    /// Protects a machine that cannot reach the target: it stays at the minimum, and a quick one goes down at once.
+    /// Protects a machine that cannot reach the target: the control stays at the minimum, and goes down to it at once.
     #[test]
     fn the_least_is_the_least() {
         assert_eq!(*run(100.0, 10.0, 4, 60).last().unwrap(), 0);
         assert_eq!(run(12.0, 400.0, 7, FRAMES + 1).len(), 2);
     }
 
-    /// Protects the ladder from more waves than are allowed.
+    /// Protects the ladder of wave numbers from exceeding the allowed maximum.
     #[test]
     fn ladders_end_where_they_must() {
         assert_eq!(wave_ladder(65_536).last(), Some(&65_536));

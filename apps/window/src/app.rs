@@ -49,11 +49,11 @@ pub(super) struct App {
     pub options: DemoOptions,
     pub choices: Choices,
     pub world: World,
-    /// The scene before this one, until this one has been drawn.
+    /// The previous scene, until the present scene has been drawn.
     pub previous: Option<Before>,
-    /// The scene that was chosen last, until it is ready.
+    /// The scene chosen last, until it is ready.
     pub coming: Option<Coming>,
-    /// Follows the scene's file, if it is one.
+    /// Follows the scene's file; `None` for a built-in scene.
     pub follower: Option<Follower>,
     /// Scene files that can be chosen.
     pub files: Files,
@@ -62,14 +62,14 @@ pub(super) struct App {
     mouse: Mouse,
     /// The pointer's position in pixels.
     pointer: Option<[f64; 2]>,
-    /// The positions of mouse presses since the panels were laid out last.
+    /// The positions of mouse presses since the last layout of the panels.
     pub presses: Vec<[f64; 2]>,
     pub plan: Plan,
     pub paths: Paths,
     pub heard: Option<Frame>,
-    /// The settings of the wave frame begun last.
+    /// The settings of the last frame of waves that was begun.
     pub under_way: Settings,
-    /// Whether that frame belongs to a scene that was replaced.
+    /// Whether the frame of waves in progress belongs to a replaced scene.
     pub begins_anew: bool,
     /// Milliseconds that the last frame of waves took in total.
     pub on_waves: f64,
@@ -88,7 +88,7 @@ pub(super) struct App {
     pub speaker: Speaker,
     /// The thread for full listening, once requested.
     pub ears: Option<Ears>,
-    /// The present source of the player, if it plays in full.
+    /// The state of the player, if it plays full listening.
     pub in_full: Option<InFull>,
     pub ears_status: EarsStatus,
     pub sound: SoundStatus,
@@ -98,11 +98,11 @@ pub(super) struct App {
     pub stage: Option<Stage>,
     pub started: Instant,
     pub last: Instant,
-    /// When the last frame began: the window's events were processed just before.
+    /// The start of the last frame: the window's events were processed just before.
     pub looked: Instant,
     next: Instant,
     is_over: bool,
-    /// The connection to the display, if the program can survive its end.
+    /// The connection to the display, if the program can survive the loss of the display server.
     pub connection: Option<Connection>,
     outcome: Result<Report, DemoError>,
 }
@@ -168,7 +168,7 @@ impl App {
         })
     }
 
-    /// The result, once the events have ended.
+    /// Returns the result of the run after the event loop has ended.
     pub fn result(self, ran: Result<(), EventLoopError>) -> Result<Report, DemoError> {
         let report = self.outcome?;
         ran.map_err(|error| DemoError::NoWindow {

@@ -1,8 +1,8 @@
-//! The connection to the X server, which may end at any time: the server is stopped, or the network fails.
+//! The connection to the X server, which may break at any time: the server is stopped, or the network fails.
 //!
-//! Xlib then ends the process by itself (`XIOError`), and winit panics where it expects an answer. Here Xlib is made to
-//! continue with the broken connection (`XSetIOErrorExitHandler`, from libX11 1.7 on; an older one still ends the
-//! process, with exit code 1), and a panic on a broken connection ends the event loop.
+//! By default Xlib then ends the process (`XIOError`), and winit panics where it expects an answer. This module makes
+//! Xlib continue with the broken connection (`XSetIOErrorExitHandler`, from libX11 1.7 on; an older libX11 still ends
+//! the process, with exit code 1), and lets a panic on a broken connection end only the event loop.
 
 use libloading::Library;
 use std::any::Any;
@@ -26,8 +26,8 @@ type SetIoErrorExitHandler = unsafe extern "C" fn(XDisplay, IoErrorExitHandler, 
 type GetXcbConnection = unsafe extern "C" fn(XDisplay) -> *mut c_void;
 type ConnectionHasError = unsafe extern "C" fn(*mut c_void) -> c_int;
 
-/// A connection that outlives its server. Fields are dropped in this order: the handle that keeps the connection open
-/// last.
+/// A connection that outlives its server. The fields are dropped in this order: last the handle that keeps the
+/// connection open.
 #[derive(Clone)]
 pub struct Connection(Arc<Inner>);
 
@@ -38,8 +38,8 @@ struct Inner {
     _open: OwnedDisplayHandle,
 }
 
-// SAFETY: xcb_connection_has_error may be called from any thread (xcb.h), the pointer is used
-// for nothing else, and the connection is kept open beside it.
+// SAFETY: xcb_connection_has_error may be called from any thread (xcb.h), the pointer has no other use, and the
+// connection is kept open by the same struct.
 unsafe impl Send for Inner {}
 // SAFETY: as above.
 unsafe impl Sync for Inner {}
@@ -54,8 +54,8 @@ extern "C" fn take_down(_: XDisplay) -> c_int {
 extern "C" fn go_on(_: XDisplay, _: *mut c_void) {}
 
 impl Connection {
-    /// Returns the event loop's connection; none if it is not an Xlib connection, or a library lacks a needed function:
-    /// then the process ends with the server.
+    /// Returns the event loop's connection; `None` if it is not an Xlib connection, or if a library lacks a needed
+    /// function. The process then ends with the server.
     pub fn of(events: &EventLoop<()>) -> Option<Connection> {
         let open = events.owned_display_handle();
         let RawDisplayHandle::Xlib(handle) = open.display_handle().ok()?.as_raw() else {
@@ -92,12 +92,13 @@ impl Connection {
 
     /// Whether the server is known to be gone.
     pub fn is_gone(&self) -> bool {
-        // SAFETY: the connection is kept open, and the function belongs to the library kept beside it.
+        // SAFETY: the connection is kept open, and the function belongs to the library that the same struct keeps
+        // loaded.
         let has_error = unsafe { (self.0.has_error)(self.0.xcb) } != 0;
         has_error || IS_BROKEN.load(Ordering::Acquire)
     }
 
-    /// Returns the result of `run`; none if it panicked because the server is gone. Any other panic continues.
+    /// Returns the result of `run`; `None` if it panicked because the server is gone. Any other panic is passed on.
     pub fn outlive<T>(&self, run: impl FnOnce() -> T) -> Option<T> {
         let usual = Arc::new(take_hook());
         let (connection, at_panic) = (self.clone(), usual.clone());

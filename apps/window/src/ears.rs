@@ -1,8 +1,8 @@
-//! Full listening: a thread with its own renderer follows the scene, and passes what arrives at the listener to the
+//! Full listening: a thread with its own renderer follows the scene, and passes the sound at the listener to the
 //! player.
 //!
-//! It runs at its own pace: neither it nor the pictures wait for the other. Echoes are those of its last trace of the
-//! scene and glide to the next; the late part is computed again at most four times a second.
+//! The thread and the pictures do not wait for each other. Echoes are updated with each trace of the scene and glide to
+//! their new values; the late part is computed again at most four times a second.
 
 use echomarch::Error;
 #[cfg(feature = "audio")]
@@ -21,14 +21,14 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-/// On a software renderer the thread rests after each trace, for this multiple of the time it took: the picture needs
-/// the cores too.
+/// Duration of a pause after each trace on a software renderer, as a multiple of the trace's duration: the picture
+/// needs the cores too.
 const REST: f64 = 1.0;
 
 /// Interval between checks for an update.
 const GLANCE: Duration = Duration::from_millis(4);
 
-/// The scene and settings to listen to.
+/// The scene and the settings to trace.
 struct Wanted {
     scene: Scene,
     settings: Settings,
@@ -52,7 +52,7 @@ pub struct Ears {
     thread: Option<JoinHandle<()>>,
 }
 
-/// Locks a value even if a thread panicked: each value is always complete.
+/// Locks a value even if a thread panicked while holding the lock: no value is ever left incomplete.
 fn lock<T>(value: &Mutex<T>) -> MutexGuard<'_, T> {
     value.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -90,8 +90,8 @@ impl Ears {
         lock(&self.shared.status).clone()
     }
 
-    /// Plays the sources of a scene as two channels, each with its own sound: `spec` if that is a file or a sine, else
-    /// each with another voice or noise.
+    /// Plays the sources of a scene as two channels. Each source has its own sound: `spec` if it is a file or a sine,
+    /// otherwise a separate voice or noise.
     #[cfg(feature = "audio")]
     pub fn source(&self, scene: &Scene, spec: &SoundSpec) -> StereoSource {
         let shared = Arc::clone(&self.shared);
@@ -152,7 +152,7 @@ impl<'a> Looking<'a> {
                 continue;
             };
             let began = Instant::now();
-            // An error is reported; the next scene may be traceable.
+            // The error is reported, and the thread continues: the next scene may be traceable.
             if let Err(error) = self.look(&wanted) {
                 lock(&self.shared.status).error = Some(error.to_string());
             }
@@ -194,7 +194,7 @@ fn tell(shared: &Shared, found: &Found) -> Result<(), Error> {
         true => Heard::new(response, axes, spec, NOISE_SEED)?,
         false => Heard::of_paths(&response.paths, axes, spec)?,
     };
-    // The player may have been replaced meanwhile: it then requests its own responses.
+    // If the player was replaced meanwhile, the new one requests its own responses.
     if let Some(remote) = lock(&shared.remote).as_mut()
         && remote.spec() == spec
         && found.source < remote.source_count()

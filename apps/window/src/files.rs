@@ -1,15 +1,14 @@
-//! Scene files that can be chosen: those seen and those in the same folders.
+//! Scene files to choose from: those opened or saved in this run, and those in the same folders.
 
 use echomarch::scene::Scene;
 use std::path::Path;
 
 /// Maximum number of files listed.
 const LISTED: usize = 100;
-/// Maximum number of entries of a folder that are searched for scene files: a scene may lie in a folder with many other
-/// files.
+/// Maximum number of a folder's entries that are searched for scene files: the folder may contain many other files.
 const LOOKED_AT: usize = 4096;
 
-/// Scene files that can be chosen: those seen in this run, and those in the same folders.
+/// Scene files to choose from: those opened or saved in this run, and those in the same folders.
 #[derive(Debug, Default)]
 pub struct Files {
     seen: Vec<String>,
@@ -35,12 +34,12 @@ impl Files {
         }
     }
 
-    /// All files: those seen first, in the order in which they were seen.
+    /// All files, beginning with those of this run in the order in which they were added.
     pub fn all(&self) -> &[String] {
         &self.all
     }
 
-    /// The files seen in this run.
+    /// The files opened or saved in this run.
     pub fn seen(&self) -> &[String] {
         &self.seen
     }
@@ -75,8 +74,8 @@ pub fn is_of(file: &Path, ending: &str) -> bool {
 mod tests {
     use super::*;
 
-    /// Protects a scene given as a file from being lost once another was chosen: it stays first in the list, and the
-    /// scene files beside it follow.
+    /// Protects a scene file from being lost after another scene was chosen: it stays first in the list, before the
+    /// scene files beside it.
     #[test]
     fn files_seen_stay_in_the_list() {
         let folder = tempfile::tempdir().unwrap();

@@ -1,5 +1,5 @@
-//! Watches the scene's file, and keeps the previous scene and the next one until its users' fields
-//! were tried.
+//! Watches the scene's file. While the users' fields of the next scene are tried, keeps both the
+//! previous scene and the next one.
 
 use echomarch::Error;
 use echomarch::scene::Scene;
@@ -7,8 +7,8 @@ use echomarch::tracer::{Opening, Pass, Profile, Reloading, Settings, shader_text
 use echomarch_walk::World;
 use std::time::Instant;
 
-/// The programs that a scene needs: that of the picture, and one for every profile that a key
-/// chooses.
+/// The programs that a scene needs: one for the picture, and one for each profile that can be
+/// chosen by key.
 pub const PROGRAMS: [fn(&Scene) -> String; 4] = [
     echomarch::picture::view_text,
     |scene| march_text(scene, Profile::Hybrid),
@@ -24,12 +24,12 @@ fn march_text(scene: &Scene, profile: Profile) -> String {
 pub struct Follower {
     pub reloading: Reloading,
     pub looked: Instant,
-    /// The reason why the present files cannot be used.
+    /// The reason why the files in their present state cannot be used.
     pub refused: Option<String>,
 }
 
 impl Follower {
-    /// Follows a scene that is walked in from now on.
+    /// Begins to follow the file of a scene that was opened.
     pub fn of(reloading: Reloading) -> Follower {
         Follower {
             reloading,
@@ -39,15 +39,16 @@ impl Follower {
     }
 }
 
-/// The scene before the present one.
+/// The previous scene.
 pub struct Before {
-    /// Its state when it was left.
+    /// The scene's state when another scene replaced it.
     pub world: World,
-    /// Its follower, if it was another scene; none if the same file has changed.
+    /// The follower of the previous scene if that was another scene; `None` if the same file has
+    /// changed.
     pub other: Option<Option<Follower>>,
 }
 
-/// A scene that was chosen, until its users' fields were tried. Dropping it ends the trial.
+/// A chosen scene whose users' fields are being tried. Dropping it ends the trial.
 pub struct Coming {
     pub world: World,
     /// The message shown once the scene is open.
@@ -57,7 +58,7 @@ pub struct Coming {
 }
 
 impl Coming {
-    /// Reads a scene, and begins to try its users' fields.
+    /// Reads a scene, and begins the trial of its users' fields.
     ///
     /// # Errors
     /// As [`Opening::begin`].
@@ -75,12 +76,12 @@ impl Coming {
         })
     }
 
-    /// Whether its fields are being tried.
+    /// Whether the trial of the scene's fields is in progress.
     pub fn is_tried(&self) -> bool {
         self.opening.as_ref().is_some_and(Opening::is_tried)
     }
 
-    /// Whether the fields can be used, once that is known.
+    /// Whether the fields can be used; `None` until the trial has ended.
     pub fn poll(&mut self) -> Option<Result<(), Error>> {
         match &mut self.opening {
             Some(opening) => opening.poll(),

@@ -14,13 +14,14 @@ use std::time::{Duration, Instant};
 
 /// Number of frames between two sets of paths.
 const PATHS_EVERY: u64 = 6;
-/// The share of a frame's time for waves that do not fit the frame.
+/// The share of a frame's time spent on waves if a whole frame of waves does not fit.
 const SHARE_OF_WAVES: f64 = 0.4;
-/// The number of last frames that decide whether waves fit.
+/// The number of recent frames from which it is decided whether waves fit.
 const FRAMES_LOOKED_AT: usize = 10;
 /// Waves that take more than this multiple of the frame time are reported.
 const TOO_LONG: f64 = 2.0;
-/// Number of consecutive frames that must exceed it: the first one compiles, and any may be delayed.
+/// Number of consecutive frames that must exceed `TOO_LONG`: the first frame compiles shaders, and any frame may be
+/// delayed.
 const TOO_OFTEN: u32 = 30;
 /// How long a message is shown.
 const MESSAGE: Duration = Duration::from_secs(4);
@@ -83,8 +84,8 @@ impl App {
         Ok(())
     }
 
-    /// Enters a chosen scene once its users' fields were tried; the previous scene continues until then. The new scene
-    /// is checked first: before that, the solid parts of its fields are unknown.
+    /// Switches to a chosen scene once its users' fields were tried; the previous scene continues until then. The new
+    /// scene is checked before the switch: until then the solid parts of its fields are unknown.
     fn try_new(&mut self, stage: &mut Stage) -> Result<(), DemoError> {
         if let Some(mut coming) = self.coming.take() {
             match coming.poll() {
@@ -114,7 +115,7 @@ impl App {
     ) -> Result<(), DemoError> {
         self.waves(stage, times)?;
         let scale = match self.choices.picture_scale {
-            // A fixed size is used exactly.
+            // A fixed scale is used exactly.
             Some(fixed) => (fixed, false),
             None => (SCALES[self.scale_step], true),
         };
@@ -131,13 +132,13 @@ impl App {
             self.follow_paths(stage)?;
             times.paths = milliseconds(following);
         }
-        // A frame begun in this call may be finished already.
+        // A frame begun in this call may already be finished.
         self.collect(stage, false, times)?;
         self.previous = None;
         Ok(())
     }
 
-    /// Replaces a scene that cannot be drawn by the previous one; returns the error if there is none.
+    /// Replaces a scene that cannot be drawn by the previous scene; returns the error if there is no previous scene.
     fn fall_back(&mut self, error: DemoError) -> Result<(), DemoError> {
         let Some(before) = self.previous.take() else {
             return Err(error);
@@ -186,14 +187,14 @@ impl App {
             self.on_waves = self.on_waves.max(spent);
         }
         if stage.window.gl.context().is_software() {
-            // Elsewhere the card reports it when the frame is collected.
+            // Otherwise the graphics card measures the time, which is read when the frame is collected.
             times.waves += milliseconds(tracing);
         }
         Ok(())
     }
 
-    /// Milliseconds that the waves of one frame may take: the time of a whole frame of waves, if it fits the frame time
-    /// beside the rest; else a share of the frame time.
+    /// Milliseconds per frame available for waves: the time of a whole frame of waves, if that fits into the frame time
+    /// beside all other work; otherwise a share of the frame time.
     fn time_for_waves(&self) -> f64 {
         let target = self.options.frame_milliseconds;
         let share = SHARE_OF_WAVES * target;
@@ -210,7 +211,7 @@ impl App {
         share
     }
 
-    /// Passes the arrivals to the speakers, if a frame is finished.
+    /// If a frame of waves is finished, passes its panning to the speakers.
     fn collect(
         &mut self,
         stage: &mut Stage,
@@ -358,7 +359,7 @@ impl App {
                 "the waves take {on_waves:.0} ms: T adapts their number to the frame time, [ halves it"
             ));
         }
-        // One change at a time: the other is measured again after it.
+        // Only one of the two is changed at a time: the other must be measured again afterwards.
         if self.adapt_picture(work, times.picture) {
             self.wave_control.forget();
         } else if on_waves > 0.0 && self.adapt_waves(others, on_waves / every as f64) {
@@ -368,7 +369,7 @@ impl App {
 
     /// Adapts the picture's scale; returns whether it changed.
     fn adapt_picture(&mut self, work: f64, on_picture: f64) -> bool {
-        // A frame with only panels and waves gives no picture time.
+        // A frame that draws only panels and waves does not measure the picture.
         if !self.drawn.anew || self.choices.picture_scale.is_some() {
             return false;
         }
@@ -378,8 +379,8 @@ impl App {
         self.scale_step != before
     }
 
-    /// Adapts the number of waves; returns whether it changed. `on_waves` is the average time of waves per frame in
-    /// milliseconds if traced in one piece, `others` that of the rest.
+    /// Adapts the number of waves; returns whether it changed. `on_waves` is the average time per frame in milliseconds
+    /// of waves traced in one piece, and `others` the time of all other work.
     fn adapt_waves(&mut self, others: f64, on_waves: f64) -> bool {
         if !self.choices.adapt_waves {
             return false;
@@ -388,7 +389,7 @@ impl App {
         let costs: Vec<f64> = ladder.iter().map(|&waves| f64::from(waves)).collect();
         let before = step_of(&ladder, self.choices.settings.waves);
         let target = self.options.frame_milliseconds;
-        // The remaining time is reserved for the picture, which is drawn again on every movement.
+        // The remaining time is reserved for the picture, which every movement draws again.
         let others = others.max((1.0 - SHARE_OF_WAVES) * target);
         self.wave_control.add(others + on_waves, on_waves);
         let chosen = self.wave_control.choose(&costs, before, target);

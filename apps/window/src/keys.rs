@@ -1,26 +1,27 @@
-//! The table of keys, which the window follows and shows.
+//! The table of keys, which the window obeys and shows.
 
 use echomarch::tracer::Profile;
 use echomarch_walk::MoveInput;
 use std::collections::HashSet;
 use winit::keyboard::KeyCode;
 
-/// A single request of a key, or of a button of the panels.
+/// An action requested by a key or by a button of the panels.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Action {
     /// Change the algorithm.
     Profile(Profile),
     /// Double (1) or halve (−1) the number of waves.
     Waves(i32),
-    /// More or fewer iterations.
+    /// Raise or lower the number of iterations.
     Iterations(i32),
     /// Pick up the source, or put it down.
     PickUp,
-    /// Hold the moving things, or let them go on.
+    /// Pause moving things, or let them continue.
     Pause,
-    /// Back to the scene's initial state.
+    /// Reset the scene to its initial state.
     StartOver,
-    /// Go this number of scenes on in the list of built-in ones and files; back if negative.
+    /// Change the scene by this number of steps in the list of built-in scenes and files; backwards
+    /// if negative.
     NextScene(i32),
     /// Open this scene.
     Scene(String),
@@ -30,13 +31,14 @@ pub enum Action {
     Sound(String),
     /// Switch between full listening and the balance.
     Listen,
-    /// Set the material of a surface, given by its number from 0; none reflects all.
+    /// Set the material of a surface, given by its index from 0; a surface without a material
+    /// reflects all energy.
     Material(usize, Option<String>),
     /// Change the panning law.
     Law,
-    /// Sound off, or on.
+    /// Mute or unmute the sound.
     Mute,
-    /// Louder (1) or softer (−1).
+    /// Raise (1) or lower (−1) the volume.
     Volume(i32),
     /// Begin or end a recording.
     Record,
@@ -48,7 +50,7 @@ pub enum Action {
     Help,
     /// Open or close the panels.
     Panels,
-    /// Let the number of waves follow the frame time, or stop that.
+    /// Start or stop adapting the number of waves to the frame time.
     AdaptWaves,
     /// Free the mouse.
     FreeMouse,
@@ -105,7 +107,7 @@ pub const HINT: &str =
 pub fn action(key: KeyCode, control: bool) -> Option<Action> {
     if control {
         return match key {
-            // Not W, which walks.
+            // Only Q quits, not W: W walks.
             KeyCode::KeyQ => Some(Action::Quit),
             KeyCode::KeyS => Some(Action::Save),
             _ => None,
@@ -145,8 +147,8 @@ pub fn action(key: KeyCode, control: bool) -> Option<Action> {
 pub struct PressedKeys(HashSet<KeyCode>);
 
 impl PressedKeys {
-    /// Handles a key press. With a control key it is a command and is not held, whichever of the
-    /// two is released first.
+    /// Handles a key press. A key pressed together with Control is a command and does not count as
+    /// held, whichever of the two keys is released first.
     pub fn press(&mut self, key: KeyCode) {
         if !self.control() {
             self.0.insert(key);
@@ -163,7 +165,7 @@ impl PressedKeys {
         self.0.remove(&key);
     }
 
-    /// Releases all keys: releases are not reported while another window has the keyboard.
+    /// Releases all keys: the window gets no release events while another window has the keyboard.
     pub fn clear(&mut self) {
         self.0.clear();
     }
@@ -201,7 +203,7 @@ impl PressedKeys {
 mod tests {
     use super::*;
 
-    /// Protects saving by Ctrl+S from walking backwards, and opposite keys from each other.
+    /// Protects saving by Ctrl+S from walking backwards, and checks that opposite keys cancel out.
     #[test]
     fn held_keys_make_a_wish() {
         let mut pressed = PressedKeys::default();

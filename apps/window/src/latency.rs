@@ -3,7 +3,7 @@
 use serde::Serialize;
 use std::time::{Duration, Instant};
 
-/// The weight of the newest value in the value shown.
+/// The weight of the newest measurement in the smoothed value.
 const FRESH: f64 = 0.15;
 
 /// A smoothed measurement.
@@ -17,17 +17,17 @@ impl Gliding {
     }
 }
 
-/// The measured parts, in milliseconds; none for a part never measured.
+/// The measured parts, in milliseconds; `None` for a part without a measurement.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Parts {
-    /// Maximum time from a key or mouse movement to the beginning of the frame that traces it: the
-    /// input may have come at any time since the events were processed before.
+    /// Maximum time from a key or mouse event to the start of the frame that traces its effect: the
+    /// event may have occurred at any time since the previous processing of events.
     pub input_to_trace: Option<f64>,
-    /// From there until the frame was read back.
+    /// Time from the start of the frame until it was read back.
     pub trace_to_read_back: Option<f64>,
-    /// From there until the sound thread has taken the gains for its next buffer.
+    /// Time from the read-back until the sound thread has used the gains for its next buffer.
     pub gains_to_buffer: Option<f64>,
-    /// From there to the ear: the delay that the sound device reports.
+    /// Time from that buffer to the ear: the delay that the sound device reports.
     pub buffer_to_device: Option<f64>,
 }
 
@@ -58,7 +58,7 @@ impl Parts {
 /// Measures the latency.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Latency {
-    /// The first input that was not traced yet.
+    /// The first input that has not been traced.
     input: Option<Instant>,
     begun: Option<Instant>,
     input_to_trace: Gliding,
@@ -68,12 +68,13 @@ pub struct Latency {
 }
 
 impl Latency {
-    /// Records an input at time `at` or later that changes what is heard.
+    /// Records an input at time `at` that changes the sound; only the earliest untraced input is
+    /// kept.
     pub fn input(&mut self, at: Instant) {
         self.input.get_or_insert(at);
     }
 
-    /// Records the begin of a frame, which includes all input until now.
+    /// Records the start of a frame, which includes all earlier input.
     pub fn trace_begins(&mut self, at: Instant) {
         if let Some(input) = self.input.take() {
             self.input_to_trace.add(at.duration_since(input));
@@ -88,13 +89,13 @@ impl Latency {
         }
     }
 
-    /// The latency of the sound output as it reports it, in milliseconds.
+    /// Sets the latency of the sound output, in milliseconds, as the output reports it.
     pub fn sound(&mut self, gains_to_buffer: Option<f64>, buffer_to_device: Option<f64>) {
         self.gains_to_buffer = gains_to_buffer;
         self.buffer_to_device = buffer_to_device;
     }
 
-    /// The parts known until now.
+    /// The parts measured so far.
     pub fn parts(&self) -> Parts {
         Parts {
             input_to_trace: self.input_to_trace.0,
@@ -109,7 +110,8 @@ impl Latency {
 mod tests {
     use super::*;
 
-    /// Protects the chain: the first of several inputs counts, each only once, and parts add up.
+    /// Protects the chain: of several inputs only the first counts, each is counted once, and the
+    /// parts add up.
     #[test]
     fn parts_follow_one_another() {
         let start = Instant::now();
@@ -120,7 +122,7 @@ mod tests {
         latency.input(after(9));
         latency.trace_begins(after(10));
         latency.read_back(after(25));
-        // A frame without input does not measure the first part.
+        // A frame without input does not change the first part.
         latency.trace_begins(after(40));
         latency.read_back(after(55));
         latency.sound(Some(5.0), None);

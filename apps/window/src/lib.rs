@@ -1,9 +1,9 @@
 //! The window: an interactive walk through a scene with its sound.
 //!
 //! The picture is sphere traced with the distance function that the waves march through, and its camera is the
-//! listener. Waves are traced beside the pictures, in parts if they take long, and read back without waiting
-//! ([`Tracer::frame_begin`](echomarch::Tracer::frame_begin)); the result goes to the sound thread. Panels show the plan,
-//! the levels and the frame times, and hold the controls.
+//! listener. Waves are traced beside the pictures, in parts if tracing takes long, and read back without waiting
+//! ([`Tracer::frame_begin`](echomarch::Tracer::frame_begin)); the resulting panning goes to the sound thread. Panels
+//! show the plan, the levels and the frame times, and contain the controls.
 //!
 //! | file | what it does |
 //! | --- | --- |

@@ -1,4 +1,4 @@
-//! Passes full listening to the speakers: the player, and when it must be replaced.
+//! Connects full listening to the speakers: the player, and the conditions for replacing it.
 
 use super::app::App;
 use super::ears::Ears;

@@ -1,10 +1,11 @@
 //! Mouse look: converts pointer positions to turns of the gaze.
 //!
-//! The pointer is kept in the window, out of sight, and put back into the middle before it
-//! meets the edge. The device's own movements are not used: X11 reports those twice to
-//! a window that grabs the pointer (winit's issue 2846), and some devices report positions instead.
+//! The hidden pointer is kept inside the window: before it reaches the edge, it is moved back to the middle. The
+//! device's own movements are not used: X11 reports them twice to a window that grabs the pointer (winit's issue 2846),
+//! and some devices report positions instead.
 
-/// The pointer is put back when it is farther from the middle than this share of the distance to the edge.
+/// The pointer is moved back if its distance from the middle exceeds this share of the distance from the middle to the
+/// edge.
 const FAR: f64 = 0.5;
 
 /// Tracks the pointer.
@@ -12,16 +13,16 @@ const FAR: f64 = 0.5;
 pub struct Mouse {
     /// The pointer's last position, in pixels.
     at: Option<[f64; 2]>,
-    /// The position that it was put to, until an event reports it near there.
+    /// The position that the pointer was moved to, until an event reports the pointer near that position.
     put: Option<[f64; 2]>,
 }
 
-/// The effect of a movement.
+/// The effect of a pointer movement.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moved {
     /// Pixels to the right and down.
     pub by: [f64; 2],
-    /// The position to put the pointer to now.
+    /// The position to move the pointer to now.
     pub put: Option<[f64; 2]>,
 }
 
@@ -34,7 +35,7 @@ impl Mouse {
         let is_far = [0, 1]
             .iter()
             .any(|&axis| (to[axis] - middle[axis]).abs() > FAR * middle[axis]);
-        // A pointer reported far from the middle has not been put back yet.
+        // A pointer reported far from the middle has not been moved back yet.
         let from = self.put.take_if(|_| !is_far || !looks).or(before);
         let Some(from) = from.filter(|_| looks) else {
             return Moved::default();
@@ -54,7 +55,8 @@ mod tests {
 
     const SIZE: [u32; 2] = [960, 540];
 
-    /// Simulates a pointer that a hand moves by steps and that can be put back; returns the sum of turns.
+    /// Simulates a hand that moves the pointer by steps, with a pointer that can be moved back; returns the sum of
+    /// turns.
     fn turned(steps: &[[f64; 2]]) -> [f64; 2] {
         let mut mouse = Mouse::default();
         let mut at = [480.0, 270.0];
@@ -73,7 +75,7 @@ mod tests {
         sum
     }
 
-    /// Protects long turns: every pixel of the hand's movement counts once, and the pointer never meets the edge.
+    /// Protects long turns: every pixel of the hand's movement counts once, and the pointer never reaches the edge.
     #[test]
     fn the_hand_may_go_on_in_one_direction() {
         assert_eq!(turned(&[[30.0, -8.0]; 100]), [3000.0, -800.0]);
@@ -81,7 +83,7 @@ mod tests {
         assert_eq!(turned(&[[5.0, 0.0], [0.0, 0.0], [-5.0, 1.0]]), [0.0, 1.0]);
     }
 
-    /// Protects the gaze from a leap when the pointer enters, and from a pointer that is not captured.
+    /// Protects the gaze from a jump when the pointer enters the window, and from a pointer that is not captured.
     #[test]
     fn a_free_pointer_turns_nothing() {
         let mut mouse = Mouse::default();
@@ -90,7 +92,8 @@ mod tests {
         assert_eq!(mouse.moved([501.0, 298.0], SIZE, true).by, [1.0, -2.0]);
     }
 
-    /// Protects against a pointer that cannot be put back, and from putting it twice: it keeps turning the gaze.
+    /// Protects mouse look where the pointer cannot be moved back: it is not moved twice, and its movements keep
+    /// turning the gaze.
     #[test]
     fn a_pointer_that_stays_away_still_turns() {
         let mut mouse = Mouse::default();
@@ -99,7 +102,7 @@ mod tests {
             let moved = mouse.moved([x, 270.0], SIZE, true);
             assert_eq!((moved.by, moved.put), ([5.0, 0.0], put));
         }
-        // Put back at last, after a movement of its own.
+        // The pointer is moved back at last, after a movement of its own.
         assert_eq!(mouse.moved([483.0, 269.0], SIZE, true).by, [3.0, -1.0]);
     }
 }

@@ -5,7 +5,7 @@ use echomarch::auralisation::Listen;
 use echomarch::tracer::Settings;
 use std::path::PathBuf;
 
-/// The default scene: its first view shows many things near and far. (In `corner` and `obstacles`
+/// The default scene: its first view shows many near and far objects. (In `corner` and `obstacles`
 /// the listener faces a wall, as in the thesis.)
 pub const OPENING_SCENE: &str = "open-pillars";
 
@@ -14,8 +14,8 @@ pub const OPENING_SCENE: &str = "open-pillars";
 pub struct DemoOptions {
     /// Built-in scene or scene file.
     pub scene: String,
-    /// Named values of the scene in the unit of its file; also set in scenes opened later that have
-    /// values of the same name.
+    /// Named values of the scene in the unit of its file. They are also set in scenes opened later
+    /// that have values of the same names.
     pub values: Vec<(String, f32)>,
     /// How waves are traced.
     pub settings: Settings,
@@ -25,8 +25,8 @@ pub struct DemoOptions {
     pub adapt_waves: bool,
     /// Milliseconds that a frame may take.
     pub frame_milliseconds: f64,
-    /// Ratio of the picture's resolution to the window's along a side; none to follow the frame
-    /// time.
+    /// Ratio of the picture's resolution to the window's along a side; `None` to adapt the ratio to
+    /// the frame time.
     pub picture_scale: Option<f32>,
     /// Width of the window in pixels, before the screen's own scale.
     pub width: u32,
@@ -38,7 +38,7 @@ pub struct DemoOptions {
     pub volume: f32,
     /// The listening mode; none for the profile's default ([`Listen::for_profile`]).
     pub listen: Option<Listen>,
-    /// The law from pan to gains; none for that of the profile ([`PanningLaw::for_profile`]).
+    /// The law from pan to gains; `None` for the profile's default ([`PanningLaw::for_profile`]).
     pub law: Option<PanningLaw>,
     /// The sound device's name; none for the default device.
     pub device: Option<String>,
@@ -58,7 +58,7 @@ pub struct DemoOptions {
     pub help: bool,
     /// Whether GL errors are queried after every frame; in debug builds they always are.
     pub check_gl: bool,
-    /// Returns whether the window must close; checked at every frame.
+    /// Returns whether the window must close; called at every frame.
     pub is_asked_to_end: fn() -> bool,
     /// Receives every frame as a line of JSON, for programs that control the window.
     pub log_frames: Option<fn(&str)>,

@@ -13,8 +13,8 @@ use std::time::{Duration, Instant};
 const BETWEEN_LOOKS: Duration = Duration::from_millis(100);
 
 impl App {
-    /// Checks the scene that the window opens with, and follows it if it is a file. This waits for
-    /// the trial of its fields, as there is no other scene to show.
+    /// Checks the scene that the window opens with, and follows the scene's file if it has one.
+    /// Waits for the trial of the scene's fields, as there is no other scene to show.
     pub fn follow_first(&mut self, tracer: &mut Tracer) -> Result<(), Error> {
         let (name, settings) = (&self.world.name, &self.choices.settings);
         if !Scene::BUILTIN_NAMES.contains(&name.as_str()) {
@@ -26,7 +26,7 @@ impl App {
         tracer.check(&self.world.base, settings)
     }
 
-    /// The name of a scene that was chosen, while its fields are tried.
+    /// The name of a chosen scene while its fields are tried.
     pub fn tried_scene(&self) -> Option<&str> {
         let coming = self.coming.as_ref().filter(|coming| coming.is_tried())?;
         Some(&coming.world.name)
@@ -40,8 +40,8 @@ impl App {
         ))
     }
 
-    /// Takes over changes of the files; after an error the last good scene stays, and the reason is
-    /// reported.
+    /// Applies changes of the scene's files. After an error the last good scene stays, and the
+    /// reason is reported.
     pub fn reread(&mut self, stage: &mut Stage) {
         let Some(follower) = self.follower.as_mut() else {
             return;
@@ -55,7 +55,7 @@ impl App {
             Ok(false) => (),
             Ok(true) => {
                 follower.refused = None;
-                // The picture may still fail where the waves can be traced.
+                // The picture may fail even if waves can be traced.
                 self.previous = Some(Before {
                     world: self.world.clone(),
                     other: None,
@@ -72,7 +72,7 @@ impl App {
         }
     }
 
-    /// Records why the present files cannot be used, and reports it.
+    /// Records and reports the reason why the files in their present state cannot be used.
     pub fn refuse(&mut self, why: String) {
         if let Some(follower) = &mut self.follower {
             follower.refused = Some(why.clone());

@@ -9,13 +9,13 @@ use echomarch_walk::EarsStatus;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Maximum number of stored pans; beyond it every second one is dropped.
+/// Maximum number of stored pans. When it is reached, every second pan is dropped.
 const PANS_AT_MOST: usize = 4096;
 
-/// Maximum number of stored changes of the scene's files: the last ones.
+/// Maximum number of stored changes of the scene's files; the oldest are dropped.
 const REREAD_AT_MOST: usize = 100;
 
-/// Maximum number of frame times for the medians: the last ones.
+/// Maximum number of stored frame times for the medians; the oldest are dropped.
 const TIMES_AT_MOST: usize = 36_000;
 
 /// Maximum number of minutes with a memory record: a day.
@@ -38,7 +38,7 @@ pub struct FrameTimes {
     pub swap: f64,
     /// The whole frame, without waiting for the next one.
     pub work: f64,
-    /// From the last frame to this one.
+    /// Time from the start of the last frame to the start of this one.
     pub whole: f64,
 }
 
@@ -49,7 +49,7 @@ pub struct PanAt {
     pub seconds: f64,
     /// −1 left, 1 right.
     pub pan: f64,
-    /// The algorithm that computed it.
+    /// The algorithm that computed the pan.
     pub profile: String,
 }
 
@@ -58,7 +58,7 @@ pub struct PanAt {
 pub struct FrameLine<'a> {
     /// Frames drawn, this one included.
     pub frame: u64,
-    /// When it began, in seconds since 1970 by the system clock.
+    /// Start time of the frame, in seconds since 1970 by the system clock.
     pub began: f64,
     /// Seconds since the start.
     pub seconds: f64,
@@ -72,7 +72,7 @@ pub struct FrameLine<'a> {
     pub adapts_waves: bool,
     /// The name or file that the scene was loaded by.
     pub scene: &'a str,
-    /// The same for a scene that was chosen, while its users' fields are tried.
+    /// The name or file of a chosen scene while its users' fields are tried.
     pub trying: Option<&'a str>,
     /// The scene's named values that were set, in the unit of its file.
     pub values: &'a [(String, f32)],
@@ -93,9 +93,10 @@ pub struct FrameLine<'a> {
 pub struct Reread {
     /// Seconds since the start.
     pub seconds: f64,
-    /// Frames drawn before it.
+    /// Number of frames drawn before the change.
     pub frames: u64,
-    /// The reason why the last good scene stays, in one sentence; none if the new one is in use.
+    /// The reason why the last good scene stays, in one sentence; `None` if the new scene is in
+    /// use.
     pub error: Option<String>,
 }
 
@@ -180,9 +181,9 @@ pub struct Report {
     pub paths_heard: usize,
     /// Scene files that were saved.
     pub saved: Vec<String>,
-    /// The `trace` call that equals the last frame.
+    /// The `trace` call that reproduces the last frame.
     pub trace_call: String,
-    /// Whether that call's scene has source and listener at their present positions.
+    /// Whether that call's scene contains the source and the listener at their present positions.
     pub trace_call_is_exact: bool,
     /// The changes of the scene's files, the last hundred.
     pub reread: Vec<Reread>,
@@ -266,7 +267,7 @@ impl Recorder {
 
     /// Writes the measurements into a report.
     pub fn fill(self, report: &mut Report) {
-        // The first second, with compiling and warming up, is not representative.
+        // The first second, with compiling and warming up, is left out as not representative.
         let warm = self.times.len().min(30).min(self.times.len() / 4);
         let times = &self.times[warm..];
         let whole = || times.iter().map(|t| t.whole);

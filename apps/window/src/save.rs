@@ -1,4 +1,4 @@
-//! Saves what was set up by hand as a scene file and as a command line.
+//! Saves the present state of a scene as a scene file and as a command line.
 //!
 //! The file names the scene that was opened as its base, and contains the differences: the present positions of source
 //! and listener, and named values.
@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 /// Maximum number of names tried for one stem.
 const NAMES_AT_MOST: u32 = 9999;
 
-/// Maximum change of an angle through its rounding in degrees in the file, in radians: a rounding of `f32` at ten
+/// Maximum change of an angle, in radians, when the file stores it as rounded degrees: one rounding of `f32` at ten
 /// turns.
 const ROUNDING: f32 = 1e-5;
 
@@ -21,7 +21,7 @@ const ROUNDING: f32 = 1e-5;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SaveError {
-    /// The opened file no longer gives the scene that is heard, or the text to be written does not give it.
+    /// The opened file, or the text to be written, does not give the scene as it is heard.
     #[error("cannot save the scene: its text does not give the same scene when it is read")]
     Differs,
     /// The opened file or the text to be written is not a scene.
@@ -35,14 +35,14 @@ pub enum SaveError {
     Write(#[from] OutputError),
 }
 
-/// Saves a scene in its present state, to the `chosen` file, or else beside the opened file under the next free name
-/// `NAME-1.ron`. Things that were moved by hand lose their path; things that move by themselves keep theirs.
+/// Saves a scene in its present state, to the `chosen` file, or if that is `None` beside the opened file under the next
+/// free name `NAME-1.ron`. A source or listener moved by hand loses its path; all others keep their paths.
 ///
-/// The text is read back before it is written, from the folder that it will lie in: source and listener must be where
-/// they are heard, and the base must still be the scene that was opened.
+/// Before the text is written, it is read back as a file of the destination folder: its source and listener must be at
+/// their heard positions, and the base must still be the scene that was opened.
 ///
 /// # Errors
-/// [`SaveError`]; then no file is left behind.
+/// [`SaveError`]; no file is created in that case.
 pub fn save(
     world: &World,
     settings: &Settings,
@@ -81,13 +81,13 @@ pub fn save(
     Ok(path)
 }
 
-/// Returns the opened scene, read again, with its values and with the moved source and listener.
+/// Returns the opened scene, read again, with its named values and the moved source and listener.
 fn expected(world: &World) -> Result<Scene, SaveError> {
     let mut scene = Scene::load(&world.name)?;
     for (name, value) in &world.values {
         scene.set_value(name, *value)?;
     }
-    // The base's surfaces must be unchanged; files that they name are read again.
+    // The base's surfaces must be unchanged, including the files that they name.
     if scene.surfaces != world.base.surfaces {
         return Err(SaveError::Differs);
     }
@@ -148,8 +148,8 @@ fn stem(scene: &str) -> String {
         .collect()
 }
 
-/// Returns the `trace` call for what the window traced, with the time on the scene's paths if it has any, and with
-/// these named values.
+/// Returns the `trace` call for the frame that the window traced, with the time on the scene's paths if the scene has
+/// paths, and with the given named values.
 pub fn trace_call(
     scene: &str,
     seconds: Option<f64>,
@@ -167,7 +167,7 @@ pub fn trace_call(
     call + &trace_options(settings)
 }
 
-/// Returns the options for these settings, each after a space.
+/// Returns the command line options for these settings, each preceded by a space.
 fn trace_options(settings: &Settings) -> String {
     let usual = Settings::new(settings.profile());
     let mut call = format!(
@@ -253,8 +253,8 @@ mod tests {
         write(&folder.join("mine.ron"), NAMED)
     }
 
-    /// Protects every built-in scene: saved with new positions it is the same scene at these positions, without paths;
-    /// and where nothing was moved by hand, moving things keep their paths.
+    /// Protects every built-in scene: saved with new positions, it is the same scene with these positions and without
+    /// paths; moving things that were not moved by hand keep their paths.
     #[test]
     fn places_are_replaced_and_all_else_stays() {
         let folder = tempfile::tempdir().unwrap();
@@ -290,8 +290,8 @@ mod tests {
         assert_eq!(std::fs::read_to_string(&path).unwrap(), expected);
     }
 
-    /// Protects set values from being lost in the file, in its unit, and saved files from making a chain: saved again,
-    /// the first is the base, and earlier changes stay.
+    /// Protects set values, which are saved in the unit of the file, and saved files from forming a chain: a scene
+    /// saved twice has the original file as its base, and keeps earlier changes.
     #[test]
     fn values_and_earlier_changes_stay() {
         let folder = tempfile::tempdir().unwrap();
@@ -333,8 +333,8 @@ mod tests {
         sources: [Source(name: "flute", level_db: -3, position: (0, 0, -5)), Source(name: "horn")],
         listeners: [Listener(name: "a", radius: 1, position: (0, 0, 5)), Listener(radius: 0.5, yaw: 33)])"#;
 
-    /// Protects everything that is not moved by hand: further sources and listeners, names, levels, materials and air,
-    /// from the base and from a file in between.
+    /// Protects everything that was not moved by hand: further sources and listeners, names, levels, materials and air,
+    /// whether they come from the base or from a file between.
     #[test]
     fn sound_is_saved_as_it_is_heard() {
         let folder = tempfile::tempdir().unwrap();
@@ -369,7 +369,7 @@ mod tests {
         }
     }
 
-    /// Protects the file from containing another scene than the one heard.
+    /// Protects users from a saved file whose scene differs from the one heard.
     #[test]
     fn a_file_that_would_differ_is_not_written() {
         let folder = tempfile::tempdir().unwrap();
@@ -384,7 +384,7 @@ mod tests {
         assert!(matches!(refused, Err(SaveError::NotAScene(_))) && !path.exists());
     }
 
-    /// Protects scenes that name files: the files are found beside the base, wherever the new file lies.
+    /// Protects scenes that name files: the files are found beside the base, whatever the folder of the saved file.
     #[test]
     fn a_scene_that_names_files_is_saved_anywhere() {
         let folder = tempfile::tempdir().unwrap();
@@ -398,7 +398,7 @@ mod tests {
         let read = Scene::from_file(&path).unwrap();
         assert_eq!(read.surfaces.len(), 3);
         assert_eq!(read.user_fields().count(), 1);
-        // A file named like a built-in scene stays a file.
+        // A file that has the name of a built-in scene is still treated as a file.
         let odd = folder.path().join("corner");
         std::fs::copy(&origin, &odd).unwrap();
         let saved = save(
@@ -410,7 +410,7 @@ mod tests {
         assert!(text.contains("base: \"./corner\""), "{text}");
     }
 
-    /// Protects the command line from characters that a shell would interpret, and from redundant options.
+    /// Protects the command line from characters that a shell would interpret, and from options with default values.
     #[test]
     fn the_call_says_what_is_not_usual() {
         let usual = trace_call("corner", None, &[], &Settings::default());

@@ -9,8 +9,8 @@ use echomarch::scene::Scene;
 use std::path::Path;
 
 impl App {
-    /// Changes to another of the built-in scenes and the files seen in this run, `steps` on in the
-    /// list.
+    /// Changes the scene by `steps` in the list of the built-in scenes and the files seen in this
+    /// run.
     pub fn next_scene(&mut self, steps: i32) {
         let built_in = Scene::BUILTIN_NAMES.iter().map(|name| (*name).to_owned());
         let all: Vec<String> = built_in.chain(self.files.seen().iter().cloned()).collect();
@@ -37,8 +37,8 @@ impl App {
         }
     }
 
-    /// Opens another scene once its users' fields were tried. If it does not compile, the previous
-    /// one comes back.
+    /// Opens another scene once its users' fields were tried. If the scene does not compile, the
+    /// previous scene returns.
     pub fn change_scene(&mut self, name: &str) {
         let mut coming = match Coming::begin(name, &self.choices.settings) {
             Ok(coming) => coming,
@@ -67,14 +67,14 @@ impl App {
         }
     }
 
-    /// Enters the scene that was chosen.
+    /// Switches to the chosen scene.
     pub fn arrive(&mut self, coming: Coming) {
         let told = coming.told.clone();
         let (mut world, follower) = coming.arrive();
         world.paused = self.world.paused;
         let world = std::mem::replace(&mut self.world, world);
         let follower = std::mem::replace(&mut self.follower, follower);
-        // A scene that was not drawn yet may still fail, so the scene before it is kept.
+        // A scene that was not drawn yet may still fail, so the previous scene is kept.
         self.previous = Some(match self.previous.take() {
             None => Before {
                 world,

@@ -1,7 +1,7 @@
-//! The sound of the window: takes gains, reports the device's status.
+//! The sound of the window: receives the gains, reports the device's status.
 //!
-//! With the feature `audio` it plays through [`echomarch::audio::live`]; without it the window is
-//! silent and a message reports that.
+//! With the feature `audio` sound is played through [`echomarch::audio::live`]; without this
+//! feature the window is silent and a message states why.
 
 use super::DemoOptions;
 use super::ears::Ears;
@@ -27,13 +27,13 @@ pub struct SoundStatus {
     pub sample_rate: Option<u32>,
     /// Buffer size of the device in samples.
     pub buffer: Option<u32>,
-    /// Late buffers: as reported by the device, or later than two buffers.
+    /// Number of late buffers: reported as late by the device, or delayed by more than two buffers.
     pub underruns: u64,
-    /// Times that the device was opened again.
+    /// Number of times that the device was reopened.
     pub restarts: u64,
     /// Milliseconds that the gains waited for the sound thread to take them.
     pub gains_to_buffer: Option<f64>,
-    /// Milliseconds from there to the ear, as reported by the device.
+    /// Milliseconds from the sound thread to the ear, as reported by the device.
     pub buffer_to_device: Option<f64>,
     /// Whether a recording is in progress.
     pub is_recording: bool,
@@ -51,7 +51,7 @@ pub struct Speaker {
 }
 
 impl Speaker {
-    /// Starts the sound. Never fails: without a device it is silent and reports that.
+    /// Starts the sound. Never fails: without a device the window is silent and reports that.
     pub fn start(options: &DemoOptions) -> Speaker {
         let speaker = Speaker {
             law: law_of(options),
@@ -108,7 +108,7 @@ impl Speaker {
         Ok(())
     }
 
-    /// Plays the sources of a scene in full, in place of one sound and its pan.
+    /// Plays the sources of a scene in full listening, in place of one sound with its pan.
     pub fn play_in_full(&mut self, ears: &Ears, scene: &Scene, sound: &str) {
         #[cfg(feature = "audio")]
         if let Some(live) = &self.live
@@ -195,7 +195,7 @@ fn start(options: &DemoOptions) -> Option<Live> {
         buffer_frames: options.buffer,
         law: law_of(options),
     };
-    // Typed sounds were checked before.
+    // The sound was checked when it was typed.
     options
         .sound
         .parse()
@@ -256,8 +256,8 @@ mod tests {
         status
     }
 
-    /// Protects the panel's message: an old loss of the device is no longer shown, a sound that
-    /// could not be loaded is reported although the device plays.
+    /// Protects the panel's message: an earlier loss of the device is no longer shown, and a sound
+    /// that could not be loaded is reported although the device plays.
     #[test]
     fn what_went_wrong_is_shown_while_a_device_is_open() {
         let well = of_live(&playing());

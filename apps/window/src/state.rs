@@ -1,4 +1,4 @@
-//! The choices: everything that keys and panels change, except the scene.
+//! The choices: all settings that keys and panels change, except the scene.
 
 use super::DemoOptions;
 use echomarch::audio::PanningLaw;
@@ -6,7 +6,7 @@ use echomarch::auralisation::Listen;
 use echomarch::tracer::{Profile, Settings};
 use std::collections::HashMap;
 
-/// Properties of the player in full listening; when they change another player is needed.
+/// Properties of the player in full listening. If one changes, the player must be replaced.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InFull {
     pub sound: String,
@@ -19,7 +19,7 @@ pub struct InFull {
 pub struct Choices {
     /// How waves are traced.
     pub settings: Settings,
-    /// The last settings of the other algorithms.
+    /// The last settings of each other algorithm.
     others: HashMap<Profile, Settings>,
     /// Number of pictures per frame of waves.
     pub trace_every: u32,
@@ -65,8 +65,8 @@ impl Choices {
         }
     }
 
-    /// Changes to another algorithm: with its own constants as they were when it was left, and with the present waves,
-    /// iterations and directions.
+    /// Changes to another algorithm, and restores its last constants; the present waves, iterations and directions
+    /// stay.
     pub fn set_profile(&mut self, profile: Profile) {
         if profile == self.settings.profile() {
             return;
@@ -83,7 +83,7 @@ impl Choices {
         self.others.insert(old.profile(), old);
     }
 
-    /// Doubles or halves the number of waves, `steps` times; it then no longer follows the frame time.
+    /// Doubles or halves the number of waves, `steps` times; the number is then no longer adapted to the frame time.
     pub fn change_waves(&mut self, steps: i32) {
         self.adapt_waves = false;
         let waves = f64::from(self.settings.waves) * 2f64.powi(steps);
@@ -147,7 +147,7 @@ mod tests {
         assert!(choices.settings.validate().is_ok());
     }
 
-    /// Protects loudness: the law follows the algorithm until one is chosen, which then stays.
+    /// Protects loudness: the panning law is the algorithm's default until the user chooses one, which then stays.
     #[test]
     fn the_panning_law_is_the_profile_s_until_it_is_chosen() {
         let mut choices = Choices::of(&DemoOptions::default());

@@ -74,7 +74,7 @@ impl App {
         report
     }
 
-    /// Returns the `trace` call nearest to the present state, and whether its scene is exact.
+    /// Returns the `trace` call that best reproduces the present state, and whether its scene is exact.
     pub fn call(&self) -> (String, bool) {
         let (world, settings) = (&self.world, &self.choices.settings);
         let time = world.moves().then(|| world.looped());
@@ -98,13 +98,13 @@ impl App {
     }
 }
 
-/// A place in the report; the origin where there is none.
+/// A position for the report; the origin if there is none.
 fn place(position: Option<Vec3>) -> [f32; 3] {
     position.unwrap_or_default().to_array()
 }
 
-/// Whether two scenes agree in air, sources and listeners, up to the rounding of degrees, and have equal surfaces
-/// wherever their files lie: a saved scene may name them from another folder.
+/// Whether two scenes agree in air, sources and listeners, up to the rounding of degrees, and have equal surfaces.
+/// Surfaces may name their files differently: a saved scene names them from another folder.
 fn stands_as(a: &Scene, b: &Scene) -> bool {
     let places = |scene: &Scene| {
         scene
@@ -133,8 +133,7 @@ mod tests {
     use super::*;
     use std::fs;
 
-    /// Protects the `trace` call of a scene that was saved into another folder: the surfaces' files then have other
-    /// names but are the same.
+    /// Protects the `trace` call of a scene saved into another folder: its surfaces name the same files differently.
     #[test]
     fn a_scene_in_another_folder_stands_as_its_base() {
         let folder = tempfile::tempdir().unwrap();

@@ -34,7 +34,7 @@ pub fn event_loop() -> Result<EventLoop<()>, DemoError> {
     new_event_loop().map_err(|reason| DemoError::NoDisplay { reason })
 }
 
-/// X11 if there is an X11 display, else Wayland.
+/// Returns an X11 event loop if there is an X11 display, otherwise one for Wayland.
 #[cfg(all(unix, not(target_os = "macos")))]
 fn new_event_loop() -> Result<EventLoop<()>, String> {
     use winit::platform::wayland::EventLoopBuilderExtWayland;
@@ -113,7 +113,7 @@ impl DemoWindow {
         let confine = || self.window.set_cursor_grab(CursorGrabMode::Confined);
         let grabbed = wanted && confine().is_ok();
         if !grabbed {
-            // An error while freeing it cannot be handled.
+            // An error while freeing the mouse cannot be handled.
             let _ = self.window.set_cursor_grab(CursorGrabMode::None);
         }
         self.window.set_cursor_visible(!grabbed);
@@ -122,11 +122,11 @@ impl DemoWindow {
 
     /// Moves the pointer to a position in the window, in pixels.
     pub fn put_pointer(&self, [x, y]: [f64; 2]) {
-        // If this fails the pointer stays, and stops at the window's edge.
+        // If this fails the pointer stays where it is, and stops at the window's edge.
         let _ = self.window.set_cursor_position(PhysicalPosition::new(x, y));
     }
 
-    /// Whether a panel lies at a position of the window, in pixels, by the last layout.
+    /// Whether a panel covered this position of the window, in pixels, in the last layout.
     pub fn is_panel_at(&self, [x, y]: [f64; 2]) -> bool {
         let context = &self.panels.context;
         let scale = f64::from(context.pixels_per_point());
@@ -145,9 +145,10 @@ impl DemoWindow {
         &self.panels.context
     }
 
-    /// Lays out the panels and draws them over what is in the window.
+    /// Lays out the panels and draws them over the window's content.
     pub fn draw_panels(&mut self, layout: impl FnMut(&mut egui::Ui)) {
-        // The waves' passes draw into other targets, and the painter uses the bound one.
+        // The passes of the waves draw into other targets, and egui's painter uses the bound
+        // target.
         self.gl.aim();
         let size = self.size();
         self.panels.draw(&self.window, size, layout);

@@ -27,7 +27,7 @@ pub fn draw(ui: &mut Ui, hud: &HudState, chosen: &mut Choices, actions: &mut Vec
     frame(ui, hud, chosen);
 }
 
-/// A slider that leaves a value outside its range unchanged until it is moved.
+/// A slider that leaves a value outside its range unchanged until the user moves it.
 fn slider<'a, T: egui::emath::Numeric>(
     value: &'a mut T,
     range: std::ops::RangeInclusive<T>,
@@ -134,7 +134,7 @@ fn waves(ui: &mut Ui, chosen: &mut Choices, actions: &mut Vec<Action>) {
     let most = MOST_WAVES.max(settings.waves);
     let number = slider(&mut settings.waves, 64..=most).logarithmic(true);
     if style::slider(ui, "waves", number).changed() {
-        // Setting the number by hand stops it from following the frame time.
+        // A manual change of the number ends its adaptation to the frame time.
         chosen.adapt_waves = false;
     }
     let text = "number follows the frame time";

@@ -8,10 +8,10 @@ use egui::{Pos2, Rect, Sense, Shape, Stroke, Ui, Vec2};
 /// Height of the curve in points.
 const CURVE: f32 = 44.0;
 
-/// Maximum number of sources with a line of their own: the first ones.
+/// Maximum number of sources listed; further sources are not shown.
 const MOST_SOURCES: usize = 6;
 
-/// Draws it, if full listening is on.
+/// Draws this part of the panel, if full listening is on.
 pub fn draw(ui: &mut Ui, hud: &HudState) {
     let Some(ears) = hud.ears else {
         return;
@@ -31,7 +31,7 @@ pub fn draw(ui: &mut Ui, hud: &HudState) {
     ui.separator();
 }
 
-/// Formats a source's level; before the first trace it is unknown.
+/// Formats a source's level, which is unknown before the first trace.
 fn level(heard: Option<&HeardSource>) -> String {
     let Some(heard) = heard else {
         return "–".to_owned();

@@ -5,11 +5,11 @@ use super::{HudState, style};
 use echomarch::scene::Material;
 use egui::{ComboBox, Ui};
 
-/// Maximum number of surfaces that can be chosen from: the first ones. A longer list is impractical
-/// as a menu.
+/// Maximum number of surfaces listed; further surfaces are not shown, as a longer menu is
+/// impractical.
 const MOST_SURFACES: usize = 64;
 
-/// A menu of the surfaces, and one of the chosen one's material.
+/// Draws a menu of the surfaces, and a menu of materials for the chosen surface.
 pub fn draw(ui: &mut Ui, hud: &HudState, actions: &mut Vec<Action>) {
     style::heading(ui, "MATERIAL");
     let surfaces = &hud.world.base.surfaces;

@@ -30,14 +30,14 @@ const MARGIN: f32 = 8.0;
 const ROOM_FOR_BOTH: f32 = style::LEFT + style::RIGHT + 8.0 * MARGIN;
 /// Width that the lines in the middle need beside both panels, in points.
 const ROOM_FOR_LINE: f32 = ROOM_FOR_BOTH + 400.0;
-/// Width of the window that a panel on the left takes, edges included, in points. Lines in the
-/// middle keep the same distance from the right.
+/// Width of the window that the left panel takes, edges included, in points. Lines in the middle
+/// keep the same distance from the right edge.
 const SIDE: f32 = style::LEFT + 2.0 * style::INNER + 2.0 * MARGIN;
 /// Width of the list of keys, edges included, in points.
 const ROOM_FOR_HELP: f32 = help::WIDTH + 2.0 * style::INNER + 2.0 * MARGIN;
 /// Height of a line of text on its own background, with the space above it, in points.
 const ABOVE: f32 = 25.0;
-/// Height of one more line of the same text, in points.
+/// Height of each further row of text, in points.
 const ROW: f32 = 15.0;
 /// Height that a window needs to show the times below the choices, in points.
 const ROOM_FOR_TIMES: f32 = 330.0;
@@ -47,7 +47,8 @@ const ROOM_FOR_TIMES: f32 = 330.0;
 struct Room {
     /// The window's size in points.
     size: Vec2,
-    /// Whether the lines of text are below the panels, as there is no space between them.
+    /// Whether the lines of text are below the panels, as there is no space for them between the
+    /// panels.
     is_narrow: bool,
     /// Maximum width of a line's text.
     line: f32,
@@ -55,7 +56,7 @@ struct Room {
     rows: usize,
     /// Height reserved for the lines below the panels.
     below: f32,
-    /// Whether the help leaves no room for the panels.
+    /// Whether the help leaves no room for panels.
     is_help_alone: bool,
 }
 
@@ -120,7 +121,7 @@ pub struct HudState<'a> {
     pub gl_errors: Option<u64>,
     /// The last action or error.
     pub message: Option<&'a str>,
-    /// The reason why the present state of the scene's file is not shown.
+    /// The reason why the scene's file is not shown in its present state.
     pub refusal: Option<&'a str>,
     /// Whether the mouse looks about.
     pub mouse_looks: bool,
@@ -180,7 +181,7 @@ fn right(ui: &Ui, hud: &HudState, room: Room, chosen: &mut Choices, actions: &mu
 fn scrolled(ui: &mut Ui, most: f32, add: impl FnOnce(&mut Ui)) {
     let most = most.max(60.0);
     egui::ScrollArea::vertical()
-        // Otherwise it would keep the height of the first frame's content.
+        // Without this setting the area would keep the height of the first frame's content.
         .min_scrolled_height(most)
         .max_height(most)
         .show(ui, add);
@@ -194,7 +195,7 @@ fn lower(ui: &Ui, hud: &HudState, room: Room, chosen: &Choices) {
 }
 
 /// Draws the hint line, the last message above it, and the reason why the scene's file is not in
-/// use, which is shown until the file is fixed.
+/// use. The reason is shown until the file is fixed.
 fn lines(ui: &Ui, hud: &HudState, room: Room) {
     let text = if hud.mouse_looks {
         "the mouse looks about: Esc or a click frees it    WASD walk    F1 help"

@@ -22,7 +22,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Draws the plan as large as its box allows; the box is as wide as the available room.
+    /// Draws the plan as large as its box allows; the box fills the available width.
     pub fn draw(&mut self, ui: &mut Ui, hud: &HudState, paths: bool) {
         let scene = &hud.world.now;
         let bounds = self.refresh(ui.ctx(), &hud.world.name, scene);
@@ -52,7 +52,7 @@ impl Plan {
         painter.text(corner, egui::Align2::LEFT_BOTTOM, text, font, style::TEXT);
     }
 
-    /// Cuts the scene again if it has changed; returns the part of the world that is shown.
+    /// Cuts the scene again if it has changed; returns the bounds of the plan.
     fn refresh(&mut self, context: &Context, name: &str, scene: &Scene) -> Bounds {
         if self.cut.refresh(name, scene) {
             let image = self.cut.image();
@@ -67,10 +67,11 @@ impl Plan {
     }
 }
 
-/// Opacity of the marks of listeners that are not the one heard.
+/// Opacity of the marks of all listeners except the one that hears.
 const FURTHER: f32 = 0.4;
 
-/// Draws the sources, the hearing listener, and the others paler; with names where there are several of a kind.
+/// Draws the sources, the listener that hears, and the other listeners in a paler colour; adds names if there are
+/// several of a kind.
 fn marks(painter: &egui::Painter, scene: &Scene, scale: f32, place: impl Fn(Vec3) -> Pos2) {
     if let Some((walker, others)) = scene.listeners.split_first() {
         for listener in others {
@@ -118,7 +119,7 @@ fn radius_of(listener: &Listener, scale: f32) -> f32 {
     (scale * listener.radius).max(3.0)
 }
 
-/// One line for each wave; those that reached the listener lie on top.
+/// Draws one line for each wave; waves that reached the listener are drawn on top.
 fn path_shapes(
     states: &[Vec<Wave>],
     source: Vec3,
@@ -141,7 +142,7 @@ fn path_shapes(
     let mut shapes = Vec::new();
     for (fate, colour, width) in styles {
         let is_drawn_so = |of: &Fate| match of {
-            // Waves that are not finite have ended too.
+            // Waves with values that are not finite have ended too.
             Fate::NotFinite => fate == Fate::Dead,
             of => *of == fate,
         };

@@ -10,7 +10,7 @@ use egui::{
 pub const LEFT: f32 = 236.0;
 /// Width of the panel on the right, in points.
 pub const RIGHT: f32 = 200.0;
-/// Height of the panel of times below it, in points.
+/// Height of the panel of times, in points.
 pub const TIMES: f32 = 126.0;
 /// Space within a panel's edge, in points.
 pub const INNER: f32 = 7.0;
@@ -27,11 +27,11 @@ pub const ROW: f32 = 15.0;
 /// Height of a row of small text, in points.
 const SMALL_ROW: f32 = 12.0;
 
-/// Text.
+/// Normal text.
 pub const TEXT: Color32 = Color32::from_rgb(214, 220, 226);
-/// Text that matters less.
+/// Less important text.
 pub const FAINT: Color32 = Color32::from_rgb(146, 155, 164);
-/// Text that matters now.
+/// Highlighted text.
 pub const BRIGHT: Color32 = Color32::from_rgb(255, 214, 130);
 /// The source.
 pub const SOURCE: Color32 = Color32::from_rgb(240, 176, 40);
@@ -77,7 +77,7 @@ pub fn set_style(context: &Context) {
         style.spacing.slider_width = 96.0;
         style.spacing.button_padding = Vec2::new(5.0, 1.0);
         style.interaction.selectable_labels = false;
-        // Cut-off content shows that it can be scrolled before the pointer is there.
+        // The scroll bar of cut-off content is visible even while the pointer is elsewhere.
         style.spacing.scroll.dormant_handle_opacity = 0.7;
         style.spacing.scroll.floating_allocated_width = 4.0;
     });
@@ -117,9 +117,9 @@ pub fn line(ui: &Ui, name: &str, at: Align2, offset: Vec2, most: (f32, usize), t
     });
 }
 
-/// Shows an area complete in the first frame that requests it, so that a picture of the window
-/// includes everything open in it. egui alone would measure it in the first frame, unseen, and let
-/// it fade in.
+/// Shows an area completely in the first frame that requests it, so that a picture of the window
+/// includes everything that is open. By default egui would only measure the area in its first
+/// frame, and then fade it in.
 fn at_once(ui: &Ui, name: &str, area: Area, add: impl FnOnce(&mut Ui)) {
     let context = ui.ctx();
     let id = Id::unique(name);
@@ -137,7 +137,7 @@ fn label(ui: &mut Ui, (width, rows): (f32, usize), text: RichText) {
         .corner_radius(CornerRadius::same(5))
         .inner_margin(Margin::symmetric(LINE_INNER as i8, 3))
         .show(ui, |ui| {
-            // A long sentence wraps; the area itself has no width yet.
+            // A long sentence wraps, although the area itself has no width yet.
             let text = egui::WidgetText::from(text);
             let job = text.into_layout_job(ui.style(), TextStyle::Body.into(), egui::Align::Center);
             let mut job = (*job).clone();
@@ -152,7 +152,7 @@ fn label(ui: &mut Ui, (width, rows): (f32, usize), text: RichText) {
         });
 }
 
-/// A row with its name before it, in a column of the same width for all.
+/// A row that begins with its name, in a column of the same width in all rows.
 pub fn named<T>(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui) -> T) -> T {
     ui.horizontal(|ui| {
         let size = Vec2::new(LABEL, ROW);
@@ -169,7 +169,7 @@ pub fn named<T>(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui) -> T) -> T {
     .inner
 }
 
-/// A slider in a row of its own, whose parts keep their places whatever the number.
+/// A slider in a row of its own, whose parts keep their positions for any number.
 pub fn slider(ui: &mut Ui, name: &str, slider: Slider) -> Response {
     named(ui, name, |ui| {
         ui.spacing_mut().slider_width = SLIDER;

@@ -1,16 +1,16 @@
-//! The panels by themselves, without a window.
+//! Tests of the panels without a window.
 
 use super::super::DemoOptions;
 use super::*;
 use echomarch::response::HeardSource;
 use egui::{Context, Id, RawInput, Rect};
 
-/// All areas with a place of their own.
+/// All areas with a fixed position.
 const AREAS: [&str; 7] = [
     "left", "right", "lower", "hint", "message", "refusal", "help",
 ];
 
-/// The state that differs from frame to frame while the panels are open.
+/// State that differs from frame to frame while the panels are open.
 #[derive(Clone, Copy)]
 struct Moment {
     waves: u32,
@@ -39,7 +39,7 @@ const BUSY: Moment = Moment {
     seconds: 12.3,
 };
 
-/// The places of all areas after some frames of that moment in a window of that size.
+/// The positions of all areas after some frames with this state in a window of this size.
 fn laid_out(
     size: [u32; 2],
     scene: &str,
@@ -139,7 +139,7 @@ const SIZES: [[u32; 2]; 6] = [
     [1600, 900],
 ];
 
-/// Protects the panels from moving: they keep their places and sizes, whatever the numbers.
+/// Protects the panels from moving: they keep their positions and sizes, whatever the numbers.
 #[test]
 fn panels_stand_still_while_one_reads() {
     for size in SIZES {
@@ -149,7 +149,7 @@ fn panels_stand_still_while_one_reads() {
             assert!(quiet.len() >= 2, "{size:?}: {quiet:?}");
             assert_eq!(quiet, busy, "{scene} {size:?}");
         }
-        // Messages and plans of another shape do not move them either.
+        // Messages and plans of another shape do not move the panels either.
         let panels = |all: Vec<(&'static str, Rect)>| {
             let is_panel = |(name, _): &(&str, Rect)| ["left", "lower"].contains(name);
             all.into_iter().filter(is_panel).collect::<Vec<_>>()

@@ -54,7 +54,7 @@ pub fn draw(ui: &mut Ui, hud: &HudState, chosen: &Choices) {
     legend(ui, &middle);
 }
 
-/// Shows a number and whether it follows the frame time.
+/// Shows a number, and whether it is adapted to the frame time.
 fn adapted(ui: &mut Ui, name: &str, number: &str, follows: bool) {
     let (word, colour) = match follows {
         true => ("follows", style::BRIGHT),
@@ -67,7 +67,7 @@ fn adapted(ui: &mut Ui, name: &str, number: &str, follows: bool) {
     });
 }
 
-/// The parts' colours and medians, each in a fixed place.
+/// The parts' colours and medians, each at a fixed position.
 fn legend(ui: &mut Ui, middle: &FrameTimes) {
     const COLUMNS: usize = 3;
     const ROW: f32 = 13.0;
