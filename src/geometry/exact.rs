@@ -25,7 +25,7 @@ const SPARE: f64 = 1e-5;
 /// Minimum number of waves per thread, below which starting the thread does not pay off.
 const WAVES_WORTH_A_THREAD: usize = 4096;
 
-/// A scene to trace waves through exactly, in its current state (use [`Scene::at`] to follow moving sources and
+/// A scene to trace waves through exactly, in its current state (use [`Scene::at`](crate::Scene::at) to follow moving sources and
 /// listeners).
 ///
 /// ```

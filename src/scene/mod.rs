@@ -2,7 +2,7 @@
 //!
 //! A [`Scene`] is plain data. It is read from a RON file ([`Scene::load`]), built into the library ([`Scene::builtin`])
 //! or written in Rust, and does not depend on OpenGL: the module `shader` turns it into shader text and numbers, and
-//! [`Scene::distance`] is the same signed distance function on the CPU.
+//! [`Scene::surface_distance`] and [`Pair::distance`] are the same signed distance functions on the CPU.
 //!
 //! World axes: x to the right, y up, z towards the viewer (right-handed).
 //! World units are metres, angles are radians in code and degrees in files.

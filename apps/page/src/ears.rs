@@ -2,8 +2,8 @@
 
 use crate::{scene, settings, thrown};
 use echomarch::Scene;
-use echomarch::glam::Vec3;
 use echomarch::gl::Context;
+use echomarch::glam::Vec3;
 use echomarch_walk::{Ears, HeardMessage, WalkState, Walker};
 use wasm_bindgen::prelude::*;
 use web_sys::WebGl2RenderingContext;

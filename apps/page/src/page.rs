@@ -1,8 +1,8 @@
 //! The picture, the plan, and the frames of waves.
 
 use crate::{scene, settings, thrown};
-use echomarch::glam::Vec3;
 use echomarch::gl::Context;
+use echomarch::glam::Vec3;
 use echomarch_walk::{MoveInput, Visit, Walker};
 use wasm_bindgen::prelude::*;
 use web_sys::WebGl2RenderingContext;
