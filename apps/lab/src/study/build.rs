@@ -1,4 +1,4 @@
-//! Builds a study from the content of its file: loads scenes, and counts points.
+//! Builds a study from the content of its file: loads the scenes and counts the points.
 
 use super::check::{Checker, MOST_POINTS};
 use super::columns::ResponseColumns;
@@ -25,7 +25,7 @@ pub(super) fn from_file(path: &Path) -> Result<Study, StudyError> {
     study(&file, &Checker { origin: &origin }, folder)
 }
 
-/// Builds the study of a file; its scenes are in `folder`.
+/// Builds the study of a file, whose scenes are in `folder`.
 pub(super) fn study(
     file: &StudyFile,
     checker: &Checker,
@@ -55,7 +55,7 @@ pub(super) fn study(
     Ok(study)
 }
 
-/// Loads every scene, and tries the numbers of its named values.
+/// Loads every scene, and tries the values of its named values.
 fn scenes(
     file: &StudyFile,
     checker: &Checker,
@@ -91,12 +91,12 @@ fn load(said: &SceneFile, folder: &Path) -> Result<Scene, SceneError> {
     Ok(of_first_pair(Scene::load_in(&said.of, folder)?))
 }
 
-/// Maximum number of values of an axis that are tried before work begins; of longer axes the ends
-/// are tried, and some values between.
+/// Maximum number of values of an axis that are tried before work begins. On longer axes the ends
+/// and some values between them are tried.
 const MOST_TRIED: u64 = 16;
 
-/// Sets each named value to the numbers of its axis, with the others as in the file: values that
-/// the scene rejects are reported before the first point.
+/// Sets each named value to the numbers of its axis, with all other values as in the file, so that
+/// values that the scene rejects are reported before the first point.
 fn try_values(scene: &Scene, said: &SceneFile) -> Result<(), SceneError> {
     for (name, numbers) in &said.values {
         let tried = numbers.len().min(MOST_TRIED);
@@ -170,7 +170,7 @@ fn kept(said: &Keep) -> Kept {
     }
 }
 
-/// Checks that every case can be traced, and supports responses if these are kept.
+/// Checks that every case can be traced and, if responses are kept, supports responses.
 fn check_settings(study: &Study, checker: &Checker) -> Result<(), StudyError> {
     for case in &study.settings {
         if let Err(error) = case.settings.validate() {

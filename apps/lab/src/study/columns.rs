@@ -1,4 +1,4 @@
-//! The columns of a study: those that identify a point, and those of its results.
+//! The columns of a study's tables: first those that identify a point, then those of its results.
 
 use super::file::{FigureName, ResponseFile};
 use super::{Kept, Study};
@@ -6,17 +6,17 @@ use crate::report::Cell;
 use echomarch::bands::BANDS_HZ;
 use echomarch::response::{BandFigures, Gap, Response};
 
-/// Maximum of all times in the results, in seconds: a record has at most 60 s, and a decay time is three times the part
-/// that it is evaluated from.
+/// Maximum of all times in the results, in seconds: a record has at most 60 s, and a decay time is three times the
+/// evaluated part of the decay.
 const LONGEST_S: f64 = 3600.0;
 
 /// Maximum of all levels in the results, in decibels: the ratio of two 64-bit numbers has at most 6,320 dB.
 const LOUDEST_DB: f64 = 6400.0;
 
-/// The largest error as a multiple of its figure's range: Student's t widens an error by up to 6.4.
+/// Largest error as a multiple of the figure's range: Student's t widens an error by a factor of up to 6.4.
 const ERROR_TO_RANGE: f64 = 10.0;
 
-/// A share or a time may exceed its limits by this rounding error.
+/// Rounding error by which a share or a time may exceed its limits.
 const ROUNDING: f64 = 1e-9;
 
 /// A column of the joined tables.
@@ -24,11 +24,11 @@ const ROUNDING: f64 = 1e-9;
 pub(super) struct Column {
     pub name: String,
     pub kind: Kind,
-    /// Its permitted numbers; for text, those of each number in it.
+    /// The permitted numbers of the cells; in a text, of each number in it.
     pub range: Range,
 }
 
-/// The permitted numbers of a column, from the minimum to the maximum; cells read from a shard are checked against it.
+/// The permitted numbers of a column, from minimum to maximum. Cells read from a shard are checked against this range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Range {
     pub least: f64,
@@ -38,7 +38,7 @@ pub(super) struct Range {
 }
 
 impl Range {
-    /// Every finite number.
+    /// All finite numbers.
     const ANY: Range = Range::new(f64::MIN, f64::MAX);
 
     const fn new(least: f64, most: f64) -> Range {
@@ -56,7 +56,7 @@ impl Range {
         }
     }
 
-    /// The range of the errors of a figure with this range.
+    /// The range of the errors of a figure whose own range is `self`.
     fn of_errors(self) -> Range {
         let most = ERROR_TO_RANGE * (self.most - self.least);
         Range::new(0.0, most).or_empty()
@@ -75,7 +75,7 @@ pub(super) enum Kind {
 }
 
 impl Column {
-    /// A column that may hold every finite number.
+    /// Creates a column that may hold every finite number.
     pub(super) fn new(name: impl Into<String>, kind: Kind) -> Column {
         Column::within(name, kind, Range::ANY)
     }
@@ -96,7 +96,7 @@ pub(super) struct ResponseColumns {
     /// Indices into [`BANDS_HZ`].
     bands: Vec<usize>,
     errors: bool,
-    /// Number of bins of the traced echogram, each 1 ms long, in one bin of the table.
+    /// Number of bins of the traced echogram (1 ms each) that are summed into one bin of the table.
     echogram_bins: Option<usize>,
 }
 
@@ -112,7 +112,7 @@ impl ResponseColumns {
         }
     }
 
-    /// Figure and band of each pair of columns, in order.
+    /// Figure and band of each pair of columns (value and error), in order.
     fn pairs(&self) -> impl Iterator<Item = (FigureName, usize)> {
         let figures = self.figures.iter();
         figures.flat_map(|figure| self.bands.iter().map(|band| (*figure, *band)))
@@ -147,7 +147,7 @@ impl ResponseColumns {
         columns
     }
 
-    /// The cells of these columns.
+    /// The cells of these columns for one response.
     pub fn cells(&self, response: &Response) -> Vec<Cell> {
         let mut cells = Vec::new();
         for (figure, band) in self.pairs() {
@@ -182,12 +182,12 @@ impl ResponseColumns {
     }
 }
 
-/// The column with the reason why figures of a band are empty in a row: [`Gap::code`], 0 if they are not.
+/// Name of the column that states why figures of a band are empty in a row: [`Gap::code`], or 0 if they are not empty.
 fn gap_column(band_hz: f64) -> String {
     format!("gap_{band_hz}")
 }
 
-/// The column with the reason why cells of the given column are empty, if it is one of a figure.
+/// Name of the column that states why cells of the given column are empty; none if the column does not hold a figure.
 pub(super) fn gap_column_of(column: &str) -> Option<String> {
     let name = column.strip_suffix("_error").unwrap_or(column);
     let (figure, band) = name.rsplit_once('_')?;
@@ -196,7 +196,7 @@ pub(super) fn gap_column_of(column: &str) -> Option<String> {
         .then(|| gap_column(band.parse().unwrap_or_default()))
 }
 
-/// The energy densities of all arrivals in 1/m², each over `bins` bins of the echogram.
+/// The energy densities of all arrivals in 1/m², summed over `bins` bins of the echogram each.
 fn energies(response: &Response, bins: usize) -> Vec<echomarch::bands::Bands> {
     let echogram = &response.echogram;
     let mut energies = vec![echomarch::bands::Bands::default(); echogram.bins().div_ceil(bins)];
@@ -215,7 +215,7 @@ fn energies(response: &Response, bins: usize) -> Vec<echomarch::bands::Bands> {
 }
 
 impl FigureName {
-    /// Its column, without the band.
+    /// Name of the figure's column, without the band.
     fn column(self) -> &'static str {
         BandFigures::NAMES[self as usize]
     }
@@ -239,14 +239,14 @@ impl FigureName {
 }
 
 impl Kept {
-    /// The columns of the results: counts of up to `waves` waves, and of up to `marches` marches of all waves.
+    /// The columns of the results. Counts of waves are at most `waves`, counts of marches at most `marches`.
     fn columns(&self, waves: u64, marches: u64) -> Vec<Column> {
         let mut columns = Vec::new();
         let waves = Range::new(0.0, waves as f64);
         let marches = Range::new(0.0, marches as f64);
         let pan = Range::new(-1.0, 1.0);
         if self.pan {
-            // A wave adds 1 to both together.
+            // A wave adds 1 to the sum of the two channels.
             let ranges = [("left", waves), ("right", waves), ("pan", pan)];
             columns.extend(ranges.map(|(name, range)| Column::within(name, Kind::Real, range)));
         }
@@ -273,14 +273,14 @@ impl Kept {
 }
 
 impl Study {
-    /// The names of named values, each once, in alphabetic order.
+    /// The names of all named values, each once, in alphabetical order.
     pub(super) fn value_names(&self) -> Vec<&str> {
         let names = self.variants.iter().flat_map(|axis| axis.values.keys());
         let names: std::collections::BTreeSet<&str> = names.map(String::as_str).collect();
         names.into_iter().collect()
     }
 
-    /// The columns that identify a point; the first is its number.
+    /// The columns that identify a point; the first column is the point's number.
     pub(super) fn point_columns(&self) -> Vec<Column> {
         let mut columns = vec![
             Column::new("point", Kind::Whole),

@@ -1,4 +1,4 @@
-//! Estimates the cost of a study: points, time from a short sample, bytes.
+//! Estimates the cost of a study from a short sample: points, time, bytes.
 
 use super::work::row;
 use super::{Study, StudyError, Worker, lines};
@@ -9,25 +9,25 @@ use std::time::{Duration, Instant};
 /// Maximum number of points of a sample.
 const MOST_SAMPLED: u64 = 64;
 
-/// Minimum number of points of a sample, whatever their time: an error needs two.
+/// Minimum number of points of a sample, however long they take: a standard error needs two.
 const LEAST_SAMPLED: u64 = 3;
 
-/// Maximum time of a sample, warm-up included.
+/// Maximum time of a sample, including warm-up.
 const LONGEST: Duration = Duration::from_secs(20);
 
 /// The cost of a study, estimated from a sample of its points.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Estimate {
-    /// Points of the study.
+    /// Number of points of the study.
     pub points: u64,
     /// Number of points computed for the estimate, spread over the study.
     pub sampled: u64,
     /// Wall-clock seconds per point: the mean of the sample.
     pub seconds_a_point: f64,
-    /// Its standard error, which includes the differences between points.
+    /// Standard error of the seconds per point, including the differences between points.
     pub seconds_a_point_error: f64,
-    /// Processor time per point in seconds, summed over the cores; none if the system does not report it.
+    /// Processor seconds per point, summed over the cores; none if the system does not report processor time.
     pub core_seconds_a_point: Option<f64>,
     /// Bytes per point in a shard.
     pub shard_bytes_a_point: f64,
@@ -36,20 +36,20 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// Seconds of the whole study in one process here.
+    /// Wall-clock seconds of the whole study, in one process on this machine.
     pub fn seconds(&self) -> f64 {
         self.seconds_a_point * self.points as f64
     }
 
-    /// Points that a core computes in an hour; none if the system reports no processor time.
+    /// Number of points that a core computes in an hour; none if the system reports no processor time.
     pub fn points_a_core_hour(&self) -> Option<f64> {
         let seconds = self.core_seconds_a_point.filter(|seconds| *seconds > 0.0)?;
         Some(3600.0 / seconds)
     }
 }
 
-/// Computes a sample of the points twice each, and times the second computation: a scene's shaders are compiled only
-/// once, whatever the number of points. The results are discarded.
+/// Computes each point of a sample twice, and times the second computation: a scene's shaders are compiled only once,
+/// whatever the number of points. The results are discarded.
 ///
 /// # Errors
 /// [`StudyError::Point`] for a point that cannot be computed.
@@ -95,8 +95,8 @@ pub fn estimate(worker: &mut Worker) -> Result<Estimate, StudyError> {
     })
 }
 
-/// The index of a sample point: all points if there are few, else spread evenly. The multiples of 2⁶⁴ divided by the
-/// golden ratio, taken as shares of 2⁶⁴, are spread evenly for every number of them (D. E. Knuth, *The Art of Computer
+/// The index of a sample point: every point of a small study, otherwise spread evenly. The multiples of 2⁶⁴ divided by
+/// the golden ratio, as shares of 2⁶⁴, are spread evenly for any number of multiples (D. E. Knuth, *The Art of Computer
 /// Programming* 3, section 6.4).
 fn sampled(study: &Study, number: u64) -> u64 {
     if study.points <= MOST_SAMPLED {
@@ -106,7 +106,7 @@ fn sampled(study: &Study, number: u64) -> u64 {
     ((share * u128::from(study.points)) >> 64) as u64
 }
 
-/// Processor time used by this process, all threads together.
+/// Processor time used by this process, summed over its threads.
 #[cfg(target_os = "linux")]
 fn processor_seconds() -> Option<f64> {
     let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);

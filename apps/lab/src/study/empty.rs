@@ -1,4 +1,4 @@
-//! Counts the empty cells of the tables by reason.
+//! Counts the empty cells of the tables, by reason.
 
 use super::columns::{Column, gap_column_of};
 use echomarch::response::Gap;
@@ -9,27 +9,27 @@ use std::collections::BTreeMap;
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct EmptyCells {
-    /// The column.
+    /// Name of the column.
     pub column: String,
     /// The reason: `nothing arrives`, `record too short`, `no late sound`, `too noisy`, or `not defined`.
     pub why: &'static str,
-    /// Their number.
+    /// Number of empty cells.
     pub cells: u64,
 }
 
-/// The reason reported for an empty cell if no column states one.
+/// The reason reported for an empty cell if no column states the reason.
 const NOT_DEFINED: &str = "not defined";
 
 /// Counts empty cells, row by row.
 pub(super) struct EmptyCount {
     columns: Vec<Column>,
-    /// For each column the index of the column with its reason.
+    /// For each column, the index of the column that states why its cells are empty.
     gaps: Vec<Option<usize>>,
     counts: BTreeMap<(usize, Option<Gap>), u64>,
 }
 
 impl EmptyCount {
-    /// An empty count for rows of these columns.
+    /// Creates a count of zero for rows of these columns.
     pub fn new(columns: Vec<Column>) -> EmptyCount {
         let place = |column: &Column| {
             let gap = gap_column_of(&column.name)?;
@@ -51,7 +51,7 @@ impl EmptyCount {
         }
     }
 
-    /// The reason why the cell of this column is empty in a row.
+    /// The reason why a column's cell is empty in a row.
     pub fn reason(&self, at: usize, cells: &[impl AsRef<str>]) -> Option<Gap> {
         let gap = (*self.gaps.get(at)?)?;
         let code = cells.get(gap)?.as_ref().parse().ok()?;
@@ -70,7 +70,7 @@ impl EmptyCount {
     }
 }
 
-/// The counts as JSON: the reasons with their numbers of cells, by column.
+/// The counts as JSON: per column, each reason with its number of cells.
 pub(super) fn json(cells: &[EmptyCells]) -> Value {
     let mut columns = Map::new();
     for EmptyCells { column, why, cells } in cells {
@@ -89,7 +89,7 @@ mod tests {
     use super::super::columns::Kind;
     use super::*;
 
-    /// Protects the reader of a table from gaps without a reason.
+    /// Protects readers of a table from empty cells without a reason.
     #[test]
     fn empty_cells_are_counted_by_reason() {
         let names = [

@@ -1,4 +1,4 @@
-//! Errors of a study, its shards, and joining them.
+//! Errors of studies, of their shards, and of joining shards.
 
 use super::shard::{NoShard, Shard};
 use echomarch::internals::file_input::{InputError, MalformedText};
@@ -6,7 +6,7 @@ use echomarch::internals::file_output::OutputError;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// The reason why a study cannot be run or joined.
+/// Error when a study cannot be run or joined.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StudyError {
@@ -18,10 +18,10 @@ pub enum StudyError {
         /// The reason.
         source: InputError,
     },
-    /// The text is not a study.
+    /// The text is not a valid study.
     #[error(transparent)]
     Malformed(MalformedText),
-    /// An invalid field of the study file.
+    /// A field of the study file is invalid.
     #[error("{origin}: {place} must be {must}, not {value}")]
     BadField {
         /// The file path, or the name that stands for it.
@@ -33,7 +33,7 @@ pub enum StudyError {
         /// The given value.
         value: String,
     },
-    /// A scene of the study that cannot be used.
+    /// A scene of the study cannot be used.
     #[error("{origin}: {place}: {source}")]
     Scene {
         /// The file path, or the name that stands for it.
@@ -43,7 +43,7 @@ pub enum StudyError {
         /// The scene's error.
         source: Box<echomarch::scene::SceneError>,
     },
-    /// A point that cannot be computed.
+    /// A point cannot be computed.
     #[error("point {index} ({what}): {source}")]
     Point {
         /// Its number, counted from 0.
@@ -53,10 +53,10 @@ pub enum StudyError {
         /// The reason.
         source: Box<echomarch::Error>,
     },
-    /// Text that does not name a shard.
+    /// The text does not name a shard.
     #[error(transparent)]
     NoShard(#[from] NoShard),
-    /// The file of a shard that cannot be continued or joined.
+    /// The file of a shard cannot be continued or joined.
     #[error("{}: {why}", path.display())]
     BadShard {
         /// The file.
@@ -72,40 +72,40 @@ pub enum StudyError {
         /// Its working file.
         path: PathBuf,
     },
-    /// Shards that do not make up the whole study.
+    /// The shards do not make up the whole study.
     #[error("the shards in {} are not joined: {}", folder.display(), problems.join("; "))]
     NotWhole {
-        /// Their folder.
+        /// The folder of the shards.
         folder: PathBuf,
         /// The reason for every shard that is missing or wrong.
         problems: Vec<String>,
     },
-    /// A renderer other than the required one.
+    /// The renderer is not the required one.
     #[error("the renderer is {renderer:?}, and {wanted:?} is demanded")]
     OtherRenderer {
-        /// The renderer that was found.
+        /// Name of the renderer found.
         renderer: String,
-        /// The text that its name must contain.
+        /// The text that the renderer's name must contain.
         wanted: String,
     },
-    /// A map that cannot be drawn.
+    /// A map cannot be drawn.
     #[error("no map can be drawn: {why}")]
     NoMap {
         /// The reason.
         why: String,
     },
-    /// A file that cannot be written.
+    /// A file cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
 }
 
 impl StudyError {
-    /// A file at `path` that could not be written.
+    /// Returns the error for a file at `path` that cannot be written.
     pub(super) fn output(path: &Path, source: io::Error) -> StudyError {
         OutputError::new(path, source).into()
     }
 
-    /// Whether the input is to blame (the program then exits with 2, else with 1).
+    /// Whether the input caused the error (the program then exits with 2, else with 1).
     pub fn is_bad_input(&self) -> bool {
         match self {
             StudyError::Point { source, .. } => source.is_bad_input(),

@@ -1,8 +1,7 @@
-//! The content of a study file (RON), and its form for hashing.
+//! The content of a study file (RON), and its canonical form for hashing.
 //!
-//! Fields that are left out have defaults. The values are checked in `check`, by place and
-//! range; syntax errors and unknown names are reported with line and column by the reader. See
-//! `docs/clusters.md`.
+//! Omitted fields have defaults. `check` checks the values by field and range; the reader reports syntax errors and
+//! unknown names with line and column. See `docs/clusters.md`.
 
 use super::StudyError;
 use crate::text::in_a_line;
@@ -29,14 +28,14 @@ pub(super) struct StudyFile {
     #[serde(default)]
     pub name: String,
     pub scenes: Vec<SceneFile>,
-    /// Seconds on the paths of the scenes.
+    /// Times on the paths of the scenes, in seconds.
     #[serde(default)]
     pub times: Option<Numbers>,
     #[serde(default)]
     pub sources: Places,
     #[serde(default)]
     pub listeners: Places,
-    /// Radius of every listener in metres; without it that of the scene.
+    /// Radius of every listener in metres; without it, each scene's own radius is used.
     #[serde(default)]
     pub listener_radius: Option<f32>,
     #[serde(default)]
@@ -57,18 +56,18 @@ pub(super) struct SceneFile {
     pub values: BTreeMap<String, Numbers>,
 }
 
-/// Numbers along an axis of a study.
+/// The numbers along an axis of a study.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(rename = "form of numbers", deny_unknown_fields)]
 pub(super) enum Numbers {
     List(Vec<f64>),
-    /// `count` numbers at equal differences, including both ends.
+    /// `count` numbers with equal differences, including both ends.
     Range {
         from: f64,
         to: f64,
         count: u64,
     },
-    /// `count` numbers at equal ratios, including both ends.
+    /// `count` numbers with equal ratios, including both ends.
     Geometric {
         from: f64,
         to: f64,
@@ -76,11 +75,11 @@ pub(super) enum Numbers {
     },
 }
 
-/// Positions of a source or a listener, in metres.
+/// The positions of a source or a listener, in metres.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
 #[serde(rename = "form of places", deny_unknown_fields)]
 pub(super) enum Places {
-    /// The scene's own position, of its first source or listener.
+    /// The position of the scene's first source or listener.
     #[default]
     AsInScene,
     List(Vec<[f32; 3]>),
@@ -97,12 +96,12 @@ pub(super) enum Places {
     },
 }
 
-/// Seeds of a study.
+/// The seeds of a study.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(rename = "form of seeds", deny_unknown_fields)]
 pub(super) enum Seeds {
     List(#[serde(deserialize_with = "counts")] Vec<u32>),
-    /// Whole numbers from `from` on.
+    /// Consecutive whole numbers, starting at `from`.
     Range {
         from: u32,
         count: u64,
@@ -119,7 +118,7 @@ impl Default for Seeds {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(rename = "form of settings", deny_unknown_fields)]
 pub(super) enum SettingsFile {
-    /// All combinations.
+    /// All combinations of the given values.
     All {
         #[serde(default = "hybrid")]
         profiles: Vec<ProfileFile>,
@@ -169,7 +168,7 @@ pub(super) enum DirectionsFile {
     Fibonacci,
 }
 
-/// The results that are kept of each point.
+/// The results to keep for each point.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Keep {
@@ -195,7 +194,7 @@ impl Default for Keep {
     }
 }
 
-/// The results that are kept of impulse responses.
+/// The results to keep of impulse responses.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(rename = "Response", deny_unknown_fields)]
 pub(super) struct ResponseFile {
@@ -205,13 +204,13 @@ pub(super) struct ResponseFile {
     pub bands_hz: Vec<u32>,
     #[serde(default)]
     pub errors: bool,
-    /// How long waves are followed; without it, until all bands have fallen by 60 dB.
+    /// Time for which waves are followed; without it, waves are followed until all bands have fallen by 60 dB.
     #[serde(default)]
     pub seconds: Option<f64>,
     /// Maximum number of reflections of exact paths.
     #[serde(default)]
     pub order: Option<u32>,
-    /// Length of an echogram's bins in milliseconds; without it no echogram is kept.
+    /// Length of the echogram's bins in milliseconds; without it no echogram is kept.
     #[serde(default)]
     pub echogram_ms: Option<u32>,
 }
@@ -230,7 +229,7 @@ pub(super) enum FigureName {
     G,
 }
 
-/// A whole number, in any form that the command line takes: `65536`, `65_536`, `1e6`.
+/// A whole number, in any form that the command line accepts: `65536`, `65_536`, `1e6`.
 struct Count(u32);
 
 impl<'de> Deserialize<'de> for Count {
@@ -305,7 +304,7 @@ fn usual_figures() -> Vec<FigureName> {
     vec![FigureName::G, FigureName::T30, FigureName::C80]
 }
 
-/// The bands over which ISO 3382-1 (annex A) takes the mean of a hall's figures.
+/// The bands over which ISO 3382-1 (annex A) averages a hall's figures.
 fn usual_bands() -> Vec<u32> {
     vec![500, 1000]
 }
@@ -354,7 +353,7 @@ impl StudyFile {
     }
 }
 
-/// The path of a scene file; none if the scene is built in.
+/// The path of a scene file; none for a built-in scene.
 pub(super) fn scene_file(of: &str, folder: &Path) -> Option<PathBuf> {
     (!Scene::BUILTIN_NAMES.contains(&of)).then(|| folder.join(of))
 }

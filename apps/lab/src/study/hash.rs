@@ -1,4 +1,4 @@
-//! The hash of a study: of everything that determines its results, except program and renderer.
+//! The hash of a study: over everything that determines its results, except program and renderer.
 
 use super::Study;
 use super::file::{StudyFile, scene_file};
@@ -7,16 +7,16 @@ use echomarch::scene::{Scene, bases_of};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 
-/// The prefix of the hashed data: changes whenever points are numbered or computed differently.
+/// The prefix of the hashed data; changes when points are numbered or computed differently.
 const KIND: &str = "echomarch study 1";
 
-/// Maximum size of a scene file in bytes: it was read before, within a lower limit.
+/// Maximum size of a scene file in bytes; the scene was loaded earlier with a lower limit.
 const LARGEST_FILE: u64 = 64 << 20;
 
-/// Returns the hash in hexadecimal digits: of the study's canonical text, which contains every
-/// default and no layout, and of each scene's file, its bases, and the contents of the files that
-/// they name, in this order. Each part is preceded by its length, so that different parts cannot
-/// give the same data.
+/// Returns the hash as hexadecimal digits. In this order, the hash covers the study's canonical
+/// text (with all defaults, without layout) and, for each scene, its file, its bases, and the
+/// contents of the files that they name. Each part is preceded by its length, so that different
+/// parts cannot give the same data.
 pub(super) fn of(
     file: &StudyFile,
     study: &Study,
@@ -46,19 +46,20 @@ pub(super) fn of(
     Ok(hex(&hash.finalize()))
 }
 
-/// The study as JSON: fields in the order of their types, numbers in their shortest form. The
-/// folders of its scenes are left out; their names are included, because the rows contain them.
+/// The study as JSON, with fields in the order of their types and numbers in their shortest form.
+/// The folders of the scenes are left out; the scenes' names are included, because the rows contain
+/// them.
 fn canonical(file: &StudyFile) -> Vec<u8> {
     let mut file = file.clone();
     for scene in &mut file.scenes {
         let name = Path::new(&scene.of).file_name();
         scene.of = name.map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     }
-    // A type of plain fields, lists and maps of text can always be serialised.
+    // A type with only plain fields, lists and maps of text can always be serialised.
     serde_json::to_vec(&file).unwrap_or_default()
 }
 
-/// Bytes in hexadecimal digits.
+/// The bytes as hexadecimal digits.
 pub(super) fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -1,4 +1,4 @@
-//! Joins shards.
+//! Joins the shards of a study.
 
 use super::lines::Header;
 use super::read_shard::{Rows, verify};
@@ -18,22 +18,22 @@ const MOST_NAMED: usize = 12;
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Joined {
-    /// Number of rows of the tables.
+    /// Number of rows in the tables.
     pub points: u64,
     /// Number of shards joined.
     pub shards: u32,
-    /// The renderer of all of them.
+    /// Name of the renderer of all joined shards.
     pub renderer: String,
-    /// The files written.
+    /// The written files.
     pub files: Vec<PathBuf>,
-    /// Cells of the tables that are empty, by column and reason.
+    /// Empty cells of the tables, by column and reason.
     pub empty: Vec<EmptyCells>,
 }
 
-/// Joins the shards in a folder: writes the tables there in the order of the study, as `study.csv`, with the feature
-/// `parquet` as `study.parquet`, and their description as `study.json`. The output bytes do not depend on the number of
-/// shards or on who computed them. `progress` receives the steps done and the total: each point is checked, then
-/// written.
+/// Joins the shards in a folder. Writes the tables there in the order of the study: `study.csv`, with the feature
+/// `parquet` also `study.parquet`, and their description `study.json`. The output bytes do not depend on the number of
+/// shards or on the machines that computed them. `progress` receives the number of completed steps and the total: each
+/// point is first checked, then written.
 ///
 /// # Errors
 /// [`StudyError::NotWhole`] names every shard that is missing, doubled, damaged, or of another study,
@@ -63,10 +63,10 @@ pub fn join(
     })
 }
 
-/// The file of a whole shard, and its first line, or the reason why it is rejected.
+/// The file of a whole shard, with its header or the reason why it is rejected.
 type Found = (PathBuf, Result<Header, String>);
 
-/// Returns every file named as a shard, in the order of their names.
+/// Returns every file that is named like a shard, in the order of the names.
 fn found(
     study: &Study,
     folder: &Path,
@@ -89,7 +89,7 @@ fn found(
     Ok(read.collect())
 }
 
-/// Returns the shards in order, if they make up the study, and their renderer.
+/// Returns the shards in order and their renderer, if the shards make up the study.
 fn chosen(
     study: &Study,
     folder: &Path,
@@ -99,7 +99,7 @@ fn chosen(
     let headers = || found.iter().filter_map(|(_, header)| header.as_ref().ok());
     let of = most_common(headers().filter(ours).map(|header| header.of));
     let renderer = most_common(headers().filter(ours).map(|header| header.renderer.clone()));
-    // If there is none of this study, the number of the others counts.
+    // Without a shard of this study, use the most common shard count of the other files.
     let of = of.or_else(|| most_common(headers().map(|header| header.of)));
     let (of, renderer) = (of.unwrap_or(1), renderer.unwrap_or_default());
     let mut problems = Vec::new();
@@ -150,7 +150,7 @@ fn chosen(
     })
 }
 
-/// Returns advice for a folder with shards of different numbers.
+/// Returns advice for a folder that contains shards of several shard counts.
 fn several_counts(of: impl Iterator<Item = u32>) -> Option<String> {
     let counts: BTreeSet<u32> = of.collect();
     let counts: Vec<String> = counts.iter().map(u32::to_string).collect();
@@ -162,9 +162,9 @@ fn several_counts(of: impl Iterator<Item = u32>) -> Option<String> {
     })
 }
 
-/// Returns the reason why an undamaged shard is rejected.
+/// Returns the reason for rejecting an undamaged shard; none if it is accepted.
 fn refusal(study: &Study, of: u32, renderer: &str, header: &Header) -> Option<String> {
-    // Its numbers were read from its first line, which is valid.
+    // The header was valid, and so are the shard's numbers.
     let shard = Shard::new(header.shard, header.of).ok()?;
     let expected = Header::new(study, shard, renderer);
     header.differs(&expected).or_else(|| {
@@ -173,7 +173,7 @@ fn refusal(study: &Study, of: u32, renderer: &str, header: &Header) -> Option<St
     })
 }
 
-/// Returns the most common value; of several the smallest.
+/// Returns the most common value, and the smallest of equally common values.
 fn most_common<T: Ord>(values: impl Iterator<Item = T>) -> Option<T> {
     let mut counts: BTreeMap<T, usize> = BTreeMap::new();
     for value in values {
@@ -184,7 +184,7 @@ fn most_common<T: Ord>(values: impl Iterator<Item = T>) -> Option<T> {
     first.map(|(value, _)| value)
 }
 
-/// Lists the numbers of missing shards, with neighbours as ranges.
+/// Lists the numbers of the missing shards, with consecutive numbers as ranges.
 fn missing_text(missing: &[u32], of: u32) -> String {
     let mut ranges: Vec<(u32, u32)> = Vec::new();
     for &number in missing {

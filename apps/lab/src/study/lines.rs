@@ -1,8 +1,8 @@
-//! The lines of a shard's file, each with a checksum, and the content of the first and the last one.
+//! The lines of a shard's file, each with a checksum, and the content of its first and last lines.
 //!
-//! A line is a text without tabs, a tab, and the first 8 hexadecimal digits of the text's SHA-256: a line that was cut
-//! off or changed is detected by itself. The last line of a whole shard is `end` and the SHA-256 of all bytes before
-//! it.
+//! A line is a text without tabs, then a tab, then the first 8 hexadecimal digits of the text's SHA-256. A truncated or
+//! changed line can therefore be detected without the other lines. The last line of a whole shard is `end` and the
+//! SHA-256 of all preceding bytes.
 
 use super::hash::hex;
 use super::{Shard, Study, VERSION};
@@ -10,21 +10,21 @@ use crate::text::in_a_line;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-/// Bytes of a line's checksum: 1 in 4·10⁹ damaged lines is missed, but the last line detects it.
+/// Bytes of a line's checksum. It misses 1 in 4·10⁹ damaged lines, but the hash in the last line detects these too.
 const CHECKED_BYTES: usize = 4;
 
-/// The beginning of the first line of a shard.
+/// The beginning of a shard's first line.
 const FORMAT: &str = "echomarch shard 1";
 
-/// Maximum length of a renderer's name and version in characters, and of a first line that contains it in bytes: a
-/// driver's names have some dozens of characters, and appear in messages and tables.
+/// Maximum length of a renderer's name and version in characters, and of a first line with them in bytes. Drivers'
+/// names have some dozens of characters and appear in messages and tables.
 const LONGEST_RENDERER: usize = 500;
 const LONGEST_HEADER: usize = 4096;
 
-/// The beginning of the last line of a whole shard.
+/// The beginning of a whole shard's last line.
 const END: &str = "end ";
 
-/// Maximum length of a line in bytes: an echogram of 60 s in bins of 1 ms, in all bands.
+/// Maximum length of a line in bytes: enough for a 60 s echogram with bins of 1 ms in all bands.
 pub(super) const LONGEST_LINE: usize = 16 << 20;
 
 /// The content of a shard's first line, as JSON.
@@ -39,12 +39,12 @@ pub(super) struct Header {
     pub renderer: String,
     pub shard: u32,
     pub of: u32,
-    /// Number of points of this shard.
+    /// Number of points in this shard.
     pub points: u64,
 }
 
 impl Header {
-    /// The header of a shard of a study computed on a renderer.
+    /// Creates the header of a study's shard that is computed on a renderer.
     pub fn new(study: &Study, shard: Shard, renderer: &str) -> Header {
         let renderer = in_a_line(renderer);
         Header {
@@ -58,7 +58,7 @@ impl Header {
         }
     }
 
-    /// Parses a line's text, if it has exactly the form that the program writes.
+    /// Parses the text of a first line, if it has exactly the form that the program writes.
     pub fn parse(text: &str) -> Option<Header> {
         if text.len() > LONGEST_HEADER {
             return None;
@@ -78,9 +78,9 @@ impl Header {
             .map(String::as_str)
     }
 
-    /// The text of the header's line.
+    /// The text of the first line.
     pub fn text(&self) -> String {
-        // A type of plain text and numbers can always be serialised.
+        // A type with only text and numbers can always be serialised.
         serde_json::to_string(self).unwrap_or_default()
     }
 
@@ -107,7 +107,7 @@ pub(super) fn line(text: &str) -> String {
     format!("{text}\t{}\n", checksum(text))
 }
 
-/// The text of a line without its line end, if its checksum is right.
+/// The text of a line without its line end; none if the checksum is wrong.
 pub(super) fn text_of(line: &[u8]) -> Option<&str> {
     let line = std::str::from_utf8(line).ok()?;
     let (text, found) = line.rsplit_once('\t')?;
@@ -118,12 +118,12 @@ fn checksum(text: &str) -> String {
     hex(&Sha256::digest(text.as_bytes())[..CHECKED_BYTES])
 }
 
-/// The text of the last line, after bytes with this hash.
+/// The text of the last line; `before` is the hash of all preceding bytes.
 pub(super) fn end_text(before: Sha256) -> String {
     format!("{END}{}", hex(&before.finalize()))
 }
 
-/// Whether a text is that of a last line.
+/// Whether a text is the text of a last line.
 pub(super) fn is_end(text: &str) -> bool {
     text.starts_with(END)
 }

@@ -1,4 +1,4 @@
-//! Maps: pictures of a column of a joined study whose listeners form a lattice on a plane.
+//! Maps: pictures of one column of a joined study whose listeners form a lattice on a plane.
 
 use super::columns::{Column, Kind};
 use super::empty::EmptyCount;
@@ -16,18 +16,18 @@ use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Maximum number of maps drawn of one column; more can be drawn from the table.
+/// Maximum number of maps drawn of one column; further maps can be drawn from the table.
 const MOST_MAPS: u64 = 100;
 
-/// Maximum number of positions of a map: more than the number of pixels would not be visible.
+/// Maximum number of positions in a map: with more positions than pixels, some would be invisible.
 const MOST_PLACES: u64 = 4_000_000;
 
 /// Width of a map's plan in pixels.
 const WIDTH: u32 = 800;
 
-/// Draws maps of a column of the joined table in `folder`, one for every scene, time, settings and source:
-/// `map-COLUMN.png`, or `map-COLUMN-1.png` and so on if there are several. A position shows the mean over its seeds.
-/// Returns the files written.
+/// Draws maps of a column of the joined table in `folder`, one for every combination of scene, time, settings and
+/// source. The file is `map-COLUMN.png`, or `map-COLUMN-1.png` and so on for several maps. A position shows the mean
+/// over its seeds. Returns the written files.
 ///
 /// # Errors
 /// [`StudyError::NoMap`] for a study whose listeners are not a lattice along x and z, and for a column without numbers;
@@ -74,7 +74,7 @@ pub fn draw_map(
     Ok(pictures)
 }
 
-/// The files of a column's maps.
+/// The paths of the maps of a column.
 fn files(study: &Study, lattice: &Lattice, folder: &Path, column: &Column) -> Vec<PathBuf> {
     let maps = study.points / lattice.places / study.seeds.len();
     let name = |number: u64| match maps {
@@ -84,16 +84,16 @@ fn files(study: &Study, lattice: &Lattice, folder: &Path, column: &Column) -> Ve
     (1..=maps).map(|number| folder.join(name(number))).collect()
 }
 
-/// The numbers of a map.
+/// The numbers shown in a map.
 struct Numbers {
-    /// The number at each position; none if it is empty.
+    /// The number at each position; none if the position is empty.
     values: Vec<Option<f64>>,
-    /// Number of empty positions, by reason.
+    /// Number of empty cells, by reason.
     gaps: BTreeMap<Gap, u64>,
 }
 
 impl Numbers {
-    /// The end of the title: the number of empty positions, and the reasons.
+    /// The end of the map's title: the number of empty positions, and the reasons.
     fn empty(&self) -> String {
         let empty = self.values.iter().filter(|value| value.is_none()).count();
         if empty == 0 {
@@ -183,10 +183,10 @@ impl Lattice {
     }
 }
 
-/// Checks that maps of these columns can be drawn, before long work.
+/// Checks before long work that maps of these columns can be drawn.
 ///
 /// # Errors
-/// [`StudyError`]: as from [`draw_map`], as far as the study itself determines it.
+/// The errors of [`draw_map`] that follow from the study itself.
 pub fn check_maps(study: &Study, columns: &[String]) -> Result<(), StudyError> {
     if columns.is_empty() {
         return Ok(());
@@ -208,7 +208,7 @@ pub fn check_map_files(study: &Study, folder: &Path, columns: &[String]) -> Resu
     Ok(())
 }
 
-/// The index of a column of numbers among all columns of the joined table.
+/// The index of a number column among all columns of the joined table.
 fn numbers_column(study: &Study, name: &str) -> Result<(usize, Column), StudyError> {
     let points = study.point_columns().len();
     let found = study.found_columns();
@@ -227,7 +227,7 @@ fn numbers_column(study: &Study, name: &str) -> Result<(usize, Column), StudyErr
     }
 }
 
-/// The title of a column's map: `G at 1000 Hz`, `pan`.
+/// The title of a map of the column: `G at 1000 Hz`, `pan`.
 fn title(column: &str) -> String {
     let words: Vec<&str> = column.split('_').collect();
     let band = words.last().filter(|last| last.parse::<u32>().is_ok());
@@ -238,18 +238,18 @@ fn title(column: &str) -> String {
     }
 }
 
-/// Whether the sign of a column's numbers is a side: left or right.
+/// Whether the sign of a column's numbers means left or right.
 fn has_sides(column: &str) -> bool {
     column.split('_').any(|word| word == "pan")
 }
 
-/// Viridis: dark blue for the smallest, yellow for the largest.
+/// The viridis colour map: dark blue for the smallest number, yellow for the largest.
 fn viridis(share: f64) -> [u8; 3] {
     let colour = ViridisRGB::get_color(share);
     [colour.0, colour.1, colour.2]
 }
 
-/// Blue for the left, pale yellow for 0, red for the right.
+/// A two-sided colour map: blue for the left, pale yellow for 0, red for the right.
 fn two_sided(share: f64) -> [u8; 3] {
     const LEFT: [f64; 3] = [69.0, 117.0, 180.0];
     const MIDDLE: [f64; 3] = [255.0, 255.0, 191.0];
@@ -260,7 +260,7 @@ fn two_sided(share: f64) -> [u8; 3] {
     [0, 1, 2].map(|at| mixed(at).round() as u8)
 }
 
-/// The unit of a column, from its name.
+/// The unit of a column, derived from its name.
 fn unit(column: &str) -> &'static str {
     let mut words = column.split('_');
     match words.nth(1) {
@@ -274,7 +274,7 @@ fn unit(column: &str) -> &'static str {
 mod tests {
     use super::*;
 
-    /// Protects the reader of a map: its title, and which side a colour means.
+    /// Protects the reader of a map: its title, and the meaning of its colours as sides.
     #[test]
     fn maps_are_titled_and_sides_coloured() {
         for (column, told) in [

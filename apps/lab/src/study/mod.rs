@@ -1,19 +1,19 @@
-//! Studies: sweeps and maps of any size, in shards that are computed anywhere and joined.
+//! Studies: sweeps and maps of any size, divided into shards that any machine can compute, and joined afterwards.
 //!
-//! A [`Study`] is a file (RON) that describes scenes with their named values, times, positions of source and listener,
-//! settings and seeds, and which results to keep. Its *points* are all combinations of these, numbered from 0 in a
-//! fixed order: the seed changes first, then the listener, the source, the settings, the time, the named values, the
-//! scene. All callers compute a point with one function ([`Worker`]).
+//! A [`Study`] is a file (RON) that lists scenes with named values, times, positions of source and listener, settings
+//! and seeds, and the results to keep. Its *points* are all combinations of these values, numbered from 0 in a fixed
+//! order: the seed changes first, then the listener, the source, the settings, the time, the named values, the scene.
+//! All callers compute a point with the same function ([`Worker`]).
 //!
 //! # Shards
-//! Points are distributed in blocks of [`BLOCK`] in round-robin order, so that expensive points are balanced. A
-//! [`Shard`] is one file with one line per point. While it is computed it has another name, grows by a point at a time,
-//! and continues after any interruption; it gets its final name when it is complete. [`join`](join()) puts shards
-//! together, and rejects shards that are damaged, or of another study, version or renderer.
+//! Points are assigned to shards in blocks of [`BLOCK`] in round-robin order, so that the work is balanced. A [`Shard`]
+//! is one file with one line per point. During the computation the file has a different name, grows by one point at a
+//! time, and can be continued after any interruption; the complete file gets its final name. [`join`](join()) combines
+//! the shards, and rejects damaged shards and shards of another study, version or renderer.
 //!
 //! # Determinism
-//! On one renderer a point depends only on the study. Rows contain no time, machine or order of computation, so the
-//! joined tables are the same bytes however the study was cut and run.
+//! On one renderer a point's result depends only on the study. Rows contain no time, machine or order of computation,
+//! so the joined tables have the same bytes however the study was divided and run.
 
 mod axes;
 mod build;
@@ -59,11 +59,11 @@ use file::{Numbers, Places, Seeds};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Number of neighbouring points assigned to a shard at a time: few, so that cheap and expensive parts of a study are
-/// balanced; more than one, so that a shard's neighbouring points have a scene in common.
+/// Number of consecutive points assigned to a shard at a time: small, so that cheap and expensive parts of a study are
+/// balanced, but more than one, so that consecutive points of a shard share a scene.
 pub const BLOCK: u64 = 16;
 
-/// A study that was read and checked.
+/// A study that has been read and checked.
 #[derive(Clone, Debug)]
 pub struct Study {
     name: String,
@@ -76,7 +76,7 @@ pub struct Study {
     listener_radius: Option<f32>,
     seeds: Seeds,
     keep: Kept,
-    /// Number of points of one variant of a scene.
+    /// Number of points per variant of a scene.
     each: u64,
     points: u64,
 }
@@ -86,19 +86,19 @@ pub struct Study {
 struct SceneAxis {
     scene: Scene,
     values: BTreeMap<String, Numbers>,
-    /// Number of variants of the scenes before it.
+    /// Number of variants of all earlier scenes.
     first: u64,
     end: u64,
 }
 
-/// Settings, with a name if they are a case of `accuracy`.
+/// Settings, with a name if they are a case of the accuracy experiment.
 #[derive(Clone, Debug)]
 struct Case {
     label: Option<String>,
     settings: Settings,
 }
 
-/// The results that are kept of a point.
+/// The results to keep for each point.
 #[derive(Clone, Debug)]
 struct Kept {
     pan: bool,
@@ -108,7 +108,7 @@ struct Kept {
 }
 
 impl Study {
-    /// Reads a study file, and the scenes that it names from its folder.
+    /// Reads a study file, and the scenes that the file names from the folder of the file.
     ///
     /// ```no_run
     /// use echomarch_lab::study::{Shard, Study, Worker, compute, join};
@@ -129,7 +129,7 @@ impl Study {
         build::from_file(path)
     }
 
-    /// The study's name, or that of its file.
+    /// The study's name, or the name of its file.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -139,15 +139,15 @@ impl Study {
         self.points
     }
 
-    /// SHA-256 in hexadecimal digits of everything that determines the results, except program and renderer: the
-    /// content of the study, and the texts of its scenes and their files. Layout, comments and folders of files are not
-    /// included.
+    /// SHA-256 as hexadecimal digits over everything that determines the results, except program and renderer: the
+    /// content of the study, and the texts of its scenes and their files. Layout, comments and the folders of the files
+    /// are excluded.
     pub fn hash(&self) -> &str {
         &self.hash
     }
 }
 
-/// The renderer's name and version, which must be equal in all joined shards.
+/// The renderer's name and version, which must be equal in all shards to be joined.
 pub fn renderer_of(tracer: &Tracer) -> String {
     let context = tracer.context();
     format!("{}; {}", context.renderer(), context.version())

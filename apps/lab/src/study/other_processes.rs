@@ -1,4 +1,4 @@
-//! The progress of other processes on a study, as far as its files in a folder show it.
+//! Reports the progress of other processes on a study, from the study's files in a folder.
 
 use super::Study;
 use super::lines::{Header, text_of};
@@ -14,8 +14,8 @@ const LONGEST_HEADER: u64 = 1 << 16;
 /// Maximum number of bytes read of a working file at a time.
 const READ_AT_A_TIME: u64 = 16 << 20;
 
-/// The number of shards that the files of a study in a folder were begun with; none without such files, or if they do
-/// not agree.
+/// The shard count with which the study's files in a folder were begun; none if there are no such files or they have
+/// different counts.
 pub fn begun(study: &Study, folder: &Path) -> Option<u32> {
     let files = std::fs::read_dir(folder_of(folder)).ok()?;
     let mut found = None;
@@ -36,7 +36,7 @@ pub fn begun(study: &Study, folder: &Path) -> Option<u32> {
     found
 }
 
-/// The content of the first line of a file, if it is that of a shard.
+/// The header of a shard's file; none if the file does not begin with a header.
 fn header_of(path: &Path) -> Option<Header> {
     let mut line = Vec::new();
     let file = plain_file::open(path, File::options().read(true)).ok()?;
@@ -45,8 +45,8 @@ fn header_of(path: &Path) -> Option<Header> {
     Header::parse(text_of(line.strip_suffix(b"\n")?)?)
 }
 
-/// Counts the rows of a shard that another process computes, continuing the last count: `seen` holds the bytes read
-/// until now, and the lines in them.
+/// Counts the rows of a shard that another process computes, continuing an earlier count: `seen` holds the number of
+/// bytes read so far, and the number of lines in these bytes.
 pub fn rows_in(shard: Shard, folder: &Path, points: u64, seen: &mut (u64, u64)) -> u64 {
     let work = shard.work_file(folder);
     let Ok(mut file) = plain_file::open(&work, File::options().read(true)) else {
@@ -54,7 +54,7 @@ pub fn rows_in(shard: Shard, folder: &Path, points: u64, seen: &mut (u64, u64)) 
         return if is_whole { points } else { 0 };
     };
     let mut bytes = Vec::new();
-    // Further bytes are counted next time.
+    // Bytes beyond the limit are counted by the next call.
     let read = file
         .seek(SeekFrom::Start(seen.0))
         .and_then(|_| file.take(READ_AT_A_TIME).read_to_end(&mut bytes));

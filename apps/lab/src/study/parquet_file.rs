@@ -1,4 +1,4 @@
-//! A joined study as a Parquet file: plain nullable columns, in groups of rows.
+//! A joined study as a Parquet file: plain nullable columns, in row groups.
 
 use super::StudyError;
 use super::columns::{Column, Kind};
@@ -16,13 +16,13 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Number of rows kept in memory and written together.
+/// Number of rows kept in memory and written as one group.
 const ROWS_IN_GROUP: usize = 1 << 16;
 
-/// The creator named in the file, without the machine or the time.
+/// The creator named in the file; it omits the machine and the time.
 const CREATED_BY: &str = concat!("echomarch ", env!("CARGO_PKG_VERSION"));
 
-/// A file that is written row by row, and gets its name when it is complete.
+/// A Parquet file that is written row by row, and gets its final name when complete.
 pub(super) struct ParquetFile {
     path: PathBuf,
     part: PartFile,
@@ -31,8 +31,8 @@ pub(super) struct ParquetFile {
     rows: usize,
 }
 
-/// The values of a column that are not yet written: the existing ones, and whether each row has a
-/// value (1) or not (0).
+/// The unwritten values of a column: the values that exist, and for each row whether it has a value
+/// (1) or not (0).
 enum Values {
     Whole(Vec<i64>, Vec<i16>),
     Real(Vec<f64>, Vec<i16>),
@@ -40,7 +40,7 @@ enum Values {
 }
 
 impl ParquetFile {
-    /// Begins a file with these columns.
+    /// Creates a file with these columns.
     pub fn create(
         path: &Path,
         columns: &[Column],
@@ -69,7 +69,7 @@ impl ParquetFile {
         })
     }
 
-    /// Adds a row of cells in the form of CSV.
+    /// Adds a row of cells, in the form of CSV.
     pub fn row(&mut self, cells: Vec<String>) -> Result<(), StudyError> {
         for (column, cell) in self.columns.iter_mut().zip(cells) {
             if !column.push(cell) {
@@ -84,7 +84,7 @@ impl ParquetFile {
         Ok(())
     }
 
-    /// Gives the file its name.
+    /// Writes the remaining rows, and gives the file its final name.
     pub fn finish(mut self) -> Result<PathBuf, StudyError> {
         if self.rows > 0 {
             self.write_group()?;
@@ -134,7 +134,7 @@ impl Values {
         }
     }
 
-    /// Adds a cell; returns false if it does not fit this column.
+    /// Adds a cell; returns false if the cell does not fit this column.
     fn push(&mut self, cell: String) -> bool {
         fn add<T, E>(
             values: &mut Vec<T>,
@@ -210,7 +210,7 @@ mod tests {
     use parquet::record::Field;
     use std::fs::File;
 
-    /// Protects the Parquet file: it has the numbers of the CSV, and null for empty cells.
+    /// Protects the Parquet file: it has the numbers of the CSV, and null for each empty cell.
     #[test]
     fn the_table_is_read_back() {
         let study = read(SMALL).unwrap();
@@ -236,7 +236,7 @@ mod tests {
         assert_eq!(cell("listener_z_m"), Field::Double(5.0));
         assert_eq!(cell("left"), Field::Double(37.0 / 3.0));
         assert_eq!(cell("pan"), Field::Double(-0.25));
-        // A figure that is empty.
+        // A figure whose cells are empty.
         let keep = "keep: Keep(pan: false, counts: false, response: Response(figures: [t30, g], bands_hz: [1000]))";
         let study = read(&SMALL.replace("keep: Keep(counts: false)", keep)).unwrap();
         let folder = shards_of(&study, 3, |point| format!("{point},,0.5,4"));

@@ -1,16 +1,16 @@
-//! Points: from an index to the scene, positions and settings.
+//! Points: converts an index to the scene, positions and settings.
 
 use super::{SceneAxis, Study};
 use crate::report::Cell;
 use echomarch::scene::{Scene, SceneError};
 use glam::Vec3;
 
-/// A point of a study: indices on its axes.
+/// A point of a study, as indices on the study's axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Point {
-    /// Its index, from 0.
+    /// The point's index, from 0.
     pub index: u64,
-    /// The index of the scene variant (a scene with values) among all scenes.
+    /// The index of the scene variant (a scene with values of its named values) among all variants.
     pub variant: u64,
     pub time: u64,
     pub case: usize,
@@ -20,7 +20,7 @@ pub(super) struct Point {
 }
 
 impl Study {
-    /// The point with an index below [`Study::points`].
+    /// Returns the point at an index, which must be below [`Study::points`].
     pub(super) fn point(&self, index: u64) -> Point {
         let mut rest = index % self.each;
         let mut next = |length: u64| {
@@ -28,7 +28,7 @@ impl Study {
             rest /= length;
             place
         };
-        // The last axis changes first.
+        // The last axis changes fastest.
         let seed = next(self.seeds.len());
         let listener = next(self.listeners.len().unwrap_or(1));
         let source = next(self.sources.len().unwrap_or(1));
@@ -51,17 +51,17 @@ impl Study {
         &self.variants[at]
     }
 
-    /// The position of the source; none for the scene's own.
+    /// The position of the source; none if the study keeps the scene's own position.
     pub(super) fn source_of(&self, point: &Point) -> Option<Vec3> {
         self.sources.get(point.source)
     }
 
-    /// The position of the listener; none for the scene's own.
+    /// The position of the listener; none if the study keeps the scene's own position.
     pub(super) fn listener_of(&self, point: &Point) -> Option<Vec3> {
         self.listeners.get(point.listener)
     }
 
-    /// The cells of [`Study::point_columns`], with the scene in its state at the point.
+    /// The cells of [`Study::point_columns`]; `posed` is the scene in its state at the point.
     pub(super) fn point_cells(&self, point: &Point, posed: &Scene) -> Vec<Cell> {
         let axis = self.axis_of(point.variant);
         let case = &self.settings[point.case];
@@ -92,7 +92,7 @@ impl Study {
         cells
     }
 
-    /// The scene of a variant at a time, without the positions that the study sets.
+    /// A variant's scene at a time, before the study's positions are set.
     pub(super) fn posed(&self, variant: u64, time: u64) -> Result<Scene, SceneError> {
         let axis = self.axis_of(variant);
         let mut scene = axis.scene.clone();
@@ -117,7 +117,7 @@ impl Study {
         }
     }
 
-    /// The description of a point in messages.
+    /// Describes a point, for messages.
     pub(super) fn label(&self, point: &Point) -> String {
         let axis = self.axis_of(point.variant);
         let mut label = format!("scene {}", axis.scene.name);
@@ -140,7 +140,7 @@ impl Study {
 }
 
 impl SceneAxis {
-    /// The named values of a variant of this scene: the last one changes first.
+    /// The named values of a variant of this scene; the last value changes fastest.
     fn values_at(&self, variant: u64) -> Vec<(&str, f32)> {
         let mut rest = variant - self.first;
         let mut values: Vec<(&str, f32)> = Vec::new();

@@ -1,4 +1,4 @@
-//! Reads whole shards: first the whole file is checked, then its rows are read in order.
+//! Reads whole shards: first the whole file is checked, then the rows are read in order.
 
 use super::lines::{Header, LONGEST_LINE, end_text, is_end, text_of};
 use super::row_form::RowForm;
@@ -12,11 +12,11 @@ use std::path::{Path, PathBuf};
 /// Maximum size of a shard in bytes.
 const LARGEST_FILE: u64 = 1 << 44;
 
-/// Number of rows read from a shard at a time: some blocks, so that 10,000 shards fit into memory.
+/// Number of rows read from a shard at a time: a few blocks, so that 10,000 shards fit into memory.
 const ROWS_AT_A_TIME: u64 = 4 * BLOCK;
 
-/// Checks every line of a whole shard, and every cell if it belongs to this study; returns the
-/// content of its first line, or the reason why it is rejected. `progress` receives the number of
+/// Checks every line of a whole shard and, if the shard belongs to this study, every cell. Returns
+/// the header, or the reason why the shard is rejected. `progress` receives the number of checked
 /// points.
 pub(super) fn verify(
     path: &Path,
@@ -29,7 +29,7 @@ pub(super) fn verify(
     let first = lines.next()?.ok_or("it is empty")?;
     let header = Header::parse(first).ok_or("it is not a shard of a study")?;
     let shard = Shard::new(header.shard, header.of).map_err(|error| error.to_string())?;
-    // The rows of another study or version have another form; such a shard is not joined.
+    // Rows of another study or version have another form, and such a shard is not joined anyway.
     let is_ours = header.study == study.hash && header.version == VERSION;
     let form = is_ours.then(|| RowForm::of(study));
     hash.update(&lines.bytes);
@@ -57,12 +57,12 @@ pub(super) fn verify(
     }
 }
 
-/// The lines of a shard, with their checksums checked.
+/// The lines of a shard, with verified checksums.
 struct Lines<R> {
     reader: R,
     /// The line's number, from 1.
     number: u64,
-    /// The line, with its end.
+    /// The bytes of the line, including its line end.
     bytes: Vec<u8>,
 }
 
@@ -97,18 +97,18 @@ impl<R: BufRead> Lines<R> {
     }
 }
 
-/// The rows of a shard in order. The file is open only while it is read, because a process may be
+/// The rows of a shard, in order. The file is open only during a read, because a process may be
 /// limited to fewer open files than there are shards.
 pub(super) struct Rows {
     path: PathBuf,
     /// Offset of the next line.
     offset: u64,
-    /// Rows that were read but not yet returned.
+    /// Rows that have been read but not yet returned.
     ready: VecDeque<String>,
 }
 
 impl Rows {
-    /// The rows of a verified shard.
+    /// Creates a reader of a verified shard's rows.
     pub fn of(path: PathBuf) -> Rows {
         Rows {
             path,
@@ -117,10 +117,10 @@ impl Rows {
         }
     }
 
-    /// Returns the next row, which must be of this point.
+    /// Returns the next row, which must belong to this point.
     ///
     /// # Errors
-    /// When the file has changed since it was verified.
+    /// Returns an error when the file has changed since it was verified.
     pub fn next(&mut self, form: &RowForm, point: u64) -> io::Result<String> {
         if self.ready.is_empty() {
             self.read()?;

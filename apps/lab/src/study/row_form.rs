@@ -1,8 +1,8 @@
-//! The form of a shard's rows: the possible cells of a study's columns, spelled as the program writes them.
+//! The form of a shard's rows: the permitted cells of a study's columns, spelled as the program writes them.
 //!
-//! A checksum detects damage, but anyone can compute one. So each cell is parsed by its column's type, and a row is
-//! accepted only if its cells, written again, give the same text: no number that is not finite or outside its column's
-//! range, no other spelling, no text in a column of numbers.
+//! A checksum detects damage, but anyone can compute a checksum. So each cell is parsed by its column's type, and a row
+//! is accepted only if its cells, written again, give the same text. This rejects numbers that are not finite or
+//! outside the column's range, other spellings, and text in a column of numbers.
 
 use super::Study;
 use super::columns::{Column, Kind, Range};
@@ -11,7 +11,7 @@ use crate::report::Cell;
 /// Maximum length of a number in characters: the longest shortest form is `-2.2250738585072014e-308`.
 const LONGEST_NUMBER: usize = 24;
 
-/// Maximum number of characters shown of a rejected cell.
+/// Maximum number of characters of a rejected cell shown in a message.
 const SHOWN: usize = 40;
 
 /// The columns of a row in a study's shards.
@@ -20,14 +20,14 @@ pub(super) struct RowForm {
 }
 
 impl RowForm {
-    /// The form of a study's rows.
+    /// Creates the form of a study's rows.
     pub fn of(study: &Study) -> RowForm {
         RowForm {
             columns: study.found_columns(),
         }
     }
 
-    /// Rejects a text that is not a row of this point, with the reason.
+    /// Rejects a text that is not a row of this point, and returns the reason.
     pub fn check(&self, text: &str, point: u64) -> Result<(), String> {
         let mut cells = text.split(',');
         if cells.next() != Some(point.to_string().as_str()) {
@@ -47,7 +47,7 @@ impl RowForm {
         Ok(())
     }
 
-    /// Whether a text is the beginning of a row of this point: whole cells, and possibly the beginning of a number.
+    /// Whether a text is the beginning of a row of this point: complete cells, and possibly an incomplete number.
     pub fn is_begun(&self, text: &str, point: u64) -> bool {
         let index = point.to_string();
         let Some((first, rest)) = text.split_once(',') else {
@@ -81,7 +81,7 @@ impl Column {
         }
     }
 
-    /// Whether an incomplete text is the beginning of a valid cell of this column: its last number may be cut off.
+    /// Whether a text is the beginning of a valid cell of this column, whose last number may be cut off.
     fn takes_beginning(&self, cell: &str) -> bool {
         let (before, last) = match self.kind {
             Kind::Text => cell
@@ -95,9 +95,9 @@ impl Column {
             && last.chars().all(is_of_number)
     }
 
-    /// A description of its cells for a message.
+    /// Describes the column's valid cells, for a message.
     fn what(&self) -> String {
-        // Without the tolerance for rounding.
+        // The rounding tolerance is not shown.
         let [least, most] = [self.range.least, self.range.most].map(|end| end.round() + 0.0);
         let number = match self.kind {
             Kind::Whole => "a whole number",
@@ -130,19 +130,19 @@ fn is_real(text: &str, range: Range) -> bool {
     range.holds(number) && Cell::from(number).for_csv() == text
 }
 
-/// The text, unless it is too long for a number.
+/// The text; none if it is too long for a number.
 fn bounded(text: &str) -> Option<&str> {
     (text.len() <= LONGEST_NUMBER).then_some(text)
 }
 
 impl Range {
-    /// Whether it contains a number; false if the number is not finite.
+    /// Whether the range contains a finite number; false for numbers that are not finite.
     fn holds(self, number: f64) -> bool {
         (self.least..=self.most).contains(&number)
     }
 }
 
-/// A cell for a message: long ones are shortened.
+/// A cell as shown in a message, with long cells shortened.
 fn shown(cell: &str) -> String {
     let begin: String = cell.chars().take(SHOWN).collect();
     match begin.len() < cell.len() {
@@ -192,7 +192,7 @@ mod tests {
         cells.join(",")
     }
 
-    /// Protects tables from impossible numbers, and from text in their place: each is reported with its column.
+    /// Protects tables from impossible numbers and from text in place of numbers; each error names the column.
     #[test]
     fn a_row_holds_what_its_columns_can_hold() {
         let form = form();
@@ -269,7 +269,8 @@ mod tests {
         assert!(form.check(&with(18, "0.5,0.5"), 7).is_err());
     }
 
-    /// Protects results from an interruption, which may cut a row anywhere, and from other data at the end of a file.
+    /// Protects results from an interruption, which may cut a row at any byte, and from other data at the end of a
+    /// file.
     #[test]
     fn a_row_may_be_cut_anywhere() {
         let (form, row) = (form(), GOOD.join(","));

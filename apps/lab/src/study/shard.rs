@@ -8,10 +8,10 @@ use std::str::FromStr;
 /// Maximum number of shards of a study: more files would burden a cluster's disks.
 pub const MOST_SHARDS: u32 = 10_000;
 
-/// The folder of the shards, within that of the study's results.
+/// The folder of the shards, within the folder of the study's results.
 const FOLDER: &str = "shards";
 
-/// The endings of the file of a whole shard, and of one in progress.
+/// File name extensions of a whole shard and of a shard in progress.
 const WHOLE: &str = "shard";
 pub(super) const WORK: &str = "work";
 
@@ -37,7 +37,7 @@ impl Shard {
     /// The whole study as one shard.
     pub const WHOLE: Shard = Shard { number: 1, of: 1 };
 
-    /// The shard `number`, from 1, of `of` shards.
+    /// Returns the shard `number`, from 1, of `of` shards.
     ///
     /// # Errors
     /// [`NoShard`] unless 1 ≤ `number` ≤ `of` ≤ [`MOST_SHARDS`].
@@ -51,22 +51,22 @@ impl Shard {
         })
     }
 
-    /// Its number, from 1.
+    /// The shard's number, from 1.
     pub fn number(self) -> u32 {
         self.number
     }
 
-    /// The number of shards.
+    /// The number of shards of the study.
     pub fn of(self) -> u32 {
         self.of
     }
 
-    /// All of `of` shards, in order.
+    /// All `of` shards of a study, in order.
     pub fn all(of: u32) -> impl Iterator<Item = Shard> {
         (1..=of).map(move |number| Shard { number, of })
     }
 
-    /// The number of a study's points in this shard.
+    /// The number of points in this shard, of `all` points of the study.
     pub fn points(self, all: u64) -> u64 {
         let (number, of) = (u64::from(self.number), u64::from(self.of));
         let (whole, rest) = (all / BLOCK, all % BLOCK);
@@ -75,18 +75,18 @@ impl Shard {
         blocks * BLOCK + if has_rest { rest } else { 0 }
     }
 
-    /// The index in the study of a point of this shard.
+    /// The index in the study of this shard's point number `place`.
     pub(super) fn point(self, place: u64) -> u64 {
         let block = place / BLOCK * u64::from(self.of) + u64::from(self.number - 1);
         block * BLOCK + place % BLOCK
     }
 
-    /// The file of the whole shard.
+    /// The path of the whole shard.
     pub fn file(self, folder: &Path) -> PathBuf {
         self.named(folder, WHOLE)
     }
 
-    /// The file of the shard while it is computed.
+    /// The path of the shard while it is being computed.
     pub(super) fn work_file(self, folder: &Path) -> PathBuf {
         self.named(folder, WORK)
     }
@@ -125,7 +125,7 @@ pub(super) fn folder_of(folder: &Path) -> PathBuf {
     folder.join(FOLDER)
 }
 
-/// Whether a file is named as a whole shard, whatever its number.
+/// Whether a file is named like a whole shard, of any number.
 pub(super) fn is_whole(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending == WHOLE)
 }

@@ -1,4 +1,4 @@
-//! The tables of a joined study: CSV, Parquet, and their description.
+//! The tables of a joined study: CSV, Parquet, and a description of both.
 
 use super::empty::{self, EmptyCells, EmptyCount};
 use super::{Study, StudyError, VERSION};
@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 /// The file that describes the tables.
 const NOTE: &str = "study.json";
 
-/// Tables that are written row by row, and get their names when they are complete.
+/// Tables that are written row by row, and get their final names when complete.
 pub(super) struct Tables<'a> {
     study: &'a Study,
     folder: &'a Path,
@@ -22,19 +22,19 @@ pub(super) struct Tables<'a> {
     csv_path: PathBuf,
     #[cfg(feature = "parquet")]
     parquet: super::parquet_file::ParquetFile,
-    /// Number of columns of a row.
+    /// Number of columns in a row.
     columns: usize,
     empty: EmptyCount,
 }
 
 impl<'a> Tables<'a> {
-    /// Begins the tables of a study in its folder.
+    /// Creates the tables of a study in its folder.
     pub fn create(
         study: &'a Study,
         folder: &'a Path,
         renderer: &'a str,
     ) -> Result<Tables<'a>, StudyError> {
-        // This file is written last: either all files are written, or none.
+        // The description is written last, so that it exists only when all files are written.
         check_inside(&folder.join(NOTE))?;
         let csv_path = folder.join("study.csv");
         let failed = |source| StudyError::output(&csv_path, source);
@@ -62,7 +62,8 @@ impl<'a> Tables<'a> {
         })
     }
 
-    /// Adds a row: the cells that identify a point, and its results in the form of its shard.
+    /// Adds a row: the cells that identify a point, and the point's results as written in its
+    /// shard.
     pub fn row(&mut self, point: &[Cell], found: &str) -> Result<(), StudyError> {
         let cells = point.iter().map(Cell::for_csv);
         let found = found.split(',').map(str::to_owned);
@@ -80,7 +81,7 @@ impl<'a> Tables<'a> {
         Ok(())
     }
 
-    /// Gives the files their names; returns them, and the counts of empty cells.
+    /// Gives the files their final names; returns their paths and the counts of empty cells.
     pub fn finish(self) -> Result<(Vec<PathBuf>, Vec<EmptyCells>), StudyError> {
         let empty = self.empty.cells();
         let Tables { csv, csv_path, .. } = self;
@@ -112,7 +113,7 @@ impl<'a> Tables<'a> {
     }
 }
 
-/// The description of the tables: independent of the shards.
+/// The description of the tables, which does not depend on the shards.
 fn about(study: &Study, renderer: &str) -> Vec<(&'static str, String)> {
     vec![
         ("name", study.name.clone()),

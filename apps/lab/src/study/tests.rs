@@ -1,4 +1,4 @@
-//! Tests of reading and joining studies without a renderer: the shards are made up.
+//! Tests of reading and joining studies without a renderer: the shards are made up by the tests.
 
 use super::build::study as build;
 use super::check::Checker;
@@ -21,7 +21,7 @@ pub(super) const SMALL: &str = r#"Study(
 
 const RENDERER: &str = "made up; 1.0";
 
-/// The study of a text; its scenes lie in `folder`.
+/// Reads a study from a text; its scenes are in `folder`.
 fn read_in(text: &str, folder: &Path) -> Result<Study, StudyError> {
     let file = StudyFile::from_ron(text, "study")?;
     build(&file, &Checker { origin: "study" }, folder)
@@ -40,7 +40,7 @@ fn row(index: u64) -> String {
     format!("{index},{:?},0.5,-0.25", index as f64 / 3.0)
 }
 
-/// The text of a whole shard with such rows.
+/// The text of a whole shard with the rows that `row` returns.
 fn made_up(header: &Header, row: fn(u64) -> String) -> String {
     let shard = Shard::new(header.shard, header.of).unwrap();
     let mut text = line(&header.text());
@@ -52,12 +52,12 @@ fn made_up(header: &Header, row: fn(u64) -> String) -> String {
     text + &line(&end)
 }
 
-/// Writes all of `of` shards into a new folder.
+/// Writes all `of` shards of a study into a new folder.
 pub(super) fn shards(study: &Study, of: u32) -> tempfile::TempDir {
     shards_of(study, of, row)
 }
 
-/// The same with other rows.
+/// Writes all `of` shards of a study with the rows that `row` returns into a new folder.
 pub(super) fn shards_of(study: &Study, of: u32, row: fn(u64) -> String) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     std::fs::create_dir(folder_of(folder.path())).unwrap();
@@ -75,7 +75,7 @@ fn joined(study: &Study, folder: &Path) -> Result<Vec<Vec<u8>>, String> {
     Ok(joined.files.iter().map(read).collect())
 }
 
-/// Protects the order of the points in every table: the seed changes first, the scene last.
+/// Protects the order of the points in every table: the seed changes fastest, the scene slowest.
 #[test]
 fn points_are_in_the_order_of_the_axes() {
     let study = read(SMALL).unwrap();
@@ -94,7 +94,7 @@ fn points_are_in_the_order_of_the_axes() {
     assert_eq!(at.to_array(), [1.0, 0.0, 5.0]);
 }
 
-/// Invalid fields, and the error for each.
+/// Invalid fields, with the expected error for each.
 const WRONG: &[(&str, &str)] = &[
     ("seeds: List([])", "seeds must be 1 to"),
     ("seeds: Range(from: 4294967295, count: 2)", "seeds.count"),
@@ -152,7 +152,7 @@ const WRONG: &[(&str, &str)] = &[
     ),
 ];
 
-/// Protects the checks of a study: invalid fields are reported with their place and range.
+/// Protects the checks of a study: each error states the invalid field and its valid range.
 #[test]
 fn every_field_is_checked() {
     let with = |more: &str| format!("Study(scenes: [Scene(of: \"corner\")], {more})");
@@ -174,7 +174,7 @@ fn every_field_is_checked() {
     );
 }
 
-/// Protects the errors of a malformed study: they contain no Rust terms, but the correct form.
+/// Protects the errors of a malformed study: they show the correct form, without Rust terms.
 #[test]
 fn a_study_is_refused_in_its_own_words() {
     let with = |more: &str| format!("Study(scenes: [Scene(of: \"corner\")], {more})");
@@ -215,7 +215,8 @@ fn a_study_is_refused_in_its_own_words() {
     }
 }
 
-/// Protects counts: a study accepts the forms of the command line, and they give the same study.
+/// Protects counts: a study accepts every form of the command line, and all forms give the same
+/// study.
 #[test]
 fn counts_are_written_as_on_the_command_line() {
     let hash = |waves: &str| {
@@ -248,7 +249,7 @@ fn the_hash_is_of_what_decides_the_results() {
     ] {
         assert_ne!(hash(&SMALL.replace(from, to)), small, "{to}");
     }
-    // A scene's own text, wherever it lies, and that of its base.
+    // The hash covers the text of a scene file, whatever its folder, and the text of its base.
     let text = SMALL.replace("corner", "mine.ron");
     let mine = |base: &str| {
         let folder = tempfile::tempdir().unwrap();
@@ -294,10 +295,10 @@ fn any_number_of_shards_joins_to_the_same_bytes() {
     assert_eq!(csv.lines().count(), 61);
 }
 
-/// A change of a folder of shards, and its error.
+/// A change to a folder of shards, with the expected error.
 type Change<'a> = (&'a dyn Fn(&Path), &'a [&'a str]);
 
-/// The error of joining four shards after a change.
+/// Returns the error of joining four shards after a change to their folder.
 fn refused(study: &Study, change: &dyn Fn(&Path)) -> String {
     let folder = shards(study, 4);
     change(folder.path());
@@ -306,8 +307,8 @@ fn refused(study: &Study, change: &dyn Fn(&Path)) -> String {
     said
 }
 
-/// Protects from incomplete results: every shard that is missing, doubled, or of something else is
-/// named.
+/// Protects from incomplete results: the error names every shard that is missing, doubled, or not
+/// of this study.
 #[test]
 fn shards_that_do_not_belong_are_named() {
     let study = read(SMALL).unwrap();
@@ -374,7 +375,7 @@ fn shards_that_do_not_belong_are_named() {
     }
 }
 
-/// Protects results from damage of any kind: every changed or missing byte of a shard is detected.
+/// Protects results from damage: every changed or missing byte of a shard is detected.
 #[test]
 fn no_byte_of_a_shard_can_change() {
     let study = read(SMALL).unwrap();

@@ -1,8 +1,8 @@
-//! Chooses which files are worked on: only those made by this program, under the exact names that it gave them.
+//! Decides which files the program works on: only files that it created, under the exact names that it gave them.
 //!
-//! A folder of results may contain anything: symbolic links, other names of files (hard links), pipes, files of other
-//! programs. The program never writes to them. An existing file is opened without following links, and locked; then it
-//! is inspected, and its first line read, before a byte is written.
+//! A folder of results may contain anything: symbolic links, hard links, pipes, files of other programs. The program
+//! never writes to any of these. An existing file is opened without following links and locked; before a byte is
+//! written, the file is inspected and its first line is read.
 
 use super::{Shard, StudyError};
 use echomarch::internals::plain_file;
@@ -10,10 +10,10 @@ use std::fs::{File, TryLockError};
 use std::io::{self, ErrorKind};
 use std::path::Path;
 
-/// Maximum number of attempts to open a file that another process makes and removes again and again.
+/// Maximum number of attempts to open a file that another process repeatedly creates and removes.
 const MOST_TRIES: u32 = 10;
 
-/// Opens or creates a working file; no other process may have it open. A file system without locks gives no such
+/// Opens or creates a working file; fails if another process has locked it. A file system without locks gives no such
 /// protection.
 pub(super) fn locked(shard: Shard, path: &Path) -> Result<File, StudyError> {
     let failed = |source| StudyError::output(path, source);
@@ -28,7 +28,7 @@ pub(super) fn locked(shard: Shard, path: &Path) -> Result<File, StudyError> {
         Err(TryLockError::Error(error)) if error.kind() == ErrorKind::Unsupported => (),
         Err(TryLockError::Error(source)) => return Err(failed(source)),
     }
-    // It may have been completed and renamed between the opening and the lock.
+    // The file may have been completed and renamed between opening and locking.
     let copy = file.try_clone().and_then(same_file::Handle::from_file);
     let copy = copy.map_err(failed)?;
     match same_file::Handle::from_path(path) {
@@ -47,7 +47,7 @@ pub(super) fn locked(shard: Shard, path: &Path) -> Result<File, StudyError> {
     Ok(file)
 }
 
-/// Opens the file with exactly this name, or creates it.
+/// Opens the file with exactly this name, or creates one.
 fn opened(path: &Path) -> io::Result<File> {
     let options = || {
         let mut options = File::options();
@@ -68,12 +68,12 @@ fn opened(path: &Path) -> io::Result<File> {
     Err(refused)
 }
 
-/// Whether the name exists, including as a dangling link.
+/// Whether the name exists, even as a dangling link.
 pub(super) fn is_there(path: &Path) -> bool {
     std::fs::symlink_metadata(path).is_ok()
 }
 
-/// Whether the user who runs this program owns a file.
+/// Whether a file belongs to the user who runs this program.
 #[cfg(target_os = "linux")]
 pub(super) fn is_of_this_user(file: &File) -> bool {
     use std::os::unix::fs::MetadataExt;
@@ -81,8 +81,8 @@ pub(super) fn is_of_this_user(file: &File) -> bool {
     file.metadata().is_ok_and(|about| about.uid() == user)
 }
 
-/// Whether the user who runs this program owns a file: unknown on this system, so every file that can be opened is
-/// accepted.
+/// Whether a file belongs to the user who runs this program. The owner is unknown on this system, so every file that
+/// can be opened is accepted.
 #[cfg(not(target_os = "linux"))]
 pub(super) fn is_of_this_user(_: &File) -> bool {
     true

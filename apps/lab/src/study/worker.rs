@@ -1,4 +1,4 @@
-//! The computation of a point.
+//! Computes the points of a study.
 
 use super::points::Point;
 use super::{Study, StudyError, renderer_of};
@@ -14,12 +14,12 @@ pub struct Worker<'a> {
     pub(super) study: &'a Study,
     tracer: Tracer,
     renderer: String,
-    /// The scene of a variant at a time, kept until a point needs another one.
+    /// A variant's scene at a time, kept until a point needs a different one.
     posed: Option<((u64, u64), Scene)>,
 }
 
 impl<'a> Worker<'a> {
-    /// A worker that computes with `tracer`.
+    /// Creates a worker that computes with `tracer`.
     pub fn new(study: &'a Study, tracer: Tracer) -> Worker<'a> {
         Worker {
             study,
@@ -34,7 +34,7 @@ impl<'a> Worker<'a> {
         &self.renderer
     }
 
-    /// The tracer, for other drawings.
+    /// The tracer, for other drawing.
     pub fn tracer(&mut self) -> &mut Tracer {
         &mut self.tracer
     }
@@ -56,7 +56,8 @@ impl<'a> Worker<'a> {
             _ => study.posed(point.variant, point.time)?,
         };
         let (_, scene) = self.posed.insert((key, scene));
-        // Replaces the positions of the last point: an axis sets them in all points or in none.
+        // Replaces the positions of the previous point: an axis sets its position either in all
+        // points or in none.
         if let Some(position) = study.source_of(point) {
             scene.sources[0].position = position;
         }
