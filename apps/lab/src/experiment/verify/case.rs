@@ -1,16 +1,16 @@
-//! One hard case.
+//! A hard case: a scene or input, and its requirements.
 
 use echomarch::Error;
 use echomarch::scene::Scene;
 use echomarch::tracer::{Settings, Tracer};
 use glam::{DVec3, Vec3};
 
-/// A hard case: the scene or input, and its requirements.
+/// A hard case: the scene or input, and the requirements on its result.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// Its name on the command line.
+    /// The case's name on the command line.
     pub name: String,
-    /// The difficulty.
+    /// The difficulty, in words.
     pub hard: &'static str,
     /// The exact answer in words.
     pub exact: String,
@@ -23,8 +23,8 @@ pub struct Case {
 pub enum Check {
     /// Waves compared with their exact end points.
     Waves(Box<WaveCheck>),
-    /// Input that must be rejected with a typed error, each with a description of the error. A
-    /// profile gets only the input that applies to its settings.
+    /// Input that must be rejected with a typed error, each with a description of the expected
+    /// error. A profile gets only the input that applies to its settings.
     Refused(Vec<(&'static str, Scene, Settings)>),
     /// Energies of arrivals.
     Energies(EnergyCheck),
@@ -35,28 +35,28 @@ pub enum Check {
 pub struct EnergyCheck {
     /// The accepted error, in words.
     pub(super) bound: &'static str,
-    /// Traces and judges them.
+    /// Traces the energies, and judges them.
     pub(super) judge: fn(&mut Tracer, &Settings) -> Result<Verdict, Error>,
 }
 
-/// The result.
+/// The result of a judgement of energies.
 #[derive(Clone, Debug)]
 pub(super) struct Verdict {
     pub passed: bool,
     pub note: String,
 }
 
-/// Waves, and the accepted distance from their exact end points.
+/// Waves to trace, and the accepted distance from their exact end points.
 #[derive(Clone, Debug)]
 pub struct WaveCheck {
     /// The scene.
     pub scene: Scene,
-    /// The same world for the judge, in which trees of the library describe in `f64` the surfaces
-    /// that users' texts describe in `scene`.
+    /// The same world for the judge: library trees describe in `f64` the surfaces that users' texts
+    /// describe in `scene`.
     pub truth: Option<Box<Scene>>,
-    /// The directions in which the waves leave the source (world axes).
+    /// The directions in which the waves leave the source, along world axes.
     pub directions: Vec<Vec3>,
-    /// Flights of each wave.
+    /// Number of flights of each wave.
     pub iterations: u32,
     /// The accepted error.
     pub bound: Bound,
@@ -65,14 +65,14 @@ pub struct WaveCheck {
 /// The accepted error of an answer.
 #[derive(Clone, Debug)]
 pub enum Bound {
-    /// Within the effect that rounding errors of the start have on the exact wave.
+    /// The accepted error is the effect that rounding errors of the start have on the exact wave.
     Spread {
-        /// Share of the waves that may have another answer: edges hit by spread waves that the few
-        /// computed starts did not show.
+        /// Share of the waves that may have another answer, because they hit edges that none of the
+        /// few computed starts hits.
         exceptions: f64,
     },
-    /// Within a share of the scene's extent, or of the path if that is longer, of planted answers,
-    /// one per wave.
+    /// The accepted error is a share of the scene's extent, or of the path if the path is longer,
+    /// from planted answers, with one answer per wave.
     Planted {
         /// The share.
         share: f64,
@@ -91,7 +91,7 @@ pub struct Planted {
 }
 
 impl Case {
-    /// A case that is judged by the spread of exact waves, without exceptions.
+    /// Creates a case that is judged by the spread of exact waves, without exceptions.
     pub(super) fn spread(
         name: impl Into<String>,
         hard: &'static str,
@@ -114,7 +114,7 @@ impl Case {
         }
     }
 
-    /// The same with answers known in advance, reached within `share` of the extent.
+    /// Requires answers known in advance, reached within `share` of the extent.
     pub(super) fn planted(mut self, with_share: f64, with_answers: Vec<Planted>) -> Case {
         if let Check::Waves(waves) = &mut self.check {
             waves.bound = Bound::Planted {
@@ -125,7 +125,7 @@ impl Case {
         self
     }
 
-    /// The same with a share of waves that may be wrong.
+    /// Allows a share of the waves to be wrong.
     pub(super) fn but_for(mut self, share: f64) -> Case {
         if let Check::Waves(waves) = &mut self.check {
             waves.bound = Bound::Spread { exceptions: share };
@@ -133,7 +133,7 @@ impl Case {
         self
     }
 
-    /// The same, judged by another description of the same world.
+    /// Lets the judge use another description of the same world.
     pub(super) fn judged_by(mut self, other: Scene) -> Case {
         if let Check::Waves(waves) = &mut self.check {
             waves.truth = Some(Box::new(other));

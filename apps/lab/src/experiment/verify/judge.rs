@@ -1,4 +1,4 @@
-//! Compares traced waves with all right answers.
+//! Compares traced waves with the set of right answers.
 
 use super::case::{Bound, Planted};
 use super::report::ProfileResult;
@@ -9,7 +9,7 @@ use echomarch::scene::Scene;
 use echomarch::tracer::{Fate, Profile, Wave};
 use glam::{DVec3, Vec3};
 
-/// A scene with the measures of its judgements.
+/// A scene, with the scales by which its waves are judged.
 pub(super) struct Judge {
     exact: ExactScene,
     start: DVec3,
@@ -27,16 +27,16 @@ struct Answer {
     status: i32,
     sequence: u64,
     end: DVec3,
-    /// Whether `end` is a position: the thesis keeps none for a dead wave.
+    /// Whether `end` is a valid position: the thesis does not keep the position of a dead wave.
     placed: bool,
 }
 
 /// The verdict on one wave.
 enum Verdict {
-    /// Right, with the distance from the nearest right answer: in metres, and as a share of the
-    /// extent, or of the path if that is longer.
+    /// A right answer, with the distance from the nearest right answer: in metres, and as a share
+    /// of the extent, or of the path if the path is longer.
     Right(f64, f64),
-    /// Wrong, with the distance from the exact end in metres, if both have one.
+    /// A wrong answer, with the distance from the exact end in metres if both waves have an end.
     Off(Option<f64>),
 }
 
@@ -66,7 +66,7 @@ impl Judge {
         })
     }
 
-    /// Judges the states after the start and after each iteration.
+    /// Judges the states at the start and after each iteration.
     pub fn judge(&self, states: &[Vec<Wave>], bound: &Bound, by: Profile) -> ProfileResult {
         let waves = states[0].len();
         let mut result = ProfileResult {
@@ -99,9 +99,10 @@ impl Judge {
             Bound::Spread { exceptions } => (exceptions * waves as f64) as usize,
             Bound::Planted { .. } => 0,
         };
-        // If any end is right, waves must still be alive, and the number heard must be that of
-        // another draw of the same chaos: two independent counts differ by the root of their sum,
-        // and by four times that once in 16 000 draws.
+        // If every end counts as right, waves must still be alive, and the number of heard waves
+        // must agree with another draw of the same chaos. Two independent counts differ by a
+        // standard deviation of the root of their sum, and by more than four times that once in 16
+        // 000 draws.
         let no_ends = matches!(bound, Bound::Spread { exceptions } if *exceptions >= 1.0);
         let heard = result.heard as f64;
         let exactly = result.heard_exactly as f64;
@@ -156,7 +157,8 @@ impl Judge {
         }
     }
 
-    /// Right answers are those of exact waves that start with a rounding error.
+    /// Judges by the spread: right answers are those of exact waves that start with a rounding
+    /// error.
     fn by_spread(&self, given: &Answer, direction: Vec3) -> Verdict {
         let direction = direction.as_dvec3();
         let answers: Vec<Answer> = self
@@ -196,8 +198,9 @@ impl Judge {
         Verdict::Off(both_end.then(|| answers[0].end.distance(given.end)))
     }
 
-    /// The start itself, then starts with a whole, half and quarter rounding error, in position and
-    /// in direction: the result of a tangent line depends on the root of its offset.
+    /// The start itself, then starts displaced by a whole, half and quarter rounding error, in
+    /// position and in direction: the result for a tangent line depends on the root of the
+    /// displacement.
     fn starts(&self, direction: DVec3) -> impl Iterator<Item = (DVec3, DVec3)> {
         let (start, extent) = (self.start, self.extent);
         let aside = direction.any_orthonormal_vector();
@@ -214,13 +217,13 @@ impl Judge {
             .chain(shares.into_iter().flat_map(off))
     }
 
-    /// The extent, or the distance to this end if it is larger, in metres.
+    /// The extent, or the distance from the source to this end if that is larger, in metres.
     fn reach(&self, end: DVec3) -> f64 {
         self.extent.max(end.distance(self.start))
     }
 
     /// The maximum distance of the exact waves from planted answers, as a share of the extent, or
-    /// of the path if that is longer; infinite if they hit other objects.
+    /// of the path if the path is longer; infinite if a wave hits other objects.
     pub fn exact_against(&self, directions: &[Vec3], answers: &[Planted]) -> f64 {
         let off = |(direction, answer): (&Vec3, &Planted)| {
             let direction = direction.as_dvec3();
@@ -243,8 +246,8 @@ fn planted(answer: &Planted) -> Answer {
     }
 }
 
-/// The answer given by the states. An object is hit in each iteration until the wave is heard or
-/// dead.
+/// The answer contained in the states of a wave. The wave hits an object in each iteration until it
+/// is heard or dies.
 fn given(path: &[Wave], by: Profile) -> Answer {
     let mut objects = Vec::new();
     for pair in path.windows(2) {

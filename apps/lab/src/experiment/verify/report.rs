@@ -1,4 +1,4 @@
-//! The results of the hard cases, as plain data.
+//! The results of the hard cases as plain data.
 
 use super::rounding::{END_ROUNDING, LENGTH_ROUNDING, START_ROUNDING};
 use crate::columns;
@@ -6,10 +6,10 @@ use crate::report::{Column, Document, Report, Row, Table, significant};
 use echomarch::tracer::Profile;
 use serde::Serialize;
 
-/// The results of all cases run.
+/// The results of all cases that were run.
 #[derive(Clone, Debug, Serialize)]
 pub struct VerifyReport {
-    /// The renderer's name.
+    /// Name of the renderer.
     pub renderer: String,
     /// The cases, in the order of [`all`](super::all).
     pub cases: Vec<CaseReport>,
@@ -20,7 +20,7 @@ pub struct VerifyReport {
 pub struct CaseReport {
     /// The case's name.
     pub name: String,
-    /// The difficulty.
+    /// The difficulty, in words.
     pub hard: String,
     /// The exact answer in words.
     pub exact: String,
@@ -35,42 +35,43 @@ pub struct CaseReport {
 pub struct ProfileResult {
     /// Name of the profile.
     pub profile: String,
-    /// Whether all its requirements hold.
+    /// Whether the profile meets all requirements of the case.
     pub passed: bool,
-    /// Waves traced; 0 for input that must be rejected.
+    /// Number of traced waves; 0 for input that must be rejected.
     pub waves: usize,
-    /// Waves without a right answer: other objects, or an end outside the bound.
+    /// Number of waves without a right answer: other objects, or an end outside the bound.
     pub off: usize,
-    /// Number of those that are dead and should not be.
+    /// Number of wrong waves that are dead although the exact wave is not.
     pub lost: usize,
-    /// Waves heard.
+    /// Number of heard waves.
     pub heard: usize,
-    /// Waves that are heard in the exact answer.
+    /// Number of waves that are heard in the exact answer.
     pub heard_exactly: usize,
-    /// Median distance of the wrong waves from the exact end, if both have one; metres.
+    /// Median distance in metres of the wrong waves from the exact end, over waves where both have
+    /// an end.
     pub median_off: f64,
-    /// Largest distance of the right waves from a right answer; metres.
+    /// Largest distance of a right wave from the nearest right answer, in metres.
     pub error: f64,
-    /// The same as a share of the scene's extent.
+    /// The largest such distance as a share of the scene's extent.
     pub relative_error: f64,
-    /// States with a number that is NaN or infinite.
+    /// Number of states with a number that is NaN or infinite.
     pub not_finite: usize,
-    /// Waves that were in a solid after some iteration.
+    /// Number of waves that were in a solid after some iteration.
     pub inside: usize,
-    /// The largest depth in a solid; metres.
+    /// The largest depth in a solid, in metres.
     pub deepest: f64,
-    /// Marches that reached the step limit.
+    /// Number of marches that reached the step limit.
     pub step_limit_reached: u64,
     /// Largest difference of a direction's length from 1.
     pub length_error: f64,
-    /// Marches that ended at distance 0.
+    /// Number of marches that ended at distance 0.
     pub zero_length_passes: u64,
     /// A note that does not affect the verdict.
     pub note: String,
 }
 
 impl ProfileResult {
-    /// The verdict and its figures.
+    /// The verdict and its figures in words.
     pub fn verdict(&self) -> String {
         let verdict = if self.passed { "ok" } else { "fails" };
         let mut all = vec![verdict.to_owned()];
@@ -120,7 +121,7 @@ impl CaseReport {
         self.results.iter().find(|result| result.profile == name)
     }
 
-    /// Whether the profiles that should be right are right.
+    /// Whether every profile that must pass the case passes it.
     pub fn passed(&self) -> bool {
         [Profile::Hybrid, Profile::March]
             .iter()

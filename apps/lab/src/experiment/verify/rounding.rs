@@ -1,13 +1,15 @@
-//! Allowances for rounding.
+//! Tolerances for rounding errors.
 
-/// Maximum rounding error of a start that still counts as the same, as a share of the scene's extent for its position
-/// and in radians for its direction: eight units in the last place of an `f32`, the error of a flight and a reflection.
+/// Maximum displacement of a start that still counts as the same start, as a share of the scene's extent for the
+/// position and in radians for the direction: eight units in the last place of an `f32`, the error of a flight and a
+/// reflection.
 pub const START_ROUNDING: f64 = 8.0 * f32::EPSILON as f64;
 
 /// Additional error of an end point, as a share of the scene's extent.
 pub const END_ROUNDING: f64 = 16.0 * f32::EPSILON as f64;
 
-/// Maximum error of a direction's length, as allowed by GLSL: `inversesqrt` may have an error of 2 units in the last
-/// place, a division of 2.5 and a square root of both (GLSL 4.60, section 4.7.1). With the dot product and the products
-/// `normalize` has 4 units, and a reflection at such a normal has twice its error. A unit is at most [`f32::EPSILON`].
+/// Maximum error of a direction's length that GLSL allows. `inversesqrt` may have an error of 2 units in the last
+/// place, a division of 2.5, and a square root has the error of both (GLSL 4.60, section 4.7.1). With the dot product
+/// and the products, `normalize` has an error of 4 units, and a reflection at such a normal has twice that error. A
+/// unit is at most [`f32::EPSILON`].
 pub const LENGTH_ROUNDING: f64 = 8.0 * f32::EPSILON as f64;

@@ -1,4 +1,4 @@
-//! Runs hard cases with every profile.
+//! Runs the hard cases with every profile.
 
 use super::case::{Bound, Case, Check, EnergyCheck, WaveCheck};
 use super::judge::Judge;
@@ -7,7 +7,7 @@ use echomarch::Error;
 use echomarch::scene::Scene;
 use echomarch::tracer::{Profile, Settings, Tracer};
 
-/// Runs the cases. `progress` receives the cases done and the total.
+/// Runs the cases. `progress` receives the number of completed cases and the total.
 ///
 /// # Errors
 /// [`Error::Gpu`] when the renderer fails. A failed case is not an error.
@@ -71,7 +71,7 @@ impl WaveCheck {
         let states = tracer.trace_directions(&self.scene, &settings, &self.directions)?;
         let mut result = judge.judge(&states, &self.bound, profile);
         result.profile = profile.to_string();
-        // The judge is compared with the planted answers, too.
+        // The planted answers also check the judge.
         if let Bound::Planted { share, answers } = &self.bound {
             let reference = judge.exact_against(&self.directions, answers);
             if reference > *share {

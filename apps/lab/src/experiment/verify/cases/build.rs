@@ -1,15 +1,15 @@
-//! Common parts of the cases.
+//! Functions shared by the cases.
 
 use echomarch::scene::shape::{Cuboid, Room};
 use echomarch::scene::{Listener, Node, Scene, Source, Surface};
 use glam::{DVec3, Vec3};
 
-/// A scene of these surfaces.
+/// A scene with the given surfaces.
 pub fn scene(name: &str, surfaces: Vec<Surface>, source: Vec3, listener: Listener) -> Scene {
     Scene::new(name, surfaces, Source::at(source), listener)
 }
 
-/// The room of the thesis: 30 x 20 x 30 m about the origin.
+/// The thesis' room: 30 x 20 x 30 m about the origin.
 pub fn hall() -> Surface {
     room(30.0, 20.0, 30.0)
 }
@@ -24,7 +24,7 @@ pub fn block(x: f32, y: f32, z: f32) -> Surface {
     Surface::new(Node::Cuboid(Cuboid { size }))
 }
 
-/// A listener out of the way: in the solid around the hall.
+/// A listener that no wave reaches, in the solid around the hall.
 pub fn listener_outside() -> Listener {
     Listener::at(Vec3::new(16.5, 0.0, 0.0), 0.5)
 }
@@ -33,18 +33,18 @@ pub fn listener_outside() -> Listener {
 pub fn builtin(name: &str) -> Scene {
     match Scene::builtin(name) {
         Ok(scene) => scene,
-        // A test reads every built-in scene.
+        // A test reads every built-in scene, so this cannot fail.
         Err(error) => unreachable!("{error}"),
     }
 }
 
-/// The directions from `from` to each of the points.
+/// The directions from `from` to each of the points `at`.
 pub fn aims(from: Vec3, at: &[Vec3]) -> Vec<Vec3> {
     let aim = |at: &Vec3| (at.as_dvec3() - from.as_dvec3()).normalize().as_vec3();
     at.iter().map(aim).collect()
 }
 
-/// Directions in an even lattice over the sphere: heights in equal steps, azimuths by the
+/// Directions in an even lattice over the sphere, with heights in equal steps and azimuths by the
 /// golden angle.
 pub fn lattice(count: u32) -> Vec<Vec3> {
     const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;

@@ -1,4 +1,4 @@
-//! Many reflections.
+//! Cases with many reflections.
 
 use super::super::Case;
 use super::build::{builtin, hall, lattice, scene};
@@ -23,7 +23,7 @@ fn shoebox() -> Case {
     )
 }
 
-/// A pillar in a hall: every reflection at it multiplies errors by some 10.
+/// A pillar in a hall; every reflection at the pillar multiplies errors by about 10.
 fn pillar() -> echomarch::Scene {
     let pillar = Surface::new(Node::Cylinder(Cylinder { radius: 3.0 }));
     let surfaces = vec![hall(), pillar];
@@ -47,7 +47,7 @@ fn sinai() -> Case {
     )
 }
 
-/// Beyond the horizon no end is right or wrong, but no wave may be lost.
+/// 200 flights, beyond the horizon: no end is right or wrong, but no wave may be lost.
 fn sinai_at_length() -> Case {
     Case::spread(
         "sinai-billiard-200",
@@ -60,7 +60,7 @@ fn sinai_at_length() -> Case {
     .but_for(1.0)
 }
 
-/// Two rows of pillars, which are hit again and again.
+/// Two rows of pillars, which waves hit again and again.
 fn stadium() -> Case {
     let mut surfaces = vec![hall()];
     for x in [-10.0, -5.0, 0.0, 5.0, 10.0] {

@@ -1,4 +1,4 @@
-//! Endless repetitions.
+//! Infinite repetitions of a shape.
 
 use super::super::Case;
 use super::build::{lattice, room, scene};
@@ -6,10 +6,10 @@ use echomarch::scene::shape::{Cuboid, Sphere};
 use echomarch::scene::{Listener, Shape, Surface};
 use glam::Vec3;
 
-/// Number of flights of each wave: few, because balls multiply errors.
+/// Number of flights of each wave: small, because balls multiply errors.
 const ITERATIONS: u32 = 2;
 
-/// Number of waves of a case: the exact march past copies takes long.
+/// Number of waves of a case: small, because the exact march past copies takes long.
 const WAVES: u32 = 128;
 
 pub fn cases() -> Vec<Case> {
@@ -34,7 +34,7 @@ pub fn cases() -> Vec<Case> {
     ]
 }
 
-/// A repetition about the origin, with a room, source and listener at a given place.
+/// A repetition about the origin, with room, source and listener at a given position.
 fn in_a_room(name: &str, hard: &'static str, field: Shape, place: Vec3) -> Case {
     let surfaces = vec![Surface::new(field), room(30.0, 16.0, 30.0).at(place)];
     let listener = Listener::at(place + Vec3::new(-5.0, 1.0, 5.0), 0.5);

@@ -12,13 +12,14 @@ use echomarch::tracer::{ArrivalCounts, ArrivalSettings, Settings, Tracer};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
-/// Waves of each case.
+/// Number of waves of each case.
 const WAVES: u32 = 1 << 16;
 
-/// Reflections over which energy must be conserved.
+/// Number of reflections over which energy must be conserved.
 const CONSERVED: u32 = 200;
 
-/// Standard deviations that two draws of waves may differ by: one case in 16 000.
+/// Maximum difference between two draws of waves in standard deviations; larger differences occur in one case in 16
+/// 000.
 const DEVIATIONS: f64 = 4.0;
 
 type Judge = fn(&mut Tracer, &Settings) -> Result<Verdict, Error>;
@@ -76,12 +77,12 @@ pub fn cases() -> Vec<Case> {
     ]
 }
 
-/// The arrivals of a scene.
+/// The arrivals of a traced scene.
 struct Heard {
     energy: Bands,
     /// Length of the longest path in metres.
     longest_m: f64,
-    /// The number of equal arrivals with the same noise.
+    /// The number of equal arrivals that would have the same noise.
     effective: f64,
     counts: ArrivalCounts,
 }
@@ -92,7 +93,7 @@ fn heard(
     settings: &Settings,
     iterations: u32,
 ) -> Result<Heard, Error> {
-    /// Long enough for all iterations, in seconds.
+    /// Length of the record in seconds: long enough for all iterations.
     const SECONDS: f64 = 100.0;
     const BIN_S: f64 = 0.1;
     let how = ArrivalSettings::new(SECONDS).with_iterations(iterations);
@@ -141,7 +142,7 @@ fn verdict(off: f64, bound: f64) -> Verdict {
     }
 }
 
-/// The largest difference of two energies, as a share.
+/// The largest relative difference between two energies, over the bands.
 fn apart(found: &Bands, expected: &Bands) -> f64 {
     let shares = found.iter().zip(expected).map(|(a, b)| (a / b - 1.0).abs());
     shares.fold(0.0, f64::max)
@@ -169,7 +170,7 @@ fn silenced(tracer: &mut Tracer, settings: &Settings) -> Result<Verdict, Error> 
 }
 
 fn independent(tracer: &mut Tracer, settings: &Settings) -> Result<Verdict, Error> {
-    /// Bands that are compared with a separate scene.
+    /// Bands that are compared with a scene of their own.
     const HELD: [usize; 3] = [0, 3, 7];
     const ITERATIONS: u32 = 50;
     let all = heard(tracer, &furnished(by_band()), settings, ITERATIONS)?;
@@ -192,8 +193,8 @@ fn at_wall(tracer: &mut Tracer, settings: &Settings) -> Result<Verdict, Error> {
     Ok(verdict(off, DEVIATIONS / found.effective.sqrt()))
 }
 
-/// The mean density of a source over a plane through the origin, and of its image, over the upper half of a ball about
-/// the origin.
+/// The mean energy density of a source above a plane through the origin and of its mirror image, over the upper half of
+/// a ball about the origin.
 fn mean_over_half(source: DVec3, radius: f64) -> f64 {
     const STEPS: i32 = 40;
     let image = source * DVec3::new(1.0, -1.0, 1.0);

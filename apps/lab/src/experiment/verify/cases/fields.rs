@@ -1,4 +1,4 @@
-//! Fields that are marched: solids behind grazed surfaces, steep ground, distant listeners.
+//! Marched fields: solids behind grazed surfaces, steep ground, distant listeners.
 
 use super::super::Case;
 use super::build::{lattice, scene};
@@ -7,8 +7,8 @@ use echomarch::scene::{HeightImage, Listener, Node, Scene, Shape, Surface};
 use glam::{UVec2, Vec3};
 use std::sync::Arc;
 
-/// One flight, so only its end is compared: at a crease rounding decides the direction of
-/// reflection.
+/// One flight, so that only its end is compared: at a crease the direction of reflection depends on
+/// rounding.
 const ITERATIONS: u32 = 1;
 
 pub fn cases() -> Vec<Case> {
@@ -67,7 +67,7 @@ pub(super) fn slab_behind(name: &str, field: Shape, listener: Vec3) -> Scene {
     scene(name, surfaces, Vec3::ZERO, Listener::at(listener, 1.0))
 }
 
-/// Ground from an image of heights, heard from beside it.
+/// A case of ground from a height image, heard from beside the ground.
 fn over_ground(name: &str, size: Vec3, far: f32) -> Case {
     const SIDE: u32 = 24;
     let height = |index: u32| {
@@ -77,7 +77,7 @@ fn over_ground(name: &str, size: Vec3, far: f32) -> Case {
     let heights = (0..SIDE * SIDE).map(height).collect();
     let image = match HeightImage::new("steps", UVec2::splat(SIDE), heights) {
         Ok(image) => Arc::new(image),
-        // A test builds every case.
+        // A test builds every case, so this cannot fail.
         Err(error) => unreachable!("{error}"),
     };
     let ground = Surface::new(Shape::from(Node::HeightField(HeightField { image, size })));

@@ -1,4 +1,4 @@
-//! Input that is not a valid scene or setting.
+//! Invalid scenes and settings.
 
 use super::super::{Case, Check};
 use super::build::builtin;
@@ -63,7 +63,7 @@ const THESIS: [Spoil<ThesisOptions>; 3] = [
 
 type Input = (&'static str, Scene, Settings);
 
-/// Invalid scenes, for every profile.
+/// Invalid scenes, to be rejected by every profile.
 fn of_scenes(spoils: &[Spoil<Scene>]) -> Vec<Input> {
     for_every_profile(spoils, |spoil, settings| {
         let mut scene = builtin("corner");
@@ -72,7 +72,8 @@ fn of_scenes(spoils: &[Spoil<Scene>]) -> Vec<Input> {
     })
 }
 
-/// Invalid settings: common ones for every profile, the rest for the profile that has them.
+/// Invalid settings: common settings for every profile, and a profile's own settings only for that
+/// profile.
 fn of_settings() -> Vec<Input> {
     let mut inputs = for_every_profile(&SHARED, |spoil, mut settings| {
         spoil(&mut settings);

@@ -43,7 +43,8 @@ fn scaled(name: &str, exponent: i32) -> Case {
 }
 
 fn moved(name: &str, exponent: i32) -> Case {
-    // Whole multiples of the coarsest unit in the last place, so that the scene stays exact.
+    // Offsets are whole multiples of the coarsest unit in the last place, so that the scene stays
+    // exact.
     let by = Vec3::new(1.0, -1.0, 1.0) * 10_f32.powi(exponent);
     let mut scene = builtin(name);
     scene.sources[0].position += by;

@@ -1,4 +1,4 @@
-//! Lines that just touch, or just miss, round shapes.
+//! Lines that just touch or just miss round shapes.
 
 use super::super::Case;
 use super::build::{hall, listener_outside, scene};
@@ -15,7 +15,7 @@ pub fn cases() -> Vec<Case> {
     ]
 }
 
-/// Lines at the radius, and slightly and very slightly to both sides of it.
+/// Lines at the shape's radius, and at slightly and very slightly smaller and larger distances.
 fn tangents(name: &str, shape: Node) -> Case {
     let source = Vec3::new(-12.0, 0.0, 0.0);
     let aside = |share: f64| {

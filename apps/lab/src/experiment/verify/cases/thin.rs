@@ -19,7 +19,7 @@ pub fn cases() -> Vec<Case> {
     ]
 }
 
-/// A wall from floor to ceiling through the whole hall, so that no wave crosses it.
+/// A wall from floor to ceiling through the whole hall, which no wave can pass.
 fn thin_wall(thickness: f32, hard: &'static str) -> Case {
     let wall = block(thickness, 20.0, 30.0);
     let listener = Listener::at(Vec3::new(8.0, 0.0, 0.0), 2.0);
@@ -34,7 +34,7 @@ fn thin_wall(thickness: f32, hard: &'static str) -> Case {
     )
 }
 
-/// Two blocks and a slot between them.
+/// Two blocks with a slot between them.
 fn blocks(width: f32) -> Vec<Surface> {
     let x = 1.0 + 0.5 * width;
     vec![

@@ -1,4 +1,4 @@
-//! Users' fields in small and in large boxes. For each text the judge has a tree of the library: an
+//! Users' fields in small and in large boxes. The judge uses a library tree for each text: an
 //! independent description of the same surface.
 
 use super::super::Case;
@@ -9,25 +9,25 @@ use echomarch::scene::{Listener, Node, Scene, Shape, Surface, UserField};
 use glam::{EulerRot, Quat, Vec3};
 use std::sync::Arc;
 
-/// Flights: to the field, off it, and the next one.
+/// Number of flights: to the field, away from it, and the next flight.
 const ITERATIONS: u32 = 3;
 
-/// The difficulty of a text with values only.
+/// The difficulty of a text without a gradient.
 const VALUES: &str = "of a user's text only values are known, as coarse as its own rounding";
 
 /// The difficulty of a text with a gradient.
 const STATED: &str = "the normal is what a user's text says, edges included";
 
-/// The judge's reference.
+/// The exact answer: the judge's reference.
 const TREE: &str = "that of a tree of the library's own that states the same surface";
 
-/// One surface in two descriptions.
+/// A surface in two descriptions.
 struct Statement {
     /// The user's text.
     text: &'static str,
-    /// The maximum growth of the text's value, in a cube of this size.
+    /// The maximum growth of the text's value per metre, in a cube of the given size.
     lipschitz: fn(f32) -> f32,
-    /// The same surface as a tree.
+    /// A library tree that describes the same surface.
     tree: Shape,
 }
 
@@ -39,7 +39,8 @@ fn ball() -> Statement {
     }
 }
 
-/// An offset at which coordinates are ten times the radius, with ten times the rounding error.
+/// An offset to coordinates of ten times the radius, where the rounding error is ten times as
+/// large.
 const AWAY: Vec3 = Vec3::new(10.0, -4.0, 8.0);
 
 fn ball_away() -> Statement {
@@ -61,14 +62,15 @@ fn torus() -> Statement {
     }
 }
 
-/// The torus with squares: the value is not a distance, and much steeper far away.
+/// The torus as a difference of squares: the value is not a distance, and grows much more steeply
+/// far away.
 fn torus_squared() -> Statement {
     Statement {
         text: "float field(vec3 p) {
             float beside = length(p.xz) - 1.2;
             return beside * beside + p.y * p.y - 0.4 * 0.4;
         }",
-        // Twice the largest distance of a corner of the cube from the ring.
+        // Twice the largest distance from a corner of the cube to the ring.
         lipschitz: |size| 3f32.sqrt() * size,
         ..torus()
     }
@@ -90,7 +92,7 @@ fn blend() -> Statement {
     }
 }
 
-/// A slope that its cube cuts off. There waves do not spread, and the bound is the smallest.
+/// A slope cut off by its cube. Waves do not spread at the slope, so its bound is the smallest.
 fn slope(size: f32) -> Statement {
     let normal = Vec3::new(0.36, 0.8, -0.48);
     let half_space = Shape::from(Node::HalfSpace(HalfSpace {
@@ -107,7 +109,7 @@ fn slope(size: f32) -> Statement {
     }
 }
 
-/// A solid box, whose edges difference normals would round.
+/// A solid box; normals from differences would round its edges.
 fn brick() -> Statement {
     Statement {
         text: "const vec3 HALF = vec3(1.0, 0.6, 0.8);
@@ -131,7 +133,7 @@ fn brick() -> Statement {
     }
 }
 
-/// The blend with its gradient.
+/// The blend, with its gradient in the text.
 fn blend_stated() -> Statement {
     Statement {
         text: "const vec3 A = vec3(-0.5, 0.0, 0.0), B = vec3(0.7, 0.3, 0.2);
@@ -141,7 +143,7 @@ fn blend_stated() -> Statement {
         float field(vec3 p) {
             return mix(b(p), a(p), share(p)) - 0.4 * share(p) * (1.0 - share(p));
         }
-        // The derivative of the share cancels out.
+        // The derivative of the blending share cancels out.
         vec3 fieldGradient(vec3 p) {
             return mix(normalize(p - B), normalize(p - A), share(p));
         }",
@@ -186,8 +188,8 @@ pub fn cases() -> Vec<Case> {
     ]
 }
 
-/// Text and tree in a cube of this size, turned and off the centre of a room; `moved` within their
-/// own axes.
+/// Puts the text and the tree into a cube of this size, turned and away from the centre of a room;
+/// `moved` is an offset along the field's own axes.
 fn in_a_room(
     name: &str,
     hard: &'static str,
@@ -199,14 +201,14 @@ fn in_a_room(
     twice(name, hard, statement, box_size, ITERATIONS, world)
 }
 
-/// The torus that rays from the source graze, before a wide slab. One flight: chaos begins after
-/// the torus.
+/// The torus, grazed by rays from the source, in front of a wide slab. Only one flight, because
+/// chaos begins after the torus.
 fn before_a_slab(name: &str, listener: Vec3) -> Case {
     let world = |field: Shape| slab_behind(name, field, listener);
     twice(name, VALUES, &torus_squared(), 4.0, 1, world)
 }
 
-/// The case of a user's text, judged by the tree.
+/// Creates the case of a user's text, which the judge compares with the tree.
 fn twice(
     name: &str,
     hard: &'static str,
