@@ -1,4 +1,5 @@
-//! Untrusted studies, shards and answers: valid files, spoilt by a seeded generator as in the library's `tests/fuzz`.
+//! Untrusted studies, shards and answers: valid files, corrupted by a seeded generator as in the library's
+//! `tests/fuzz`.
 
 #[path = "../../../../tests/fuzz/driver.rs"]
 mod driver;
@@ -26,13 +27,13 @@ fn studies() {
     fuzz(&study::target());
 }
 
-/// Protects tables from untrusted shards, whose checksums may be right.
+/// Protects tables from untrusted shards, whose checksums may be correct.
 #[test]
 fn shards() {
     fuzz(&study_folder::shards());
 }
 
-/// Protects the files of a folder of results, and the targets of its links, when an interrupted shard is continued.
+/// Protects the other files of a results folder, and the targets of its links, when an interrupted shard is continued.
 #[test]
 fn work_files() {
     fuzz(&study_folder::work_files());

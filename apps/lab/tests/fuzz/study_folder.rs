@@ -1,4 +1,4 @@
-//! Folders of results: untrusted shards and working files, unchanged and with correct checksums.
+//! Folders of results: untrusted shards and working files, with checksums either unchanged or corrected.
 
 use super::Target;
 use super::shard_file::with_sums;
@@ -34,12 +34,12 @@ const TOKENS: &[&str] = &[
 
 const FIRST: &str = "00001-of-00002";
 
-/// A study, its computer, and a folder with its two shards.
+/// A study, a worker for it, and a folder with its two shards.
 struct Place {
     folder: tempfile::TempDir,
     worker: Worker<'static>,
     study: &'static Study,
-    /// Both shards as the program writes them.
+    /// Bytes of both shards, as the program writes them.
     whole: [Vec<u8>; 2],
 }
 
@@ -48,7 +48,7 @@ impl Place {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let file = folder.path().join("study.ron");
         std::fs::write(&file, STUDY).expect("a file");
-        // One for each thread, for as long as it runs.
+        // Each thread leaks one study, which lives as long as the process.
         let study: &Study = Box::leak(Box::new(Study::from_file(&file).expect("a study")));
         let context = Context::headless(&Default::default()).expect("OpenGL");
         let mut worker = Worker::new(study, Tracer::new(&context).expect("a tracer"));
@@ -66,7 +66,7 @@ impl Place {
         }
     }
 
-    /// A new folder of results with these files among its shards.
+    /// Creates a new folder of results with these files among its shards.
     fn out(&self, files: &[(&str, &[u8])]) -> PathBuf {
         let out = self.folder.path().join("out");
         std::fs::remove_dir_all(&out).expect("the folder");
@@ -82,7 +82,7 @@ thread_local! {
     static PLACE: RefCell<Place> = RefCell::new(Place::new());
 }
 
-/// The files of a folder by name, with their bytes.
+/// The files of a folder with their bytes, ordered by name.
 fn contents(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     let entries = std::fs::read_dir(folder).expect("a folder").flatten();
     let files = entries
@@ -104,7 +104,7 @@ fn corpus() -> Vec<Vec<u8>> {
     })
 }
 
-/// The target for whole shards.
+/// The target with corrupted whole shards.
 pub fn shards() -> Target {
     Target {
         name: "shards",
@@ -117,7 +117,8 @@ pub fn shards() -> Target {
     }
 }
 
-/// Joins it with a good shard: a table holds only finite numbers, and a refusal leaves no file.
+/// Joins a corrupted shard with a valid one: a table holds only finite numbers, and a rejected shard leaves no file
+/// behind.
 fn join_one(data: &[u8]) {
     PLACE.with_borrow(|place| {
         let second = place.whole[1].as_slice();
@@ -140,7 +141,7 @@ fn join_one(data: &[u8]) {
     });
 }
 
-/// The last nine columns are results: three numbers, six counts of 4 waves.
+/// Checks the last nine columns of a table, which are results: three numbers and six counts of 4 waves.
 fn check_table(table: &str) {
     let rows: Vec<&str> = table.lines().skip(1).collect();
     assert_eq!(rows.len(), 20);
@@ -156,7 +157,7 @@ fn check_table(table: &str) {
     }
 }
 
-/// The target for working files.
+/// The target with corrupted working files.
 pub fn work_files() -> Target {
     Target {
         name: "work_files",
@@ -171,7 +172,8 @@ pub fn work_files() -> Target {
     }
 }
 
-/// Continues it: a rejected file stays unchanged, and an accepted one becomes a shard with all its lines.
+/// Continues a corrupted working file: a rejected file stays unchanged, and an accepted file becomes a shard with all
+/// lines.
 fn work_one(data: &[u8]) {
     PLACE.with_borrow_mut(|place| {
         let out = place.out(&[("00001-of-00002.work", data)]);
@@ -194,8 +196,8 @@ fn work_one(data: &[u8]) {
     });
 }
 
-/// Places an untrusted file under all names that the program chooses, as a symbolic or a hard link: it keeps its bytes
-/// whatever is computed and joined.
+/// Places an untrusted file as a symbolic or a hard link under each name that the program uses: the file keeps its
+/// bytes whatever is computed and joined.
 #[cfg(unix)]
 fn links_lead_nowhere(data: &[u8]) {
     PLACE.with_borrow_mut(|place| {

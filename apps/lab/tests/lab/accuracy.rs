@@ -1,5 +1,5 @@
-//! The accuracy experiment on small sizes: its figures against independent ones, and its
-//! files. Without GL these tests fail.
+//! The accuracy experiment at small sizes: its files, and its figures compared with independent
+//! ones. These tests fail without GL.
 
 use echomarch::geometry::ShoeboxImages;
 use echomarch::gl::{Context, ContextOptions};
@@ -18,7 +18,7 @@ fn tracer() -> Tracer {
     Tracer::new(&context).unwrap()
 }
 
-/// A report of so few frames that it takes only a moment.
+/// A report with only a few frames, which takes a moment.
 fn report(scene: &str, settings: &[Settings]) -> AccuracyReport {
     let case = |settings: &Settings| Case {
         label: settings.profile().to_string(),
@@ -51,7 +51,7 @@ fn rows(report: &AccuracyReport) -> &[Row] {
     &report.scenes[0].rows
 }
 
-/// Hits by order in the experiment equal those of image sources, which it does not use.
+/// Hits by order in the experiment equal those of image sources, which the experiment does not use.
 #[test]
 fn hits_by_order_are_those_of_the_image_sources() {
     let settings = Settings::hybrid().with_waves(WAVES);
@@ -66,7 +66,7 @@ fn hits_by_order_are_those_of_the_image_sources() {
     assert!(found.largest_hit_difference() <= 2, "{found:?}");
 }
 
-/// The accuracy expected of the default profiles, and its absence in the thesis' profile.
+/// The default profiles have the expected accuracy, and the thesis' profile does not.
 #[test]
 fn the_corner_is_right_but_for_the_thesis() {
     let settings = [Settings::hybrid(), Settings::march(), Settings::thesis()];
@@ -90,7 +90,7 @@ fn the_corner_is_right_but_for_the_thesis() {
     assert_eq!((chaos.growth, chaos.horizon), (None, None));
 }
 
-/// Pillars make paths chaotic: growth, a horizon, and waves beyond it.
+/// Pillars make paths chaotic: the report has a growth, a horizon, and waves beyond the horizon.
 #[test]
 fn obstacles_have_a_horizon() {
     let settings = Settings::hybrid().with_waves(4096).with_iterations(16);
@@ -102,9 +102,9 @@ fn obstacles_have_a_horizon() {
     assert!(waves.end_within_horizon.p99 <= waves.end.p99);
 }
 
-/// Marched fields and surfaces in cells are as accurate as rooms: each wave hits the same as its
-/// exact twin, except where rounding decides, no wave is lost, and `eval` reports the marched
-/// evaluations.
+/// Marched fields and surfaces in cells are as accurate as rooms: each wave meets the same surfaces
+/// as its exact twin, except where rounding decides; no wave is lost, and `eval` reports the
+/// evaluations of the march.
 #[test]
 fn marched_fields_and_cells_are_right() {
     for (scene, marches) in [("cave", true), ("glasshouse", false)] {
@@ -128,8 +128,8 @@ fn marched_fields_and_cells_are_right() {
     }
 }
 
-/// The CSV has the stated columns and one line per row; the plot is an SVG; the options of a row
-/// are given.
+/// The CSV has the stated columns and one line per row, the plot is an SVG, and each row states its
+/// options.
 #[test]
 fn a_report_becomes_csv_and_svg() {
     let summed = Settings::hybrid().with_waves(1024).with_sum_on_gpu(true);

@@ -1,11 +1,10 @@
-//! The hard cases: `hybrid` and `march` pass all of them, and the faithful `thesis` fails those
-//! that it is known to fail.
+//! The hard cases: `hybrid` and `march` pass all of them, and the faithful `thesis` fails its known failures.
 
 use echomarch::gl::{Api, Context, ContextOptions};
 use echomarch::{Profile, Tracer};
 use echomarch_lab::experiment::verify::{self, Case, VerifyReport};
 
-/// Runs cases on a context of this API, in a thread of its own.
+/// Runs cases on a context of the given API, in a separate thread.
 fn report(api: Api, cases: Vec<Case>) -> VerifyReport {
     let run = move || {
         let context =
@@ -31,8 +30,7 @@ fn assert_right(report: &VerifyReport) {
     }
 }
 
-/// Known faults of the thesis' algorithm, as expected failures: the name of the case, and why it
-/// fails.
+/// Known faults of the thesis' algorithm, as expected failures: name of the case, and reason of the failure.
 const THESIS_FAILS: [(&str, &str); 17] = [
     ("normal-incidence", "waves are caught in the wall they met"),
     ("grazing-89.9", "the wave is given up after 300 of 573 m"),
@@ -68,8 +66,8 @@ const THESIS_FAILS: [(&str, &str); 17] = [
     ("open-field", "hits lie 0.1 m early"),
 ];
 
-/// Checks the share of heard waves where it is known exactly without a reference: none through a
-/// wall, however thin, and all of them within the listener.
+/// Checks the share of heard waves where it is known without a reference: 0 behind a wall, however thin, and 1 for a
+/// source within the listener.
 fn assert_heard(report: &VerifyReport) {
     for case in &report.cases {
         let through_a_wall = case.name.starts_with("thin-wall");
@@ -81,8 +79,8 @@ fn assert_heard(report: &VerifyReport) {
     }
 }
 
-/// Protects the promise of the crate: the hard cases are right in both profiles that users should
-/// use. It also protects the port: `thesis` must fail the cases that the thesis' algorithm gets wrong.
+/// Protects the promise of the crate: the two profiles recommended to users give the right answers in all hard cases.
+/// Also protects the port: `thesis` must fail the cases that the thesis' algorithm gets wrong.
 #[test]
 fn hybrid_and_march_pass_every_hard_case() {
     let report = report(Api::Gl, verify::all());
@@ -96,7 +94,7 @@ fn hybrid_and_march_pass_every_hard_case() {
     }
 }
 
-/// Protects the other APIs, on cases decided by a rounding.
+/// Protects the other APIs, with cases that depend on a single rounding.
 #[test]
 fn the_other_apis_pass_hard_cases_too() {
     let prefixes = [

@@ -1,4 +1,4 @@
-//! The experiments, held against closed forms and the thesis' tables.
+//! The experiments, compared with closed forms and with the thesis' tables.
 
 #[path = "../../../../tests/common/mod.rs"]
 mod common;

@@ -1,7 +1,7 @@
 //! The last rows of the thesis' four tables, at 1,048,576 waves.
 //!
-//! The thesis' scenes are lost; ours are a reconstruction that reproduces its tables. This test
-//! shows every change of the scenes or the algorithm.
+//! The thesis' scenes are lost; ours are a reconstruction that reproduces the thesis' tables. This
+//! test detects every change of the scenes or the algorithm.
 
 use crate::common::{builtin, thesis, tracer};
 use echomarch_lab::experiment::THESIS_TABLES;
@@ -9,10 +9,10 @@ use echomarch_lab::experiment::THESIS_TABLES;
 const WAVES: u32 = 1_048_576;
 const SEEDS: [u32; 2] = [1, 2011];
 
-/// Protects the reconstruction: our counts are the thesis' own, within four standard errors. Both
-/// are counts of rare independent events, whose variance is their mean, so one standard error is
-/// √(thesis + ours). The thesis counted none in figure 11.3, and so must we, with at most three
-/// exceptions: the upper end of its own 95 % interval for a count of none.
+/// Protects the reconstruction: our counts equal the thesis' counts within four standard errors.
+/// Both are counts of rare independent events, whose variance is their mean, so one standard error
+/// is √(thesis + ours). Figure 11.3 of the thesis has a count of 0, so ours may be at most three:
+/// the upper end of the 95 % interval for a count of 0.
 #[test]
 fn counts_are_those_of_the_thesis() {
     let expected = [6760, 13402, 0, 84];
@@ -38,9 +38,10 @@ fn counts_are_those_of_the_thesis() {
     }
 }
 
-/// Protects the fault that makes the thesis profile faithful: passes of zero length, 43 % of all at
-/// 4 iterations and 66 % at 8, as counted by an independent model. It gave whole per cents, rounded
-/// by up to 0.5; a bound of 1 leaves the same for the model's own normals.
+/// Protects the fault that makes the thesis profile faithful: passes of zero length, 43 % of all
+/// passes at 4 iterations and 66 % at 8, according to an independent model. The model's shares are
+/// whole per cents, rounded by up to 0.5. The bound of 1 leaves another 0.5 for the model's own
+/// normals.
 #[test]
 fn most_passes_in_the_corner_are_of_zero_length() {
     let mut tracer = tracer();
