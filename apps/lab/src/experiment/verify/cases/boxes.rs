@@ -62,7 +62,7 @@ fn cells(name: &str, shape: Node, away: f32) -> Case {
     };
     in_a_room(
         name,
-        "lists of cells stand for all surfaces",
+        "lists of surfaces in cells replace the list of all surfaces",
         (0..40).map(surface).collect(),
         away,
     )

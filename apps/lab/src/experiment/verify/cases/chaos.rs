@@ -72,7 +72,7 @@ fn stadium() -> Case {
     let listener = Listener::at(Vec3::new(13.5, 0.0, 13.0), 1.0);
     Case::spread(
         "pillar-rows",
-        "a way between pillars 1 m apart: chaos within four reflections",
+        "a passage between pillars 1 m apart: chaos within four reflections",
         "no end is wrong; no wave in a pillar, directions of length 1",
         scene("pillars", surfaces, Vec3::new(-12.5, 1.0, 0.5), listener),
         lattice(1024),

@@ -85,7 +85,7 @@ fn over_ground(name: &str, size: Vec3, far: f32) -> Case {
     let listener = Listener::at(Vec3::new(far, 0.9 * size.y + 0.1 * far, 0.0), 0.02 * size.x);
     spread(
         name,
-        "the value of steep ground says little of the distance",
+        "over steep ground the field's value is a poor measure of the distance",
         "no wave passes through the ground",
         scene(name, vec![ground], source, listener),
     )

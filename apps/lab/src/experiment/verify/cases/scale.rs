@@ -37,8 +37,8 @@ fn scaled(name: &str, exponent: i32) -> Case {
             _ => {}
         }
     }
-    let hard = "every length is another: no constant in metres fits all";
-    let exact = "that of the scene as it is, scaled";
+    let hard = "every length is scaled: no constant in metres fits all scenes";
+    let exact = "the answer of the original scene, scaled";
     swarm(format!("{name}-times-1e{exponent}"), hard, exact, scene)
 }
 
@@ -53,7 +53,7 @@ fn moved(name: &str, exponent: i32) -> Case {
         surface.position += by;
     }
     let hard = "far from the world's origin positions are coarse: 8 mm at 1e5 m";
-    let exact = "that of the scene as it is, moved";
+    let exact = "the answer of the original scene, moved";
     swarm(format!("{name}-moved-1e{exponent}"), hard, exact, scene)
 }
 

@@ -13,13 +13,13 @@ use std::sync::Arc;
 const ITERATIONS: u32 = 3;
 
 /// The difficulty of a text without a gradient.
-const VALUES: &str = "of a user's text only values are known, as coarse as its own rounding";
+const VALUES: &str = "the user's text returns only values, as coarse as the text's own rounding";
 
 /// The difficulty of a text with a gradient.
-const STATED: &str = "the normal is what a user's text says, edges included";
+const STATED: &str = "the normal comes from the user's text, at edges too";
 
 /// The exact answer: the judge's reference.
-const TREE: &str = "that of a tree of the library's own that states the same surface";
+const TREE: &str = "the answer of a library tree that describes the same surface";
 
 /// A surface in two descriptions.
 struct Statement {
