@@ -4,8 +4,8 @@ use super::materials::Materials;
 use super::pass_texts::{AlgorithmText, Directions, start};
 use super::structure::Structure;
 use super::text::{
-    ListenerText, Marched, Part, Source, Text, closed_form_parts, directed_parts, join, link,
-    parts, skeleton::fill, source,
+    ListenerText, Marched, Part, Source, Text, closed_form_parts, directed_parts, fill, join, link,
+    parts, source,
 };
 use crate::scene::Scene;
 use crate::scene::shape::Room;

@@ -6,8 +6,7 @@
 
 use echomarch::Error;
 #[cfg(feature = "audio")]
-use echomarch::audio::live::StereoSource;
-use echomarch::audio::{SoundSpec, StereoSignal};
+use echomarch::audio::{SoundSpec, StereoSignal, live::StereoSource};
 #[cfg(feature = "audio")]
 use echomarch::auralisation::{Heard, PlayerRemote};
 use echomarch::gl::{Context, ContextOptions};

@@ -6,10 +6,9 @@
 
 use super::field::{gradient_text, hit_text, normal_text, value_text};
 use super::fields_ahead::fields_ahead;
-use super::link::{Part, source};
+use super::link::{Part, fill, source};
 use super::reflect::reflect_text;
 use super::scene_text::{ListenerText, Text};
-use super::skeleton::fill;
 use super::surface_names::{Marched, Named};
 use crate::scene::Node;
 use crate::shader::layout::GRID_VECTORS;

@@ -4,6 +4,10 @@
 //! a [`Part`]. [`link`] includes some sources as a whole, and puts before each of them the parts that it uses, callees
 //! first. GLSL has no recursion, so there is always such an order. [`join`] makes one text of the sources, with the
 //! file and line of each source for the driver's messages.
+//!
+//! The lines of a function that depend on the scene have places in a *skeleton*, a file under `glsl/template/`: names
+//! between two `@`, a sign that GLSL does not have. [`fill`] fills them. A place that is alone on its line is filled with
+//! whole lines, or with none.
 
 use crate::scene::shape::every_part;
 use std::borrow::Cow;
@@ -88,6 +92,27 @@ pub fn join(sources: &[Source]) -> String {
         before = (name, line + part.trim_end_matches('\n').lines().count());
     }
     text
+}
+
+/// The text of a skeleton with its placeholders replaced: each name by its text, in which further placeholders are
+/// not replaced.
+///
+/// A name without a text is a mistake of the caller: it stays in the text, and no driver compiles it.
+pub fn fill(skeleton: &Source, texts: &[(&str, &str)]) -> String {
+    let mut out = String::with_capacity(skeleton.text.len());
+    let mut pieces = skeleton.text.split('@').peekable();
+    out.extend(pieces.next());
+    while let (Some(name), Some(after)) = (pieces.next(), pieces.next()) {
+        let text = texts.iter().find(|(known, _)| *known == name);
+        let Some((_, text)) = text else {
+            out.extend(["@", name, "@", after]);
+            continue;
+        };
+        let is_alone = (out.is_empty() || out.ends_with('\n')) && after.starts_with('\n');
+        out.push_str(text);
+        out.push_str(if is_alone { &after[1..] } else { after });
+    }
+    out
 }
 
 /// The name of the file with this number in a joined text.
@@ -373,5 +398,26 @@ mod tests {
         );
         assert!(text.find("float f(") < text.find("vec4 f("));
         assert!(text.contains("vec4 f("));
+    }
+
+    /// Protects the placeholders of skeletons, within a line and alone on one, and texts that contain
+    /// `@`.
+    #[test]
+    fn places_are_filled_once() {
+        let filled = |skeleton: &'static str| {
+            let texts = [
+                ("a", "1"),
+                ("lines", "  x;\n  y;\n"),
+                ("none", ""),
+                ("sign", "@a@"),
+            ];
+            fill(&Source::new("test", skeleton), &texts)
+        };
+        assert_eq!(filled("f(@a@, @a@);\n"), "f(1, 1);\n");
+        assert_eq!(filled("{\n@lines@\n}\n"), "{\n  x;\n  y;\n}\n");
+        assert_eq!(filled("{\n@none@\n}\n"), "{\n}\n");
+        assert_eq!(filled("@lines@\nend"), "  x;\n  y;\nend");
+        assert_eq!(filled("@sign@"), "@a@");
+        assert_eq!(filled("@unknown@ @a@"), "@unknown@ 1");
     }
 }

@@ -15,7 +15,6 @@ mod fields_ahead;
 mod link;
 mod reflect;
 mod scene_text;
-pub(super) mod skeleton;
 mod surface_names;
 
 pub use closed_form::closed_form_parts;
@@ -25,7 +24,7 @@ pub(super) use link::library;
 #[cfg(glsl_at_run_time)]
 pub(crate) use link::read_at_run_time;
 pub(crate) use link::source;
-pub use link::{Part, Source, file_name, join, link, parts};
+pub use link::{Part, Source, file_name, fill, join, link, parts};
 pub use scene_text::ListenerText;
 pub(crate) use scene_text::Text;
 #[doc(hidden)]

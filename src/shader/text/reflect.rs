@@ -5,9 +5,8 @@
 //! then computes one box or one cylinder. Waves that are drawn together hit different surfaces, and
 //! a renderer that draws them in lockstep would compute every branch for all of them.
 
-use super::link::source;
+use super::link::{fill, source};
 use super::scene_text::{Text, of_kind};
-use super::skeleton::fill;
 use super::surface_names::Named;
 use crate::scene::Node;
 use std::fmt::Write;
