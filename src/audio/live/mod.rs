@@ -284,7 +284,7 @@ impl Drop for Live {
 pub enum LiveError {
     /// An error of a sound or a file.
     #[error(transparent)]
-    Audio(#[from] AudioError),
+    Audio(#[from] crate::audio::AudioError),
     /// The sound system is missing, or has no output device.
     #[error("there is no sound device to play on ({reason})")]
     NoDevice {

@@ -259,7 +259,7 @@ impl SettingsFile {
                 Some((what, value)) => {
                     let profile = other.profile();
                     let must = format!("left out in the profile {profile}");
-                    Err(super::bad(what, must, value))
+                    Err(bad(what, must, value))
                 }
             },
         }
