@@ -261,7 +261,7 @@ fn a_box_does_not_go_on_below_its_covered_face() {
     assert_eq!(
         met_from(-1e-14),
         Some(2.0),
-        "on the floor, but for rounding"
+        "on the floor, except for rounding"
     );
     assert_eq!(met_from(-0.5), None);
     let (start, up) = (
