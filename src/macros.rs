@@ -37,22 +37,3 @@ macro_rules! named_values {
         }
     };
 }
-
-/// Reads and writes a type whose derives have `#[serde(remote = "Self")]`, and refuses what `$check` refuses.
-macro_rules! checked_when_read {
-    ($kind:ty, $check:path) => {
-        impl serde::Serialize for $kind {
-            fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-                <$kind>::serialize(self, to)
-            }
-        }
-
-        impl<'de> serde::Deserialize<'de> for $kind {
-            fn deserialize<D: serde::Deserializer<'de>>(from: D) -> Result<$kind, D::Error> {
-                let read = <$kind>::deserialize(from)?;
-                $check(&read).map_err(serde::de::Error::custom)?;
-                Ok(read)
-            }
-        }
-    };
-}

@@ -29,7 +29,7 @@ pub(super) const MAX_BINS: usize = 1 << 16;
 /// # Ok::<(), echomarch::response::ResponseError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(remote = "Self", deny_unknown_fields)]
+#[serde(try_from = "EchogramFile")]
 pub struct Echogram {
     bin_s: f64,
     first_s: f64,
@@ -43,26 +43,52 @@ pub struct Echogram {
     beyond: Bands,
 }
 
-checked_when_read!(Echogram, Echogram::check);
+/// An [`Echogram`] as it is read, before its numbers are checked.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct EchogramFile {
+    bin_s: f64,
+    first_s: f64,
+    batches: usize,
+    energies: Vec<Bands>,
+    squares: Vec<Bands>,
+    flows: Vec<[DVec3; BAND_COUNT]>,
+    beyond: Bands,
+}
 
-impl Echogram {
-    /// Checks what was read.
-    fn check(&self) -> Result<(), ResponseError> {
-        Echogram::new(self.bin_s, self.batches)?;
-        let bins = self.flows.len();
+impl TryFrom<EchogramFile> for Echogram {
+    type Error = ResponseError;
+
+    fn try_from(file: EchogramFile) -> Result<Echogram, ResponseError> {
+        let empty = Echogram::new(file.bin_s, file.batches)?;
+        let bins = file.flows.len();
         let refused = |what, must, value| Err(ResponseError::BadNumber { what, must, value });
         if bins > MAX_BINS {
             return refused("the number of bins", "at most 65536", bins as f64);
         }
-        if self.energies.len() != bins * self.batches || self.squares.len() != bins {
-            let (must, entries) = ("one for each bin and batch", self.energies.len() as f64);
-            return refused("the number of energies", must, entries);
+        if file.energies.len() != bins * file.batches || file.squares.len() != bins {
+            let entries = file.energies.len() as f64;
+            return refused(
+                "the number of energies",
+                "one for each bin and batch",
+                entries,
+            );
         }
-        if !(0.0..=self.bin_s).contains(&self.first_s) {
-            let what = "the start of the first bin in seconds";
-            return refused(what, "0 to a bin", self.first_s);
+        if !(0.0..=file.bin_s).contains(&file.first_s) {
+            return refused(
+                "the start of the first bin in seconds",
+                "0 to a bin",
+                file.first_s,
+            );
         }
-        Ok(())
+        Ok(Echogram {
+            first_s: file.first_s,
+            energies: file.energies,
+            squares: file.squares,
+            flows: file.flows,
+            beyond: file.beyond,
+            ..empty
+        })
     }
 }
 

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 /// Serialised with each field by its name. A field that is left out has its default; unknown ones and numbers out of
 /// range are refused.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(remote = "Self", default, deny_unknown_fields)]
+#[serde(try_from = "SettingsFile")]
 #[non_exhaustive]
 pub struct ResponseSettings {
     /// Waves, start directions, seed and algorithm. The number of iterations follows from the length, so any
@@ -41,7 +41,59 @@ pub struct ResponseSettings {
     pub batches: usize,
 }
 
-checked_when_read!(ResponseSettings, ResponseSettings::validate);
+/// The fields of [`ResponseSettings`], each of which may be left out.
+#[derive(Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct SettingsFile {
+    trace: Settings,
+    seconds: Option<f64>,
+    longest_s: f64,
+    late_waves: Option<u32>,
+    order: Option<u32>,
+    bin_s: f64,
+    batches: usize,
+}
+
+impl Default for SettingsFile {
+    fn default() -> SettingsFile {
+        let ResponseSettings {
+            trace,
+            seconds,
+            longest_s,
+            late_waves,
+            order,
+            bin_s,
+            batches,
+        } = ResponseSettings::default();
+        SettingsFile {
+            trace,
+            seconds,
+            longest_s,
+            late_waves,
+            order,
+            bin_s,
+            batches,
+        }
+    }
+}
+
+impl TryFrom<SettingsFile> for ResponseSettings {
+    type Error = Error;
+
+    fn try_from(file: SettingsFile) -> Result<ResponseSettings, Error> {
+        let settings = ResponseSettings {
+            trace: file.trace,
+            seconds: file.seconds,
+            longest_s: file.longest_s,
+            late_waves: file.late_waves,
+            order: file.order,
+            bin_s: file.bin_s,
+            batches: file.batches,
+        };
+        settings.validate()?;
+        Ok(settings)
+    }
+}
 
 /// The default orders: see [`ResponseSettings::order`].
 const ORDER_AT_PLANES: u32 = 8;

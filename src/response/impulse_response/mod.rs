@@ -26,19 +26,16 @@ const DEFAULT_RATE_HZ: u32 = 48_000;
 /// has a set of measurements. A field that is left out has its default, except the seconds; unknown ones and numbers out
 /// of range are refused.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(remote = "Self", deny_unknown_fields)]
+#[serde(try_from = "SettingsFile")]
 #[non_exhaustive]
 pub struct ImpulseSettings {
     /// Samples per second, in [`ImpulseSettings::RATES_HZ`].
-    #[serde(default = "default_rate_hz")]
     pub rate_hz: u32,
     /// Length in seconds, from the source's impulse on: above 0, at most [`ImpulseSettings::MAX_SECONDS`].
     pub seconds: f64,
     /// Format of the channels.
-    #[serde(default)]
     pub format: Format,
     /// Seed of the late part's noise. The same seed gives the same samples.
-    #[serde(default)]
     pub seed: u64,
 }
 
@@ -75,10 +72,36 @@ impl ImpulseSettings {
     }
 }
 
-checked_when_read!(ImpulseSettings, ImpulseSettings::validate);
+/// The fields of [`ImpulseSettings`] as they are read.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SettingsFile {
+    #[serde(default = "default_rate_hz")]
+    rate_hz: u32,
+    seconds: f64,
+    #[serde(default)]
+    format: Format,
+    #[serde(default)]
+    seed: u64,
+}
 
 fn default_rate_hz() -> u32 {
     DEFAULT_RATE_HZ
+}
+
+impl TryFrom<SettingsFile> for ImpulseSettings {
+    type Error = ResponseError;
+
+    fn try_from(file: SettingsFile) -> Result<ImpulseSettings, ResponseError> {
+        let settings = ImpulseSettings {
+            rate_hz: file.rate_hz,
+            seconds: file.seconds,
+            format: file.format,
+            seed: file.seed,
+        };
+        settings.validate()?;
+        Ok(settings)
+    }
 }
 
 /// A sampled impulse response: the sound at a listener after an impulse at the source.
