@@ -1,131 +1,107 @@
 // Sphere tracing of fields: surfaces without a closed-form intersection, or with a solid that is
 // not convex, where a Newton step may overshoot.
 //
-// Theory. fieldsAhead never exceeds the distance (Hart 1996). Where it changes along the ray by s per
-// metre, a step of 2 f / (1 - s) ends where the empty balls around its two ends just touch; if they turn
-// out not to touch, the step is cut back to the first ball's radius (Keinert et al. 2014, "Enhanced
-// sphere tracing"; Balint and Valasek 2018 for the step from the slope). Near a surface, and in a long
-// march, each field's lower bound along the line is used instead (`along…` in glsl/shape/): the step ends
-// where the tangent or parabola below the field's value reaches 0, which is far beyond the ball for a
-// grazing wave, and never beyond a surface. No step is longer than the distance that is free of every
-// field.
+// Theory (the proof is in docs/accuracy.md). Up to `proven` metres along the ray there is no surface, nor in the `free`
+// metres beyond. A trial at proven + trial metres extends this in one of two ways: the trial lies in the free metres, or
+// the empty ball around it touches them (Keinert et al. 2014, "Enhanced sphere tracing"; Balint and Valasek 2018 for the
+// step from the slope). A trial that does neither is repeated nearer. Free metres are the least value of the fields
+// (Hart 1996), or more where a field's slope and bend on the line, or a lower bound along it, show more.
 
 uniform int uFieldSteps;   // maximum number of evaluations in one march
 
-const float NEAR = 64.0;      // distance to the surface, in roundings, below which the line bounds are evaluated
-const int PLAIN_STEPS = 12;   // consecutive steps after which the line bounds are evaluated anyway
-const float RELAXED = 0.95;   // share of the step at which the balls would just touch
-const float PLACE = 0.25;     // share of ROUNDING that is the error of a position
-const float SHALLOW = 64.0;   // maximum length of the last step, in roundings along the ray
-const float FLAT = 0.0625;    // least length of a gradient with which a value still locates the surface
-const int LOOKS = 4;          // steps in which a march tries to reach a surface one rounding away
+const float PLACE = 0.25;      // share of ROUNDING that is the error of a position
+const float NEAR = 64.0;       // distance to a surface, in roundings, below which steps end where the tangent meets 0
+const float RELAXED = 0.95;    // share of the step at which the balls would just touch
+const float SHALLOW = 64.0;    // maximum distance of a hit, in roundings along the ray
+const float TANGENT = 2e-7;    // maximum error of a hit where the tangent meets 0, metres
+const float STEEPEST = 1e-3;   // least slope for the tangent
 
-// Step from a point with no surface within `ball` in any direction, or none within `radius` ahead.
-float fieldStep(float radius, float ball, float slope, float reach, float within) {
-    float relaxed = max(radius, RELAXED * 2.0 * ball / (1.0 - clamp(slope, -1.0, 0.9)));
+// What the march knows of its line.
+struct March {
+    float proven;   // distance without a surface, metres
+    float value;    // value there; 0 in the solid, within rounding
+    float free;     // further distance without a surface, metres
+    float trial;    // from `proven` to the next evaluation, metres
+};
+
+// The slope of the nearest field on the line: its own, or that of the last two values.
+float slopeOf(Ahead ahead, March march, float near) {
+    float value = ahead.nearest.x;
+    float known = ahead.nearest.y;
+    float measured = march.trial > 0.0 ? (value - march.value) / march.trial : value < near ? 0.5 : -1.0;
+    return known < UNKNOWN ? known : measured;
+}
+
+// Whether the tangent at a value shows the hit: the second derivative moves it by at most TANGENT, and no edge and no
+// other field lies in between.
+bool isTangentHit(Ahead ahead, float slope, float root) {
+    float value = abs(ahead.nearest.x);
+    float bend = ahead.nearest.z;
+    return 0.5 * bend * value * value < TANGENT * slope * slope && 4.0 * bend * value < slope * slope
+        && root <= min(ahead.nearest.w, ahead.others);
+}
+
+// The step from a proven point.
+float stepAhead(Ahead ahead, float slope, float touch) {
+    float value = ahead.nearest.x;
+    float free = min(ahead.free, ahead.others);
+    float relaxed = RELAXED * 2.0 * value / (1.0 - clamp(slope, -1.0, 0.9));
+    float near = NEAR * touch;
+    float last = slope < 0.0 ? min(-value / slope, 4.0 * near) : near;
+    float way = max(free, value < near ? last : relaxed);
     // The ball may contain surfaces of other cells, which this cell does not list, and the next ball would
-    // miss surfaces of this cell: no relaxed step may leave the cell.
-    return relaxed < within ? relaxed : min(radius, reach);
+    // miss surfaces of this cell: only a free step may leave the cell.
+    way = way < ahead.within ? way : min(free, ahead.cell);
+    return max(way, 0.5 * touch);
+}
+
+// The trial after one that is not proven, or in the solid.
+float stepBack(March march, float value, bool isSolid) {
+    if (isSolid) {
+        return max(march.trial * march.value / (march.value - value), 0.0);
+    }
+    return max(march.free, RELAXED * 2.0 * march.value * march.trial / (march.trial - value + march.value));
 }
 
 // Returns the distance along the ray to the first hit before limit, or -1.
 float marchFields(vec3 origin, vec3 d, float last, float limit, out float object, out bool limitReached) {
-    float t = 0.0;
-    float radius = 0.0;   // radius of the previous ball, or a longer free distance
-    float taken = 0.0;    // length of the previous step
-    float before = 0.0;   // value before the previous step
-    float air = -1.0;     // distance to the last point in the air, or -1
-    float solid = -1.0;   // distance to a point in a solid beyond that air, or -1
-    int looks = LOOKS;
-    limitReached = false;
-    int steps = 0;
+    March march = March(0.0, 0.0, 0.0, 0.0);
+    float size = largest(origin);
     int stepLimit = uFieldSteps;
-    while (steps < stepLimit) {
-        vec3 p;
-        float f;
-        float reach;
-        float within;
-        float slope;
-        float rounding;
-        bool near;
-        // Steps by the value alone until near a surface. (Waves of one group run in lockstep on a GPU:
-        // none evaluates more while another still needs only the value.)
-        for (int plain = 0; ; ++plain) {
-            p = origin + t * d;
-            f = fieldsAhead(p, d, last, object, reach, within);
-            COUNT_EVALUATIONS(1.0);
-            ++steps;
-            if (taken > radius && radius + f < taken) {
-                t += radius - taken;
-                taken = radius;
-                continue;
-            }
-            slope = taken > 0.0 ? (f - before) / taken : -1.0;
-            rounding = PLACE * ROUNDING * max(largest(p), largest(origin));
-            before = f;
-            near = f < NEAR * rounding;
-            if (near || plain >= PLAIN_STEPS || solid >= 0.0) {
-                break;
-            }
-            air = t;
-            radius = f;
-            taken = fieldStep(f, f, slope, reach, within);
-            t += taken;
-            if (t - taken + min(f, reach) >= limit) {
-                return -1.0;
-            }
-        }
-        if (solid < 0.0 ? f >= -rounding : f > 0.0) {
-            air = t;
-        }
-        radius = f;
-        float ball = f;
-        if (near) {
-            float errorBound;
-            vec3 gradient = fieldGradient(p, object, errorBound);
-            float closing = -dot(d, gradient);
-            rounding = max(rounding, PLACE * errorBound);
-            // A short gradient means a smaller value at the same distance.
-            float touch = rounding * clamp(length(gradient), FLAT, 1.0);
-            // The last step entered the solid, whatever the gradient says (it is inaccurate at edges): from
-            // now on the interval is bisected.
-            solid = f < -4.0 * touch && air >= 0.0 ? t : solid;
-            if (solid >= 0.0) {
-                solid = f <= 0.0 ? t : solid;
-                if (abs(f) <= touch || solid - air <= rounding) {
-                    return t < limit ? t : -1.0;
-                }
-                t = 0.5 * (air + solid);
-                taken = 0.0;
-                radius = 0.0;
-                continue;
-            }
-            if (closing > 0.0 && f <= touch) {
-                // There may be air just beyond an edge: the march prefers to end in the solid.
-                if (f <= 0.0 || (looks == 0 && f <= SHALLOW * rounding * closing)) {
-                    t = max(t + clamp(f / closing, -SHALLOW * rounding, SHALLOW * rounding), 0.0);
-                    return t < limit ? t : -1.0;
-                }
-                looks = max(looks - 1, 0);
-            } else {
-                looks = LOOKS;
-            }
-            slope = -closing;
-            // The march always advances, whatever the rounding.
-            ball = max(abs(f), rounding);
-            radius = ball;
-        }
-        radius = max(radius, fieldsFree(p, d, last, rounding / PLACE));
+    bool isHit = false;
+    bool isBeyond = false;
+    float t = 0.0;
+    float root = 0.0;
+    for (int i = 0; i < stepLimit; ++i) {
+        t = march.proven + march.trial;
+        vec3 p = origin + t * d;
+        float rounding = ROUNDING * max(largest(p), size);
+        Ahead ahead = fieldsAhead(p, d, last, rounding);
         COUNT_EVALUATIONS(1.0);
-        if (solid >= 0.0) {
-            radius = min(radius, 0.5 * (solid - t));
+        object = ahead.object;
+        float value = ahead.nearest.x;
+        float touch = PLACE * max(rounding, ahead.errorBound);
+        float near = NEAR * touch;
+        bool isFirst = i == 0;
+        bool isNear = march.free < near;
+        bool isProven = isNear || march.trial <= march.free || value + march.free >= march.trial;
+        float slope = slopeOf(ahead, march, near);
+        root = max(-value / min(slope, -STEEPEST), -SHALLOW * touch);
+        bool touches = !isFirst && abs(value) <= touch && value <= -SHALLOW * touch * slope;
+        isHit = isProven && slope < 0.0 && (touches || isTangentHit(ahead, slope, root));
+        float free = min(ahead.free, ahead.others);
+        isBeyond = isProven && t + (isHit ? 0.0 : min(free, ahead.cell)) >= limit;
+        if (isHit || isBeyond) {
+            break;
         }
-        taken = solid >= 0.0 ? min(radius, reach) : fieldStep(radius, ball, slope, reach, within);
-        t += taken;
-        if (t - taken + min(radius, reach) >= limit) {
-            return -1.0;
+        bool isSolid = isProven && value < -touch && !isFirst;
+        if (isProven && !isSolid) {
+            march = March(t, max(value, 0.0), max(free, 0.0), stepAhead(ahead, slope, touch));
+        } else {
+            march.trial = stepBack(march, value, isSolid);
         }
     }
-    limitReached = true;
-    return -1.0;
+    t = isHit ? max(t + root, 0.0) : t;
+    limitReached = !isHit && !isBeyond;
+    return isHit && t < limit ? t : -1.0;
 }

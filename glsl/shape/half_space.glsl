@@ -14,3 +14,5 @@ float hitHalfSpace(vec3 p, vec3 d, vec3 normal, float offset, float errorBound) 
     float closing = -dot(normal, d);
     return closing > 0.0 ? max((dot(normal, p) - offset) / closing, 0.0) : NO_HIT;
 }
+
+vec2 bendHalfSpace(vec4 gradient, vec3 p, vec3 normal, float offset) { return vec2(0.0, NO_END); }

@@ -29,3 +29,5 @@ float sdPlaneDirected(vec3 p, vec3 d) {
     const float NEVER = 1e30;
     return d.y >= 0.0 ? NEVER : p.y;
 }
+
+vec2 bendPlane(vec4 gradient, vec3 p) { return vec2(0.0, NO_END); }

@@ -14,3 +14,8 @@ float exitRoundedBox(vec3 p, vec3 d, vec3 core, float rounding, float errorBound
     float way = exitBox(p, d, core + rounding);
     return sdRoundedBox(p + way * d, core, rounding) <= errorBound ? way : 0.0;
 }
+
+// Outside its core the value is the distance from the core, less the rounding.
+vec2 bendRoundedBox(vec4 gradient, vec3 p, vec3 core, float rounding) {
+    return bendOfDistance(gradient.w + rounding);
+}

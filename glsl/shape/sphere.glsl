@@ -33,3 +33,5 @@ float sdSphereDirected(vec3 p, vec3 d, float radius) {
 float exitSphere(vec3 p, vec3 d, float radius) {
     return exitRoot(dot(d, d), dot(p, d), dot(p, p) - radius * radius);
 }
+
+vec2 bendSphere(vec4 gradient, vec3 p, float radius) { return bendOfDistance(gradient.w + radius); }

@@ -26,3 +26,8 @@ vec4 alongTorusSolid(vec4 gradient, vec3 p, vec3 d, float ring, float tube) {
     float least = min(length(p.xz), gradient.w + tube);
     return vec4(-gradient.w, -dot(gradient.xyz, d), 2.0 / max(least, 1e-30), 0.5 * least);
 }
+
+// The distance from the ring's centre line bends with the distances from the axis and from the centre line.
+vec2 bendTorus(vec4 gradient, vec3 p, float ring, float tube) {
+    return bendOfDistance(min(length(p.xz), gradient.w + tube));
+}

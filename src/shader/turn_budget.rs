@@ -243,8 +243,8 @@ fn of_copy_step(field: &Shape) -> u64 {
 /// Maximum turns of all loops of a shader together.
 const MOST_TURNS: u64 = 65_535;
 
-/// Turns of the loops in `marchFields` for one step: an inner and an outer one.
-const FIELD_TURNS: u64 = 2;
+/// Turns of the loop in `marchFields` for one step.
+const FIELD_TURNS: u64 = 1;
 
 /// Least step limit of a march, however long the lists of its cells are: a march that takes more
 /// steps grazes a surface. A single march in such a scene may run out of turns.

@@ -300,7 +300,7 @@ static LIBRARY: LazyLock<Vec<Part>> = LazyLock::new(|| {
         no_hit onto_field quadric_form reflect_at_face rotate_by_quaternion rounding safe_inverse
         scene_data segment
     );
-    let cells = files!("cells": directed distance fields fields_free grid grid_traversal records);
+    let cells = files!("cells": directed distance fields grid grid_traversal records);
     let all: Vec<Source> = [shared, cells, every_part!(files_of_parts)].concat();
     all.into_iter().flat_map(parts).collect()
 });

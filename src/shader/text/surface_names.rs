@@ -273,8 +273,21 @@ impl<'a> Named<'a> {
         }
     }
 
+    /// Value, slope, bend and reach of a marched field on the line of a wave.
+    pub fn on_line(&self, p: &str, d: &str) -> String {
+        let (point, vector) = (self.point(p), self.vector(d));
+        match self.field().is_some_and(field::is_known_on_lines) {
+            true => format!("onLine{}({point}, {vector}{})", self.tag, self.data_argument()),
+            false => format!("vec4({}, UNKNOWN, 0.0, 0.0)", self.distance(p)),
+        }
+    }
+
     /// The length over which the line of a wave is free of a marched field.
     pub fn free(&self, p: &str, d: &str, error_bound: &str) -> String {
+        let field = self.field();
+        if !field.is_some_and(|field| field::is_bounded(field) && !field::is_smooth_on_lines(field)) {
+            return "0.0".to_owned();
+        }
         let (point, vector) = (self.point(p), self.vector(d));
         let error_bound = format!("max({error_bound}, {})", self.error_bound());
         format!(

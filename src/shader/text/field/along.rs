@@ -460,7 +460,7 @@ fn each_axis(of: impl Fn(usize, &str) -> String) -> String {
 }
 
 /// The length of the gradient of a quadric's function, and the norm of its form.
-fn quadric_steepness(node: &Node, p: &str, n: &[String]) -> (String, String) {
+pub(super) fn quadric_steepness(node: &Node, p: &str, n: &[String]) -> (String, String) {
     let vector = |from: usize| format!("vec3({})", n[from..from + 3].join(", "));
     let diagonal = vector(0);
     let gradient = match node {

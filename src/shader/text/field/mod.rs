@@ -16,7 +16,10 @@ mod value;
 
 pub(in crate::shader) use along::{free_text, is_bounded, leaps};
 pub(in crate::shader) use hit::{has_closed_form, hit_text, takes_limit};
-pub(super) use value::{gradient_text, has_differences, normal_text, value_text};
+pub(super) use value::{
+    gradient_text, has_differences, is_known_on_lines, is_smooth_on_lines, line_text, normal_text,
+    value_text,
+};
 
 use super::link::{Part, Source, no_comment, parts, source};
 use crate::scene::shape::Repeat;
@@ -48,6 +51,8 @@ pub(super) struct Writer<'a> {
     place: &'a Place<'a>,
     /// The indices of height images and users' fields of the scene.
     assets: &'a Assets,
+    /// The direction of the line in the axes of the node being written.
+    direction: String,
     next_name: usize,
     /// Other functions that the function being written calls.
     functions: String,

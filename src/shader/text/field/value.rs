@@ -1,9 +1,11 @@
-//! Value and gradient of a tree.
+//! Value and gradient of a tree, and its value on a line.
 
+use super::along::quadric_steepness;
 use super::{Numbers, Place, Writer, literal};
 use crate::scene::shape::{HeightField, Mirror, Repeat, User};
 use crate::scene::{Copies, Node, Shape};
 use crate::shader::structure::Assets;
+use crate::shader::text::link::has_function;
 use std::fmt::Write;
 
 /// The result of a function.
@@ -13,13 +15,15 @@ enum Kind {
     Gradient,
     /// A gradient whose direction is as exact as possible.
     Normal,
+    /// Value, slope, bend and reach on a line (`glsl/common/bound.glsl`).
+    Line,
 }
 
 impl Kind {
     fn of_type(self) -> &'static str {
         match self {
             Kind::Value => "float",
-            Kind::Gradient | Kind::Normal => "vec4",
+            Kind::Gradient | Kind::Normal | Kind::Line => "vec4",
         }
     }
 
@@ -28,6 +32,23 @@ impl Kind {
             Kind::Value => "field",
             Kind::Gradient => "gradient",
             Kind::Normal => "normal",
+            Kind::Line => "onLine",
+        }
+    }
+
+    /// The parameters of the function.
+    fn parameters(self) -> &'static str {
+        match self {
+            Kind::Line => "vec3 p, vec3 d",
+            _ => "vec3 p",
+        }
+    }
+
+    /// The start of the names of the operators' functions.
+    fn operator(self) -> &'static str {
+        match self {
+            Kind::Line => "onLine",
+            _ => "op",
         }
     }
 
@@ -35,7 +56,7 @@ impl Kind {
         match self {
             Kind::Value => "sd",
             Kind::Normal if takes_differences(node) => "gn",
-            Kind::Gradient | Kind::Normal => "gd",
+            Kind::Gradient | Kind::Normal | Kind::Line => "gd",
         }
     }
 }
@@ -59,6 +80,51 @@ pub(in crate::shader) fn normal_text(field: &Shape, place: &Place, assets: &Asse
     Writer::new(place, assets).whole(field, Kind::Normal)
 }
 
+/// `vec4 onLine<number>(vec3 p, vec3 d)`: value, slope, bend and reach on the line through p along d; empty for a field
+/// with a user's text, of which only values are known.
+pub(in crate::shader) fn line_text(field: &Shape, place: &Place, assets: &Assets) -> String {
+    if !is_known_on_lines(field) {
+        return String::new();
+    }
+    Writer::new(place, assets).whole(field, Kind::Line)
+}
+
+/// Whether [`line_text`] can be written for a field.
+pub(in crate::shader) fn is_known_on_lines(field: &Shape) -> bool {
+    field.nodes().iter().all(|node| node.node.user().is_none())
+}
+
+/// Whether the field has a second derivative with a bound at almost every point next to its surface, so that its value
+/// on a line shows how far the line is free.
+pub(in crate::shader) fn is_smooth_on_lines(field: &Shape) -> bool {
+    let smooth = |node: &Shape| match &node.node {
+        Node::Translate(_)
+        | Node::Rotate(_)
+        | Node::Scale(_)
+        | Node::Complement(_)
+        | Node::SmoothUnion(_)
+        | Node::Offset(_)
+        | Node::Morph(_) => true,
+        node => is_quadric(node) || has_function(&format!("bend{}", node.name())),
+    };
+    field.nodes().into_iter().all(smooth)
+}
+
+/// Whether an operator turns lines into curves or breaks them.
+fn turns_lines(node: &Node) -> bool {
+    matches!(
+        node,
+        Node::Repeat(_) | Node::Twist(_) | Node::Bend(_) | Node::Mirror(_) | Node::Elongate(_)
+    )
+}
+
+fn is_quadric(node: &Node) -> bool {
+    matches!(
+        node,
+        Node::Ellipsoid(_) | Node::Paraboloid(_) | Node::Hyperboloid(_) | Node::GeneralQuadric(_)
+    )
+}
+
 /// Whether some part of the field's gradient is computed by differences.
 pub(in crate::shader) fn has_differences(field: &Shape) -> bool {
     let mut nodes = field.nodes().into_iter();
@@ -76,6 +142,7 @@ impl<'a> Writer<'a> {
             numbers: Numbers::new(place),
             place,
             assets,
+            direction: "d".to_owned(),
             next_name: 0,
             functions: String::new(),
             body: String::new(),
@@ -83,17 +150,22 @@ impl<'a> Writer<'a> {
     }
 
     fn whole(mut self, field: &Shape, kind: Kind) -> String {
-        let result = self.node(field, kind, "p");
+        let result = match kind {
+            // The rules for the reach on a line count on values that grow by at most 1.
+            Kind::Line if field.properties().lipschitz > 1.0 => self.line_of_gradient(field, "p"),
+            _ => self.node(field, kind, "p"),
+        };
         let result = match self.numbers.lipschitz(field) {
             Some(inverse) => format!("{result} * {inverse}"),
             None => result,
         };
         format!(
-            "{}{} {}{}(vec3 p{}) {{\n{}    return {result};\n}}\n\n",
+            "{}{} {}{}({}{}) {{\n{}    return {result};\n}}\n\n",
             self.functions,
             kind.of_type(),
             kind.function(),
             self.place.tag,
+            kind.parameters(),
             self.place.parameter,
             self.body
         )
@@ -111,6 +183,9 @@ impl<'a> Writer<'a> {
 
     /// Writes the statements for a node, and returns the name of the result.
     fn node(&mut self, field: &Shape, kind: Kind, p: &str) -> String {
+        if kind == Kind::Line && turns_lines(&field.node) {
+            return self.line_of_gradient(field, p);
+        }
         let numbers = self.numbers.next(field);
         if field.children.is_empty() {
             return self.shape(field, kind, p, &numbers);
@@ -122,21 +197,38 @@ impl<'a> Writer<'a> {
             Node::Morph(_) => {
                 let from = self.node(&field.children[0], kind, p);
                 let to = self.node(&field.children[1], kind, p);
-                self.result(kind, &format!("opMorph({from}, {to}, {})", numbers[0]))
+                let operator = kind.operator();
+                self.result(
+                    kind,
+                    &format!("{operator}Morph({from}, {to}, {})", numbers[0]),
+                )
             }
             Node::Complement(_) => {
                 let of = self.node(&field.children[0], kind, p);
-                self.result(kind, &format!("-{of}"))
+                self.result(
+                    kind,
+                    &match kind {
+                        Kind::Line => format!("onLineComplement({of})"),
+                        _ => format!("-{of}"),
+                    },
+                )
             }
             Node::Shell(_) | Node::Offset(_) => {
                 let of = self.node(&field.children[0], kind, p);
-                let name = field.node.name();
-                self.result(kind, &format!("op{name}({of}, {})", numbers[0]))
+                let (operator, name) = (kind.operator(), field.node.name());
+                self.result(kind, &format!("{operator}{name}({of}, {})", numbers[0]))
             }
             Node::Repeat(_) => self.repeated(field, kind, p, &numbers),
             Node::Twist(_) | Node::Bend(_) => self.turned(field, kind, p, &numbers),
             _ => self.moved(field, kind, p, &numbers),
         }
+    }
+
+    /// The value on a line from a gradient: without a limit of the second derivative.
+    fn line_of_gradient(&mut self, field: &Shape, p: &str) -> String {
+        let gradient = self.node(field, Kind::Gradient, p);
+        let d = self.direction.clone();
+        self.result(Kind::Line, &format!("onLine({gradient}, {d}, vec2(0.0))"))
     }
 
     /// Writes the statements for the value of a node, and returns its name.
@@ -152,6 +244,9 @@ impl<'a> Writer<'a> {
     }
 
     fn shape(&mut self, field: &Shape, kind: Kind, p: &str, numbers: &[String]) -> String {
+        if kind == Kind::Line {
+            return self.shape_on_line(field, p, numbers);
+        }
         let mut call = format!(
             "{}{}({p}{}",
             kind.prefix(&field.node),
@@ -164,6 +259,22 @@ impl<'a> Writer<'a> {
         }
         call.push(')');
         self.result(kind, &call)
+    }
+
+    fn shape_on_line(&mut self, field: &Shape, p: &str, numbers: &[String]) -> String {
+        let gradient = self.shape(field, Kind::Gradient, p, numbers);
+        let name = field.node.name();
+        let bend = if is_quadric(&field.node) {
+            let (steepness, norm) = quadric_steepness(&field.node, p, numbers);
+            format!("bendOfQuadric({steepness}, {norm})")
+        } else if has_function(&format!("bend{name}")) {
+            let arguments = arguments(&field.node, numbers);
+            format!("bend{name}({gradient}, {p}{arguments})")
+        } else {
+            "vec2(0.0)".to_owned()
+        };
+        let d = self.direction.clone();
+        self.result(Kind::Line, &format!("onLine({gradient}, {d}, {bend})"))
     }
 
     /// The name of the shape's functions; each user's field has its own.
@@ -183,13 +294,17 @@ impl<'a> Writer<'a> {
         for child in &field.children[1..] {
             let other = self.node(child, kind, p);
             let name = field.node.name();
-            result = self.result(kind, &format!("op{name}({result}, {other}{more})"));
+            let operator = kind.operator();
+            result = self.result(kind, &format!("{operator}{name}({result}, {other}{more})"));
         }
         result
     }
 
     /// Operators on space, whose gradient is the child's gradient transformed back.
     fn moved(&mut self, field: &Shape, kind: Kind, p: &str, n: &[String]) -> String {
+        if kind == Kind::Line {
+            return self.moved_on_line(field, p, n);
+        }
         let vector = |n: &[String]| format!("vec3({}, {}, {})", n[0], n[1], n[2]);
         let (inner, outward) = match &field.node {
             Node::Translate(_) => (format!("{p} - {}", vector(n)), None),
@@ -219,6 +334,30 @@ impl<'a> Writer<'a> {
         }
     }
 
+    /// The same for lines, which are moved instead of gradients.
+    fn moved_on_line(&mut self, field: &Shape, p: &str, n: &[String]) -> String {
+        let outer = self.direction.clone();
+        let inner = match &field.node {
+            Node::Rotate(_) => {
+                let turn = format!("mat3({})", n.join(", "));
+                self.direction = self.point(&format!("{turn} * {outer}"));
+                format!("{turn} * {p}")
+            }
+            Node::Scale(_) => format!("{p} / {}", n[0]),
+            _ => format!("{p} - vec3({})", n.join(", ")),
+        };
+        let q = self.point(&inner);
+        let of = self.node(&field.children[0], Kind::Line, &q);
+        self.direction = outer;
+        match &field.node {
+            Node::Scale(_) => {
+                let by = &n[0];
+                self.result(Kind::Line, &format!("{of} * vec4({by}, 1.0, 1.0 / {by}, {by})"))
+            }
+            _ => of,
+        }
+    }
+
     pub(super) fn point(&mut self, expression: &str) -> String {
         let name = self.name("p");
         self.line(&format!("vec3 {name} = {expression};"));
@@ -240,7 +379,7 @@ impl<'a> Writer<'a> {
             Kind::Value => {
                 self.result(kind, &format!("beyondTurning({of}, {beyond}, {lipschitz})"))
             }
-            Kind::Gradient | Kind::Normal => self.result(
+            Kind::Gradient | Kind::Normal | Kind::Line => self.result(
                 kind,
                 &format!("un{turn}({of}, {p}, {q}, {rate}, {beyond}, {lipschitz})"),
             ),
