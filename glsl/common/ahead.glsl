@@ -17,14 +17,17 @@ Ahead nothingAhead() {
     return Ahead(vec4(1e30, 1.0, 0.0, 0.0), -1.0, 0.0, NO_END, NO_END, NO_END, NO_END);
 }
 
-// Adds a field, of which the line is free for at least `free` metres.
-void addField(inout Ahead ahead, float object, vec4 field, float free, float fieldErrorBound, float errorBound) {
-    float further = field.y < UNKNOWN ? freeAlong(field, NO_END) : 0.0;
-    free = max(max(field.x, free), further);
+// The distance that is free of a field, of which the line is known to be free for `known` metres.
+float freeOf(vec4 field, float known) {
+    float shown = field.y < UNKNOWN ? freeAlong(field, NO_END) : 0.0;
+    return max(max(field.x, known), shown);
+}
+
+void addField(inout Ahead ahead, float object, vec4 field, float free, float errorBound) {
     bool isNearest = field.x < ahead.nearest.x;
     ahead.others = min(ahead.others, isNearest ? ahead.free : free);
     ahead.free = isNearest ? free : ahead.free;
     ahead.nearest = isNearest ? field : ahead.nearest;
     ahead.object = isNearest ? object : ahead.object;
-    ahead.errorBound = isNearest ? fieldErrorBound : ahead.errorBound;
+    ahead.errorBound = isNearest ? errorBound : ahead.errorBound;
 }

@@ -18,3 +18,24 @@ float hitChord(float enter, float leave, float errorBound) {
     float ahead = max(enter, 0.0);
     return leave > ahead + errorBound + ROUNDING * ahead && leave + enter > 0.0 ? ahead : NO_HIT;
 }
+
+// Where a line enters and leaves a convex solid, in metres; without a chord the first exceeds the second.
+const vec2 NO_CHORD = vec2(1e20, -1e20);
+
+// The chord where the distance from the line's middle, whose square is (half of the chord)^2, is positive.
+vec2 chordAbout(float middle, float squaredHalf) {
+    float halfChord = sqrt(max(squaredHalf, 0.0));
+    return squaredHalf > 0.0 ? vec2(middle - halfChord, middle + halfChord) : NO_CHORD;
+}
+
+// The chord of the least convex solid that contains two solids.
+vec2 hullOfChords(vec2 a, vec2 b) {
+    return vec2(min(a.x, b.x), max(a.y, b.y));
+}
+
+// The chord of the side of a plane towards which `beyond`, which grows by `speed` per metre, is negative.
+vec2 chordBehindPlane(float beyond, float speed) {
+    float crossing = -beyond / (abs(speed) > 1e-12 ? speed : 1e-12);
+    vec2 parallel = beyond < 0.0 ? vec2(-1e20, 1e20) : NO_CHORD;
+    return abs(speed) <= 1e-12 ? parallel : speed > 0.0 ? vec2(-1e20, crossing) : vec2(crossing, 1e20);
+}

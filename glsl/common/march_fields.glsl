@@ -14,6 +14,7 @@ const float NEAR = 64.0;       // distance to a surface, in roundings, below whi
 const float RELAXED = 0.95;    // share of the step at which the balls would just touch
 const float SHALLOW = 64.0;    // maximum distance of a hit, in roundings along the ray
 const float TANGENT = 2e-7;    // maximum error of a hit where the tangent meets 0, metres
+const float CHORD_MARGIN = 4.0;   // distance from the ends of chords, in roundings, at which they are left
 const float STEEPEST = 1e-3;   // least slope for the tangent
 
 // What the march knows of its line.
@@ -65,24 +66,27 @@ float stepBack(March march, float value, bool isSolid) {
 
 // Returns the distance along the ray to the first hit before limit, or -1.
 float marchFields(vec3 origin, vec3 d, float last, float limit, out float object, out bool limitReached) {
-    March march = March(0.0, 0.0, 0.0, 0.0);
     float size = largest(origin);
-    int stepLimit = uFieldSteps;
+    findChords(origin, d, ROUNDING * size);
+    float start = freeAtStart(last);
+    March march = March(0.0, 0.0, start, start);
     bool isHit = false;
-    bool isBeyond = false;
+    bool isBeyond = start >= limit;
+    int stepLimit = isBeyond ? 0 : uFieldSteps;
+    object = -1.0;
     float t = 0.0;
     float root = 0.0;
     for (int i = 0; i < stepLimit; ++i) {
         t = march.proven + march.trial;
         vec3 p = origin + t * d;
         float rounding = ROUNDING * max(largest(p), size);
-        Ahead ahead = fieldsAhead(p, d, last, rounding);
+        Ahead ahead = fieldsAhead(t, p, d, last, rounding);
         COUNT_EVALUATIONS(1.0);
         object = ahead.object;
         float value = ahead.nearest.x;
         float touch = PLACE * max(rounding, ahead.errorBound);
         float near = NEAR * touch;
-        bool isFirst = i == 0;
+        bool isFirst = t <= 0.0 && i == 0;
         bool isNear = march.free < near;
         bool isProven = isNear || march.trial <= march.free || value + march.free >= march.trial;
         float slope = slopeOf(ahead, march, near);

@@ -40,3 +40,9 @@ float hitCappedCylinder(vec3 p, vec3 d, float radius, float halfHeight, float er
 float exitCappedCylinder(vec3 p, vec3 d, float radius, float halfHeight) {
     return min(exitCylinder(p, d, radius), exitSlab(p.y, d.y, halfHeight));
 }
+
+vec2 chordCappedCylinder(vec3 p, vec3 d, float radius, float halfHeight) {
+    vec2 chord = chordCylinder(p, d, radius);
+    clipToSlab(p.y, d.y, halfHeight, chord.x, chord.y);
+    return chord;
+}

@@ -46,3 +46,11 @@ float exitCapsule(vec3 p, vec3 d, float radius, float halfHeight) {
 vec2 bendCapsule(vec4 gradient, vec3 p, float radius, float halfHeight) {
     return bendOfDistance(gradient.w + radius);
 }
+
+// The solid is the least convex one that contains a cylinder and two balls.
+vec2 chordCapsule(vec3 p, vec3 d, float radius, float halfHeight) {
+    vec3 up = vec3(0.0, halfHeight, 0.0);
+    vec2 side = chordCappedCylinder(p, d, radius, halfHeight);
+    vec2 balls = hullOfChords(chordSphere(p - up, d, radius), chordSphere(p + up, d, radius));
+    return side.x < side.y ? hullOfChords(side, balls) : balls;
+}

@@ -91,3 +91,12 @@ float exitBox(vec3 p, vec3 d, vec3 halfSize) {
     vec3 way = within / max(abs(d), 1e-30);
     return min(way.x, min(way.y, way.z));
 }
+
+vec2 chordBox(vec3 p, vec3 d, vec3 halfSize) {
+    vec3 inverse = safeInverse(d);
+    vec3 a = (-halfSize - p) * inverse;
+    vec3 b = (halfSize - p) * inverse;
+    vec3 enters = min(a, b);
+    vec3 leaves = max(a, b);
+    return vec2(max(enters.x, max(enters.y, enters.z)), min(leaves.x, min(leaves.y, leaves.z)));
+}

@@ -60,3 +60,12 @@ float sdCylinderDirected(vec3 p, vec3 d, float radius) {
 float exitCylinder(vec3 p, vec3 d, float radius) {
     return exitRoot(dot(d.xz, d.xz), dot(p.xz, d.xz), dot(p.xz, p.xz) - radius * radius);
 }
+
+vec2 chordCylinder(vec3 p, vec3 d, float radius) {
+    float a = dot(d.xz, d.xz);
+    float middle = -dot(p.xz, d.xz) / max(a, 1e-12);
+    vec2 nearest = p.xz + middle * d.xz;
+    float under = radius * radius - dot(nearest, nearest);
+    vec2 parallel = under > 0.0 ? vec2(-1e20, 1e20) : NO_CHORD;
+    return a > 1e-12 ? chordAbout(middle, under / a) : parallel;
+}

@@ -11,3 +11,10 @@ vec4 gdEllipsoid(vec3 p, vec3 diagonal, float constant, float norm) {
 float hitEllipsoid(vec3 p, vec3 d, float sign, vec3 diagonal, float constant) {
     return centredQuadricHit(p, d, sign, diagonal, constant);
 }
+
+vec2 chordEllipsoid(vec3 p, vec3 d, vec3 diagonal, float constant, float norm) {
+    float a = dot(d, diagonal * d);
+    float middle = -dot(p, diagonal * d) / a;
+    vec3 nearest = p + middle * d;
+    return chordAbout(middle, (-constant - dot(nearest, diagonal * nearest)) / a);
+}

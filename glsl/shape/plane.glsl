@@ -31,3 +31,5 @@ float sdPlaneDirected(vec3 p, vec3 d) {
 }
 
 vec2 bendPlane(vec4 gradient, vec3 p) { return vec2(0.0, NO_END); }
+
+vec2 chordPlane(vec3 p, vec3 d, float side) { return chordBehindPlane(side * p.y, side * d.y); }

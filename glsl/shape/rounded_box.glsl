@@ -19,3 +19,14 @@ float exitRoundedBox(vec3 p, vec3 d, vec3 core, float rounding, float errorBound
 vec2 bendRoundedBox(vec4 gradient, vec3 p, vec3 core, float rounding) {
     return bendOfDistance(gradient.w + rounding);
 }
+
+// The solid is the least convex one that contains these three boxes and the rounding.
+vec2 chordRoundedBox(vec3 p, vec3 d, vec3 core, float rounding) {
+    vec2 x = chordBox(p, d, core + vec3(rounding, 0.0, 0.0));
+    vec2 y = chordBox(p, d, core + vec3(0.0, rounding, 0.0));
+    vec2 z = chordBox(p, d, core + vec3(0.0, 0.0, rounding));
+    vec2 all = NO_CHORD;
+    all = x.x < x.y ? hullOfChords(all, x) : all;
+    all = y.x < y.y ? hullOfChords(all, y) : all;
+    return z.x < z.y ? hullOfChords(all, z) : all;
+}

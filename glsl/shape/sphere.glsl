@@ -35,3 +35,9 @@ float exitSphere(vec3 p, vec3 d, float radius) {
 }
 
 vec2 bendSphere(vec4 gradient, vec3 p, float radius) { return bendOfDistance(gradient.w + radius); }
+
+vec2 chordSphere(vec3 p, vec3 d, float radius) {
+    float middle = -dot(p, d);
+    vec3 nearest = p + middle * d;
+    return chordAbout(middle, radius * radius - dot(nearest, nearest));
+}

@@ -1,6 +1,18 @@
-// Returns what is ahead of p along d, where the rounding error of p is errorBound. A convex field that the wave leaves
-// (last) cannot be hit.
-Ahead fieldsAhead(vec3 p, vec3 d, float last, float errorBound) {
+// Finds the chords of a line, where the rounding error of p is errorBound.
+void findChords(vec3 p, vec3 d, float errorBound) {
+@chords@
+}
+
+// The distance that a wave is free after its start, as the chords show: 0 if they show none.
+float freeAtStart(float last) {
+    float free = NO_END;
+@at_start@
+    return free;
+}
+
+// Returns what is ahead of p, which is t metres along the line, in the direction d; the rounding error of p is
+// errorBound. A convex field that the wave leaves (last) cannot be hit.
+Ahead fieldsAhead(float t, vec3 p, vec3 d, float last, float errorBound) {
     Ahead ahead = nothingAhead();
 @surfaces@
     return ahead;

@@ -151,7 +151,7 @@ fn field_calls(count: usize) -> String {
     for index in 0..count {
         let number = index + 1;
         text += &format!(
-            "    if (which == {}) {{ float errorBound; return vec4(fieldGradient(p, {number}.0, errorBound), 0.0); }}\n",
+            "    if (which == {}) {{ return GRADIENT{number}(p); }}\n",
             2 * index + 1
         );
         text += &format!(
@@ -175,6 +175,16 @@ fn asked(context: &Context, scene: &Scene) -> Asked {
             offset
         };
         ask += &format!("float VALUE{number}(vec3 q) {{ return field{number}({place}); }}\n");
+        let turned_back = match surface.has_rotation() {
+            true => format!(
+                "vec4(turn(surfaceValue{} * vec4(-1, -1, -1, 1), g.xyz), g.w)",
+                first + 1
+            ),
+            false => "g".to_owned(),
+        };
+        ask += &format!(
+            "vec4 GRADIENT{number}(vec3 q) {{ vec4 g = gradient{number}({place}); return {turned_back}; }}\n"
+        );
         let alone = scene_of(vec![surface.clone()]);
         first += Structure::of(&alone, Lists::Lines).uniform_count(&alone);
     }

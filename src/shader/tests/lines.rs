@@ -26,10 +26,12 @@ const PLACES: usize = 64;
 /// bound.
 const SOLID_ULPS: f64 = 64.0;
 
-/// Shader for the free length along d from p for all fields, called as the march calls it.
+/// Shader for the free length along d from p for all fields, as the march computes it.
 const FREE: &str = "
 vec4 answer(int which, vec3 p, vec3 d) {
-    return vec4(fieldsFree(p, d, -1.0, ROUNDING * largest(p)));
+    findChords(p, d, ROUNDING * largest(p));
+    Ahead ahead = fieldsAhead(0.0, p, d, -1.0, ROUNDING * largest(p));
+    return vec4(min(ahead.free, ahead.others));
 }
 ";
 

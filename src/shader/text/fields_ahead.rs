@@ -1,6 +1,6 @@
 //! The fields that are marched: what a march knows of them at a point of its line.
 
-use super::field::{free_text, is_bounded, is_known_on_lines, is_smooth_on_lines, line_text};
+use super::field::{chords_text, free_text, is_bounded, is_known_on_lines, is_smooth_on_lines, line_text};
 use super::link::{Part, fill, parts, source};
 use super::scene_text::{Text, of_kind};
 use super::surface_names::{Marched, Named};
@@ -14,17 +14,24 @@ pub(super) fn fields_ahead(text: &Text, marched: Marched) -> Vec<Part> {
     let takes = |named: &Named| marched.takes(named);
     text.add_fields(&mut all, takes, line_text);
     text.add_fields(&mut all, |named| takes(named) && needs_bound(named), free_text);
+    text.add_fields(&mut all, |named| takes(named) && named.has_chords(), chords_text);
     let in_cells = text.instanced.iter().any(takes);
     if in_cells {
         text.add(&mut all, "the kinds of fields", kinds(text, marched));
     }
-    let taken = text.unrolled.iter().filter(|named| takes(named));
-    let mut surfaces: String = taken.map(ahead_of_surface).collect();
+    let taken = || text.unrolled.iter().filter(|named| takes(named));
+    let mut surfaces: String = taken().map(ahead_of_surface).collect();
+    let chords: String = taken().filter(|named| named.has_chords()).map(find_chords).collect();
+    let mut at_start: String = taken().map(free_at_start).collect();
     if in_cells {
         surfaces.push_str("    fieldsInCells(p, d, last, errorBound, ahead);\n");
+        at_start.push_str("    free = 0.0;\n");
     }
     let skeleton = source!("template/fields_ahead.glsl");
-    text.add(&mut all, "the fields", fill(&skeleton, &[("surfaces", &surfaces)]));
+    text.add(&mut all, "the fields", fill(
+        &skeleton,
+        &[("chords", &chords), ("at_start", &at_start), ("surfaces", &surfaces)],
+    ));
     all.extend(parts(source!("common/ahead.glsl")));
     all.extend(parts(source!("common/march_fields.glsl")));
     all
@@ -36,19 +43,41 @@ fn needs_bound(named: &Named) -> bool {
     named.field().is_some_and(is)
 }
 
-fn ahead_of_surface(named: &Named) -> String {
-    let statement = ahead_of(named, &format!("{}.0", named.tag));
-    let statement = match named.surface.shape.is_convex() {
-        true => format!("if (!({})) {{ {statement} }}", named.left()),
-        false => statement,
-    };
-    format!("    // {}\n    {statement}\n", named.label)
+/// The statement that finds the chords of a line with a field.
+fn find_chords(named: &Named) -> String {
+    let (tag, point, vector) = (&named.tag, named.point("p"), named.vector("d"));
+    let error_bound = format!("CHORD_MARGIN * max(errorBound, {})", named.error_bound());
+    format!("    findChords{tag}({point}, {vector}, {error_bound});\n")
 }
 
-/// The statement that adds a field to what is ahead.
+/// The statement that limits the free length at the start of a flight to that of a field.
+fn free_at_start(named: &Named) -> String {
+    let free = match named.has_chords() {
+        true => format!("through{}(0.0)", named.tag),
+        false => "0.0".to_owned(),
+    };
+    let free = named.unless_left(&named.left(), "NO_END", &free);
+    format!("    free = min(free, {free});\n")
+}
+
+fn ahead_of_surface(named: &Named) -> String {
+    let statements = ahead_of(named, &format!("{}.0", named.tag));
+    let condition = match named.surface.shape.is_convex() {
+        true => format!("if (!({})) ", named.left()),
+        false => String::new(),
+    };
+    format!("    // {}\n    {condition}{{\n{statements}    }}\n", named.label)
+}
+
+/// The statements that add a field to what is ahead.
 fn ahead_of(named: &Named, object: &str) -> String {
+    let through = match named.has_chords() {
+        true => format!("        free = through{}(t + free) - t;\n", named.tag),
+        false => String::new(),
+    };
     format!(
-        "addField(ahead, {object}, {}, {}, {}, errorBound);",
+        "        vec4 field = {};\n        float free = freeOf(field, {});\n{through}        \
+         addField(ahead, {object}, field, free, {});\n",
         named.on_line("p", "d"),
         named.free("p", "d", "errorBound"),
         named.error_bound()
@@ -62,11 +91,11 @@ fn kinds(text: &Text, marched: Marched) -> String {
          void addFieldOfKind(float object, float kind, int data, vec3 p, vec3 d, bool left, float errorBound, inout Ahead ahead) {\n",
         |named| marched.takes(named),
         |named| {
-            let statement = ahead_of(named, "object");
-            match named.surface.shape.is_convex() {
-                true => format!("if (!left) {{ {statement} }}"),
-                false => statement,
-            }
+            let left = match named.surface.shape.is_convex() {
+                true => "if (left) { return; }",
+                false => "",
+            };
+            format!("{left}\n{}    ", ahead_of(named, "object"))
         },
         "",
     )

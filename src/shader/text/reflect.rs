@@ -178,10 +178,7 @@ fn projection(named: &Named, p: &str, d: &str) -> Vec<String> {
         let (shape, size) = (named.shape(), named.size());
         statements.push(format!("project{shape}(q{size}, normal);"));
     } else {
-        // A Newton step onto the field's surface, and the gradient there.
-        let gradient = named.field_gradient("q");
-        statements.push(format!("q = ontoField(q, {gradient});"));
-        statements.extend(facing_normal(named, p, &vector));
+        statements.extend(onto_field(named, p, &vector));
     }
     let (q, normal) = (named.outward("q"), named.outward("normal"));
     statements.push(format!("{p} = {q} + {}.xyz;", named.value(0)));
@@ -189,12 +186,16 @@ fn projection(named: &Named, p: &str, d: &str) -> Vec<String> {
     statements
 }
 
-/// The normal of the sheet of a field that a wave at `q`, flying along `vector`, hits; 0 if it hits none.
-fn facing_normal(named: &Named, p: &str, vector: &str) -> Vec<String> {
+/// A Newton step that takes `q` onto a field's surface, and the normal of the sheet that a wave along `vector` hits there;
+/// 0 if it hits none. One gradient serves both, unless sheets meet there.
+fn onto_field(named: &Named, p: &str, vector: &str) -> Vec<String> {
     let shape = &named.surface.shape;
     if !shape.may_have_hollow_edges() {
-        let normal = named.field_normal("q");
-        return vec![format!("normal = facing({normal}.xyz, {vector});")];
+        return vec![
+            format!("vec4 gradient = {};", named.field_normal("q")),
+            "q = ontoField(q, gradient);".to_owned(),
+            format!("normal = facing(gradient.xyz, {vector});"),
+        ];
     }
     // At an edge or a corner the gradient is that of one sheet, and the wave may hit another sheet:
     // this one is the nearest at a small offset from the first.
@@ -204,9 +205,10 @@ fn facing_normal(named: &Named, p: &str, vector: &str) -> Vec<String> {
         "vec3 at = q;".to_owned(),
         "normal = vec3(0.0);".to_owned(),
         "for (int sheet = 0; sheet < SHEETS && normal == vec3(0.0); ++sheet) {".to_owned(),
-        format!("    vec3 gradient = {gradient}.xyz;"),
-        format!("    normal = facing(gradient, {vector});"),
-        format!("    at += {apart} * unitOrZero(gradient);"),
+        format!("    vec4 gradient = {gradient};"),
+        "    q = sheet == 0 ? ontoField(q, gradient) : q;".to_owned(),
+        format!("    normal = facing(gradient.xyz, {vector});"),
+        format!("    at = (sheet == 0 ? q : at) + {apart} * unitOrZero(gradient.xyz);"),
         "}".to_owned(),
     ]
 }

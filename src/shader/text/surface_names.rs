@@ -282,6 +282,12 @@ impl<'a> Named<'a> {
         }
     }
 
+    /// Whether the chords of a line with a marched field are found once for a flight.
+    pub fn has_chords(&self) -> bool {
+        let has = |field| field::has_chords(field, &self.moving_nodes(field));
+        !self.is_data() && self.field().is_some_and(has)
+    }
+
     /// The length over which the line of a wave is free of a marched field.
     pub fn free(&self, p: &str, d: &str, error_bound: &str) -> String {
         let field = self.field();

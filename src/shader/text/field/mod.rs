@@ -11,10 +11,12 @@
 //! because several of them follow from one parameter (a rotation's nine).
 
 mod along;
+mod chords;
 mod hit;
 mod value;
 
 pub(in crate::shader) use along::{free_text, is_bounded, leaps};
+pub(in crate::shader) use chords::{chords_text, has_chords};
 pub(in crate::shader) use hit::{has_closed_form, hit_text, takes_limit};
 pub(super) use value::{
     gradient_text, has_differences, is_known_on_lines, is_smooth_on_lines, line_text, normal_text,
