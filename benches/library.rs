@@ -1,13 +1,13 @@
-//! How long the library takes for what a caller waits for: a frame, the programs of a scene, a response.
+//! Benchmarks of the operations that a caller waits for: a frame, the programs of a scene, a response.
 //!
 //! ```sh
 //! cargo bench                                            # all
-//! cargo bench -- frame                                   # those with this word in their name
-//! MESA_SHADER_CACHE_DISABLE=true cargo bench -- programs # Mesa compiles again what it has compiled before
+//! cargo bench -- frame                                   # those with this word in their names
+//! MESA_SHADER_CACHE_DISABLE=true cargo bench -- programs # without Mesa's cache of compiled shaders
 //! ```
 //!
-//! Figures mean something beside the name of the renderer, which is printed first, and on a machine that does nothing
-//! else. Larger measurements are those of `echomarch figures`, `accuracy` and `cost`.
+//! Run them on an otherwise idle machine, and quote results with the renderer's name, which is printed first. `echomarch
+//! figures`, `accuracy` and `cost` make larger measurements.
 
 use divan::{Bencher, black_box};
 use echomarch::gl::{Context, ContextOptions};
@@ -16,11 +16,11 @@ use echomarch::response::{Response, ResponseSettings};
 use echomarch::scene::{Material, shape::Room};
 use echomarch::{Error, Listener, Scene, Settings, Source, Surface, Tracer};
 
-/// Waves of a frame, as in README's table.
+/// Waves per frame, as in README's table.
 const WAVES: u32 = 65_536;
-/// Waves of a frame whose waves cost nothing beside its programs.
+/// Waves per frame in the benchmark of programs: tracing them takes almost no time.
 const FEW_WAVES: u32 = 64;
-/// Waves of a response: a quarter of the default, so that a sample takes less than a second in software.
+/// Waves per response: a quarter of the default, so that a sample takes less than a second in software.
 const RESPONSE_WAVES: u32 = 16_384;
 
 fn main() -> Result<(), Error> {
@@ -33,7 +33,7 @@ fn tracer() -> Result<Tracer, Error> {
     Tracer::new(&Context::headless(&ContextOptions::default())?)
 }
 
-/// A frame whose programs are compiled: waves through a scene of closed forms, and of marched fields.
+/// A frame with programs already compiled, in a scene of closed forms and in one of marched fields.
 #[divan::bench(args = ["corner", "cave"], sample_size = 1)]
 fn frame(bencher: Bencher, name: &str) {
     let scene = Scene::builtin(name).expect("a built-in scene");
@@ -43,7 +43,7 @@ fn frame(bencher: Bencher, name: &str) {
     bencher.bench_local(|| tracer.frame(black_box(&scene), &settings));
 }
 
-/// The programs of a scene: linked, compiled, and used once, for some drivers compile at the first use.
+/// The programs of a scene: compiled, linked, and used once, because some drivers compile at the first use.
 #[divan::bench(args = ["corner", "cave"], sample_size = 1, sample_count = 20)]
 fn programs(bencher: Bencher, name: &str) {
     let scene = Scene::builtin(name).expect("a built-in scene");
@@ -57,7 +57,7 @@ fn programs(bencher: Bencher, name: &str) {
         });
 }
 
-/// A response of a shoebox, early paths and late part.
+/// A shoebox's response with early paths and late part.
 #[divan::bench(sample_size = 1, sample_count = 20)]
 fn response_of_a_shoebox(bencher: Bencher) {
     let scene = shoebox();

@@ -1,4 +1,4 @@
-//! The targets of `tests/fuzz`, for libFuzzer.
+//! libFuzzer programs for the targets of `tests/fuzz`.
 
 #[path = "../../tests/common/random.rs"]
 mod random;
@@ -26,11 +26,11 @@ pub mod wav;
 
 pub use target::Target;
 
-/// Defines the program of a target.
+/// Defines the fuzz program of a target.
 #[macro_export]
 macro_rules! program {
     ($target:ident) => {
-        // The target is made once, as it brings its valid files.
+        // The target is created once: creating it builds its valid files.
         static ONE: std::sync::LazyLock<fn(&[u8])> =
             std::sync::LazyLock::new(|| $crate::$target::target().one);
         libfuzzer_sys::fuzz_target!(|data: &[u8]| ONE(data));

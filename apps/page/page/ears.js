@@ -18,7 +18,7 @@ let refused = null;
 // The next scheduled look: its timer and its time.
 let timer = 0;
 let next = Infinity;
-// Time until which the picture has the graphics card for itself.
+// End of the pause in which only the picture uses the graphics card.
 let rested = 0;
 // The last error reported.
 let trouble = "";
@@ -55,7 +55,7 @@ function follow(played) {
   due(0);
 }
 
-// Schedules a look after a delay, unless an earlier one is scheduled; never before the rest is over.
+// Schedules a look after a delay, unless an earlier one is scheduled; never before the pause is over.
 function due(milliseconds) {
   const when = Math.max(performance.now() + milliseconds, rested);
   if (when >= next) return;
@@ -76,12 +76,12 @@ function look() {
     count = hear();
     tellTrouble("");
   } catch (error) {
-    // It would fail again until the scene changes.
+    // It would fail again as long as the scene is unchanged.
     refused = latest;
     tellTrouble(`The sound in full stays as it was: ${error.message}`);
   }
   const now = performance.now();
-  // Rests as long as the look took: the picture needs the graphics card too.
+  // Pauses for as long as the look took: the picture needs the graphics card too.
   rested = now + (count > 0 ? Math.max(LEAST, now - began) : LEAST);
   // A late part that was not due now may be due then.
   due(IDLE);
@@ -110,7 +110,7 @@ function tell(heard) {
   heard.free();
 }
 
-// Reports an error to the page once, and when it has gone.
+// Reports an error to the page once, and again when it is resolved.
 function tellTrouble(text) {
   if (text === trouble) return;
   trouble = text;

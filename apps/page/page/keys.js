@@ -1,4 +1,4 @@
-// Keys and mouse, as in the window (docs/demo.md). Keys are identified by their place on the keyboard.
+// Keys and mouse, as in the window (docs/demo.md). Keys are identified by their position on the keyboard.
 
 const HELD = {
   KeyW: [0, 1], KeyS: [0, -1], KeyD: [1, 1], KeyA: [1, -1], KeyE: [2, 1], KeyQ: [2, -1],
@@ -10,7 +10,7 @@ const MOUSE = 0.0025;
 
 const types = (element) => element.closest?.("input, select, textarea") != null;
 
-// Listens to keys and mouse: `on` has the actions of single key presses, by key code; `look` takes radians.
+// Listens to keys and mouse: `on` maps key codes to the actions of single presses; `look` takes radians.
 export function listenTo(canvas, on, look) {
   const down = new Set();
   addEventListener("keydown", (event) => {
@@ -24,7 +24,7 @@ export function listenTo(canvas, on, look) {
   canvas.addEventListener("click", () => {
     canvas.focus();
     if (document.pointerLockElement) document.exitPointerLock();
-    // Rejected if the page may not lock the pointer, or the last lock has just ended: the mouse then does not turn.
+    // The browser may refuse a lock, also just after the last one ended: the mouse then does not turn the gaze.
     else canvas.requestPointerLock()?.catch?.(() => {});
   });
   addEventListener("mousemove", (event) => {

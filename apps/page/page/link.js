@@ -13,7 +13,7 @@ export const LIMITS = {
   volume: { least: 0, most: 1, isWhole: false },
 };
 
-// Number of coordinates of a place: x, y, z, and the direction of the listener's gaze.
+// Numbers per position: x, y, z, and for the listener the yaw and pitch of its gaze.
 const PLACES = { listener: 5, source: 3 };
 
 // Prefix of the names of values.
@@ -23,7 +23,7 @@ function numberOf(text) {
   return text.trim() === "" ? NaN : Number(text);
 }
 
-// The reason why a setting cannot have that number; "" if it can.
+// Returns the reason why a setting cannot have that number; "" if it can.
 export function wrongNumber(name, value) {
   const { least, most, isWhole } = LIMITS[name];
   const isWithin = value >= least && value <= most;
@@ -36,8 +36,8 @@ function isNumber(value) {
   return Number.isFinite(Math.fround(value));
 }
 
-// Reads a link. `choices` has the allowed names of each setting. `wrong` in the result has a sentence for each
-// invalid entry of the link; that setting then has its default.
+// Reads a link. `choices` has the allowed names of each setting. `wrong` in the result has a sentence for each invalid
+// entry of the link; its setting gets the default.
 export function read(fragment, choices) {
   const settings = { ...usual, values: {} };
   const wrong = [];
@@ -84,7 +84,7 @@ function short(numbers) {
   return Array.from(numbers, (number) => Number(number.toFixed(3))).join(",");
 }
 
-// The link of these settings.
+// Returns the link of these settings.
 export function write(settings) {
   const said = new URLSearchParams();
   for (const name of ["scene", "profile", "waves", "iterations", "listen", "sound", "volume"]) {

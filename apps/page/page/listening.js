@@ -37,7 +37,7 @@ export class Listening {
     return this.hasEars && this.state.listen === "full" && this.state.profile !== "thesis";
   }
 
-  // Plays the scene of that text from now on, once the sound is on.
+  // Plays the scene of that text, at once or when the sound is started.
   play(shown) {
     this.shown = shown;
     // The sources belong to the previous scene.
@@ -45,7 +45,7 @@ export class Listening {
     this.sound?.play(shown.text, shown.name, this.state.sound);
   }
 
-  // Sends the choices to the sound.
+  // Sends the choices to the mix.
   hear() {
     const pan = this.page.frame()[5] ?? 0;
     this.sound?.listen(this.isFull() ? "full" : "balance", this.state.volume, this.state.profile, pan);
@@ -104,7 +104,7 @@ export class Listening {
     this.hear();
   }
 
-  // Handles a message of a part of the sound.
+  // Handles a message from a part of the sound.
   told(part, data) {
     if (data.failed) this.fail(part, data.failed);
     if (data.trouble !== undefined) this.messages.say(part, data.trouble);

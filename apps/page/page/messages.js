@@ -1,4 +1,4 @@
-// The messages over the picture: a line for each part of the page that has one.
+// The messages over the picture: at most one line for each part of the page.
 
 export class Messages {
   constructor(element) {

@@ -43,10 +43,10 @@ function tell(heard) {
 }
 
 function hear(heard) {
-  // A response of the previous scene is useless.
+  // Responses of the previous scene are dropped.
   if (heard.scene !== playing) return;
   const before = waiting.get(heard.source);
-  // A late part is played until the next one.
+  // The waiting late part is still needed if the new response has none.
   if (before && !heard.late) heard.late = before.late;
   if (before || !tell(heard)) waiting.set(heard.source, heard);
 }

@@ -24,11 +24,11 @@ const SCALES = [0.15, 0.2, 0.3, 0.4, 0.55, 0.75, 1];
 // Milliseconds after the last keystroke until the text is read, and between updates of the link.
 const WRITTEN_MS = 400;
 const LINKED_MS = 500;
-// Milliseconds until a failed picture is tried again.
+// Milliseconds until the next attempt after a failed picture.
 const AGAIN_MS = 500;
 // Numbers of waves to choose from.
 const WAVES = Array.from({ length: 11 }, (_, power) => 1024 << power);
-// Start of the error messages after which the program's state is unknown.
+// Start of error messages after which the program's state is unknown.
 const PANICKED = "panicked at";
 
 const $ = (id) => document.getElementById(id);
@@ -61,7 +61,7 @@ let scale = 2;
 let spent = { waves: 0, picture: 0, plan: 0 };
 let linked = 0;
 
-// The reason why the page cannot work; "" if it can.
+// Returns the reason why the page cannot work; "" if it can.
 function lacking() {
   if (!gl) return "This page needs WebGL 2, which this browser does not have or has switched off.";
   if (!gl.getExtension("EXT_color_buffer_float")) {
@@ -79,7 +79,7 @@ function text() {
   return state.text ?? builtIn();
 }
 
-// Reads the text as the scene; shows the error and leaves everything unchanged if it is not valid. `isAnew` restarts
+// Reads the scene from the text; if it is invalid, shows the error and leaves everything unchanged. `isAnew` restarts
 // the walk even if the scene's name is the same.
 function take(isAnew) {
   const read = { text: text(), name: state.scene };
@@ -105,7 +105,7 @@ function showError(message) {
   if (message) $("editor").open = true;
 }
 
-// Sets how waves are traced; if that fails, shows the reason and leaves everything unchanged.
+// Sets the settings for tracing; if that fails, shows the reason and leaves everything unchanged.
 function trace(wanted) {
   let why = link.wrongNumber("waves", wanted.waves) || link.wrongNumber("iterations", wanted.iterations);
   try {
@@ -159,12 +159,12 @@ function chooseScene(name) {
   }
 }
 
-// The options of a list.
+// Returns the options of a list.
 function namesOf(list) {
   return Array.from($(list).options, (option) => option.value);
 }
 
-// Applies a whole link from the start.
+// Applies a whole link, and restarts the walk.
 function follow(fragment) {
   const choices = {};
   for (const list of ["scene", "profile", "listen", "sound"]) {
@@ -192,7 +192,7 @@ function follow(fragment) {
   listening.hear();
 }
 
-// Applies a link's values and the places of listener and source; adds the reasons of failures to `wrong`.
+// Applies a link's values and the positions of listener and source; adds the reasons for failures to `wrong`.
 function stay(settings, wrong) {
   for (const [name, value] of Object.entries(settings.values)) {
     const why = setValue(name, value);
@@ -260,8 +260,8 @@ function picture(now) {
   pictures += 1;
 }
 
-// Draws a picture and requests the next one. A failure is reported and tried again: the scene may have changed by
-// then.
+// Draws a picture and requests the next one. After a failure it reports the error and tries again later: the scene may
+// have changed by then.
 function loop(now) {
   if (gl.isContextLost()) return;
   try {
@@ -314,7 +314,7 @@ function show() {
   $("size").textContent = `${canvas.width} × ${canvas.height}, at ${share} % while anything moves`;
 }
 
-// The link of the choices and of the places of listener and source, if the user has changed them.
+// Returns the link of the choices, and of the positions of listener and source if the user has changed them.
 function address() {
   const placed = page.placed_source();
   return link.write({

@@ -2,7 +2,7 @@
 
 const $ = (id) => document.getElementById(id);
 
-// Milliseconds to one decimal, as a row of the table of times.
+// Returns a row of the table of times, with milliseconds to one decimal.
 function row(name, milliseconds) {
   const value = Number.isFinite(milliseconds) ? milliseconds.toFixed(1) : "–";
   return `<tr><th>${name}</th><td>${value} ms</td></tr>`;
@@ -37,7 +37,8 @@ export function showSources(sources) {
   $("full").textContent = told.join("; ") || "–";
 }
 
-// Times in milliseconds: between pictures, of waves until they are heard, of calls, of the ears; and gaps in the sound.
+// Shows the times in milliseconds (between pictures, of a frame of waves, of calls, of the ears), and the number of
+// gaps in the sound.
 export function showTimes(times) {
   $("times").innerHTML = row("from picture to picture", times.between) +
     row("waves, until they are heard", times.frame) +

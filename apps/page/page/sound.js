@@ -7,7 +7,7 @@
 // Seconds over which the sound fades when it is stopped or resumed: a sudden cut would click.
 const FADE_S = 0.02;
 
-// The reason why sound cannot be played here; "" if it can.
+// Returns the reason why sound cannot be played here; "" if it can.
 function lacking() {
   if (!isSecureContext) {
     return "browsers play it over https:// or from localhost alone, and this address is neither";

@@ -1,4 +1,4 @@
-//! Sound in full.
+//! Full listening.
 
 use crate::{scene, settings, thrown};
 use echomarch::Scene;
@@ -25,7 +25,7 @@ pub struct HeardByPage {
 
 #[wasm_bindgen]
 impl EarsOfPage {
-    /// Ears on a worker's own context, for a mix of `rate_hz` samples a second.
+    /// Creates ears on a worker's own context, for a mix at `rate_hz` samples a second.
     #[wasm_bindgen(constructor)]
     pub fn new(gl: WebGl2RenderingContext, rate_hz: u32) -> Result<EarsOfPage, JsError> {
         let context = Context::from_webgl2(gl).map_err(thrown)?;
@@ -37,14 +37,14 @@ impl EarsOfPage {
         })
     }
 
-    /// Sets another scene, or marks that the same one has a new mix.
+    /// Sets the scene for a new mix.
     pub fn set_scene(&mut self, text: &str, name: &str) -> Result<(), JsError> {
         self.base = Some(scene(text, name)?);
         self.is_new_mix = true;
         Ok(())
     }
 
-    /// Traces each source in the given state of the scene: named values, seconds on its paths, the listener
+    /// Traces each source in the given state of the scene: named values, time along its paths in seconds, the listener
     /// (x, y, z, yaw, pitch) and the first source (x, y, z). Returns the responses that have changed.
     #[allow(clippy::too_many_arguments)]
     pub fn hear(
@@ -90,7 +90,7 @@ impl EarsOfPage {
         self.ears.sources().iter().flat_map(numbers).collect()
     }
 
-    /// Milliseconds that the last call of `hear` took to trace, and to make the late part.
+    /// Milliseconds that the last trace took, and that its late part took.
     pub fn milliseconds(&self) -> Vec<f64> {
         self.ears.milliseconds().to_vec()
     }
@@ -116,7 +116,7 @@ impl HeardByPage {
         self.message.late.clone()
     }
 
-    /// Seconds over which the echoes glide to these.
+    /// Seconds in which the previous echoes glide to these.
     #[wasm_bindgen(getter)]
     pub fn glide_s(&self) -> f64 {
         self.message.glide_s

@@ -39,12 +39,12 @@ pub fn start() {
     }));
 }
 
-/// The error that JavaScript throws.
+/// Converts an error to one that JavaScript throws.
 fn thrown(error: impl Display) -> JsError {
     JsError::new(&error.to_string())
 }
 
-/// The scene of that text, called `name` if the text has no name.
+/// Reads a scene from its text; it is called `name` if the text has no name.
 fn scene(text: &str, name: &str) -> Result<Scene, JsError> {
     let mut scene = Scene::from_ron(text, name).map_err(thrown)?;
     if scene.name.is_empty() {

@@ -13,7 +13,7 @@ pub struct MixOfPage {
 
 #[wasm_bindgen]
 impl MixOfPage {
-    /// The sounds of a scene's sources at `rate_hz` samples a second.
+    /// Creates a mix for a scene's sources at `rate_hz` samples a second.
     #[wasm_bindgen(constructor)]
     pub fn new(text: &str, name: &str, sound: &str, rate_hz: u32) -> Result<MixOfPage, JsError> {
         let mix = Mix::new(&scene(text, name)?, &sound_of(sound)?, rate_hz).map_err(thrown)?;
@@ -37,14 +37,14 @@ impl MixOfPage {
         self.mix.set_volume(volume);
     }
 
-    /// Sets the balance, −1 to 1, with the panning law of that profile.
+    /// Sets the balance, −1 to 1, with the panning law of profile `of`.
     pub fn set_pan(&mut self, of: &str, pan: f32) -> Result<(), JsError> {
         self.mix.set_pan(profile(of)?, pan);
         Ok(())
     }
 
-    /// Glides to a new response of a source. Returns false, without a change, if too many glides are under way: call it
-    /// again later. A response of a source that the scene no longer has is dropped.
+    /// Glides to a new response of a source. Returns false, and changes nothing, if too many glides are in progress: call
+    /// it again later. A response of a source that the scene no longer has is dropped.
     pub fn hear(
         &mut self,
         source: u32,

@@ -21,7 +21,7 @@ pub struct PlanOfPage {
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
-    /// The least world x and z, then the greatest, in metres.
+    /// Minimum world x and z, then maximum, in metres.
     #[wasm_bindgen(getter_with_clone)]
     pub bounds: Vec<f32>,
     /// Red, green, blue and opacity of each pixel; empty if unchanged since the last call.
@@ -31,7 +31,7 @@ pub struct PlanOfPage {
 
 #[wasm_bindgen]
 impl Page {
-    /// Begins in a scene, on a canvas' context.
+    /// Starts a walk through a scene on a canvas' context.
     #[wasm_bindgen(constructor)]
     pub fn new(gl: WebGl2RenderingContext, text: &str, name: &str) -> Result<Page, JsError> {
         let context = Context::from_webgl2(gl).map_err(thrown)?;
@@ -39,33 +39,33 @@ impl Page {
         Ok(Page { context, visit })
     }
 
-    /// The driver's name of the device.
+    /// The renderer's name, as reported by the driver.
     pub fn renderer(&self) -> String {
         self.context.renderer().to_owned()
     }
 
-    /// Whether the processor draws.
+    /// Whether the renderer runs on the CPU.
     pub fn is_software(&self) -> bool {
         self.context.is_software()
     }
 
-    /// Sets another scene, or another text of the present one.
+    /// Sets another scene, or another text of the current one.
     pub fn set_scene(&mut self, text: &str, name: &str) -> Result<(), JsError> {
         self.visit.set_scene(scene(text, name)?).map_err(thrown)
     }
 
-    /// Opens a scene from its start: listener, source and values are as in its text.
+    /// Opens a scene in its initial state: listener, source and values are as in its text.
     pub fn open_scene(&mut self, text: &str, name: &str) -> Result<(), JsError> {
         self.visit.open_scene(scene(text, name)?).map_err(thrown)
     }
 
-    /// Sets how waves are traced.
+    /// Sets the settings for tracing.
     pub fn set_settings(&mut self, of: &str, waves: u32, iterations: u32) -> Result<(), JsError> {
         let settings = settings(of, waves, iterations)?;
         self.visit.set_settings(settings).map_err(thrown)
     }
 
-    /// Lets `seconds` pass. Moves are −1 to 1: forward, right, up, turn to the right, tilt upwards.
+    /// Advances time by `seconds`. `moves` are −1 to 1: forward, right, up, turn to the right, tilt upwards.
     pub fn pass(&mut self, moves: &[f32], run: bool, seconds: f64) {
         let of = |index: usize| moves.get(index).copied().unwrap_or_default();
         let input = MoveInput {
@@ -89,7 +89,7 @@ impl Page {
         self.visit.pick_up_or_put_down();
     }
 
-    /// Pauses the moving things, or lets them continue.
+    /// Pauses or resumes the moving objects.
     pub fn pause_or_go_on(&mut self) {
         self.visit.pause_or_go_on();
     }
@@ -108,7 +108,7 @@ impl Page {
         vec![x, y, z, walker.yaw, walker.pitch]
     }
 
-    /// Whether the listener has moved or turned away from the scene's own position.
+    /// Whether the listener has moved or turned since the start.
     pub fn has_walked(&self) -> bool {
         self.visit.walker().is_some()
     }
@@ -155,7 +155,7 @@ impl Page {
         }
     }
 
-    /// Seconds on the scene's paths.
+    /// Time along the scene's paths, in seconds.
     pub fn seconds(&self) -> f64 {
         self.visit.seconds()
     }
@@ -204,8 +204,8 @@ impl Page {
         ]
     }
 
-    /// Draws the listener's view on the canvas of that size in pixels, at a share of its size. Returns whether it was
-    /// drawn anew.
+    /// Draws the listener's view on the canvas of `width` × `height` pixels, at `scale` times its resolution. Returns
+    /// whether the picture is new.
     pub fn draw(&mut self, width: u32, height: u32, scale: f32) -> Result<bool, JsError> {
         self.visit.draw([width, height], scale).map_err(thrown)
     }

@@ -15,7 +15,7 @@ pub struct Ears {
 }
 
 impl Ears {
-    /// Creates ears that have heard nothing yet.
+    /// Creates ears without a trace yet.
     ///
     /// # Errors
     /// [`Error::Gpu`] when the renderer fails.
@@ -55,7 +55,7 @@ impl Ears {
         &self.status.sources
     }
 
-    /// Milliseconds of the last trace, and of making its late part.
+    /// Milliseconds that the last trace took, and that its late part took.
     pub fn milliseconds(&self) -> [f64; 2] {
         [self.status.trace_ms, self.status.late_ms]
     }
@@ -68,8 +68,8 @@ mod tests {
     use echomarch::audio::SoundSpec;
     use echomarch::gl::ContextOptions;
 
-    /// Protects ears from exchanged channels: a source at the left is louder at the left, after transfer as plain
-    /// numbers. What stays the same is not sent for ever.
+    /// Protects ears from exchanged channels: a source at the left is louder at the left, also after transfer as plain
+    /// numbers. Protects the mix from endless messages about an unchanged scene.
     #[test]
     fn a_source_at_the_left_is_heard_at_the_left() {
         const RATE_HZ: u32 = 48_000;
@@ -93,7 +93,7 @@ mod tests {
             samples.map(|s| f64::from(*s).powi(2)).sum::<f64>()
         };
         assert!(level(0) > 4.0 * level(1), "{} {}", level(0), level(1));
-        // On a slow machine the late part may be due again, with twice as many waves each time.
+        // On a slow machine the late part may be due again, each time with twice the waves.
         let mut again = (0..16).map(|_| ears.hear(&left, &settings, RATE_HZ, false).unwrap());
         assert!(again.any(|messages| messages.is_empty()));
     }

@@ -1,7 +1,6 @@
-//! Full listening during a walk: traces the scene again and again.
+//! Full listening during a walk: traces the scene repeatedly.
 //!
-//! Echoes are those of the last trace and glide to the next; the late part is computed again at most four times a
-//! second.
+//! The echoes of one trace glide to those of the next; the late part is computed at most four times a second.
 
 use echomarch::gl::Context;
 use echomarch::internals::platform::Instant;
@@ -11,12 +10,12 @@ use echomarch::tracer::{Profile, Settings, Tracer};
 use echomarch::{Error, bands};
 use std::time::Duration;
 
-/// Maximum number of waves of a response: echoes are exact, and a late part that lasts a quarter of a second needs no
-/// more.
+/// Maximum number of waves of a response: echoes are exact, and a late part that is replaced after a quarter of a
+/// second needs no more.
 const MOST_WAVES: u32 = 16_384;
 
-/// Minimum number of waves for late arrivals. With fewer, the energy of 10 ms is that of a few arrivals, and the late
-/// part is rough.
+/// Minimum number of waves for late arrivals. With fewer, only a few arrivals make up the energy of 10 ms, and the
+/// late part is rough.
 const LEAST_LATE_WAVES: u32 = 1024;
 
 /// Target duration of a trace in seconds: with a longer one, echoes lag behind the listener.
@@ -34,39 +33,39 @@ const LATE_EVERY_S: f64 = 0.25;
 /// Seconds between two estimates of the length of the responses.
 const LENGTH_EVERY_S: f64 = 4.0;
 
-/// Limits of the time in which echoes glide from one trace to the next, in seconds; it is the duration of the trace,
-/// within these.
+/// Limits of the time in which echoes glide from one trace to the next, in seconds. Within them, the glide takes as
+/// long as the time since the last trace.
 const SHORTEST_GLIDE_S: f64 = 0.02;
 const LONGEST_GLIDE_S: f64 = 0.5;
 
-/// The lower end of the curve of energy, in decibels.
+/// Lower limit of the energy curve, in decibels.
 pub const QUIETEST_DB: f64 = -80.0;
 
-/// Number of points of the curve of energy against time.
+/// Number of points of the energy curve.
 const CURVE_POINTS: usize = 120;
 
 /// The results of a trace. Serialised without the curve and the error.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 pub struct EarsStatus {
-    /// The level of each source; none before the first trace.
+    /// The level of each source; empty before the first trace.
     pub sources: Vec<HeardSource>,
     /// Number of traces.
     pub looks: u64,
-    /// Milliseconds of the last trace, and of making its late part.
+    /// Milliseconds that the last trace took, and that its late part took.
     pub trace_ms: f64,
     pub late_ms: f64,
-    /// Energy against time of all sources, in decibels against its largest, in equal parts of
-    /// `curve_s` seconds.
+    /// Energy of all sources over the first `curve_s` seconds, in equal intervals, in decibels relative to its
+    /// maximum.
     #[serde(skip)]
     pub curve: Vec<f32>,
     #[serde(skip)]
     pub curve_s: f64,
-    /// The reason why full listening failed.
+    /// The reason for a failure of full listening.
     #[serde(skip)]
     pub error: Option<String>,
 }
 
-/// The listener who hears: the walker is the first one.
+/// Index of the walker among the scene's listeners.
 const LISTENER: usize = 0;
 
 /// Traces a scene for full listening, with a renderer of its own.
@@ -76,7 +75,7 @@ pub struct Hearing {
     scene: Option<Scene>,
     /// Length of the responses, and when it was estimated.
     length: Option<(f64, Instant)>,
-    /// Number of waves for late arrivals: as many as a trace has time for.
+    /// Number of waves for late arrivals, as far as [`LOOK_S`] allows.
     late_waves: u32,
     /// Number of waves of the present late part.
     late_waves_heard: u32,
@@ -100,7 +99,7 @@ pub struct Found<'a> {
 }
 
 impl Hearing {
-    /// Creates a hearing without a trace yet.
+    /// Creates a `Hearing` without a trace yet.
     ///
     /// # Errors
     /// [`Error::Gpu`] when the renderer fails.
@@ -116,8 +115,8 @@ impl Hearing {
         })
     }
 
-    /// Whether sound has changed since the last update, or a new player waits for it. A late part that was not due then
-    /// is computed once everything has come to rest; so is one that was traced with too few waves for lack of time.
+    /// Whether a new trace is due: the scene has changed since the last one, a new player waits, or the late part is
+    /// missing or was traced with too few waves for lack of time.
     pub fn is_new(&self, scene: &Scene, settings: &Settings, is_waited_for: bool) -> bool {
         let is_another = self.scene.as_ref() != Some(scene);
         let is_rough = self.late_waves >= 2 * self.late_waves_heard;
@@ -131,10 +130,10 @@ impl Hearing {
         self.last_late.is_none_or(since)
     }
 
-    /// Traces every source at the first listener, and passes each result to the closure.
+    /// Traces every source at the first listener, and passes each result to `tell`.
     ///
     /// # Errors
-    /// As [`Response::trace`], and those of the closure.
+    /// As [`Response::trace`], and those of `tell`.
     pub fn look(
         &mut self,
         scene: &Scene,
@@ -216,7 +215,7 @@ impl Hearing {
     }
 }
 
-/// Number of waves for the next late part, after a trace with `before` waves that `took` this time.
+/// Returns the number of waves for the next late part, after a trace of `before` waves with duration `took`.
 fn late_waves(before: u32, took: Duration) -> u32 {
     let fit = f64::from(before) * LOOK_S / took.as_secs_f64();
     (fit as u32).clamp(LEAST_LATE_WAVES, MOST_WAVES)

@@ -18,8 +18,8 @@ const GAIN_DB: f32 = 12.0;
 /// same time. Both fades take as long as the window's cross-fade of 20 ms.
 const FADE_S: f32 = 0.01;
 
-/// A player of the sources of a scene, each with its own sound: `spec` if that is a file or a sine, else each with
-/// another voice or noise.
+/// Creates a player for a scene's sources. All play `spec` if it is a file or a sine; otherwise each has a different
+/// voice or noise.
 pub fn player(
     scene: &Scene,
     spec: &SoundSpec,
@@ -50,7 +50,7 @@ impl Signal for Silence {
     fn seek(&mut self, _: u64) {}
 }
 
-/// The sound of a source by its number, so that each source has another voice.
+/// Returns the sound of source `number`: voices and noises differ between sources.
 fn own_voice(spec: &SoundSpec, number: u64) -> SoundSpec {
     match spec {
         SoundSpec::Noise { seed } => SoundSpec::Noise {
@@ -97,7 +97,7 @@ impl HeardMessage {
 /// Mixes sound into slices: in full from the messages of [`Ears`](super::Ears), or the balance of one sound.
 ///
 /// After a change (of the scene, the sound, the listening mode or the panning law) the old sound fades out before the
-/// new one fades in, so that nothing clicks.
+/// new one fades in, to avoid clicks.
 #[derive(Debug)]
 pub struct Mix {
     rate_hz: u32,
@@ -105,7 +105,7 @@ pub struct Mix {
     listen: Listen,
     mixer: Mixer,
     pan: f32,
-    /// The state to change to once all is silent.
+    /// The state to change to once the output is silent.
     wanted: Wanted,
     /// Samples of the fade: 0 in silence, `fade_length` at full level.
     fade: usize,
@@ -197,7 +197,7 @@ impl Mix {
         };
     }
 
-    /// Sets the balance, −1 to 1, as computed by waves of that profile.
+    /// Sets the balance, −1 to 1, as computed by waves of `profile`.
     pub fn set_pan(&mut self, profile: Profile, pan: f32) {
         self.wanted.law = PanningLaw::for_profile(profile);
         self.pan = pan;
@@ -206,7 +206,7 @@ impl Mix {
     /// Glides to a source's response. Returns false, and changes nothing, if too many glides are in progress.
     ///
     /// # Errors
-    /// [`Error::Acoustics`] for a source that does not exist, and a glide of length 0. Then nothing changes.
+    /// [`Error::Acoustics`] for a source that does not exist, or a glide of length 0. Then nothing changes.
     pub fn hear(&mut self, message: HeardMessage) -> Result<bool, Error> {
         let parts = HeardParts {
             echoes: message.echoes,

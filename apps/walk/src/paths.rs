@@ -1,4 +1,4 @@
-//! The waves whose paths the plan shows: first those that are heard, then some others.
+//! The waves whose paths the plan shows: heard waves first, then some others.
 
 use echomarch::Error;
 use echomarch::glam::Vec3;
@@ -14,13 +14,13 @@ const SHOWN: MostKept = MostKept {
 };
 /// Maximum number of iterations of the paths.
 pub const PATH_ITERATIONS: u32 = 16;
-/// Waves that are traced at a time to find heard ones: about a millisecond of them.
+/// Waves per search for heard waves: tracing them takes about a millisecond.
 const AT_A_TIME: u32 = 2048;
-/// The same in the profile `thesis`, whose waves take dozens of times longer.
+/// Waves per search in the profile `thesis`, where a wave takes dozens of times longer.
 const THESIS_AT_A_TIME: u32 = 256;
 /// Maximum number of searches in one scene.
 const SEARCHES: u32 = 32;
-/// Time after which a search is continued in another frame.
+/// Search time per frame; the next frame continues the search.
 const AT_MOST: Duration = Duration::from_millis(2);
 
 /// The paths shown, cached while scene and settings are unchanged.
@@ -32,7 +32,7 @@ pub struct Paths {
     search: HeardSearch,
 }
 
-/// The state of a scene that determines the paths of its waves. The gaze does not matter.
+/// The parts of a scene that determine the paths of its waves: the gaze does not.
 struct Traced {
     surfaces: Vec<Surface>,
     source: Vec3,
@@ -64,7 +64,7 @@ impl Paths {
         &self.states
     }
 
-    /// Whether there are no paths yet.
+    /// Whether no paths have been traced yet.
     pub fn are_none(&self) -> bool {
         self.states.is_empty()
     }
@@ -83,8 +83,8 @@ impl Paths {
         *self = Paths::default();
     }
 
-    /// Searches for waves from the source that the listener hears, and follows them and some others. The first
-    /// search is always completed, whatever its duration.
+    /// Searches for waves that travel from the source to the listener, and follows them and some others. The first
+    /// search of a call is always completed, whatever its duration.
     ///
     /// # Errors
     /// As [`Tracer::frame`].

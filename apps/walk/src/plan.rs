@@ -1,4 +1,4 @@
-//! The scene from above: the walls, by the distance function, and the paths of waves.
+//! The scene from above: walls, sampled with the distance function, and paths of waves.
 
 use echomarch::picture::Bounds;
 use echomarch::scene::{Scene, Surface};
@@ -7,7 +7,7 @@ use glam::{Vec2, Vec3};
 
 /// Pixels of the plan on its longer side.
 const PIXELS: usize = 220;
-/// A change of the listener's height that cuts the scene again, in metres.
+/// Change of the listener's height after which the scene is cut again, in metres.
 const LEVEL: f32 = 0.25;
 
 /// Length of a dead wave's stub, as a share of the plan's width.
@@ -65,7 +65,8 @@ impl Cut {
         self.of.as_ref().map_or(nothing, |of| of.bounds)
     }
 
-    /// Cuts the scene with the given name at the height of the first listener again if it has changed; returns whether it has.
+    /// Cuts the scene called `name` at the first listener's height, if it has changed since the last call; returns
+    /// whether it has.
     pub fn refresh(&mut self, name: &str, scene: &Scene) -> bool {
         let Some(walker) = scene.listeners.first() else {
             return false;
@@ -112,7 +113,7 @@ fn around(a: Bounds, b: Bounds) -> Bounds {
     }
 }
 
-/// The cut at a height, by the distance function on the CPU.
+/// Samples the cut at height `level` with the distance function on the CPU.
 fn sample(scene: &Scene, bounds: Bounds, level: f32) -> PlanImage {
     let size = bounds.max - bounds.min;
     let metres = size.max_element() / PIXELS as f32;
@@ -129,7 +130,8 @@ fn sample(scene: &Scene, bounds: Bounds, level: f32) -> PlanImage {
     PlanImage { width, height, rgb }
 }
 
-/// The colour of a pixel: air dark, solids in their surface's hue with a bright edge; `pixels` is the distance.
+/// The colour of a pixel: air dark, solids in their surface's hue with a bright edge. `pixels` is the distance to the
+/// surface.
 fn shade(pixels: f32, object: u32) -> [u8; 3] {
     let hue = FIRST_HUE + NEXT_HUE * (object as f32 - 1.0);
     let inside = (0.5 - pixels).clamp(0.0, 1.0);
@@ -142,7 +144,7 @@ fn shade(pixels: f32, object: u32) -> [u8; 3] {
 }
 
 /// Returns the fate of one wave of `states`, in the form of [`Tracer::paths`](crate::Tracer::paths), and its positions
-/// until then; a dead wave, or one that is not finite, continues for `stub` metres.
+/// until then; a wave that is dead or not finite ends with a stub of `stub` metres.
 pub fn way(states: &[Vec<Wave>], wave: usize, source: Vec3, stub: f32) -> (Fate, Vec<Vec3>) {
     let mut points = vec![source];
     let mut heading = states[0][wave].start_direction;
@@ -169,7 +171,7 @@ pub fn way(states: &[Vec<Wave>], wave: usize, source: Vec3, stub: f32) -> (Fate,
 mod tests {
     use super::*;
 
-    /// Protects the plan: it shows walls where they are heard.
+    /// Protects the plan: it shows walls at their true positions.
     #[test]
     fn the_cut_shows_air_and_solid_where_they_are() {
         let scene = Scene::builtin("corner").unwrap();

@@ -8,9 +8,9 @@ use std::ops::RangeInclusive;
 const LENGTHS: f32 = 4.0;
 /// A half turn, in degrees.
 const HALF_TURN: f32 = 180.0;
-/// The smallest range of a rate to either side, in degrees a metre.
+/// Minimum range of a rate to either side, in degrees a metre.
 const LEAST_RATE: f32 = 45.0;
-/// The smallest range of a number without a unit to either side.
+/// Minimum range of a number without a unit to either side.
 const LEAST_PLAIN: f32 = 1.0;
 
 /// A slider for a named value, in the unit of the scene's file.
@@ -28,7 +28,7 @@ pub struct ValueSlider {
     pub unit: &'static str,
 }
 
-/// Returns a slider for each named value of a scene as it was read.
+/// Returns a slider for each named value of a scene as read from its file.
 pub fn value_sliders(scene: &Scene) -> Vec<ValueSlider> {
     let values = scene.named_values();
     if values.is_empty() {
@@ -93,7 +93,7 @@ mod tests {
         source: Source(position: (0, 1, -5)), listener: Listener(position: (0, 1, 5), radius: 1))"#;
 
     /// Protects sliders from values that the scene rejects: shares stay shares, lengths stay above 0, angles are
-    /// degrees as in the file, and every end can be set.
+    /// degrees as in the file, and both ends of every range can be set.
     #[test]
     fn sliders_go_as_far_as_the_scene_takes() {
         let scene = Scene::from_ron(SCENE, "s").unwrap();

@@ -35,7 +35,7 @@ pub struct Visit {
     view: View,
     paths: Paths,
     cut: Cut,
-    /// Scene and settings of the frame in progress, or of the last one; none if a frame is needed in any case.
+    /// Scene and settings of the frame in progress, or of the last one; none forces a new frame.
     traced: Option<(Scene, Settings)>,
     heard: Option<Frame>,
 }
@@ -64,7 +64,8 @@ impl Visit {
     /// Begins a walk at the scene's first listener.
     ///
     /// # Errors
-    /// [`Error::Gpu`] when the renderer fails; [`Error::Scene`] for a scene without a source or a listener; as [`set_scene`](Visit::set_scene).
+    /// [`Error::Gpu`] when the renderer fails; [`Error::Scene`] for a scene without a source or a listener; as
+    /// [`set_scene`](Visit::set_scene).
     pub fn new(context: &Context, scene: Scene) -> Result<Visit, Error> {
         let mut tracer = Tracer::new(context)?;
         let settings = Settings::default();
@@ -84,11 +85,11 @@ impl Visit {
         })
     }
 
-    /// Changes to another scene, or another text of the present one: if the name is the same, the walker, a source that
-    /// was moved, the time and values that were set stay.
+    /// Changes to another scene, or to another text of the current one: if the name is the same, the walker, a moved
+    /// source, the time and changed values stay.
     ///
     /// # Errors
-    /// As [`Tracer::check`], and those of the picture's program; then all stays as it was.
+    /// As [`Tracer::check`], and those of the picture's program; then nothing changes.
     pub fn set_scene(&mut self, scene: Scene) -> Result<(), Error> {
         if scene.name != self.world.name {
             return self.open_scene(scene);
@@ -99,10 +100,10 @@ impl Visit {
         Ok(())
     }
 
-    /// Restarts in a scene, whatever its name, from its initial state.
+    /// Opens a scene in its initial state, whatever its name.
     ///
     /// # Errors
-    /// As [`set_scene`](Visit::set_scene); then all stays as it was.
+    /// As [`set_scene`](Visit::set_scene); then nothing changes.
     pub fn open_scene(&mut self, scene: Scene) -> Result<(), Error> {
         self.check_scene(&scene)?;
         self.world = World::of(scene)?;
@@ -125,17 +126,17 @@ impl Visit {
         self.heard = None;
     }
 
-    /// Sets how waves are traced from now on.
+    /// Sets the settings for tracing.
     ///
     /// # Errors
-    /// As [`Tracer::check`] of the present scene; then all stays as it was.
+    /// As [`Tracer::check`] for the current scene; then nothing changes.
     pub fn set_settings(&mut self, settings: Settings) -> Result<(), Error> {
         self.tracer.check(&self.world.now, &settings)?;
         self.settings = settings;
         Ok(())
     }
 
-    /// How waves are traced.
+    /// The settings for tracing.
     pub fn settings(&self) -> &Settings {
         &self.settings
     }
@@ -150,7 +151,7 @@ impl Visit {
         self.heard.as_ref()
     }
 
-    /// Advances time by `seconds`: moving things move, the walker walks.
+    /// Advances time by `seconds`: moving objects move, the walker walks.
     pub fn pass(&mut self, input: &MoveInput, seconds: f64) {
         self.world.pass(input, seconds);
     }
@@ -160,7 +161,7 @@ impl Visit {
         self.world.look(right, up);
     }
 
-    /// Sets the listener's position, and its gaze in radians.
+    /// Sets the listener's position and gaze.
     pub fn stand(&mut self, walker: Walker) {
         self.world.stand(walker);
     }
@@ -185,17 +186,17 @@ impl Visit {
         self.world.pick_up_or_put_down();
     }
 
-    /// Holds the moving things, or lets them go on.
+    /// Pauses or resumes the moving objects.
     pub fn pause_or_go_on(&mut self) {
         self.world.paused = !self.world.paused;
     }
 
-    /// Seconds on the scene's paths.
+    /// Time along the scene's paths, in seconds.
     pub fn seconds(&self) -> f64 {
         self.world.looped()
     }
 
-    /// Puts source, listener and time back to the beginning.
+    /// Resets source, listener and time to the start.
     pub fn start_over(&mut self) {
         self.world.start_over();
     }
@@ -212,17 +213,17 @@ impl Visit {
     /// Sets a named value, in the unit of its file.
     ///
     /// # Errors
-    /// As [`Scene::set_value`] and [`Scene::check`]; then it stays as it was.
+    /// As [`Scene::set_value`] and [`Scene::check`]; then nothing changes.
     pub fn set_value(&mut self, name: &str, value: f32) -> Result<(), Error> {
         Ok(self.world.set(name, value)?)
     }
 
     /// Traces waves for about `milliseconds`: continues the current frame, or begins one if its scene or settings have
-    /// changed since the last. Returns the frame once it is finished; none while everything is unchanged, since the
-    /// frame would be the same.
+    /// changed since the last one. Returns the frame once it is finished; none while everything is unchanged, since it
+    /// would be the same.
     ///
     /// # Errors
-    /// As [`Tracer::frame`]; then a frame is begun again at the next call.
+    /// As [`Tracer::frame`]; then the next call begins a new frame.
     pub fn trace(&mut self, milliseconds: f64) -> Result<Option<Frame>, Error> {
         let traced = self.trace_on(milliseconds);
         if traced.is_err() {
@@ -248,7 +249,7 @@ impl Visit {
         Ok(came)
     }
 
-    /// Whether a frame must be begun: one in progress is finished first, unless its settings have changed.
+    /// Whether to begin a frame: one in progress is finished first, unless its settings have changed.
     fn is_frame_due(&self) -> bool {
         let Some((scene, settings)) = &self.traced else {
             return true;
@@ -257,9 +258,8 @@ impl Visit {
         *settings != self.settings || !is_under_way && *scene != self.world.now
     }
 
-    /// Draws the listener's view over the window or canvas of the context, of the given size in pixels, at a share of
-    /// its size (0 to 1). Returns whether it was drawn again: while nothing moves the last picture is shown again, and
-    /// gradually refined.
+    /// Draws the listener's view on the context's window or canvas of `size` pixels, at `scale` (0 to 1) times its
+    /// resolution. Returns whether the picture is new: while nothing moves, the last one is shown and gradually refined.
     ///
     /// # Errors
     /// [`Error::Trace`] for a scene that does not fit, [`Error::Gpu`] when the renderer fails.
@@ -277,7 +277,7 @@ impl Visit {
         (Plan { size, rgb, bounds }, is_new)
     }
 
-    /// Follows waves that are heard, and some others, for the plan; continues the search for them while nothing moves.
+    /// Returns paths of heard waves, and some others, for the plan; continues the search for them while nothing moves.
     ///
     /// # Errors
     /// As [`Tracer::frame`].
@@ -311,7 +311,7 @@ mod tests {
         visit
     }
 
-    /// The next frame; none if the driver finishes none in many calls.
+    /// Returns the next frame; none if many calls finish none.
     fn next_frame(visit: &mut Visit) -> Option<Frame> {
         const CALLS: usize = 1000;
         let mut came = |_| {
@@ -324,7 +324,7 @@ mod tests {
         (0..CALLS).find_map(&mut came)
     }
 
-    /// Protects the machine from useless work: a frame is traced if and only if it would differ from the last one.
+    /// Protects the machine from useless work: a frame is traced only if it would differ from the last one.
     #[test]
     fn only_what_has_changed_is_traced() {
         let mut visit = visit("corner");
@@ -355,7 +355,7 @@ mod tests {
         assert!(next_frame(&mut visit).is_some());
     }
 
-    /// Protects a new scene from the counts of the previous one, and a link from actions before it was followed.
+    /// Protects a new scene from the counts of the previous one, and a followed link from actions before it.
     #[test]
     fn a_scene_that_is_opened_begins_anew() {
         let mut visit = visit("corner");

@@ -17,10 +17,10 @@ const RUNNING: f32 = 9.0;
 const TURNING: f32 = 1.6;
 /// Maximum elevation of the gaze, in radians: straight up has no forward direction.
 const STEEPEST: f32 = FRAC_PI_2 - 0.05;
-/// Step of the gradient by differences, in metres.
+/// Step of the finite differences for the gradient, in metres.
 const DIFFERENCE: f32 = 0.005;
-/// Tolerance of a step towards [`BODY`], and margin of a correction, in metres. It covers rounding, and distances that
-/// grow slower than the movement.
+/// Tolerance of a step towards [`BODY`], and margin of a correction, in metres. It covers rounding, and fields whose
+/// distance grows more slowly than the walker moves.
 const MARGIN: f32 = 1e-3;
 /// Maximum number of corrections of one step: a corner of three walls takes three.
 const CORRECTIONS: usize = 6;
@@ -45,7 +45,7 @@ pub struct MoveInput {
 }
 
 impl MoveInput {
-    /// The same with 0 for components that are not finite.
+    /// Returns the input with 0 for components that are not finite.
     fn finite(&self) -> MoveInput {
         MoveInput {
             forward: or_zero(self.forward),
@@ -73,7 +73,7 @@ impl MoveInput {
     }
 }
 
-/// Replaces a number that is not finite by 0: it would stay in the pose for ever.
+/// Replaces a number that is not finite by 0: otherwise it would stay in the pose for ever.
 fn or_zero(number: f32) -> f32 {
     if number.is_finite() { number } else { 0.0 }
 }
@@ -90,7 +90,7 @@ pub struct Walker {
 }
 
 impl Walker {
-    /// A walker in the listener's place.
+    /// Creates a walker with the listener's position and gaze.
     pub fn of(listener: &Listener) -> Walker {
         Walker {
             position: listener.position,
@@ -99,7 +99,7 @@ impl Walker {
         }
     }
 
-    /// Moves the listener to the walker's place.
+    /// Gives the listener the walker's position and gaze.
     pub fn place(&self, listener: &mut Listener) {
         listener.position = self.position;
         listener.yaw = self.yaw;
@@ -140,11 +140,11 @@ impl Walker {
     }
 }
 
-/// Returns the point nearest to `wanted` that keeps clear of the surfaces; `from` if there is none.
+/// Returns a point near `wanted` that keeps clear of the surfaces; `from` if none is found.
 fn slide(scene: &Scene, from: Vec3, wanted: Vec3) -> Vec3 {
     let clearance = |point| scene.surface_distance(point).distance;
-    // A walker standing too near already may move wherever the distance does not decrease: not even slightly, or many
-    // small steps would pass through the wall.
+    // A walker that is too near already may move only where the distance does not decrease, not even slightly: otherwise
+    // many small steps would pass through the wall.
     let least = clearance(from).min(BODY - MARGIN);
     let mut point = wanted;
     for _ in 0..=CORRECTIONS {
@@ -216,8 +216,8 @@ mod tests {
         assert!((left.position - Vec3::new(6.5, 0.0, 8.0)).length() < 1e-3);
     }
 
-    /// Protects walls: the block of the corner scene begins at z = 0, x = 0; however long and fast one walks against
-    /// it, the eye stays outside, and slides along the wall when it meets it at an angle.
+    /// Protects walls: the block of the corner scene begins at z = 0, x = 0. However long and fast a walker runs against
+    /// it, the eye stays outside, and slides along the wall if it meets it at an angle.
     #[test]
     fn walls_stop_a_walker_who_slides_along() {
         let at_the_wall = MoveInput {
@@ -262,8 +262,8 @@ mod tests {
         }
     }
 
-    /// Protects walls of fields, near which the distance grows slower than the way: a listener that leans against one
-    /// for minutes does not pass through.
+    /// Protects walls of fields, whose distance grows more slowly than the walker moves: a listener that leans against
+    /// one for minutes does not pass through.
     #[test]
     fn leaning_against_a_field_brings_nobody_through() {
         let scene = Scene::builtin("cave").unwrap();

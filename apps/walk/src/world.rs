@@ -9,17 +9,17 @@ use glam::Vec3;
 /// A scene during a walk.
 #[derive(Clone, Debug)]
 pub struct World {
-    /// The name or file that it was loaded by.
+    /// The name or file it was loaded from.
     pub name: String,
     /// The loaded scene, with the values below.
     pub base: Scene,
-    /// Sliders of its named values, as its file has them.
+    /// Sliders for its named values, with the start values of its file.
     pub sliders: Vec<ValueSlider>,
-    /// The values that were set differently, in the unit of the file.
+    /// The values that differ from the file, in the file's units.
     pub values: Vec<(String, f32)>,
-    /// The scene in its present state.
+    /// The scene in its current state.
     pub now: Scene,
-    /// Seconds on its paths.
+    /// Time along its paths, in seconds.
     pub seconds: f64,
     /// Whether the paths are paused.
     pub paused: bool,
@@ -34,9 +34,9 @@ pub struct World {
 /// The state of a walk, apart from the scene itself.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WalkState {
-    /// Named values set differently from its text, in the unit of that.
+    /// The named values that differ from the scene's text, in the text's units.
     pub values: Vec<(String, f32)>,
-    /// Seconds on its paths.
+    /// Time along the scene's paths, in seconds.
     pub seconds: f64,
     /// The position the listener walked to; none before the first step.
     pub walker: Option<Walker>,
@@ -58,7 +58,7 @@ impl WalkState {
     }
 }
 
-/// The scene at a time, with the first listener and the first source at the positions they were moved to.
+/// Returns the scene at a time, with the first listener and the first source at the positions they were moved to.
 fn placed(base: &Scene, seconds: f64, walker: Option<Walker>, source: Option<Vec3>) -> Scene {
     let mut scene = match base.duration() > 0.0 {
         true => base.at(seconds),
@@ -121,11 +121,11 @@ impl World {
         Ok(self.now.pair(0, 0)?)
     }
 
-    /// Changes to another scene with the same name: time, walker, a source that was moved and
-    /// values that were set stay; a value that the new scene rejects is replaced by the file's.
+    /// Changes to another scene with the same name: time, walker, a moved source and changed values stay; a value that
+    /// the new scene rejects is replaced by the file's.
     ///
     /// # Errors
-    /// As [`World::of`]; then all stays as it was.
+    /// As [`World::of`]; then nothing changes.
     pub fn change(&mut self, base: Scene) -> Result<(), SceneError> {
         base.pair(0, 0)?;
         self.sliders = value_sliders(&base);
@@ -141,7 +141,7 @@ impl World {
     /// Sets a named value, in the unit of its file.
     ///
     /// # Errors
-    /// As [`Scene::set_value`] and [`Scene::check`]; then it stays as it was.
+    /// As [`Scene::set_value`] and [`Scene::check`]; then nothing changes.
     pub fn set(&mut self, name: &str, value: f32) -> Result<(), SceneError> {
         let mut scene = self.base.clone();
         scene.set_value(name, value)?;
@@ -155,7 +155,7 @@ impl World {
         Ok(())
     }
 
-    /// Sets the material of a surface (from 0), and of its walls.
+    /// Sets the material of a surface (from 0) and all its walls.
     pub fn set_material(&mut self, surface: usize, name: Option<String>) {
         if let Some(surface) = self.base.surfaces.get_mut(surface) {
             surface.material = name;
@@ -163,7 +163,7 @@ impl World {
         }
     }
 
-    /// The present value of a slider, in the unit of its file.
+    /// The current value of a slider, in the unit of its file.
     pub fn value_of(&self, slider: &ValueSlider) -> f32 {
         let set = self.values.iter().find(|(name, _)| *name == slider.name);
         set.map_or(slider.start, |(_, value)| *value)
@@ -175,14 +175,14 @@ impl World {
         for slider in &other.sliders {
             let (name, value) = (&slider.name, other.value_of(slider));
             if self.sliders.iter().any(|known| known.name == *name) {
-                // A value that this scene rejects stays as its file has it.
+                // If this scene rejects the value, it keeps the file's.
                 let _ = self.set(name, value);
             }
         }
         self
     }
 
-    /// Advances time: moving things move, the walker walks, a carried source comes along.
+    /// Advances time: moving objects move, the walker walks and takes a carried source along.
     pub fn pass(&mut self, input: &MoveInput, seconds: f64) {
         // A time that is not finite counts as 0.
         let seconds = if seconds.is_finite() {
@@ -204,7 +204,7 @@ impl World {
         }
     }
 
-    /// Changes the walker's place or gaze.
+    /// Changes the walker's position or gaze.
     fn step(&mut self, change: impl FnOnce(&mut Walker, &Scene)) {
         if let Some(listener) = self.now.listeners.first() {
             let mut walker = Walker::of(listener);
@@ -226,7 +226,7 @@ impl World {
         self.base.duration() > 0.0
     }
 
-    /// Seconds on the paths, which begin again one second after their end.
+    /// Time along the paths, in seconds; they restart one second after their end.
     pub fn looped(&self) -> f64 {
         self.seconds % (self.base.duration() + 1.0)
     }
@@ -236,7 +236,7 @@ impl World {
         self.step(|walker, _| walker.look(right, up));
     }
 
-    /// Moves the listener to the walker's place.
+    /// Gives the listener the walker's position and gaze.
     pub fn stand(&mut self, walker: Walker) {
         if let Some(listener) = self.now.listeners.first_mut() {
             walker.place(listener);
@@ -249,7 +249,7 @@ impl World {
         self.carrying = !self.carrying;
     }
 
-    /// Puts source, listener and time back to the beginning.
+    /// Resets source, listener and time to the start.
     pub fn start_over(&mut self) {
         self.walker = None;
         self.source = None;
@@ -262,7 +262,7 @@ impl World {
 mod tests {
     use super::*;
 
-    /// Protects moving scenes: paths continue until paused, and sources moved by hand stay.
+    /// Protects moving scenes: paths continue until paused, and a source put down by hand stays there.
     #[test]
     fn a_moving_source_moves_until_it_is_picked_up() {
         let mut world = World::of(Scene::builtin("open-field").unwrap()).unwrap();
