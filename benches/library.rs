@@ -6,8 +6,8 @@
 //! MESA_SHADER_CACHE_DISABLE=true cargo bench -- programs # without Mesa's cache of compiled shaders
 //! ```
 //!
-//! Run them on an otherwise idle machine, and quote results with the renderer's name, which is printed first. `echomarch
-//! figures`, `accuracy` and `cost` make larger measurements.
+//! Run them on an otherwise idle machine, and quote results with the renderer's name, which is printed first.
+//! `echomarch figures`, `accuracy` and `cost` make larger measurements.
 
 use divan::{Bencher, black_box};
 use echomarch::gl::{Context, ContextOptions};

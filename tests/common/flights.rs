@@ -7,10 +7,10 @@ use echomarch::{Profile, Scene, Settings};
 use glam::Vec3;
 
 /// Bound on a ray's offset, in units in the last place of the largest coordinate: the error of
-/// placing surfaces, flying and hitting.
+/// surface positions, flights and hits.
 const ROUNDINGS: f64 = 8.0;
 
-/// Offset of a ray that rounding can cause: a wave may also end where a ray this far aside ends.
+/// Returns the offset of a ray that rounding can cause: a wave may end where a ray with this offset ends.
 fn rounding(scene: &Scene) -> f64 {
     let far = |place: Vec3| f64::from((place - scene.listeners[0].position).abs().max_element());
     let places = scene.surfaces.iter().map(|surface| {
@@ -52,8 +52,8 @@ pub fn compare(scene: &Scene, directions: &[Vec3], profiles: &[Profile]) {
                 assert!(exact.surface_distance(place) > -off, "{}", context(wave));
                 continue;
             }
-            // The outcome depends on rounding, or the hit moves far along the surface: rays beside
-            // it then end on either side of it, and the hit still lies on a surface.
+            // The outcome depends on rounding, or the hit moves far along the surface: neighbouring
+            // rays then end on either side of it, and the hit still lies on a surface.
             let (one, other) = d.any_orthonormal_pair();
             let aside = [one, -one, other, -other].map(|side| {
                 let twin = exact.trace(start + off * side, d, 1);

@@ -1,5 +1,5 @@
 //! Helpers shared by the integration tests. Without GL the tests fail: they are never skipped.
-#![allow(dead_code)] // Every test file uses its own part of this.
+#![allow(dead_code)] // Each test file uses only some of these.
 
 pub mod field_files;
 pub mod flights;
@@ -9,14 +9,14 @@ mod shared;
 pub mod sofa;
 pub mod wav;
 
-#[allow(unused_imports)] // Every test program uses its own part of this.
+#[allow(unused_imports)] // Each test program uses only some of these.
 pub use random::Random;
 pub use shared::*;
 
 use echomarch::Scene;
 use glam::{Quat, Vec3};
 
-/// The scene mirrored left to right.
+/// Returns the scene with left and right exchanged.
 pub fn mirrored(scene: &Scene) -> Scene {
     let mirror = |v: Vec3| v * Vec3::new(-1.0, 1.0, 1.0);
     let mut mirrored = scene.clone();

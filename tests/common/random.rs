@@ -1,5 +1,5 @@
 //! Random numbers that are the same on every machine.
-#![allow(dead_code)] // Every test program uses its own part of this.
+#![allow(dead_code)] // Each test program uses only some of these.
 
 use glam::{DVec3, Vec3};
 use std::f64::consts::TAU;
@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 pub struct Random(pub u64);
 
 impl Random {
-    /// Any 64 bits.
+    /// 64 random bits.
     pub fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut bits = self.0;

@@ -1,7 +1,7 @@
 //! An oracle for rooms with boxes and materials that scatter: rays in `f64`, which share no code with the tracer.
 //!
-//! A ray that crosses the listener's sphere on a chord of length s brings its energy × s ÷ (rays × open volume), at the
-//! time of the chord's middle. A share of its reflections is scattered by Lambert's law, the others are mirrored.
+//! A ray that crosses the listener's sphere on a chord of length s adds its energy × s ÷ (rays × open volume), at the
+//! time of the chord's middle. A share of its reflections is scattered by Lambert's law, the others are specular.
 
 use super::Random;
 use glam::DVec3;
@@ -43,13 +43,13 @@ pub type Estimate = (f64, f64);
 /// G, C50 and C80 in decibels, Ts in seconds.
 pub type Sums = [Estimate; 4];
 
-/// Energy that the rays bring, by batch and bin.
+/// Energy of the rays at the listener, by batch and bin.
 pub struct Echoes {
     batches: Vec<Vec<f64>>,
 }
 
 impl RoomWithBoxes {
-    /// Whether a place is inside a solid.
+    /// Whether a position is inside a solid.
     pub fn is_solid(&self, place: DVec3) -> bool {
         let inside = |middle: DVec3, size: DVec3| (place - middle).abs().cmplt(0.5 * size).all();
         let in_box = self
@@ -117,7 +117,7 @@ impl RoomWithBoxes {
         }
     }
 
-    /// Length of the flight to the next hit, the normal there, and the surface hit.
+    /// Returns the length of the flight to the next hit, the normal there, and the surface hit.
     fn hit(&self, place: DVec3, direction: DVec3) -> (f64, DVec3, Wall) {
         let half = 0.5 * self.size;
         let mut nearest = (f64::INFINITY, DVec3::ZERO, self.walls);

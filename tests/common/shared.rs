@@ -1,5 +1,5 @@
 //! Helpers shared by the library's unit tests and the integration tests.
-#![allow(dead_code)] // Every test program uses its own part of this.
+#![allow(dead_code)] // Each test program uses only some of these.
 
 use echomarch::gl::{Api, Context, ContextOptions};
 use echomarch::tracer::FieldTrial;
@@ -25,31 +25,31 @@ pub fn for_each_api(test: impl Fn(&Context) + Sync) {
     on_a_thread_for_each_api(|api| test(&context(api)));
 }
 
-/// Lets this process compile the tests' own fields. Once, so that a test may choose otherwise afterwards.
+/// Lets this process compile the tests' own fields. Acts only once, so that a test may choose otherwise afterwards.
 pub fn trust_fields() {
     static CHOSEN: Once = Once::new();
     CHOSEN.call_once(|| FieldTrial::InThisProcess.set());
 }
 
-/// A context of the API on the first device that gives one. Users' fields are trusted.
+/// Creates a context of the API on the first device that provides one. Users' fields are trusted.
 pub fn context(api: Api) -> Context {
     trust_fields();
     Context::headless(&ContextOptions::new(api)).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// A tracer on a context of the preferred API.
+/// Creates a tracer on a context of the preferred API.
 pub fn tracer() -> Tracer {
     Tracer::new(&context(Api::Gl)).unwrap()
 }
 
-/// The thesis' settings with these counts.
+/// Returns the thesis' settings with these counts.
 pub fn thesis(waves: u32, iterations: u32) -> Settings {
     Settings::thesis()
         .with_waves(waves)
         .with_iterations(iterations)
 }
 
-/// A built-in scene; panics if it is missing.
+/// Returns a built-in scene; panics if it is missing.
 pub fn builtin(name: &str) -> Scene {
     Scene::builtin(name).unwrap()
 }

@@ -96,13 +96,13 @@ impl SofaFile {
         SofaFile::new(48_000.0, &measured)
     }
 
-    /// The file with another variable.
+    /// Returns the file with a variable added or replaced.
     pub fn with(mut self, name: &'static str, variable: Variable) -> SofaFile {
         self.variables.insert(name, variable);
         self
     }
 
-    /// The file without a variable.
+    /// Returns the file without a variable.
     pub fn without(mut self, name: &str) -> SofaFile {
         self.variables.remove(name);
         self
@@ -126,7 +126,7 @@ impl SofaFile {
     }
 }
 
-/// 64 samples with an impulse at a whole sample, louder the earlier it is.
+/// Returns 64 samples with an impulse at sample `place`; the earlier it is, the louder.
 fn impulse(place: f64) -> Vec<f64> {
     let mut samples = vec![0.0; 64];
     samples[place.round() as usize] = 1.0 - place / 64.0;

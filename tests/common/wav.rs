@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-/// A WAV header for `data_bytes` of samples.
+/// Returns a WAV header for `data_bytes` bytes of samples.
 pub fn wav_header(tag: u16, rate: u32, bits: u16, data_bytes: u32) -> Vec<u8> {
     let frame = bits / 8;
     let mut file = b"RIFF".to_vec();
@@ -19,14 +19,14 @@ pub fn wav_header(tag: u16, rate: u32, bits: u16, data_bytes: u32) -> Vec<u8> {
     file
 }
 
-/// A mono file of these samples at 44,100 Hz.
+/// Returns a mono file of these samples at 44,100 Hz.
 pub fn float_wav(samples: &[f32]) -> Vec<u8> {
     let mut file = wav_header(3, 44_100, 32, 4 * samples.len() as u32);
     file.extend(samples.iter().flat_map(|sample| sample.to_le_bytes()));
     file
 }
 
-/// Left and right channel of a file written by the program: 48 kHz, floats.
+/// Reads the left and right channel of a file written by the program: 48 kHz, floats.
 pub fn read_stereo(path: &Path) -> [Vec<f32>; 2] {
     let reader = hound::WavReader::open(path).unwrap();
     let spec = reader.spec();

@@ -60,7 +60,7 @@ const CORPUS: [&str; 4] = [
      listener: Listener(position: (-5, 0, 0), yaw: 30, radius: 1))",
 ];
 
-/// The target of the driver.
+/// Returns this module's target for the driver.
 pub fn target() -> Target {
     Target {
         name: "base_scene",

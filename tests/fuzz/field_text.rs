@@ -1,4 +1,4 @@
-//! Texts of fields: what is read from them before a driver sees them.
+//! Texts of fields: the checks before a graphics driver compiles them.
 
 use super::Target;
 use echomarch::scene::UserField;
@@ -66,7 +66,7 @@ const TOKENS: &[&str] = &[
     "\u{0}",
 ];
 
-/// The target of the driver.
+/// Returns this module's target for the driver.
 pub fn target() -> Target {
     let texts = [
         include_str!("../../examples/scenes/menger.glsl"),
@@ -86,7 +86,7 @@ pub fn target() -> Target {
     }
 }
 
-/// Reads a text; an accepted text is accepted again as it was written.
+/// Checks a text; the shader text made from an accepted one must be accepted too.
 pub fn one(data: &[u8]) {
     let text = String::from_utf8_lossy(data).into_owned();
     let lines = 2 * text.len() as u32 + 1;

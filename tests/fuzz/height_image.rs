@@ -52,7 +52,7 @@ fn with_palette() -> Vec<u8> {
     ]))
 }
 
-/// The same chunks with correct checksums, so that their contents are read. Bytes after the last
+/// Corrects the checksums of all chunks, so that their contents are read. Bytes after the last
 /// whole chunk stay unchanged.
 fn with_sums(mut file: Vec<u8>) -> Vec<u8> {
     let mut at = 8;
@@ -85,7 +85,7 @@ fn crc(bytes: &[u8]) -> u32 {
     !sum
 }
 
-/// The target of the driver.
+/// Returns this module's target for the driver.
 pub fn target() -> Target {
     Target {
         name: "height_image",
@@ -104,7 +104,7 @@ pub fn target() -> Target {
     }
 }
 
-/// Reads a height image as it is, and with corrected checksums.
+/// Reads a height image, unchanged and with corrected checksums.
 pub fn one(data: &[u8]) {
     for data in [data.to_vec(), with_sums(data.to_vec())] {
         with_file("heights.png", &data, |path| {

@@ -69,7 +69,7 @@ fn height_images() {
     fuzz(&height_image::target());
 }
 
-/// Protects from untrusted texts of fields before any driver sees them.
+/// Protects from untrusted texts of fields before any driver compiles them.
 #[test]
 fn field_texts() {
     fuzz(&field_text::target());

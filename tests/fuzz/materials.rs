@@ -43,7 +43,7 @@ const CORPUS: [&str; 3] = [
     "Scene(base: \"corner\", materials: {\"brick\": Material(absorption: 0.5, scattering: 0.99)})",
 ];
 
-/// The target of the driver.
+/// Returns this module's target for the driver.
 pub fn target() -> Target {
     Target {
         name: "materials",

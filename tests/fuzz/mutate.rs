@@ -37,14 +37,14 @@ pub struct Mutator {
 }
 
 impl Mutator {
-    /// The generator of the input `index` of a seed.
+    /// Creates the generator for input `index` of a seed.
     pub fn new(seed: u64, index: u64) -> Mutator {
         let mut random = Random(seed.wrapping_mul(0xd134_2543_de82_ef95) ^ index);
         random.bits();
         Mutator { random }
     }
 
-    /// A number from 0 to below `end`; 0 if that is 0.
+    /// Draws a number below `end`; 0 if `end` is 0.
     fn below(&mut self, end: usize) -> usize {
         (self.random.bits() % end.max(1) as u64) as usize
     }
@@ -53,7 +53,7 @@ impl Mutator {
         of.get(self.below(of.len())).copied()
     }
 
-    /// A file of the corpus, corrupted in one to eight places.
+    /// Draws a file of the corpus, and corrupts it one to eight times.
     pub fn spoilt(&mut self, corpus: &[Vec<u8>], tokens: &[&str]) -> Vec<u8> {
         let mut data = corpus[self.below(corpus.len())].clone();
         for _ in 0..1 + self.below(8) {
@@ -100,7 +100,7 @@ impl Mutator {
         data.splice(at..at, noise);
     }
 
-    /// A range of at most `longest` bytes.
+    /// Draws a range of at most `longest` bytes.
     fn range(&mut self, data: &[u8], longest: usize) -> std::ops::Range<usize> {
         let from = self.below(data.len());
         let length = self.below(longest.min(data.len() - from) + 1);
@@ -158,7 +158,7 @@ impl Mutator {
         }
     }
 
-    /// The first run of such bytes after a drawn place.
+    /// Returns the first run of bytes for which `is_in` holds, after a random position.
     fn run(&mut self, data: &[u8], is_in: fn(u8) -> bool) -> Option<std::ops::Range<usize>> {
         let from = self.below(data.len());
         let start = from + data[from..].iter().position(|byte| is_in(*byte))?;

@@ -1,4 +1,4 @@
-//! Scene files: what is read, and what is computed from it before drawing.
+//! Scene files: reading them, and the computations before drawing.
 
 use super::Target;
 use super::scratch::with_file;
@@ -159,7 +159,7 @@ fn corpus() -> Vec<Vec<u8>> {
         .collect()
 }
 
-/// The target of the driver.
+/// Returns this module's target for the driver.
 pub fn target() -> Target {
     Target {
         name: "scene",
@@ -169,8 +169,8 @@ pub fn target() -> Target {
     }
 }
 
-/// Reads a scene file and one based on it, moves its contents, asks for their distances, warnings
-/// and sound, and writes them.
+/// Reads a scene file and one based on it, moves their contents, computes distances, warnings and
+/// sound, and writes them.
 pub fn one(data: &[u8]) {
     with_file("base.ron", BASE.as_bytes(), |_| ());
     let small = b"Scene(base: \"scene.ron\", source: Source(position: (1, 2, 3)))";

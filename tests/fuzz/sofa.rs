@@ -6,7 +6,7 @@ use super::sofa_file::{SofaFile, Variable};
 use echomarch::hrtf::HrirSet;
 use glam::DVec3;
 
-/// The target of the driver.
+/// Returns this module's target for the driver.
 pub fn target() -> Target {
     let ears = || [vec![0.0, 1.0, 0.5, 0.25], vec![0.0, 0.0, 0.5, 0.25]];
     let three = SofaFile::new(
@@ -37,7 +37,7 @@ pub fn target() -> Target {
     }
 }
 
-/// Reads a set and asks it for a direction.
+/// Reads a set and looks up a direction in it.
 pub fn one(data: &[u8]) {
     with_file("head.sofa", data, |path| match HrirSet::read_sofa(path) {
         Err(error) => drop(error.to_string()),

@@ -4,7 +4,7 @@ use super::Target;
 use super::scratch::with_file;
 use echomarch::audio::{Sound, SoundSpec};
 
-/// The rest of a `fmt ` chunk of the extensible kind, after its first sixteen bytes.
+/// The bytes of an extensible `fmt ` chunk after its first sixteen.
 const EXTENSIBLE_FLOAT: [u8; 24] = [
     22, 0, 32, 0, 3, 0, 0, 0, 3, 0, 0, 0, 0, 0, 0x10, 0, 0x80, 0, 0, 0xaa, 0, 0x38, 0x9b, 0x71,
 ];
@@ -33,7 +33,7 @@ fn wav(tag: u16, channels: u16, rate: u32, bits: u16, frames: u32, more: &[u8]) 
     file
 }
 
-/// The target of the driver.
+/// Returns this module's target for the driver.
 pub fn target() -> Target {
     Target {
         name: "wav",

@@ -83,7 +83,7 @@ fn the_callback_allocates_nothing_while_everything_changes() {
 #[test]
 fn a_stream_with_a_clip_and_a_recording_allocates_nothing() {
     let folder = TempDir::new().unwrap();
-    // Its end does not fit its start, and it loops within a few blocks.
+    // The clip's end does not fit its start, and it loops within a few blocks.
     let clip = wav(&folder, (0..3000).map(|i| i as f32 / 3000.0));
     let (renderer, mut remote) = renderer("sine:440");
     let mut play = probe::player::<f32>(renderer, &remote, 2);
@@ -199,7 +199,7 @@ fn sounds_that_change_do_not_click() {
     remote.set_panning(1.0, 0.0);
     let mut out = render(&mut renderer, 5000);
     for text in ["sine:150", "sine:90", "sine:120"] {
-        // Two at once: the second waits until the fade to the first has ended.
+        // Two changes at once: the second waits until the fade to the first has ended.
         assert!(remote.set_sound(sound("sine:60"), Sound::SAMPLE_RATE));
         assert!(remote.set_sound(sound(text), Sound::SAMPLE_RATE));
         out.extend(render(&mut renderer, 5123));

@@ -30,8 +30,8 @@ static NOISE: LazyLock<Vec<f32>> = LazyLock::new(|| {
     samples
 });
 
-/// Protects the panning up to the sound system's output: places and a sweep are heard in order, with the set level on
-/// either side; and the recording, which equals what was heard.
+/// Protects the panning up to the sound system's output: positions and a sweep are heard in order, with the set levels
+/// on both sides, and the recording equals what was heard.
 #[test]
 fn the_levels_follow_the_panning_from_left_to_right() {
     const ATTEMPTS: u32 = 5;
@@ -57,22 +57,22 @@ fn sweep_is_heard() -> bool {
     let places = places
         .split_whitespace()
         .filter_map(|word| word.parse().ok());
-    // In the middle until the first place is set.
+    // The sound is in the middle until the first position is set.
     let places: Vec<f64> = [0.5].into_iter().chain(places).collect();
     assert!(places.len() > PLACES as usize);
-    // Windows of 50 ms, over which the noise's level is known to 0.1 dB.
+    // Intervals of 50 ms, over which the noise's level is known to 0.1 dB.
     let compared = Heard::new(&heard, 50).follow(&places);
     println!("{compared:?}");
     assert_eq!(compared.wrong, 0, "{compared:?}");
-    // Except in the sweep, the gains stand still most of the time.
+    // Except in the sweep, the gains are constant most of the time.
     assert!(3 * compared.moving < 2 * compared.windows, "{compared:?}");
     let is_enough = compared.windows > 60 && compared.left_out < compared.windows;
     let is_whole = line.contains("dropped 0");
     is_enough && is_whole && recording_is_what_was_heard(&file, &heard, &line)
 }
 
-/// The file equals the monitor bit for bit, in consecutive pieces of 10 ms, except for pieces in gaps of a busy
-/// machine. False if less than half of it was heard.
+/// Checks that the file equals the monitor bit for bit, in consecutive pieces of 10 ms, except for pieces in gaps of a
+/// busy machine. Returns false if less than half of it was heard.
 fn recording_is_what_was_heard(file: &Path, heard: &[f32], line: &str) -> bool {
     const PIECE: usize = 960;
     let mut reader = hound::WavReader::open(file).unwrap();
@@ -148,8 +148,8 @@ fn closed_streams() -> Result<(), String> {
     is_right.then_some(()).ok_or(told)
 }
 
-/// Length in samples of a busy machine's gap that begins after `at`: the sound breaks off and continues at its full
-/// level, whereas a closed stream fades out before its silence, and an opened one rises from silence.
+/// Returns the length in samples of a busy machine's gap that begins after `at`. At a gap the sound breaks off and
+/// continues at its full level, whereas a closed stream fades out into silence, and an opened one rises from silence.
 fn end_of_gap(samples: &[f32], at: usize, allowed: f32) -> Option<usize> {
     // Half a period of the sine contains its peak. A fade of 20 ms still has a quarter of it there.
     const HALF_A_PERIOD: usize = 240;
@@ -198,7 +198,7 @@ fn a_server_that_dies_is_waited_for_and_the_sound_goes_on_where_it_was() {
     assert_eq!(shift_of(&left[end..end + 100], end), Some(shift));
 }
 
-/// By how many samples the noise at `at` in the file is further on in the sound.
+/// Returns the number of samples by which the noise at `at` in the file is ahead in the sound.
 fn shift_of(piece: &[f32], at: usize) -> Option<usize> {
     let fits = |start: &usize| {
         let noise = &NOISE[*start..*start + piece.len()];
@@ -271,8 +271,8 @@ fn devices_are_listed_and_changed() {
     assert!((loudest - 0.5).abs() < 0.05, "{loudest}");
 }
 
-/// Protects recordings from the rate of a device that opens later, and from one that ended by itself: each states its
-/// contents, and the next can start.
+/// Protects recordings from a device that opens later with another rate, and from a recording that ended by itself:
+/// each states its contents, and the next can start.
 #[test]
 fn a_recording_follows_the_first_device_and_one_that_ended_is_followed_by_another() {
     let server = Server::start();
@@ -289,7 +289,7 @@ fn a_recording_follows_the_first_device_and_one_that_ended_is_followed_by_anothe
     }
 }
 
-/// Protects from sounds that pile up without a device: only the last of those chosen is heard, from its start.
+/// Protects from sounds that pile up without a device: only the last one chosen is heard, from its start.
 #[test]
 fn of_sounds_that_were_chosen_without_a_device_the_last_is_heard() {
     let server = Server::start();
@@ -298,8 +298,8 @@ fn of_sounds_that_were_chosen_without_a_device_the_last_is_heard() {
     player.finish();
     let mut reader = hound::WavReader::open(&file).unwrap();
     let left: Vec<f32> = reader.samples().step_by(2).map(Result::unwrap).collect();
-    // The gains have risen 20 ms after the beginning, later only if a busy machine lost the device at once: from then
-    // on it is noise.
+    // The gains have risen 20 ms after the beginning, or later if a busy machine lost the device at once; then the file
+    // contains the noise.
     let places = (960..left.len() - 100).step_by(480);
     let mut shifts = places.filter_map(|at| shift_of(&left[at..at + 100], at));
     let shift = shifts.next().expect("noise");

@@ -1,4 +1,4 @@
-//! Sounds that live output makes at any sample rate.
+//! Sounds that live output can create at any sample rate.
 
 use echomarch::audio::live::SoundSource;
 use echomarch::audio::{AudioError, Signal, Sound};

@@ -1,5 +1,5 @@
 //! Measures of samples.
-#![allow(dead_code)] // Every test program uses its own part of this.
+#![allow(dead_code)] // Each test program uses only some of these.
 
 /// The largest difference between a sample and the next.
 pub fn largest_step(samples: &[f32]) -> f32 {

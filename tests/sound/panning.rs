@@ -36,7 +36,7 @@ proptest! {
         prop_assert!((0.0..=1.0).contains(&left) && (0.0..=1.0).contains(&right));
     }
 
-    /// A constant sound shows the gains directly: no step may exceed the block's own slope.
+    /// A constant sound makes the gains visible: no step may exceed the block's own slope.
     #[test]
     fn gains_glide_without_a_step(
         law in any_law(),

@@ -9,11 +9,11 @@ use echomarch::{Listener, Scene, Settings, Source, Surface, Tracer};
 use glam::{Quat, Vec3};
 use std::f32::consts::FRAC_PI_2;
 
-/// Result of plain sphere tracing on the CPU, over all surfaces and without cells, from `origin`
-/// along `direction`: the object's number, or -1; `None` for a line that grazes.
+/// Returns the result of plain sphere tracing on the CPU, over all surfaces and without cells, from
+/// `origin` along `direction`: the object's number, or -1; `None` for a line that grazes.
 fn truth(scene: &Scene, origin: Vec3, direction: Vec3) -> Option<f32> {
     /// Distance that counts as a hit, in metres: a few roundings, since a line may pass by closer
-    /// than a tenth of a millimetre. And the distance below which a line counts as grazing.
+    /// than a tenth of a millimetre. Then the distance below which a line counts as grazing.
     const TOUCH: f32 = 2e-5;
     const CLOSE: f32 = 5e-3;
     const FAR: f32 = 600.0;
@@ -23,7 +23,7 @@ fn truth(scene: &Scene, origin: Vec3, direction: Vec3) -> Option<f32> {
     for _ in 0..20_000 {
         let nearest = pair.distance(origin + t * direction);
         if nearest.distance < TOUCH {
-            // A line must enter what it touches, otherwise it may pass by within `TOUCH`.
+            // A line that hits must enter the solid; otherwise it may pass by within `TOUCH`.
             let beyond = pair.distance(origin + (t + CLOSE) * direction);
             return (beyond.distance < 0.0).then_some(nearest.object as f32);
         }
@@ -82,7 +82,7 @@ fn compare(tracer: &mut Tracer, what: &str, scene: &Scene) {
     }
 }
 
-/// Surfaces of one shape on a lattice of 6 by 6, 4 m apart.
+/// Returns surfaces of one shape on a lattice of 6 by 6, 4 m apart.
 fn lattice(height: f32, shape: &(impl Into<Shape> + Clone)) -> Vec<Surface> {
     let place =
         |index: usize| Vec3::new((index % 6) as f32 * 4.0, height, (index / 6) as f32 * 4.0);
@@ -90,7 +90,7 @@ fn lattice(height: f32, shape: &(impl Into<Shape> + Clone)) -> Vec<Surface> {
     (0..36).map(surface).collect()
 }
 
-/// Forty surfaces of one shape, anywhere in a cube of 30 m.
+/// Returns forty surfaces of one shape at random positions in a cube of 30 m.
 fn scattered(shape: &(impl Into<Shape> + Clone)) -> Vec<Surface> {
     let mut random = crate::common::Random(7);
     let mut number = || 30.0 * random.unit() as f32;
@@ -162,7 +162,7 @@ fn pillars_are_all_met() {
 }
 
 /// Protects lists that are kept from frame to frame: after surfaces have moved, also far away and
-/// back, a tracer sees the same as a new one.
+/// back, a tracer gives the same results as a new one.
 #[test]
 fn moved_surfaces_are_met_where_they_are() {
     let mut kept = tracer();
@@ -191,8 +191,8 @@ fn moved_surfaces_are_met_where_they_are() {
     }
 }
 
-/// A scene whose surfaces are unrolled, and the same scene with each surface twice, enough of them
-/// to lie in cells: the distances are the same everywhere.
+/// Returns a scene whose surfaces are unrolled, and the same scene with each surface twice, enough
+/// surfaces to lie in cells: the distances are the same everywhere.
 fn alone_and_twice(surfaces: &[Surface]) -> [Scene; 2] {
     let source = Vec3::new(-3.0, 0.1, 0.2);
     let mut alone = scene(surfaces.to_vec(), source);
@@ -232,8 +232,8 @@ fn small_sets() -> Vec<(&'static str, Vec<Surface>)> {
     ]
 }
 
-/// Protects the thesis' profile in cells: its waves equal those of unrolled text to the bit, from
-/// wherever they come. No bounding box replaces the surfaces.
+/// Protects the thesis' profile in cells: its waves equal those of unrolled text to the bit,
+/// wherever they start. No bounding box replaces the surfaces.
 #[test]
 fn the_thesis_sees_the_same_with_cells_and_without() {
     let mut tracer = tracer();

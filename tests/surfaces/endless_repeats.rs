@@ -33,8 +33,8 @@ fn turned_boxes() -> Scene {
     )
 }
 
-/// Protects waves in an endless lattice: 34 of these 4,096 reached the step limit of a march; each
-/// of them hits a box, the last after 170 km.
+/// Protects waves in an endless lattice: 34 of these 4,096 would reach the step limit of a march;
+/// each of them hits a box, the last after 170 km.
 #[test]
 fn no_wave_in_a_lattice_is_given_up() {
     let settings = Settings::hybrid().with_waves(4096).with_iterations(1);
@@ -211,7 +211,7 @@ fn a_million_periods_away_it_sounds_the_same() {
     ] {
         let at = |by: Vec3| {
             let source = Source::at(Vec3::new(1.0, 1.5, 2.0) + by);
-            // Not halfway between two copies, where either is the nearest.
+            // Not halfway between two copies, where either may count as the nearest.
             let listener = Listener::at(Vec3::new(-0.75, 1.25, -1.75) + by, 0.5);
             Scene::new(name, vec![Surface::new(field.clone())], source, listener)
         };
@@ -227,7 +227,7 @@ fn a_million_periods_away_it_sounds_the_same() {
 /// surface is hit whatever lies beyond.
 #[test]
 fn a_step_limit_counts_only_where_nothing_nearer_is_met() {
-    // Grains so small that most waves fly on beyond the step limit.
+    // Grains so small that most waves would need more steps than the limit.
     let sparse = ball(4e-4).repeat(Vec3::splat(1.0), [0; 3]);
     let mut scene = Scene::new(
         "sparse",

@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 const PROFILES: [Profile; 2] = [Profile::Hybrid, Profile::March];
 
-/// `count` directions spread evenly within a cone about an axis.
+/// Returns `count` directions spread evenly within a cone about an axis.
 fn aims(axis: Vec3, half_angle: f64, count: u32) -> Vec<Vec3> {
     const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
     let axis = axis.as_dvec3().normalize();
@@ -45,7 +45,7 @@ fn turned(surface: Surface, degrees: Vec3) -> Surface {
     surface.turned(Quat::from_euler(EulerRot::XYZ, by.x, by.y, by.z))
 }
 
-/// A field 6 m in front of a slab of 200 m, and the listener.
+/// Returns a scene with a field 6 m in front of a slab of 200 m, and the listener.
 fn before_a_slab(name: &str, field: Shape, scale: f32, listener: Vec3) -> Scene {
     let slab = Shape::from(Node::RoundedBox(RoundedBox {
         size: Vec3::new(200.0, 200.0, 0.5) * scale,
@@ -80,7 +80,7 @@ fn height_field(size: Vec3) -> Shape {
     .into()
 }
 
-/// Every kind of field whose march could step past a solid: not convex, blended, cut or thin.
+/// Returns every kind of field whose march could step past a solid: not convex, blended, cut or thin.
 fn kinds() -> Vec<(&'static str, Shape)> {
     let cone = || {
         Shape::from(Node::Cone(Cone {
@@ -173,7 +173,7 @@ fn grazing(off: f64, count: u32) -> Vec<Vec3> {
 }
 
 /// Protects the end of a grazing march: the bounds along the line lead past the surface, or onto
-/// it, in a few steps, where steps by the value take thousands.
+/// it, in a few steps; steps as long as the field's value would take thousands.
 #[test]
 fn waves_that_graze_a_torus_are_not_given_up() {
     for listener in [Vec3::new(0.0, 0.0, 30.0), Vec3::new(300.0, 0.0, 30.0)] {

@@ -18,7 +18,7 @@ fn listener() -> Listener {
     Listener::at(Vec3::new(0.0, 4.0, 0.0), 0.1)
 }
 
-/// Directions from `source` to places about the origin, most of which hit a solid there.
+/// Returns directions from `source` to points around the origin, most of which hit a solid there.
 fn aimed(source: Vec3) -> Vec<Vec3> {
     let place = |index: u32| {
         let (x, y, z) = (index % 8, index / 8 % 8, index / 64);

@@ -1,6 +1,6 @@
 //! Properties of waves on the GPU, with known answers over seven decades of size.
 //!
-//! Each case is one random surface of random size, place and rotation, and hundreds of waves, so
+//! Each case is one random surface of random size, position and rotation, and hundreds of waves, so
 //! that a few dozen cases give tens of thousands of waves.
 
 use crate::common::Random;
@@ -46,7 +46,7 @@ fn trace(scene: &Scene, settings: &Settings, directions: &[Vec3]) -> Vec<Vec<Wav
     })
 }
 
-/// A rotation, or none for every second case: rotated surfaces have their own shader text.
+/// Returns a rotation, or none for every second case: rotated surfaces have their own shader text.
 fn rotation(random: &mut Random) -> Quat {
     if random.unit() < 0.5 {
         return Quat::IDENTITY;
@@ -102,8 +102,8 @@ fn plant(random: &mut Random) -> Planted {
 }
 
 impl Planted {
-    /// The surface alone; the listener lies behind the point, deep in the solid or (behind a thin
-    /// one) on its far side, where no line from the point arrives first.
+    /// Returns a scene of the surface alone. The listener lies behind the point, deep in the solid or
+    /// (behind a thin one) on its far side, so that lines from the point hit the surface first.
     fn scene(&self, source: DVec3) -> Scene {
         let ear = self.point - self.normal * (3.0 * self.size);
         Scene::new(
@@ -114,7 +114,7 @@ impl Planted {
         )
     }
 
-    /// A direction outwards, down to a thousandth of a radian along the surface.
+    /// Returns an outward direction, as little as a thousandth of a radian off the surface.
     fn outgoing(&self, random: &mut Random) -> Vec3 {
         let mut away = random.direction();
         if away.dot(self.normal) < 0.0 {
@@ -135,14 +135,14 @@ fn extent(planted: &Planted, scene: &Scene) -> f64 {
     place.distance(ear) + 1.8 * planted.size + scene.sources[0].position.as_dvec3().distance(ear)
 }
 
-/// A unit in the last place of world coordinates: half of it is lost when a place is given as
-/// `f32`, half when it is read back.
+/// Returns a unit in the last place of world coordinates: half of it is lost when a position is
+/// given as `f32`, half when it is read back.
 fn world_rounding(scene: &Scene, extent: f64) -> f64 {
     let world = scene.listeners[0].position.as_dvec3().abs().max_element() + extent;
     world * f64::from(f32::EPSILON)
 }
 
-/// Checks what must hold in every state, whatever a wave hits.
+/// Checks the properties of every state, whatever a wave hits.
 fn assert_sane(states: &[Vec<Wave>], scene: &Scene, extent: f64, context: &str) {
     let exact = ExactScene::new(scene).unwrap();
     let ear = scene.listeners[0].position;
@@ -172,7 +172,7 @@ proptest! {
         ..ProptestConfig::default()
     })]
 
-    /// Protects waves that leave a surface from hitting it again at once, at any size and place:
+    /// Protects waves that leave a surface from hitting it again at once, at any size and position:
     /// first they hit a planted point, then they leave it.
     #[test]
     fn a_wave_that_leaves_a_surface_does_not_meet_it_at_once(seed: u64) {

@@ -1,7 +1,7 @@
 //! Boxes that touch, rotated by any angle, in a closed room: no wave is lost at their seams or
-//! passes through them, and each hit names a surface at that place. Related faults hide where two,
-//! three or many boxes share planes, and where the listener is far away, since the distance to it
-//! determines the rounding of positions.
+//! passes through them, and each hit names a surface at that position. Related faults occur where
+//! two, three or many boxes share planes, and where the listener is far away, since the distance to
+//! it determines the rounding of positions.
 
 use crate::common::tracer;
 use echomarch::geometry::ExactScene;
@@ -38,14 +38,14 @@ fn cross() -> Blocks {
     ]
 }
 
-/// Enough boxes that they lie in cells.
+/// Enough boxes to lie in cells.
 fn bricks() -> Blocks {
     let size = Vec3::new(1.0, 0.5, 0.75);
     let place = |i: i32| Vec3::new((i % 4 - 2) as f32, (i / 4 % 4 - 2) as f32, (i / 16) as f32);
     (0..32).map(|i| (size, size * place(i))).collect()
 }
 
-/// The boxes in a room, `away` metres from the listener.
+/// Returns the boxes in a room, `away` metres from the listener.
 fn room(blocks: Blocks, turn: Quat, away: f32) -> Scene {
     let size = Vec3::new(22.0 + 2.0 * away, 12.0, 18.0);
     let turned = |(size, place)| {
@@ -89,8 +89,8 @@ fn scenes() -> Vec<(String, Scene)> {
     all
 }
 
-/// Effect of rounding on a position or a face, in metres: twenty times eight units in the last
-/// place of the largest number in the scene.
+/// Returns the effect of rounding on a position or a face, in metres: twenty times eight units in
+/// the last place of the largest number in the scene.
 fn error_bound(scene: &Scene) -> f64 {
     let Node::Room(Room { size }) = scene.surfaces[0].shape.node else {
         panic!("the first surface is the room");
@@ -98,7 +98,7 @@ fn error_bound(scene: &Scene) -> f64 {
     20.0 * 8.0 * f64::from(f32::EPSILON * size.max_element())
 }
 
-/// The same boxes, smaller by the rounding on every side: no wave may be inside them.
+/// Returns the boxes made smaller by the rounding on every side: no wave may be inside them.
 fn cores(scene: &Scene) -> ExactScene {
     let less = 2.0 * error_bound(scene) as f32;
     let mut cores = scene.clone();

@@ -9,8 +9,8 @@ fn begin_and_draw(tracer: &mut Tracer, scene: &Scene, settings: &Settings) {
     assert!(tracer.frame_advance(f64::INFINITY).unwrap());
 }
 
-/// Protects the read-back through a pixel buffer: it equals a waiting frame bit for bit, summed on the CPU or the GPU,
-/// and a frame begun before does not disturb a waiting frame.
+/// Protects the read-back through a pixel buffer: it equals a blocking frame bit for bit, summed on the CPU or the GPU,
+/// and a frame begun before does not disturb a blocking one.
 #[test]
 fn a_frame_begun_is_the_frame_that_waits() {
     for_each_api(|context| {
@@ -63,7 +63,7 @@ fn a_frame_is_collected_once() {
 }
 
 /// Protects frames spread over many pictures: they equal the frame in one piece bit for bit, whatever is drawn between
-/// the parts, and use the scene as it was at the beginning.
+/// the parts, and use the scene of the beginning.
 #[test]
 fn a_frame_in_parts_is_the_frame_in_one_piece() {
     for_each_api(|context| {

@@ -74,7 +74,7 @@ fn a_hollow_ball_gathers_as_its_curvature_says() {
     }
 }
 
-/// The first hit of a line on the cylinder of this radius about y, and the reflected direction.
+/// Returns the first hit of a line on the cylinder of this radius about y, and the reflected direction.
 fn mirrored(from: DVec3, towards: DVec3, radius: f64) -> (DVec3, DVec3) {
     let flat = |v: DVec3| DVec3::new(v.x, 0.0, v.z);
     let (o, d) = (flat(from), flat(towards));
@@ -121,7 +121,7 @@ fn a_pillar_answers_as_a_bundle_of_rays_does() {
     assert_level(echo.energy[0], 1.0 / (4.0 * PI * area));
 }
 
-/// Protects errors where exact paths, which lead to the listener's centre, bring other energy than its sphere catches:
+/// Protects errors where exact paths, which lead to the listener's centre, have other energy than its sphere catches:
 /// in a hollow ellipsoid, and where a pier hides a part of the sphere. Figures of any order agree within their errors.
 #[test]
 fn figures_of_different_orders_agree_within_their_errors() {

@@ -24,7 +24,7 @@ fn furnished() -> Scene {
     scene
 }
 
-/// The scene with one of its sources and one of its listeners alone.
+/// Returns the scene with one of its sources and one of its listeners alone.
 fn alone(scene: &Scene, source: usize, listener: usize) -> Scene {
     let mut alone = scene.clone();
     alone.sources = vec![scene.sources[source].clone()];
@@ -83,7 +83,7 @@ fn a_pair_is_heard_as_if_it_were_alone() {
     }
 }
 
-/// Protects callers from a source or a listener taken in silence: whatever is traced of a scene with several needs a
+/// Protects callers from a silent choice of source or listener: in a scene with several, every trace needs an explicit
 /// choice.
 #[test]
 fn without_a_choice_nothing_is_traced() {
@@ -122,7 +122,7 @@ fn without_a_choice_nothing_is_traced() {
     }
 }
 
-/// The sources' figures and the samples of half a second of a scene in full.
+/// Renders half a second of a scene in full; returns the sources' figures and the samples.
 fn rendered(tracer: &mut Tracer, scene: &Scene, listener: usize) -> (Vec<u64>, Vec<f32>) {
     let response = ResponseSettings::default()
         .with_trace(Settings::default().with_waves(1024))
@@ -141,7 +141,7 @@ fn rendered(tracer: &mut Tracer, scene: &Scene, listener: usize) -> (Vec<u64>, V
     (paths, samples)
 }
 
-/// Protects sound in full: the sum of two sources is the sum of both alone, at the listener that was asked for.
+/// Protects sound in full: two sources sound like the sum of both alone, at the requested listener.
 #[test]
 fn sources_together_sound_as_each_alone() {
     let (scene, mut tracer) = (furnished(), tracer());

@@ -2,7 +2,7 @@
 //!
 //! The golden pictures in `tests/golden/` come from Mesa's llvmpipe. Another renderer may
 //! round differently, so a picture matches when the mean difference of its channels is
-//! below 1/255 and fewer than 0.5 % of its pixels differ by more than 8/255 in any.
+//! below 1/255 and fewer than 0.5 % of its pixels differ by more than 8/255 in any channel.
 //! `ECHOMARCH_UPDATE_GOLDEN=1` rewrites them, drawn with the first API.
 
 #![cfg(feature = "picture")]
@@ -78,7 +78,7 @@ fn the_source_is_seen_only_where_nothing_is_before_it() {
     assert!(!glows(&scene));
     scene.surfaces.truncate(1);
     assert!(glows(&scene));
-    // After the turn it is behind the eye.
+    // After the turn the source is behind the eye.
     scene.listeners[0].yaw += std::f32::consts::PI;
     assert!(!glows(&scene));
 }
@@ -178,8 +178,8 @@ fn a_slice_shows_all_sources_and_listeners() {
     assert!(shown.max.x > 40.0, "{shown:?}");
 }
 
-/// Protects pictures from demands that they do not need: without a source there are a view and a plan, without a listener
-/// a plan at a given height; of several the caller chooses.
+/// Protects pictures from needless requirements: without a source, a view and a plan can be drawn; without a listener,
+/// a plan at a given height; of several, the caller chooses.
 #[test]
 fn a_picture_needs_no_source() {
     let mut tracer = tracer(Api::Gl);
@@ -319,7 +319,7 @@ fn near_a_mark(scene: &Scene, place: Vec3) -> bool {
     marks.iter().any(is_near)
 }
 
-/// The scene with left and right exchanged.
+/// Returns the scene with left and right exchanged.
 fn mirrored(scene: &Scene) -> Scene {
     let place = |p: Vec3| Vec3::new(-p.x, p.y, p.z);
     let path = |path: &KeyPath| {
@@ -353,7 +353,7 @@ fn golden_file(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/golden/{name}.png"))
 }
 
-/// Compares within the tolerance above; a picture that does not match is kept for inspection.
+/// Compares with the tolerance above; a picture that does not match is kept for inspection.
 fn assert_alike(drawn: &RgbaImage, expected: &RgbaImage, name: &str) {
     let verdict = difference(drawn, expected);
     if let Err(difference) = verdict {

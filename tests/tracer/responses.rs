@@ -112,7 +112,7 @@ fn a_shoebox_answers_as_its_image_sources_do() {
 }
 
 /// Protects the end of an uneven decay, where sound goes to and fro between two hard walls when the others have
-/// absorbed the rest: each band's T30 is reported, and is right.
+/// absorbed the rest: each band's T30 is reported, and is correct.
 #[test]
 fn the_end_of_an_uneven_decay_is_told() {
     let mut tracer = tracer();
@@ -165,7 +165,7 @@ fn early_paths_are_the_image_sources() {
         .images(3)
         .unwrap();
     assert_eq!(response.paths.len(), 63);
-    // The directions searched in addition find the paths that few waves find.
+    // The additional search directions find the paths that few waves find.
     let missed = response.missed.energy_share().unwrap();
     assert!(missed < 0.01, "{missed}");
     assert_eq!(images.len(), 63);
@@ -182,8 +182,8 @@ fn early_paths_are_the_image_sources() {
     }
 }
 
-/// Protects the energy of paths that waves miss: with this few waves most paths of up to 16 reflections have no wave,
-/// and other paths supply their energy.
+/// Protects the energy of paths that waves miss: so few waves miss most paths of up to 16 reflections, and other paths
+/// supply their energy.
 #[test]
 fn paths_that_few_waves_find_take_no_energy_away() {
     let mut tracer = tracer();
@@ -310,7 +310,7 @@ fn a_source_on_an_edge_of_a_box_is_as_loud_with_any_order() {
 }
 
 /// Protects live sound with time for only few late waves: exact paths stay the same to the bit, and the level stays
-/// right, also in a hollow ball, which focuses sound.
+/// correct, also in a hollow ball, which focuses sound.
 #[test]
 fn fewer_late_waves_bring_the_same_energy() {
     let mut tracer = tracer();

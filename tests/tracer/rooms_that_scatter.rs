@@ -14,7 +14,7 @@ use echomarch::{Listener, Scene, Settings, Source, Surface, Tracer};
 /// Index of the 1 kHz band.
 const BAND: usize = 4;
 
-/// The errors of G in the rooms below are at most half of this.
+/// At least twice the largest error of G in the rooms below.
 const MOST_ERROR_DB: f64 = 0.5;
 
 /// Maximum time for which rays are followed, in seconds.
@@ -51,7 +51,7 @@ fn respond(tracer: &mut Tracer, room: &RoomWithBoxes, waves: u32, seed: u32) -> 
     Response::trace(tracer, &scene(room), &settings).expect("a response")
 }
 
-/// G, C50, C80 and Ts of a response, with their errors, and the time origin.
+/// Returns G, C50, C80 and Ts of a response, with their errors, and the time origin.
 fn found(response: &Response) -> ([Option<Estimate>; 4], f64) {
     let (figures, errors) = (
         &response.figures.bands[BAND],
@@ -66,7 +66,7 @@ fn found(response: &Response) -> ([Option<Estimate>; 4], f64) {
     (list, response.figures.begins_s.expect("sound arrives"))
 }
 
-/// Deviations of the figures in standard deviations of both; `None` where a figure is missing.
+/// Returns the deviations of the figures, in standard deviations of both; `None` where a figure is missing.
 fn deviations(found: &[Option<Estimate>; 4], truth: &Sums) -> [Option<f64>; 4] {
     std::array::from_fn(|figure| {
         let ((value, error), (exact, of_rays)) = (found[figure]?, truth[figure]);

@@ -7,7 +7,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::fmt::Debug;
 
-/// What is read from what is written.
+/// Writes a value as JSON, and requires that it is read back unchanged.
 fn read_back<T: Serialize + DeserializeOwned + PartialEq + Debug>(value: &T) {
     let text = serde_json::to_string(value).unwrap();
     let read: T = serde_json::from_str(&text).unwrap();
@@ -18,8 +18,8 @@ fn refusal<T: DeserializeOwned + Debug>(text: &str) -> String {
     serde_json::from_str::<T>(text).expect_err(text).to_string()
 }
 
-/// Protects stored results: the whole response, its figures, its level and a frame are read as they were, also the
-/// infinite distance of waves that were all followed.
+/// Protects stored results: the whole response, its figures, its level and a frame are read back unchanged, also the
+/// infinite distance when all waves were followed.
 #[test]
 fn results_round_trip() {
     let mut tracer = tracer();
@@ -93,7 +93,7 @@ fn settings_of_responses_round_trip_or_are_refused() {
     }
 }
 
-/// Protects the echogram from files that do not fit together: bins, batches and energies must agree.
+/// Protects the echogram from inconsistent files: the numbers of bins, batches and energies must agree.
 #[test]
 fn echograms_that_do_not_fit_together_are_refused() {
     let mut echogram = Echogram::new(0.001, 2).unwrap();

@@ -17,8 +17,8 @@ function lacking() {
 }
 
 export class Sound {
-  // Starts the sound; only a click may call it, because browsers play no sound before one. `told` receives the name of a
-  // part ("mix", "ears", "player") and its message.
+  // Starts the sound; only a click may call it, because browsers play no sound before one. `told` receives the name of
+  // a part ("mix", "ears", "player") and its message.
   static async start(told) {
     const why = lacking();
     if (why) throw new Error(why);

@@ -43,8 +43,8 @@ impl MixOfPage {
         Ok(())
     }
 
-    /// Glides to a new response of a source. Returns false, and changes nothing, if too many glides are in progress: call
-    /// it again later. A response of a source that the scene no longer has is dropped.
+    /// Glides to a new response of a source. Returns false, and changes nothing, if too many glides are in progress:
+    /// call it again later. A response of a source that the scene no longer has is dropped.
     pub fn hear(
         &mut self,
         source: u32,

@@ -259,7 +259,8 @@ impl Visit {
     }
 
     /// Draws the listener's view on the context's window or canvas of `size` pixels, at `scale` (0 to 1) times its
-    /// resolution. Returns whether the picture is new: while nothing moves, the last one is shown and gradually refined.
+    /// resolution. Returns whether the picture is new: while nothing moves, the last one is shown again and gradually
+    /// refined.
     ///
     /// # Errors
     /// [`Error::Trace`] for a scene that does not fit, [`Error::Gpu`] when the renderer fails.

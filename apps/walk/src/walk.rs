@@ -143,8 +143,8 @@ impl Walker {
 /// Returns a point near `wanted` that keeps clear of the surfaces; `from` if none is found.
 fn slide(scene: &Scene, from: Vec3, wanted: Vec3) -> Vec3 {
     let clearance = |point| scene.surface_distance(point).distance;
-    // A walker that is too near already may move only where the distance does not decrease, not even slightly: otherwise
-    // many small steps would pass through the wall.
+    // A walker that is too near already may move only where the distance does not decrease, not even slightly:
+    // otherwise many small steps would pass through the wall.
     let least = clearance(from).min(BODY - MARGIN);
     let mut point = wanted;
     for _ in 0..=CORRECTIONS {
@@ -216,8 +216,8 @@ mod tests {
         assert!((left.position - Vec3::new(6.5, 0.0, 8.0)).length() < 1e-3);
     }
 
-    /// Protects walls: the block of the corner scene begins at z = 0, x = 0. However long and fast a walker runs against
-    /// it, the eye stays outside, and slides along the wall if it meets it at an angle.
+    /// Protects walls: the block of the corner scene begins at z = 0, x = 0. However long and fast a walker runs
+    /// against it, the eye stays outside, and slides along the wall if it meets it at an angle.
     #[test]
     fn walls_stop_a_walker_who_slides_along() {
         let at_the_wall = MoveInput {

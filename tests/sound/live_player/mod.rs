@@ -19,7 +19,7 @@ const PART: &str = "ECHOMARCH_TEST_PART";
 /// Names the file to record to.
 const FILE: &str = "ECHOMARCH_TEST_FILE";
 
-/// Seconds that the sound stays at each place, and the number of places from left to right.
+/// Seconds that the sound stays at each position, and the number of positions from left to right.
 pub const STEP_S: f64 = 0.4;
 pub const PLACES: u32 = 9;
 pub const SWEEP_S: f64 = 3.0;
@@ -81,7 +81,7 @@ fn play_sweep() {
         log += &format!(" {along:.6}");
         live.set_panning(1.0 - along, along);
     };
-    // Returns to the first at the end, where the sweep begins.
+    // At the end, returns to the first position, where the sweep begins.
     for step in (0..PLACES).chain([0]) {
         set(place(step));
         pause(STEP_S);
@@ -107,7 +107,7 @@ fn play_sweep() {
     assert_eq!(status.sample_rate, 48_000);
 }
 
-/// Plays a sine that is closed and opened again at several places of its period. The buffer is
+/// Plays a sine that is closed and opened again at several points of its period. The buffer is
 /// long, so that a busy machine leaves no gap.
 fn play_and_close() {
     let options = LiveOptions {
@@ -119,7 +119,7 @@ fn play_and_close() {
     for restarts in 0..CLOSINGS {
         wait_for("the device", || {
             let status = live.status();
-            // A busy machine may have lost it in the meantime.
+            // A busy machine may have lost the device in the meantime.
             status.device.is_some() && status.restarts - status.losses == restarts
         });
         wait_for_sound(&live);
@@ -203,8 +203,8 @@ fn play_devices() {
     assert!(live.status().restarts >= 2);
 }
 
-/// Records from before the first device, whose rate then differs from the assumed one; across a
-/// change of the rate, which ends the recording; and once more.
+/// Records from before the first device, whose rate differs from the assumed one, until a change of
+/// the rate ends the recording; then records once more.
 fn play_recordings() {
     let live = start(Some("other"));
     live.start_recording(&file()).unwrap();
@@ -364,20 +364,20 @@ impl Player {
         }
     }
 
-    /// Its current number of threads.
+    /// Returns its current number of threads.
     pub fn threads(&self) -> usize {
         let tasks = std::fs::read_dir(format!("/proc/{}/task", self.process.0.id()));
         tasks.unwrap().count()
     }
 
-    /// Lets it end, and fails unless it succeeds.
+    /// Lets it end, and requires success.
     pub fn finish(mut self) {
         self.input = None;
         assert!(self.process.0.wait().unwrap().success());
     }
 }
 
-/// The number after a word of the player's line.
+/// Returns the number after a word in the player's line.
 fn number_after(line: &str, word: &str) -> Option<u64> {
     let (_, rest) = line.split_once(&format!("{word} "))?;
     rest.split(',').next()?.parse().ok()

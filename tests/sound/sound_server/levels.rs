@@ -3,7 +3,7 @@
 use crate::measures::rms;
 use echomarch::audio::Sound;
 
-/// Left and right gains over `frames` frames each: levels divided by that of the noise.
+/// Returns the left and right gains over intervals of `frames` frames: levels divided by that of the noise.
 pub fn gains(stereo: &[f32], frames: usize) -> Vec<[f64; 2]> {
     let full = f64::from(Sound::NOISE_AMPLITUDE) / 3f64.sqrt();
     let gain = |piece: &[f32], which| {
@@ -20,8 +20,8 @@ pub fn db(ratio: f64) -> f64 {
     20.0 * ratio.log10()
 }
 
-/// Largest deviation of the two channels from the wanted gains, in decibels; a channel that should
-/// be silent is correct below −60 dB.
+/// Returns the larger deviation of the two channels from the wanted gains, in decibels; a channel
+/// that should be silent is correct below −60 dB.
 pub fn error_db(gains: [f64; 2], wanted: [f64; 2]) -> f64 {
     let of = |gain: f64, wanted: f64| {
         if wanted < 1e-3 {
@@ -33,20 +33,20 @@ pub fn error_db(gains: [f64; 2], wanted: [f64; 2]) -> f64 {
     of(gains[0], wanted[0]).max(of(gains[1], wanted[1]))
 }
 
-/// Largest accepted deviation of a level, in decibels: noise over 50 ms is known to 0.1 dB.
+/// Maximum accepted deviation of a level, in decibels: noise over 50 ms is known to 0.1 dB.
 const TOLERANCE_DB: f64 = 0.5;
 
-/// Comparison of what was heard with the places that were set one after the other.
+/// A comparison of what was heard with the positions that were set one after the other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Comparison {
     /// Windows compared, and windows left out because the sound server had a gap in or next to
     /// them.
     pub windows: usize,
     pub left_out: usize,
-    /// Compared windows in which the gains moved from one place to a later one.
+    /// Compared windows in which the gains moved from one position to a later one.
     pub moving: usize,
-    /// Compared windows that are neither at the place of those before them, nor on the way to a
-    /// later one.
+    /// Compared windows that are neither at the position of the windows before them, nor between it
+    /// and a later one.
     pub wrong: usize,
 }
 
@@ -76,10 +76,10 @@ impl Heard {
         }
     }
 
-    /// Follows shares of the right side (left and right add up to 1) in the order in which they
-    /// were set. The time at which a place is applied does not count: a busy machine applies it
-    /// late, or skips it. Each window must have the levels of one of the places or lie between two,
-    /// and no place may return after a later one was heard.
+    /// Compares with positions, given as shares of the right side (left and right add up to 1) in the
+    /// order in which they were set. The time at which a position is applied is not checked: a busy
+    /// machine applies it late, or skips it. Each window must have the levels of one position or lie
+    /// between two, and no position may return after a later one was heard.
     pub fn follow(&self, shares: &[f64]) -> Comparison {
         let mut places = shares.to_vec();
         places.dedup();
@@ -89,7 +89,8 @@ impl Heard {
             moving: 0,
             wrong: 0,
         };
-        // For each place: the fewest wrong, then moving, windows of all ways to be there now.
+        // For each position: the lowest numbers of wrong and of moving windows with which the sound can
+        // be there now.
         let mut costs = vec![(0usize, 0usize); places.len()];
         for gains in &self.gains {
             let Some(gains) = gains else {
@@ -117,8 +118,8 @@ fn step(costs: &[(usize, usize)], places: &[f64], gains: [f64; 2]) -> Vec<(usize
         (wrong + usize::from(!is_there), moving)
     };
     let mut next: Vec<_> = (0..places.len()).map(stay).collect();
-    // Moves from one place to a later one, over all places in between: it may or may not have
-    // arrived by the end of the window.
+    // Moves from one position to a later one, through all positions in between: it may or may not
+    // have arrived by the end of the window.
     for from in 0..places.len() {
         let (wrong, moving) = costs[from];
         let on_the_way = (wrong, moving + 1);

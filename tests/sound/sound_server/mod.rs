@@ -1,5 +1,5 @@
 //! A private PulseAudio server without hardware: its sink's monitor is what is heard.
-#![allow(dead_code)] // Every test file uses its own part of this.
+#![allow(dead_code)] // Each test file uses only some of these.
 
 pub mod levels;
 
@@ -58,7 +58,7 @@ impl Server {
         self.process = None;
     }
 
-    /// Starts or restarts it; it responds when this returns.
+    /// Starts or restarts it, and waits until it responds.
     pub fn restart(&mut self) {
         self.kill();
         let null_sink = format!(
@@ -96,7 +96,7 @@ impl Server {
         assert!(status.unwrap().success());
     }
 
-    /// A command that knows only this server.
+    /// Returns a command whose environment names only this server.
     pub fn command(&self, program: impl Into<PathBuf>) -> Command {
         let folder = self.folder.path();
         let mut command = Command::new(program.into());
@@ -164,7 +164,7 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// All samples so far, interleaved.
+    /// Returns all samples recorded until now, interleaved.
     pub fn samples(&self) -> Vec<f32> {
         let bytes = fs::read(&self.path).unwrap();
         let samples = bytes.as_chunks::<4>().0.iter();
@@ -172,7 +172,7 @@ impl Recorder {
     }
 
     pub fn stop(self) -> Vec<f32> {
-        // The last sound is still on its way.
+        // The last sound has not reached the file yet.
         std::thread::sleep(Duration::from_millis(200));
         let samples = self.samples();
         drop(self.process);

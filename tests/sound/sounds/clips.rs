@@ -20,12 +20,12 @@ fn a_clip_loops_or_ends_in_silence() {
 }
 
 /// Protects a loop whose end does not fit its start from a click in each round: no step is larger
-/// than the steps of the sound and of the cross-fade. The first round is unchanged, as is a clip
-/// without looping.
+/// than the steps of the sound and of the cross-fade. The first round is unchanged, and so is a clip
+/// that does not loop.
 #[test]
 fn a_clip_that_loops_does_not_click() {
     let dir = TempDir::new().unwrap();
-    // It starts with a zero and ends with a peak after 5003 samples, so that blocks end everywhere.
+    // It starts with a zero and ends with a peak after 5003 samples, so that blocks end anywhere in it.
     let count = 5003;
     let hertz = 10.25 * 48_000.0 / f64::from(count - 1);
     let tone = |i: u32| 0.5 * (TAU * hertz * f64::from(i) / 48_000.0).sin() as f32;
@@ -37,7 +37,7 @@ fn a_clip_that_loops_does_not_click() {
         looped.extend(pull(&mut clip, 777));
     }
     assert_eq!(looped[..5003], samples);
-    // After the cross-fade of 5 ms it is the clip again, at its full length.
+    // After the cross-fade of 5 ms the clip follows again, at its full length.
     assert_eq!(looped[5003 + 240..2 * 5003], samples[240..]);
     let largest = looped
         .windows(2)
@@ -46,7 +46,7 @@ fn a_clip_that_loops_does_not_click() {
     let fade = 2.0 * 0.5 / 240.0;
     println!("largest step {largest:.5}, allowed {:.5}", own + fade);
     assert!(largest <= own + fade + 1e-6);
-    // Seeking to a place in the second round gives the same samples.
+    // Seeking into the second round gives the same samples.
     clip.seek(5003 + 100);
     assert_eq!(pull(&mut clip, 500), looped[5103..5603]);
     clip.rewind();
@@ -54,7 +54,7 @@ fn a_clip_that_loops_does_not_click() {
     assert_eq!(pull(&mut clip, 5003), samples);
 }
 
-/// Protects a clip made to loop: its end fits its start, and it is not changed.
+/// Protects a clip made to loop: its end fits its start, and it plays unchanged.
 #[test]
 fn a_clip_that_fits_itself_is_looped_as_it_is() {
     let dir = TempDir::new().unwrap();

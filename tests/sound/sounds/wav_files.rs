@@ -87,7 +87,7 @@ fn bad_files_are_refused_each_in_its_own_words() {
     ));
 }
 
-/// A mono WAV file with any format tag and width, and 80 zero bytes as its sound.
+/// Returns a mono WAV file with any format tag and width, and 80 zero bytes as its sound.
 fn raw_wav(tag: u16, bits: u16) -> Vec<u8> {
     let mut wav = wav_header(tag, 48_000, bits, 80);
     wav.extend([0; 80]);

@@ -138,7 +138,7 @@ fn what_cannot_be_is_refused_by_name() {
 }
 
 /// Protects the stack: endlessly nested text is refused at its position, and any depth that a
-/// person may write is accepted.
+/// person would write is accepted.
 #[test]
 fn deep_nesting_is_refused_in_a_sentence() {
     let nested = |depth: usize| {

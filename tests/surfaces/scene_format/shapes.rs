@@ -248,7 +248,7 @@ fn basic_shapes_stay_basic() {
 }
 
 /// Protects cylinders with a horizontal axis: along it they are endless, or end at the right
-/// places.
+/// positions.
 #[test]
 fn cylinders_lie_along_their_axis() {
     let slanted = Vec3::new(1.0, -2.0, 3.0);

@@ -247,7 +247,7 @@ fn a_scene_needs_a_source_and_a_listener() {
     }
 }
 
-/// Protects from a file that would keep the program busy: every pair of source and listener is checked.
+/// Protects from a file that would keep the program busy, because every pair of source and listener is checked.
 #[test]
 fn a_scene_has_so_many_sources_and_listeners_at_the_most() {
     let read = |count: usize| {
@@ -324,12 +324,12 @@ fn sound_of_a_base_stays_unless_it_is_named() {
     }
 }
 
-/// A number of three decimals from 0 to 1: every reader restores it exactly.
+/// Draws a number of three decimals from 0 to 1: every reader restores it exactly.
 fn share(random: &mut Random) -> f64 {
     (1000.0 * random.unit()).round() / 1000.0
 }
 
-/// A random scene of materials, air, sources and listeners.
+/// Draws a random scene of materials, air, sources and listeners.
 fn drawn(random: &mut Random) -> Scene {
     let shares = |random: &mut Random| match random.unit() < 0.3 {
         true => [share(random); 8],
@@ -406,7 +406,7 @@ fn drawn(random: &mut Random) -> Scene {
     scene
 }
 
-/// The scene with angles set to 0: they are converted through degrees; everything else is the same to the bit.
+/// Returns the scene with angles set to 0: files store them in degrees; everything else is the same to the bit.
 fn without_angles(mut scene: Scene) -> Scene {
     for listener in &mut scene.listeners {
         (listener.yaw, listener.pitch) = (0.0, 0.0);

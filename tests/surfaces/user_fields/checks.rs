@@ -8,7 +8,7 @@ use echomarch::scene::{Node, Warning};
 use echomarch::{Profile, Shape, Surface, Tracer};
 use glam::{DVec3, Vec3};
 
-/// Protects people who write a field from having to read a driver's log.
+/// Protects authors of a field from having to read a driver's log.
 #[test]
 fn what_is_wrong_is_told_with_file_and_line() {
     let broken = [
@@ -101,7 +101,7 @@ fn values_that_are_none_or_grow_too_fast_are_told_with_the_place() {
     });
 }
 
-/// Protects fields that grow exactly as fast as stated from being refused.
+/// Protects fields whose value grows exactly as fast as stated from being refused.
 #[test]
 fn fields_that_grow_just_as_fast_as_they_say_are_taken() {
     let menger = std::fs::read_to_string("examples/scenes/menger.glsl").ok();
@@ -237,7 +237,7 @@ fn a_field_without_a_surface_is_warned_of() {
     }
 }
 
-/// Protects every frame from the cost of a check that is needed only once, and ensures that check.
+/// Protects frames from the cost of a check that is needed only once, and ensures that it is made.
 #[test]
 fn a_stated_growth_is_tried_once() {
     let twisted = Shape {

@@ -85,7 +85,7 @@ fn normals_do_not_depend_on_the_box() {
     }
 }
 
-/// Largest error of the reflected directions in both profiles.
+/// Returns the largest error of the reflected directions in both profiles.
 fn worst_direction(tracer: &mut Tracer, surface: &Smooth, text: &str) -> f64 {
     let box_size = Vec3::splat(surface.box_size);
     let field = UserField::new("smooth.glsl", text.to_owned(), box_size, 1.0);
@@ -115,7 +115,7 @@ fn worst_direction(tracer: &mut Tracer, surface: &Smooth, text: &str) -> f64 {
     worst
 }
 
-/// Protects the waves from a gradient that does not belong to the value: it is refused with the place and both
+/// Protects the waves from a gradient that does not belong to the value: it is refused with the position and both
 /// gradients.
 #[test]
 fn a_stated_gradient_that_is_none_is_refused() {
@@ -130,7 +130,7 @@ fn a_stated_gradient_that_is_none_is_refused() {
         "normalize(p * vec3(1.0, 1.1, 1.0))",
         "p",
         "vec3(0.0)",
-        // Right except on one side, and except at one place.
+        // Correct except on one side; correct except near one point.
         "p.x > 0.0 ? normalize(p) : vec3(-1.0, 0.0, 0.0)",
         "normalize(p) * (distance(p, vec3(0.6, 0.0, 0.8)) < 0.3 ? 0.9 : 1.0)",
         "normalize(p) / 0.0",
@@ -150,7 +150,7 @@ fn a_stated_gradient_that_is_none_is_refused() {
 }
 
 /// Protects correct gradients from being refused where differences cannot decide: at edges and ridges, with coarsely
-/// rounded values, and where there is no gradient.
+/// rounded values, and where the gradient is undefined.
 #[test]
 fn a_right_gradient_is_taken() {
     let honest = [
@@ -227,7 +227,7 @@ fn a_wave_that_meets_a_tip_is_mirrored() {
         let end = &states[1][0];
         assert_eq!(end.status, 2.0, "{profile}: {end:?}");
         assert!(end.position.distance(Vec3::Y) < 1e-5, "{profile}: {end:?}");
-        // One of the sides reflects it, so no wave continues in its old direction.
+        // One of the sides reflects the wave, so it does not continue in its old direction.
         let expected = -1.0 + 2.0 * 0.6 * 0.6;
         assert!(
             (end.direction.y - expected).abs() < 1e-4,
@@ -240,8 +240,8 @@ fn a_wave_that_meets_a_tip_is_mirrored() {
 /// next to the faces of its box.
 const GYROID_MOST: f64 = 4e-4;
 
-/// Protects normals by differences from steps that agree by accident: next to a face of the box the slopes were those
-/// of one side, and waves left 2e-3 rad off; now all are right.
+/// Protects normals by differences from steps that agree by accident: next to a face of the box, slopes of one side
+/// alone would send waves 2e-3 rad off.
 #[test]
 fn no_face_of_the_box_spoils_a_normal() {
     const TIMES: f64 = 1.3;
@@ -300,8 +300,8 @@ fn no_face_of_the_box_spoils_a_normal() {
     assert!(worst < GYROID_MOST, "{worst:e}");
 }
 
-/// Protects normals near the edge of two almost parallel planes: at 16/9 of a step from it slopes agreed by accident,
-/// and waves left with a normal between those of the planes, up to half a metre from the edge.
+/// Protects normals near the edge of two almost parallel planes: at 16/9 of a step from it slopes can agree by
+/// accident, which would give a normal between those of the planes, up to half a metre from the edge.
 #[test]
 fn no_edge_that_is_far_spoils_a_normal() {
     let mut tracer = Tracer::new(&context(Api::Gl)).unwrap();

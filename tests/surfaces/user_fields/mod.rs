@@ -19,7 +19,7 @@ fn user(text: &str, lipschitz: f32) -> Arc<UserField> {
     Arc::new(UserField::new("my.glsl", text.to_owned(), size, lipschitz))
 }
 
-/// A room with users' fields in a row along x.
+/// Returns a room with users' fields in a row along x.
 fn scene(fields: &[Arc<UserField>]) -> Scene {
     let room = Node::Room(Room {
         size: Vec3::splat(20.0),

@@ -126,14 +126,14 @@ fn words(text: &str) -> impl Iterator<Item = &str> {
     text.split_whitespace()
 }
 
-/// Why a text with a line before a good field is refused before it is compiled.
+/// Returns the reason why a text with `line` before a good field is refused before it is compiled.
 fn refused(line: &str) -> Option<(Option<u32>, String)> {
     let text = format!("{line}\n{BALL}");
     let field = UserField::new("my.glsl", text, Vec3::splat(3.0), 1.0);
     field.check_text().err()
 }
 
-/// Names that the program's own shaders declare globally.
+/// Returns the names that the program's own shaders declare globally.
 fn names_of_shaders() -> BTreeSet<String> {
     let mut names = BTreeSet::new();
     let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("glsl")];
@@ -227,7 +227,7 @@ fn functions_of_glsl_are_called_everywhere() {
     }
 }
 
-/// A room with a ball and a field.
+/// Returns a room with a ball and a field.
 fn scene_with(text: String) -> Scene {
     let room = Node::Room(Room {
         size: Vec3::splat(9.0),

@@ -6,7 +6,7 @@ use crate::common::for_each_api;
 use echomarch::tracer::Reloading;
 use echomarch::{Error, Profile, Settings, Tracer};
 
-/// The first change that the next polls of the files return.
+/// Polls the files, and returns the first change.
 fn settle(
     reloading: &mut Reloading,
     tracer: &mut Tracer,

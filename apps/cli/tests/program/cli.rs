@@ -235,14 +235,14 @@ fn csv_rows(text: &str) -> Vec<Vec<String>> {
 }
 
 /// Protects `render` from scene to sound: a source that passes from left to right is heard to do
-/// so, without a click, and twice the same.
+/// so, without a click, and a second run writes the same bytes.
 #[test]
 fn a_passing_source_moves_from_left_to_right() {
     let folder = tempfile::tempdir().unwrap();
     let first = folder.path().join("first.wav");
     let second = folder.path().join("second.wav");
     // The direct sound alone. The listener is at the world's origin, where the thesis' algorithm
-    // would put dead waves, and hear them in the second iteration.
+    // would put dead waves, which would be heard in the second iteration.
     let short = ["--waves", "16384", "--iterations", "1", "--law", "linear"];
     let sine = ["render", "open-field", "--sound", "sine:440", "-o"];
     let render = |path| [&sine[..], &[argument(path)], &short[..]].concat();

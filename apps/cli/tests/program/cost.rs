@@ -1,5 +1,5 @@
-//! Costs, and what could be left out: the report agrees with itself, and with known properties of
-//! the scene. No time is asserted: other work on the machine would make it fail.
+//! The report of costs and of parts that could be left out agrees with itself, and with known
+//! properties of the scene. No time is asserted: other work on the machine would make tests fail.
 
 use crate::common::cli::{argument, command, echomarch, json, stderr, stdout, succeed};
 use crate::common::{builtin, tracer};
@@ -49,8 +49,8 @@ fn a_ball_behind_a_wall_can_be_left_out_and_the_room_not() {
         };
         assert_eq!(ball.verdict, Verdict::CanBeLeftOut);
         assert_eq!(ball.met, 0);
-        // With the ball ahead, the march may approach the wall in other steps, and then lands off
-        // by a rounding.
+        // With the ball ahead, the march may approach the wall in other steps, and then ends off by
+        // a rounding.
         let rounding = if profile == Profile::March { 1e-7 } else { 0.0 };
         assert!(ball.change.unwrap().pan.rms <= rounding);
         assert_eq!(room.verdict, Verdict::IsHeard);
@@ -127,8 +127,8 @@ fn one_surface_silence_and_many_are_told() {
 }
 
 /// Protects a promise: no scene pays for a feature that it does not use. Each feature with
-/// functions in a shader is in the scene, or is called by one that is; and all functions except a
-/// few lines are called.
+/// functions in a shader is in the scene, or is called by a feature that is; all functions are
+/// called, except a few lines.
 #[test]
 fn no_built_in_scene_has_the_text_of_a_feature_that_it_lacks() {
     for name in Scene::BUILTIN_NAMES {

@@ -38,7 +38,7 @@ fn wait_for_scene(demo: &Demo, name: &str) -> Value {
     demo.wait_until(name, |frame| frame["scene"] == name)
 }
 
-/// Protects a scene given as a file from being lost after another was chosen.
+/// Protects a scene given as a file from being lost when another is chosen.
 #[test]
 fn a_scene_file_can_be_reached_again() {
     let (_folder, hall, _) = folder();
@@ -48,7 +48,7 @@ fn a_scene_file_can_be_reached_again() {
     wait_for_scene(&demo, "corner");
     demo.key("b");
     wait_for_scene(&demo, argument(&hall));
-    // It is followed again: a change is read.
+    // The file is followed again: a change is read.
     std::fs::write(&hall, HALL.replace("radius: 1,", "radius: 1.5,")).unwrap();
     demo.wait_for("is read again");
     let (report, _, _) = demo.quit();
@@ -292,7 +292,7 @@ fn without_a_scene_there_is_something_to_see() {
 /// Protects from a display server that disappears: the window ends with its report, one sentence and exit code 1.
 #[test]
 fn the_display_may_go_away() {
-    // At rest, while the mouse is captured, and while keys are held.
+    // While nothing happens, while the mouse is captured, and while keys are held.
     for what in [
         &["mousemove", "5", "5"][..],
         &["click", "1"],

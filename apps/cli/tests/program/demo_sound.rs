@@ -8,7 +8,7 @@ use crate::sound_server::{SINK, Server, wait_for};
 use serde_json::Value;
 use std::path::Path;
 
-/// Frames of a window of sound: 50 ms, over which the noise's level is known to 0.1 dB.
+/// Frames per interval in which levels are measured: 50 ms, over which the noise's level is known to 0.1 dB.
 const WINDOW: usize = 2400;
 
 fn open<'a>(display: &'a Display, server: &Server, arguments: &[&str]) -> Demo<'a> {
@@ -28,9 +28,9 @@ fn traced(report: &Value) -> Vec<[f64; 2]> {
 }
 
 /// Protects the purpose of the window: the source passes from left to right, and both channels of the sound server's
-/// output have the level of the traced waves, in every window without a gap. Waves are traced for every twentieth
-/// picture, so that the gains stand still in between. The sound system decides when gains are applied; `live_audio.rs`
-/// asserts of the renderer alone that the next block applies them.
+/// output have the level of the traced waves, in every interval without a gap. Waves are traced for every twentieth
+/// picture, so that the gains are constant in between. The sound system decides when gains are applied; `live_audio.rs`
+/// checks for the renderer alone that the next block applies them.
 #[test]
 fn a_passing_source_is_heard_from_left_to_right_as_it_is_traced() {
     const LEAST_WINDOWS: usize = 60;
@@ -44,7 +44,7 @@ fn a_passing_source_is_heard_from_left_to_right_as_it_is_traced() {
         if compared.windows < LEAST_WINDOWS {
             continue;
         }
-        // The gains stand still most of the time.
+        // The gains are constant most of the time.
         assert!(2 * compared.moving < compared.windows, "{compared:?}");
         // Both sides and the middle are among them.
         for range in [0.0..0.35, 0.35..0.65, 0.65..1.0] {
@@ -73,12 +73,12 @@ fn pass(display: &Display) -> (Value, Comparison) {
     });
     let (report, _, _) = demo.quit();
     let heard = recorder.stop();
-    // In the middle until the first frame of waves has arrived.
+    // The sound is in the middle until the first frame of waves has arrived.
     let shares = [0.5].into_iter();
     let shares = shares.chain(traced(&report).into_iter().map(|[_, right]| right));
     let shares: Vec<f64> = shares.collect();
     let heard = Heard::new(&heard, 50);
-    // With left and right exchanged, almost no window matches.
+    // With left and right exchanged, almost no interval matches.
     let mirrored: Vec<f64> = shares.iter().map(|share| 1.0 - share).collect();
     let mirrored = heard.follow(&mirrored);
     let astray = mirrored.wrong + mirrored.moving;
@@ -129,7 +129,7 @@ fn a_sound_server_that_is_started_again_is_played_to_again() {
     assert_eq!(traced(&report).last(), Some(&wanted));
 }
 
-/// Protects `--record`: it starts before there is a device, and the file holds what is heard.
+/// Protects `--record`: it starts before a device exists, and the file holds what is heard.
 #[test]
 fn what_is_heard_is_recorded() {
     let display = Display::new();
@@ -148,11 +148,11 @@ fn what_is_heard_is_recorded() {
     let heard: Vec<f32> = reader.samples().map(Result::unwrap).collect();
     let heard = gains(&heard, WINDOW);
     assert!(heard.len() >= 40, "{} windows", heard.len());
-    // Nothing moves: everything stays the same from the first frame of waves to the fade at the end.
+    // Nothing moves: gains are constant from the first frame of waves to the fade at the end.
     let wanted = *traced(&report).last().unwrap();
     let is_right = |window: &[f64; 2]| error_db(*window, wanted) < 0.5;
-    // Both channels play the same noise, so their balance is exact: the middle ends where it is nearer to the traced
-    // balance than to 0 dB. The window of the glide is left out.
+    // Both channels play the same noise, so their balance is exact: the initial 0 dB ends where the balance is nearer
+    // to the traced one. The interval of the glide is left out.
     let balance_db = |window: &[f64; 2]| 20.0 * (window[0] / window[1]).log10();
     let has_arrived = |window: &[f64; 2]| balance_db(window) / balance_db(&wanted) > 0.5;
     let first = heard.iter().position(has_arrived).unwrap() + 1;
@@ -203,7 +203,7 @@ fn a_source_that_goes_behind_a_wall_is_heard_by_its_echo() {
         let source = &frame["sources"][0]["is_direct"];
         frame["sound"] == true && *source == is_direct && from < now && now < to
     };
-    // A busy machine may have a gap at that moment: listen again.
+    // A busy machine may have a gap at that moment; then the test listens again.
     let heard = |what: &str, is_direct, from, to| {
         let mut found = [0.0; 2];
         wait_for(what, || {
@@ -216,7 +216,7 @@ fn a_source_that_goes_behind_a_wall_is_heard_by_its_echo() {
     let in_sight = heard("sound", true, 3.0, 8.0);
     let behind = heard("sound from behind the wall", false, 15.0, 24.0);
     let (report, _, _) = demo.quit();
-    // From 10.8 m and 14.7 m in sight, from the right, to 13.4 m by the ceiling only.
+    // In sight: from the right, over 10.8 m and 14.7 m. Behind the wall: by the ceiling only, over 13.4 m.
     assert!(in_sight[1] > 1.5 * in_sight[0], "{in_sight:?}");
     assert!((behind[0] / behind[1] - 1.0).abs() < 0.2, "{behind:?}");
     let fall = behind[1] / in_sight[1];

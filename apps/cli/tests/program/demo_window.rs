@@ -28,7 +28,7 @@ fn keys_walk_and_walls_stop() {
     assert!((x - 10.0).abs() < 1e-3 && z > 8.2, "{x} {z}");
     assert!(before.difference(&after, MIDDLE) > 0.05);
 
-    // The block's face is at z = 0; nothing else lies straight ahead.
+    // The block's face is at z = 0, and it is the only obstacle straight ahead.
     let demo = display.demo(&["corner"]);
     demo.display.xdotool(&["keydown", "shift"]);
     let (mut before, mut still) = (f64::NAN, 0);
@@ -85,8 +85,8 @@ fn keys_switch_the_profile() {
     assert!(call.contains("--profile thesis --waves 4096"), "{call}");
 }
 
-/// Protects first-time users: F1 opens the list of keys, and closes it. The picture shows it in the very frame that
-/// opened it: the last frame may be the first one after F1.
+/// Protects first-time users: F1 opens the list of keys, and closes it. The frame that opens it already shows it: the
+/// last frame may be the first one after F1.
 #[test]
 fn f1_opens_and_closes_the_help() {
     let display = Display::new();
@@ -308,11 +308,11 @@ fn panels_leave_what_they_do_not_reach() {
     let report = display.demo(&arguments).report();
     let call = report["trace_call"].as_str().unwrap();
     assert!(call.contains(" --min-distance 0.0005"), "{call}");
-    // With the first picture and the hundred and first.
+    // Waves are traced with the first picture and the hundred and first.
     assert_eq!(report["traced"], 2);
 }
 
-/// Protects the keys that change scene, waves and place, and the picture of the window.
+/// Protects the keys that change scene, waves and position, and the picture of the window.
 #[test]
 fn keys_do_what_the_help_says() {
     let display = Display::new();
@@ -337,14 +337,14 @@ fn keys_do_what_the_help_says() {
 
     let demo = display.demo(&["corner", "--fps", "2"]);
     demo.hold("s", 0.5).key("BackSpace").key("t");
-    // Half a second is enough for more than 4,096 waves.
+    // Half a second allows more than 4,096 waves.
     demo.wait_until("more waves", |frame| frame["waves"].as_u64() > Some(4096));
     let (report, _, _) = demo.quit();
     assert_eq!(place(&report["listener"]["position"]), [10.0, 0.0, 8.0]);
 }
 
-/// Protects manual changes: a source that was picked up comes along and is heard at its new place; the saved file is a
-/// scene that traces to exactly the pan that was heard last.
+/// Protects manual changes: a source that was picked up is carried along and heard at its new position; the saved file
+/// is a scene that traces to the pan that was heard last.
 #[test]
 fn a_source_carried_and_saved_is_heard_alike_from_the_file() {
     let display = Display::new();
@@ -371,7 +371,7 @@ fn a_source_carried_and_saved_is_heard_alike_from_the_file() {
     );
 }
 
-/// Protects moving scenes: the source passes by itself and is heard from left to right, until P holds it.
+/// Protects moving scenes: the source passes by itself and is heard from left to right, until P pauses it.
 #[test]
 fn a_moving_source_is_heard_to_move_until_it_is_held() {
     let display = Display::new();
@@ -392,7 +392,7 @@ fn a_moving_source_is_heard_to_move_until_it_is_held() {
     let held = &pans[pans.len() - 3..];
     assert!(held.iter().all(|pan| *pan == held[0]), "{held:?}");
 
-    // The printed call states where on its path the source was held.
+    // The printed call states where on its path the source was paused.
     assert_eq!(report["trace_call_is_exact"], true);
     let call = report["trace_call"].as_str().unwrap();
     assert!(call.contains(" --time "), "{call}");
@@ -402,8 +402,8 @@ fn a_moving_source_is_heard_to_move_until_it_is_held() {
     assert_eq!(traced["pan"], held[0]);
 }
 
-/// Protects the panels from drawing between picture and panels: they are visible in each of six consecutive frames, of
-/// which one has followed the paths of waves.
+/// Protects the panels from work on the GPU between picture and panels: they are visible in each of six consecutive
+/// frames, one of which has followed the paths of waves.
 #[test]
 fn panels_stand_in_every_frame() {
     const LEFT: std::ops::Range<u32> = 8..250;

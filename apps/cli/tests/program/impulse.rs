@@ -37,12 +37,12 @@ fn numbers(of: &Value) -> Vec<f64> {
 }
 
 /// Protects the report: a pair for each source and listener, all figures by band, the direct sound where nothing blocks
-/// it, levels of sources, and the same result again.
+/// it, levels of sources, and the same result in a second run.
 #[test]
 fn every_pair_is_told() {
     let folder = tempfile::tempdir().unwrap();
     let file = hall(folder.path());
-    // Behind a screen late arrivals are counted within half a metre: with this many waves all bands have T20.
+    // Behind a screen, late arrivals are counted within half a metre: this number of waves gives all bands a T20.
     let call = ["impulse", &file, "--waves", "262144", "--seconds", "1.8"];
     let report: Value = json(&call);
     let pairs = report["pairs"].as_array().unwrap();
@@ -330,8 +330,8 @@ fn files_open_in_sox() {
     }
 }
 
-/// Protects people from a decay that they mistake for the room's reverberation: between hard parallel walls sound
-/// lasts, and the note on flutter names the walls and both times; surfaces without a material are reported.
+/// Protects people from mistaking a flutter echo for the room's reverberation: between hard parallel walls sound lasts
+/// longer, and the note on flutter names the walls and both times. Surfaces without a material are reported.
 #[test]
 fn a_flutter_echo_is_told_with_its_walls() {
     let folder = tempfile::tempdir().unwrap();

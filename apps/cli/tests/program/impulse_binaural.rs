@@ -20,7 +20,7 @@ fn write(folder: &Path, name: &str, bytes: &[u8]) -> String {
 }
 
 /// Protects the file: two channels at the requested rate, the left ear earlier and louder for a
-/// source to the left, as given by the SOFA file, and the same result again.
+/// source to the left, as given by the SOFA file, and the same result in a second run.
 #[test]
 fn the_near_ear_hears_first_and_more() {
     let folder = tempfile::tempdir().unwrap();

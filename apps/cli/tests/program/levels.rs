@@ -10,7 +10,7 @@ fn scene(name: &str) -> String {
     )
 }
 
-/// The levels that `trace --levels` prints for each pair.
+/// Returns the levels that `trace --levels` prints for each pair.
 fn levels(arguments: &[&str]) -> Vec<Value> {
     let call: Vec<&str> = ["trace", "--levels", "--waves", "16384"]
         .into_iter()
@@ -52,7 +52,7 @@ fn doors_open_and_close_what_is_heard() {
     assert!(g_db(&ajar[0]) < g_db(between));
 }
 
-/// Protects the text, and frames for the balance alone, which print no levels.
+/// Protects the text output, and frames for the balance alone, which print no levels.
 #[test]
 fn levels_are_told_where_they_are_asked_for() {
     let output = succeed(&["trace", "corner", "--levels", "--waves", "4096"]);

@@ -67,8 +67,8 @@ fn by_the_straight_way_a_source_in_the_open_is_found_to_less_than_5_degrees() {
     }
 }
 
-/// Protects the same with the default settings, 8 iterations, where nothing reflects: the criterion
-/// fails because of the ground alone, not because of the iterations.
+/// Protects the same criterion with the default 8 iterations, in a field without a ground: only the
+/// ground makes it fail, not the iterations.
 #[test]
 fn without_a_ground_the_defaults_find_a_source_to_less_than_5_degrees() {
     let field = without_ground(&builtin("open-field"));
@@ -95,7 +95,7 @@ fn with_the_ground_heard_the_error_in_the_open_is_bounded() {
     }
 }
 
-/// Behind has the levels of ahead: the observer answers in front, and states so.
+/// A source behind has the levels of one ahead: the observer answers in front, and states so.
 #[test]
 fn behind_is_answered_as_in_front() {
     let scene = source_at(&builtin("open-field"), 150.0, 5.0);
@@ -127,7 +127,7 @@ fn mirrored_rooms_are_answered_mirrored() {
 }
 
 /// Protects the meaning of `limit`: the converged panning of `hybrid` is that of exact waves in
-/// double precision, which have other directions. The allowance is four standard errors of the
+/// double precision with other start directions. The allowance is four standard errors of the
 /// exact waves' mean side, about 0.6 ÷ √heard.
 #[test]
 fn the_converged_panning_is_that_of_exact_waves() {
@@ -176,7 +176,7 @@ fn report() -> LocaliseReport {
     report.unwrap()
 }
 
-/// One run and all of its output: sums, intervals, plateaus, files.
+/// Checks one run and all of its output: sums, intervals, plateaus, files.
 #[test]
 fn a_report_adds_up_and_becomes_csv_markdown_and_svg() {
     let report = report();
@@ -286,7 +286,7 @@ fn check_open(report: &LocaliseReport) {
     }
 }
 
-/// The thesis' profile is deaf where its own tables state so, and the default is not.
+/// The thesis' profile hears nothing where its own tables state so; the default profile does.
 #[test]
 fn in_obstacles_the_thesis_hears_next_to_nothing() {
     let mut tracer = tracer();
@@ -330,8 +330,8 @@ fn the_program_runs_the_observer() {
     let file = |ending: &str| {
         fs::read_to_string(folder.path().join(format!("localise.{ending}"))).unwrap()
     };
-    // Three cases in the open with 17 azimuths and 3 directions alike, then the counts of waves,
-    // each once.
+    // Three cases in the open with 17 azimuths and 3 directions that sound alike, then each count of
+    // waves once.
     assert_eq!(file("csv").lines().count(), 1 + 3 * (17 + 3) + 2);
     let report: Value = serde_json::from_str(&file("json")).unwrap();
     let cells = report["scenes"][0]["cells"].as_array().unwrap();
@@ -381,7 +381,7 @@ fn write_form(folder: &Path, seed: &str, sounds: &str) -> Value {
     ])
 }
 
-/// The order of what is heard, without the seed's effect on the waves.
+/// Returns the order of the stimuli, without the seed's effect on the waves.
 fn order(form: &Value) -> Vec<(String, String)> {
     let trials = form["trials"].as_array().unwrap().iter();
     let of = |trial: &Value| {

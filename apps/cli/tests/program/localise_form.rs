@@ -54,7 +54,7 @@ fn form_and_driver() -> (TempDir, PathBuf, Driver) {
     (folder, page, Driver::start())
 }
 
-/// Clicks the given number of pixels from the listener, whose place differs on each facing's plan.
+/// Clicks the given number of pixels from the listener, whose position on the plan depends on its facing.
 fn click_beside(browser: &Browser, right: i32, down: i32) {
     let from_the_middle = "const plan = document.getElementById('plan');\
          const at = plan.getScreenCTM(), box = plan.getBoundingClientRect();\
@@ -321,7 +321,7 @@ fn a_browser_that_keeps_nothing_is_told_of() {
     assert_eq!(score(&[&file])["sessions"][0]["answered"], 1);
 }
 
-/// Protects people from getting all the same order: every session has its own, which it saves.
+/// Protects studies from one order for all people: every session has its own, and saves it.
 #[test]
 fn each_person_has_an_order_of_their_own() {
     let (folder, page, driver) = form_and_driver();
@@ -336,7 +336,7 @@ fn each_person_has_an_order_of_their_own() {
         assert!(file["order_seed"].is_u64(), "{}", file["order_seed"]);
         orders.push(order);
     }
-    // Twelve orders out of six: all equal once in 300 million.
+    // Twelve sessions draw from six orders: all draw the same one once in 300 million.
     assert!(orders.iter().any(|order| *order != orders[0]));
 }
 

@@ -27,8 +27,8 @@ fn a_game_traces_waves_on_its_own_context() {
     assert!(frames.is_some_and(|frames| frames > 0), "{out}");
 }
 
-/// The example, built beside this test, with the features of the whole workspace as `scripts/test.sh` builds it: no
-/// package is compiled for it alone.
+/// Builds the example beside this test, and returns its path. The features are those of the whole workspace, as in
+/// `scripts/test.sh`, so that no package is compiled for it alone.
 fn built() -> PathBuf {
     let test = std::env::current_exe().unwrap();
     let profile = test.ancestors().nth(2).unwrap();

@@ -1,8 +1,8 @@
 //! The page of `apps/page`, in a headless browser whose WebGL is a software renderer: counts against the
 //! program's, sound, keys, links, and invalid texts.
 //!
-//! `scripts/browser-test.sh` builds the page and runs these; otherwise they are skipped, since the build needs another
-//! compiler target.
+//! `scripts/browser-test.sh` builds the page and runs these tests; otherwise they are skipped, because the build needs
+//! another compiler target.
 
 mod sound;
 
@@ -30,7 +30,7 @@ const FLAGS: [&str; 3] = [
     "--autoplay-policy=no-user-gesture-required",
 ];
 
-/// A file server for the page, and a browser that shows it.
+/// A file server for the page, and a driver of browsers that show it.
 struct Stage {
     // In the order in which they are dropped.
     server: Child,
@@ -81,7 +81,7 @@ impl Stage {
         }
     }
 
-    /// A browser with these flags in addition to its own.
+    /// Opens a browser with these flags.
     fn open_with(&self, flags: &[&str]) -> Browser<'_> {
         let folder = self.folder.path();
         self.driver.open_with(folder, folder, flags)
@@ -103,7 +103,7 @@ fn on_page(test: impl FnOnce(&Stage, &Browser)) {
     assert_eq!(browser.errors(), Vec::<String>::new());
 }
 
-/// Waits until the function's body returns true.
+/// Waits until `script`, a function's body, returns true; returns the time it took.
 fn wait(browser: &Browser, script: &str) -> Duration {
     let began = Instant::now();
     while browser.run(script) != Value::Bool(true) {
@@ -117,7 +117,7 @@ fn wait(browser: &Browser, script: &str) -> Duration {
     began.elapsed()
 }
 
-/// Counts of waves at the listener, dead, and travelling.
+/// Returns the counts of waves at the listener, dead, and travelling.
 fn counts_of_page(browser: &Browser) -> [u64; 3] {
     let frame = browser.run("return Array.from(echomarch.page.frame())");
     [0, 1, 2].map(|index| frame[index].as_f64().unwrap() as u64)
@@ -128,7 +128,7 @@ fn counts_of_program(scene: &str) -> [u64; 3] {
     ["listener_hits", "dead", "travelling"].map(|name| told[name].as_u64().unwrap())
 }
 
-/// The values of the page's controls.
+/// Returns the values of the page's controls.
 fn chosen(browser: &Browser) -> Value {
     browser.run(
         "return ['scene', 'profile', 'waves', 'iterations', 'listen', 'sound', 'volume']\
@@ -146,7 +146,7 @@ fn write_text(browser: &Browser, text: &str) {
     browser.run(&script);
 }
 
-/// A text escaped for a link.
+/// Escapes a text for a link.
 fn escaped(text: &str) -> String {
     let mut escaped = String::new();
     for byte in text.bytes() {
@@ -203,8 +203,8 @@ fn a_page_counts_what_the_program_counts() {
     });
 }
 
-/// Protects walking and links: a key moves the listener, the link contains the new place, and a page loaded with that
-/// link has the same place and choices.
+/// Protects walking and links: a key moves the listener, the link contains the new position, and a page loaded with
+/// that link has the same position and choices.
 #[test]
 #[ignore = "scripts/browser-test.sh builds the page first"]
 fn keys_walk_and_a_link_leads_back() {
@@ -240,8 +240,8 @@ fn keys_walk_and_a_link_leads_back() {
     });
 }
 
-/// Protects users who open a link from choices that are silently ignored: each invalid one is reported, and keeps its
-/// default.
+/// Protects users who open a link from choices that are silently ignored: each invalid one is reported, and the default
+/// is used.
 #[test]
 #[ignore = "scripts/browser-test.sh builds the page first"]
 fn what_a_link_says_wrongly_is_told() {

@@ -23,8 +23,8 @@ fn pan(folder: &std::path::Path, source: &str, listener: &str) -> f64 {
     report["pan"].as_f64().unwrap()
 }
 
-/// Protects the signs and the degrees from scene file to printed report; the bounds are those
-/// of the tests above.
+/// Protects the signs and the degrees from scene file to printed report; the bounds are those of
+/// `tests/tracer/panning.rs`.
 #[test]
 fn scene_files_pan_the_same_way() {
     let folder = tempfile::tempdir().unwrap();

@@ -7,8 +7,8 @@ use std::path::Path;
 
 const RATE: usize = 48_000;
 
-/// A source walks behind a wall of 4 m, and out again on the other side. A large wall behind both reflects it over the
-/// smaller one: the echo stays.
+/// A source passes behind a wall of 4 m. A large wall behind both reflects its sound over the smaller one: the echo
+/// stays.
 const WALK: &str = r#"Scene(
     surfaces: [
         Surface(shape: Box(size: (4, 3, 0.4)), position: (0, 0, -3)),
@@ -63,7 +63,7 @@ fn a_source_behind_a_wall_is_heard_by_its_echo() {
         (&true.into(), &false.into(), &true.into())
     );
     let levels = levels(&report);
-    // In sight there are the direct sound over 10 m and the echo over 15.6 m, 14.4 m behind the wall.
+    // In sight: direct sound over 10 m and echo over 15.6 m. Behind the wall: echo over 14.4 m.
     assert!(levels[60] < levels[0] - 2.0, "{} {}", levels[60], levels[0]);
     let [left, right] = read_stereo(&wav);
     let window = |at: usize| at * RATE / 2..(at + 1) * RATE / 2;
@@ -72,8 +72,8 @@ fn a_source_behind_a_wall_is_heard_by_its_echo() {
     // From left to right.
     assert!(rms(&left[window(0)]) > rms(&right[window(0)]));
     assert!(rms(&left[window(7)]) < rms(&right[window(7)]));
-    // The sine's own steps at the sum of the amplitudes at the nearest place: 1/6 + 1/12, half of it by the sine's
-    // amplitude, and a hundredth for the Doppler shift of 4 m/s.
+    // The sine's own step, with its amplitude of 0.5 and the sum of both gains at the nearest position, 1/6 + 1/12, and
+    // a margin for the Doppler shift of 4 m/s.
     let steepest = 2.0 * 0.5 * (std::f64::consts::PI * 440.0 / RATE as f64).sin() * 0.25 * 1.02;
     for samples in [&left, &right] {
         let step = samples.windows(2).map(|s| f64::from((s[1] - s[0]).abs()));
@@ -168,7 +168,7 @@ fn each_source_plays_its_own() {
             .filter(|pair| pair[0] < 0.0 && pair[1] >= 0.0);
         rises.count() as f64 * 5.0
     };
-    // A fifth of a second of each.
+    // A fifth of a second of each channel.
     let middle = 12_000..21_600;
     assert!((crossings(&left[middle.clone()]) - 440.0).abs() <= 5.0);
     assert!((crossings(&right[middle]) - 1000.0).abs() <= 5.0);

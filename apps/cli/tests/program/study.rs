@@ -44,8 +44,8 @@ fn tables(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     names.collect()
 }
 
-/// Protects the tables from how a study was divided and run: one process, shards in any order, several jobs, and again
-/// with nothing left to do.
+/// Protects the tables from depending on how a study is divided and run: in one process, as shards in any order, with
+/// several jobs, and again with no work left.
 #[test]
 fn a_study_is_the_same_however_it_was_cut() {
     let folder = tempfile::tempdir().unwrap();
@@ -83,7 +83,7 @@ fn a_study_is_the_same_however_it_was_cut() {
     assert!(tables(&jobs) == expected);
 }
 
-/// Number of lines in a working file: its first line and its rows.
+/// Returns the number of lines in a working file: its first line and its rows.
 fn lines_of(work: &Path) -> usize {
     let bytes = std::fs::read(work).unwrap_or_default();
     bytes.iter().filter(|byte| **byte == b'\n').count()
@@ -122,7 +122,7 @@ fn a_study_that_is_killed_ends_with_the_same_bytes() {
         program.kill().unwrap();
         program.wait().unwrap();
         match has_ended {
-            // It was faster than this test: its bytes are compared, and it starts again.
+            // It ended before it could be killed: its bytes are compared, and it starts again.
             true => {
                 assert!(tables(&killed) == tables(&whole));
                 std::fs::remove_dir_all(&killed).unwrap();
@@ -210,7 +210,7 @@ fn damaged_and_strange_shards_are_refused() {
     assert!(!out.join("study.csv").exists());
 }
 
-/// Four points at four places.
+/// Four points, one for each listener position.
 const TINY: &str = r#"Study(
     scenes: [Scene(of: "hall.ron")],
     listeners: Grid(from: (-3, 0, 2), to: (3, 0, 6), counts: (2, 1, 2)),
@@ -252,7 +252,7 @@ fn forged_shards_are_refused() {
         refuse(&join, &told);
         refuse(&["study", &file, "-o", &to, "-q"], &told);
         assert_eq!(contents(&out).len(), 1);
-        // The same for a working file.
+        // A working file is refused alike.
         let work = out.join("shards/00001-of-00001.work");
         std::fs::rename(&shard, &work).unwrap();
         refuse(
@@ -380,7 +380,7 @@ fn results_stay_in_their_folder() {
     refuse(&all, "shards: it is a symbolic link");
     assert!(contents(&folder.path().join("elsewhere")).is_empty());
     std::fs::remove_file(out.join("shards")).unwrap();
-    // A hard link keeps its bytes.
+    // The target of a hard link keeps its bytes.
     std::fs::hard_link(&victim, out.join("study.csv")).unwrap();
     let link = folder.path().join("link");
     symlink(&out, &link).unwrap();
@@ -458,7 +458,7 @@ fn a_grid_of_listeners_is_a_map() {
     );
 }
 
-/// Protects the count: the number of points is printed without computing them or writing files.
+/// Protects the count: the number of points is printed without computing points or writing files.
 #[test]
 fn points_and_time_are_told_before() {
     let folder = tempfile::tempdir().unwrap();

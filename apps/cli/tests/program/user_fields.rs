@@ -21,7 +21,7 @@ fn a_watched_scene_is_traced_with_every_change() {
         .unwrap();
     let mut printed = BufReader::new(running.stdout.take().unwrap()).lines();
     let mut told = BufReader::new(running.stderr.take().unwrap()).lines();
-    // Each waits for the result of the previous change, however long that takes.
+    // Each change waits for the result of the previous one, however long that takes.
     let mut wait_for = |part: &str| printed.find(|line| line.as_ref().unwrap().contains(part));
     assert!(wait_for("scene: 1000 waves").is_some());
     write(folder.path(), "float field(vec3 p) {\n    return foo;\n}");

@@ -1,5 +1,5 @@
-//! A headless Chromium, driven over the WebDriver protocol (W3C 2018), as far as the tests of the form need it.
-//! Packages `chromium` and `chromium-driver`.
+//! Drives a headless Chromium over the WebDriver protocol (W3C 2018), as far as the tests need it. Needs the Debian
+//! packages `chromium` and `chromium-driver`.
 
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Read, Write};
@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 /// Longest wait before a test gives up: no machine is this slow.
 const TIMEOUT: Duration = Duration::from_secs(300);
 
-/// The protocol's key of an element.
+/// The protocol's JSON key for a reference to an element.
 const ELEMENT: &str = "element-6066-11e4-a52e-4f735466cecf";
 
 /// The driver's process, ended on drop.
@@ -28,7 +28,7 @@ pub struct Browser<'a> {
 
 impl Driver {
     /// Starts the driver. Chromedriver requests the same free port on IPv4 and IPv6, and ends if another program uses
-    /// one of the two: then it is started again.
+    /// one of the two; it is then started again.
     pub fn start() -> Driver {
         const STARTS: usize = 8;
         let mut said = String::new();
@@ -41,7 +41,7 @@ impl Driver {
         panic!("chromedriver failed to start {STARTS} times; its last output: {said}");
     }
 
-    /// The driver, or its output before it ended.
+    /// Starts the driver once; the error is the driver's output before it ended.
     fn start_once() -> Result<Driver, String> {
         let mut process = Command::new("chromedriver")
             .arg("--port=0")
@@ -64,12 +64,12 @@ impl Driver {
         Err(said.join("\n"))
     }
 
-    /// A browser without graphics that keeps its data in `profile` and its downloads in `downloads`.
+    /// Opens a browser without graphics that keeps its data in `profile` and its downloads in `downloads`.
     pub fn open(&self, profile: &Path, downloads: &Path) -> Browser<'_> {
         self.open_with(profile, downloads, &["--disable-gpu"])
     }
 
-    /// The same with additional Chromium flags.
+    /// Opens a browser with these additional Chromium flags.
     pub fn open_with(&self, profile: &Path, downloads: &Path, flags: &[&str]) -> Browser<'_> {
         let data = format!("--user-data-dir={}", profile.display());
         let arguments = [
@@ -102,7 +102,7 @@ impl Driver {
         }
     }
 
-    /// Sends one request and returns the `value` of the response. Panics with the driver's message otherwise.
+    /// Sends one request and returns the `value` of the response. Panics with the driver's message on an error.
     fn ask(&self, method: &str, path: &str, body: Option<&Value>) -> Value {
         let body = body.map(Value::to_string).unwrap_or_default();
         let mut stream = TcpStream::connect(("127.0.0.1", self.port)).unwrap();
@@ -215,7 +215,7 @@ impl Browser<'_> {
         self.ask("POST", "/actions", Some(&actions));
     }
 
-    /// Types into an element; a path into a file field.
+    /// Types into an element; for a file field, `text` is a path.
     pub fn type_into(&self, css: &str, text: &str) {
         let path = format!("/element/{}/value", self.element(css));
         self.ask("POST", &path, Some(&json!({ "text": text })));
@@ -246,7 +246,7 @@ impl Browser<'_> {
         }
     }
 
-    /// The errors logged by the console since the last call.
+    /// Returns the errors logged by the console since the last call.
     pub fn errors(&self) -> Vec<String> {
         let log = self.ask("POST", "/se/log", Some(&json!({ "type": "browser" })));
         let lines = log.as_array().unwrap().iter();
@@ -256,8 +256,8 @@ impl Browser<'_> {
 }
 
 impl Drop for Browser<'_> {
-    /// Closes the browser as a user does, so that it saves its data; after a failed test it is closed too, whatever the
-    /// driver responds.
+    /// Closes the browser as a user does, so that it saves its data. After a failed test the driver's response is
+    /// ignored.
     fn drop(&mut self) {
         if !std::thread::panicking() {
             self.ask("DELETE", "", None);

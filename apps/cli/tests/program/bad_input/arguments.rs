@@ -4,7 +4,7 @@ use super::{SCENE, folder, refusal};
 use crate::common::cli::{argument, json, refused, stderr};
 use std::path::Path;
 
-/// The program's message for invalid arguments: one line, followed by the reference to the help.
+/// Returns the program's message for invalid arguments: one line, followed by the reference to the help.
 fn usage_refusal(folder: &Path, arguments: &[&str]) -> String {
     let output = refused(folder, arguments);
     let lines: Vec<&str> = stderr(&output).lines().collect();
@@ -212,12 +212,12 @@ fn places_that_cannot_be_written_are_refused() {
     );
 }
 
-/// Protects a finished file: a run that fails half way leaves the older file unchanged.
+/// Protects a finished file: a run that fails midway leaves the older file unchanged.
 #[test]
 fn a_refused_run_leaves_an_older_file() {
     let folder = folder();
     std::fs::write(folder.path().join("old.wav"), b"old").unwrap();
-    // The GPU is opened only after the path was found writable.
+    // The GPU is opened only after the path has been found writable.
     refusal(
         folder.path(),
         &["render", "corner", "-o", "old.wav", "--gpu", "99"],

@@ -1,5 +1,5 @@
-//! Unusable input: one sentence that states the mistake and its place, exit code 2, and no file
-//! changed. Input that is only odd: a warning, and a result.
+//! Unusable input gives one sentence that states the mistake and its position, and exit code 2, and
+//! changes no file. Input that is only odd gives a warning and a result.
 
 mod arguments;
 mod scene_files;
@@ -26,7 +26,7 @@ fn folder() -> TempDir {
     folder
 }
 
-/// The one line that the program prints for arguments that it refuses itself.
+/// Runs the program, which must refuse the arguments itself, and returns the one line that it prints.
 fn refusal(folder: &Path, arguments: &[&str]) -> String {
     let output = refused(folder, arguments);
     let lines: Vec<&str> = stderr(&output).lines().collect();
@@ -35,7 +35,7 @@ fn refusal(folder: &Path, arguments: &[&str]) -> String {
     };
     let sentence = line.strip_prefix("echomarch: ");
     let sentence = sentence.unwrap_or_else(|| panic!("{arguments:?}: {line}"));
-    // A cause that the sentence contains must not follow it again.
+    // The sentence must not state its cause twice.
     if let Some((_, cause)) = sentence.rsplit_once(": ") {
         assert_eq!(sentence.matches(cause).count(), 1, "{sentence}");
     }

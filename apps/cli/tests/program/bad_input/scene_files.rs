@@ -2,7 +2,7 @@
 
 use super::{SCENE, folder, refusal};
 
-/// The error for a scene file with the content `text`.
+/// Returns the error for a scene file with the content `text`.
 fn scene_refusal(text: &str) -> String {
     let folder = folder();
     let file = folder.path().join("scene.ron");

@@ -1,4 +1,4 @@
-//! Odd scenes, and marches that reach the step limit: a warning, and a result.
+//! Odd scenes, and marches that reach the step limit, give a warning and a result.
 
 use super::{SCENE, folder};
 use crate::common::cli::{argument, json, stderr, stdout, succeed};
@@ -8,7 +8,7 @@ use tempfile::TempDir;
 /// One iteration of the thesis' algorithm.
 const THESIS_ONCE: &[&str] = &["--profile", "thesis", "--iterations", "1"];
 
-/// A scene file with this text, in a folder that exists as long as it is held.
+/// Writes a scene file with this text, in a folder that is deleted on drop.
 fn scene_file(text: &str) -> (TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("scene.ron");
@@ -16,7 +16,7 @@ fn scene_file(text: &str) -> (TempDir, PathBuf) {
     (folder, file)
 }
 
-/// The warnings when a scene file is traced.
+/// Traces a scene file with this text, and returns the warnings.
 fn warnings(text: &str) -> Vec<String> {
     let folder = folder();
     let file = folder.path().join("odd.ron");
@@ -49,10 +49,10 @@ fn odd_places_are_warned_of() {
 }
 
 /// Protects the GPU from hanging: a march of more than 4096 steps ends, is counted and reported. A
-/// wave that leaves at h = 0.01 m above a plane and sinks at a slope s comes down by the factor 1 −
-/// s with every step, and so is below 1e-6 m after ln(10⁴)/s = 9.2/s of them: too many for slopes
-/// under 0.0022, which are those of 0.0022/2 of all start directions, 74 of 65,536. The thesis' own
-/// 0.1 m is hit at once.
+/// wave that starts h = 0.01 m above a plane and descends at a slope s multiplies its height by
+/// 1 − s with every step, and so is below 1e-6 m after ln(10⁴)/s = 9.2/s steps: too many for slopes
+/// under 0.0022, which 0.0022/2 of all start directions have, 74 of 65,536. With the thesis' own
+/// minimum distance of 0.1 m such a wave hits at once.
 #[test]
 fn marches_without_end_are_given_up_and_counted() {
     let (_folder, file) = scene_file(
@@ -73,7 +73,7 @@ Scene(
         (31..=117).contains(&step_limit_reached),
         "{step_limit_reached}"
     );
-    // Waves that reached the step limit are dead, as are those that went up to the sky: about half.
+    // Waves that reached the step limit are dead, as are those that fly into the sky: about half.
     let dead = report["dead"].as_u64().unwrap();
     assert!(dead > 30_000 && dead < 36_000, "{dead}");
     let output = succeed(&grazing);
@@ -83,7 +83,7 @@ Scene(
     assert_eq!(json(&once)["step_limit_reached"], 0);
 }
 
-/// Protects the step limit for marched fields: endless tori, between which waves fly far.
+/// Protects the step limit for marched fields: waves fly far between endless tori.
 #[test]
 fn the_step_limit_of_fields_is_told() {
     let (_folder, file) = scene_file(
@@ -116,7 +116,7 @@ Scene(
     assert!(stderr(&output).contains(&told), "{}", stderr(&output));
 }
 
-/// Protects against a hang in a scene without walls: the smallest minimum distances end too.
+/// Protects against a hang in a scene without walls: marches end even with the smallest minimum distances.
 #[test]
 fn the_least_minimum_distance_ends() {
     for metres in ["1e-6", "1e-30"] {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// The program as a command without arguments.
+/// Returns a command that runs the program without arguments.
 pub fn command() -> Command {
     Command::new(env!("CARGO_BIN_EXE_echomarch"))
 }
@@ -14,7 +14,7 @@ pub fn echomarch(arguments: &[&str]) -> Output {
     command().args(arguments).output().unwrap()
 }
 
-/// Runs it and requires exit code 0.
+/// Runs the program and requires exit code 0.
 pub fn succeed(arguments: &[&str]) -> Output {
     let output = echomarch(arguments);
     let errors = stderr(&output);
@@ -22,13 +22,13 @@ pub fn succeed(arguments: &[&str]) -> Output {
     output
 }
 
-/// Runs it with `--json`, requires exit code 0, and parses its output.
+/// Runs the program with `--json`, requires exit code 0, and parses its output.
 pub fn json(arguments: &[&str]) -> serde_json::Value {
     let output = succeed(&[arguments, &["--json"]].concat());
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-/// Runs it and requires that it refuses the input with one sentence that contains the given text.
+/// Runs the program and requires that it refuses the input with one sentence that contains `told`.
 pub fn refuse(arguments: &[&str], told: &str) {
     let output = echomarch(arguments);
     let said = stderr(&output);
@@ -38,14 +38,14 @@ pub fn refuse(arguments: &[&str], told: &str) {
     assert!(output.stdout.is_empty());
 }
 
-/// Runs it in a folder.
+/// Runs the program in a folder.
 pub fn run_in(folder: &Path, arguments: &[&str]) -> Output {
     let mut program = command();
     let program = program.args(arguments).current_dir(folder);
     program.output().unwrap()
 }
 
-/// Runs it in `folder` and requires that it refuses the input and leaves the folder unchanged.
+/// Runs the program in `folder` and requires that it refuses the input and leaves the folder unchanged.
 pub fn refused(folder: &Path, arguments: &[&str]) -> Output {
     let before = contents(folder);
     let output = run_in(folder, arguments);
@@ -56,7 +56,7 @@ pub fn refused(folder: &Path, arguments: &[&str]) -> Output {
     output
 }
 
-/// The contents of a folder, with the bytes of regular files below a mebibyte.
+/// Returns the entries of a folder, with the bytes of regular files below a mebibyte.
 pub fn contents(folder: &Path) -> BTreeMap<PathBuf, Option<Vec<u8>>> {
     let entries = std::fs::read_dir(folder).unwrap();
     let paths = entries.map(|entry| entry.unwrap().path());
@@ -77,7 +77,7 @@ pub fn stderr(output: &Output) -> &str {
     std::str::from_utf8(&output.stderr).unwrap()
 }
 
-/// A path as an argument.
+/// Returns a path as an argument.
 pub fn argument(path: &Path) -> &str {
     path.to_str().unwrap()
 }

@@ -12,10 +12,10 @@ use x11rb::rust_connection::RustConnection;
 use x11rb::wrapper::ConnectionExt as _;
 use x11rb::{COPY_DEPTH_FROM_PARENT, COPY_FROM_PARENT, CURRENT_TIME};
 
-/// The version of the protocol.
+/// Version of the protocol.
 const VERSION: u32 = 5;
 
-/// Drops a file on a window of a display, and returns when the window has taken it.
+/// Drops a file on a window of a display, and returns once the window has accepted it.
 pub fn drop_file(display: &str, window: &str, file: &Path) {
     let (connection, screen) = RustConnection::connect(Some(display)).unwrap();
     let root = connection.setup().roots[screen].root;
@@ -89,7 +89,7 @@ impl Hand {
         }
     }
 
-    /// Hands over the names when the window asks for them.
+    /// Sends the file names when the window asks for them.
     fn answer(&self, selection: Atom, kind: Atom, list: &str) {
         let asked: SelectionRequestEvent = loop {
             if let Event::SelectionRequest(asked) = self.connection.wait_for_event().unwrap() {

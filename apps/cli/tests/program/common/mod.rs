@@ -1,5 +1,5 @@
-//! Helpers of the program's tests, with those of the library's.
-#![allow(dead_code, unused_imports)] // Every test file uses its own part of this.
+//! Helpers for the program's tests, including those of the library's tests.
+#![allow(dead_code, unused_imports)] // Each test file uses only some of these.
 
 pub mod cli;
 #[cfg(feature = "demo")]

@@ -1,6 +1,6 @@
-//! The window as a user uses it: a display without a screen, real key presses, pictures.
+//! Helpers that use the window as a user does: a virtual display, real key presses, pictures.
 //!
-//! Needs Xvfb and xdotool (Debian packages of these names); a machine without them fails.
+//! They need Xvfb and xdotool (Debian packages of these names); without them the tests fail.
 
 use super::cli::command;
 use serde_json::Value;
@@ -14,13 +14,13 @@ use std::thread::sleep;
 use std::time::{Duration, Instant, SystemTime};
 use tempfile::TempDir;
 
-/// Runs windows one after the other: several at once would be too slow for their own keys.
+/// Allows one window at a time: several at once would react too slowly to keys.
 static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
 
 /// Longest wait before a test gives up: no machine is this slow.
 const TIMEOUT: Duration = Duration::from_secs(300);
 
-/// A display without a screen, closed on drop.
+/// A virtual display, closed on drop.
 pub struct Display {
     server: Child,
     pub name: String,
@@ -52,7 +52,7 @@ impl Display {
         self.start(command(), arguments)
     }
 
-    /// The same with a custom command that starts the program.
+    /// Opens the window as [`demo`](Display::demo) does, with a custom command that starts the program.
     pub fn start(&self, mut command: Command, arguments: &[&str]) -> Demo<'_> {
         command
             .args(["demo", "--json", "--waves", "4096", "--scale", "0.25"])
@@ -137,9 +137,9 @@ impl Demo<'_> {
         self.wait_frames();
     }
 
-    /// Waits until the window has drawn the effects of all earlier actions. A frame that begins after now may have
-    /// polled its events before; the two after it have not, and panels follow one frame later. Returns at once if the
-    /// window has closed.
+    /// Waits until the window has drawn the effects of all earlier actions. The first frame that begins after this call
+    /// may have polled its events earlier; the next two have not, and panels follow one frame later. Returns at once if
+    /// the window has closed.
     pub fn wait_frames(&self) {
         let since_1970 = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
         let now = since_1970.unwrap().as_secs_f64();
@@ -156,7 +156,7 @@ impl Demo<'_> {
         }
     }
 
-    /// Waits for a frame for which `is_so` holds, in the form in which the program prints frames.
+    /// Waits until the program prints a frame for which `is_so` holds, and returns that frame.
     pub fn wait_until(&self, what: &str, mut is_so: impl FnMut(&Value) -> bool) -> Value {
         let end = Instant::now() + TIMEOUT;
         let mut last = Value::Null;
@@ -173,7 +173,7 @@ impl Demo<'_> {
         }
     }
 
-    /// Waits until `more` more frames of waves were heard.
+    /// Waits until `more` further frames of waves are heard.
     pub fn wait_traced(&self, more: u64) {
         self.wait_frames();
         let mut first = None;
@@ -183,7 +183,7 @@ impl Demo<'_> {
         });
     }
 
-    /// The display's identifier of the window, once it is open.
+    /// Waits until the window is open, and returns its identifier on the display.
     pub fn window(&self) -> String {
         let began = Instant::now();
         while began.elapsed() < TIMEOUT {
@@ -218,7 +218,7 @@ impl Demo<'_> {
         self
     }
 
-    /// Holds a key down for `seconds` by the window's own clock and for at least twenty frames: a slow window moves
+    /// Holds a key down for `seconds` of the window's own clock, and for at least twenty frames: a slow window moves
     /// less per frame than its frame time.
     pub fn hold(&self, key: &str, seconds: f64) -> &Self {
         let mut begin = None;
@@ -246,7 +246,7 @@ impl Demo<'_> {
 
     /// Closes the window with its key; returns the report and the last picture.
     pub fn quit(mut self) -> (Value, Image, TempDir) {
-        // Waits for no frame: the program ends once its report has been read, which may exceed a pipe's buffer.
+        // Does not wait for a frame: the report may exceed a pipe's buffer, and the program ends once it has been read.
         self.display.xdotool(&["key", "ctrl+q"]);
         let report = self.report();
         let picture = Image::open(&self.path("last.png"));
@@ -295,7 +295,7 @@ impl Image {
         }
     }
 
-    /// The share of pixels in these columns with more red than blue.
+    /// Returns the share of pixels in these columns that have more red than blue.
     pub fn warm(&self, columns: Range<u32>) -> f64 {
         let pixels = self.pixels.chunks(4).enumerate();
         let within = pixels.filter(|(index, _)| columns.contains(&(*index as u32 % self.width)));
@@ -307,12 +307,12 @@ impl Image {
         f64::from(warm) / f64::from(all)
     }
 
-    /// The share of pixels that differ by more than a shade, in columns that panels do not cover.
+    /// Returns the share of pixels that differ by more than a shade, in columns that panels do not cover.
     pub fn difference(&self, other: &Image, columns: Range<u32>) -> f64 {
         self.difference_in(other, columns, 0..u32::MAX)
     }
 
-    /// The same, in some rows only.
+    /// Returns the share of pixels that differ by more than a shade, in these columns and rows.
     pub fn difference_in(&self, other: &Image, columns: Range<u32>, rows: Range<u32>) -> f64 {
         assert_eq!(self.pixels.len(), other.pixels.len());
         let pairs = self.pixels.chunks(4).zip(other.pixels.chunks(4));

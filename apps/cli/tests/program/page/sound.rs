@@ -64,12 +64,12 @@ fn play_at_the_right(stage: &Stage, browser: &Browser, listen: &str) {
     );
 }
 
-/// The listener turns round, so that the source is at the left.
+/// Turns the listener round, so that the source is at the left.
 fn turn_round(browser: &Browser) {
     browser.run("echomarch.page.stand(0, 0, 0, Math.PI, 0); return 0");
 }
 
-/// Waits until one side is louder, and records it.
+/// Waits until `side` is louder, and checks a recording for it.
 fn check_side(browser: &Browser, side: Side, what: &str) {
     /// Smallest difference between the channels in decibels: a source at the side is panned by at least 10 dB.
     const LOUDER_DB: f64 = 6.0;
@@ -105,7 +105,7 @@ fn a_page_plays_the_source_where_it_is() {
 }
 
 /// Protects the sound while a text is edited: while it is invalid, another sound can be chosen and plays in the last
-/// good scene, and the listener's place still takes effect.
+/// good scene, and the listener's position still takes effect.
 #[test]
 #[ignore = "scripts/browser-test.sh builds the page first"]
 fn a_refused_text_does_not_hold_up_the_ears() {
@@ -122,7 +122,7 @@ fn a_refused_text_does_not_hold_up_the_ears() {
 }
 
 /// Protects from unused updates: the page makes none while the sound is stopped, and afterwards the listener's current
-/// place is heard.
+/// position is heard.
 #[test]
 #[ignore = "scripts/browser-test.sh builds the page first"]
 fn a_sound_that_was_stopped_goes_on_where_one_stands() {

@@ -45,7 +45,7 @@ fn doubling(levels: usize) -> String {
     text + &format!("float field(vec3 p) {{ return 1.0 A{levels}; }}\n")
 }
 
-/// Calls that double, to be inlined: compilers need seconds for that.
+/// Functions that each call the previous one twice: compilers need seconds to inline them.
 fn doubling_calls(start: &str) -> String {
     let call = |n: usize| {
         format!(
@@ -93,7 +93,7 @@ fn refuses(text: &str, told: &str) {
     assert!(said.len() < 500, "{start}: {said}");
 }
 
-/// Accepts one sentence or a frame, depending on the renderer.
+/// Requires one sentence or a frame, depending on the renderer.
 fn refuses_or_traces(text: &str) {
     let output = trace(text);
     let said = stderr(&output);
@@ -105,7 +105,7 @@ fn refuses_or_traces(text: &str) {
     }
 }
 
-/// Protects the program from texts that are recognised before anything is compiled.
+/// Protects the program from bad texts that are recognised before anything is compiled.
 #[test]
 fn what_a_field_cannot_be_is_refused_by_name() {
     refuses(&before("discard;"), "'discard'");
@@ -165,7 +165,7 @@ fn what_dies_or_does_not_end_is_refused() {
         "for (int i = 0; i < 60000; ++i) for (int j = 0; j < 60000; ++j) p.x += sin(p.y) * 1e-9;",
         "for (int i = 0; i < 1000000000; ++i) p.x += sin(p.y + p.x) * 1e-9;",
         "while (p.x < 1e9) p.y += sin(p.x) * 1e-9;",
-        // Only where waves land.
+        // A long loop only where waves land.
         "if (abs(length(p) - 1.0) < 0.001) for (int i = 0; i < 1000000000; ++i) p.x += sin(p.y + p.x) * 1e-12;",
     ] {
         refuses(&before(loops), "f.glsl: ");
@@ -233,7 +233,7 @@ fn what_strains_a_compiler_ends_in_a_sentence_or_a_frame() {
     }
 }
 
-/// Protects harmless texts from being refused with the rest.
+/// Protects harmless texts from being refused.
 #[test]
 fn what_is_harmless_is_traced() {
     for text in [
@@ -303,7 +303,7 @@ fn starts(folder: &Path) -> usize {
     log.map_or(0, |log| log.lines().count())
 }
 
-/// The next change of the files, once the child has answered.
+/// Returns the next change of the files, once the child has answered.
 fn settle(
     reloading: &mut Reloading,
     tracer: &mut Tracer,
@@ -377,7 +377,7 @@ fn a_library_chooses_how_fields_are_tried() {
         error.starts_with("f.glsl:1: ") && error.contains("one"),
         "{error}"
     );
-    // The built-in shapes need no child.
+    // Built-in shapes need no child process.
     tracer
         .check(&Scene::builtin("menger").unwrap(), &settings)
         .unwrap();
@@ -436,7 +436,7 @@ mod window {
     use crate::common::window::Display;
     use std::path::PathBuf;
 
-    /// Protects users in a scene whose field changes into one that kills: the window reports it,
+    /// Protects users in a scene whose field changes into one that crashes: the window reports it,
     /// and continues with the last good scene.
     #[test]
     fn the_window_outlives_every_field() {

@@ -24,8 +24,8 @@ fn what_is_impossible_between_keys_is_refused_with_its_time() {
     }
 }
 
-/// Protects from files with very many key frames: each is read a few times, not once for every
-/// other.
+/// Protects from files with very many key frames: each is read a few times, not once for each of
+/// the others.
 #[test]
 fn a_hundred_thousand_key_frames_are_read() {
     let keys: Vec<String> = (0..100_000).map(|n| format!("({n},1.{})", n % 7)).collect();
