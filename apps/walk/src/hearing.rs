@@ -130,10 +130,10 @@ impl Hearing {
         self.last_late.is_none_or(since)
     }
 
-    /// Traces every source at the first listener, and passes each result to `tell`.
+    /// Traces every source at the first listener, and passes each result to the closure.
     ///
     /// # Errors
-    /// As [`Response::trace`], and those of `tell`.
+    /// As [`Response::trace`], and those of the closure.
     pub fn look(
         &mut self,
         scene: &Scene,

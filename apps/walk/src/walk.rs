@@ -140,7 +140,7 @@ impl Walker {
     }
 }
 
-/// Returns a point near `wanted` that keeps clear of the surfaces; `from` if none is found.
+/// Returns a point near `wanted` that keeps clear of the surfaces; `from` if the search fails.
 fn slide(scene: &Scene, from: Vec3, wanted: Vec3) -> Vec3 {
     let clearance = |point| scene.surface_distance(point).distance;
     // A walker that is too near already may move only where the distance does not decrease, not even slightly:

@@ -73,7 +73,7 @@ fn a_slice_has_the_heard_paths_asked_for_or_says_so() {
     };
     let (report, told, with) = slice("open-pillars", "200");
     assert_eq!(report["heard_paths"], 200);
-    // Of the 65,536 waves of a frame, 182 are heard.
+    // In a frame, 182 of 65,536 waves are heard.
     assert!(report["traced_for_heard_paths"].as_u64() > Some(65_536));
     assert!(!told.contains("heard paths"), "{told}");
     let (_, _, without) = slice("open-pillars", "0");
