@@ -247,8 +247,8 @@ mod tests {
         (0..count as u64).map(sample).collect()
     }
 
-    /// Protects every sample of a convolution, compared with the sum of products: with kernels shorter than a block,
-    /// kernels of several blocks, and channels of different lengths.
+    /// Protects every sample of a convolution, which is compared with the sum of products: with kernels shorter than a
+    /// block, kernels of several blocks, and channels of different lengths.
     #[test]
     fn blocks_are_convolved_as_a_whole_signal_is() {
         let kernels = [noise(1, 3 * BLOCK + 7), noise(2, 90)];

@@ -179,7 +179,8 @@ impl ShoeboxEnergies {
         }))
     }
 
-    /// The number of cells of `cell_m` metres up to a length, if the sum is within the limits.
+    /// The number of cells, each `cell_m` metres long, between the direct sound and `length_m`; an error if the sum
+    /// would exceed a limit.
     fn check_sum(&self, cell_m: f64, length_m: f64) -> Result<usize, TraceError> {
         let refused = |what, must: &str, value: f64| {
             Err(TraceError::BadSetting {
@@ -377,7 +378,7 @@ mod tests {
         assert!(images.is_sorted_by(|a, b| a.length_m <= b.length_m));
     }
 
-    /// Protects the sums by length, compared with the list of images.
+    /// Protects the sums by length, which are compared with the list of images.
     #[test]
     fn cells_hold_the_images_of_the_list() {
         let room = room(&by_wall());
@@ -404,9 +405,9 @@ mod tests {
         assert_eq!(late.images, summed.images - 7);
     }
 
-    /// Protects the total, compared with the energy of a diffuse field. With equal walls that absorb little, a source
-    /// of unit power gives 4/A (1/m²; A: absorption area) in addition to the direct sound, to within the few per cent
-    /// of Sabine's assumption of small absorption.
+    /// Protects the total, which is compared with the energy of a diffuse field. With equal walls that absorb little, a
+    /// source of unit power gives 4/A (1/m²; A: absorption area) in addition to the direct sound, to within the few per
+    /// cent of Sabine's assumption of small absorption.
     #[test]
     fn the_energy_of_a_live_room_is_that_of_sabine() {
         let room = room(&[[0.02; BAND_COUNT]; 6]);

@@ -12,8 +12,8 @@
 //!
 //! # Directions without a facet
 //! If the measured directions do not surround the head (a ring, a half-space), some directions lie in no facet. For
-//! these the three nearest measured directions are used, weighted by the inverse of the angle: not continuous, but
-//! close.
+//! these the three nearest measured directions are used, weighted by the inverse of the angle: this interpolation is
+//! not continuous, but nearly so.
 
 use glam::{DMat3, DVec3};
 use spade::{DelaunayTriangulation, Point2, Triangulation};

@@ -16,7 +16,7 @@ const WAVES: u32 = 4096;
 /// nothing.
 const WAVES_OUTDOORS: u32 = 64 * WAVES;
 
-/// Number of waves if few arrive late and most stay in the scene, as between two endless walls.
+/// Number of waves if few arrive late and most stay in the scene, as between two infinite walls.
 const WAVES_BETWEEN: u32 = 8 * WAVES;
 
 /// The shortest response in seconds: one block of a sound.

@@ -32,7 +32,7 @@ pub struct ResponseSettings {
     /// Maximum number of reflections of an exact path, 0 to [`ResponseSettings::MAX_ORDER`]. `None` stands for 8 if all
     /// surfaces are flat, otherwise 3. If walls absorb half of the sound, a decay of 35 dB consists of some dozen
     /// echoes of up to six reflections, and few waves find each. In an empty room all paths of up to eight reflections
-    /// are found. At curved surfaces, paths are solved for from up to 512 waves of each sequence of surfaces.
+    /// are found. At curved surfaces the search starts from up to 512 waves of each sequence of surfaces.
     pub order: Option<u32>,
     /// Length of a time bin of the echogram in seconds: 1 ms by default, less than sound needs to cross a listener of
     /// common size.

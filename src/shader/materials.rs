@@ -273,7 +273,7 @@ pub fn band_groups(scene: &Scene) -> Vec<Range<usize>> {
     groups
 }
 
-/// Whether waves that scatter by the mean share of these bands can carry each of them.
+/// Whether waves that scatter with the mean scattering of these bands can carry each of them.
 fn scatters_alike(material: &Material, bands: &Range<usize>) -> bool {
     let scattering = &material.scattering;
     if bands

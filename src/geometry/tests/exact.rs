@@ -16,7 +16,7 @@ fn intersect(shape: Node, origin: DVec3, towards: DVec3) -> Option<(f64, DVec3, 
     Some((intersection.t, point, normal))
 }
 
-/// Protects each shape's nearest hit, compared with points worked out by hand.
+/// Protects each shape's nearest hit, which is compared with points worked out by hand.
 #[test]
 fn lines_intersect_shapes_where_they_should() {
     let size = Vec3::new(2.0, 4.0, 6.0);

@@ -4,7 +4,7 @@
 //! sphere from a path, and near a source the energy density varies over the sphere. The mean is computed without waves,
 //! at points spread evenly over the sphere, so it depends neither on their number nor on the seed. Over planes, an
 //! unobstructed line from such a point towards the image of the source leads back to the source, whatever the order of
-//! the planes; over curved surfaces the path to the point is solved for.
+//! the planes; over curved surfaces the path to the point is found by Newton's method.
 
 use super::length_m;
 use crate::bands::{self, Bands};
@@ -29,7 +29,7 @@ const MOST_IMAGES: usize = 2048;
 /// Maximum number of images if a field without closed form is marched, which takes a thousand times as long.
 const MOST_IMAGES_MARCHED: usize = 8;
 
-/// Maximum number of paths over curved surfaces that are solved for each point, the shortest first: a hundred take
+/// Maximum number of paths over curved surfaces that are computed for each point, the shortest first: a hundred take
 /// about 0.1 s.
 const MOST_CURVED: usize = 128;
 

@@ -1,15 +1,15 @@
 //! Finds paths from candidates.
 //!
 //! # Limits of the search
-//! Not every wave is solved for.
+//! Newton's method does not start from every wave.
 //!
 //! A sequence of planes has one path. A sequence with curved surfaces may have many paths, and each is found from a
-//! wave that passes close by; but near a focus every wave passes the listener repeatedly, and solving for all of them
-//! takes minutes. So at most [`SOLVED_OF_A_SEQUENCE`] waves of a sequence are solved for, spread evenly over its waves,
-//! and each other wave gets the result of the solved wave whose reflection points are nearest. A path found by fewer
-//! than one in this number of its sequence's waves may be missed. In total at most [`SOLVED_AT_CURVES`] waves are
-//! solved for, first those of the sequences with the fewest reflections, then of those with the most waves; the waves
-//! of all other sequences remain statistical.
+//! wave that passes close by; but near a focus every wave passes the listener repeatedly, and starting from all of them
+//! takes minutes. So the search starts from at most [`SOLVED_OF_A_SEQUENCE`] waves of a sequence, spread evenly over
+//! its waves, and each other wave gets the result of the starting wave whose reflection points are nearest. A path
+//! found by fewer than one in this number of its sequence's waves may be missed. In total the search starts from at
+//! most [`SOLVED_AT_CURVES`] waves, first those of the sequences with the fewest reflections, then of those with the
+//! most waves; the waves of all other sequences remain statistical.
 
 use super::candidates::Candidates;
 use super::check::{Checked, flight_directions};
@@ -197,10 +197,11 @@ impl Solver<'_> {
     }
 }
 
-/// Maximum number of waves solved for in a sequence with a curved surface.
+/// Maximum number of waves of a sequence with a curved surface that the search starts from.
 const SOLVED_OF_A_SEQUENCE: usize = 512;
 
-/// Maximum number of waves solved for at curved surfaces: a few seconds on one core, a fraction of a millisecond each.
+/// Maximum number of waves at curved surfaces that the search starts from: a few seconds on one core, a fraction of a
+/// millisecond each.
 const SOLVED_AT_CURVES: usize = 1 << 15;
 
 /// A sequence of surfaces to find a path for, and the points to start from.

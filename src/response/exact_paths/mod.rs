@@ -5,18 +5,19 @@
 //!
 //! # Finding a path
 //! A sequence of planes has at most one path, found by mirror images of the source (Allen and Berkley 1979), in closed
-//! form. All other paths are solved for by Newton's method on Fermat's condition, from the points where the wave was
-//! mirrored. Each surface is taken as the smooth *sheet* that the wave hit: planes, quadrics (balls, cylinders, cones,
-//! ellipsoids, patches of a height field …) and rings have derivatives in closed form, also moved, turned, scaled,
-//! repeated, cut or grown; blends, twists, bends and morphs use finite differences of their value. The CPU knows users'
-//! GLSL fields only from samples: candidates mirrored at them are reported as [`NoPath::NotExact`], and their waves
-//! remain statistical.
+//! form. All other paths are found by Newton's method on Fermat's condition, starting from the points where the wave
+//! was mirrored. Each surface is taken as the smooth *sheet* that the wave hit: planes, quadrics (balls, cylinders,
+//! cones, ellipsoids, patches of a height field …) and rings have derivatives in closed form, also moved, turned,
+//! scaled, repeated, cut or grown; blends, twists, bends and morphs use finite differences of their value. The CPU
+//! knows users' GLSL fields only from samples: candidates mirrored at them are reported as [`NoPath::NotExact`], and
+//! their waves remain statistical.
 //!
 //! Sound takes a stationary path only if its points lie on the surfaces themselves, within their edges; if each
 //! reflection comes from the air; and if no surface obstructs it (users' fields are tested by their samples).
 //! `check.rs` has rules for cases that arithmetic cannot decide.
 //!
-//! Near a focus every wave passes the listener: the number of waves solved for is limited, see `find.rs`.
+//! Near a focus every wave passes the listener: the number of waves from which the search starts is limited, see
+//! `find.rs`.
 //!
 //! Each wave that arrived has an [outcome](Found::outcomes): if it found a path, the path replaces the wave; if its
 //! surfaces are not exact, the wave is kept; all other waves passed through the listener's sphere, but no path leads to
@@ -98,7 +99,8 @@ pub enum NoPath {
     /// The path begins or ends in an edge or at a corner that points into the air, and flies against more than one of
     /// the faces there, so that it is ambiguous which face mirrors it.
     AtEdge,
-    /// The path was not solved for, because there are too many waves at curved surfaces. Its waves remain statistical.
+    /// The search did not start from this wave, because there are too many waves at curved surfaces. Its waves remain
+    /// statistical.
     LeftOut,
 }
 

@@ -15,8 +15,8 @@
 //! wave found, then all paths that no wave found together have a probability of about f₁/n. Chao (*Nonparametric
 //! estimation of the number of classes in a population*, 1984, in its bias-corrected form): the number of missed paths
 //! is at least about f₁ (f₁ − 1) / (2 (f₂ + 1)), where f₂ is the number of paths found by two waves. If most paths are
-//! weak, as at balls and pillars, many more paths are missed than that; the first estimate, of their energy, remains
-//! valid.
+//! weak, as with balls and pillars, many more paths are missed than this bound says; the first estimate, of the missed
+//! energy, remains valid.
 //!
 //! A path that the search also looks for is known whether waves find it or not: its waves count among the n waves, but
 //! the path does not count as found by only one wave.
@@ -98,7 +98,7 @@ pub(super) struct Draft {
 const SAME: f64 = 1e-6;
 
 /// Maximum difference in radians between normals that count as equal, and between directions at the ends: equal ones
-/// may differ this much at curved surfaces, and along segments that are hardly longer than rounding.
+/// may differ this much at curved surfaces, and along segments that are hardly longer than the rounding error.
 const SAME_DIRECTION: f64 = 1e-3;
 
 /// Maximum difference in metres of lengths that count as equal for sorting: then the surfaces decide.

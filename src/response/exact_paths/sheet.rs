@@ -210,7 +210,7 @@ pub(super) struct Derivatives {
     pub hessian: DMat3,
 }
 
-/// A level of a tree's value.
+/// A level set of a tree's value, with derivatives by finite differences.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Differenced<'a> {
     shape: &'a Shape,

@@ -165,7 +165,7 @@ fn times_count_from_the_direct_sound() {
     assert_eq!(figures.begins_s, Some(0.07));
 }
 
-/// Protects the factor of Student's t, compared with its table.
+/// Protects the factor of Student's t, which is compared with its table.
 #[test]
 fn student_s_t_is_that_of_the_table() {
     for (degrees, expected) in [(1, 12.7062), (2, 4.3027), (15, 2.1314), (63, 1.9983)] {

@@ -325,7 +325,7 @@ mod tests {
         }
     }
 
-    /// Protects that the seed determines the noise, reproducibly.
+    /// Protects the reproducibility of the noise: the seed determines it.
     #[test]
     fn the_seed_chooses_the_binaural_noise() {
         let echogram = steady(&[DVec3::X]);

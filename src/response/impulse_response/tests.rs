@@ -288,7 +288,7 @@ fn noise_comes_from_where_the_energy_came() {
     assert!((powers / 13.93 - 1.0).abs() < 0.16, "{powers}");
 }
 
-/// Protects that a response can be reproduced, and varied.
+/// Protects the reproducibility of a response: the same seed gives the same noise, another seed different noise.
 #[test]
 fn the_seed_chooses_the_noise() {
     let echogram = decaying(&[DVec3::X]);

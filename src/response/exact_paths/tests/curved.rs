@@ -83,7 +83,7 @@ fn a_hollow_ball_has_all_of_alhazens_paths() {
     assert_eq!(most, 4);
 }
 
-/// Protects the focal gain of a concave mirror on its axis, compared with the mirror equation: from
+/// Protects the focal gain of a concave mirror on its axis, which is compared with the mirror equation: from
 /// distance p to distance q (metres) the front has the area (p + q − 2 p q/R)².
 #[test]
 fn a_hollow_ball_gathers_as_the_mirrors_equation_says() {
@@ -185,8 +185,8 @@ fn searched(source: DVec3, listener: DVec3, radius: f64) -> f64 {
     lengths.fold(f64::INFINITY, f64::min)
 }
 
-/// Protects paths at a cylinder, compared with a search over its surface, and their spreading,
-/// compared with traced rays.
+/// Protects paths at a cylinder and their spreading: the paths are compared with a search over the surface, the
+/// spreading with traced rays.
 #[test]
 fn a_cylinder_mirrors_as_a_search_says() {
     let pillar = Surface::new(Cylinder { radius: 0.8 });

@@ -16,7 +16,7 @@ fn by_planes(scene: &Scene, order: u32) -> (Vec<SpecularPath>, u32) {
     (early.find(&ends, &candidates).paths, known)
 }
 
-/// Protects the energy of narrow beams: in a long, low room each image up to eight reflections has its path, though
+/// Protects the energy of narrow beams: in a long, low room each image source up to order 8 has its path, though
 /// only one in about 100,000 directions leads to some of them.
 #[test]
 fn a_long_room_has_all_its_images() {
@@ -29,7 +29,7 @@ fn a_long_room_has_all_its_images() {
     );
     let (paths, known) = by_planes(&scene, 8);
     assert_eq!(known, 8);
-    // n reflections have 4 n² + 2 images.
+    // There are 4 n² + 2 image sources of order n.
     assert_eq!(paths.len(), 833);
     assert!(
         paths

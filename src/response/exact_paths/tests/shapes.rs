@@ -261,7 +261,8 @@ fn every_path_goes_back() {
     }
 }
 
-/// Protects the estimate of missed energy, compared with the additional paths that twenty times as many waves find.
+/// Protects the estimate of missed energy: it agrees with the energy of the additional paths that are found with twenty
+/// times as many waves.
 #[test]
 fn what_more_waves_find_was_estimated() {
     let scene = furnished();
@@ -292,8 +293,8 @@ fn what_more_waves_find_was_estimated() {
     );
 }
 
-/// Protects spreading, compared with counts of waves: of N waves, N reach² / (4 A) come within `reach` of the listener
-/// along a path, with a standard deviation of the square root of that.
+/// Protects spreading, which is compared with counts of waves: of N waves, N reach² / (4 A) come within `reach` of the
+/// listener along a path, with a standard deviation of the square root of that.
 #[test]
 fn as_many_waves_arrive_as_the_spreading_says() {
     let (waves, reach) = (400_000, 0.3);
