@@ -2,7 +2,8 @@
 
 // Ground given by an image of heights, within a box. The image is in the scene's data: pixels from index
 // `first`, row by row, size.x per row, interpolated bilinearly. The height above the ground, divided by its
-// greatest possible growth, is a bound. Returns the ground's slopes along x and z, and its height.
+// Lipschitz constant, is a lower bound of the distance. Returns the ground's slopes along x and z, and its
+// height.
 vec3 groundAt(vec3 p, vec3 halfSize, int first, ivec2 size) {
     vec2 cells = vec2(size - 1);
     vec2 place = clamp((p.xz / (2.0 * halfSize.xz) + 0.5) * cells, vec2(0.0), cells);

@@ -28,7 +28,7 @@ pub struct Structure {
 
 /// The parameters of the shader text of a scene: for each unrolled surface its shape, whether it
 /// has a rotation, and the fixed part of its field; for surfaces in cells only their kinds, and the
-/// axes along which cells are endless. Two scenes with equal keys share their programs.
+/// axes along which cells are infinite. Two scenes with equal keys share their programs.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub(crate) struct StructureKey {
     /// Unrolled surfaces with their indices.
@@ -159,7 +159,7 @@ impl Assets {
     }
 
     pub fn user(&self, field: &UserField) -> Option<usize> {
-        // Size and growth are arguments of the field's functions.
+        // Size and Lipschitz constant are arguments of the field's functions.
         let same = |known: &UserField| known.file == field.file && known.text == field.text;
         self.users.iter().position(|known| same(known))
     }

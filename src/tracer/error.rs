@@ -83,9 +83,9 @@ pub enum TraceError {
         file: String,
         /// The point, in metres, in the field's own axes.
         place: Vec3,
-        /// The growth found at this point, per metre.
+        /// The rate of change of the value found at this point, per metre.
         growth: f32,
-        /// The stated growth.
+        /// The stated Lipschitz constant.
         stated: f32,
     },
     /// A user's field whose stated gradient differs from the gradient of its value.
@@ -175,7 +175,7 @@ fn located(file: &str, line: Option<u32>) -> String {
     }
 }
 
-/// If the growth exceeds this multiple of the stated growth, a jump is likelier than a steep slope.
+/// If the rate of change exceeds this multiple of the stated Lipschitz constant, a jump is likelier than a steep slope.
 const JUMP: f32 = 100.0;
 
 fn remedy(growth: f32, stated: f32) -> String {

@@ -3,10 +3,10 @@
 //! Each field is compiled separately, so that errors are reported with its own file and line. Its
 //! values are sampled on a grid of 65 points a side, from which the CPU knows where the solid is.
 //! At these points and at 16,384 points in between, the field is tested for values that are not
-//! numbers and for growth beyond the stated limit. Only growth measured between two points counts,
-//! because it is a proof. (At a ridge, the length of a gradient by differences proves nothing.)
-//! Details narrower than a step between points can still be missed. A gradient stated by the text
-//! is compared with differences (`gradient.rs`).
+//! numbers and for rates of change above the stated Lipschitz constant. Only a rate of change measured between two
+//! points counts, because it is a proof. (At a ridge, the length of a gradient by differences proves nothing.) Details
+//! narrower than a step between points can still be missed. A gradient stated by the text is compared with differences
+//! (`gradient.rs`).
 //!
 //! # Cost
 //! Once for each context and field: one short program, and some 400,000 evaluations in four passes; a field that takes
@@ -32,11 +32,11 @@ use std::sync::Arc;
 /// Samples along each side of the box.
 const SIDE: usize = 65;
 
-/// Points in between at which the growth is tested.
+/// Points in between at which the rate of change is tested.
 const TRIES: usize = 16_384;
 
-/// Tolerated relative excess of the growth over the stated one: an excess this small does no harm
-/// to a march, whose last steps are Newton's.
+/// Tolerated relative excess of the rate of change over the stated Lipschitz constant: an excess this small does no
+/// harm to a march, whose last steps are Newton's.
 const TOLERANCE: f32 = 0.01;
 
 /// The rounding error of a value, as a share of the largest value that its box allows.
@@ -66,7 +66,7 @@ const TIMING: f64 = 1.0;
 /// Menger sponge, a frame of 65,536 waves and eight iterations takes a minute.
 const SLOWEST: f64 = 5e-6;
 
-/// Steps between two points with an excessive growth.
+/// Steps between two points with an excessive rate of change.
 const CLOSER: usize = 256;
 
 /// Number of remembered fields in addition to those of the scene: an editor makes a new field with
@@ -274,7 +274,7 @@ impl Probe<'_> {
         .into())
     }
 
-    /// The initial value, without any growth.
+    /// The initial value: a rate of change of 0.
     fn steepest(&self) -> Steepest {
         Steepest {
             growth: 0.0,
@@ -407,7 +407,7 @@ fn neighbours() -> impl Iterator<Item = (usize, usize)> {
     [1, SIDE, SIDE * SIDE].into_iter().flat_map(along)
 }
 
-/// The two points with the greatest growth between them.
+/// The two points with the greatest rate of change between them.
 struct Steepest {
     growth: f32,
     ends: [Vec3; 2],

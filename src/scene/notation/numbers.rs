@@ -372,7 +372,7 @@ checked! {
     /// Full width, height and depth in metres that do not move, each finite and greater than 0.
     #[derive(Clone, Copy)]
     pub(crate) Size(Vec3) from (f32, f32, f32): size;
-    /// Maximum growth of a value, in metres per metre: the stated Lipschitz constant.
+    /// Maximum rate of change of a value, in metres per metre: the stated Lipschitz constant.
     #[derive(Clone, Copy)]
     pub(crate) Lipschitz(f32) from f32: |constant| positive("a Lipschitz constant", constant);
 }

@@ -1,13 +1,12 @@
 //! Intersections of a line with fields that have a closed form.
 //!
-//! A quadric's value along a line, A t² + 2 B t + C, changes from air to solid at one t at most, where
-//! its growth 2 (A t + B) is negative: t = (−B − √(B² − A C)) / A. This formula holds outside and
-//! inside, for convex and other quadrics, and never gives the point that a wave leaves. To move,
-//! rotate or scale a shape, the line is transformed; the hit of a union is the nearest of its
-//! operands' hits. A line is taken past copies that keep to their cells one after another: the first
-//! copy hit is the nearest. If there may be too many copies for one flight, the traversal has a step
-//! limit. The traversal also ends at the nearest hit of the other surfaces, so that the limit counts
-//! only if the wave hits no other surface.
+//! A quadric's value along a line, A t² + 2 B t + C, changes from air to solid at one t at most, where its derivative
+//! 2 (A t + B) is negative: t = (−B − √(B² − A C)) / A. This formula holds outside and inside, for convex and other
+//! quadrics, and never gives the point that a wave leaves. To move, rotate or scale a shape, the line is transformed;
+//! the hit of a union is the nearest of its operands' hits. A line is taken past copies that keep to their cells one
+//! after another: the first copy hit is the nearest. If there may be too many copies for one flight, the traversal has
+//! a step limit. The traversal also ends at the nearest hit of the other surfaces, so that the limit counts only if the
+//! wave hits no other surface.
 
 use super::value::arguments;
 use super::{CopyAxes, Place, Writer, cells_crossed, has_step_limit, keep_to_cells};
