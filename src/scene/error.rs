@@ -54,7 +54,7 @@ pub enum SceneError {
         /// The file and the error.
         why: String,
     },
-    /// The scene is invalid at a time of its key frames, but valid before.
+    /// The scene becomes invalid at some time between its first and its last key frame.
     #[error("at {seconds} s, {refused}")]
     At {
         /// The time, at a key or between two keys.

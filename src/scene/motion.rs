@@ -118,7 +118,7 @@ pub struct Path {
     keys: Vec<Key>,
 }
 
-/// A pose at a time.
+/// A pose at a given time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Key {
     /// Seconds since the start.
@@ -132,7 +132,7 @@ pub struct Key {
 }
 
 impl Key {
-    /// A position at a time in seconds, with a gaze along −z.
+    /// A position at a given time in seconds, with a gaze along −z.
     pub fn at(time: f64, position: impl Into<[f32; 3]>) -> Key {
         Key {
             time,

@@ -73,7 +73,7 @@ impl Reloading {
     /// Returns whether there is a new scene.
     ///
     /// # Errors
-    /// As [`Reloading::open`], once after each change that makes no scene that can be traced: the last one stays.
+    /// As [`Reloading::open`], once after each change that leaves no scene that can be traced; the last scene is kept.
     pub fn poll(&mut self, tracer: &mut Tracer, settings: &Settings) -> Result<bool, Error> {
         let Some(scene) = self.tried(settings)? else {
             return Ok(false);

@@ -133,7 +133,7 @@ impl Hearing {
     /// Traces every source at the first listener, and passes each result to the closure.
     ///
     /// # Errors
-    /// As [`Response::trace`], and those of the closure.
+    /// The errors of [`Response::trace`] and of the closure.
     pub fn look(
         &mut self,
         scene: &Scene,

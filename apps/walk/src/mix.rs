@@ -177,7 +177,7 @@ impl Mix {
     /// [`hear`](Mix::hear) from now on belong to it.
     ///
     /// # Errors
-    /// As [`Sound::load`]; then the previous one continues.
+    /// As [`Sound::load`]; after an error the previous sound continues.
     pub fn set_scene(&mut self, scene: &Scene, spec: &SoundSpec) -> Result<(), Error> {
         self.wanted.voices = Some(Voices::new(scene, spec, self.rate_hz)?);
         Ok(())

@@ -103,7 +103,7 @@ pub const HELP: [(&str, &[(&str, &str)]); 3] = [
 pub const HINT: &str =
     "WASD walk    click look    F carry source    1 2 3 profile    F5 save    F1 help";
 
-/// Returns the request of a pressed key.
+/// Returns the action that a pressed key requests.
 pub fn action(key: KeyCode, control: bool) -> Option<Action> {
     if control {
         return match key {

@@ -28,9 +28,9 @@ pub struct DemoOptions {
     /// Ratio of the picture's resolution to the window's along a side; `None` to adapt the ratio to
     /// the frame time.
     pub picture_scale: Option<f32>,
-    /// Width of the window in pixels, before the screen's own scale.
+    /// Width of the window in pixels, before display scaling.
     pub width: u32,
-    /// Height of the window in pixels, before the screen's own scale.
+    /// Height of the window in pixels, before display scaling.
     pub height: u32,
     /// The sound, as [`Sound::parse`](echomarch::audio::Sound::parse) takes it.
     pub sound: String,

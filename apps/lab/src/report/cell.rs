@@ -24,7 +24,7 @@ pub enum Cell {
     },
 }
 
-/// The notation of a column's numbers for people. Programs always get every digit.
+/// How a column's numbers are written for people. Programs always get every digit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Notation {
     /// The shortest digits that read back as the same number.

@@ -92,7 +92,7 @@ impl Study {
         cells
     }
 
-    /// A variant's scene at a time, before the study's positions are set.
+    /// A variant's scene at a given time, before the study's positions are set.
     pub(super) fn posed(&self, variant: u64, time: u64) -> Result<Scene, SceneError> {
         let axis = self.axis_of(variant);
         let mut scene = axis.scene.clone();

@@ -14,7 +14,7 @@ pub struct Worker<'a> {
     pub(super) study: &'a Study,
     tracer: Tracer,
     renderer: String,
-    /// A variant's scene at a time, kept until a point needs a different one.
+    /// A variant's scene at a given time, kept until a point needs a different one.
     posed: Option<((u64, u64), Scene)>,
 }
 

@@ -63,7 +63,7 @@ fn objects_met(states: &[Vec<Wave>]) -> Vec<Vec<u32>> {
     met
 }
 
-/// The status as a whole number, 0 within the margin of figure 8 about the listener's status.
+/// The status rounded to a whole number; 0 if it is within the thesis' margin (figure 8) around the listener's status.
 fn status(wave: &Wave) -> i32 {
     match wave.fate() {
         Fate::Listener => 0,

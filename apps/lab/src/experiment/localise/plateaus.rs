@@ -26,7 +26,7 @@ const SOURCE: Measure = ("source", |cell| Some(cell.source?.median_abs));
 const LIMIT: Measure = ("limit", |cell| Some(cell.limit?.median_abs));
 const SPREAD: Measure = ("spread", |cell| cell.source?.spread);
 
-/// The combinations of axis and figure to examine. The limit is not examined along iterations,
+/// The combinations of axis and figure to examine. The limit is not examined as a function of iterations,
 /// because each number of iterations has its own limit.
 const LOOKS: [(Axis, Measure); 5] = [
     (WAVES, SOURCE),
@@ -39,8 +39,8 @@ const LOOKS: [(Axis, Measure); 5] = [
 /// The share of unheard trials from which on a number of waves or iterations has no figure.
 const MOST_UNHEARD: f64 = 0.5;
 
-/// The plateaus of every scene, sound and profile, along waves and along iterations: one plateau
-/// for each value of the other number, if at least three steps were measured.
+/// The plateaus of every scene, sound and profile, over the number of waves and over the number of iterations: one
+/// plateau for each value of the other number, if at least three steps were measured.
 pub fn find(scenes: &[SceneReport]) -> Vec<Plateau> {
     let mut found = Vec::new();
     for scene in scenes {

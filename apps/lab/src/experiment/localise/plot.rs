@@ -72,9 +72,11 @@ impl Look {
 const GROUND: RGBColor = RGBColor(120, 120, 120);
 const BARE: RGBColor = RGBColor(204, 121, 167);
 
-/// Number of iterations in the panels along waves; if it was not measured, the largest measured number.
+/// Number of iterations in the panels whose x axis is the number of waves; the largest measured number if this one was
+/// not measured.
 const ITERATIONS: u32 = 8;
-/// Number of waves in the panels along iterations; if it was not measured, the largest measured number.
+/// Number of waves in the panels whose x axis is the number of iterations; the largest measured number if this one was
+/// not measured.
 const WAVES: u32 = 65_536;
 
 /// Share of unheard trials from which on a point is drawn hollow.
@@ -235,7 +237,7 @@ fn entries(lines: &[Line]) -> Vec<(String, Stroke)> {
     shown.map(entry).collect()
 }
 
-/// Draws one panel. `by_powers`: whether the x axis has one step per doubling.
+/// Draws one panel. `by_powers`: whether the x axis is logarithmic, one step per doubling.
 fn plot_lines(
     panel: &Panel,
     caption: &str,

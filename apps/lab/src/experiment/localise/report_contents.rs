@@ -2,9 +2,9 @@
 
 use super::report::{Cell, LocaliseReport, Plateau, SceneReport};
 
-/// Numbers of iterations (the thesis' own) for the plateaus along waves, if they were measured.
+/// Numbers of iterations (those of the thesis) for the plateaus over the number of waves, if they were measured.
 const ITERATIONS: [u32; 2] = [4, 8];
-/// Number of waves for the plateaus along iterations, if it was measured.
+/// Number of waves for the plateaus over the number of iterations, if it was measured.
 const WAVES: u32 = 65_536;
 
 /// The rows of the first sound; the rows of other sounds differ only by rounding.

@@ -1,4 +1,4 @@
-//! Scores the answers of test persons against the source's position and lateral angle.
+//! Scores the answers of test subjects against the source's position and lateral angle.
 //!
 //! A click on the plan can have any azimuth, but levels determine only the lateral angle. So the error is computed from
 //! the azimuth folded to the front, and the number of clicks behind is reported separately. Intervals and spread are

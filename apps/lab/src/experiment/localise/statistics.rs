@@ -8,7 +8,7 @@
 //!
 //! - for the observer, the seeds: each truth keeps its measured number of answers, so that the
 //!   interval covers the randomness of the waves, not the choice of truths ([`figures`]);
-//! - for people, the persons, each with all of their answers, because the answers of one person are
+//! - for test subjects, the persons, each with all of their answers, because the answers of one person are
 //!   not independent ([`figures_of_people`]). The choice of truths is not covered here either.
 //!
 //! Resampling narrows a spread by √((*n* − 1)/*n*), so the resampled spread is widened by the

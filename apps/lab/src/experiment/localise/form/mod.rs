@@ -1,4 +1,4 @@
-//! The experiment for people: a page that plays the sounds and records the answers.
+//! The experiment with test subjects: a page that plays the sounds and records the answers.
 //!
 //! One HTML file contains everything: the sounds (16 bits), a plan and a view for each facing, and
 //! the data to be saved with every answer. The page works without a network. The plan has the gaze
