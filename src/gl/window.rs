@@ -90,7 +90,7 @@ impl WindowDisplay {
     /// `Arc<winit::window::Window>`.
     ///
     /// # Errors
-    /// [`GpuError::NoContext`] with EGL's error, and for windows of another windowing system.
+    /// [`GpuError::NoContext`], with EGL's error or because the window belongs to another windowing system.
     pub fn context(
         self,
         window: impl HasWindowHandle + 'static,

@@ -209,8 +209,8 @@ fn materials_parts(text: &Text, rooms: &[usize]) -> Vec<Part> {
     parts
 }
 
-/// The text if the numbers of unrolled surfaces are uniforms, and those of others are in the
-/// directory.
+/// The shader text for the case that the material numbers of unrolled surfaces are uniforms, and those of other
+/// surfaces are in the directory.
 fn by_uniforms(text: &Text, rooms: &[usize]) -> String {
     let is_room = |tag: &str| rooms.iter().any(|room| (room + 1).to_string() == tag);
     let count = |tag: &str| if is_room(tag) { Room::WALL_COUNT } else { 1 };
@@ -268,8 +268,8 @@ fn by_uniforms(text: &Text, rooms: &[usize]) -> String {
     fill(&source!("template/material_by_uniforms.glsl"), &texts)
 }
 
-/// The text if all numbers are in a table of the scene's data ([`Materials::table`]). Without a hit, a number is looked
-/// up that is not used.
+/// The shader text for the case that all material numbers are in a table of the scene's data ([`Materials::table`]).
+/// Without a hit the number that is looked up is not used.
 fn by_table(text: &Text, rooms: &[usize]) -> String {
     let is_room = |tag: &str| rooms.iter().any(|room| (room + 1).to_string() == tag);
     let mut own_axes = String::new();

@@ -363,7 +363,7 @@ impl Tracer {
     }
 }
 
-/// The energies of waves at the source, unless all of them stay 1.
+/// The energies of waves at the source; empty if all of them are and stay 1.
 fn start_energies(run: &Run, starts: Option<&[Start]>, waves: usize) -> Vec<Bands> {
     let of_weight = |weight: f64| {
         std::array::from_fn(|band| match run.bands.contains(&band) {

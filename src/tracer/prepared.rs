@@ -176,7 +176,7 @@ impl PreparedFrame {
     }
 }
 
-/// The thesis marches waves even out of a solid; elsewhere a source in a solid sends none.
+/// In `thesis` waves march even out of a solid; in the other profiles a source inside a solid emits no waves.
 fn start_status(pair: Pair, settings: &Settings, compiled: &CompiledScene) -> f32 {
     if matches!(settings.algorithm, Algorithm::Thesis(_)) {
         return STATUS_STARTED;

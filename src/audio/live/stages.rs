@@ -12,7 +12,7 @@ pub(super) struct Glide {
     target: Gains,
     /// Number of samples until the target is reached.
     left: usize,
-    /// Number of samples of a whole change; at least 1.
+    /// Number of samples that a full glide takes; at least 1.
     length: usize,
 }
 

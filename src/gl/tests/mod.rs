@@ -45,7 +45,7 @@ fn gpu_context_describes_itself() {
     });
 }
 
-/// Protects that calls go to their own context while contexts of all APIs take turns on one thread. After OSMesa's
+/// Protects calls from going to a foreign context while contexts of all APIs take turns on one thread. After OSMesa's
 /// context the test uses the same EGL context again, a switch that EGL alone does not notice.
 #[test]
 fn gpu_contexts_of_all_apis_interleave_on_one_thread() {

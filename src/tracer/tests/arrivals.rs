@@ -19,7 +19,7 @@ struct Crossing {
     chord: f64,
     direction: DVec3,
     reflections: u32,
-    /// Depth in metres by which the line passes inside the sphere's edge.
+    /// The sphere's radius minus the line's distance from its centre, in metres.
     depth: f64,
 }
 

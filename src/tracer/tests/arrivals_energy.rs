@@ -48,8 +48,8 @@ fn furnished() -> Scene {
     with_materials(Scene::new("furnished", surfaces, source, listener), 10)
 }
 
-/// Nested rooms, each rotated a little more, with walls that all differ: more numbers than fit in uniforms. Sound
-/// is in their common part, so that it hits walls of all rooms.
+/// Nested rooms, each rotated a little more, with walls that all differ: more numbers than fit in uniforms. Sound stays
+/// in their intersection, so that it hits walls of all rooms.
 fn rooms_in_rooms() -> Scene {
     let size = Vec3::new(12.0, 6.0, 10.0);
     let room = |number: usize| {

@@ -152,7 +152,7 @@ fn gpu_a_callers_context_of_the_least_version_is_left_as_it_was() {
             true => version as *const c_void,
             false => egl.address(name),
         };
-        // SAFETY: the context is current, and has everything of the version that it claims.
+        // SAFETY: the context is current, and has everything that the claimed version requires.
         let context = unsafe { Context::from_loader(older, MakeCurrent::ByCaller) }.unwrap();
         let mut tracer = Tracer::new(&context).unwrap();
         for input in inputs() {

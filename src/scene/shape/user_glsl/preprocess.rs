@@ -47,7 +47,7 @@ pub fn preprocess<'a>(tokens: &[Token<'a>], most_tokens: usize) -> Result<Vec<To
     }
 }
 
-/// An `#if` before its `#endif`.
+/// An `#if` whose `#endif` has not been read yet.
 struct Condition {
     line: u32,
     /// Whether the surrounding lines are active.
