@@ -2,7 +2,7 @@
 //
 // The ray is intersected with every surface that has a closed form, and the nearest hit wins. These
 // surfaces need no march, and so no minimum distance, no start offset, and no step limit except for
-// traversals of endless copies (operator/repeat.glsl). Fields without a closed form are marched, at most
+// traversals of infinite repetitions (operator/repeat.glsl). Fields without a closed form are marched, at most
 // to the nearest of those hits.
 
 uniform float uMaxDistance;   // a wave counts as dead beyond this, metres; far below NO_HIT

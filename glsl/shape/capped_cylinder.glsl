@@ -13,7 +13,7 @@ vec4 gdCappedCylinder(vec3 p, float radius, float halfHeight) {
     return vec4(outward.x, p.y < 0.0 ? -shares.y : shares.y, outward.y, sdCorner(beyond));
 }
 
-// Hit of a ray with a finite cylinder about y: the intersection of its chords through the endless
+// Hit of a ray with a finite cylinder about y: the intersection of its chords through the infinite
 // cylinder and the slab.
 float hitCappedCylinder(vec3 p, vec3 d, float radius, float halfHeight, float errorBound) {
     float speed = length(d.xz);

@@ -1,6 +1,6 @@
-// An endless cylinder about y.
+// An infinite cylinder about y.
 
-// Signed distance to a solid endless cylinder about the y axis. Exact.
+// Signed distance to a solid infinite cylinder about the y axis. Exact.
 float sdCylinder(vec3 p, float radius) {
     return length(p.xz) - radius;
 }
@@ -16,7 +16,7 @@ vec4 gdCylinder(vec3 p, float radius) {
     return vec4(outward.x, 0.0, outward.y, apart - radius);
 }
 
-// Hit of a ray from outside with the endless cylinder about y, computed as a hit with a circle in
+// Hit of a ray from outside with the infinite cylinder about y, computed as a hit with a circle in
 // the xz plane.
 float hitCircle(vec3 p, vec3 d, float squaredRadius) {
     vec3 heading = planeHeading(d);

@@ -12,7 +12,7 @@ const MARGIN: f32 = 0.05;
 /// The shorter side is at least this share of the longer one.
 const SLIMMEST: f32 = 0.4;
 
-/// Range of the listener's sight for the plan of an endless field, in radii of its sphere, which is the only length
+/// Range of the listener's sight for the plan of an infinite field, in radii of its sphere, which is the only length
 /// that gives such a scene its scale.
 const SIGHT: f32 = 60.0;
 /// Number of viewing directions of the listener.
@@ -33,7 +33,7 @@ pub struct Bounds {
 
 impl Bounds {
     /// The part that contains everything bounded that a cut at `height` (world y, metres) meets,
-    /// the sources, the listeners and their paths, with a margin; for an endless field, such as
+    /// the sources, the listeners and their paths, with a margin; for an infinite field, such as
     /// rock around a cave, also the walls that the listeners see around them. A square metre about the
     /// origin if there is nothing of all that.
     pub fn of(scene: &Scene, height: f32) -> Bounds {
@@ -299,7 +299,7 @@ mod tests {
         assert!(Bounds::of(&scene(slab), 0.0).max.x < 5.0);
     }
 
-    /// Protects rooms that are hollows in endless rock: the plan shows the walls in the listener's horizontal sight.
+    /// Protects rooms that are hollows in infinite rock: the plan shows the walls in the listener's horizontal sight.
     #[test]
     fn the_walls_of_a_hollow_are_shown() {
         for name in ["cave", "whispering-gallery", "morphing-room"] {

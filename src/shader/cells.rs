@@ -29,13 +29,13 @@ use glam::UVec3;
 use members::{Member, groups, hull, radius};
 use rayon::prelude::*;
 
-/// Half the length that represents an endless extent, in metres: its square is finite in `f32`.
+/// Half the length that represents an infinite extent, in metres: its square is finite in `f32`.
 pub(super) const ENDLESS: f64 = 1e9;
 
 /// The cells of some surfaces of a scene.
 #[derive(Clone, Debug)]
 pub struct Cells {
-    /// Axes along which cells are endless.
+    /// Axes along which cells are infinite.
     unbounded_axes: [bool; 3],
     grid: Grid,
     /// The surfaces in the cells, in their state when the lists were built.

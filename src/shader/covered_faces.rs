@@ -64,7 +64,7 @@ struct Neighbours {
     bounds: Vec<Bounds3>,
     /// Covers by their least x.
     by_start: Vec<usize>,
-    /// Covers without a least x: walls and endless surfaces.
+    /// Covers without a least x: walls and infinite surfaces.
     endless: Vec<usize>,
     /// The greatest width of a cover along x.
     widest: f64,

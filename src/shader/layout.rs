@@ -2,8 +2,8 @@
 //!
 //! A few surfaces are unrolled: each has its own lines of text. If there are many of a *kind* (a shape,
 //! rotated or not), only the kind is in the text, and its surfaces are data; each cell lists the
-//! surfaces that can be hit in it. An endless surface cannot lie in a cell, unless most surfaces are
-//! endless along the same axis (a hall of endless pillars): then the cells are endless along that axis,
+//! surfaces that can be hit in it. An infinite surface cannot lie in a cell, unless most surfaces are
+//! infinite along the same axis (a hall of infinite pillars): then the cells are infinite along that axis,
 //! too.
 //!
 //! The choice is made by cost, for each kind. An unrolled surface costs the same in every
@@ -125,7 +125,7 @@ impl Layout {
     }
 }
 
-/// The axes along which most surfaces are endless, counting only surfaces that are bounded along
+/// The axes along which most surfaces are infinite, counting only surfaces that are bounded along
 /// some axis.
 fn mostly_endless(endless: &[[bool; 3]]) -> [bool; 3] {
     let candidates = endless.iter().filter(|axes| **axes != [true; 3]);
@@ -173,7 +173,7 @@ fn in_cells(kinds: Vec<Kind>, from: usize) -> Vec<Kind> {
     kinds.into_iter().filter(is_in).collect()
 }
 
-/// The axes along which a surface is endless on either side.
+/// The axes along which a surface is infinite on either side.
 fn endless_axes(surface: &Surface) -> [bool; 3] {
     let bounds = surface.bounds();
     [0, 1, 2].map(|axis| !(bounds.min[axis].is_finite() && bounds.max[axis].is_finite()))

@@ -50,7 +50,7 @@ impl OriginRebasing {
         (point.as_dvec3() - self.origin.as_dvec3()).as_vec3()
     }
 
-    /// The position of a surface in the shader's coordinates. An endless repetition is moved by
+    /// The position of a surface in the shader's coordinates. An infinite repetition is moved by
     /// whole periods, so that positions near the listener are also near the surface's origin and
     /// lose no precision to its distance; world coordinates are never moved.
     fn place_surface(&self, surface: &Surface) -> Vec3 {

@@ -20,7 +20,7 @@
 //!
 //! The values of a surface are in its record in the usual layout, after a vector for the tag (and,
 //! in its first component, the index of a list). This vector is omitted if the first vector of the
-//! values has an unused component: for a box, and for an endless pillar, whose height has no
+//! values has an unused component: for a box, and for an infinite pillar, whose height has no
 //! meaning.
 
 use super::cells::{Cells, ENDLESS, Group, Lists, SceneCells};
@@ -222,7 +222,7 @@ impl Writer<'_> {
 
 /// Maximum rounding error of the sides of a box.
 fn spare(low: Vec3, high: Vec3) -> Vec3 {
-    // A coordinate that represents an endless extent is not used in any computation.
+    // A coordinate that represents an infinite extent is not used in any computation.
     let places = low.abs().max(high.abs());
     let ends = places.cmplt(Vec3::splat(0.5 * ENDLESS as f32));
     Vec3::splat(rounding_of(Vec3::select(ends, places, Vec3::ZERO)))

@@ -30,7 +30,7 @@ pub(crate) const MAX_STEPS: u32 = 4096;
 const MAX_FIELD_STEPS: u32 = 1024;
 
 /// Maximum turns in which `hybrid` traces a line past copies in one flight, for repetitions that
-/// are endless or have more than 1,024 cells. Two flights of this length fit a pass on llvmpipe.
+/// are infinite or have more than 1,024 cells. Two flights of this length fit a pass on llvmpipe.
 /// Among rotated boxes 3 m to 4 m apart, 10 of 524,288 waves reach the limit, and others still hit
 /// a box after hundreds of kilometres, where a float resolves positions to some centimetres.
 pub(crate) const MAX_COPY_STEPS: u32 = 32_000;
@@ -267,9 +267,9 @@ pub(crate) struct LoopsAsked {
 pub struct Budget {
     /// Iterations in one pass.
     pub iterations_per_pass: u32,
-    /// Steps of one march among the basic shapes, or in `thesis` among all surfaces.
+    /// Maximum steps of one march among the basic shapes, or in `thesis` among all surfaces.
     pub steps: u32,
-    /// Steps of one march of the fields.
+    /// Maximum steps of one march through the fields.
     pub field_steps: u32,
     /// Turns of all traversals of long rows of copies in one flight.
     pub copy_steps: u32,
@@ -429,7 +429,7 @@ mod tests {
         assert!(turns + loops.projection < MOST_TURNS, "{turns} turns");
     }
 
-    /// Protects traversals of endless copies from more turns than a driver allows, whatever is
+    /// Protects traversals of infinite repetitions from more turns than a driver allows, whatever is
     /// repeated, and two flights of them in a pass.
     #[test]
     fn traversals_without_end_fit_a_pass() {

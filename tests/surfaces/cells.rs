@@ -127,7 +127,7 @@ fn scattered_shapes_are_all_met() {
     }
 }
 
-/// Protects columns: endless pillars, and shapes that end on one side only.
+/// Protects columns: infinite pillars, and shapes that end on one side only.
 #[test]
 fn pillars_are_all_met() {
     let mut tracer = tracer();

@@ -1,4 +1,4 @@
-//! Endless repetitions in closed form: every copy is hit, however far away, and a listener far from
+//! Infinite repetitions in closed form: every copy is hit, however far away, and a listener far from
 //! the origin hears the same.
 
 use crate::common::{Random, flights, tracer};

@@ -32,7 +32,7 @@ impl Member {
     }
 
     /// Whether its value at the centre of a box is its distance there: always without unbounded
-    /// axes; with one, only for a cylinder that is endless along this axis.
+    /// axes; with one, only for a cylinder that is infinite along this axis.
     fn is_told_by_value(&self, unbounded_axes: [bool; 3]) -> bool {
         let column = (0..3).find(|&axis| unbounded_axes[axis]);
         column.is_none_or(|axis| {
@@ -99,7 +99,7 @@ pub fn radius(bounds: Bounds3, unbounded_axes: [bool; 3]) -> f64 {
     half.length() + 8.0 * f64::from(f32::EPSILON) * place.max_element()
 }
 
-/// Bounds of all members; endless along unbounded axes.
+/// Bounds of all members; infinite along unbounded axes.
 pub fn hull(members: &[Member], unbounded_axes: [bool; 3]) -> Bounds3 {
     let all = members.iter().map(|m| m.bounds).reduce(Bounds3::hull);
     let hull = all.unwrap_or(Bounds3::EVERYWHERE);
@@ -113,7 +113,7 @@ pub fn hull(members: &[Member], unbounded_axes: [bool; 3]) -> Bounds3 {
 /// A group of nearby surfaces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Group {
-    /// Bounds of the surfaces in world metres; ±1e9 m represents an endless extent.
+    /// Bounds of the surfaces in world metres; ±1e9 m represents an infinite extent.
     pub bounds: Bounds3,
     /// Indices of the surfaces in the scene, in their order.
     pub surfaces: Vec<u32>,

@@ -127,7 +127,7 @@ impl<'a> Numbers<'a> {
 /// A number as a literal that GLSL reads back to the same bits.
 pub(super) fn literal(number: f64) -> String {
     let number = number as f32;
-    // An endless size is limited to a number that GLSL can write.
+    // An infinite size is limited to a number that GLSL can write.
     let held = number.clamp(-1e30, 1e30);
     format!("{held:?}")
 }
