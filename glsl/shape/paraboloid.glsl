@@ -1,6 +1,6 @@
 // A paraboloid.
 
-// A paraboloid that opens towards +y: diagonal . p^2 - y. A bound of the distance, exact to
+// A paraboloid that opens towards +y: diagonal . p^2 - y. A bound on the distance, exact to
 // first order.
 float sdParaboloid(vec3 p, vec3 diagonal, float constant, float norm) {
     vec3 form = diagonal * p;

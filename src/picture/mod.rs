@@ -8,9 +8,9 @@
 //!
 //! # Cost
 //! Each picture compiles its program and draws it once, in bands of rows. A view takes four rays per pixel, each with
-//! at most 384 evaluations and two shadows of at most 64 each: one to three seconds for 960 × 540 pixels on Mesa's
-//! llvmpipe, milliseconds on a graphics card. A slice takes five evaluations per pixel. Paths cost one read-back per
-//! iteration.
+//! at most 384 evaluations and two shadow rays of at most 64 evaluations each: one to three seconds for 960 × 540
+//! pixels on Mesa's llvmpipe, milliseconds on a graphics card. A slice takes five evaluations per pixel. Paths cost one
+//! read-back per iteration.
 
 use crate::file_output::{OutputError, write_inside, write_whole};
 use image::codecs::png::PngEncoder;

@@ -151,7 +151,7 @@ impl Line {
     }
 }
 
-/// A random direction, evenly distributed over the sphere, by Archimedes' cylinder.
+/// A random direction, uniform over the sphere by Archimedes' hat-box theorem.
 fn random_direction(seed: u64, wave: u32) -> DVec3 {
     let key = hash(seed).wrapping_add(2 * u64::from(wave));
     let z = 2.0 * unit_interval(hash(key)) - 1.0;

@@ -82,7 +82,7 @@ impl Tracer {
     /// of 0 in all other bands.
     ///
     /// From `settings`, only the algorithm, the waves, the seed, the directions and the maximum
-    /// distance are used; `how` determines how far waves are followed. `take` must use no GL.
+    /// distance are used; `how` determines how far waves are followed. `take` must not call OpenGL.
     ///
     /// ```
     /// use echomarch::gl::Context;

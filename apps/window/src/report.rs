@@ -21,7 +21,7 @@ const TIMES_AT_MOST: usize = 36_000;
 /// Maximum number of minutes with a memory record: a day.
 const MINUTES_AT_MOST: usize = 24 * 60;
 
-/// Milliseconds of one frame by part.
+/// Milliseconds spent on each part of one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct FrameTimes {
     /// Sphere tracing the picture.

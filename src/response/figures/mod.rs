@@ -280,7 +280,7 @@ const CELLS_S: [f64; 4] = [1e-4, 2e-4, 5e-4, 1e-3];
 impl Figures {
     /// Computes the exact figures of a rectangular room, for a record of `seconds` after the source's impulse and a
     /// speed of sound in metres per second, as a reference for results in such a room. Image sources of up to twelve
-    /// reflections are taps, all others are summed in cells of 0.1 ms (up to 1 ms in records of more than 6.5 s).
+    /// reflections are taps; all others are summed in cells of 0.1 ms (up to 1 ms in records of more than 6.5 s).
     ///
     /// # Errors
     /// [`ResponseError::BadLength`] for a length that is not above 0 s, or more than

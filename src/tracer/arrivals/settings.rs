@@ -17,8 +17,8 @@ pub struct ArrivalSettings {
     pub seconds: f64,
     /// Maximum reflections of an early arrival: 3 by default.
     pub early_order: u32,
-    /// Maximum iterations of a wave, 1 … [`Settings::MAX_ITERATIONS`], even if it has not flown the whole
-    /// time by then: the upper limit by default.
+    /// Maximum iterations of a wave, 1 … [`Settings::MAX_ITERATIONS`], after which a wave ends even if it has not flown
+    /// for the whole time; the upper limit by default.
     pub iterations: u32,
     /// Numbers of the octave bands that are traced: all by default. The energies of the others are 0.
     pub(crate) bands: Range<usize>,

@@ -260,7 +260,7 @@ fn gpu_a_callers_context_is_current_only_when_it_was() {
 #[test]
 fn gpu_a_frame_stays_in_a_texture() {
     let program = ForeignProgram::new(Kind::Core);
-    // SAFETY: the program's context is current to the end of the test.
+    // SAFETY: the program's context stays current until the end of the test.
     let gl = unsafe { Context::from_glow(Arc::new(program.egl.gl()), MakeCurrent::ByCaller) };
     let mut tracer = Tracer::new(&gl.unwrap()).unwrap();
     for (scene, settings) in inputs() {

@@ -116,7 +116,7 @@ const MOST_COPIES: u32 = 64;
 pub enum Copies {
     /// The axis is not repeated.
     None,
-    /// Only the copy of the cell.
+    /// Only the copy in the point's own cell.
     Own,
     /// The copy of the cell, and the next copy on the point's side.
     OwnAndNext,

@@ -38,7 +38,8 @@ pub(in crate::shader) fn takes_limit(field: &Shape) -> bool {
     field.nodes().iter().any(repeats)
 }
 
-/// The field whose complement has a closed form, possibly moved.
+/// The name of the shape whose hit function also serves the complement of the field, which may be moved; none without
+/// a closed form.
 fn inside_out(field: &Shape) -> Option<&'static str> {
     match &field.node {
         Node::Translate(_) | Node::Rotate(_) | Node::Scale(_) => inside_out(&field.children[0]),

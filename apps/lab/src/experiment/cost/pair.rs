@@ -73,7 +73,7 @@ pub(super) fn pair(
 }
 
 impl Pair {
-    /// Timing of the march passes; `control_percent` is the noise of the clock.
+    /// Timing of the march passes; `control_percent` is the timing noise, from the control pair.
     pub fn march(&self, control_percent: f64) -> Timing {
         self.timing(|m| m.march, control_percent)
     }
