@@ -5,10 +5,6 @@
 // such a bound. From outside, the distance to a convex solid has bend 0. Inside the solid, the
 // distance to its surface is concave along the line, and the chord to the exit is a lower bound.
 
-// The same vector at a point of the line, in both directions and at most: the value there, its slope, and a limit of
-// the amount of its second derivative, which holds in the ball of radius `reach` (`onLine…` in this file and the
-// operators' files). A reach of 0 means that no limit is known.
-
 const float NO_END = 1e20;   // beyond every length here, and does not overflow when scaled
 
 // Length along the line over which the bound stays greater than 0. The start may lie up to errorBound
@@ -60,15 +56,4 @@ vec4 upperAlong(vec4 a, vec4 b, float errorBound) {
 vec4 concaveAlong(float value, float way) {
     float end = max(way, 0.0);
     return vec4(value, -max(value, 0.0) / max(end, 1e-30), 0.0, end);
-}
-
-// A field on a line from its gradient and value, and its bend and reach.
-vec4 onLine(vec4 gradient, vec3 d, vec2 bend) {
-    return vec4(gradient.w, dot(gradient.xyz, d), bend);
-}
-
-// Bend and reach of a distance from a point, a line or a solid that is `away` metres away: within half of this
-// distance the second derivative is at most 1 / (away / 2).
-vec2 bendOfDistance(float away) {
-    return away > 0.0 ? vec2(2.0 / away, 0.5 * away) : vec2(0.0);
 }

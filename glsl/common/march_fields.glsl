@@ -27,8 +27,8 @@ struct March {
 
 // The slope of the nearest field on the line: its own, or that of the last two values.
 float slopeOf(Ahead ahead, March march, float near) {
-    float value = ahead.nearest.x;
-    float known = ahead.nearest.y;
+    float value = ahead.nearest.value;
+    float known = ahead.nearest.slope;
     float measured = march.trial > 0.0 ? (value - march.value) / march.trial : value < near ? 0.5 : -1.0;
     return known < UNKNOWN ? known : measured;
 }
@@ -36,15 +36,15 @@ float slopeOf(Ahead ahead, March march, float near) {
 // Whether the tangent at a value shows the hit: the second derivative moves it by at most TANGENT, and no edge and no
 // other field lies in between.
 bool isTangentHit(Ahead ahead, float slope, float root) {
-    float value = abs(ahead.nearest.x);
-    float bend = ahead.nearest.z;
+    float value = abs(ahead.nearest.value);
+    float bend = max(ahead.nearest.sag, ahead.nearest.rise);
     return 0.5 * bend * value * value < TANGENT * slope * slope && 4.0 * bend * value < slope * slope
-        && root <= min(ahead.nearest.w, ahead.others);
+        && root <= min(ahead.nearest.reach, ahead.others);
 }
 
 // The step from a proven point.
 float stepAhead(Ahead ahead, float slope, float touch) {
-    float value = ahead.nearest.x;
+    float value = ahead.nearest.value;
     float free = min(ahead.free, ahead.others);
     float relaxed = RELAXED * 2.0 * value / (1.0 - clamp(slope, -1.0, 0.9));
     float near = NEAR * touch;
@@ -83,7 +83,7 @@ float marchFields(vec3 origin, vec3 d, float last, float limit, out float object
         Ahead ahead = fieldsAhead(t, p, d, last, rounding);
         COUNT_EVALUATIONS(1.0);
         object = ahead.object;
-        float value = ahead.nearest.x;
+        float value = ahead.nearest.value;
         float touch = PLACE * max(rounding, ahead.errorBound);
         float near = NEAR * touch;
         bool isFirst = t <= 0.0 && i == 0;

@@ -50,11 +50,13 @@ float rootFrom(float way, float root, float value, float growth) {
 // along a line, with |F'| <= g, |g'| <= 2 norm, |g''| <= 4 norm^2 / g, |F''| <= 2 norm and |r'| <= 1, is
 // bounded by |r''| <= 10 norm / g. Over g / (4 norm) metres g stays above half its value.
 vec4 quadricAlong(float side, vec4 gradient, vec3 d, float g, float norm) {
-    return vec4(side * gradient.w, side * dot(gradient.xyz, d), bendOfQuadric(g, norm));
+    vec3 bend = bendOfQuadric(g, norm);
+    return vec4(side * gradient.w, side * dot(gradient.xyz, d), bend.xz);
 }
 
-vec2 bendOfQuadric(float g, float norm) {
-    return vec2(20.0 * norm / max(g, 1e-30), g / max(4.0 * norm, 1e-30));
+vec3 bendOfQuadric(float g, float norm) {
+    float most = 20.0 * norm / max(g, 1e-30);
+    return vec3(most, most, g / max(4.0 * norm, 1e-30));
 }
 
 // For diagonal . p^2 + constant, an ellipsoid or a hyperboloid about the origin: a bound of the

@@ -4,6 +4,12 @@ vec4 opShell(vec4 a, float halfThickness) {
     return (a.w < 0.0 ? -a : a) - vec4(0.0, 0.0, 0.0, halfThickness);
 }
 
-vec4 onLineShell(vec4 a, float halfThickness) {
-    return vec4(abs(a.x) - halfThickness, a.x < 0.0 ? -a.y : a.y, a.z, min(a.w, abs(a.x)));
+// On a line: the middle of the shell is a kink.
+OnLine onLineShell(OnLine a, float halfThickness) {
+    float toMiddle = abs(a.value);
+    OnLine outer = a;
+    if (a.value < 0.0) {
+        outer = onLineComplement(a);
+    }
+    return OnLine(toMiddle - halfThickness, outer.slope, outer.sag, outer.rise, min(a.reach, toMiddle));
 }

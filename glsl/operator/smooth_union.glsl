@@ -32,16 +32,18 @@ vec4 blendSolidAlong(vec4 a, vec4 b, float radius) {
     return vec4(max(a.x, b.x) + 0.25 * blend * blend / radius, slope, max(a.z, b.z), min(a.w, b.w));
 }
 
-// On a line: the blend adds (a' - b')^2 / (2 radius) to the second derivative, where both slopes are at most 1. Outside
-// the blend only the lower value counts, as far as the values certainly stay apart.
-vec4 onLineSmoothUnion(vec4 a, vec4 b, float radius) {
-    float gap = abs(a.x - b.x);
+// On a line: the blend subtracts (a' - b')^2 / (2 radius) from the second derivative, where both slopes are at most 1.
+// Outside the blend only the lower value counts, as far as the values certainly stay apart.
+OnLine onLineSmoothUnion(OnLine a, OnLine b, float radius) {
+    float gap = abs(a.value - b.value);
     float blend = max(radius - gap, 0.0);
     float share = 0.5 * blend / radius;
-    vec4 low = a.x < b.x ? a : b;
-    vec4 high = a.x < b.x ? b : a;
-    vec2 valueAndSlope = vec2(low.x - 0.25 * blend * blend / radius, mix(low.y, high.y, share));
-    vec2 apart = vec2(low.z, min(low.w, 0.5 * (gap - radius)));
-    vec2 both = vec2(max(a.z, b.z) + 2.0 / radius, min(a.w, b.w));
-    return vec4(valueAndSlope, apart.y > both.y ? apart : both);
+    bool isFirst = a.value < b.value;
+    float value = min(a.value, b.value) - 0.25 * blend * blend / radius;
+    float slope = isFirst ? mix(a.slope, b.slope, share) : mix(b.slope, a.slope, share);
+    vec3 low = isFirst ? vec3(a.sag, a.rise, a.reach) : vec3(b.sag, b.rise, b.reach);
+    vec3 apart = vec3(low.xy, min(low.z, 0.5 * (gap - radius)));
+    vec3 both = vec3(max(a.sag, b.sag) + 2.0 / radius, max(a.rise, b.rise), min(a.reach, b.reach));
+    vec3 bend = apart.z > both.z ? apart : both;
+    return OnLine(value, slope, bend.x, bend.y, bend.z);
 }

@@ -43,7 +43,7 @@ float exitCapsule(vec3 p, vec3 d, float radius, float halfHeight) {
     return exitSphere(p - vec3(0.0, y < 0.0 ? -halfHeight : halfHeight, 0.0), d, radius);
 }
 
-vec2 bendCapsule(vec4 gradient, vec3 p, float radius, float halfHeight) {
+vec3 bendCapsule(vec4 gradient, vec3 p, float radius, float halfHeight) {
     return bendOfDistance(gradient.w + radius);
 }
 

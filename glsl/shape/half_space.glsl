@@ -15,7 +15,7 @@ float hitHalfSpace(vec3 p, vec3 d, vec3 normal, float offset, float errorBound) 
     return closing > 0.0 ? max((dot(normal, p) - offset) / closing, 0.0) : NO_HIT;
 }
 
-vec2 bendHalfSpace(vec4 gradient, vec3 p, vec3 normal, float offset) { return vec2(0.0, NO_END); }
+vec3 bendHalfSpace(vec4 gradient, vec3 p, vec3 normal, float offset) { return vec3(0.0, 0.0, NO_END); }
 
 vec2 chordHalfSpace(vec3 p, vec3 d, float side, vec3 normal, float offset) {
     return chordBehindPlane(side * (dot(normal, p) - offset), side * dot(normal, d));

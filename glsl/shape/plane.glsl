@@ -30,6 +30,6 @@ float sdPlaneDirected(vec3 p, vec3 d) {
     return d.y >= 0.0 ? NEVER : p.y;
 }
 
-vec2 bendPlane(vec4 gradient, vec3 p) { return vec2(0.0, NO_END); }
+vec3 bendPlane(vec4 gradient, vec3 p) { return vec3(0.0, 0.0, NO_END); }
 
 vec2 chordPlane(vec3 p, vec3 d, float side) { return chordBehindPlane(side * p.y, side * d.y); }

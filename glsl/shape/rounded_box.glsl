@@ -16,7 +16,7 @@ float exitRoundedBox(vec3 p, vec3 d, vec3 core, float rounding, float errorBound
 }
 
 // Outside its core the value is the distance from the core, less the rounding.
-vec2 bendRoundedBox(vec4 gradient, vec3 p, vec3 core, float rounding) {
+vec3 bendRoundedBox(vec4 gradient, vec3 p, vec3 core, float rounding) {
     return bendOfDistance(gradient.w + rounding);
 }
 

@@ -34,7 +34,7 @@ float exitSphere(vec3 p, vec3 d, float radius) {
     return exitRoot(dot(d, d), dot(p, d), dot(p, p) - radius * radius);
 }
 
-vec2 bendSphere(vec4 gradient, vec3 p, float radius) { return bendOfDistance(gradient.w + radius); }
+vec3 bendSphere(vec4 gradient, vec3 p, float radius) { return bendOfDistance(gradient.w + radius); }
 
 vec2 chordSphere(vec3 p, vec3 d, float radius) {
     float middle = -dot(p, d);

@@ -27,7 +27,9 @@ vec4 alongTorusSolid(vec4 gradient, vec3 p, vec3 d, float ring, float tube) {
     return vec4(-gradient.w, -dot(gradient.xyz, d), 2.0 / max(least, 1e-30), 0.5 * least);
 }
 
-// The distance from the ring's centre line bends with the distances from the axis and from the centre line.
-vec2 bendTorus(vec4 gradient, vec3 p, float ring, float tube) {
-    return bendOfDistance(min(length(p.xz), gradient.w + tube));
+// The second derivative of the distance from the ring's centre line, as in alongTorus.
+vec3 bendTorus(vec4 gradient, vec3 p, float ring, float tube) {
+    float fromAxis = length(p.xz);
+    float fromLine = max(gradient.w + tube, 0.0);
+    return vec3(2.0 / max(fromAxis, 1e-30), 2.0 / max(fromLine, 1e-30), 0.5 * min(fromAxis, fromLine));
 }

@@ -3,7 +3,7 @@
 //! [`first_person`] sphere traces the view from the listener's position along its gaze direction; [`slice()`] cuts the
 //! scene at a height and shows it from above, x to the right and z downwards, as in figure 10 of the thesis, optionally
 //! with the paths of waves. Both are fragment shaders (`glsl/view/`) with the same distance function that the waves
-//! march through (`src/kernel`), so a picture shows exactly the surfaces that a wave hits. `tiny-skia` draws everything
+//! march through (`src/shader`), so a picture shows exactly the surfaces that a wave hits. `tiny-skia` draws everything
 //! without a distance function (paths, marks) on top.
 //!
 //! # Cost

@@ -76,7 +76,7 @@ fn ahead_of(named: &Named, object: &str) -> String {
         false => String::new(),
     };
     format!(
-        "        vec4 field = {};\n        float free = freeOf(field, {});\n{through}        \
+        "        OnLine field = {};\n        float free = freeOf(field, {});\n{through}        \
          addField(ahead, {object}, field, free, {});\n",
         named.on_line("p", "d"),
         named.free("p", "d", "errorBound"),

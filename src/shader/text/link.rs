@@ -297,7 +297,7 @@ macro_rules! files_of_parts {
 static LIBRARY: LazyLock<Vec<Part>> = LazyLock::new(|| {
     let shared = files!(
         "common": ball beyond_turning bound chord corner cosine_sine exit_distance hash least_component listener mirror_direction
-        no_hit onto_field quadric_form reflect_at_face rotate_by_quaternion rounding safe_inverse
+        no_hit on_line onto_field quadric_form reflect_at_face rotate_by_quaternion rounding safe_inverse
         scene_data segment
     );
     let cells = files!("cells": directed distance fields grid grid_traversal records);

@@ -104,7 +104,6 @@ impl<'a> Text<'a> {
     /// `copyUniforms`, which every main function calls first.
     /// Some drivers load a uniform again at each use, which took up to half of the time in loops
     /// over iterations and steps (docs/cost.md).
-    /// up to half of the time (docs/cost.md).
     fn uniforms(&self) -> String {
         let count: usize = self.unrolled.iter().map(|named| named.value_count()).sum();
         let mut declarations = String::new();

@@ -273,12 +273,12 @@ impl<'a> Named<'a> {
         }
     }
 
-    /// Value, slope, bend and reach of a marched field on the line of a wave.
+    /// A marched field on the line of a wave.
     pub fn on_line(&self, p: &str, d: &str) -> String {
         let (point, vector) = (self.point(p), self.vector(d));
         match self.field().is_some_and(field::is_known_on_lines) {
             true => format!("onLine{}({point}, {vector}{})", self.tag, self.data_argument()),
-            false => format!("vec4({}, UNKNOWN, 0.0, 0.0)", self.distance(p)),
+            false => format!("valueOnLine({})", self.distance(p)),
         }
     }
 

@@ -15,7 +15,7 @@ enum Kind {
     Gradient,
     /// A gradient whose direction is as exact as possible.
     Normal,
-    /// Value, slope, bend and reach on a line (`glsl/common/bound.glsl`).
+    /// Value, slope and limits of the second derivative on a line (`glsl/common/on_line.glsl`).
     Line,
 }
 
@@ -23,7 +23,8 @@ impl Kind {
     fn of_type(self) -> &'static str {
         match self {
             Kind::Value => "float",
-            Kind::Gradient | Kind::Normal | Kind::Line => "vec4",
+            Kind::Gradient | Kind::Normal => "vec4",
+            Kind::Line => "OnLine",
         }
     }
 
@@ -80,7 +81,7 @@ pub(in crate::shader) fn normal_text(field: &Shape, place: &Place, assets: &Asse
     Writer::new(place, assets).whole(field, Kind::Normal)
 }
 
-/// `vec4 onLine<number>(vec3 p, vec3 d)`: value, slope, bend and reach on the line through p along d; empty for a field
+/// `OnLine onLine<number>(vec3 p, vec3 d)`: the field on the line through p along d (`glsl/common/on_line.glsl`); empty for a field
 /// with a user's text, of which only values are known.
 pub(in crate::shader) fn line_text(field: &Shape, place: &Place, assets: &Assets) -> String {
     if !is_known_on_lines(field) {
@@ -156,6 +157,7 @@ impl<'a> Writer<'a> {
             _ => self.node(field, kind, "p"),
         };
         let result = match self.numbers.lipschitz(field) {
+            Some(inverse) if kind == Kind::Line => format!("onLineScaled({result}, {inverse})"),
             Some(inverse) => format!("{result} * {inverse}"),
             None => result,
         };
@@ -228,7 +230,7 @@ impl<'a> Writer<'a> {
     fn line_of_gradient(&mut self, field: &Shape, p: &str) -> String {
         let gradient = self.node(field, Kind::Gradient, p);
         let d = self.direction.clone();
-        self.result(Kind::Line, &format!("onLine({gradient}, {d}, vec2(0.0))"))
+        self.result(Kind::Line, &format!("onLine({gradient}, {d}, vec3(0.0))"))
     }
 
     /// Writes the statements for the value of a node, and returns its name.
@@ -271,7 +273,7 @@ impl<'a> Writer<'a> {
             let arguments = arguments(&field.node, numbers);
             format!("bend{name}({gradient}, {p}{arguments})")
         } else {
-            "vec2(0.0)".to_owned()
+            "vec3(0.0)".to_owned()
         };
         let d = self.direction.clone();
         self.result(Kind::Line, &format!("onLine({gradient}, {d}, {bend})"))
@@ -352,7 +354,10 @@ impl<'a> Writer<'a> {
         match &field.node {
             Node::Scale(_) => {
                 let by = &n[0];
-                self.result(Kind::Line, &format!("{of} * vec4({by}, 1.0, 1.0 / {by}, {by})"))
+                let call = format!(
+                    "OnLine({of}.value * {by}, {of}.slope, {of}.sag / {by}, {of}.rise / {by}, {of}.reach * {by})"
+                );
+                self.result(Kind::Line, &call)
             }
             _ => of,
         }
