@@ -1,6 +1,8 @@
 //! The fields that are marched: what a march knows of them at a point of its line.
 
-use super::field::{chords_text, free_text, is_bounded, is_known_on_lines, is_smooth_on_lines, line_text};
+use super::field::{
+    chords_text, free_text, is_bounded, is_known_on_lines, is_smooth_on_lines, line_text,
+};
 use super::link::{Part, fill, parts, source};
 use super::scene_text::{Text, of_kind};
 use super::surface_names::{Marched, Named};
@@ -13,25 +15,44 @@ pub(super) fn fields_ahead(text: &Text, marched: Marched) -> Vec<Part> {
     let mut all = Vec::new();
     let takes = |named: &Named| marched.takes(named);
     text.add_fields(&mut all, takes, line_text);
-    text.add_fields(&mut all, |named| takes(named) && needs_bound(named), free_text);
-    text.add_fields(&mut all, |named| takes(named) && named.has_chords(), chords_text);
+    text.add_fields(
+        &mut all,
+        |named| takes(named) && needs_bound(named),
+        free_text,
+    );
+    text.add_fields(
+        &mut all,
+        |named| takes(named) && named.has_chords(),
+        chords_text,
+    );
     let in_cells = text.instanced.iter().any(takes);
     if in_cells {
         text.add(&mut all, "the kinds of fields", kinds(text, marched));
     }
     let taken = || text.unrolled.iter().filter(|named| takes(named));
     let mut surfaces: String = taken().map(ahead_of_surface).collect();
-    let chords: String = taken().filter(|named| named.has_chords()).map(find_chords).collect();
+    let chords: String = taken()
+        .filter(|named| named.has_chords())
+        .map(find_chords)
+        .collect();
     let mut at_start: String = taken().map(free_at_start).collect();
     if in_cells {
         surfaces.push_str("    fieldsInCells(p, d, last, errorBound, ahead);\n");
         at_start.push_str("    free = 0.0;\n");
     }
     let skeleton = source!("template/fields_ahead.glsl");
-    text.add(&mut all, "the fields", fill(
-        &skeleton,
-        &[("chords", &chords), ("at_start", &at_start), ("surfaces", &surfaces)],
-    ));
+    text.add(
+        &mut all,
+        "the fields",
+        fill(
+            &skeleton,
+            &[
+                ("chords", &chords),
+                ("at_start", &at_start),
+                ("surfaces", &surfaces),
+            ],
+        ),
+    );
     all.extend(parts(source!("common/ahead.glsl")));
     all.extend(parts(source!("common/march_fields.glsl")));
     all
@@ -66,7 +87,10 @@ fn ahead_of_surface(named: &Named) -> String {
         true => format!("if (!({})) ", named.left()),
         false => String::new(),
     };
-    format!("    // {}\n    {condition}{{\n{statements}    }}\n", named.label)
+    format!(
+        "    // {}\n    {condition}{{\n{statements}    }}\n",
+        named.label
+    )
 }
 
 /// The statements that add a field to what is ahead.

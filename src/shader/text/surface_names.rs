@@ -277,7 +277,11 @@ impl<'a> Named<'a> {
     pub fn on_line(&self, p: &str, d: &str) -> String {
         let (point, vector) = (self.point(p), self.vector(d));
         match self.field().is_some_and(field::is_known_on_lines) {
-            true => format!("onLine{}({point}, {vector}{})", self.tag, self.data_argument()),
+            true => format!(
+                "onLine{}({point}, {vector}{})",
+                self.tag,
+                self.data_argument()
+            ),
             false => format!("valueOnLine({})", self.distance(p)),
         }
     }
@@ -291,7 +295,8 @@ impl<'a> Named<'a> {
     /// The length over which the line of a wave is free of a marched field.
     pub fn free(&self, p: &str, d: &str, error_bound: &str) -> String {
         let field = self.field();
-        if !field.is_some_and(|field| field::is_bounded(field) && !field::is_smooth_on_lines(field)) {
+        if !field.is_some_and(|field| field::is_bounded(field) && !field::is_smooth_on_lines(field))
+        {
             return "0.0".to_owned();
         }
         let (point, vector) = (self.point(p), self.vector(d));

@@ -70,7 +70,9 @@ fn parts(field: &Shape, in_solid: bool) -> usize {
     let count: usize = match sides(field, in_solid) {
         Some(sides) => {
             let children = field.children.iter().zip(sides);
-            children.map(|(child, side)| side.map_or(0, |in_solid| parts(child, in_solid))).sum()
+            children
+                .map(|(child, side)| side.map_or(0, |in_solid| parts(child, in_solid)))
+                .sum()
         }
         None => usize::from(has_chord(&field.node, in_solid)),
     };
@@ -146,10 +148,16 @@ impl Writer<'_> {
             return vec![self.chord_of(&field.node, p, d, &n, in_solid)];
         };
         let (p, d) = match &field.node {
-            Node::Translate(_) => (self.point(&format!("{p} - vec3({})", n.join(", "))), d.to_owned()),
+            Node::Translate(_) => (
+                self.point(&format!("{p} - vec3({})", n.join(", "))),
+                d.to_owned(),
+            ),
             Node::Rotate(_) => {
                 let turn = format!("mat3({})", n.join(", "));
-                (self.point(&format!("{turn} * {p}")), self.point(&format!("{turn} * {d}")))
+                (
+                    self.point(&format!("{turn} * {p}")),
+                    self.point(&format!("{turn} * {d}")),
+                )
             }
             Node::Scale(_) => (self.point(&format!("{p} / {}", n[0])), d.to_owned()),
             _ => (p.to_owned(), d.to_owned()),
@@ -163,7 +171,10 @@ impl Writer<'_> {
         }
         all.truncate(MOST_CHORDS);
         match &field.node {
-            Node::Scale(_) => all.iter().map(|name| self.chord(&format!("{name} * {}", n[0]))).collect(),
+            Node::Scale(_) => all
+                .iter()
+                .map(|name| self.chord(&format!("{name} * {}", n[0])))
+                .collect(),
             _ => all,
         }
     }

@@ -53,6 +53,8 @@ pub(super) struct Writer<'a> {
     place: &'a Place<'a>,
     /// The indices of height images and users' fields of the scene.
     assets: &'a Assets,
+    /// The start of the names of all functions being written.
+    stem: &'static str,
     /// The direction of the line in the axes of the node being written.
     direction: String,
     next_name: usize,

@@ -143,6 +143,7 @@ impl<'a> Writer<'a> {
             numbers: Numbers::new(place),
             place,
             assets,
+            stem: "free",
             direction: "d".to_owned(),
             next_name: 0,
             functions: String::new(),
@@ -151,6 +152,7 @@ impl<'a> Writer<'a> {
     }
 
     fn whole(mut self, field: &Shape, kind: Kind) -> String {
+        self.stem = kind.function();
         let result = match kind {
             // The rules for the reach on a line count on values that grow by at most 1.
             Kind::Line if field.properties().lipschitz > 1.0 => self.line_of_gradient(field, "p"),
@@ -460,7 +462,7 @@ impl<'a> Writer<'a> {
     /// A field as a separate function, for callers that need it more than once.
     fn child_function(&mut self, field: &Shape, kind: Kind) -> String {
         // Two directly nested repetitions have used no name in between.
-        let name = self.name(&format!("{}{}_", kind.function(), self.place.tag));
+        let name = self.name(&format!("{}{}_", self.stem, self.place.tag));
         let outer = std::mem::take(&mut self.body);
         let result = self.node(field, kind, "p");
         let body = std::mem::replace(&mut self.body, outer);
