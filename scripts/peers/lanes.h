@@ -33,6 +33,7 @@ inline Lanes fma(Lanes a, Lanes b, Lanes c) { return _mm256_fmadd_ps(a.v, b.v, c
 inline Lanes min(Lanes a, Lanes b) { return _mm256_min_ps(a.v, b.v); }
 inline Lanes max(Lanes a, Lanes b) { return _mm256_max_ps(a.v, b.v); }
 inline Lanes squareRoot(Lanes a) { return _mm256_sqrt_ps(a.v); }
+inline Lanes roundDown(Lanes a) { return _mm256_floor_ps(a.v); }
 inline Lanes absolute(Lanes a) { return _mm256_andnot_ps(_mm256_set1_ps(-0.0f), a.v); }
 // Bits set in b and not in a.
 inline Lanes andNot(Lanes a, Lanes b) { return _mm256_andnot_ps(a.v, b.v); }
