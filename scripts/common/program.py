@@ -29,6 +29,14 @@ def run(command, one_core=False):
     return json.loads(ran.stdout), int(ran.stderr.split()[-1]) if has_time else None
 
 
+def run_silently(command):
+    """Runs a program that prints nothing of interest."""
+    command = [str(word) for word in command]
+    ran = subprocess.run(command, capture_output=True, text=True)
+    if ran.returncode != 0:
+        sys.exit(f"{' '.join(command)} failed:\n{ran.stderr}")
+
+
 def trace(command, one_core=False, **options):
     """A traced frame. `command` is the program with a subcommand and scene; options are those of
     `echomarch trace`, with underscores: waves=65536, iterations_per_pass=1."""

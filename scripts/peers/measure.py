@@ -6,13 +6,13 @@ round.
 """
 
 import argparse
-import json
 import sys
 from pathlib import Path
 from statistics import median
 
 from common import program
 from peers import report, scenes
+from peers.log import Log, chosen_scenes
 
 ITERATIONS = 8
 HERE = Path(__file__).resolve().parent
@@ -115,9 +115,7 @@ def arguments():
     parser.add_argument("--add", action="store_true")
     parser.add_argument("-o", dest="output", type=Path)
     chosen = parser.parse_args()
-    unknown = [name for name in chosen.scenes if name not in scenes.NAMES]
-    if unknown:
-        parser.error(f"unknown scenes {' '.join(unknown)}: there are {' '.join(scenes.NAMES)}")
+    chosen_scenes(parser, chosen.scenes, scenes.NAMES)
     chosen.rounds = chosen.rounds or (2 if chosen.quick else 5)
     return chosen
 
@@ -126,22 +124,12 @@ def main():
     asked = arguments()
     scenes.write(asked.work / "scenes")
     there, missing = peers(asked.work, asked.echomarch, asked.quick)
-    log = asked.work / ("rounds-quick.jsonl" if asked.quick else "rounds.jsonl")
-    if not asked.add:
-        log.unlink(missing_ok=True)
-    rows = [json.loads(line) for line in log.read_text().splitlines()] if log.exists() else []
-
-    def record(row):
-        rows.append(row)
-        with log.open("a") as out:
-            out.write(json.dumps(row) + "\n")
-
-    first = 1 + max((row.get("round", 0) for row in rows), default=0)
-    for at in range(first, first + asked.rounds):
-        measure_round(at, asked.scenes, there, record)
-    check_hits(there, asked.scenes, asked.echomarch, asked.work, rows, record)
-    text = report.markdown(rows, missing, asked.work, asked.echomarch, asked.quick)
-    output = asked.output or HERE.parent.parent / "docs/benchmarks" / f"peers-{program.slug(report.renderer(rows))}.md"
+    log = Log(asked.work / ("rounds-quick.jsonl" if asked.quick else "rounds.jsonl"), asked.add)
+    for at in log.rounds(asked.rounds):
+        measure_round(at, asked.scenes, there, log.record)
+    check_hits(there, asked.scenes, asked.echomarch, asked.work, log.rows, log.record)
+    text = report.markdown(log.rows, missing, asked.work, asked.echomarch, asked.quick)
+    output = asked.output or HERE.parent.parent / "docs/benchmarks" / f"peers-{program.slug(report.renderer(log.rows))}.md"
     output.write_text(text)
     print(f"written: {output}")
 

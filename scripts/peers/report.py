@@ -120,6 +120,7 @@ def ratios_table(rounds):
         ("hybrid, its march / Embree", hybrid, embree, "march"),
         ("hybrid / closed form in AVX2", hybrid, limit, None),
         ("hybrid, its march / closed form in AVX2", hybrid, limit, "march"),
+        ("march / Embree", march, embree, None),
         ("march / sphere tracing in AVX2", march, sphere, None),
         ("hybrid, few waves / many", few, hybrid, None),
         ("march, few waves / many", few_march, march, None),
@@ -156,19 +157,34 @@ def renderer(rows):
 
 def versions(rows, missing, work, echomarch):
     said = [
-        f"- echomarch: {first_line([echomarch, '--version'])}, {commit()}; {renderer(rows)}, one thread",
-        f"- C++: {first_line([os.environ.get('CXX', 'g++'), '--version'])}, `-O3 -mavx2 -mfma`",
+        of_echomarch(rows, echomarch),
+        of_compiler(),
         f"- Embree: {package('libembree-dev')}; walls and boxes are quads, pillars user geometry that solves for the "
         "circle eight rays at a time (the fastest of three ways, see embree.cpp), the listener a closed form beside it; it chooses AVX-512 "
         "by itself where the processor has it",
         f"- pyroomacoustics: {pyroom_version(work)}; A is its shoe box, B its general room, pillars prisms of 16 sides",
         f"- {machine()}",
     ]
-    said += [f"- left out, because it could not be installed or built: {name}" for name in missing]
+    said += left_out(missing)
     return "\n".join(said)
 
 
+def of_echomarch(rows, echomarch):
+    return f"- echomarch: {first_line([echomarch, '--version'])}, {commit()}; {renderer(rows)}, one thread"
+
+
+def of_compiler():
+    return f"- C++: {first_line([os.environ.get('CXX', 'g++'), '--version'])}, `-O3 -mavx2 -mfma`"
+
+
+def left_out(missing):
+    return [f"- left out, because it could not be installed or built: {name}" for name in missing]
+
+
 def commit():
+    """The commit that was built; the commit of a program that the caller names is unknown."""
+    if "ECHOMARCH" in os.environ:
+        return "a program named by the caller"
     return "commit " + first_line(["git", "-C", Path(__file__).parent, "describe", "--always", "--dirty"])
 
 

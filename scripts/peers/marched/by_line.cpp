@@ -214,19 +214,21 @@ void enterEllipsoid(const Lanes3 &o, const Lanes3 &d, Vec3 radii, float number, 
 void enterCone(const Lanes3 &o, const Lanes3 &d, float radius, float number, Lanes may, Nearest &nearest) {
     constexpr float half = Cave::CONE_HALF;
     const float k = radius / (2 * half), k2 = k * k;
-    const Lanes below = Lanes(half) - o.y; // of the apex
+    // From the point nearest to the apex, so that nothing large cancels.
+    const Lanes3 fromApex{o.x, o.y - half, o.z};
+    const Lanes middle = -dot(fromApex, d);
+    const Lanes3 p = along(fromApex, d, middle);
     const Lanes a = fma(d.x, d.x, d.z * d.z) - d.y * d.y * k2;
-    const Lanes b = fma(o.x, d.x, o.z * d.z) + below * d.y * k2;
-    const Lanes c = fma(o.x, o.x, o.z * o.z) - below * below * k2;
+    const Lanes b = fma(p.x, d.x, p.z * d.z) - p.y * d.y * k2;
+    const Lanes c = fma(p.x, p.x, p.z * p.z) - p.y * p.y * k2;
     const Lanes discriminant = fma(b, b, -(a * c)), real = Lanes(0.0f) <= discriminant;
     const Lanes root = squareRoot(max(discriminant, 0.0f));
-    // Without cancellation.
     const Lanes q = -(b + (root ^ signOf(b)));
-    for (const Lanes t : {q / a, c / q}) {
-        const Lanes y = fma(t, d.y, o.y);
+    for (const Lanes u : {q / a, c / q}) {
+        const Lanes y = fma(u, d.y, p.y), t = middle + u;
         // Half the derivative of the square, which is negative inside.
-        const Lanes goesIn = fma(t, a, b) < 0.0f;
-        nearest.take(t, may & real & goesIn & (Lanes(0.0f) < t) & (Lanes(-half) < y) & (y < half), number);
+        const Lanes goesIn = fma(u, a, b) < 0.0f;
+        nearest.take(t, may & real & goesIn & (Lanes(0.0f) < t) & (Lanes(-2 * half) < y) & (y < 0.0f), number);
     }
     const Lanes t = -(o.y + half) / d.y;
     const Lanes x = fma(t, d.x, o.x), z = fma(t, d.z, o.z);
