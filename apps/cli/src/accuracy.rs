@@ -5,13 +5,13 @@ use super::options::{Common, check_range};
 use super::report;
 use clap::Args;
 use echomarch::scene::Scene;
-use echomarch_lab::experiment::accuracy::{self, AccuracyOptions, DEFAULT_SCENES, ROOMS};
+use echomarch_lab::experiment::accuracy::{self, AccuracyOptions, DEFAULT_SCENES, GYROID, ROOMS};
 use echomarch_lab::of_first_pair;
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
-  echomarch accuracy                         four scenes, and the targets: some 3 minutes
+  echomarch accuracy                         five scenes, and the targets: some 4 minutes
   echomarch accuracy -o out                  the same; CSV, JSON, Markdown and the plot in out/
   echomarch accuracy corner --error 0.01     one scene: about a minute
   echomarch accuracy my.ron --error 0.005    a scene of yours, without the targets
@@ -21,7 +21,8 @@ Examples:
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// Built-in scenes or scene files [default: corner obstacles cave glasshouse; with --full all]
+    /// Built-in scenes, scene files, or gyroid (a user's text) [default: corner obstacles cave gyroid glasshouse; with
+    /// --full all]
     #[arg(value_name = "SCENE")]
     scenes: Vec<String>,
     /// Run every combination of settings, not one change at a time: takes hours
@@ -51,11 +52,13 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     )
 }
 
-/// The built-in scenes without users' GLSL: the exact reference knows such a field only by samples.
+/// The built-in scenes without users' GLSL, which the exact reference knows only by samples, and the text that it knows
+/// exactly.
 fn with_a_truth() -> Vec<&'static str> {
     let known =
         |name: &&str| Scene::builtin(name).is_ok_and(|scene| scene.user_fields().next().is_none());
-    Scene::BUILTIN_NAMES.into_iter().filter(known).collect()
+    let built_in = Scene::BUILTIN_NAMES.into_iter().filter(known);
+    built_in.chain([GYROID]).collect()
 }
 
 fn options(arguments: &Arguments, common: &Common) -> anyhow::Result<AccuracyOptions> {
@@ -64,7 +67,10 @@ fn options(arguments: &Arguments, common: &Common) -> anyhow::Result<AccuracyOpt
         (true, true) => with_a_truth(),
         (true, false) => DEFAULT_SCENES.to_vec(),
     };
-    let scene = |name: &&str| common.scene(name).map(of_first_pair);
+    let scene = |name: &&str| match *name {
+        GYROID => Ok(accuracy::gyroid()),
+        name => common.scene(name).map(of_first_pair),
+    };
     let scenes: Result<Vec<_>, _> = names.iter().map(scene).collect();
     let options = match arguments.full {
         true => AccuracyOptions::full(scenes?),

@@ -301,6 +301,7 @@ pub struct UserField {
     samples: OnceLock<Arc<UserSamples>>,
     read: OnceLock<Read>,
     evaluation_seconds: OnceLock<f64>,
+    exact: Option<fn(DVec3) -> f64>,
 }
 
 /// Properties of the text that every frame needs; cached because the text is parsed only once.
@@ -330,7 +331,23 @@ impl UserField {
             samples: OnceLock::new(),
             read: OnceLock::new(),
             evaluation_seconds: OnceLock::new(),
+            exact: None,
         }
+    }
+
+    /// Returns the field with its function in `f64`: the exact reference then follows the function itself instead of
+    /// the samples, which are coarser than a wave's rounding.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn with_exact_value(mut self, exact: fn(DVec3) -> f64) -> UserField {
+        self.exact = Some(exact);
+        self
+    }
+
+    /// Whether [`UserField::value`] is that of the function itself.
+    #[doc(hidden)]
+    pub fn has_exact_value(&self) -> bool {
+        self.exact.is_some()
     }
 
     /// Stores the samples from the GPU; later calls have no effect.
@@ -362,6 +379,10 @@ impl UserField {
 
     /// The value interpolated from the samples (trilinear), clamped to the box; 0 if there are no samples yet.
     pub fn value(&self, point: DVec3) -> f64 {
+        if let Some(exact) = self.exact {
+            let half = 0.5 * self.size.as_dvec3();
+            return exact(point.clamp(-half, half));
+        }
         let Some(samples) = self.samples.get() else {
             return 0.0;
         };
@@ -448,7 +469,7 @@ impl UserSamples {
 mod tests {
     use super::*;
 
-    /// Protects the CPU's values of a field: the interpolated samples.
+    /// Protects the CPU's values of a field: the interpolated samples, or the exact values where they are known.
     #[test]
     fn samples_are_interpolated() {
         let size = Vec3::new(2.0, 4.0, 8.0);
@@ -459,6 +480,9 @@ mod tests {
         assert_eq!(field.value(DVec3::ZERO), 0.5);
         assert_eq!(field.value(DVec3::X * 5.0), 1.0);
         assert_eq!(field.value(DVec3::new(-0.5, 2.0, 1.0)), 0.25);
+        let exact = field.with_exact_value(|p| p.x + 10.0);
+        assert_eq!(exact.value(DVec3::new(0.25, 9.0, 0.0)), 10.25);
+        assert_eq!(exact.value(DVec3::X * 5.0), 11.0, "clamped to the box");
         let values = (0..27).map(|i| [0.0, 1.0, 4.0][i % 3]).collect();
         let finer = UserField::new("x", String::new(), size, 1.0);
         finer.set_samples(Arc::new(UserSamples { side: 3, values }));

@@ -6,7 +6,7 @@ use echomarch::gl::{Context, ContextOptions};
 use echomarch::tracer::Directions;
 use echomarch::{Profile, Scene, Settings, Tracer};
 use echomarch_lab::experiment::accuracy::{
-    self, AccuracyOptions, AccuracyReport, Case, Plan, Row, quick,
+    self, AccuracyOptions, AccuracyReport, Case, GYROID, Plan, Row, quick,
 };
 use echomarch_lab::report::Report;
 use glam::Vec3;
@@ -25,7 +25,10 @@ fn report(scene: &str, settings: &[Settings]) -> AccuracyReport {
         settings: settings.clone(),
     };
     let plan = Plan {
-        scene: Scene::builtin(scene).unwrap(),
+        scene: match scene {
+            GYROID => accuracy::gyroid(),
+            name => Scene::builtin(name).unwrap(),
+        },
         cases: settings.iter().map(case).collect(),
         limit_directions: 20_000,
         compared_waves: WAVES,
@@ -84,8 +87,8 @@ fn the_corner_is_right_but_for_the_thesis() {
     }
     assert!(thesis.waves.status_differs > 0.1 && thesis.waves.end.median > 1.0);
     assert!(hybrid.panning.efficiency > 30.0 * thesis.panning.efficiency);
-    assert_eq!(hybrid.speed.evaluations_per_segment, 0.0);
-    assert!(thesis.speed.evaluations_per_segment > march.speed.evaluations_per_segment);
+    assert_eq!(hybrid.speed.evaluations_per_flight, 0.0);
+    assert!(thesis.speed.evaluations_per_flight > march.speed.evaluations_per_flight);
     let chaos = &report.scenes[0].chaos;
     assert_eq!((chaos.growth, chaos.horizon), (None, None));
 }
@@ -102,12 +105,12 @@ fn obstacles_have_a_horizon() {
     assert!(waves.end_within_horizon.p99 <= waves.end.p99);
 }
 
-/// Marched fields and surfaces in cells are as accurate as rooms: each wave meets the same surfaces
+/// Marched fields, a user's text and surfaces in cells are as accurate as rooms: each wave meets the same surfaces
 /// as its exact twin, except where rounding decides; no wave is lost, and `eval` reports the
 /// evaluations of the march.
 #[test]
 fn marched_fields_and_cells_are_right() {
-    for (scene, marches) in [("cave", true), ("glasshouse", false)] {
+    for (scene, marches) in [("cave", true), (GYROID, true), ("glasshouse", false)] {
         let settings = [Settings::hybrid(), Settings::march()];
         let settings = settings.map(|s| s.with_waves(8192).with_iterations(4));
         let report = report(scene, &settings);
@@ -123,7 +126,7 @@ fn marched_fields_and_cells_are_right() {
             assert!(waves.largest_hit_difference() <= 2, "{told}");
             assert!(row.panning.twin_bias.abs() < 1e-3, "{told}");
         }
-        let evaluations = rows(&report)[0].speed.evaluations_per_segment;
+        let evaluations = rows(&report)[0].speed.evaluations_per_flight;
         assert_eq!(evaluations > 0.0, marches, "{scene}: {evaluations}");
     }
 }

@@ -27,7 +27,7 @@ impl report::Row for Line<'_> {
             ("total_ms", "frame") => line.row.speed.total_ms, unit("ms").fixed(2);
             ("march_ms") => line.row.speed.march_ms;
             ("million_wave_iterations_per_second", "M/s") => line.row.speed.million_per_second, fixed(1);
-            ("evaluations_per_segment", "eval") => line.row.speed.evaluations_per_segment, fixed(1);
+            ("evaluations_per_flight", "eval/flight") => line.row.speed.evaluations_per_flight, fixed(1);
             ("frames") => line.row.speed.frames;
             ..waves();
             ..panning();
@@ -40,6 +40,7 @@ impl report::Row for Line<'_> {
 fn waves<'a>() -> Vec<Column<Line<'a>>> {
     columns! { line: Line;
         ("compared") => line.row.waves.compared;
+        ("flights") => line.row.waves.flights;
         ("status_differs", "status") => line.row.waves.status_differs, percent(3);
         ("sequence_differs", "sequence") => line.row.waves.sequence_differs, percent(3);
         ("not_finite", "NaN") => line.row.waves.not_finite;

@@ -7,15 +7,17 @@ use super::{SurfaceCounts, plot::plot_svg};
 use crate::report::{Document, PlotError, Report, Table, significant};
 
 const LEGEND: &str = "\
-    frame: median time of a frame. M/s: millions of waves × iterations a second. eval: \
-    evaluations a wave and iteration, of the distance and, in hybrid and march, of all fields \
-    that are marched; where surfaces lie in cells, of those in the cell. status, sequence: share of \
+    frame: median time of a frame. M/s: millions of waves × iterations a second. eval/flight: \
+    evaluations in a flight of a wave, of the distance and, in hybrid and march, of all fields \
+    that are marched, without those for the normal at its end; where surfaces lie in cells, of those in the cell. status, sequence: share of \
     the waves compared that end otherwise than the exact ones, or meet other surfaces. end: metres from the exact wave's end (median, 99 %, largest); \
     within: the same, 99 % and largest, of waves within the horizon of chaos. Hits: heard, less \
     those of the exact waves, by order of reflection, without waves that thesis hears after they \
     died. limit bias: the mean less the limit of many waves; twin bias: against the exact \
     panning of the same waves; ± twin: its standard error; spread: over the seeds; rms: root of the mean square error from \
     the limit, MSE = (mean − limit)² + spread²; efficiency: 1 / (MSE × seconds).";
+
+const SAMPLED: &str = "the exact waves follow samples of a user's text: the errors below are those of the samples, too";
 
 const RESPONSES: &str = "\
     A room of 8 × 3 × 5 m whose walls absorb 0.1 to 0.43 by band, against image sources: the largest \
@@ -45,6 +47,7 @@ impl Report for AccuracyReport {
         for scene in &self.scenes {
             document.heading(2, scene.scene.clone());
             let mut facts = vec![surfaces(scene.surfaces)];
+            facts.extend(scene.reference_is_sampled.then(|| SAMPLED.to_owned()));
             facts.extend(scene.limits.iter().map(limit));
             facts.extend(chaos(scene));
             facts.push(compared(scene));

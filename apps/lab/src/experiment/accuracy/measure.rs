@@ -4,7 +4,7 @@ use super::report::{Chaos, Quantiles, WaveErrors};
 use super::truth::Truth;
 use echomarch::Error;
 use echomarch::geometry::{ExactWave, sequence_hash};
-use echomarch::tracer::{Fate, Settings, Tracer, Wave};
+use echomarch::tracer::{Fate, Profile, Settings, Tracer, Wave};
 use glam::Vec3;
 
 /// Compares the waves of `settings` with exact waves that have the same start directions.
@@ -21,26 +21,34 @@ pub fn wave_errors(
     settings: &Settings,
 ) -> Result<WaveErrors, Error> {
     let (_, ends) = tracer.frame_with_waves(truth.scene, settings)?;
-    let met = objects_met(&tracer.paths(truth.scene, settings)?);
+    let states = tracer.paths(truth.scene, settings)?;
+    let met = objects_met(&states);
     let starts: Vec<Vec3> = ends.iter().map(|wave| wave.start_direction).collect();
     let exact = truth.twins(settings, &starts);
-    Ok(compare(&ends, &met, &exact, chaos, settings.iterations))
+    let flights = flights(&states, settings.profile());
+    let errors = compare(&ends, &met, &exact, chaos, settings.iterations);
+    Ok(WaveErrors { flights, ..errors })
 }
 
-/// Counts the evaluations of the distance per wave and iteration, in an untimed frame.
+/// Counts the evaluations of the distance in an untimed frame.
 ///
 /// # Errors
 /// Errors of [`Tracer::frame`].
-pub fn evaluations_per_segment(
-    tracer: &mut Tracer,
-    truth: &Truth,
-    settings: &Settings,
-) -> Result<f64, Error> {
+pub fn evaluations(tracer: &mut Tracer, truth: &Truth, settings: &Settings) -> Result<u64, Error> {
     let counting = settings.clone().with_count_evaluations(true);
     let counting = counting.with_sum_on_gpu(false);
-    let frame = tracer.frame(truth.scene, &counting)?;
-    let segments = f64::from(settings.waves) * f64::from(settings.iterations);
-    Ok(frame.counts.evaluations as f64 / segments)
+    Ok(tracer.frame(truth.scene, &counting)?.counts.evaluations)
+}
+
+/// The number of flights of waves, from their states before the first and after each iteration.
+fn flights(states: &[Vec<Wave>], profile: Profile) -> u64 {
+    let starts = states.iter().rev().skip(1).flatten();
+    let flies = |wave: &&Wave| match wave.fate() {
+        Fate::Listener => false,
+        Fate::Dead => profile == Profile::Thesis,
+        Fate::Travelling | Fate::NotFinite => true,
+    };
+    starts.filter(flies).count() as u64
 }
 
 /// The objects that each wave met before it died, was heard or reached its last iteration.
@@ -148,5 +156,14 @@ mod tests {
         assert_eq!(objects_met(&states), [vec![2, 0]]);
         let states = [0.5, 2.0, 1.0].map(|status| vec![wave(status)]);
         assert_eq!(objects_met(&states), [vec![2, 1]]);
+    }
+
+    /// Protects the number of flights: a heard wave makes none, and a dead one makes them only in the thesis.
+    #[test]
+    fn flights_end_with_their_wave() {
+        let states = [[0.5, 0.5], [0.0, -1.0], [0.0, -1.0]].map(|states| states.map(wave).to_vec());
+        assert_eq!(flights(&states, Profile::Hybrid), 2);
+        assert_eq!(flights(&states, Profile::March), 2);
+        assert_eq!(flights(&states, Profile::Thesis), 3);
     }
 }

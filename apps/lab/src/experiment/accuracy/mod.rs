@@ -12,8 +12,8 @@
 //!   the limit of many waves (limit bias, mean square error, efficiency). A frame without arrivals answers 0, and this
 //!   answer counts.
 //! - *Speed*: medians of the same frames, run in turns with all other cases of the same number of waves, after one
-//!   warm-up frame each. Evaluations of the distance are counted in a further frame and divided by waves × iterations.
-//!   The thesis goes on marching dead waves; their evaluations count.
+//!   warm-up frame each. Evaluations of the distance are counted in a further frame and divided by the flights of its
+//!   waves. The thesis goes on marching dead waves; their flights and evaluations count.
 //!
 //! The limit is the exact panning over two Fibonacci lattices of directions; half of the difference between the
 //! lattices is the uncertainty. The header of `chaos` explains how chaos is separated from error, and the header of
@@ -26,6 +26,7 @@ mod chaos;
 mod columns;
 mod directions;
 mod document;
+mod gyroid;
 mod measure;
 mod panning_error;
 mod plan;
@@ -39,6 +40,7 @@ mod targets;
 mod truth;
 
 pub use directions::{lattice, slope};
+pub use gyroid::{GYROID, gyroid};
 pub use plan::{DEFAULT_SCENES, Plan, ROOMS};
 pub use recommend::{ITERATIONS as COMPARED_ITERATIONS, pareto_front};
 pub use report::{
@@ -198,6 +200,7 @@ fn run_scene(
     Ok(SceneReport {
         scene: scene.name.clone(),
         surfaces: SurfaceCounts::of(scene),
+        reference_is_sampled: scene.user_fields().any(|field| !field.has_exact_value()),
         limits: limits.iter().map(|&i| truth.limit(i)).collect(),
         chaos,
         recommendation: recommend::fastest(&rows, options.stated_error),
@@ -245,7 +248,8 @@ fn run_group(
         let few = case.settings.clone();
         let few = few.with_waves(case.settings.waves.min(plan.compared_waves));
         let errors = measure::wave_errors(tracer, truth, chaos, &few)?;
-        let evaluations = measure::evaluations_per_segment(tracer, truth, &few)?;
+        let evaluations = measure::evaluations(tracer, truth, &few)?;
+        let evaluations = evaluations as f64 / errors.flights.max(1) as f64;
         let summed = case.settings.sum_on_gpu;
         let sum_error = summed.then(|| panning_error::sum_error(tracer, truth, &case.settings));
         waves.push((errors, evaluations, sum_error.transpose()?));
@@ -261,7 +265,7 @@ fn run_group(
         panning_error::Frames,
     )| {
         let mut speed = frames.speed(&case.settings);
-        speed.evaluations_per_segment = evaluations;
+        speed.evaluations_per_flight = evaluations;
         let mut panning = frames.panning(truth.limit(case.settings.iterations).pan);
         panning.sum_error = sum_error;
         Row {

@@ -93,7 +93,7 @@ impl Frames {
             total_ms,
             march_ms: median(self.march_ms.iter().copied()),
             million_per_second: segments / (1e3 * total_ms),
-            evaluations_per_segment: 0.0,
+            evaluations_per_flight: 0.0,
             frames: self.total_ms.len() as u32,
         }
     }

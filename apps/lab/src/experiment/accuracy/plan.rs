@@ -6,6 +6,7 @@
 //! fewer seeds for the twin bias. The report states the resulting uncertainty beside each figure.
 //! one, and seeds of the twin bias. The uncertainty of each figure is then stated beside it.
 
+use super::gyroid::GYROID;
 use super::sweep::{Case, full, quick, short};
 use echomarch::internals::shader::{Layout, Lists};
 use echomarch::scene::{Scene, Surface};
@@ -13,8 +14,9 @@ use echomarch::scene::{Scene, Surface};
 /// The scenes of the thesis' tables, on which the targets are based.
 pub const ROOMS: [&str; 2] = ["corner", "obstacles"];
 
-/// The default scenes: the thesis' rooms, a scene of marched fields and a scene with cells.
-pub const DEFAULT_SCENES: [&str; 4] = [ROOMS[0], ROOMS[1], "cave", "glasshouse"];
+/// The default scenes: the thesis' rooms, a scene of marched fields, one with a user's text, and a scene with cells.
+/// All but [`GYROID`] are built in.
+pub const DEFAULT_SCENES: [&str; 5] = [ROOMS[0], ROOMS[1], "cave", GYROID, "glasshouse"];
 
 /// Exponents of the numbers of waves (powers of two) for the slope of the panning error.
 const SLOPE_POWERS: std::ops::RangeInclusive<u32> = 10..=18;
@@ -105,26 +107,34 @@ fn is_slow(scene: &Scene) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::SurfaceCounts;
+    use super::super::{SurfaceCounts, gyroid};
     use super::*;
 
     /// Protects the default run: its scenes are of the kinds that the documentation states.
     #[test]
     fn the_default_scenes_are_of_every_kind() {
-        let scenes = DEFAULT_SCENES.map(|name| Scene::builtin(name).unwrap());
-        let [corner, obstacles, cave, glasshouse] = &scenes;
+        let scenes = DEFAULT_SCENES.map(|name| match name {
+            GYROID => gyroid(),
+            name => Scene::builtin(name).unwrap(),
+        });
+        let [corner, obstacles, cave, text, glasshouse] = &scenes;
         for room in [corner, obstacles] {
             let counts = SurfaceCounts::of(room);
             assert_eq!((counts.in_cells, counts.marched), (0, 0));
             assert!(!is_slow(room));
         }
-        let marched = SurfaceCounts::of(cave);
-        assert!(marched.marched > 0 && marched.in_cells == 0, "{marched:?}");
+        for marched in [cave, text].map(SurfaceCounts::of) {
+            assert!(marched.marched > 0 && marched.in_cells == 0, "{marched:?}");
+        }
+        assert_eq!(
+            (cave.user_fields().count(), text.user_fields().count()),
+            (0, 1)
+        );
         let cells = SurfaceCounts::of(glasshouse);
         assert!(
             2 * cells.in_cells > cells.all && cells.marched == 0,
             "{cells:?}"
         );
-        assert!(is_slow(cave) && is_slow(glasshouse));
+        assert!(is_slow(cave) && is_slow(text) && is_slow(glasshouse));
     }
 }

@@ -56,6 +56,8 @@ pub struct SceneReport {
     pub scene: String,
     /// The numbers of its surfaces by kind of intersection.
     pub surfaces: SurfaceCounts,
+    /// Whether the exact waves follow samples of a user's text. The errors are then those of the samples, too.
+    pub reference_is_sampled: bool,
     /// The panning in the limit of many waves, by iterations.
     pub limits: Vec<Limit>,
     /// The growth of errors at curved surfaces.
@@ -159,8 +161,8 @@ pub struct Speed {
     pub march_ms: f64,
     /// Millions of waves × iterations per second of whole frames.
     pub million_per_second: f64,
-    /// Evaluations of the distance ÷ (waves × iterations), including those for normals.
-    pub evaluations_per_segment: f64,
+    /// Evaluations of the distance ÷ flights of waves; those for normals count only in the thesis.
+    pub evaluations_per_flight: f64,
     /// Number of frames over which the medians are taken.
     pub frames: u32,
 }
@@ -170,6 +172,9 @@ pub struct Speed {
 pub struct WaveErrors {
     /// Number of compared waves.
     pub compared: u64,
+    /// Number of flights of these waves: a wave makes one an iteration until it is heard or dead. The thesis goes on
+    /// marching dead waves; these flights count.
+    pub flights: u64,
     /// Share of waves whose final status differs.
     pub status_differs: f64,
     /// Share of waves that met different objects or ended with a different status.
