@@ -129,7 +129,8 @@ def main():
         measure_round(at, asked.scenes, there, log.record)
     check_hits(there, asked.scenes, asked.echomarch, asked.work, log.rows, log.record)
     text = report.markdown(log.rows, missing, asked.work, asked.echomarch, asked.quick)
-    output = asked.output or HERE.parent.parent / "docs/benchmarks" / f"peers-{program.slug(report.renderer(log.rows))}.md"
+    name = f"peers-{program.slug(report.renderer(log.rows))}.md"
+    output = asked.output or HERE.parents[1] / "docs/benchmarks" / name
     output.write_text(text)
     print(f"written: {output}")
 

@@ -1,5 +1,5 @@
-// What a user would write: sphere tracing by the value to a millimetre, normals by six values, all
-// iterations in one pass. The driver inserts `map`, the scene's distance, and the source and listener.
+// The tracer that a user would write: sphere tracing by the value to a millimetre, normals by six values,
+// all iterations in one pass. The driver inserts `map`, the scene's distance, and the source and listener.
 uniform sampler2D uDirections;
 uniform int uIterations;
 out vec4 end; // position; 0 heard, 1 travelling, -1 lost

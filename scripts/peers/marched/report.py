@@ -12,7 +12,7 @@ class Rounds:
 
     def __init__(self, rows):
         self.timed = [row for row in rows if "seconds" in row]
-        # Of a repeated comparison, the last counts.
+        # The last comparison counts if there are several.
         self.errors = {(row["scene"], row["iterations"], row["peer"]): row for row in rows if "heard" in row}
         self.scenes = [name for name in NAMES if any(row["scene"] == name for row in self.timed)]
         self.peers = list(dict.fromkeys(row["peer"] for row in self.timed))
@@ -41,8 +41,8 @@ def markdown(rows, missing, echomarch, quick):
         f"All trace the same {waves:,} random start directions for {ITERATIONS} iterations, with one thread. `cave` is "
         "the built-in scene. `gyroid` and `ground` (five octaves of noise) are users' texts in a room; "
         "`gyroid-gradient` states its gradient besides. Texts and scenes are in `scripts/peers/marched/`.",
-        "The *60-line tracer* is what a user would write: it steps by the value until that is below a millimetre, takes "
-        "the normal from six values, and does all iterations in one pass. In C++ with AVX2 it shows how fast steps by "
+        "The *60-line tracer* is the one that a user would write: it steps by the value until that is below a "
+        "millimetre, takes the normal from six values, and does all iterations in one pass. In C++ with AVX2 it shows how fast steps by "
         "the value are on this processor without OpenGL. The *design by the line* knows more: values with their slope "
         "and a bound of the second derivative along the wave's line, and where the line leaves each convex part of the "
         "air. With *sorted starts* neighbouring waves start in neighbouring directions.",
