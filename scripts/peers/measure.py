@@ -11,7 +11,7 @@ from pathlib import Path
 from statistics import median
 
 from common import program
-from peers import report, scenes
+from peers import environment, report, scenes
 from peers.log import Log, chosen_scenes
 
 ITERATIONS = 8
@@ -34,27 +34,27 @@ def peers(work, echomarch, quick):
         return lambda scene, waves, frames: plain([work / name], work, scene, waves, frames)
 
     def pyroom(scene, waves, frames):
-        return plain([work / "python/bin/python", HERE / "pyroom.py"], work, scene, waves, frames)
+        return plain([environment.python(work), HERE / "pyroom.py"], work, scene, waves, frames)
 
     def own(profile):
         return lambda scene, waves, frames: trace(echomarch, work, scene, profile, waves, ITERATIONS, frames)
 
     two = ["A", "B"]
+    has_pyroom = environment.has_package(work, "pyroomacoustics")
     all_peers = [
-        (work / "closed_form", Peer("closed form, C++ AVX2", compiled("closed_form"), two, many, 9)),
-        (work / "sphere_tracing", Peer("sphere tracing, C++ AVX2", compiled("sphere_tracing"), two, many)),
-        (work / "embree", Peer("Embree 3, packets of 16", compiled("embree"), scenes.NAMES, many)),
-        (work / "python/bin/pip", Peer("pyroomacoustics, shoe box", pyroom, ["A"], many)),
-        (work / "python/bin/pip", Peer("pyroomacoustics, polygons", pyroom, ["B"], fewest, 1)),
-        (echomarch, Peer("echomarch hybrid", own("hybrid"), scenes.NAMES, many)),
-        (echomarch, Peer("echomarch hybrid", own("hybrid"), scenes.NAMES, few, 9)),
-        (echomarch, Peer("echomarch march", own("march"), two, many)),
-        (echomarch, Peer("echomarch march", own("march"), scenes.NAMES[2:], many, 1)),
-        (echomarch, Peer("echomarch march", own("march"), scenes.NAMES, few, 9)),
+        ((work / "closed_form").exists(), Peer("closed form, C++ AVX2", compiled("closed_form"), two, many, 9)),
+        ((work / "sphere_tracing").exists(), Peer("sphere tracing, C++ AVX2", compiled("sphere_tracing"), two, many)),
+        ((work / "embree").exists(), Peer("Embree 3, packets of 16", compiled("embree"), scenes.NAMES, many)),
+        (has_pyroom, Peer("pyroomacoustics, shoe box", pyroom, ["A"], many)),
+        (has_pyroom, Peer("pyroomacoustics, polygons", pyroom, ["B"], fewest, 1)),
+        (True, Peer("echomarch hybrid", own("hybrid"), scenes.NAMES, many)),
+        (True, Peer("echomarch hybrid", own("hybrid"), scenes.NAMES, few, 9)),
+        (True, Peer("echomarch march", own("march"), two, many)),
+        (True, Peer("echomarch march", own("march"), scenes.NAMES[2:], many, 1)),
+        (True, Peer("echomarch march", own("march"), scenes.NAMES, few, 9)),
     ]
-    there = [peer for file, peer in all_peers if Path(file).exists()]
-    missing = [peer.name for file, peer in all_peers if not Path(file).exists()]
-    return there, missing
+    there = [peer for runs, peer in all_peers if runs]
+    return there, [peer.name for runs, peer in all_peers if not runs]
 
 
 def plain(command, work, scene, waves, frames):

@@ -6,7 +6,7 @@ from statistics import median
 
 from common.markdown import machine, processor, short, table
 from common.program import first_line
-from peers import scenes
+from peers import environment, scenes
 
 ITERATIONS = 8
 LIMIT = "closed form, C++ AVX2"
@@ -194,4 +194,4 @@ def package(name):
 
 def pyroom_version(work):
     query = "import importlib.metadata as m; print(m.version('pyroomacoustics'))"
-    return first_line([work / "python/bin/python", "-c", query])
+    return first_line([environment.python(work), "-c", query])

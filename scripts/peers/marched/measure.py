@@ -12,6 +12,7 @@ from pathlib import Path
 from statistics import median
 
 from common import program
+from peers import environment
 from peers.log import Log, chosen_scenes
 from peers.marched import report, waves
 from peers.marched.names import DESIGN, EXACT, ITERATIONS, NAIVE, NAMES, SORTED, TWIN
@@ -109,9 +110,9 @@ class Bench:
     def peers(self, quick):
         """The peers that can be run, and the names of those that cannot."""
         frames = 4 if quick else 12
-        python, naive = self.built / "python/bin/python", HERE / "naive.py"
+        python, naive = environment.python(self.built), HERE / "naive.py"
         twin, design = self.built / "by_value", self.built / "by_line"
-        has_moderngl = any((self.built / "python").glob("has-moderngl*"))
+        has_moderngl = environment.has_package(self.built, "moderngl")
         all_peers = [
             (has_moderngl, self.other(NAIVE, [python, naive], frames)),
             (has_moderngl, self.other(NAIVE + SORTED, [python, naive], frames, self.sorted)),
