@@ -3,7 +3,7 @@
 
 use echomarch::geometry::ShoeboxImages;
 use echomarch::gl::{Context, ContextOptions};
-use echomarch::tracer::Directions;
+use echomarch::tracer::{Directions, FieldTrial};
 use echomarch::{Profile, Scene, Settings, Tracer};
 use echomarch_lab::experiment::accuracy::{
     self, AccuracyOptions, AccuracyReport, Case, GYROID, Plan, Row, quick,
@@ -14,6 +14,7 @@ use glam::Vec3;
 const WAVES: u32 = 65_536;
 
 fn tracer() -> Tracer {
+    FieldTrial::InThisProcess.set(); // The only text is the program's own.
     let context = Context::headless(&ContextOptions::default()).unwrap_or_else(|e| panic!("{e}"));
     Tracer::new(&context).unwrap()
 }
@@ -46,8 +47,9 @@ fn report(scene: &str, settings: &[Settings]) -> AccuracyReport {
         assert_eq!(done, steps.0 + 1);
         steps = (done, total);
     });
+    let report = report.unwrap();
     assert_eq!(steps.0, steps.1, "exactly all steps are reported");
-    report.unwrap()
+    report
 }
 
 fn rows(report: &AccuracyReport) -> &[Row] {
@@ -116,6 +118,7 @@ fn marched_fields_and_cells_are_right() {
         let report = report(scene, &settings);
         let surfaces = report.scenes[0].surfaces;
         assert_eq!(surfaces.marched > 0, marches, "{scene}: {surfaces:?}");
+        assert!(!report.scenes[0].reference_is_sampled, "{scene}");
         assert_eq!(surfaces.in_cells > 0, !marches, "{scene}: {surfaces:?}");
         for row in rows(&report) {
             let waves = &row.waves;

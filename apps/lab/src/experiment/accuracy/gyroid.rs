@@ -34,7 +34,7 @@ pub fn gyroid() -> Scene {
     let room = Surface::new(Room { size });
     let text = Surface::new(User { field }).at([1.0, -1.0, 1.0]);
     let source = Source::at([-7.0, 1.0, -6.0]);
-    let listener = Listener::at([7.5, 1.0, 6.5], 1.0);
+    let listener = Listener::at([7.5, 1.0, 6.5], 1.4);
     Scene::new(GYROID, vec![room, text], source, listener)
 }
 
