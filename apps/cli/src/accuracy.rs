@@ -14,6 +14,7 @@ Examples:
   echomarch accuracy                         five scenes, and the targets: some 4 minutes
   echomarch accuracy -o out                  the same; CSV, JSON, Markdown and the plot in out/
   echomarch accuracy corner --error 0.01     one scene: about a minute
+  echomarch accuracy gyroid                  a user's GLSL, which only this experiment has
   echomarch accuracy my.ron --error 0.005    a scene of yours, without the targets
   echomarch accuracy --full -o out           every setting in every built-in scene: hours";
 
@@ -21,8 +22,7 @@ Examples:
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// Built-in scenes, scene files, or gyroid (a user's text) [default: corner obstacles cave gyroid glasshouse; with
-    /// --full all]
+    /// Scenes or scene files [default: corner obstacles cave gyroid glasshouse; with --full all]
     #[arg(value_name = "SCENE")]
     scenes: Vec<String>,
     /// Run every combination of settings, not one change at a time: takes hours
