@@ -4,7 +4,7 @@ layout(location = 0) out vec4 outOrigin;
 layout(location = 1) out vec4 outDirection;
 
 void main() {
-    uint wave = waveIndex();
+    uint wave = @wave@;
     if (wave >= uWaveCount) {
         outOrigin = vec4(0.0, 0.0, 0.0, STATUS_DEAD);
         outDirection = vec4(0.0);

@@ -7,7 +7,7 @@ uniform vec4 uListener;   // centre in metres, in the march's coordinates; radiu
 layout(location = 0) out vec4 outContribution;   // left, right, status, counters
 
 void main() {
-    ivec2 texel = ivec2(gl_FragCoord.xy);
+    ivec2 texel = @texel@;
     vec4 origin = texelFetch(uOrigins, texel, 0);
     vec4 direction = texelFetch(uDirections, texel, 0);
     outContribution = contribution(origin, direction, uListener.xyz);

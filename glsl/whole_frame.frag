@@ -10,7 +10,7 @@ layout(location = 0) out vec4 outContribution;   // left, right, status, counter
 void main() {
     copyUniforms();
     copySettings();
-    uint wave = waveIndex();
+    uint wave = @wave@;
     vec4 origin;
     vec4 direction;
     startWave(wave, origin, direction);

@@ -66,7 +66,7 @@ void main() {
         texel = ivec2(number % uGridWidth, number / uGridWidth);
         passedOver = entry.y;
     }
-    uint wave = uFirstWave + number;
+    uint wave = uFirstWave + @number@;
     vec4 origin;
     vec4 direction;
     if (uIsStart) {

@@ -23,7 +23,7 @@ const CLAMP_FRAGMENT_COLOR: u32 = 0x891B;
 pub(super) const SCRATCH_UNIT: u32 = 31;
 
 /// The texture units whose bindings are restored: those that programs read from, and the scratch unit.
-pub(super) const UNITS: [u32; 5] = [0, 1, 2, 3, SCRATCH_UNIT];
+pub(super) const UNITS: [u32; 6] = [0, 1, 2, 3, 4, SCRATCH_UNIT];
 
 /// Pixel storage parameters of every version, with their initial values, which read-backs and uploads need.
 const PIXEL_STORE: [(u32, i32); 10] = [
@@ -206,7 +206,7 @@ pub(super) struct CallerState {
     pixel_store: Vec<(u32, i32)>,
     buffers: Vec<(u32, Option<glow::Buffer>)>,
     active_texture: u32,
-    units: [Unit; 5],
+    units: [Unit; UNITS.len()],
 }
 
 impl CallerState {

@@ -1,7 +1,7 @@
 //! The fragment shader that traces waves past a transparent listener and records their crossings.
 
 use super::materials::Materials;
-use super::pass_texts::{AlgorithmText, Directions, start};
+use super::pass_texts::{AlgorithmText, Directions, StartOrderText, start};
 use super::structure::Structure;
 use super::text::{
     ListenerText, Marched, Part, Source, Text, closed_form_parts, directed_parts, fill, join, link,
@@ -24,6 +24,8 @@ pub(crate) struct ArrivalsText {
     pub algorithm: AlgorithmText,
     /// How waves start.
     pub directions: Directions,
+    /// Which wave starts at a texel.
+    pub order: StartOrderText,
     /// Crossings of a wave that a pass records.
     pub records: u32,
     /// Bits of an event; 0 where no surface absorbs or scatters.
@@ -44,7 +46,7 @@ impl ArrivalsText {
     /// The parameters for a scene of these materials, with at most `records` records, on a driver that
     /// allows `outputs` outputs, at least four.
     pub fn new(
-        (algorithm, directions): (AlgorithmText, Directions),
+        (algorithm, directions, order): (AlgorithmText, Directions, StartOrderText),
         materials: &Materials,
         records: u32,
         outputs: u32,
@@ -54,6 +56,7 @@ impl ArrivalsText {
         let text = ArrivalsText {
             algorithm,
             directions,
+            order,
             records: 0,
             event_bits,
             has_words,
@@ -119,10 +122,11 @@ pub(crate) fn arrivals_text(scene: &Scene, structure: &Structure, text: &Arrival
     library.extend(parts(Source::new("outputs", written(text))));
     let mut roots = vec![source!("wave.glsl"), Source::new("options", options), fly];
     roots.extend(start(text.directions));
-    roots.extend([
-        source!("arrivals/flight.glsl"),
-        source!("arrivals/chunk.frag"),
-    ]);
+    let chunk = source!("arrivals/chunk.frag");
+    let number = ("number", "number", "waveAt(texel)");
+    let (pass, of_order) = text.order.fill(&chunk, number);
+    library.extend(of_order);
+    roots.extend([source!("arrivals/flight.glsl"), pass]);
     join(&link(roots, library))
 }
 

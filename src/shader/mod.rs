@@ -48,8 +48,8 @@ pub(crate) use pass_texts::first_person;
 #[cfg(feature = "picture")]
 pub(crate) use pass_texts::picture_text;
 pub(crate) use pass_texts::{
-    AlgorithmText, MarchText, first_sum_text, further_sum_text, initialise_text, march_text,
-    pan_text, whole_frame_text,
+    AlgorithmText, MarchText, StartOrderText, first_sum_text, further_sum_text, in_order_text,
+    initialise_text, march_text, pan_text, whole_frame_text,
 };
 pub(crate) use scene_data::DATA_WIDTH;
 pub use structure::Structure;

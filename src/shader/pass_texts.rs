@@ -4,7 +4,7 @@ use super::cells::Lists;
 use super::structure::Structure;
 use super::text::{
     ListenerText, Marched, Part, Source, Text, closed_form_parts, directed_parts, distance_parts,
-    join, library, link, source,
+    fill, is_marched, join, library, link, parts, source,
 };
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -17,6 +17,52 @@ pub enum Directions {
     Random,
     /// A spherical Fibonacci lattice, randomly rotated as a whole.
     Fibonacci,
+}
+
+/// Which wave starts at a texel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum StartOrderText {
+    /// The one whose number is that of the texel.
+    ByNumber,
+    /// The one that `uOrder` names: neighbouring texels hold waves of neighbouring directions.
+    Sorted,
+}
+
+impl StartOrderText {
+    /// The order for waves of this algorithm in a scene: sorted if waves are marched to a surface, so that waves traced
+    /// in lockstep take about as many steps. In `hybrid` without a march all waves take the same time, and `thesis` is
+    /// left as printed.
+    pub fn of(algorithm: AlgorithmText, scene: &Scene) -> StartOrderText {
+        let is_sorted = match algorithm {
+            AlgorithmText::Thesis => false,
+            AlgorithmText::March => true,
+            AlgorithmText::Hybrid => scene.surfaces.iter().any(is_marched),
+        };
+        match is_sorted {
+            true => StartOrderText::Sorted,
+            false => StartOrderText::ByNumber,
+        }
+    }
+
+    /// A pass over the waves, in which `name` marks one of these two texts, and the parts that it calls.
+    pub(super) fn fill(
+        self,
+        pass: &Source,
+        (name, by_number, sorted): (&str, &str, &str),
+    ) -> (Source, Vec<Part>) {
+        let (text, library) = match self {
+            StartOrderText::ByNumber => (by_number, Vec::new()),
+            StartOrderText::Sorted => (sorted, parts(source!("order.glsl"))),
+        };
+        let filled = fill(pass, &[(name, text)]);
+        (Source::new(pass.name.clone(), filled), library)
+    }
+
+    /// A pass that starts waves at their texels.
+    fn fill_start(self, pass: &Source) -> (Source, Vec<Part>) {
+        let sorted = "waveAt(ivec2(gl_FragCoord.xy))";
+        self.fill(pass, ("wave", "waveIndex()", sorted))
+    }
 }
 
 /// Settings on which the text of a march depends.
@@ -57,11 +103,13 @@ impl AlgorithmText {
 }
 
 /// The text of the pass that starts the waves.
-pub(crate) fn initialise_text(directions: Directions) -> String {
+pub(crate) fn initialise_text(directions: Directions, order: StartOrderText) -> String {
     let mut sources = vec![source!("wave.glsl")];
     sources.extend(start(directions));
-    sources.push(source!("initialise.frag"));
-    join(&link(sources, library()))
+    let (pass, mut parts) = order.fill_start(&source!("initialise.frag"));
+    sources.push(pass);
+    parts.extend(library());
+    join(&link(sources, parts))
 }
 
 /// The sources that start a wave.
@@ -85,11 +133,13 @@ pub(crate) fn whole_frame_text(
     scene: &Scene,
     structure: &Structure,
     text: MarchText,
-    directions: Directions,
+    (directions, order): (Directions, StartOrderText),
 ) -> String {
-    let (mut roots, parts) = iterations(&Text::new(scene, structure), text);
+    let (mut roots, mut parts) = iterations(&Text::new(scene, structure), text);
     roots.extend(start(directions));
-    roots.extend([source!("contribution.glsl"), source!("whole_frame.frag")]);
+    let (pass, of_order) = order.fill_start(&source!("whole_frame.frag"));
+    parts.extend(of_order);
+    roots.extend([source!("contribution.glsl"), pass]);
     join(&link(roots, parts))
 }
 
@@ -148,13 +198,19 @@ pub(crate) fn first_person(shading: Source) -> [Source; 3] {
     ]
 }
 
-/// The text of the panning pass.
-pub(crate) fn pan_text() -> String {
-    join(&[
-        source!("wave.glsl"),
-        source!("contribution.glsl"),
-        source!("pan.frag"),
-    ])
+/// The text of the panning pass, which writes contributions in the order of the waves.
+pub(crate) fn pan_text(order: StartOrderText) -> String {
+    let texel = "ivec2(gl_FragCoord.xy)";
+    let sorted = format!("texelOfWave({texel})");
+    let (pass, parts) = order.fill(&source!("pan.frag"), ("texel", texel, &sorted));
+    let roots = vec![source!("wave.glsl"), source!("contribution.glsl"), pass];
+    join(&link(roots, parts))
+}
+
+/// The text of the pass that puts contributions in the order of the waves.
+pub(crate) fn in_order_text() -> String {
+    let order = parts(source!("order.glsl"));
+    join(&link(vec![source!("in_order.frag")], order))
 }
 
 /// The text of the first pass of the sum on the GPU.

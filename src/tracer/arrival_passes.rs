@@ -6,7 +6,8 @@ use super::arrivals::{
 };
 use super::gpu_scene::check_uniforms;
 use super::prepared::{FramePrograms, PreparedFrame};
-use super::programs::{ScenePass, loops_asked};
+use super::programs::{ScenePass, loops_asked, start_order};
+use super::start_order::Starts;
 use super::targets::draw;
 use super::{Algorithm, Grid, Profile, Settings, TraceError, Tracer};
 use crate::arrival::Arrival;
@@ -15,7 +16,7 @@ use crate::error::Error;
 use crate::gl::{Context, Program, RenderTarget};
 use crate::platform::Instant;
 use crate::scene::{IntoPair, Pair, Scene};
-use crate::shader::{self, ArrivalsText, Materials, Structure};
+use crate::shader::{self, ArrivalsText, Materials, StartOrderText, Structure};
 use glam::Vec4;
 use std::ops::Range;
 use std::rc::Rc;
@@ -33,6 +34,8 @@ struct Run {
     frame: PreparedFrame,
     program: Rc<Program>,
     replay: Replay,
+    /// Which wave starts at a texel.
+    order: StartOrderText,
     /// The values of `uMaterials`.
     materials: Vec<Vec4>,
     /// The open volume of the listener's sphere.
@@ -172,7 +175,8 @@ impl Tracer {
         let materials = Materials::of(scene, how.bands.clone());
         let asked = loops_asked(&settings);
         let outputs = self.context.limits().most_outputs().min(how.outputs);
-        let march = (asked.algorithm, settings.directions);
+        let order = start_order(scene, &settings);
+        let march = (asked.algorithm, settings.directions, order);
         let text = ArrivalsText::new(march, &materials, how.records, outputs);
         let in_chunk = text.most_iterations().unwrap_or(Settings::MAX_ITERATIONS);
         settings.iterations_per_pass = in_chunk.min(how.iterations_in_chunk);
@@ -191,13 +195,17 @@ impl Tracer {
             let pass = ScenePass::Arrivals(text.clone());
             programs.of_scene(&self.context, (scene, &compiled.structure), pass)?
         };
-        let programs = FramePrograms::WholeFrame(Rc::clone(&program));
+        let programs = FramePrograms::WholeFrame {
+            frame: Rc::clone(&program),
+            in_order: None,
+        };
         let (budget, now) = (compiled.budget(&asked), Instant::now());
         let frame = PreparedFrame::new(pair, &settings, compiled, budget, programs, now);
         self.provide_arrival_targets(&settings, &text)?;
         Ok(Run {
             iterations_in_chunk: iterations_in_chunk(&frame, &text),
             materials: values,
+            order,
             replay: replay(pair, &settings, how, (materials, open_volume_m3)),
             open_volume_m3,
             iterations: how.iterations,
@@ -242,11 +250,20 @@ impl Tracer {
             waves: numbers.len() as u32,
             ..targets.grid
         };
+        let Settings {
+            directions,
+            seed,
+            waves,
+            ..
+        } = run.frame.settings;
+        let of_settings = Starts::new(directions, seed, waves, numbers.clone());
+        let order =
+            targets.sort_starts(&self.context, (grid, run.order), (of_settings, starts))?;
         if let Some(starts) = starts {
             targets.upload_starts(run.frame.start(), starts)?;
         }
         let energies = start_energies(run, starts, numbers.len());
-        let mut block = Block::new(numbers.start, grid, energies);
+        let mut block = Block::new(numbers.start, (grid, order), energies);
         let mut part = Part {
             first_wave: numbers.start,
             is_uploaded: starts.is_some(),
@@ -352,6 +369,7 @@ impl Tracer {
         let [origins, directions] = targets.current();
         program.set_texture("uOrigins", 0, origins);
         program.set_texture("uDirections", 1, directions);
+        targets.bind_order(program);
         self.scene.bind(program, 2);
         let is_start = part.first_iteration == 0 && !part.is_uploaded;
         program.set_i32("uIsStart", i32::from(is_start));

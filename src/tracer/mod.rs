@@ -19,11 +19,13 @@ mod frame;
 mod frame_steps;
 mod gpu_scene;
 mod heard_paths;
+mod order_table;
 mod prepared;
 mod programs;
 mod read_back;
 mod reload;
 mod settings;
+mod start_order;
 mod targets;
 #[cfg(test)]
 mod tests;
@@ -38,7 +40,7 @@ use crate::scene::{IntoPair, Pair, Scene};
 #[doc(hidden)]
 pub use crate::shader::Budget;
 pub use crate::shader::Directions;
-use crate::shader::{Materials, Structure};
+use crate::shader::{Materials, StartOrderText, Structure};
 use arrivals::ArrivalTargets;
 pub use arrivals::{ArrivalCounts, ArrivalSettings};
 pub(crate) use arrivals::{Followed, Start, WavesToFollow};
@@ -58,7 +60,9 @@ pub use heard_paths::{HeardPaths, HeardSearch, MostKept};
 use prepared::{FramePrograms, PreparedFrame, set_direction_uniforms};
 #[doc(hidden)]
 pub use programs::{Pass, shader_text};
-use programs::{Programs, ScenePass, WavePass, loops_asked, march_options, march_text, structure};
+use programs::{
+    Programs, ScenePass, WavePass, loops_asked, march_options, march_text, start_order, structure,
+};
 use read_back::{GpuSum, ReadBack};
 #[doc(hidden)]
 pub use reload::Opening;
@@ -66,6 +70,7 @@ pub use reload::Reloading;
 #[doc(hidden)]
 pub use settings::MARCHES_PER_PASS;
 pub use settings::{Algorithm, HybridOptions, MarchOptions, Profile, Settings, ThesisOptions};
+use start_order::Starts;
 use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::Duration;
@@ -123,6 +128,8 @@ pub struct Tracer {
 enum Waves {
     Kept,
     Dropped,
+    /// The waves are requested, and the caller gives their directions, in this order.
+    Given,
 }
 
 /// The part of a tracer that several tracers may share.
@@ -291,7 +298,7 @@ impl Tracer {
         let _entered = self.context.enter()?;
         let waves = u32::try_from(units.len()).unwrap_or(u32::MAX);
         let settings = settings.clone().with_waves(waves);
-        let frame = self.prepare(pair, &settings, Waves::Kept)?;
+        let frame = self.prepare(pair, &settings, Waves::Given)?;
         self.targets()?.upload_starts(&frame, units)?;
         self.follow(&frame)
     }
@@ -327,10 +334,11 @@ impl Tracer {
             check_waves(&tracer.context, grid)?;
             let initialise = {
                 let programs = &mut tracer.shared.borrow_mut().programs;
-                programs.of_waves(&tracer.context, WavePass::Initialise(settings.directions))?
+                let pass = WavePass::Initialise(settings.directions, StartOrderText::ByNumber);
+                programs.of_waves(&tracer.context, pass)?
             };
             tracer.give_up_marching();
-            tracer.make_room(settings, true)?;
+            tracer.make_room(settings, true)?.sort_starts(None)?;
             set_direction_uniforms(&initialise, settings, grid);
             let targets = tracer.targets()?;
             targets.start(&initialise)?;
@@ -361,10 +369,17 @@ impl Tracer {
         let as_one = keep == Waves::Dropped && fits_one_pass(scene, settings, || budget);
         let structure = &self.scene.compiled.structure;
         let programs = self.programs(scene, structure, settings, as_one)?;
-        self.make_room(settings, !programs.are_one())?;
+        let starts = match keep == Waves::Given {
+            true => None,
+            false => starts(scene, settings),
+        };
+        let targets = self.make_room(settings, !programs.are_one())?;
+        targets.provide_unordered(starts.is_some() && programs.are_one())?;
+        // Sorting is part of the first frame with these starts.
+        let ((), sorting) = timed(|| Ok(targets.sort_starts(starts)?))?;
         // Compiling and creating textures, which only a first frame does, is not in the frame's
         // time.
-        let setup = Duration::from_secs_f64(setup * 1e-3);
+        let setup = Duration::from_secs_f64((setup + sorting) * 1e-3);
         let now = Instant::now();
         let began = now.checked_sub(setup).unwrap_or(now);
         let compiled = &self.scene.compiled;
@@ -383,20 +398,31 @@ impl Tracer {
     ) -> Result<FramePrograms, Error> {
         let (programs, context) = (&mut self.shared.borrow_mut().programs, &self.context);
         let (march, of) = (march_options(settings), (scene, structure));
+        let (directions, order) = (settings.directions, start_order(scene, settings));
         if as_one {
-            let pass = ScenePass::WholeFrame(march, settings.directions);
-            let program = programs.of_scene(context, of, pass)?;
-            return Ok(FramePrograms::WholeFrame(program));
+            let pass = ScenePass::WholeFrame(march, (directions, order));
+            let in_order = match order {
+                StartOrderText::ByNumber => None,
+                StartOrderText::Sorted => Some(programs.of_waves(context, WavePass::InOrder)?),
+            };
+            return Ok(FramePrograms::WholeFrame {
+                frame: programs.of_scene(context, of, pass)?,
+                in_order,
+            });
         }
         Ok(FramePrograms::Passes {
             march: programs.of_scene(context, of, ScenePass::March(march))?,
-            initialise: programs.of_waves(context, WavePass::Initialise(settings.directions))?,
-            pan: programs.of_waves(context, WavePass::Pan)?,
+            initialise: programs.of_waves(context, WavePass::Initialise(directions, order))?,
+            pan: programs.of_waves(context, WavePass::Pan(order))?,
         })
     }
 
     /// Creates textures for the waves if there are none yet.
-    fn make_room(&mut self, settings: &Settings, with_pairs: bool) -> Result<(), Error> {
+    fn make_room(
+        &mut self,
+        settings: &Settings,
+        with_pairs: bool,
+    ) -> Result<&mut Targets, Error> {
         let grid = Grid::new(settings.waves);
         let targets = match self.targets.take().filter(|targets| targets.grid == grid) {
             Some(targets) => targets,
@@ -411,7 +437,7 @@ impl Tracer {
             let programs = &mut self.shared.borrow_mut().programs;
             targets.sum = Some(GpuSum::new(&self.context, programs, grid)?);
         }
-        Ok(())
+        Ok(targets)
     }
 
     /// Checks the input once per frame, and users' fields before the first frame. Returns the
@@ -458,6 +484,20 @@ impl Tracer {
             states.push(waves(&starts, &ends, frame.origin));
         }
         Ok(states)
+    }
+}
+
+/// The waves of a frame, if they start sorted.
+fn starts(scene: &Scene, settings: &Settings) -> Option<Starts> {
+    let Settings {
+        waves,
+        seed,
+        directions,
+        ..
+    } = *settings;
+    match start_order(scene, settings) {
+        StartOrderText::ByNumber => None,
+        StartOrderText::Sorted => Some(Starts::new(directions, seed, waves, 0..waves)),
     }
 }
 

@@ -46,7 +46,11 @@ pub(super) enum FramePrograms {
         pan: Rc<Program>,
     },
     /// All passes in one program: the waves are in no texture.
-    WholeFrame(Rc<Program>),
+    WholeFrame {
+        frame: Rc<Program>,
+        /// Puts the contributions in the order of the waves, if starts are sorted.
+        in_order: Option<Rc<Program>>,
+    },
 }
 
 impl FramePrograms {
@@ -54,13 +58,13 @@ impl FramePrograms {
     pub fn march(&self) -> &Rc<Program> {
         match self {
             FramePrograms::Passes { march, .. } => march,
-            FramePrograms::WholeFrame(program) => program,
+            FramePrograms::WholeFrame { frame, .. } => frame,
         }
     }
 
     /// Whether all passes are drawn as one.
     pub fn are_one(&self) -> bool {
-        matches!(self, FramePrograms::WholeFrame(_))
+        matches!(self, FramePrograms::WholeFrame { .. })
     }
 }
 

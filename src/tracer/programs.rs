@@ -7,7 +7,7 @@ use crate::gl::{Context, GpuError, Program, ProgramCache, log_errors};
 use crate::scene::{Scene, UserField};
 use crate::shader::{
     self, AlgorithmText, ArrivalsText, Budget, CompiledScene, LoopsAsked, MarchText, Materials,
-    OriginRebasing, Structure, StructureKey,
+    OriginRebasing, StartOrderText, Structure, StructureKey,
 };
 use std::num::NonZeroUsize;
 use std::rc::Rc;
@@ -27,8 +27,10 @@ enum Key {
 /// A pass over the waves whose text contains no scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum WavePass {
-    Initialise(Directions),
-    Pan,
+    Initialise(Directions, StartOrderText),
+    Pan(StartOrderText),
+    /// Puts contributions in the order of the waves.
+    InOrder,
     /// The first pass of the sum on the GPU.
     FirstSum,
     /// The further passes of the sum.
@@ -40,7 +42,7 @@ pub(super) enum WavePass {
 pub(super) enum ScenePass {
     March(MarchText),
     /// All passes of a frame in one.
-    WholeFrame(MarchText, Directions),
+    WholeFrame(MarchText, (Directions, StartOrderText)),
     /// Traces waves through a chunk of iterations, past a transparent listener.
     Arrivals(ArrivalsText),
 }
@@ -52,8 +54,8 @@ impl ScenePass {
                 let text = shader::march_text(scene, structure, *of);
                 ("march", of.algorithm, text)
             }
-            ScenePass::WholeFrame(of, directions) => {
-                let text = shader::whole_frame_text(scene, structure, *of, *directions);
+            ScenePass::WholeFrame(of, starts) => {
+                let text = shader::whole_frame_text(scene, structure, *of, *starts);
                 ("frame", of.algorithm, text)
             }
             ScenePass::Arrivals(of) => {
@@ -108,8 +110,11 @@ impl Programs {
     pub fn of_waves(&mut self, context: &Context, pass: WavePass) -> Result<Rc<Program>, Error> {
         self.cache.get_or_compile(Key::Waves(pass), || {
             let (label, text) = match pass {
-                WavePass::Initialise(of) => ("initialise", shader::initialise_text(of)),
-                WavePass::Pan => ("pan", shader::pan_text()),
+                WavePass::Initialise(of, order) => {
+                    ("initialise", shader::initialise_text(of, order))
+                }
+                WavePass::Pan(order) => ("pan", shader::pan_text(order)),
+                WavePass::InOrder => ("in order", shader::in_order_text()),
                 WavePass::FirstSum => ("first sum", shader::first_sum_text()),
                 WavePass::FurtherSum => ("further sum", shader::further_sum_text()),
             };
@@ -128,6 +133,11 @@ pub(super) fn march_options(settings: &Settings) -> MarchText {
         },
         count_evaluations: settings.count_evaluations,
     }
+}
+
+/// Which wave starts at a texel, in a scene with these settings.
+pub(super) fn start_order(scene: &Scene, settings: &Settings) -> StartOrderText {
+    StartOrderText::of(march_options(settings).algorithm, scene)
 }
 
 /// The settings on which the loops of a pass depend.
@@ -180,9 +190,11 @@ pub enum Pass {
 /// [checked](Scene::check).
 pub fn shader_text(scene: &Scene, settings: &Settings, pass: Pass) -> String {
     match pass {
-        Pass::Initialise => shader::initialise_text(settings.directions),
+        Pass::Initialise => {
+            shader::initialise_text(settings.directions, start_order(scene, settings))
+        }
         Pass::March => march_text(scene, &structure(scene, settings), settings),
-        Pass::Pan => shader::pan_text(),
+        Pass::Pan => shader::pan_text(start_order(scene, settings)),
     }
 }
 

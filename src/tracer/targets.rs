@@ -2,8 +2,10 @@
 //! measure the times.
 
 use super::gpu_scene::GpuScene;
+use super::order_table::OrderTable;
 use super::prepared::{EVALUATIONS_PER_DRAW, FramePrograms, PreparedFrame};
 use super::read_back::{GpuSum, ReadBack};
+use super::start_order::Starts;
 use super::waves::start_texels;
 use super::{Grid, TraceError};
 use crate::error::Error;
@@ -23,8 +25,16 @@ pub(super) struct Targets {
     pub grid: Grid,
     /// Created for the first frame with several passes.
     pairs: Option<PingPong>,
+    /// The contributions of the waves, in their order.
     pub contributions: Texture,
     pub pan: RenderTarget,
+    /// The contributions in the order of starts, where a frame is one pass; created for the first such frame whose
+    /// starts are sorted.
+    unordered: Option<(Texture, RenderTarget)>,
+    /// The last order of starts, kept for the next frame.
+    order: Option<OrderTable>,
+    /// Whether the starts of the current waves are sorted.
+    are_sorted: bool,
     /// Created for the first frame that is summed on the GPU.
     pub sum: Option<GpuSum>,
 }
@@ -38,6 +48,9 @@ impl Targets {
             pairs: None,
             pan: RenderTarget::new(context, &[&contributions])?,
             contributions,
+            unordered: None,
+            order: None,
+            are_sorted: false,
             sum: None,
         })
     }
@@ -49,6 +62,40 @@ impl Targets {
             self.pairs = Some(PingPong::new(&self.context, width, height)?);
         }
         Ok(())
+    }
+
+    /// Creates the texture for contributions that are not in the order of the waves, if it is needed and there is none
+    /// yet.
+    pub fn provide_unordered(&mut self, is_needed: bool) -> Result<(), GpuError> {
+        if is_needed && self.unordered.is_none() {
+            let texture = Texture::new(&self.context, self.grid.width, self.grid.height)?;
+            let target = RenderTarget::new(&self.context, &[&texture])?;
+            self.unordered = Some((texture, target));
+        }
+        Ok(())
+    }
+
+    /// Sorts the starts of the next waves; without an order, waves start in the order of their numbers.
+    pub fn sort_starts(&mut self, starts: Option<Starts>) -> Result<(), GpuError> {
+        self.are_sorted = starts.is_some();
+        if let Some(starts) = starts {
+            let (known, size) = (self.order.take(), (self.grid, self.grid.height));
+            let table = OrderTable::of_starts(&self.context, known, starts, size)?;
+            self.order = Some(table);
+        }
+        Ok(())
+    }
+
+    /// The order of the starts, if they are sorted.
+    fn order(&self) -> Option<&OrderTable> {
+        self.order.as_ref().filter(|_| self.are_sorted)
+    }
+
+    /// Binds the order of the starts, if they are sorted, for a program that looks it up.
+    fn bind_order(&self, program: &Program) {
+        if let Some(order) = self.order() {
+            order.bind(program);
+        }
     }
 
     fn pairs(&self) -> Result<&PingPong, TraceError> {
@@ -67,6 +114,7 @@ impl Targets {
     /// Draws the waves at their start.
     pub fn start(&self, program: &Program) -> Result<(), Error> {
         let target = self.pairs()?.current();
+        self.bind_order(program);
         self.draw(program, target, 1, 0..self.grid.height)
     }
 
@@ -94,7 +142,12 @@ impl Targets {
         program.set_i32("uIterationsInPass", iterations as i32);
         let evaluations = frame.evaluations(&self.context, iterations);
         if frame.programs.are_one() {
-            return self.draw(program, &self.pan, evaluations, rows);
+            self.bind_order(program);
+            let target = match (self.order(), &self.unordered) {
+                (Some(_), Some((_, target))) => target,
+                _ => &self.pan,
+            };
+            return self.draw(program, target, evaluations, rows);
         }
         let pairs = self.pairs()?;
         program.set_texture("uOrigins", 0, &pairs.current().first);
@@ -109,15 +162,30 @@ impl Targets {
         }
     }
 
-    /// Draws the contribution of each wave to either side, if this is a separate pass.
+    /// Draws the contribution of each wave to either side in the order of the waves, as far as the pass of a whole frame
+    /// has not done so.
     pub fn pan(&self, frame: &PreparedFrame) -> Result<(), Error> {
-        let FramePrograms::Passes { pan: program, .. } = &frame.programs else {
-            return Ok(());
+        let program = match &frame.programs {
+            FramePrograms::Passes { pan, .. } => pan,
+            FramePrograms::WholeFrame { in_order, .. } => {
+                return self.put_in_order(in_order.as_deref());
+            }
         };
+        self.bind_order(program);
         let current = self.pairs()?.current();
         program.set_texture("uOrigins", 0, &current.first);
         program.set_texture("uDirections", 1, &current.second);
         frame.set_pan_uniforms(program);
+        self.draw(program, &self.pan, 1, 0..self.grid.height)
+    }
+
+    /// Puts the contributions of a whole frame in the order of the waves, if its starts are sorted.
+    fn put_in_order(&self, program: Option<&Program>) -> Result<(), Error> {
+        let (Some(program), Some((texture, _))) = (program, &self.unordered) else {
+            return Ok(());
+        };
+        self.bind_order(program);
+        program.set_texture("uContributions", 0, texture);
         self.draw(program, &self.pan, 1, 0..self.grid.height)
     }
 
@@ -131,12 +199,15 @@ impl Targets {
         read_back.ask_sum(sum)
     }
 
-    /// Both textures of the current pair, without the texels beyond the last wave.
+    /// Both textures of the current pair in the order of the waves, without the texels beyond the last wave.
     pub fn read_pair(&self) -> Result<[Vec<f32>; 2], Error> {
         let length = 4 * self.grid.waves as usize;
         let target = &self.pairs()?.current().target;
         let mut origins = target.read(0)?;
         let mut directions = target.read(1)?;
+        if let Some(order) = self.order().map(OrderTable::order) {
+            return Ok([origins, directions].map(|texels| order.in_order_of_waves(&texels)));
+        }
         origins.truncate(length);
         directions.truncate(length);
         Ok([origins, directions])

@@ -1,12 +1,14 @@
 //! Computes arrivals from records: for the waves of a block, chunk by chunk, in `f64`.
 
 use super::super::Grid;
+use super::super::start_order::StartOrder;
 use super::ArrivalCounts;
 use super::events::{EventTable, Events};
 use crate::arrival::Arrival;
 use crate::bands::{self, BAND_COUNT, Bands};
 use glam::DVec3;
 use std::ops::Range;
+use std::rc::Rc;
 
 /// A tally is the number of crossings plus this factor times the fate (`glsl/arrivals/chunk.frag`).
 const CROSSINGS: u32 = 1024;
@@ -29,8 +31,8 @@ pub struct Replay {
 /// A wave that is drawn again because it crosses the listener more often than the records allow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Listed {
-    /// Number in the block.
-    pub wave: u32,
+    /// Number of its texel in the block.
+    pub texel: u32,
     /// Crossings already recorded.
     pub passed_over: u32,
 }
@@ -69,6 +71,8 @@ struct WaveSoFar {
 pub struct Block {
     first: u32,
     grid: Grid,
+    /// The texels of the waves; `None` if they are those of their numbers.
+    order: Option<Rc<StartOrder>>,
     waves: Vec<WaveSoFar>,
     /// The initial energy of each wave, in each band that it carries.
     energy_at_start: f64,
@@ -94,9 +98,13 @@ pub struct Chunk<'a> {
 }
 
 impl Block {
-    /// Waves at the source: those of the grid, numbered from `first`, with their initial energies; empty if all start
-    /// with 1 and lose nothing.
-    pub fn new(first: u32, grid: Grid, energies: Vec<Bands>) -> Block {
+    /// Waves at the source: those of the grid in this order, numbered from `first`, with their initial energies; empty
+    /// if all start with 1 and lose nothing.
+    pub fn new(
+        first: u32,
+        (grid, order): (Grid, Option<Rc<StartOrder>>),
+        energies: Vec<Bands>,
+    ) -> Block {
         let start = WaveSoFar {
             length: 0.0,
             fate: Fate::Travelling,
@@ -107,6 +115,7 @@ impl Block {
         Block {
             first,
             grid,
+            order,
             energy_at_start: if energies.is_empty() {
                 f64::from(grid.waves)
             } else {
@@ -119,30 +128,46 @@ impl Block {
         }
     }
 
-    fn numbers(&self) -> Range<u32> {
+    /// The texels with waves in the rows that are followed.
+    fn texels(&self) -> Range<u32> {
         let Range { start, end } = self.rows;
         start * self.grid.width..(end * self.grid.width).min(self.grid.waves)
+    }
+
+    /// The waves in these rows in their order, each with its texel.
+    fn waves_in_rows(&self) -> impl Iterator<Item = (u32, u32)> + use<> {
+        let (texels, order) = (self.texels(), self.order.clone());
+        let numbers = match order {
+            None => texels.clone(),
+            Some(_) => 0..self.grid.waves,
+        };
+        let with_texel = move |wave| match &order {
+            None => (wave, wave),
+            Some(order) => (wave, order.texel(wave)),
+        };
+        let waves = numbers.map(with_texel);
+        waves.filter(move |(_, texel)| texels.contains(texel))
     }
 
     /// The waves that cross the listener more often than `records`, once for each further `records`
     /// crossings.
     pub fn list(&self, tally: &[f32], records: u32) -> Vec<Listed> {
         let mut list = Vec::new();
-        for wave in self.numbers() {
-            let crossings = tally_of(tally, wave) % CROSSINGS;
+        for (_, texel) in self.waves_in_rows() {
+            let crossings = tally_of(tally, texel) % CROSSINGS;
             let further = (records..crossings).step_by(records as usize);
-            list.extend(further.map(|passed_over| Listed { wave, passed_over }));
+            list.extend(further.map(|passed_over| Listed { texel, passed_over }));
         }
         list
     }
 
     /// The rows in which waves are still followed after the chunk.
     pub fn rows_travelling(&self, tally: &[f32]) -> Range<u32> {
-        let travels = |wave: &u32| Fate::of(tally_of(tally, *wave)) == Fate::Travelling;
-        let mut travelling = self.numbers().filter(travels);
+        let travels = |texel: &u32| Fate::of(tally_of(tally, *texel)) == Fate::Travelling;
+        let mut travelling = self.texels().filter(travels);
         let first = travelling.next();
         let last = travelling.next_back().or(first);
-        let row = |wave: u32| wave / self.grid.width;
+        let row = |texel: u32| texel / self.grid.width;
         match (first, last) {
             (Some(first), Some(last)) => row(first)..row(last) + 1,
             _ => 0..0,
@@ -155,9 +180,9 @@ impl Block {
         let records = chunk.records.len();
         let mut listed = 0;
         let mut taken = 0;
-        for wave in self.numbers() {
-            let at = 4 * wave as usize;
-            let tally = tally_of(chunk.tally, wave);
+        for (wave, texel) in self.waves_in_rows() {
+            let at = 4 * texel as usize;
+            let tally = tally_of(chunk.tally, texel);
             let crossings = (tally % CROSSINGS) as usize;
             let words = chunk.words.map(|words| &words[at..at + 4]);
             let mut events = with
@@ -281,8 +306,8 @@ impl Block {
     }
 }
 
-fn tally_of(texels: &[f32], wave: u32) -> u32 {
-    texels[4 * wave as usize + 2] as u32
+fn tally_of(texels: &[f32], texel: u32) -> u32 {
+    texels[4 * texel as usize + 2] as u32
 }
 
 /// The unit vector of a record, from x, y and the sign of z.

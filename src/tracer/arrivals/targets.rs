@@ -1,11 +1,15 @@
 //! The textures that the passes of arrivals draw to, and their read-back.
 
 use super::super::Grid;
+use super::super::order_table::OrderTable;
+use super::super::start_order::{StartOrder, Starts};
 use super::super::waves::start_texels;
 use super::replay::{Chunk, Listed};
 use super::settings::Start;
-use crate::gl::{AsyncRead, Context, GpuError, RenderTarget, Texture};
-use crate::shader::ArrivalsText;
+use crate::gl::{AsyncRead, Context, GpuError, Program, RenderTarget, Texture};
+use crate::shader::{ArrivalsText, StartOrderText};
+use glam::Vec3;
+use std::rc::Rc;
 
 /// Waves per row of a list.
 const LIST_WIDTH: u32 = 256;
@@ -39,6 +43,8 @@ pub struct ArrivalTargets {
     /// The texels that were read.
     texels: Vec<Vec<f32>>,
     pub list: ListTargets,
+    /// The order of the starts of the last block whose starts were sorted.
+    order: Option<OrderTable>,
     _shared: Vec<Texture>,
 }
 
@@ -73,6 +79,7 @@ impl ArrivalTargets {
             reads: reads.collect::<Result<_, _>>()?,
             texels: vec![Vec::new(); shared.len()],
             list: ListTargets::new(context, &text)?,
+            order: None,
             text,
             _shared: shared,
         })
@@ -80,14 +87,51 @@ impl ArrivalTargets {
 
     /// Whether these textures match the outputs of this text.
     pub fn is_for(&self, text: &ArrivalsText) -> bool {
-        (self.text.has_words, self.text.records) == (text.has_words, text.records)
+        let outputs = |text: &ArrivalsText| (text.has_words, text.records);
+        outputs(&self.text) == outputs(text)
+    }
+
+    /// Sorts the starts of a block: those of the settings, or given ones. Returns `None` if waves start in the order of
+    /// their numbers.
+    pub fn sort_starts(
+        &mut self,
+        context: &Context,
+        (block, order): (Grid, StartOrderText),
+        (starts, given): (Starts, Option<&[Start]>),
+    ) -> Result<Option<Rc<StartOrder>>, GpuError> {
+        if order == StartOrderText::ByNumber {
+            self.order = None;
+            return Ok(None);
+        }
+        let (known, size) = (self.order.take(), (block, self.grid.height));
+        let table = match given {
+            None => OrderTable::of_starts(context, known, starts, size)?,
+            Some(given) => {
+                let directions = given.iter().map(|start| start.direction);
+                OrderTable::of_directions(context, directions, size)?
+            }
+        };
+        let table = self.order.insert(table);
+        Ok(Some(Rc::clone(table.order())))
+    }
+
+    /// Binds the order of the starts, if they are sorted, for a program that looks it up.
+    pub fn bind_order(&self, program: &Program) {
+        if let Some(order) = &self.order {
+            order.bind(program);
+        }
     }
 
     /// Puts waves at their start, with a common position and status and individual directions.
     pub fn upload_starts(&self, start: [f32; 4], starts: &[Start]) -> Result<(), GpuError> {
         let texels = (self.grid.width * self.grid.height) as usize;
-        let directions = starts.iter().map(|start| start.direction);
-        let [origins, directions] = start_texels(start, directions, texels);
+        let mut directions: Vec<Vec3> = starts.iter().map(|start| start.direction).collect();
+        if let Some(order) = self.order.as_ref().map(OrderTable::order) {
+            for (wave, start) in starts.iter().enumerate() {
+                directions[order.texel(wave as u32) as usize] = start.direction;
+            }
+        }
+        let [origins, directions] = start_texels(start, directions.into_iter(), texels);
         let [first, second] = self.current();
         first.upload(origins.as_flattened())?;
         second.upload(directions.as_flattened())
@@ -162,7 +206,7 @@ impl ListTargets {
 
     /// Sets the waves of the list.
     pub fn upload(&self, list: &[Listed]) -> Result<(), GpuError> {
-        let entry = |listed: &Listed| [listed.wave as f32, listed.passed_over as f32, 0.0, 0.0];
+        let entry = |listed: &Listed| [listed.texel as f32, listed.passed_over as f32, 0.0, 0.0];
         let mut entries: Vec<[f32; 4]> = list.iter().map(entry).collect();
         entries.resize(LISTED_AT_MOST, NO_WAVE);
         self.waves.upload(entries.as_flattened())
