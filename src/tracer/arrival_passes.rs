@@ -257,8 +257,7 @@ impl Tracer {
             ..
         } = run.frame.settings;
         let of_settings = Starts::new(directions, seed, waves, numbers.clone());
-        let order =
-            targets.sort_starts(&self.context, (grid, run.order), (of_settings, starts))?;
+        let order = targets.sort_starts(&self.context, (grid, run.order), (of_settings, starts))?;
         if let Some(starts) = starts {
             targets.upload_starts(run.frame.start(), starts)?;
         }

@@ -418,11 +418,7 @@ impl Tracer {
     }
 
     /// Creates textures for the waves if there are none yet.
-    fn make_room(
-        &mut self,
-        settings: &Settings,
-        with_pairs: bool,
-    ) -> Result<&mut Targets, Error> {
+    fn make_room(&mut self, settings: &Settings, with_pairs: bool) -> Result<&mut Targets, Error> {
         let grid = Grid::new(settings.waves);
         let targets = match self.targets.take().filter(|targets| targets.grid == grid) {
             Some(targets) => targets,

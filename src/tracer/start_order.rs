@@ -54,10 +54,7 @@ impl Starts {
             }
             Directions::Fibonacci => {
                 let share = (f64::from(wave) + 0.5) / f64::from(self.of);
-                place(
-                    share as f32,
-                    unit_interval(wave.wrapping_mul(GOLDEN_RATIO)),
-                )
+                place(share as f32, unit_interval(wave.wrapping_mul(GOLDEN_RATIO)))
             }
         })
     }
@@ -233,4 +230,122 @@ fn mix_bits(v: UVec3) -> UVec3 {
 /// The upper 24 bits as a number in 0 … 1, excluding 1.
 fn unit_interval(bits: u32) -> f32 {
     (bits >> 8) as f32 / (1 << 24) as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::lattice;
+    use std::collections::BTreeSet;
+
+    /// Grids of odd counts of waves: the squarest ones, and blocks in wider textures.
+    fn grids() -> impl Iterator<Item = Grid> {
+        let counts = (1..=200).chain([1000, 1023, 4095, 4099, 65_537]);
+        counts.flat_map(|waves| {
+            let own = Grid::new(waves);
+            let wider = Grid {
+                width: own.width + 13,
+                height: own.height + 5,
+                ..own
+            };
+            [own, wider]
+        })
+    }
+
+    /// Protects every wave: in any grid, each wave has one texel and each texel one wave, texels beyond the last wave
+    /// stay empty, and the two halves of the table are inverses.
+    #[test]
+    fn every_wave_starts_once() {
+        for grid in grids() {
+            let waves = grid.waves;
+            for directions in [Directions::Random, Directions::Fibonacci] {
+                let starts = Starts::new(directions, 5, 3 * waves, waves..2 * waves);
+                let order = starts.order(grid);
+                let texels: BTreeSet<u32> = (0..waves).map(|wave| order.texel(wave)).collect();
+                assert!(texels.into_iter().eq(0..waves), "{grid:?}");
+                let table = order.table(grid.height);
+                assert_eq!(table.len() as u32, grid.width * grid.height);
+                for (number, [wave, x, y, _]) in (0..).zip(&table) {
+                    let texel = *y as u32 * grid.width + *x as u32;
+                    match number < waves {
+                        true => assert_eq!(order.texel(number), texel),
+                        false => assert_eq!((*wave as u32, texel), (number, number)),
+                    }
+                    assert_eq!(table[texel as usize][0] as u32, number);
+                }
+            }
+        }
+    }
+
+    /// Protects what is read back: it is in the order of the waves, without the texels beyond the last wave.
+    #[test]
+    fn texels_are_put_in_the_order_of_waves() {
+        let grid = Grid::new(1001);
+        let order = Starts::new(Directions::Random, 1, 1001, 0..1001).order(grid);
+        let table = order.table(grid.height);
+        let read = order.in_order_of_waves(table.as_flattened());
+        assert_eq!(read.len(), 4 * 1001);
+        let numbers = read.as_chunks::<4>().0.iter().map(|texel| texel[0]);
+        assert!(numbers.eq((0..1001).map(|wave| wave as f32)));
+    }
+
+    /// Protects frames drawn in parts, whose time is predicted from earlier rows: every strip of eight rows holds waves
+    /// of all eight octants.
+    #[test]
+    fn strips_of_rows_hold_waves_from_all_over_the_sphere() {
+        let (waves, strips) = (65_536, 32);
+        let grid = Grid::new(waves);
+        let directions: Vec<Vec3> = lattice(waves.into()).map(|d| d.as_vec3()).collect();
+        let order = StartOrder::of_directions(directions.iter().copied(), grid);
+        let mut met = vec![BTreeSet::new(); strips];
+        for (wave, direction) in (0..).zip(&directions) {
+            let strip = order.texel(wave) / grid.width / TILE;
+            met[strip as usize].insert(direction.cmpgt(Vec3::ZERO).bitmask());
+        }
+        assert!(met.iter().all(|octants| octants.len() == 8));
+    }
+
+    /// Protects the curve: it visits every cell once, and each next cell shares a side with the previous one.
+    #[test]
+    fn the_curve_goes_from_cell_to_neighbouring_cell() {
+        let levels = 5;
+        let along = 1 << levels;
+        let mut cells = vec![None; 1 << (2 * levels)];
+        for (x, y) in (0..along).flat_map(|y| (0..along).map(move |x| (x, y))) {
+            let number = place_on_curve(x, y, levels) as usize;
+            assert_eq!(cells[number].replace((x, y)), None);
+        }
+        for pair in cells.windows(2) {
+            let [Some(a), Some(b)] = [pair[0], pair[1]] else {
+                panic!("a cell without a number");
+            };
+            assert_eq!(a.0.abs_diff(b.0) + a.1.abs_diff(b.1), 1);
+        }
+    }
+
+    /// Protects the square of directions: equal areas hold equal numbers of a lattice's directions, and directions that
+    /// are close to each other in the square are close on the sphere.
+    #[test]
+    fn the_square_has_equal_areas_and_no_gaps() {
+        const SIDE: usize = 8;
+        let count = 64_000;
+        let mut cells = vec![Vec::new(); SIDE * SIDE];
+        for direction in lattice(count) {
+            let direction = direction.as_vec3();
+            let turns = direction.z.atan2(direction.x) / TAU;
+            let at = place(0.5 - 0.5 * direction.y, turns - turns.floor());
+            assert!(at.min_element() >= 0.0 && at.max_element() <= 1.0);
+            let cell = (at * SIDE as f32).min(Vec2::splat(SIDE as f32 - 0.5));
+            cells[cell.y as usize * SIDE + cell.x as usize].push(direction);
+        }
+        for directions in &cells {
+            // The lattice's directions along the edge of a cell fall to either side.
+            let off = directions.len().abs_diff(count as usize / cells.len());
+            assert!(off < 60, "{off}");
+            let mean = directions.iter().sum::<Vec3>() / directions.len() as f32;
+            let far = directions.iter().map(|direction| direction.distance(mean));
+            // A cap of a 64th of the sphere has a radius of 0.25.
+            assert!(far.fold(0.0, f32::max) < 0.5);
+        }
+    }
 }

@@ -2,7 +2,7 @@
 
 use crate::gl::{Context, Program, RenderTarget, Texture, full_screen_pass};
 use crate::shader::text::{library, link};
-use crate::shader::{Source, first_sum_text, join, pan_text};
+use crate::shader::{Source, StartOrderText, first_sum_text, join, pan_text};
 use crate::test_common::for_each_api;
 use std::f64::consts::TAU;
 use std::fs;
@@ -127,7 +127,7 @@ fn waves_that_are_not_finite_are_counted() {
         directions
             .upload(&waves.map(|wave| wave.1).concat())
             .unwrap();
-        let pan = Program::fragment(context, "pan", &pan_text()).unwrap();
+        let pan = Program::fragment(context, "pan", &pan_text(StartOrderText::ByNumber)).unwrap();
         pan.set_texture("uOrigins", 0, &origins);
         pan.set_texture("uDirections", 1, &directions);
         pan.set_vec4("uListener", glam::Vec4::new(0.0, 0.0, 0.0, 1.0));

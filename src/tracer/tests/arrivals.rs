@@ -263,119 +263,135 @@ fn crossings_among_curved_surfaces_are_exact() {
 }
 
 /// Protects the division of the work: chunks of any length and any number of records give the same
-/// arrivals, except for the last bits of lengths, which are summed from other parts.
+/// arrivals, except for the last bits of lengths, which are summed from other parts. In
+/// `march` starts are sorted.
 #[test]
 fn records_and_chunks_change_nothing() {
     for_each_api(|context| {
-        let mut tracer = Tracer::new(context).unwrap();
-        // Two walls between which waves return again and again.
-        let scene = builtin("shoebox");
-        let settings = Settings::hybrid().with_waves(2000);
-        let mut traced = |records: u32, chunk: u32| {
-            let how = ArrivalSettings {
-                records,
-                iterations_in_chunk: chunk,
-                ..ArrivalSettings::new(0.5).with_iterations(130)
-            };
-            arrivals(&mut tracer, &scene, &settings, &how)
-        };
-        let (expected, counts) = traced(4, 64);
-        assert!(
-            expected
-                .chunk_by(|a, b| a.wave == b.wave)
-                .any(|of| of.len() > 4)
-        );
-        let unit = 1.0 / (counts.open_volume_m3 * 2000.0);
-        let (again, _) = traced(4, 64);
-        assert_eq!(again, expected);
-        let (by_one, same) = traced(1, 64);
-        assert_eq!(by_one, expected);
-        assert_eq!(same, counts);
-        for chunk in [1, 7] {
-            let (other, other_counts) = traced(4, chunk);
-            assert_eq!(other.len(), expected.len());
-            assert_eq!(other_counts.flown, counts.flown);
-            for (a, b) in other.iter().zip(&expected) {
-                assert_eq!((a.wave, a.is_early), (b.wave, b.is_early));
-                assert!((a.length_m - b.length_m).abs() < 1e-4, "{a:?} {b:?}");
-                assert!(a.direction.distance(b.direction) < 1e-9);
-                // A chord is rounded to 2^-17 of four radii.
-                let chords = (a.energy[0] - b.energy[0]).abs() / unit;
-                assert!(chords < 1e-4, "{a:?} {b:?}");
-            }
+        for settings in [Settings::hybrid(), Settings::march()] {
+            any_division_is_the_same(context, &settings.with_waves(2000));
         }
     });
 }
 
+fn any_division_is_the_same(context: &Context, settings: &Settings) {
+    let mut tracer = Tracer::new(context).unwrap();
+    // Two walls between which waves return again and again.
+    let scene = builtin("shoebox");
+    let mut traced = |records: u32, chunk: u32| {
+        let how = ArrivalSettings {
+            records,
+            iterations_in_chunk: chunk,
+            ..ArrivalSettings::new(0.5).with_iterations(130)
+        };
+        arrivals(&mut tracer, &scene, settings, &how)
+    };
+    let (expected, counts) = traced(4, 64);
+    assert!(
+        expected
+            .chunk_by(|a, b| a.wave == b.wave)
+            .any(|of| of.len() > 4)
+    );
+    let unit = 1.0 / (counts.open_volume_m3 * 2000.0);
+    let (again, _) = traced(4, 64);
+    assert_eq!(again, expected);
+    let (by_one, same) = traced(1, 64);
+    assert_eq!(by_one, expected);
+    assert_eq!(same, counts);
+    for chunk in [1, 7] {
+        let (other, other_counts) = traced(4, chunk);
+        assert_eq!(other.len(), expected.len());
+        assert_eq!(other_counts.flown, counts.flown);
+        for (a, b) in other.iter().zip(&expected) {
+            assert_eq!((a.wave, a.is_early), (b.wave, b.is_early));
+            assert!((a.length_m - b.length_m).abs() < 1e-4, "{a:?} {b:?}");
+            assert!(a.direction.distance(b.direction) < 1e-9);
+            // A chord is rounded to 2^-17 of four radii.
+            let chords = (a.energy[0] - b.energy[0]).abs() / unit;
+            assert!(chords < 1e-4, "{a:?} {b:?}");
+        }
+    }
+}
+
 /// Protects waves followed in parts, and waves with given starts: both are the same as all waves together. A weight is
-/// the initial energy of a wave.
+/// the initial energy of a wave. In `march` starts are sorted block by block, and scattering depends on the number of a wave.
 #[test]
 fn parts_and_given_starts_are_the_same_waves() {
     for_each_api(|context| {
-        let mut tracer = Tracer::new(context).unwrap();
-        let mut scene = builtin("shoebox");
-        let how = ArrivalSettings::new(0.3);
-        let settings = Settings::hybrid().with_waves(3000);
-        let starts = tracer.start_directions(&settings).unwrap();
-        for absorption in [0.0, 0.3] {
-            let material = Material::absorbing(absorption);
-            scene.materials.insert("wall".into(), material);
-            for surface in &mut scene.surfaces {
-                surface.material = Some("wall".to_owned());
-            }
-            let (all, counts) = arrivals(&mut tracer, &scene, &settings, &how);
-            let pair = scene.only_pair().unwrap();
-            let mut of = |waves: &WavesToFollow| {
-                let mut some = Vec::new();
-                let mut take = |arrival: Arrival| some.push(arrival);
-                let followed = tracer.arrivals_of(pair, &settings, &how, waves, &mut take);
-                some.sort_by_key(|arrival| arrival.wave);
-                (some, followed.unwrap())
-            };
-            let [(first, few), (others, many)] =
-                [0..700, 700..3000].map(|numbers| of(&WavesToFollow::Numbers(numbers)));
-            assert_eq!([first, others].concat(), all);
-            let together = few.and(many).counts();
-            assert_eq!(
-                (together.arrivals, together.flown),
-                (counts.arrivals, counts.flown)
-            );
-            let mut weighted = |weight: f32| {
-                let start = |direction: &Vec3| Start {
-                    direction: *direction,
-                    weight,
-                };
-                let give = |numbers: std::ops::Range<u32>| {
-                    let numbers = numbers.start as usize..numbers.end as usize;
-                    starts[numbers].iter().map(start).collect()
-                };
-                let (arrivals, followed) = of(&WavesToFollow::Starts {
-                    waves: settings.waves,
-                    of: &give,
-                });
-                (arrivals, followed.counts())
-            };
-            assert_eq!(weighted(1.0), (all.clone(), counts));
-            let (twice, _) = weighted(2.0);
-            assert_eq!(twice.len(), all.len());
-            for (twice, once) in twice.iter().zip(&all) {
-                assert_eq!(twice.energy, once.energy.map(|energy| 2.0 * energy));
-                assert_eq!(twice.length_m, once.length_m);
-            }
+        for settings in [Settings::hybrid(), Settings::march()] {
+            parts_are_the_same(context, &settings.with_waves(3000));
         }
     });
+}
+
+fn parts_are_the_same(context: &Context, settings: &Settings) {
+    let mut tracer = Tracer::new(context).unwrap();
+    let mut scene = builtin("shoebox");
+    let how = ArrivalSettings::new(0.3);
+    let starts = tracer.start_directions(settings).unwrap();
+    let half = Material::absorbing(0.1).scattering_by(0.5);
+    for material in [Material::absorbing(0.0), Material::absorbing(0.3), half] {
+        scene.materials.insert("wall".into(), material);
+        for surface in &mut scene.surfaces {
+            surface.material = Some("wall".to_owned());
+        }
+        let (all, counts) = arrivals(&mut tracer, &scene, settings, &how);
+        let pair = scene.only_pair().unwrap();
+        let mut of = |waves: &WavesToFollow| {
+            let mut some = Vec::new();
+            let mut take = |arrival: Arrival| some.push(arrival);
+            let followed = tracer.arrivals_of(pair, settings, &how, waves, &mut take);
+            some.sort_by_key(|arrival| arrival.wave);
+            (some, followed.unwrap())
+        };
+        let [(first, few), (others, many)] =
+            [0..700, 700..3000].map(|numbers| of(&WavesToFollow::Numbers(numbers)));
+        assert_eq!([first, others].concat(), all);
+        let together = few.and(many).counts();
+        assert_eq!(
+            (together.arrivals, together.flown),
+            (counts.arrivals, counts.flown)
+        );
+        let mut weighted = |weight: f32| {
+            let start = |direction: &Vec3| Start {
+                direction: *direction,
+                weight,
+            };
+            let give = |numbers: std::ops::Range<u32>| {
+                let numbers = numbers.start as usize..numbers.end as usize;
+                starts[numbers].iter().map(start).collect()
+            };
+            let (arrivals, followed) = of(&WavesToFollow::Starts {
+                waves: settings.waves,
+                of: &give,
+            });
+            (arrivals, followed.counts())
+        };
+        assert_eq!(weighted(1.0), (all.clone(), counts));
+        let (twice, _) = weighted(2.0);
+        assert_eq!(twice.len(), all.len());
+        for (twice, once) in twice.iter().zip(&all) {
+            assert_eq!(twice.energy, once.energy.map(|energy| 2.0 * energy));
+            assert_eq!(twice.length_m, once.length_m);
+        }
+    }
 }
 
 /// Protects runs with more waves than are followed at once: each block gets the starts of its own waves.
 #[test]
 fn given_starts_go_on_from_block_to_block() {
     let context = context(Api::Gl);
-    let mut tracer = Tracer::new(&context).unwrap();
+    for settings in [Settings::hybrid(), Settings::march()] {
+        blocks_go_on(&context, &settings.with_waves(WAVES_IN_BLOCK + 500));
+    }
+}
+
+fn blocks_go_on(context: &Context, settings: &Settings) {
+    let mut tracer = Tracer::new(context).unwrap();
     let scene = builtin("shoebox");
     let how = ArrivalSettings::new(0.05);
-    let settings = Settings::hybrid().with_waves(WAVES_IN_BLOCK + 500);
-    let starts = tracer.start_directions(&settings).unwrap();
-    let (all, _) = arrivals(&mut tracer, &scene, &settings, &how);
+    let starts = tracer.start_directions(settings).unwrap();
+    let (all, _) = arrivals(&mut tracer, &scene, settings, &how);
     let give = |numbers: std::ops::Range<u32>| {
         let start = |wave: u32| Start {
             direction: starts[wave as usize],
@@ -392,7 +408,7 @@ fn given_starts_go_on_from_block_to_block() {
     tracer
         .arrivals_of(
             scene.only_pair().unwrap(),
-            &settings,
+            settings,
             &how,
             &waves,
             &mut take,
@@ -401,6 +417,29 @@ fn given_starts_go_on_from_block_to_block() {
     given.sort_by_key(|arrival| arrival.wave);
     assert!(all.iter().any(|arrival| arrival.wave >= WAVES_IN_BLOCK));
     assert_eq!(given, all);
+}
+
+/// Protects sums over arrivals, whose last bits depend on their order: also if starts are sorted, arrivals of a chunk
+/// come wave by wave in the order of their numbers, with those of waves that are drawn again.
+#[test]
+fn sorted_waves_arrive_in_the_order_of_their_numbers() {
+    for_each_api(|context| {
+        let mut tracer = Tracer::new(context).unwrap();
+        let scene = builtin("shoebox");
+        // The textures of the first run are larger than the second run needs.
+        for waves in [3001, 1999] {
+            let settings = Settings::march().with_waves(waves);
+            let how = ArrivalSettings {
+                records: 1,
+                ..ArrivalSettings::new(0.5).with_iterations(8)
+            };
+            let mut all = Vec::new();
+            let mut take = |arrival: Arrival| all.push(arrival);
+            tracer.arrivals(&scene, &settings, &how, &mut take).unwrap();
+            assert!(all.is_sorted_by_key(|arrival| (arrival.wave, arrival.reflections)));
+            assert!(all.array_windows().any(|[a, b]| a.wave == b.wave));
+        }
+    });
 }
 
 /// Protects the estimate of a decay: tracing waves until their energy is gone gives the same arrivals as tracing them

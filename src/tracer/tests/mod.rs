@@ -8,3 +8,4 @@ mod foreign_contexts;
 mod gpu_against_cpu;
 mod loop_budget;
 mod shader_text;
+mod start_order;
