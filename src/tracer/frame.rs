@@ -38,7 +38,8 @@ pub struct Milliseconds {
     pub initialise: f64,
     /// All march passes together, or the single pass of the frame.
     pub march: f64,
-    /// The panning pass; 0 if all passes of the frame are drawn as one.
+    /// The panning pass. If all passes of the frame are drawn as one, the pass that puts the contributions in the order
+    /// of the waves, and 0 if they are already in this order.
     pub pan: f64,
     /// Reading the panning texture back, and summing it on the CPU.
     pub read_back: f64,
