@@ -3,7 +3,7 @@
 //! A renderer traces neighbouring texels in lockstep (llvmpipe 8, a graphics card 32 or 64), so that the slowest
 //! wave of such a group determines its time. Waves with consecutive numbers start in different directions, also
 //! those of a Fibonacci lattice. If waves are marched, they therefore start sorted: neighbouring texels hold waves
-//! of neighbouring directions, which mostly take about as many steps.
+//! of neighbouring directions, whose numbers of steps are mostly similar.
 //!
 //! Directions are sorted along a Hilbert curve over the sphere, and texels by tiles. Numbers, directions and sums of
 //! the waves do not depend on the order: everything that is read back is in the order of the waves.
