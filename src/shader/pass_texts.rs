@@ -29,9 +29,9 @@ pub(crate) enum StartOrderText {
 }
 
 impl StartOrderText {
-    /// The order for waves of this algorithm in a scene: sorted if waves are marched to a surface, because the numbers of
-    /// steps of waves traced in lockstep should be similar. In `hybrid` without a march all waves take the same time, and `thesis` is
-    /// left as printed.
+    /// The order for waves of this algorithm in a scene: sorted if waves are marched to a surface, because the numbers
+    /// of steps of waves traced in lockstep should be similar. In `hybrid` without a march all waves take the same
+    /// time, and `thesis` is left as printed.
     pub fn of(algorithm: AlgorithmText, scene: &Scene) -> StartOrderText {
         let is_sorted = match algorithm {
             AlgorithmText::Thesis => false,
