@@ -35,7 +35,7 @@ pub use motion::{Key, Motion, Path};
 pub(crate) use pair::sealed::Viewpoint;
 pub use pair::{IntoPair, Pair};
 pub use shape::{Bounds3, HeightImage, Shape, UserField};
-pub(crate) use shape::{Copies, UserSamples, halton};
+pub(crate) use shape::{Copies, UserSamples, WaveDomain, halton};
 #[doc(hidden)]
 pub use shape::{Exactness, Node, Properties};
 pub use sources_and_listeners::{Listener, Source};
@@ -186,6 +186,15 @@ impl Scene {
     /// The users' fields of all surfaces, in order.
     pub fn user_fields(&self) -> impl Iterator<Item = &Arc<UserField>> {
         self.field_nodes().filter_map(Node::user)
+    }
+
+    /// The users' fields of all surfaces, in order, with the part of each in which waves can be.
+    pub(crate) fn user_domains(&self) -> Vec<(&Arc<UserField>, WaveDomain)> {
+        let mut all = Vec::new();
+        for surface in &self.surfaces {
+            surface.shape.add_users(WaveDomain::Air, &mut all);
+        }
+        all
     }
 
     /// The files other than the scene's own that it was made from: users' fields and images.

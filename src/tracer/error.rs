@@ -62,7 +62,7 @@ pub enum TraceError {
     },
     /// A user's field whose value is not finite at some point.
     #[error(
-        "{file}: the value at ({:.3}, {:.3}, {:.3}) is {value}: it must be finite everywhere in its box",
+        "{file}: the value at ({:.3}, {:.3}, {:.3}) is {value}: it must be finite wherever waves can be, in the air and next to the surface",
         place.x, place.y, place.z
     )]
     FieldNotFinite {
@@ -76,7 +76,7 @@ pub enum TraceError {
     /// A user's field that grows faster than stated.
     #[error(
         "{file}: the value grows by {growth:.3} a metre at ({:.3}, {:.3}, {:.3}), more than the stated lipschitz of {stated}: {}",
-        place.x, place.y, place.z, remedy(*growth, *stated)
+        place.x, place.y, place.z, remedy(*advice, "it seems to jump there, and a field must be continuous")
     )]
     FieldGrows {
         /// The field's file.
@@ -87,6 +87,25 @@ pub enum TraceError {
         growth: f32,
         /// The stated Lipschitz constant.
         stated: f32,
+        /// The growth to state, which the checks accept; `None` if the value seems to jump.
+        advice: Option<f32>,
+    },
+    /// A user's field whose value bends more than stated.
+    #[error(
+        "{file}: the value bends by {bend:.3} per metre at ({:.3}, {:.3}, {:.3}), more than the stated bend of {stated}: {}",
+        place.x, place.y, place.z, remedy(*advice, "it seems to have an edge there, so leave bend out")
+    )]
+    FieldBends {
+        /// The field's file.
+        file: String,
+        /// The point, in metres, in the field's own axes.
+        place: Vec3,
+        /// The amount by which the second derivative along a line at this point is below 0, per metre.
+        bend: f32,
+        /// The stated amount.
+        stated: f32,
+        /// The amount to state, which the checks accept; `None` at an edge.
+        advice: Option<f32>,
     },
     /// A user's field whose stated gradient differs from the gradient of its value.
     #[error(
@@ -175,12 +194,9 @@ fn located(file: &str, line: Option<u32>) -> String {
     }
 }
 
-/// If the rate of change exceeds this multiple of the stated Lipschitz constant, a jump is likelier than a steep slope.
-const JUMP: f32 = 100.0;
-
-fn remedy(growth: f32, stated: f32) -> String {
-    if growth > JUMP * stated {
-        return "it seems to jump there, and a field must be continuous".to_owned();
+fn remedy(advice: Option<f32>, otherwise: &str) -> String {
+    match advice {
+        Some(number) => format!("state at least {number}"),
+        None => otherwise.to_owned(),
     }
-    format!("state at least {:.3}", 1.01 * growth)
 }

@@ -1,20 +1,34 @@
 //! Users' fields, checked before they are used.
 //!
 //! Each field is compiled separately, so that errors are reported with its own file and line. Its
-//! values are sampled on a grid of 65 points a side, from which the CPU knows where the solid is.
-//! At these points and at 16,384 points in between, the field is tested for values that are not
-//! numbers and for rates of change above the stated Lipschitz constant. Only a rate of change measured between two
-//! points counts, because it is a proof. (At a ridge, the length of a gradient by differences proves nothing.) Details
-//! narrower than a step between points can still be missed. A gradient stated by the text is compared with differences
-//! (`gradient.rs`).
+//! values are sampled on a grid of 65 points a side, from which the CPU knows where the solid is,
+//! at 16,384 stars of nine points spread over the box (`stars.rs`), and at 8,192 stars on the
+//! surface. The field is tested for values that are not numbers (`finite.rs`) and for growth beyond
+//! the stated limit (`growth.rs`), and for its stated bend (`bend.rs`). Only growth measured between
+//! two points counts, because it is a proof. (At a ridge, the length of a gradient by differences
+//! proves nothing.) Details narrower than a step between points can still be missed. A gradient
+//! stated by the text is compared with differences (`gradient.rs`).
+//!
+//! # Where
+//! Waves are in the air, where the value is positive. A march passes no surface by a step that is
+//! proven; a relaxed step may end in the solid, and is taken back there, whatever the negative value
+//! is (a value that is none counts as solid, see `glsl/user/value.glsl`). Gradients by differences
+//! reach a little into the solid, by at most [`DEPTH`]. So the field is judged in the air and at that
+//! depth; a steep place, a jump, or values that are none deeper in the solid refuse nothing. Under an
+//! operator whose air is also in the solid of the field ([`WaveDomain::BothSides`]), the whole box is
+//! judged.
 //!
 //! # Cost
-//! Once for each context and field: one short program, and some 400,000 evaluations in four passes; a field that takes
+//! Once for each context and field: one short program, and some 500,000 evaluations; a field that takes
 //! too long in the first pass is rejected. With Mesa's llvmpipe on two cores, this takes a tenth of a second for a
 //! Menger sponge of five levels, and on a graphics card a few milliseconds; a stated gradient takes another 100,000
 //! evaluations. If the fields of a frame are already checked, the frame only compares pointers.
 
+mod bend;
+mod finite;
 mod gradient;
+mod growth;
+mod stars;
 
 use super::programs::{first_line, without_prefixes};
 use super::{TraceError, field_trial};
@@ -24,7 +38,7 @@ use crate::gl::{
     log_errors,
 };
 use crate::platform::Instant;
-use crate::scene::{Scene, UserField, UserSamples, halton};
+use crate::scene::{Scene, UserField, UserSamples, WaveDomain, halton};
 use crate::shader::{self, Structure, USER_FILE};
 use glam::{Vec3, Vec4};
 use std::sync::Arc;
@@ -32,12 +46,10 @@ use std::sync::Arc;
 /// Samples along each side of the box.
 const SIDE: usize = 65;
 
-/// Points in between at which the rate of change is tested.
-const TRIES: usize = 16_384;
-
-/// Tolerated relative excess of the rate of change over the stated Lipschitz constant: an excess this small does no
-/// harm to a march, whose last steps are Newton's.
-const TOLERANCE: f32 = 0.01;
+/// Depth of the solid next to the surface that is checked like the air, as a share of the box's
+/// longest side: the differences for a gradient (`glsl/user/differences.glsl`) reach 4/1024 of a
+/// power of 2 next to the largest coordinate, which is at most √2 · 1/2 of that side.
+const DEPTH: f32 = 1.0 / 256.0;
 
 /// The rounding error of a value, as a share of the largest value that its box allows.
 const ROUNDING: f32 = 1e-6;
@@ -66,17 +78,14 @@ const TIMING: f64 = 1.0;
 /// Menger sponge, a frame of 65,536 waves and eight iterations takes a minute.
 const SLOWEST: f64 = 5e-6;
 
-/// Steps between two points with an excessive rate of change.
-const CLOSER: usize = 256;
-
 /// Number of remembered fields in addition to those of the scene: an editor makes a new field with
 /// each change, and each text has a MiB of samples.
 const KNOWN: usize = 16;
 
-/// The fields that a context has checked.
+/// The fields that a context has checked, and where.
 #[derive(Default)]
 pub struct UserFields {
-    checked: Vec<Arc<UserField>>,
+    checked: Vec<(Arc<UserField>, WaveDomain)>,
 }
 
 impl UserFields {
@@ -94,51 +103,65 @@ impl UserFields {
         structure: &Structure,
         program: impl FnOnce() -> String,
     ) -> Result<(), Error> {
-        let is_known =
-            |field: &Arc<UserField>| self.checked.iter().any(|known| Arc::ptr_eq(known, field));
-        if scene.user_fields().all(is_known) {
+        let fields = scene.user_domains();
+        if fields
+            .iter()
+            .all(|(field, waves)| self.is_known(field, *waves))
+        {
             return Ok(());
         }
-        for field in scene.user_fields() {
+        for (field, _) in &fields {
             TraceError::check_text(field)?;
         }
         structure.check(scene)?;
         field_trial::ensure(scene, &[&program()])?;
         let known = self.checked.len();
-        let checked = self.check_new(context, scene);
+        let checked = self.check_new(context, &fields);
         if self.checked.len() > known {
             self.forget_old(scene);
         }
         checked
     }
 
-    fn check_new(&mut self, context: &Context, scene: &Scene) -> Result<(), Error> {
-        for field in scene.user_fields() {
-            if self.checked.iter().any(|known| Arc::ptr_eq(known, field)) {
+    fn is_known(&self, field: &Arc<UserField>, waves: WaveDomain) -> bool {
+        let mut checked = self.checked.iter();
+        checked.any(|(known, where_)| Arc::ptr_eq(known, field) && *where_ == waves)
+    }
+
+    fn check_new(
+        &mut self,
+        context: &Context,
+        fields: &[(&Arc<UserField>, WaveDomain)],
+    ) -> Result<(), Error> {
+        for &(field, waves) in fields {
+            if self.is_known(field, waves) {
                 continue;
             }
-            match self.checked.iter().find(|known| ***known == **field) {
+            let alike =
+                |(known, where_): &&(Arc<UserField>, _)| **known == **field && *where_ == waves;
+            match self.checked.iter().find(alike) {
                 // The same text in a scene that was read again: one set of samples is enough.
-                Some(known) => {
-                    if let Some(samples) = known.samples() {
-                        field.set_samples(Arc::clone(samples));
-                    }
-                    if let Some(seconds) = known.evaluation_seconds() {
-                        field.set_evaluation_seconds(seconds);
+                Some((known, _)) => {
+                    if let (Some(samples), Some(seconds)) =
+                        (known.samples(), known.evaluation_seconds())
+                    {
+                        field.set_passed(waves, Arc::clone(samples), seconds);
                     }
                 }
                 // The samples come from a child: the field's own program is not used again.
-                None if field.samples().is_some() && field_trial::has_passed(field) => (),
-                None => check(context, field)?,
+                None if field.has_passed(waves) && field_trial::has_passed(field, waves) => (),
+                None => check(context, field, waves)?,
             }
-            self.checked.push(Arc::clone(field));
+            self.checked.push((Arc::clone(field), waves));
         }
         Ok(())
     }
 
     /// Forgets the oldest fields that are not in the scene.
     fn forget_old(&mut self, scene: &Scene) {
-        let is_here = |field: &Arc<UserField>| scene.user_fields().any(|f| Arc::ptr_eq(f, field));
+        let is_here = |(field, _): &(Arc<UserField>, WaveDomain)| {
+            scene.user_fields().any(|f| Arc::ptr_eq(f, field))
+        };
         let (here, mut others): (Vec<_>, Vec<_>) = self.checked.drain(..).partition(is_here);
         let excess = others.len().saturating_sub(KNOWN);
         others.drain(..excess);
@@ -148,7 +171,7 @@ impl UserFields {
 }
 
 /// Compiles a field separately, samples it and tests it.
-pub(super) fn check(context: &Context, field: &UserField) -> Result<(), Error> {
+pub(super) fn check(context: &Context, field: &UserField, waves: WaveDomain) -> Result<(), Error> {
     let refuse = |line, message| TraceError::FieldDoesNotCompile {
         file: field.file.display().to_string(),
         line,
@@ -165,23 +188,31 @@ pub(super) fn check(context: &Context, field: &UserField) -> Result<(), Error> {
         }
         Err(error) => return Err(error.into()),
     };
-    // Samples are kept only if the field has passed.
-    if field.samples().is_some() {
+    if field.has_passed(waves) {
         return Ok(());
     }
     let probe = Probe {
         context,
         program,
         field,
+        waves,
     };
     let anywhere = probe.time_anywhere()?;
-    let samples = probe.samples()?;
-    let surface = probe.surface_points(&samples.values)?;
+    let mut grid = probe.grid()?;
+    probe.check_finite_grid(&grid)?;
+    probe.fill(&mut grid)?;
+    let surface = probe.surface_points(&grid)?;
     let at_surface = probe.time_at_surface(&surface)?;
-    probe.check_growth()?;
+    let stars = probe.stars(&surface)?;
+    probe.check_finite_stars(&stars, &grid)?;
+    probe.check_growth(&grid, &stars)?;
+    probe.check_bend(&stars)?;
     probe.check_gradient(&surface)?;
-    field.set_evaluation_seconds(anywhere.max(at_surface));
-    field.set_samples(Arc::new(samples));
+    let samples = UserSamples {
+        side: SIDE,
+        values: grid.values,
+    };
+    field.set_passed(waves, Arc::new(samples), anywhere.max(at_surface));
     Ok(())
 }
 
@@ -207,80 +238,31 @@ struct Probe<'a> {
     context: &'a Context,
     program: Program,
     field: &'a UserField,
+    waves: WaveDomain,
+}
+
+/// Samples on a regular grid over the box, in the order of [`UserSamples`].
+struct Grid {
+    points: Vec<Vec3>,
+    values: Vec<f32>,
 }
 
 impl Probe<'_> {
-    /// The values on the grid, after checking that they are finite and grow no faster than stated.
-    fn samples(&self) -> Result<UserSamples, Error> {
+    /// The values on the grid.
+    fn grid(&self) -> Result<Grid, Error> {
         let points: Vec<Vec3> = (0..SIDE * SIDE * SIDE).map(|i| self.place(i)).collect();
         let values = self.values(&points)?;
-        let mut steepest = self.steepest();
-        for (from, to) in neighbours() {
-            steepest.take([points[from], points[to]], [values[from], values[to]]);
-        }
-        self.judge(steepest)?;
-        Ok(UserSamples { side: SIDE, values })
+        Ok(Grid { points, values })
     }
 
-    /// Tests short steps along the axes and the gradient, at points spread over the box.
-    fn check_growth(&self) -> Result<(), Error> {
-        let half = 0.5 * self.field.size;
-        let least = self.field.size.min_element();
-        let mut centres = Vec::with_capacity(TRIES);
-        let mut points = Vec::with_capacity(6 * TRIES);
-        for index in 1..=TRIES {
-            // From a ten-thousandth to a hundredth of the size.
-            let width = least * 1e-4 * 100f32.powf((index % 64) as f32 / 63.0);
-            let inside = half - 2.0 * width;
-            let centre = inside * (2.0 * halton(index).as_vec3() - 1.0);
-            centres.push((centre, width));
-            for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
-                points.extend([centre - width * axis, centre + width * axis]);
-            }
-        }
-        let values = self.values(&points)?;
-        let mut ends = Vec::with_capacity(2 * TRIES);
-        for (&(centre, width), of) in centres.iter().zip(values.chunks(6)) {
-            let gradient = Vec3::new(of[1] - of[0], of[3] - of[2], of[5] - of[4]);
-            let way = gradient.normalize_or_zero() * width;
-            ends.extend([centre - way, centre + way]);
-        }
-        let mut steepest = self.steepest();
-        steepest.take_pairs(&points, &values);
-        steepest.take_pairs(&ends, &self.values(&ends)?);
-        self.judge(steepest)
+    /// The length in metres next to the surface in which the solid is checked like the air.
+    fn depth(&self) -> f32 {
+        DEPTH * self.field.size.max_element()
     }
 
-    /// Rejects a field that grows too fast, after evaluating more points where it does.
-    fn judge(&self, steepest: Steepest) -> Result<(), Error> {
-        let stated = self.field.lipschitz;
-        if steepest.growth <= stated * (1.0 + TOLERANCE) {
-            return Ok(());
-        }
-        let [from, to] = steepest.ends;
-        let along = (0..=CLOSER).map(|step| from.lerp(to, step as f32 / CLOSER as f32));
-        let points: Vec<Vec3> = along.collect();
-        let values = self.values(&points)?;
-        let mut closer = steepest;
-        for (ends, pair) in points.windows(2).zip(values.windows(2)) {
-            closer.take([ends[0], ends[1]], [pair[0], pair[1]]);
-        }
-        Err(TraceError::FieldGrows {
-            file: self.field.file.display().to_string(),
-            place: closer.ends[0].midpoint(closer.ends[1]),
-            growth: closer.growth,
-            stated,
-        }
-        .into())
-    }
-
-    /// The initial value: a rate of change of 0.
-    fn steepest(&self) -> Steepest {
-        Steepest {
-            growth: 0.0,
-            ends: [Vec3::ZERO; 2],
-            rounding: ROUNDING * self.field.lipschitz * self.field.size.max_element(),
-        }
+    /// The difference of two equal values by rounding, for a field with this Lipschitz constant.
+    fn rounding(&self, lipschitz: f32) -> f32 {
+        ROUNDING * lipschitz * self.field.size.max_element()
     }
 
     /// Typical seconds per evaluation at points in the whole box; a field that is too slow is
@@ -306,7 +288,8 @@ impl Probe<'_> {
     }
 
     /// Points on or next to the surface and spread over it, at most [`TIMED`].
-    fn surface_points(&self, values: &[f32]) -> Result<Vec<Vec3>, Error> {
+    fn surface_points(&self, grid: &Grid) -> Result<Vec<Vec3>, Error> {
+        let Grid { points, values } = grid;
         let crosses = |&(from, to): &(usize, usize)| (values[from] > 0.0) != (values[to] > 0.0);
         let mut ends: Vec<_> = neighbours().filter(crosses).collect();
         let every = ends.len().div_ceil(TIMED).max(1);
@@ -316,7 +299,7 @@ impl Probe<'_> {
         }
         let mut ways: Vec<[(Vec3, f32); 2]> = ends
             .iter()
-            .map(|&(from, to)| [from, to].map(|i| (self.place(i), values[i])))
+            .map(|&(from, to)| [from, to].map(|i| (points[i], values[i])))
             .collect();
         let crossing = |[from, to]: &[(Vec3, f32); 2]| {
             let share = (from.1 / (from.1 - to.1)).clamp(0.0, 1.0);
@@ -325,6 +308,9 @@ impl Probe<'_> {
         let mut points: Vec<Vec3> = ways.iter().map(crossing).collect();
         for _ in 0..CLOSER_TO_SURFACE {
             for ((way, point), value) in ways.iter_mut().zip(&points).zip(self.values(&points)?) {
+                if !value.is_finite() {
+                    continue;
+                }
                 let side = usize::from((way[0].1 > 0.0) != (value > 0.0));
                 way[side] = (*point, value);
             }
@@ -363,19 +349,10 @@ impl Probe<'_> {
         self.field.size * (share - 0.5)
     }
 
-    /// The values at some points, all of them finite.
+    /// The values at some points; one in the solid may be none.
     fn values(&self, points: &[Vec3]) -> Result<Vec<f32>, Error> {
         let texels = self.texels(points)?;
-        let values: Vec<f32> = texels.chunks(4).take(points.len()).map(|t| t[0]).collect();
-        match values.iter().position(|value| !value.is_finite()) {
-            None => Ok(values),
-            Some(index) => Err(TraceError::FieldNotFinite {
-                file: self.field.file.display().to_string(),
-                place: points[index],
-                value: values[index],
-            }
-            .into()),
-        }
+        Ok(texels.chunks(4).take(points.len()).map(|t| t[0]).collect())
     }
 
     /// Value and stated gradient at each point, and arbitrary values in the rest of the last row.
@@ -405,32 +382,6 @@ fn neighbours() -> impl Iterator<Item = (usize, usize)> {
             .map(move |index| (index, index + stride))
     };
     [1, SIDE, SIDE * SIDE].into_iter().flat_map(along)
-}
-
-/// The two points with the greatest rate of change between them.
-struct Steepest {
-    growth: f32,
-    ends: [Vec3; 2],
-    /// The possible rounding difference between two equal values: it is subtracted.
-    rounding: f32,
-}
-
-impl Steepest {
-    fn take(&mut self, ends: [Vec3; 2], values: [f32; 2]) {
-        let way = ends[0].distance(ends[1]);
-        let growth = ((values[1] - values[0]).abs() - self.rounding) / way;
-        // A gradient of 0 gives no step.
-        if way > 0.0 && growth > self.growth {
-            self.growth = growth;
-            self.ends = ends;
-        }
-    }
-
-    fn take_pairs(&mut self, points: &[Vec3], values: &[f32]) {
-        for (ends, pair) in points.chunks_exact(2).zip(values.chunks_exact(2)) {
-            self.take([ends[0], ends[1]], [pair[0], pair[1]]);
-        }
-    }
 }
 
 #[cfg(test)]
@@ -471,7 +422,7 @@ mod tests {
             known
                 .iter()
                 .zip(&fields.checked)
-                .all(|(a, b)| Arc::ptr_eq(a, b))
+                .all(|(a, b)| Arc::ptr_eq(&a.0, &b.0))
         );
     }
 }

@@ -5,8 +5,8 @@ mod numbers;
 
 pub(super) use numbers::checked;
 pub(crate) use numbers::{
-    Angle, Degrees, Factor, Finite, FixedRadius, Length, Lipschitz, Metres, Name, Number, Plain,
-    Point, Radius, Rate, ReadNumbers, Reader, Share, Side, Size, Unit, Vector,
+    Angle, Degrees, Factor, Finite, FixedRadius, Length, Lipschitz, Metres, MostBend, Name, Number,
+    Plain, Point, Radius, Rate, ReadNumbers, Reader, Share, Side, Size, Unit, Vector,
 };
 
 use super::{FIELDS, HeightImage, SceneError, UserField};
@@ -330,10 +330,14 @@ impl Attached {
         name: &str,
         size: Vec3,
         lipschitz: f32,
+        bend: Option<f32>,
     ) -> Result<Arc<UserField>, SceneError> {
         let path = self.path(name);
         let same = |field: &&Arc<UserField>| {
-            field.file == path && field.size == size && field.lipschitz == lipschitz
+            field.file == path
+                && field.size == size
+                && field.lipschitz == lipschitz
+                && field.bend == bend
         };
         if let Some(field) = self.fields.borrow().iter().find(same) {
             return Ok(field.clone());
@@ -341,7 +345,9 @@ impl Attached {
         let text = self.text(name).map_err(|why| {
             self.refused(format!("cannot read the field {}: {why}", path.display()))
         })?;
-        let field = Arc::new(UserField::new(path, text, size, lipschitz));
+        let mut field = UserField::new(path, text, size, lipschitz);
+        field.bend = bend;
+        let field = Arc::new(field);
         self.fields.borrow_mut().push(field.clone());
         Ok(field)
     }

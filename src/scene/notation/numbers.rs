@@ -375,6 +375,12 @@ checked! {
     /// Maximum rate of change of a value, in metres per metre: the stated Lipschitz constant.
     #[derive(Clone, Copy)]
     pub(crate) Lipschitz(f32) from f32: |constant| positive("a Lipschitz constant", constant);
+    /// The greatest amount by which a second derivative of a value along a line is below 0, per metre.
+    #[derive(Clone, Copy)]
+    pub(crate) MostBend(f32) from f32: |bend| match bend.is_finite() && bend >= 0.0 {
+        true => Ok(bend),
+        false => Err(format!("a bend must be finite and at least 0 per metre, not {bend}")),
+    };
 }
 
 fn name(name: String) -> Result<String, String> {

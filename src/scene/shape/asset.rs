@@ -9,6 +9,7 @@ use crate::file_input::read;
 use crate::scene::SceneError;
 use glam::{DVec2, DVec3, UVec2, Vec3};
 use png::{BitDepth, ColorType, DecodingError};
+use serde::{Deserialize, Serialize};
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
@@ -298,10 +299,24 @@ pub struct UserField {
     pub size: Vec3,
     /// Lipschitz constant of its value, in metres per metre.
     pub lipschitz: f32,
+    /// The greatest amount, per metre, by which the second derivative of its value along any straight line is below 0:
+    /// at least −f″, 0 for a value that is convex along lines. Valid where waves can be: in the whole air within the
+    /// box, and next to the surface in the solid. `None` if it is not stated.
+    pub bend: Option<f32>,
     samples: OnceLock<Arc<UserSamples>>,
+    passed_on_both_sides: OnceLock<()>,
     read: OnceLock<Read>,
     evaluation_seconds: OnceLock<f64>,
     exact: Option<fn(DVec3) -> f64>,
+}
+
+/// The part of a user's field in which waves can be, and in which it is checked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub(crate) enum WaveDomain {
+    /// The air, where the value is positive, and the solid next to it.
+    Air,
+    /// The whole box: an operator above the field exchanges its sides or moves its surface inwards.
+    BothSides,
 }
 
 /// Properties of the text that every frame needs; cached because the text is parsed only once.
@@ -328,7 +343,9 @@ impl UserField {
             text,
             size,
             lipschitz,
+            bend: None,
             samples: OnceLock::new(),
+            passed_on_both_sides: OnceLock::new(),
             read: OnceLock::new(),
             evaluation_seconds: OnceLock::new(),
             exact: None,
@@ -348,6 +365,28 @@ impl UserField {
     #[doc(hidden)]
     pub fn has_exact_value(&self) -> bool {
         self.exact.is_some()
+    }
+
+    /// The same field with a stated [`UserField::bend`], per metre.
+    #[must_use]
+    pub fn with_bend(mut self, bend: f32) -> UserField {
+        self.bend = Some(bend);
+        self
+    }
+
+    /// Whether the field has passed the renderer's checks where waves can be.
+    pub(crate) fn has_passed(&self, waves: WaveDomain) -> bool {
+        let is_on_both_sides = self.passed_on_both_sides.get().is_some();
+        self.samples.get().is_some() && (is_on_both_sides || waves == WaveDomain::Air)
+    }
+
+    /// Stores the results of checks that the field has passed; later calls can only extend the domain.
+    pub(crate) fn set_passed(&self, waves: WaveDomain, samples: Arc<UserSamples>, seconds: f64) {
+        self.set_samples(samples);
+        self.set_evaluation_seconds(seconds);
+        if waves == WaveDomain::BothSides {
+            self.passed_on_both_sides.get_or_init(|| ());
+        }
     }
 
     /// Stores the samples from the GPU; later calls have no effect.
@@ -435,7 +474,10 @@ impl UserField {
 
     /// Whether both have the same text and properties, whatever their files are.
     pub(crate) fn has_text_of(&self, other: &UserField) -> bool {
-        self.text == other.text && self.size == other.size && self.lipschitz == other.lipschitz
+        self.text == other.text
+            && self.size == other.size
+            && self.lipschitz == other.lipschitz
+            && self.bend == other.bend
     }
 }
 

@@ -40,7 +40,7 @@ mod torus;
 mod user;
 mod user_glsl;
 
-pub(crate) use asset::{Asset, UserSamples};
+pub(crate) use asset::{Asset, UserSamples, WaveDomain};
 pub(crate) use list::{ShapeFile, every_part, form_of, numbered, shape_names};
 pub(crate) use part::{LARGEST, Numbers, Parameter, Part};
 use quadric::Quadric;
@@ -235,6 +235,26 @@ impl Shape {
         let nodes = self.nodes().into_iter();
         let lengths = nodes.map(|tree| tree.node.part().own_length());
         lengths.fold(0.0, f64::max)
+    }
+
+    /// Adds the users' fields of the tree, in order, with the part of each in which waves can be if those of the tree
+    /// are in `waves`.
+    pub(crate) fn add_users<'a>(
+        &'a self,
+        waves: WaveDomain,
+        to: &mut Vec<(&'a Arc<UserField>, WaveDomain)>,
+    ) {
+        let part = self.node.part();
+        if let Some(Asset::User(field)) = part.asset() {
+            to.push((field, waves));
+        }
+        for (index, child) in self.children.iter().enumerate() {
+            let below = match part.keeps_air(index) {
+                true => waves,
+                false => WaveDomain::BothSides,
+            };
+            child.add_users(below, to);
+        }
     }
 
     /// Whether the two are equal except for the paths of the files that they name.

@@ -92,6 +92,12 @@ pub(crate) trait Part: Parameters {
         None
     }
 
+    /// Whether waves in the air of its value are also in the air of the child with this index. Below a part where they
+    /// are not, a user's field is checked on both sides of its surface.
+    fn keeps_air(&self, _child: usize) -> bool {
+        true
+    }
+
     /// The stated Lipschitz constant of its value, in metres per metre; `None` if it is computed.
     fn stated_lipschitz(&self) -> Option<f32> {
         None

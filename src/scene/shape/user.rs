@@ -2,9 +2,9 @@
 
 use super::asset::{Asset, UserField};
 use super::cuboid::box_value;
-use super::part::{Notation, Numbers, Parameter, arguments, parameters};
+use super::part::{LARGEST, Notation, Numbers, Parameter, arguments, parameters};
 use super::{Bounds3, Part, Properties, Shape};
-use crate::scene::notation::{Fields, Lipschitz, Reader, Size, Written};
+use crate::scene::notation::{Fields, Lipschitz, MostBend, Reader, Size, Written};
 use crate::scene::{Quantity, SceneError};
 use glam::DVec3;
 use serde::Deserialize;
@@ -23,6 +23,8 @@ pub struct User {
 pub(crate) struct File {
     file: String,
     lipschitz: Lipschitz,
+    #[serde(default)]
+    bend: Option<MostBend>,
     size: Size,
 }
 
@@ -31,7 +33,8 @@ impl Notation for User {
 
     fn read(file: File, reader: &mut Reader) -> Result<Shape, SceneError> {
         let (size, lipschitz) = (file.size.0, file.lipschitz.0);
-        let field = reader.files().field(&file.file, size, lipschitz)?;
+        let bend = file.bend.map(|bend| bend.0);
+        let field = reader.files().field(&file.file, size, lipschitz, bend)?;
         Ok(Shape::from(User { field }))
     }
 }
@@ -48,14 +51,17 @@ impl Part for User {
             file,
             size,
             lipschitz,
+            bend,
             ..
         } = &*self.field;
         let size = size.to_array().map(Written::Number);
-        vec![
+        let mut words = vec![
             ("file", Written::Text(file.display().to_string())),
             ("lipschitz", Written::Number(*lipschitz)),
-            ("size", Written::Tuple(size.to_vec())),
-        ]
+        ];
+        words.extend(bend.map(|bend| ("bend", Written::Number(bend))));
+        words.push(("size", Written::Tuple(size.to_vec())));
+        words
     }
 
     fn check(&self) -> Result<(), String> {
@@ -63,13 +69,17 @@ impl Part for User {
         let mut sides = Vec::new();
         size.add_to("size", Quantity::Length, &mut sides);
         sides.iter().try_for_each(Parameter::check)?;
-        let lipschitz = self.field.lipschitz;
-        if (1e-3..=1e6).contains(&lipschitz) {
-            return Ok(());
+        let UserField {
+            lipschitz, bend, ..
+        } = &*self.field;
+        if !(1e-3..=1e6).contains(lipschitz) {
+            let why = format!("its lipschitz must be 0.001 to 1e6, not {lipschitz}");
+            return Err(why);
         }
-        Err(format!(
-            "its lipschitz must be 0.001 to 1e6, not {lipschitz}"
-        ))
+        match bend.filter(|bend| !(0.0..=LARGEST).contains(bend)) {
+            Some(bend) => Err(format!("its bend must be 0 to 1e9 per metre, not {bend}")),
+            None => Ok(()),
+        }
     }
 
     fn properties(&self, _: &[Shape]) -> Properties {
@@ -94,6 +104,16 @@ impl Part for User {
 }
 
 impl User {
+    /// A number K of the value in metres, in 1/m: along any straight line in the box, the second derivative of
+    /// [`Part::value`] is at least −K wherever waves can be, in the whole air of the field and next to its surface in
+    /// the solid. From the stated bend, divided by the Lipschitz constant; the cut at the box does not increase it,
+    /// because a box's own value is convex. It does not hold across a face of the box, where the value becomes
+    /// constant, nor outside.
+    pub fn bend(&self) -> Option<f64> {
+        let bend = self.field.bend?;
+        Some(f64::from(bend) / f64::from(self.field.lipschitz))
+    }
+
     fn half_size(&self) -> DVec3 {
         0.5 * self.field.size.as_dvec3()
     }

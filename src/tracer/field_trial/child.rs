@@ -71,9 +71,12 @@ fn tried(
             text,
             size,
             lipschitz,
+            bend,
+            waves,
         } = requested;
-        let field = UserField::new(file, text.clone(), Vec3::from(*size), *lipschitz);
-        user_fields::check(&context, &field)?;
+        let mut field = UserField::new(file, text.clone(), Vec3::from(*size), *lipschitz);
+        field.bend = *bend;
+        user_fields::check(&context, &field, *waves)?;
         if let (Some(samples), Some(cost)) = (field.samples(), field.evaluation_seconds()) {
             values.extend(&samples.values);
             fields.push(TriedField {

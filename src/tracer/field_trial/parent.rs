@@ -3,7 +3,7 @@
 use super::protocol::{self, Answer, Request, RequestedField};
 use super::{FieldTrial, LONGEST, LONGEST_BESIDE_OTHERS, MOST_MEMORY, TrialCommand};
 use crate::error::Error;
-use crate::scene::{Scene, UserField, UserSamples};
+use crate::scene::{Scene, UserField, UserSamples, WaveDomain};
 use crate::tracer::TraceError;
 use std::collections::{HashMap, HashSet};
 use std::fs::File;
@@ -25,7 +25,7 @@ pub(crate) struct Trial {
     /// The child's output: an unnamed file, so that neither process waits for the other.
     answer: File,
     began: Instant,
-    fields: Vec<Arc<UserField>>,
+    fields: Vec<(Arc<UserField>, WaveDomain)>,
     keys: Vec<u64>,
     /// The names of the fields' files, for messages.
     files: String,
@@ -51,16 +51,17 @@ fn key_of(what: impl Hash) -> u64 {
     KEYS.hash_one(what)
 }
 
-fn key_of_field(field: &UserField) -> u64 {
+fn key_of_field(field: &UserField, waves: WaveDomain) -> u64 {
     let numbers = [field.size.x, field.size.y, field.size.z, field.lipschitz];
-    key_of((&field.file, &field.text, numbers.map(f32::to_bits)))
+    let numbers = (numbers.map(f32::to_bits), field.bend.map(f32::to_bits));
+    key_of((&field.file, &field.text, numbers, waves))
 }
 
 /// Whether a child process has compiled and tried a field on its own, so that this process need not
 /// repeat it.
-pub(crate) fn has_passed(field: &UserField) -> bool {
+pub(crate) fn has_passed(field: &UserField, waves: WaveDomain) -> bool {
     let is_in_child = matches!(FieldTrial::chosen(), FieldTrial::InChild(_));
-    is_in_child && known().passed.contains(&key_of_field(field))
+    is_in_child && known().passed.contains(&key_of_field(field, waves))
 }
 
 impl Trial {
@@ -71,9 +72,9 @@ impl Trial {
     /// [`Error::Trace`] for a text that is rejected without being compiled, for a text that was
     /// tried and rejected before, if no child can be started, and for any text if fields are refused.
     pub fn begin(scene: &Scene, programs: &[&str]) -> Result<Option<Trial>, Error> {
-        let of_others = |field: &&Arc<UserField>| !field.is_own();
-        let all: Vec<_> = scene.user_fields().filter(of_others).collect();
-        let Some(first) = all.first() else {
+        let mut all = scene.user_domains();
+        all.retain(|(field, _)| !field.is_own());
+        let Some((first, _)) = all.first() else {
             return Ok(None);
         };
         let command = match FieldTrial::chosen() {
@@ -93,10 +94,10 @@ impl Trial {
             is_new
         };
         let mut fields = Vec::new();
-        for field in &all {
+        for &(field, waves) in &all {
             TraceError::check_text(field)?;
-            if is_new(key_of_field(field)) {
-                fields.push(Arc::clone(field));
+            if is_new(key_of_field(field, waves)) {
+                fields.push((Arc::clone(field), waves));
             }
         }
         let programs: Vec<String> = programs
@@ -110,13 +111,12 @@ impl Trial {
         if let Some(error) = known().refused.get(&keys) {
             return Err(error.clone().into());
         }
-        let files = named(if fields.is_empty() {
-            all.into_iter()
-        } else {
-            fields.iter().collect::<Vec<_>>().into_iter()
-        });
+        let files = match fields.is_empty() {
+            true => named(all.iter().map(|(field, _)| *field)),
+            false => named(fields.iter().map(|(field, _)| field)),
+        };
         let request = Request {
-            fields: fields.iter().map(|field| requested(field)).collect(),
+            fields: fields.iter().map(requested).collect(),
             programs,
         };
         let started = start(&command, &request);
@@ -217,7 +217,7 @@ impl Trial {
             Answer::Failed(why) => Err(failed(format!("has failed: {why}"))),
             Answer::Passed(tried) => {
                 let mut values = values.as_slice();
-                for (field, tried) in self.fields.iter().zip(tried) {
+                for ((field, waves), tried) in self.fields.iter().zip(tried) {
                     let count = tried.side.saturating_pow(3);
                     let Some((own, rest)) = values.split_at_checked(count) else {
                         return Err(failed("gave half an answer".to_owned()));
@@ -226,8 +226,7 @@ impl Trial {
                         side: tried.side,
                         values: own.to_vec(),
                     };
-                    field.set_evaluation_seconds(tried.evaluation_seconds);
-                    field.set_samples(Arc::new(samples));
+                    field.set_passed(*waves, Arc::new(samples), tried.evaluation_seconds);
                     values = rest;
                 }
                 Ok(())
@@ -244,12 +243,14 @@ impl Drop for Trial {
     }
 }
 
-fn requested(field: &UserField) -> RequestedField {
+fn requested((field, waves): &(Arc<UserField>, WaveDomain)) -> RequestedField {
     RequestedField {
         file: field.file.display().to_string(),
         text: field.text.clone(),
         size: field.size.to_array(),
         lipschitz: field.lipschitz,
+        bend: field.bend,
+        waves: *waves,
     }
 }
 

@@ -2,6 +2,7 @@
 //! of RON, and the samples as they are in memory.
 
 use super::super::TraceError;
+use crate::scene::WaveDomain;
 use serde::{Deserialize, Serialize};
 
 /// Precedes the answer, because drivers may write to standard output as well.
@@ -22,6 +23,8 @@ pub struct RequestedField {
     /// In metres.
     pub size: [f32; 3],
     pub lipschitz: f32,
+    pub bend: Option<f32>,
+    pub waves: WaveDomain,
 }
 
 /// The result.

@@ -1,13 +1,13 @@
 //! Whether the gradient that a text states is the gradient of its value.
 //!
 //! The stated gradient is compared with differences at points on the surface, where normals are
-//! needed, and at points in the whole box. Along each axis five values in a row give four slopes.
+//! needed, and at points in the air (or, with waves on both sides, in the whole box). Along each axis five values in a row give four slopes.
 //! Where the value is smooth, these slopes nearly agree, and the gradient must agree with them;
 //! where they differ because of curvature, an edge or rounding, the gradient may differ by the same
 //! amount. The comparison uses four distances between values, and the most precise one counts. No
 //! two of the distances have a common measure, so that no ripple looks flat at all of them.
 
-use super::{Probe, TraceError};
+use super::{Probe, TraceError, WaveDomain};
 use crate::error::Error;
 use crate::scene::halton;
 use glam::Vec3;
@@ -56,10 +56,16 @@ impl Probe<'_> {
         }
         let half = 0.5 * self.field.size;
         let spread = (1..=SPREAD).map(|index| half * (2.0 * halton(index).as_vec3() - 1.0));
+        let spread: Vec<Vec3> = spread.collect();
+        let in_air = self.values(&spread)?;
+        let is_with_waves = |value: f32| self.waves == WaveDomain::BothSides || value > 0.0;
+        let spread = spread.iter().zip(in_air);
+        let spread = spread.filter(|(_, value)| is_with_waves(*value));
+        let spread = spread.map(|(place, _)| *place);
         let places: Vec<Vec3> = surface.iter().copied().chain(spread).collect();
         let stated = self.stated(&places)?;
         let middle = self.values(&places)?;
-        let points: Vec<Vec3> = places.iter().flat_map(|p| self.around(*p)).collect();
+        let points: Vec<Vec3> = places.iter().flat_map(|p| self.neighbours_of(*p)).collect();
         let values = self.values(&points)?;
         let mut worst: Option<(f64, TraceError)> = None;
         let around = points.chunks(AROUND).zip(values.chunks(AROUND));
@@ -109,7 +115,7 @@ impl Probe<'_> {
     }
 
     /// The neighbours of a point, clamped to the box: by distance, then by axis.
-    fn around(&self, place: Vec3) -> impl Iterator<Item = Vec3> {
+    fn neighbours_of(&self, place: Vec3) -> impl Iterator<Item = Vec3> {
         let half = 0.5 * self.field.size;
         let scale = place.abs().max(LEAST_SCALE * half).max_element();
         let offsets = DISTANCES.into_iter().flat_map(move |distance| {
@@ -130,6 +136,10 @@ impl Probe<'_> {
             let ends = [0, 1, 2, 3].map(|i| (f64::from(points[i][axis]), f64::from(values[i])));
             let own = (f64::from(place[axis]), f64::from(middle));
             let line = [ends[0], ends[1], own, ends[2], ends[3]];
+            // Deep in the solid a value may be none.
+            if !line.iter().all(|(_, value)| value.is_finite()) {
+                continue;
+            }
             let slope = |from: (f64, f64), to: (f64, f64)| (to.1 - from.1) / (to.0 - from.0);
             let slopes = [0, 1, 2, 3].map(|i| slope(line[i], line[i + 1]));
             let (least, most) = slopes

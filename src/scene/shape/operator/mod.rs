@@ -88,6 +88,11 @@ impl Part for Difference {
         merged(&of, of[0].bounds)
     }
 
+    /// The air of its result includes the solids that are cut out.
+    fn keeps_air(&self, child: usize) -> bool {
+        child == 0
+    }
+
     fn value(&self, children: &[Shape], p: DVec3) -> f64 {
         let cut = children[1..].iter().map(|child| -child.value(p));
         cut.fold(children[0].value(p), f64::max)
@@ -144,6 +149,11 @@ impl Part for Morph {
     fn properties(&self, children: &[Shape]) -> Properties {
         let of: Vec<Properties> = children.iter().map(Shape::properties).collect();
         merged(&of, hull(&of))
+    }
+
+    /// Between two surfaces there is air in the solid of one of them.
+    fn keeps_air(&self, _: usize) -> bool {
+        false
     }
 
     fn value(&self, children: &[Shape], p: DVec3) -> f64 {

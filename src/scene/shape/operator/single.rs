@@ -209,6 +209,11 @@ impl Part for Complement {
         1.0
     }
 
+    /// Its air is the solid of its child.
+    fn keeps_air(&self, _: usize) -> bool {
+        false
+    }
+
     fn value(&self, children: &[Shape], p: DVec3) -> f64 {
         -children[0].value(p)
     }
@@ -237,6 +242,11 @@ impl Part for Shell {
 
     fn own_length(&self) -> f64 {
         self.thickness.into()
+    }
+
+    /// Its air is on both sides of its child's surface.
+    fn keeps_air(&self, _: usize) -> bool {
+        false
     }
 
     fn value(&self, children: &[Shape], p: DVec3) -> f64 {
@@ -283,6 +293,11 @@ impl Part for Offset {
 
     fn own_length(&self) -> f64 {
         self.by.abs().into()
+    }
+
+    /// A solid that shrinks leaves air in the solid of its child.
+    fn keeps_air(&self, _: usize) -> bool {
+        false
     }
 
     fn value(&self, children: &[Shape], p: DVec3) -> f64 {
