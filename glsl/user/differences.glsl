@@ -10,8 +10,8 @@ vec2 growthOfUser0(vec3 p, float value, vec3 axis, float h, vec3 halfSize) {
     float inwards = along > 0.0 ? -h : h;
     vec3 one = p + (isAtFace ? inwards : h) * axis;
     vec3 other = p + (isAtFace ? 2.0 * inwards : -h) * axis;
-    float atOne = user0_field(one);
-    float atOther = user0_field(other);
+    float atOne = numberOfUser0(one);
+    float atOther = numberOfUser0(other);
     float toOne = dot(one - p, axis);
     float toOther = dot(other - p, axis);
     float apart = dot(one - other, axis);

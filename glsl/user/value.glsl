@@ -1,8 +1,13 @@
-// The user's field 0, cut off at its box and never evaluated beyond it. A value that is not a number, or -infinity,
-// counts as solid: the checks allow it deep in the solid, where a relaxed step of a march may end.
+// The user's value as it is written, or a number deep in the solid if it is none or -infinity: the checks allow
+// that deep in the solid, where a relaxed step of a march or a wide difference may end.
+float numberOfUser0(vec3 p) {
+    const float DEEP = -1e12;   // its quotients by lengths have finite squares
+    float value = user0_field(p);
+    return value > DEEP ? value : DEEP;
+}
+
+// The user's field 0, cut off at its box and never evaluated beyond it.
 float sdUser0(vec3 p, vec3 halfSize, float inverseLipschitz) {
-    float inside = user0_field(clamp(p, -halfSize, halfSize)) * inverseLipschitz;
-    float deepest = -4.0 * largest(halfSize);   // beyond every value whose surface is in the box
-    inside = inside > deepest ? inside : deepest;
+    float inside = numberOfUser0(clamp(p, -halfSize, halfSize)) * inverseLipschitz;
     return max(inside, sdBox(p, halfSize));
 }

@@ -357,6 +357,9 @@ impl Probe<'_> {
 
     /// Value and stated gradient at each point, and arbitrary values in the rest of the last row.
     fn texels(&self, points: &[Vec3]) -> Result<Vec<f32>, Error> {
+        if points.is_empty() {
+            return Ok(Vec::new());
+        }
         let width = points.len().min(ROW) as u32;
         let rows = points.len().div_ceil(ROW) as u32;
         let vectors: Vec<Vec4> = points.iter().map(|p| p.extend(0.0)).collect();

@@ -62,6 +62,7 @@ const TOKENS: &[&str] = &[
     "count",
     "period",
     "lipschitz",
+    "bend",
     "materials",
     "Material",
     "absorption",

@@ -55,7 +55,7 @@ impl Probe<'_> {
         if let (Some((place, value)), WaveDomain::BothSides) = (none.peek(), self.waves) {
             return Err(self.not_finite(**place, **value));
         }
-        // The samples that stand for none in the grid are numbers, but not where they are placed.
+        // Where the grid has none either, its own boundaries have been checked.
         let boundaries = none.map(|(place, _)| (grid.points[self.nearest(*place)], *place));
         self.check_boundaries(boundaries.collect())
     }

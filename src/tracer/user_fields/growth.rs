@@ -19,9 +19,14 @@ const MARGIN: f32 = 1.01;
 /// Steps between two points with an excessive growth.
 const CLOSER: usize = 256;
 
-/// A value seems to jump if its growth is more than this multiple of the growth between points
+/// A value may jump if its growth is more than this multiple of the growth between points
 /// [`CLOSER`] times as far apart: at a jump it is about that many times, on a slope about once.
-const JUMP: f32 = 32.0;
+const NARROWER: f32 = 32.0;
+
+/// It seems to jump if, in addition, the growth is more than this multiple of the stated one. The
+/// estimates of a fractal's distance have steps too, where the number of iterations changes, that
+/// are small enough for a somewhat greater constant.
+const JUMP: f32 = 16.0;
 
 /// The greatest constant that can be stated.
 const LARGEST_LIPSCHITZ: f32 = 1e6;
@@ -63,12 +68,14 @@ impl Probe<'_> {
             return Ok(());
         }
         let closer = self.closer(&steepest)?;
-        let advice = rounded_up(MARGIN * closer.growth);
-        let jumps = closer.growth > JUMP * steepest.growth || advice > LARGEST_LIPSCHITZ;
+        let advice = rounded_up(MARGIN * steepest.growth);
+        let is_steeper_within = closer.growth > NARROWER * steepest.growth;
+        let jumps = is_steeper_within && steepest.growth > JUMP * stated;
+        let jumps = jumps || advice > LARGEST_LIPSCHITZ;
         Err(TraceError::FieldGrows {
             file: self.field.file.display().to_string(),
             place: closer.ends[0].midpoint(closer.ends[1]),
-            growth: closer.growth,
+            growth: steepest.growth,
             stated,
             advice: (!jumps).then_some(advice),
         }

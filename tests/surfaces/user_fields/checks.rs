@@ -70,7 +70,7 @@ fn values_that_are_none_or_grow_too_fast_are_told_with_the_place() {
         ),
         (
             "float field(vec3 p) { float x = p.x - p.x; return x / x; }",
-            "finite everywhere",
+            "finite wherever waves can be",
         ),
         (
             "float field(vec3 p) { return 2.0 * (length(p) - 1.0); }",

@@ -1,10 +1,13 @@
 //! Users' GLSL fields: refusals and their messages, the results of the renderer's checks, stated
 //! gradients, and scenes that follow their files.
 
+mod advice;
 mod checks;
 mod gradients;
 mod names;
 mod reload;
+mod shadertoy;
+mod where_waves_are;
 
 use crate::common::field_files::BALL;
 use echomarch::gl::Context;

@@ -1,0 +1,10 @@
+// A wall along a gyroid, a surface that divides space into two labyrinths.
+
+const float SCALE = 1.3;    // per metre
+const float WALL = 0.35;    // half of its thickness, in the value of the gyroid
+
+float field(vec3 p) {
+    vec3 q = SCALE * p;
+    float gyroid = dot(sin(q), cos(q.yzx));
+    return (abs(gyroid) - WALL) / SCALE;
+}
