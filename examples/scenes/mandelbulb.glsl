@@ -1,17 +1,17 @@
 // A Mandelbulb of power 8 with a radius of about 1.2 m. The value is an estimate of the distance:
-// half of r log r over the bound of the derivative, once a point has escaped.
+// half of r log r over the derivative by the point, once a point has escaped.
 
-const int TURNS = 5;
+const int TURNS = 4;
 const float POWER = 8.0;
-const float ESCAPED = 4.0;    // the more, the smaller the steps between numbers of turns
-const float DEEPEST = -0.05;   // metres
+const float ESCAPED = 4.0;      // the more, the smaller the steps between numbers of turns
+const float DEEPEST = -0.05;    // metres
 
 float field(vec3 p) {
     vec3 z = p;
     float r = length(z);
     float derivative = 1.0;
     for (int turn = 0; turn < TURNS && r < ESCAPED; ++turn) {
-        // At the origin the angles do not exist: any will do, as it is deep in the solid.
+        // At the origin and on the axis the angles do not exist: any will do.
         float safe = max(r, 1e-6);
         float tilt = POWER * acos(clamp(z.y / safe, -1.0, 1.0));
         float turned = POWER * atan(z.z, abs(z.x) + abs(z.z) > 0.0 ? z.x : 1.0);

@@ -25,8 +25,8 @@ const NARROWER: f32 = 32.0;
 
 /// It seems to jump if, in addition, the growth is more than this multiple of the stated one. The
 /// estimates of a fractal's distance have steps too, where the number of iterations changes, that
-/// are small enough for a somewhat greater constant.
-const JUMP: f32 = 16.0;
+/// are small enough for a greater constant.
+const JUMP: f32 = 100.0;
 
 /// The greatest constant that can be stated.
 const LARGEST_LIPSCHITZ: f32 = 1e6;

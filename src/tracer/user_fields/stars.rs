@@ -18,6 +18,10 @@ const NARROWEST: f32 = 1e-4;
 /// Width of the widest star, in multiples of the narrowest.
 const WIDEST: f32 = 100.0;
 
+/// Width of the narrowest star on the surface, as a share of the box's shortest side. The surface of
+/// a fractal is steep over any shorter distance; as few of the stars of the box as before see that.
+const NARROWEST_ON_SURFACE: f32 = 1e-3;
+
 /// Number of different widths.
 const WIDTHS: usize = 64;
 
@@ -72,10 +76,13 @@ impl Probe<'_> {
     pub(super) fn stars(&self, surface: &[Vec3]) -> Result<Stars, Error> {
         let half = 0.5 * self.field.size;
         let least = self.field.size.min_element();
-        let width = |index: usize| {
+        let width_from = |narrowest: f32, widest: f32, index: usize| {
             let share = (index % WIDTHS) as f32 / (WIDTHS - 1) as f32;
-            least * NARROWEST * WIDEST.powf(share)
+            narrowest * (widest / narrowest).powf(share)
         };
+        let width = |index| width_from(NARROWEST * least, NARROWEST * WIDEST * least, index);
+        let narrowest = NARROWEST_ON_SURFACE * least;
+        let widest = narrowest.max(0.5 * self.depth());
         let spread = (1..=SPREAD).map(|index| {
             let width = width(index);
             let inside = half - 2.0 * width;
@@ -84,7 +91,7 @@ impl Probe<'_> {
         let on_surface = surface.iter().cycle().enumerate().take(ON_SURFACE);
         let on_surface = on_surface.map(|(index, &place)| {
             // The same point again, with another width.
-            let width = width(index + index / surface.len());
+            let width = width_from(narrowest, widest, index + index / surface.len());
             let aside = width * (2.0 * halton(index + 1).as_vec3() - 1.0);
             let inside = half - 2.0 * width;
             ((place + aside).clamp(-inside, inside), width)

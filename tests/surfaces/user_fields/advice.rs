@@ -102,20 +102,20 @@ fn advised(sentence: &str) -> Option<f32> {
 }
 
 /// Protects people from a search by trial and error: a Mandelbulb that stated 1 was told to state at least 95, and was
-/// accepted with 3. What a refusal asks for is accepted.
+/// accepted with 3. What a refusal asks for is accepted, and nine
+/// tenths of it are not.
 #[test]
 fn the_advised_growth_is_accepted() {
     for_each_api(|context| {
         for (text, size) in texts() {
             let refused = sentence(context, field(&text, size, 1.0, None));
             let refused = refused.unwrap_or_else(|| panic!("accepted with 1: {text}"));
-            println!("{refused}");
             let advice = advised(&refused).unwrap_or_else(|| panic!("{refused}: {text}"));
             let less = sentence(context, field(&text, size, 0.9 * advice, None));
-            println!("{refused}; nine tenths: {}", less.is_some());
+            println!("{refused}");
+            assert!(less.is_some(), "more than needed: {refused}");
             let checked = sentence(context, field(&text, size, advice, None));
             assert_eq!(checked, None, "{text}");
-            assert!(advice < 12.0, "{refused}");
         }
     });
 }

@@ -26,7 +26,8 @@ const FAULTS: [&str; 4] = [
 /// Protects fields from the web, whose solids have singular points at their centres and axes: no wave gets there.
 #[test]
 fn faults_deep_in_the_solid_refuse_nothing() {
-    let at_origin = "float field(vec3 p) { return 0.5 * length(p) + 0.5 * dot(normalize(p), p) - 1.0; }";
+    let at_origin =
+        "float field(vec3 p) { return 0.5 * length(p) + 0.5 * dot(normalize(p), p) - 1.0; }";
     let at_axes = "float field(vec3 p) { vec2 q = mod(p.xz + 0.5, 1.0) - 0.5; \
                    return dot(q, normalize(q)) - 0.1; }";
     let deep = FAULTS.map(|inner| ball_with(0.2, inner));
