@@ -1,7 +1,7 @@
 // A Mandelbulb of power 8 with a radius of about 1.2 m. The value is an estimate of the distance:
 // half of r log r over the derivative by the point, once a point has escaped.
 
-const int TURNS = 4;
+const int TURNS = 3;
 const float POWER = 8.0;
 const float ESCAPED = 4.0;      // the more, the smaller the steps between numbers of turns
 const float DEEPEST = -0.05;    // metres

@@ -310,7 +310,7 @@ pub struct UserField {
     exact: Option<fn(DVec3) -> f64>,
 }
 
-/// The part of a user's field in which waves can be, and in which it is checked.
+/// The part of a user's field where waves can be. The field is checked there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub(crate) enum WaveDomain {
     /// The air, where the value is positive, and the solid next to it.

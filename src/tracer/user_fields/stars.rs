@@ -31,7 +31,7 @@ pub(super) const POINTS: usize = 9;
 /// Pairs of ends.
 pub(super) const PAIRS: usize = POINTS / 2;
 
-/// Where the values of a star count.
+/// The values of a star that count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Scope {
     /// Everywhere: in the whole box, or because all of the star is next to the air.
@@ -132,7 +132,7 @@ impl Probe<'_> {
         Ok(stars)
     }
 
-    /// Where a star's values count.
+    /// The values of a star that count.
     pub(super) fn scope(&self, star: Star) -> Scope {
         if self.waves == WaveDomain::BothSides {
             return Scope::Whole;

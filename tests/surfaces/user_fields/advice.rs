@@ -101,8 +101,8 @@ fn advised(sentence: &str) -> Option<f32> {
     sentence.split("state at least ").nth(1)?.parse().ok()
 }
 
-/// Protects people from a search by trial and error: a Mandelbulb that stated 1 was told to state at least 95, and was
-/// accepted with 3. What a refusal asks for is accepted, and nine
+/// Protects people from a search by trial and error: the refusal of a Mandelbulb with 1 asked for at least 95, and 3 was
+/// accepted. What a refusal asks for is accepted, and nine
 /// tenths of it are not.
 #[test]
 fn the_advised_growth_is_accepted() {
