@@ -31,6 +31,7 @@ float field(vec3 p) { return length(p) - R; }
 #undef R
 #undef field
 
+// glsl/user/value.glsl, field 0
 // glsl/shape/cuboid.glsl
 // glsl/user/value.glsl, field 0
 // the surfaces
