@@ -11,7 +11,7 @@
 //! however many surfaces it has ([`Layout::of`], docs/benchmarks/surfaces-llvmpipe.md).
 
 use super::cells::Lists;
-use crate::scene::shape::{Asset, Hyperboloid, MOST_NODES, Mirror, Repeat};
+use crate::scene::shape::{Asset, Hyperboloid, MOST_NODES, Mirror, Repeat, User};
 use crate::scene::{Copies, HeightImage, Node, Scene, Shape, Surface, UserField};
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
@@ -284,6 +284,7 @@ fn choices(field: &Shape) -> [u32; 3] {
             };
             [0, 1, 2].map(|axis| (count[axis] << 8) | capped | evaluated(axis))
         }
+        Node::User(User { field }) => [u32::from(field.is_differentiated()), 0, 0],
         _ => [0; 3],
     }
 }

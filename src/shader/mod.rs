@@ -59,7 +59,9 @@ pub use text::is_marched;
 pub(crate) use text::read_at_run_time;
 #[cfg(feature = "picture")]
 pub(crate) use text::source;
-pub(crate) use text::{Source, USER_FILE, file_name, join, shown_name, user_sources};
+pub(crate) use text::{
+    CheckedGradient, Source, USER_FILE, file_name, join, shown_name, user_sources,
+};
 #[doc(hidden)]
 pub use turn_budget::Budget;
 pub(crate) use turn_budget::{LoopsAsked, MAX_STEPS};

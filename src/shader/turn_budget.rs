@@ -47,8 +47,8 @@ const CALLS_OF_DIFFERENCES: u64 = 62;
 /// Turns of the loop over these distances.
 const TURNS_OF_DIFFERENCES: u64 = 7;
 
-/// Maximum calls in one projection if the text states its gradient: value and gradient, twice, and
-/// once more where the gradient is undefined (`glsl/user/gradient.glsl`).
+/// Maximum calls in one projection if the text states its gradient or is differentiated: value and gradient, twice,
+/// and once more where the gradient is undefined (`glsl/user/gradient.glsl`, `glsl/user/derivative.glsl`).
 const CALLS_OF_GRADIENT: u64 = 6;
 
 /// Maximum turns of the loops in one evaluation, by the evaluated function; 0 without loops.
@@ -183,10 +183,13 @@ fn of_value(field: &Shape) -> u64 {
 
 /// Turns of the projection onto a field: of its gradient, and of its normal.
 fn of_projection(field: &Shape) -> u64 {
-    of_copies(field, &|user| match user.states_gradient() {
-        true => CALLS_OF_GRADIENT * of_call(user),
-        false => TURNS_OF_DIFFERENCES + CALLS_OF_DIFFERENCES * of_call(user),
-    })
+    of_copies(
+        field,
+        &|user| match user.states_gradient() || user.is_differentiated() {
+            true => CALLS_OF_GRADIENT * of_call(user),
+            false => TURNS_OF_DIFFERENCES + CALLS_OF_DIFFERENCES * of_call(user),
+        },
+    )
 }
 
 /// Turns in one call of a user's text.

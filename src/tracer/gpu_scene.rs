@@ -102,13 +102,12 @@ impl GpuScene {
         scene: &Scene,
         structure: &Structure,
         label: &str,
-        text: impl FnOnce() -> String,
+        text: impl Fn() -> String,
     ) -> Result<Program, Error> {
         structure.check(scene)?;
         check_uniforms(context, scene, structure, OWN_UNIFORM_VECTORS)?;
-        let text = text();
-        UserFields::default().check(context, scene, structure, || text.clone())?;
-        compile_with_scene(context, scene, label, &text)
+        UserFields::default().check(context, scene, structure, &text)?;
+        compile_with_scene(context, scene, label, &text())
     }
 
     /// Sets the scene, and all uniforms of the scene in the program of a picture.

@@ -7,7 +7,8 @@
 //! the stated limit (`growth.rs`), and for its stated bend (`bend.rs`). Only growth measured between
 //! two points counts, because it is a proof. (At a ridge, the length of a gradient by differences
 //! proves nothing.) Details narrower than a step between points can still be missed. A gradient
-//! stated by the text is compared with differences (`gradient.rs`).
+//! stated by the text is compared with differences (`gradient.rs`), and so is the derivative of a text that states none;
+//! if this derivative deviates, gradients are computed by differences.
 //!
 //! # Where
 //! Waves are in the air, where the value is positive. A march passes no surface by a step that is
@@ -21,8 +22,8 @@
 //! # Cost
 //! Once for each context and field: one short program, and some 500,000 evaluations; a field that takes
 //! too long in the first pass is rejected. With Mesa's llvmpipe on two cores, this takes a tenth of a second for a
-//! Menger sponge of five levels, and on a graphics card a few milliseconds; a stated gradient takes another 100,000
-//! evaluations. If the fields of a frame are already checked, the frame only compares pointers.
+//! Menger sponge of five levels, and on a graphics card a few milliseconds; a gradient takes another program or
+//! none, and another 100,000 evaluations. If the fields of a frame are already checked, the frame only compares pointers.
 
 mod bend;
 mod finite;
@@ -39,7 +40,7 @@ use crate::gl::{
 };
 use crate::platform::Instant;
 use crate::scene::{Scene, UserField, UserSamples, WaveDomain, halton};
-use crate::shader::{self, Structure, USER_FILE};
+use crate::shader::{self, CheckedGradient, Structure, USER_FILE};
 use glam::{Vec3, Vec4};
 use std::sync::Arc;
 
@@ -101,7 +102,7 @@ impl UserFields {
         context: &Context,
         scene: &Scene,
         structure: &Structure,
-        program: impl FnOnce() -> String,
+        program: impl Fn() -> String,
     ) -> Result<(), Error> {
         let fields = scene.user_domains();
         if fields
@@ -117,6 +118,10 @@ impl UserFields {
         field_trial::ensure(scene, &[&program()])?;
         let known = self.checked.len();
         let checked = self.check_new(context, &fields);
+        if checked.is_ok() {
+            // The same program as before, unless a derivative was found to be wrong.
+            field_trial::ensure(scene, &[&program()])?;
+        }
         if self.checked.len() > known {
             self.forget_old(scene);
         }
@@ -146,6 +151,9 @@ impl UserFields {
                         (known.samples(), known.evaluation_seconds())
                     {
                         field.set_passed(waves, Arc::clone(samples), seconds);
+                    }
+                    if let Some(agrees) = known.derivative_agrees() {
+                        field.set_derivative_agrees(agrees);
                     }
                 }
                 // The samples come from a child: the field's own program is not used again.
@@ -179,7 +187,7 @@ pub(super) fn check(context: &Context, field: &UserField, waves: WaveDomain) -> 
     };
     TraceError::check_text(field)?;
     let label = field.file.display().to_string();
-    let text = shader::join(&shader::user_sources(field));
+    let text = shader::join(&shader::user_sources(field, CheckedGradient::Stated));
     let program = match Program::fragment(context, &label, &text) {
         Ok(program) => program,
         Err(GpuError::Compile { log, .. } | GpuError::Link { log, .. }) => {
@@ -208,12 +216,38 @@ pub(super) fn check(context: &Context, field: &UserField, waves: WaveDomain) -> 
     probe.check_growth(&grid, &stars)?;
     probe.check_bend(&stars)?;
     probe.check_gradient(&surface)?;
+    if field.is_differentiated() {
+        field.set_derivative_agrees(derivative_agrees(context, field, waves, &surface)?);
+    }
     let samples = UserSamples {
         side: SIDE,
         values: grid.values,
     };
     field.set_passed(waves, Arc::new(samples), anywhere.max(at_surface));
     Ok(())
+}
+
+/// Whether the derivative of the text compiles, and is that of the values.
+fn derivative_agrees(
+    context: &Context,
+    field: &UserField,
+    waves: WaveDomain,
+    surface: &[Vec3],
+) -> Result<bool, Error> {
+    let label = format!("the derivative of {}", field.file.display());
+    let text = shader::join(&shader::user_sources(field, CheckedGradient::Derived));
+    let program = match Program::fragment(context, &label, &text) {
+        Ok(program) => program,
+        Err(GpuError::Compile { .. } | GpuError::Link { .. }) => return Ok(false),
+        Err(error) => return Err(error.into()),
+    };
+    let probe = Probe {
+        context,
+        program,
+        field,
+        waves,
+    };
+    Ok(probe.worst_gradient(surface)?.is_none())
 }
 
 /// Line and message of the first error in the user's text, from a compiler log.
@@ -355,7 +389,7 @@ impl Probe<'_> {
         Ok(texels.chunks(4).take(points.len()).map(|t| t[0]).collect())
     }
 
-    /// Value and stated gradient at each point, and arbitrary values in the rest of the last row.
+    /// Value and gradient at each point, and arbitrary values in the rest of the last row.
     fn texels(&self, points: &[Vec3]) -> Result<Vec<f32>, Error> {
         if points.is_empty() {
             return Ok(Vec::new());

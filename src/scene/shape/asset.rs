@@ -1,10 +1,11 @@
 //! Large objects that a shape's value depends on: height images and users' fields.
 //!
-//! A user's field is GLSL text with a `float field(vec3 p)`, and optionally a `vec3 fieldGradient(vec3 p)`. Only a GPU
-//! can evaluate it. For tests on the CPU (whether the source is in a solid, where a walker may go) there are samples,
+//! A user's field is GLSL text with a `float field(vec3 p)`, and optionally a `vec3 fieldGradient(vec3 p)`. Without one,
+//! the text is differentiated if possible. Only a GPU can evaluate it. For tests on the CPU (whether the source is in a solid, where a walker may go) there are samples,
 //! which the GPU takes once when the field is checked; see `crate::tracer`.
 
 use super::user_glsl;
+use super::user_glsl::derivative::{self, Along};
 use crate::file_input::read;
 use crate::scene::SceneError;
 use glam::{DVec2, DVec3, UVec2, Vec3};
@@ -308,6 +309,8 @@ pub struct UserField {
     read: OnceLock<Read>,
     evaluation_seconds: OnceLock<f64>,
     exact: Option<fn(DVec3) -> f64>,
+    /// Whether the renderer has found the derivative of the text to be that of its values.
+    derivative_agrees: OnceLock<bool>,
 }
 
 /// The part of a user's field where waves can be. The field is checked there.
@@ -324,6 +327,7 @@ pub(crate) enum WaveDomain {
 struct Read {
     has_loops: bool,
     states_gradient: bool,
+    has_derivative: bool,
 }
 
 /// The values of a field on a grid over its box, edges included.
@@ -349,6 +353,7 @@ impl UserField {
             read: OnceLock::new(),
             evaluation_seconds: OnceLock::new(),
             exact: None,
+            derivative_agrees: OnceLock::new(),
         }
     }
 
@@ -455,9 +460,46 @@ impl UserField {
         self.read().states_gradient
     }
 
+    /// Whether gradients come from a derivative of the text: the text states none, it can be differentiated, and the
+    /// renderer has not found differences between the derivative and the values.
+    pub(crate) fn is_differentiated(&self) -> bool {
+        self.read().has_derivative && self.derivative_agrees() != Some(false)
+    }
+
+    /// Whether the derivative of the text is that of its values, if tested.
+    pub(crate) fn derivative_agrees(&self) -> Option<bool> {
+        self.derivative_agrees.get().copied()
+    }
+
+    /// Stores the result of the test of the derivative; later calls have no effect.
+    pub(crate) fn set_derivative_agrees(&self, agrees: bool) {
+        // The same text over the same box gives the same result.
+        let _ = self.derivative_agrees.set(agrees);
+    }
+
+    /// Text after the field's own in a shader, where `field` has become `user<index>_field`:
+    /// `float dual<index>_field(vec3 p, out vec3 gradient)`, which returns the value. Empty for a text that cannot be
+    /// differentiated.
+    pub(crate) fn gradient_text(&self, index: usize) -> String {
+        self.derivative(Along::Axes, index)
+    }
+
+    /// The same for one direction: `float slope<index>_field(vec3 p, vec3 direction, out float slope)`.
+    pub(crate) fn slope_text(&self, index: usize) -> String {
+        self.derivative(Along::Line, index)
+    }
+
+    fn derivative(&self, along: Along, index: usize) -> String {
+        derivative::written(&self.shader_text(), along, index).unwrap_or_default()
+    }
+
     fn read(&self) -> Read {
+        let is_derived = |text: &user_glsl::Text| {
+            !text.states_gradient && derivative::written(&text.code, Along::Axes, 0).is_ok()
+        };
         let read = |text: user_glsl::Text| Read {
             has_loops: text.has_loops,
+            has_derivative: is_derived(&text),
             states_gradient: text.states_gradient,
         };
         *self

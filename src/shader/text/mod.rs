@@ -19,7 +19,7 @@ mod surface_names;
 
 pub use closed_form::closed_form_parts;
 pub use distance::{directed_parts, distance_parts};
-pub(crate) use field::{USER_FILE, shown_name, user_sources};
+pub(crate) use field::{CheckedGradient, USER_FILE, shown_name, user_sources};
 pub(super) use link::library;
 #[cfg(glsl_at_run_time)]
 pub(crate) use link::read_at_run_time;

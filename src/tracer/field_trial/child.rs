@@ -82,6 +82,7 @@ fn tried(
             fields.push(TriedField {
                 evaluation_seconds: cost,
                 side: samples.side,
+                derivative_agrees: field.derivative_agrees(),
             });
         }
     }

@@ -227,6 +227,9 @@ impl Trial {
                         values: own.to_vec(),
                     };
                     field.set_passed(*waves, Arc::new(samples), tried.evaluation_seconds);
+                    if let Some(agrees) = tried.derivative_agrees {
+                        field.set_derivative_agrees(agrees);
+                    }
                     values = rest;
                 }
                 Ok(())

@@ -43,6 +43,8 @@ pub struct TriedField {
     pub evaluation_seconds: f64,
     /// Samples along each side.
     pub side: usize,
+    /// Whether the derivative of the text is that of its values, if tested.
+    pub derivative_agrees: Option<bool>,
 }
 
 /// An answer as bytes, with the values of all fields' samples.
@@ -75,6 +77,7 @@ mod tests {
         let tried = TriedField {
             evaluation_seconds: 2.5e-7,
             side: 65,
+            derivative_agrees: Some(true),
         };
         let answer = Answer::Passed(vec![tried]);
         let values = [0.1, -1e-30, f32::MAX];

@@ -1,6 +1,6 @@
-//! Whether the gradient that a text states is the gradient of its value.
+//! Whether the gradient that a text states, or its derivative, is the gradient of its value.
 //!
-//! The stated gradient is compared with differences at points on the surface, where normals are
+//! The gradient is compared with differences at points on the surface, where normals are
 //! needed, and at points in the air (or, with waves on both sides, in the whole box). Along each axis five values in a row give four slopes.
 //! Where the value is smooth, these slopes nearly agree, and the gradient must agree with them;
 //! where they differ because of curvature, an edge or rounding, the gradient may differ by the same
@@ -54,6 +54,12 @@ impl Probe<'_> {
         if !self.field.states_gradient() {
             return Ok(());
         }
+        self.worst_gradient(surface)?
+            .map_or(Ok(()), |error| Err(error.into()))
+    }
+
+    /// The place with the greatest error beyond what the differences allow, if any.
+    pub(super) fn worst_gradient(&self, surface: &[Vec3]) -> Result<Option<TraceError>, Error> {
         let half = 0.5 * self.field.size;
         let spread = (1..=SPREAD).map(|index| half * (2.0 * halton(index).as_vec3() - 1.0));
         let spread: Vec<Vec3> = spread.collect();
@@ -83,7 +89,7 @@ impl Probe<'_> {
                 worst = Some((excess, error));
             }
         }
-        worst.map_or(Ok(()), |(_, error)| Err(error.into()))
+        Ok(worst.map(|(_, error)| error))
     }
 
     /// The stated gradients as used by a shader: evaluated a little aside if undefined.

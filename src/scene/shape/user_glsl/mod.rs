@@ -11,6 +11,7 @@
 //!
 //! The same preprocessor, without limits, analyses whole shaders for `echomarch cost`.
 
+pub(super) mod derivative;
 mod preprocess;
 #[cfg(test)]
 mod tests;

@@ -269,9 +269,29 @@ pub(in crate::shader) fn user_parts(assets: &Assets) -> Vec<Part> {
             // The user's text uses only its own definitions.
             uses: Vec::new(),
         });
+        if user.is_differentiated() {
+            all.extend(derivative_parts(user, index));
+        }
         all.extend(user_functions(user, index).into_iter().flat_map(parts));
     }
     all
+}
+
+/// The derivatives of a user's text, which call functions of the text.
+fn derivative_parts(user: &UserField, index: usize) -> [Part; 2] {
+    let shown = shown_name(user);
+    let part = |name: &str, what: &str, text: String| Part {
+        sources: vec![Source::new(
+            format!("{what} of {shown}, field {index}"),
+            text,
+        )],
+        defines: vec![format!("{name}{index}_field(")],
+        uses: vec![format!("user{index}_field(")],
+    };
+    [
+        part("dual", "gradient", user.gradient_text(index)),
+        part("slope", "slope", user.slope_text(index)),
+    ]
 }
 
 /// A user's text between the text that renames its names and the text that restores them: its
@@ -306,13 +326,19 @@ pub(crate) fn shown_name(user: &UserField) -> String {
 
 /// The functions that call the text of a user's field; in the files their names contain `User0`.
 fn user_functions(user: &UserField, index: usize) -> Vec<Source> {
-    let gradient = match user.states_gradient() {
-        true => source!("user/gradient.glsl"),
-        false => source!("user/differences.glsl"),
+    let gradient = if user.states_gradient() {
+        source!("user/gradient.glsl")
+    } else if user.is_differentiated() {
+        source!("user/derivative.glsl")
+    } else {
+        source!("user/differences.glsl")
     };
     let numbered = |source: Source| {
         let text = source.text.replace("User0", &format!("User{index}"));
-        let text = text.replace("user0_", &format!("user{index}_"));
+        let own = |text: String, prefix: &str| {
+            text.replace(&format!("{prefix}0_"), &format!("{prefix}{index}_"))
+        };
+        let text = ["user", "dual", "slope"].into_iter().fold(text, own);
         let name = format!("{}, field {index}", source.name);
         Source::new(name, text)
     };
@@ -324,16 +350,39 @@ fn user_functions(user: &UserField, index: usize) -> Vec<Source> {
 /// The number by which a driver's messages name the user's own text in [`user_sources`].
 pub(crate) const USER_FILE: u32 = 2;
 
-/// A fragment shader with only the field: it evaluates the values and the stated gradients at the
-/// points in `uPoints`.
-pub(crate) fn user_sources(user: &UserField) -> Vec<Source> {
+/// The gradient in a field's own program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum CheckedGradient {
+    /// The stated one, or 0.
+    Stated,
+    /// The derivative of the text; not a number where the value beside it differs from the field's.
+    Derived,
+}
+
+/// A fragment shader with only the field: it evaluates the values and the gradients at the points in
+/// `uPoints`.
+pub(crate) fn user_sources(user: &UserField, gradient: CheckedGradient) -> Vec<Source> {
+    /// Tolerated difference between the two values, as a share of the largest value that the box allows: a compiler
+    /// may round them differently.
+    const VALUE_TOLERANCE: f32 = 1e-5;
     let mut sources = Vec::from(user_text(user, 0));
-    let stated = match user.states_gradient() {
-        true => "user0_fieldGradient(p)",
-        false => "vec3(0.0)",
+    let body = match gradient {
+        CheckedGradient::Stated if user.states_gradient() => {
+            "    return user0_fieldGradient(p);\n".to_owned()
+        }
+        CheckedGradient::Stated => "    return vec3(0.0);\n".to_owned(),
+        CheckedGradient::Derived => {
+            sources.push(Source::new("the derivative", user.gradient_text(0)));
+            let most = VALUE_TOLERANCE * user.lipschitz * user.size.max_element();
+            let most = literal(f64::from(most));
+            format!(
+                "    vec3 gradient;\n    float off = dual0_field(p, gradient) - user0_field(p);\n    \
+                 return abs(off) <= {most} ? gradient : sqrt(vec3(-1.0) - abs(p));\n"
+            )
+        }
     };
-    let function = format!("vec3 statedGradient(vec3 p) {{\n    return {stated};\n}}\n");
-    sources.push(Source::new("the stated gradient", function));
+    let function = format!("vec3 checkedGradient(vec3 p) {{\n{body}}}\n");
+    sources.push(Source::new("the gradient", function));
     sources.push(source!("user/check.frag"));
     sources
 }

@@ -3,7 +3,7 @@
 use super::along::quadric_steepness;
 use super::{Numbers, Place, Writer, literal};
 use crate::scene::shape::{HeightField, Mirror, Repeat, User};
-use crate::scene::{Copies, Node, Shape};
+use crate::scene::{Copies, Node, Shape, UserField};
 use crate::shader::structure::Assets;
 use crate::shader::text::link::has_function;
 use std::fmt::Write;
@@ -132,9 +132,10 @@ pub(in crate::shader) fn has_differences(field: &Shape) -> bool {
     nodes.any(|node| takes_differences(&node.node))
 }
 
-/// Whether a node is a user's field without a stated gradient.
+/// Whether a node is a user's field whose text neither states a gradient nor is differentiated.
 fn takes_differences(node: &Node) -> bool {
-    node.user().is_some_and(|user| !user.states_gradient())
+    let has_gradient = |user: &UserField| user.states_gradient() || user.is_differentiated();
+    node.user().is_some_and(|user| !has_gradient(user))
 }
 
 impl<'a> Writer<'a> {

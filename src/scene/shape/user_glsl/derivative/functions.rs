@@ -1,0 +1,543 @@
+//! Writes functions, each for the arguments that depend on the point.
+
+use super::syntax::{Declaration, Expression, Program, Statement};
+use super::types::{Base, Type};
+use super::values::{Value, Variable};
+use super::{Along, Obstacle, obstacle};
+use std::collections::{HashMap, HashSet};
+use std::fmt::Write as _;
+
+/// Maximum expressions that are written, counting each time: many times those of the largest fields.
+const MOST_STEPS: usize = 1 << 18;
+
+/// Maximum length of the result in bytes, half of the longest text. A driver takes about 20 µs and 1 KB per token.
+const LONGEST: usize = 1 << 17;
+
+/// Maximum levels of expressions, statements and calls together: the writer calls itself for each.
+const DEEPEST: usize = 160;
+
+/// A function for some varying arguments.
+#[derive(Clone, Debug)]
+pub struct Instance {
+    pub name: String,
+    /// Which of the parameters have derivatives.
+    pub varies: Vec<bool>,
+    pub returns_vary: bool,
+    /// The type of its result as text.
+    pub returns: String,
+    /// Whether it uses a global that depends on the point.
+    pub touches_global: bool,
+}
+
+/// A function that is being written.
+#[derive(Debug, Default)]
+pub struct Frame<'a> {
+    /// The variables in scope, innermost last.
+    scopes: Vec<HashMap<&'a str, (usize, Type)>>,
+    /// Declarations until now; their order is the same in each turn.
+    declared: usize,
+    varying: HashSet<usize>,
+    /// Whether a variable has changed in this turn.
+    has_changed: bool,
+    text: String,
+    returns: Option<Type>,
+    returns_vary: bool,
+    pub touches_global: bool,
+}
+
+/// Writes the derivative of a program.
+pub struct Writer<'a> {
+    pub program: &'a Program<'a>,
+    pub index: usize,
+    pub prefix: String,
+    along: Along,
+    pub lanes: &'static [&'static str],
+    pub frame: Frame<'a>,
+    pub structures: String,
+    pub helpers: String,
+    pub instances_text: String,
+    /// What has been written, by its key.
+    pub known: HashSet<String>,
+    instances: HashMap<(usize, Vec<bool>), Instance>,
+    active: Vec<usize>,
+    varying_globals: HashSet<&'a str>,
+    /// Whether another global depends on the point, so that everything is written again.
+    has_changed: bool,
+    pub makes_floats_of_bits: bool,
+    steps: usize,
+    depth: usize,
+}
+
+impl<'a> Writer<'a> {
+    pub fn new(
+        program: &'a Program<'a>,
+        (along, index): (Along, usize),
+        makes_floats_of_bits: bool,
+    ) -> Writer<'a> {
+        Writer {
+            program,
+            index,
+            prefix: along.prefix(index),
+            along,
+            lanes: along.lanes(),
+            frame: Frame::default(),
+            structures: String::new(),
+            helpers: String::new(),
+            instances_text: String::new(),
+            known: HashSet::new(),
+            instances: HashMap::new(),
+            active: Vec::new(),
+            varying_globals: HashSet::new(),
+            has_changed: false,
+            makes_floats_of_bits,
+            steps: 0,
+            depth: 0,
+        }
+    }
+
+    /// Counts a unit of work.
+    pub fn step(&mut self) -> Result<(), Obstacle> {
+        self.steps += 1;
+        match self.steps <= MOST_STEPS {
+            true => Ok(()),
+            false => obstacle("it takes too many steps"),
+        }
+    }
+
+    pub fn check_length(&self) -> Result<(), Obstacle> {
+        let parts = [&self.structures, &self.helpers, &self.instances_text];
+        match parts.iter().map(|part| part.len()).sum::<usize>() <= LONGEST {
+            true => Ok(()),
+            false => obstacle("its derivative is too long"),
+        }
+    }
+
+    /// Does something within one more level.
+    pub fn deeper<T>(
+        &mut self,
+        work: impl FnOnce(&mut Self) -> Result<T, Obstacle>,
+    ) -> Result<T, Obstacle> {
+        self.depth += 1;
+        if self.depth > DEEPEST {
+            return obstacle("it is nested too deeply");
+        }
+        let done = work(self)?;
+        self.depth -= 1;
+        Ok(done)
+    }
+
+    /// The whole text.
+    pub fn whole(mut self) -> Result<String, Obstacle> {
+        let is_field = |f: &super::syntax::Function| {
+            let point = Type::vector(Base::Float, 3);
+            f.name == "field" && matches!(&f.parameters[..], [p] if p.of_type == point && !p.is_out)
+        };
+        let Some(field) = self.program.functions.iter().position(is_field) else {
+            return obstacle("it has no field");
+        };
+        if self.program.functions[field].returns != Type::scalar(Base::Float) {
+            return obstacle("it has no field");
+        }
+        loop {
+            self.has_changed = false;
+            let instance = self.instance(field, &[true])?;
+            if !self.has_changed {
+                return self.joined(&instance);
+            }
+            self.structures.clear();
+            self.helpers.clear();
+            self.instances_text.clear();
+            self.known.clear();
+            self.instances.clear();
+        }
+    }
+
+    fn joined(mut self, field: &Instance) -> Result<String, Obstacle> {
+        let globals = self.globals()?;
+        let dual = self.dual(&Type::vector(Base::Float, 3));
+        self.dual(&Type::scalar(Base::Float));
+        let scalar = self.name_of(&Type::scalar(Base::Float), field.returns_vary);
+        let name = &field.name;
+        let (prefix, own) = (&self.prefix, ["", ".v"][usize::from(field.returns_vary)]);
+        let entry = match self.along {
+            Along::Axes => {
+                let gradient = match field.returns_vary {
+                    true => "vec3(value.x, value.y, value.z)",
+                    false => "vec3(0.0)",
+                };
+                format!(
+                    "float {prefix}field(vec3 p, out vec3 gradient) {{\n    {scalar} value = \
+                     {name}({dual}(p, vec3(1.0, 0.0, 0.0), vec3(0.0, 1.0, 0.0), vec3(0.0, 0.0, 1.0)));\n    \
+                     gradient = {gradient};\n    return value{own};\n}}\n"
+                )
+            }
+            Along::Line => {
+                let slope = if field.returns_vary { "value.s" } else { "0.0" };
+                format!(
+                    "float {prefix}field(vec3 p, vec3 direction, out float slope) {{\n    \
+                     {scalar} value = {name}({dual}(p, direction));\n    slope = {slope};\n    \
+                     return value{own};\n}}\n"
+                )
+            }
+        };
+        self.check_length()?;
+        let Writer {
+            structures,
+            helpers,
+            instances_text,
+            ..
+        } = self;
+        Ok(format!(
+            "{structures}{helpers}{globals}{instances_text}{entry}"
+        ))
+    }
+
+    /// The globals that depend on the point.
+    fn globals(&mut self) -> Result<String, Obstacle> {
+        let mut text = String::new();
+        let program = self.program;
+        for variable in program.globals.iter().flat_map(|d| &d.variables) {
+            if !self.varying_globals.contains(variable.name) {
+                continue;
+            }
+            let of = &variable.of_type;
+            let (dual, brackets) = (self.dual(of), self.brackets(of));
+            let name = self.name_of_global(variable.name);
+            match &variable.initial {
+                None => {
+                    let _ = writeln!(text, "{dual} {name}{brackets};\n");
+                }
+                Some(initial) => {
+                    let value = self.value(initial)?;
+                    let value = self.lifted(&value, of)?;
+                    let _ = writeln!(text, "{dual} {name}{brackets} = {value};\n");
+                }
+            }
+        }
+        Ok(text)
+    }
+
+    pub fn name_of_global(&self, name: &str) -> String {
+        format!("{}g_{name}", self.prefix)
+    }
+
+    /// The variable of a name.
+    pub fn find(&self, name: &'a str) -> Option<(Variable<'a>, Type)> {
+        let mut scopes = self.frame.scopes.iter().rev();
+        if let Some((index, of)) = scopes.find_map(|scope| scope.get(name)) {
+            return Some((Variable::Local(*index), of.clone()));
+        }
+        let mut globals = self.program.globals.iter().flat_map(|d| &d.variables);
+        let global = globals.find(|variable| variable.name == name)?;
+        Some((Variable::Global(name), global.of_type.clone()))
+    }
+
+    pub fn does_vary(&self, variable: Variable) -> bool {
+        match variable {
+            Variable::Local(index) => self.frame.varying.contains(&index),
+            Variable::Global(name) => self.varying_globals.contains(name),
+        }
+    }
+
+    /// From now on, and in the next turn from the beginning, the variable depends on the point.
+    pub fn make_vary(&mut self, variable: Variable<'a>) -> Result<(), Obstacle> {
+        match variable {
+            Variable::Local(index) => {
+                self.frame.has_changed |= self.frame.varying.insert(index);
+            }
+            Variable::Global(name) => {
+                let mut all = self.program.globals.iter();
+                let is_const = |d: &Declaration| {
+                    d.is_const && d.variables.iter().any(|variable| variable.name == name)
+                };
+                if all.any(is_const) {
+                    return obstacle("a constant depends on the point");
+                }
+                self.has_changed |= self.varying_globals.insert(name);
+            }
+        }
+        Ok(())
+    }
+
+    /// Declares a variable in the innermost scope.
+    fn declare(&mut self, name: &'a str, of: Type) -> usize {
+        let index = self.frame.declared;
+        self.frame.declared += 1;
+        if let Some(scope) = self.frame.scopes.last_mut() {
+            scope.insert(name, (index, of));
+        }
+        index
+    }
+
+    /// The function for these varying arguments, written when it is first asked for.
+    pub fn instance(&mut self, function: usize, asked: &[bool]) -> Result<Instance, Obstacle> {
+        let program = self.program;
+        let own = &program.functions[function];
+        let original = Instance {
+            name: self.named(own.name),
+            varies: asked.to_vec(),
+            returns_vary: false,
+            returns: self.type_name(&own.returns),
+            touches_global: false,
+        };
+        // Without a varying argument nothing within it can vary.
+        if !asked.contains(&true) && self.varying_globals.is_empty() {
+            return Ok(original);
+        }
+        let key = (function, asked.to_vec());
+        if let Some(known) = self.instances.get(&key) {
+            return Ok(known.clone());
+        }
+        if self.active.contains(&function) {
+            return obstacle("a function calls itself");
+        }
+        self.active.push(function);
+        let outer = std::mem::take(&mut self.frame);
+        let written = self.deeper(|writer| writer.turns(function, asked));
+        let frame = std::mem::replace(&mut self.frame, outer);
+        self.active.pop();
+        let parameters = written?;
+        let varies: Vec<bool> = (0..own.parameters.len())
+            .map(|place| frame.varying.contains(&place))
+            .collect();
+        let is_original = !varies.contains(&true) && !frame.returns_vary && !frame.touches_global;
+        let instance = match is_original {
+            true => original,
+            false => {
+                let number = self.instances.len();
+                let returns = match frame.returns_vary {
+                    true => self.dual(&own.returns),
+                    false => self.type_name(&own.returns),
+                };
+                let returns = returns + &self.brackets(&own.returns);
+                let name = format!("{}{number}{}", self.prefix, own.name);
+                let _ = writeln!(
+                    self.instances_text,
+                    "{returns} {name}({parameters}) {{\n{}}}\n",
+                    frame.text
+                );
+                self.check_length()?;
+                Instance {
+                    name,
+                    varies,
+                    returns_vary: frame.returns_vary,
+                    returns,
+                    touches_global: frame.touches_global,
+                }
+            }
+        };
+        self.instances.insert(key, instance.clone());
+        Ok(instance)
+    }
+
+    /// Writes a function until no more variables change; returns its parameters.
+    fn turns(&mut self, function: usize, asked: &[bool]) -> Result<String, Obstacle> {
+        let program = self.program;
+        let own = &program.functions[function];
+        self.frame.varying = (0..asked.len()).filter(|place| asked[*place]).collect();
+        loop {
+            let frame = &mut self.frame;
+            frame.scopes = vec![HashMap::new()];
+            frame.declared = 0;
+            frame.has_changed = false;
+            frame.text.clear();
+            frame.returns = Some(own.returns.clone());
+            let mut parameters = Vec::new();
+            for parameter in &own.parameters {
+                let place = self.declare(parameter.name, parameter.of_type.clone());
+                let varies = self.frame.varying.contains(&place);
+                let name = match parameter.name.is_empty() {
+                    true => String::new(),
+                    false => self.named(parameter.name),
+                };
+                parameters.push(self.declared(parameter, &name, varies));
+            }
+            self.block(&own.body)?;
+            if !self.frame.has_changed {
+                return Ok(parameters.join(", "));
+            }
+        }
+    }
+
+    /// Statements in a scope of their own.
+    fn block(&mut self, statements: &'a [Statement<'a>]) -> Result<(), Obstacle> {
+        self.frame.scopes.push(HashMap::new());
+        for statement in statements {
+            self.deeper(|writer| writer.statement(statement))?;
+        }
+        self.frame.scopes.pop();
+        Ok(())
+    }
+
+    fn line(&mut self, text: &str) {
+        let _ = writeln!(self.frame.text, "    {text}");
+    }
+
+    fn statement(&mut self, statement: &'a Statement<'a>) -> Result<(), Obstacle> {
+        self.step()?;
+        match statement {
+            Statement::Block(inside) => {
+                self.line("{");
+                self.block(inside)?;
+                self.line("}");
+            }
+            Statement::Declaration(declaration) => {
+                for text in self.declaration(declaration, false)? {
+                    self.line(&format!("{text};"));
+                }
+            }
+            Statement::Expression(expression) => {
+                let value = self.value(expression)?;
+                self.line(&format!("{};", value.text));
+            }
+            Statement::If(condition, one, other) => {
+                let condition = self.condition(condition)?;
+                self.line(&format!("if ({condition}) {{"));
+                self.block(one)?;
+                if !other.is_empty() {
+                    self.line("} else {");
+                    self.block(other)?;
+                }
+                self.line("}");
+            }
+            Statement::For {
+                first,
+                condition,
+                step,
+                body,
+            } => {
+                self.frame.scopes.push(HashMap::new());
+                let first = self.first(first)?;
+                let condition = match condition {
+                    Some(condition) => self.condition(condition)?,
+                    None => String::new(),
+                };
+                let step = match step {
+                    Some(step) => self.value(step)?.text,
+                    None => String::new(),
+                };
+                self.line(&format!("for ({first}; {condition}; {step}) {{"));
+                self.block(body)?;
+                self.line("}");
+                self.frame.scopes.pop();
+            }
+            Statement::While(condition, body) => {
+                let condition = self.condition(condition)?;
+                self.line(&format!("while ({condition}) {{"));
+                self.block(body)?;
+                self.line("}");
+            }
+            Statement::DoWhile(body, condition) => {
+                self.line("do {");
+                self.block(body)?;
+                let condition = self.condition(condition)?;
+                self.line(&format!("}} while ({condition});"));
+            }
+            Statement::Switch(of, body) => {
+                let of = self.condition(of)?;
+                self.line(&format!("switch ({of}) {{"));
+                self.block(body)?;
+                self.line("}");
+            }
+            Statement::Case(Some(value)) => {
+                let value = self.value(value)?;
+                self.line(&format!("case {}:", value.text));
+            }
+            Statement::Case(None) => self.line("default:"),
+            Statement::Return(value) => self.returned(value.as_ref())?,
+            Statement::Jump(jump) => self.line(&format!("{jump};")),
+        }
+        Ok(())
+    }
+
+    /// A condition, without derivatives.
+    fn condition(&mut self, of: &'a Expression<'a>) -> Result<String, Obstacle> {
+        let value = self.value(of)?;
+        self.native(&value)
+    }
+
+    fn returned(&mut self, value: Option<&'a Expression<'a>>) -> Result<(), Obstacle> {
+        let Some(value) = value else {
+            self.line("return;");
+            return Ok(());
+        };
+        let value = self.value(value)?;
+        if value.varies && !self.frame.returns_vary {
+            self.frame.returns_vary = true;
+            self.frame.has_changed = true;
+        }
+        let of = self.frame.returns.clone();
+        let text = match of.filter(|_| self.frame.returns_vary) {
+            Some(of) => self.lifted(&value, &of)?,
+            None => value.text,
+        };
+        self.line(&format!("return {text};"));
+        Ok(())
+    }
+
+    /// What a loop begins with: one statement.
+    fn first(&mut self, first: &'a [Statement<'a>]) -> Result<String, Obstacle> {
+        let mut texts = Vec::new();
+        for statement in first {
+            match statement {
+                Statement::Declaration(declaration) => {
+                    texts.extend(self.declaration(declaration, true)?);
+                }
+                Statement::Expression(expression) => texts.push(self.value(expression)?.text),
+                _ => return obstacle("a loop that begins with a statement"),
+            }
+        }
+        Ok(texts.join("; "))
+    }
+
+    /// A declaration: a statement for each variable, or a single one whose variables all depend on the point if one
+    /// does.
+    fn declaration(
+        &mut self,
+        declaration: &'a Declaration<'a>,
+        is_single: bool,
+    ) -> Result<Vec<String>, Obstacle> {
+        let mut all: Vec<(usize, Type, String, Option<Value<'a>>)> = Vec::new();
+        for variable in &declaration.variables {
+            let initial = match &variable.initial {
+                Some(initial) => Some(self.value(initial)?),
+                None => None,
+            };
+            let of = variable.of_type.clone();
+            let index = self.declare(variable.name, of.clone());
+            if initial.as_ref().is_some_and(|value| value.varies) && self.can_vary(&of) {
+                self.make_vary(Variable::Local(index))?;
+            }
+            all.push((index, of, self.named(variable.name), initial));
+        }
+        let any = all.iter().any(|one| self.frame.varying.contains(&one.0));
+        if is_single && any {
+            for (index, ..) in &all {
+                self.make_vary(Variable::Local(*index))?;
+            }
+        }
+        let mut texts: Vec<String> = Vec::new();
+        for (index, of, name, initial) in all {
+            let varies = self.frame.varying.contains(&index);
+            let initial = match initial {
+                None => String::new(),
+                Some(value) if varies => format!(" = {}", self.lifted(&value, &of)?),
+                Some(value) => format!(" = {}", self.native(&value)?),
+            };
+            let constant = if declaration.is_const && !varies {
+                "const "
+            } else {
+                ""
+            };
+            let brackets = self.brackets(&of);
+            let own = format!("{name}{brackets}{initial}");
+            match texts.last_mut().filter(|_| is_single) {
+                Some(before) => {
+                    let _ = write!(before, ", {own}");
+                }
+                None => texts.push(format!("{constant}{} {own}", self.name_of(&of, varies))),
+            }
+        }
+        Ok(texts)
+    }
+}
