@@ -26,6 +26,8 @@
 //! none, and another 100,000 evaluations. If the fields of a frame are already checked, the frame only compares pointers.
 
 mod bend;
+#[cfg(test)]
+mod derivative_tests;
 mod finite;
 mod gradient;
 mod growth;

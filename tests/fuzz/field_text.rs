@@ -102,6 +102,8 @@ pub fn one(data: &[u8]) {
             let again = read(field.shader_text());
             assert_eq!(again.check_text(), Ok(()));
             assert_eq!(again.names(), field.names());
+            // Reading the properties differentiates the text as well.
+            assert_eq!(again.has_loops(), field.has_loops());
             assert!(field.names().iter().any(|name| name == "field"));
         }
     }

@@ -114,7 +114,7 @@ impl Probe<'_> {
         Ok(stated)
     }
 
-    fn gradients(&self, points: &[Vec3]) -> Result<Vec<Vec3>, Error> {
+    pub(super) fn gradients(&self, points: &[Vec3]) -> Result<Vec<Vec3>, Error> {
         let texels = self.texels(points)?;
         let gradient = |texel: &[f32]| Vec3::new(texel[1], texel[2], texel[3]);
         Ok(texels.chunks(4).take(points.len()).map(gradient).collect())

@@ -18,38 +18,78 @@ float closestHit(vec3 p, vec3 d, float last, float limit, out float object) {
     return nearest;
 }
 
-// glsl/common/march_fields.glsl
-// glsl/shape/torus.glsl
+// glsl/common/rounding.glsl
+// glsl/common/safe_inverse.glsl
+// glsl/shape/cuboid.glsl
 // the surfaces
 // surface 1 (Torus)
-float field1(vec3 p) {
-    float d1 = sdTorus(p, 2.0, 0.5);
-    return d1;
+vec2 chord1_bounds = vec2(0.0);
+void findChords1(vec3 p, vec3 d, float errorBound) {
+    vec2 c1 = chordBox(p - vec3(0.0, 0.0, 0.0), d, vec3(2.5, 0.5, 2.5) + errorBound);
+    chord1_bounds = c1 + vec2(-errorBound, errorBound);
 }
 
 // the values of the surfaces
 vec4 surfaceValue0 = vec4(0.0);
 
+// glsl/common/march_fields.glsl
 // the fields
-// The least value of the fields that a wave at p along d can hit, and that field's
-// number. The value is valid up to reach along d; the same fields are evaluated up to within.
-// A convex field that the wave leaves (last) cannot be hit.
-float fieldsAhead(vec3 p, vec3 d, float last, out float object, out float reach, out float within) {
-    float nearest = 1e30;
-    reach = 1e30;
-    within = 1e30;
-    object = -1.0;
-    float candidate;
-    // surface 1 (Torus)
-    candidate = field1(p - surfaceValue0.xyz);
-    if (candidate < nearest) { nearest = candidate; object = 1.0; }
-    return nearest;
+// Finds the chords of a line, where the rounding error of p is errorBound.
+void findChords(vec3 p, vec3 d, float errorBound) {
+    findChords1(p - surfaceValue0.xyz, d, CHORD_MARGIN * max(errorBound, surfaceValue0.w));
+}
+
+// glsl/common/rounding.glsl
+// glsl/common/bound.glsl
+// the surfaces
+float through1(float t) {
+    t = t < chord1_bounds.x ? chord1_bounds.x : t;
+    t = chord1_bounds.x > chord1_bounds.y || t > chord1_bounds.y ? NO_END : t;
+    return t;
+}
+
+// the fields
+// The distance that a wave is free after its start, as the chords show: 0 if they show none.
+float freeAtStart(float last) {
+    float free = NO_END;
+    free = min(free, through1(0.0));
+    return free;
 }
 
 // glsl/common/march_fields.glsl
-// glsl/common/rounding.glsl
-// glsl/common/march_fields.glsl
+// glsl/common/on_line.glsl
+// glsl/common/ahead.glsl
 // glsl/shape/torus.glsl
+// glsl/common/on_line.glsl
+// glsl/shape/torus.glsl
+// the surfaces
+// surface 1 (Torus)
+OnLine onLine1(vec3 p, vec3 d) {
+    vec4 g1 = gdTorus(p, 2.0, 0.5);
+    OnLine g2 = onLine(g1, d, bendTorus(g1, p, 2.0, 0.5));
+    return g2;
+}
+
+// glsl/common/on_line.glsl
+// glsl/common/bound.glsl
+// glsl/common/on_line.glsl
+// glsl/common/ahead.glsl
+// the fields
+// Returns what is ahead of p, which is t metres along the line, in the direction d; the rounding error of p is
+// errorBound. A convex field that the wave leaves (last) cannot be hit.
+Ahead fieldsAhead(float t, vec3 p, vec3 d, float last, float errorBound) {
+    Ahead ahead = nothingAhead();
+    // surface 1 (Torus)
+    {
+        OnLine field = onLine1(p - surfaceValue0.xyz, d);
+        float free = freeOf(field, 0.0);
+        free = through1(t + free) - t;
+        addField(ahead, 1.0, field, free, surfaceValue0.w);
+    }
+    return ahead;
+}
+
+// glsl/common/march_fields.glsl
 // the surfaces
 // surface 1 (Torus)
 vec4 gradient1(vec3 p) {
@@ -57,38 +97,6 @@ vec4 gradient1(vec3 p) {
     return g1;
 }
 
-// the fields
-// The gradient of one field, and the error bound of its value.
-vec3 fieldGradient(vec3 p, float object, out float errorBound) {
-    errorBound = 0.0;
-    if (object == 1.0) { errorBound = surfaceValue0.w; return gradient1(p - surfaceValue0.xyz).xyz; } // surface 1 (Torus)
-    return vec3(0.0);
-}
-
-// glsl/common/march_fields.glsl
-// glsl/common/bound.glsl
-// glsl/shape/torus.glsl
-// the surfaces
-// surface 1 (Torus)
-float free1(vec3 p, vec3 d, float errorBound) {
-    vec4 b1 = gdTorus(p, 2.0, 0.5);
-    vec4 b2 = orPlain(alongTorus(b1, p, d, 2.0, 0.5), errorBound);
-    return freeAlong(b2, errorBound);
-}
-
-// the fields
-// Distance along d from p that is certainly free of every field; errorBound is the rounding
-// error of their values.
-float fieldsFree(vec3 p, vec3 d, float last, float errorBound) {
-    float way = NO_END;
-    float candidate;
-    // surface 1 (Torus)
-    candidate = field1(p - surfaceValue0.xyz);
-    if (candidate < way) { way = min(way, max(candidate, free1(p - surfaceValue0.xyz, d, max(errorBound, surfaceValue0.w)))); }
-    return way;
-}
-
-// glsl/common/march_fields.glsl
 // glsl/common/onto_field.glsl
 // glsl/common/mirror_direction.glsl
 // the scene
@@ -104,8 +112,9 @@ void reflectWave(float object, float t, inout vec3 p, inout vec3 d) {
     if (object == 1.0) {
         p = hit;
         q = p - surfaceValue0.xyz;
-        q = ontoField(q, gradient1(q));
-        normal = facing(gradient1(q).xyz, along);
+        vec4 gradient = gradient1(q);
+        q = ontoField(q, gradient);
+        normal = facing(gradient.xyz, along);
         p = q + surfaceValue0.xyz;
         normal = normal;
         d = mirror(along, normal);

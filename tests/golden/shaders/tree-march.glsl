@@ -28,61 +28,67 @@ vec3 directedGradient(vec3 p, vec3 d, float object, out float errorBound) {
 }
 
 // glsl/common/rounding.glsl
-// glsl/common/march_fields.glsl
+// glsl/common/safe_inverse.glsl
 // glsl/shape/cuboid.glsl
-// glsl/shape/sphere.glsl
-// glsl/operator/smooth_union.glsl
 // the surfaces
 // surface 1 (SmoothUnion)
-float field1(vec3 p) {
-    float d1 = sdBox(p, vec3(0.75, 0.75, 0.75));
-    vec3 p2 = p - vec3(1.0, 0.0, 0.0);
-    float d3 = sdSphere(p2, 1.0);
-    float d4 = opSmoothUnion(d1, d3, 0.25);
-    return d4;
+vec2 chord1_bounds = vec2(0.0);
+void findChords1(vec3 p, vec3 d, float errorBound) {
+    vec2 c1 = chordBox(p - vec3(0.625, 0.0, 0.0), d, vec3(1.4375, 1.0625, 1.0625) + errorBound);
+    chord1_bounds = c1 + vec2(-errorBound, errorBound);
 }
 
 // the values of the surfaces
 vec4 surfaceValue0 = vec4(0.0);
 
+// glsl/common/march_fields.glsl
 // the fields
-// The least value of the fields that a wave at p along d can hit, and that field's
-// number. The value is valid up to reach along d; the same fields are evaluated up to within.
-// A convex field that the wave leaves (last) cannot be hit.
-float fieldsAhead(vec3 p, vec3 d, float last, out float object, out float reach, out float within) {
-    float nearest = 1e30;
-    reach = 1e30;
-    within = 1e30;
-    object = -1.0;
-    float candidate;
-    // surface 1 (SmoothUnion)
-    candidate = field1(p - surfaceValue0.xyz);
-    if (candidate < nearest) { nearest = candidate; object = 1.0; }
-    return nearest;
+// Finds the chords of a line, where the rounding error of p is errorBound.
+void findChords(vec3 p, vec3 d, float errorBound) {
+    findChords1(p - surfaceValue0.xyz, d, CHORD_MARGIN * max(errorBound, surfaceValue0.w));
+}
+
+// glsl/common/bound.glsl
+// the surfaces
+float through1(float t) {
+    t = t < chord1_bounds.x ? chord1_bounds.x : t;
+    t = chord1_bounds.x > chord1_bounds.y || t > chord1_bounds.y ? NO_END : t;
+    return t;
+}
+
+// the fields
+// The distance that a wave is free after its start, as the chords show: 0 if they show none.
+float freeAtStart(float last) {
+    float free = NO_END;
+    free = min(free, through1(0.0));
+    return free;
 }
 
 // glsl/common/march_fields.glsl
+// glsl/common/on_line.glsl
+// glsl/common/ahead.glsl
 // glsl/shape/cuboid.glsl
+// glsl/common/on_line.glsl
 // glsl/shape/sphere.glsl
+// glsl/common/on_line.glsl
+// glsl/shape/sphere.glsl
+// glsl/operator/smooth_union.glsl
 // the surfaces
 // surface 1 (SmoothUnion)
-vec4 gradient1(vec3 p) {
+OnLine onLine1(vec3 p, vec3 d) {
     vec4 g1 = gdBox(p, vec3(0.75, 0.75, 0.75));
-    vec3 p2 = p - vec3(1.0, 0.0, 0.0);
-    vec4 g3 = gdSphere(p2, 1.0);
-    vec4 g4 = opSmoothUnion(g1, g3, 0.25);
-    return g4;
+    OnLine g2 = onLine(g1, d, vec3(0.0));
+    vec3 p3 = p - vec3(1.0, 0.0, 0.0);
+    vec4 g4 = gdSphere(p3, 1.0);
+    OnLine g5 = onLine(g4, d, bendSphere(g4, p3, 1.0));
+    OnLine g6 = onLineSmoothUnion(g2, g5, 0.25);
+    return g6;
 }
 
-// the fields
-// The gradient of one field, and the error bound of its value.
-vec3 fieldGradient(vec3 p, float object, out float errorBound) {
-    errorBound = 0.0;
-    if (object == 1.0) { errorBound = surfaceValue0.w; return gradient1(p - surfaceValue0.xyz).xyz; } // surface 1 (SmoothUnion)
-    return vec3(0.0);
-}
-
-// glsl/common/march_fields.glsl
+// glsl/common/on_line.glsl
+// glsl/common/bound.glsl
+// glsl/common/on_line.glsl
+// glsl/common/ahead.glsl
 // glsl/common/bound.glsl
 // glsl/operator/smooth_union.glsl
 // the surfaces
@@ -97,19 +103,35 @@ float free1(vec3 p, vec3 d, float errorBound) {
     return freeAlong(b6, errorBound);
 }
 
+// glsl/common/ahead.glsl
 // the fields
-// Distance along d from p that is certainly free of every field; errorBound is the rounding
-// error of their values.
-float fieldsFree(vec3 p, vec3 d, float last, float errorBound) {
-    float way = NO_END;
-    float candidate;
+// Returns what is ahead of p, which is t metres along the line, in the direction d; the rounding error of p is
+// errorBound. A convex field that the wave leaves (last) cannot be hit.
+Ahead fieldsAhead(float t, vec3 p, vec3 d, float last, float errorBound) {
+    Ahead ahead = nothingAhead();
     // surface 1 (SmoothUnion)
-    candidate = field1(p - surfaceValue0.xyz);
-    if (candidate < way) { way = min(way, max(candidate, free1(p - surfaceValue0.xyz, d, max(errorBound, surfaceValue0.w)))); }
-    return way;
+    {
+        OnLine field = onLine1(p - surfaceValue0.xyz, d);
+        float free = freeOf(field, free1(p - surfaceValue0.xyz, d, max(errorBound, surfaceValue0.w)));
+        free = through1(t + free) - t;
+        addField(ahead, 1.0, field, free, surfaceValue0.w);
+    }
+    return ahead;
 }
 
 // glsl/common/march_fields.glsl
+// glsl/common/onto_field.glsl
+// glsl/operator/smooth_union.glsl
+// the surfaces
+// surface 1 (SmoothUnion)
+vec4 gradient1(vec3 p) {
+    vec4 g1 = gdBox(p, vec3(0.75, 0.75, 0.75));
+    vec3 p2 = p - vec3(1.0, 0.0, 0.0);
+    vec4 g3 = gdSphere(p2, 1.0);
+    vec4 g4 = opSmoothUnion(g1, g3, 0.25);
+    return g4;
+}
+
 // glsl/common/onto_field.glsl
 // glsl/common/mirror_direction.glsl
 // the scene
@@ -125,13 +147,13 @@ void reflectWave(float object, float t, inout vec3 p, inout vec3 d) {
     if (object == 1.0) {
         p = hit;
         q = p - surfaceValue0.xyz;
-        q = ontoField(q, gradient1(q));
         vec3 at = q;
         normal = vec3(0.0);
         for (int sheet = 0; sheet < SHEETS && normal == vec3(0.0); ++sheet) {
-            vec3 gradient = gradient1(at).xyz;
-            normal = facing(gradient, along);
-            at += APART * roundingAt(p, surfaceValue0.w) * unitOrZero(gradient);
+            vec4 gradient = gradient1(at);
+            q = sheet == 0 ? ontoField(q, gradient) : q;
+            normal = facing(gradient.xyz, along);
+            at = (sheet == 0 ? q : at) + APART * roundingAt(p, surfaceValue0.w) * unitOrZero(gradient.xyz);
         }
         p = q + surfaceValue0.xyz;
         normal = normal;

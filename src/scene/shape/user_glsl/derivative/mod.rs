@@ -16,6 +16,7 @@
 //! the part that a field may use is small. The crates `glsl-lang` and `naga` bring a preprocessor and a validator of
 //! their own, whose limits and languages differ from those of the drivers that compile the text.
 
+mod blocks;
 mod calls;
 mod expressions;
 mod functions;

@@ -60,7 +60,7 @@ impl Rule {
         }
     }
 
-    fn as_given(self) -> Rule {
+    fn unpromoted(self) -> Rule {
         Rule {
             promotes: false,
             ..self
@@ -203,7 +203,7 @@ pub fn of_call(name: &str, given: &[Type], varies: &[bool]) -> Found {
             &["mix(dA, T(0.0), C)", "mix(T(0.0), dB, C)"],
         )
         .summed("mix(dA, dB, C)")
-        .as_given(),
+        .unpromoted(),
         ("mix", 3) => Rule::new(
             &t,
             "mix(A, B, C)",
@@ -304,8 +304,8 @@ fn of_geometry(name: &str, given: &[Type], t: &Type) -> Option<Rule> {
         }
         "dot" => Rule::new(t, "dot(A, B)", &["dot(dA, B)", "dot(A, dB)"]),
         "cross" => Rule::new(t, "cross(A, B)", &["cross(dA, B)", "cross(A, dB)"]),
-        "normalize" => Rule::new(t, "normalize(A)", &["(dA - dot(V, dA) * V) * R"])
-            .after(&format!("float R = 1.0 / max(length(A), {TINY});")),
+        "normalize" => Rule::new(t, "normalize(A)", &["(dA - dot(N, dA) * N) * R"])
+            .after("float S = length(A); float R = S > 0.0 ? 1.0 / S : 0.0; T N = A * R;"),
         "reflect" => Rule::new(
             t,
             "reflect(A, B)",
@@ -336,7 +336,7 @@ fn of_geometry(name: &str, given: &[Type], t: &Type) -> Option<Rule> {
         )),
         _ => return None,
     };
-    Some(rule.as_given())
+    Some(rule.unpromoted())
 }
 
 /// Functions of matrices.
@@ -367,7 +367,7 @@ fn of_matrices(name: &str, given: &[Type], t: &Type) -> Result<Rule, Obstacle> {
         }
         _ => return obstacle("a function of matrices without a rule"),
     };
-    Ok(rule.as_given())
+    Ok(rule.unpromoted())
 }
 
 /// The type of a binary operation on floats.
@@ -426,7 +426,7 @@ pub fn of_operation(operator: &str, left: &Type, right: &Type) -> Result<Rule, O
         "/" => Rule::new(&t, "A / B", &["dA / B", "-(V * dB) / B"]),
         _ => return obstacle("an operator without a rule"),
     };
-    Ok(rule.as_given())
+    Ok(rule.unpromoted())
 }
 
 /// The rule of a sign.

@@ -1,1 +1,189 @@
+//! What is differentiated, what is not, and that no text does harm. The derivatives themselves are compared with
+//! differences on a renderer (`crate::tracer`).
 
+use super::super::read;
+use super::*;
+
+fn derived(text: &str) -> Result<String, Obstacle> {
+    let read = read(text).unwrap_or_else(|why| panic!("{text}: {why:?}"));
+    written(&read.code, Along::Axes, 0)
+}
+
+/// Texts with most of what a text may contain.
+const TEXTS: [&str; 4] = [
+    include_str!("../../../../../examples/scenes/menger.glsl"),
+    "struct Hit { float d; vec3 q; int id; };\n float best = 0.0;\n const float W[2] = float[2](1.0, 0.5);\n\
+     Hit make(vec3 p, float r) { Hit h; h.d = length(p) - r; h.q = p; h.id = 1; return h; }\n\
+     void turn(inout vec2 p, float a) { p = cos(a) * p + sin(a) * vec2(p.y, -p.x); }\n\
+     float field(vec3 p) { turn(p.xz, 0.3); p.y++; best = p.x; float w[3]; w[1] = p.z; w[2] = W[1];\n\
+     Hit h = p.x > 0.0 ? make(p, 0.5) : make(p.zyx, 1.0); mat3 m = mat3(p, p.yzx, vec3(1.0)); m[1].x += 1.0;\n\
+     for (int i = 0; i < 3; ++i) { if (i == 2) continue; w[i] = w[1] * 0.5; }\n\
+     switch (h.id) { case 0: h.d = 0.0; break; default: h.d += w[1]; }\n\
+     do { h.d *= 0.5; } while (h.d > 10.0); return h.d + best + (m * p).x + w[0]; }",
+    "float hash(vec2 i) { uint h = uint(int(i.x)) * 747796405u; return float((h >> 13u) & 1023u) / 1024.0; }\n\
+     float noise(vec2 p) { vec2 i = floor(p), f = p - i; return mix(hash(i), hash(i + vec2(1.0, 0.0)), f.x); }\n\
+     float field(vec3 p) { float h = 0.0, a = 1.5; for (int i = 0; i < 5; ++i) { h += a * noise(p.xz); a *= 0.5; }\n\
+     return p.y - h; }",
+    "#define R(p, a) p = cos(a) * p + sin(a) * vec2(p.y, -p.x)\nfloat f(float x) { return x; }\n\
+     vec2 f(vec2 x) { return x * f(x.y); }\nfloat field(vec3 p) { R(p.xy, 0.5); return f(f(p.xy)).x + f(p.z); }",
+];
+
+/// Protects the cost of a gradient: what does not depend on the point is computed once, by the text's own functions,
+/// and a function is written once for each set of arguments that do.
+#[test]
+fn what_does_not_depend_on_the_point_stays() {
+    let text = derived(TEXTS[2]).unwrap();
+    for kept in [
+        "user0_hash(user0_i)",
+        "float a = 1.5;",
+        "(a *= 0.5);",
+        "vec2 user0_i = floor(p.v);",
+    ] {
+        assert!(text.contains(kept), "{kept}: {text}");
+    }
+    assert!(!text.contains("hash(dual0_"), "{text}");
+    assert_eq!(text.matches("noise(dual0_vec2 p)").count(), 1, "{text}");
+}
+
+/// Protects the names: those of each field, of either kind of derivative, and of the text's own that begin with an
+/// underscore, which no name may have twice in a row.
+#[test]
+fn names_are_those_of_the_field() {
+    let text = read(
+        "float _a(float x) { return x; } float field(vec3 p) { float _b_ = _a(p.x); return _b_; }",
+    );
+    let code = text.unwrap().code;
+    for (along, prefix) in [(Along::Axes, "dual7_"), (Along::Line, "slope7_")] {
+        let text = written(&code, along, 7).unwrap();
+        assert!(
+            text.contains(&format!("float {prefix}field(vec3 p, ")),
+            "{text}"
+        );
+        assert!(text.contains("users7_b_"), "{text}");
+        assert!(!text.contains("__") && !text.contains("user0"), "{text}");
+    }
+}
+
+/// Protects from wrong gradients: what has no derivative here is told, not guessed.
+#[test]
+fn what_cannot_be_differentiated_is_told() {
+    let field = |body: &str| format!("float field(vec3 p) {{ {body} }}");
+    for (text, why) in [
+        (
+            field("return uintBitsToFloat(floatBitsToUint(p.x));"),
+            "floats are made of the bits of floats that depend on the point",
+        ),
+        (
+            field("float w[2]; w[0] = p.x; int i = 0; return w[i++] * w[i++];"),
+            "an index with effects",
+        ),
+        (
+            "float f(float x); float g(float x) { return f(x); } float f(float x) { return g(x); }\n\
+             float field(vec3 p) { return f(p.x); }"
+                .to_owned(),
+            "a function calls itself",
+        ),
+        (
+            field("return determinant(mat3(mat2(p.x)));"),
+            "a matrix of a smaller one",
+        ),
+        (field("return no(p);"), "a function without a definition"),
+        (field("return no;"), "a name without a declaration"),
+        (
+            field("const int N = 2; float w[N] = float[N](1.0, 2.0); w[0] = p.x; return w[1];"),
+            "an array that depends on the point is assigned as a whole",
+        ),
+    ] {
+        assert_eq!(derived(&text), Err(Obstacle(why)), "{text}");
+    }
+}
+
+/// Protects the stack and the memory from texts that nest or repeat: they have no derivative.
+#[test]
+fn large_texts_are_left_alone() {
+    let nested = |open: &str, close: &str, count: usize| {
+        format!(
+            "float field(vec3 p) {{ return {}p.x{}; }}",
+            open.repeat(count),
+            close.repeat(count)
+        )
+    };
+    let mut functions = "float f0(float x) { return x; }\n".to_owned();
+    for index in 1..500 {
+        let below = index - 1;
+        functions += &format!("float f{index}(float x) {{ return f{below}(x); }}\n");
+    }
+    let chain = functions + "float field(vec3 p) { return f499(p.x); }";
+    let branches = format!(
+        "float field(vec3 p) {{ {} return p.x; }}",
+        "if (p.x > 0.0) p.x *= 0.5; else ".repeat(1000)
+    );
+    for text in [
+        nested("-", "", 5000),
+        nested("(", ")", 120),
+        nested("p.x + ", "", 5000),
+        nested("p.x > 0.0 ? 1.0 : ", "", 2000),
+        nested("abs(", ")", 120),
+        chain,
+        branches,
+    ] {
+        assert!(derived(&text).is_err(), "{}", &text[..60]);
+    }
+    // A function of many parameters, each in each combination.
+    let mut text =
+        "float f(float a, float b, float c, float d) { return a * b + c * d; }\n".to_owned();
+    text += "float field(vec3 p) { float s = 0.0;";
+    for mask in 0..16 {
+        let argument = |bit: usize| if mask >> bit & 1 == 1 { "p.x" } else { "2.0" };
+        let [a, b, c, d] = [0, 1, 2, 3].map(argument);
+        text += &format!(" s += f({a}, {b}, {c}, {d});");
+    }
+    assert!(derived(&(text + " return s; }")).is_ok());
+}
+
+/// Protects the program from strangers' texts: whatever is left out, doubled, exchanged or mixed, it does not panic, and
+/// what is written stays within its limit.
+#[test]
+fn no_mutated_text_panics() {
+    /// Changes of each text, and changed places in each.
+    const ROUNDS: usize = 500;
+    const CHANGES: usize = 3;
+    let mut state = 1u64;
+    let mut random = |below: usize| {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        (state >> 33) as usize % below.max(1)
+    };
+    let codes = TEXTS.map(|text| read(text).unwrap().code);
+    let words: Vec<Vec<&str>> = codes
+        .iter()
+        .map(|code| {
+            let (tokens, _) = tokens::tokens(code).unwrap();
+            tokens.iter().map(|token| token.text).collect()
+        })
+        .collect();
+    let all: Vec<&str> = words.concat();
+    let mut differentiated = 0;
+    for round in 0..ROUNDS * words.len() {
+        let mut changed = words[round % words.len()].clone();
+        for _ in 0..=random(CHANGES) {
+            let place = random(changed.len());
+            match random(4) {
+                0 => drop(changed.remove(place)),
+                1 => changed.insert(place, all[random(all.len())]),
+                2 => changed[place] = all[random(all.len())],
+                _ => {
+                    let other = random(changed.len());
+                    changed.swap(place, other);
+                }
+            }
+        }
+        for along in [Along::Axes, Along::Line] {
+            let text = written(&changed.join(" "), along, 0);
+            differentiated += usize::from(text.is_ok());
+            assert!(text.map_or(0, |text| text.len()) < 1 << 18);
+        }
+    }
+    assert!(differentiated > 50, "{differentiated}");
+}

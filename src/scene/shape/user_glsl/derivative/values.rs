@@ -102,7 +102,7 @@ impl<'a> Writer<'a> {
             return Ok(value.text.clone());
         }
         if to.is_array() {
-            return obstacle("an array that depends on the point is assigned as a whole");
+            return self.lifted_array(value, to);
         }
         let name = self.dual(to);
         if to.base != Base::Float {
@@ -115,6 +115,37 @@ impl<'a> Writer<'a> {
         };
         let zeros = format!(", {of}(0.0)").repeat(self.lanes.len());
         Ok(format!("{name}({own}{zeros})"))
+    }
+
+    /// An array, element by element. A function needs a length that is known outside of functions.
+    fn lifted_array(&mut self, value: &Value<'a>, to: &Type) -> Result<String, Obstacle> {
+        let is_known = |of: &&Type| {
+            let length = of.length.as_deref().unwrap_or_default();
+            let mut globals = self.program.globals.iter().flat_map(|d| &d.variables);
+            length.starts_with(|c: char| c.is_ascii_digit()) || globals.any(|g| g.name == length)
+        };
+        let (Some(sized), Some(element)) = (
+            [to, &value.of_type].into_iter().find(is_known),
+            to.element(),
+        ) else {
+            return obstacle("an array that depends on the point is assigned as a whole");
+        };
+        let brackets = self.brackets(sized);
+        let (own, dual) = (self.type_name(&element), self.dual(&element));
+        let at = Value::plain("a[i]".to_owned(), element.clone());
+        let lifted = self.lifted(&at, &element)?;
+        // No overload by the length: a compiler may find the same number behind two names.
+        let length = brackets.trim_matches(['[', ']']);
+        let function = format!("{}lift_{length}", self.prefix);
+        self.add_helper(
+            &format!("{function} {own}"),
+            &format!(
+                "{dual}{brackets} {function}({own} a{brackets}) {{\n    {dual} all{brackets};\n    \
+                 for (int i = 0; i < all.length(); ++i) {{\n        all[i] = {lifted};\n    }}\n    \
+                 return all;\n}}\n"
+            ),
+        )?;
+        Ok(format!("{function}({})", value.text))
     }
 
     fn lifted_structure(&mut self, value: &Value<'a>, to: &Type) -> Result<String, Obstacle> {
