@@ -23,3 +23,8 @@ vec4 gdUser0(vec3 p, vec3 halfSize, float inverseLipschitz) {
     gradient = statedByUser0(aside, halfSize, inverseLipschitz);
     return vec4(dot(gradient, gradient) <= LONGEST ? gradient : vec3(0.0), value);
 }
+
+vec2 slopeUser0(vec3 p, vec3 d, vec3 halfSize, float inverseLipschitz) {
+    vec4 gradient = gdUser0(p, halfSize, inverseLipschitz);
+    return vec2(gradient.w, dot(gradient.xyz, d));
+}

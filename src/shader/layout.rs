@@ -202,6 +202,15 @@ impl SurfaceStructure {
         SurfaceStructure::new(surface, |field| vec![true; field.nodes().len()])
     }
 
+    /// Whether two surfaces have the same text if all their numbers are values, except for a rotation.
+    pub fn have_one_text(a: &Surface, b: &Surface) -> bool {
+        let unturned = |surface| SurfaceStructure {
+            has_rotation: false,
+            ..SurfaceStructure::as_data(surface)
+        };
+        unturned(a) == unturned(b)
+    }
+
     fn new(surface: &Surface, moving: impl Fn(&Shape) -> Vec<bool>) -> SurfaceStructure {
         let field = surface.shape.field();
         SurfaceStructure {

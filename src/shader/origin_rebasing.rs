@@ -181,13 +181,18 @@ pub(super) fn push_values(
             true => vec![true; field.nodes().len()],
             false => surface.moving_nodes(field),
         };
-        let numbers = moving_values(field, &moving);
-        let vectors = numbers.chunks(4).map(|four| {
-            let at = |index: usize| four.get(index).copied().unwrap_or(0.0);
-            Vec4::new(at(0), at(1), at(2), at(3))
-        });
-        values.extend(vectors);
+        values.extend(number_vectors(field, &moving));
     }
+}
+
+/// The moving numbers of a field, four to a vector.
+pub(super) fn number_vectors(field: &Shape, moving: &[bool]) -> Vec<Vec4> {
+    let numbers = moving_values(field, moving);
+    let vectors = numbers.chunks(4).map(|four| {
+        let at = |index: usize| four.get(index).copied().unwrap_or(0.0);
+        Vec4::new(at(0), at(1), at(2), at(3))
+    });
+    vectors.collect()
 }
 
 fn inverse(rotation: Quat) -> Vec4 {

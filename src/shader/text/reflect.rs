@@ -9,6 +9,7 @@ use super::link::{fill, source};
 use super::scene_text::{Text, of_kind};
 use super::surface_names::Named;
 use crate::scene::Node;
+use crate::shader::layout::SurfaceStructure;
 use std::fmt::Write;
 
 /// Surfaces that share one piece of text for the reflection.
@@ -17,8 +18,8 @@ enum Group<'a> {
     Faces(Vec<&'a Named<'a>>),
     /// Basic shapes of one kind.
     Kind(Vec<&'a Named<'a>>),
-    /// A field.
-    Field(&'a Named<'a>),
+    /// Fields that differ in numbers that do not move, and in position and rotation.
+    Fields(Vec<&'a Named<'a>>),
 }
 
 /// The text of `reflectWave(object, t, p, d)` for all surfaces.
@@ -36,11 +37,16 @@ pub(super) fn reflect_text(text: &Text) -> String {
         );
     }
     let mut surfaces = String::new();
-    for group in groups(text) {
+    for (index, group) in groups(text).into_iter().enumerate() {
         surfaces += &match group {
             Group::Faces(members) => at_faces(&members),
             Group::Kind(members) => at_kind(&members),
-            Group::Field(named) => at_field(named),
+            Group::Fields(members) if members.len() == 1 => at_field(members[0]),
+            Group::Fields(members) => {
+                let one = representative(&members).selected_field(format!("Group{index}"));
+                out += &text.field_functions(&one);
+                at_fields(&members, &one)
+            }
         };
     }
     if !text.instanced.is_empty() {
@@ -54,22 +60,63 @@ pub(super) fn reflect_text(text: &Text) -> String {
 fn groups<'a>(text: &'a Text) -> Vec<Group<'a>> {
     let mut groups: Vec<Group> = Vec::new();
     for named in &text.unrolled {
-        if named.field().is_some() {
-            groups.push(Group::Field(named));
-            continue;
-        }
         let same = groups.iter_mut().find_map(|group| match group {
             Group::Faces(members) if has_faces_along_axes(named) => Some(members),
             Group::Kind(members) if is_same_kind(members[0], named) => Some(members),
+            Group::Fields(members) if are_alike(members[0], named) => Some(members),
             _ => None,
         });
         match same {
             Some(members) => members.push(named),
+            None if named.field().is_some() => groups.push(Group::Fields(vec![named])),
             None if has_faces_along_axes(named) => groups.push(Group::Faces(vec![named])),
             None => groups.push(Group::Kind(vec![named])),
         }
     }
     groups
+}
+
+/// Maximum vectors of numbers of a field that are selected: selecting more costs more than the field.
+const MOST_SELECTED: usize = 4;
+
+/// Whether two fields differ in numbers, position and rotation alone.
+fn are_alike(one: &Named, other: &Named) -> bool {
+    let is_small = |named: &Named| {
+        let numbers = named.literal_numbers();
+        numbers.is_some_and(|numbers| numbers.len() <= MOST_SELECTED)
+    };
+    is_small(one) && is_small(other) && SurfaceStructure::have_one_text(one.surface, other.surface)
+}
+
+/// The surface whose text serves all members: one with a rotation, if there is one.
+fn representative<'a>(members: &[&'a Named<'a>]) -> &'a Named<'a> {
+    let turned = members.iter().find(|named| named.surface.has_rotation());
+    turned.unwrap_or(&members[0])
+}
+
+/// Fields that share the functions of the group `one`.
+fn at_fields(members: &[&Named], one: &Named) -> String {
+    let is_turned = one.surface.has_rotation();
+    let values = |named: &Named| {
+        let mut all = vec![named.value(0)];
+        if is_turned {
+            all.push(match named.surface.has_rotation() {
+                true => named.value(1),
+                false => "vec4(0.0, 0.0, 0.0, 1.0)".to_owned(),
+            });
+        }
+        all.extend(named.literal_numbers().unwrap_or_default());
+        let declared = all.into_iter().enumerate();
+        declared
+            .map(|(n, value)| (format!("vec4 {}", one.value(n)), value))
+            .collect::<Vec<_>>()
+    };
+    let mut reflection = String::from("        vec3 onto = hit;\n");
+    for statement in projection(one, "onto", "along") {
+        let _ = writeln!(reflection, "        {statement}");
+    }
+    reflection.push_str("        vec3 mirrored = mirror(along, normal);\n");
+    block(members, &select(members, values), &reflection)
 }
 
 fn has_faces_along_axes(named: &Named) -> bool {
@@ -92,9 +139,12 @@ fn at_faces(members: &[&Named]) -> String {
     };
     let values = |named: &Named| {
         [
-            ("vec3 centre", format!("{}.xyz", named.value(0))),
-            ("vec3 halfSize", format!("{}.xyz", named.value(1))),
-            ("float side", side(named).to_owned()),
+            ("vec3 centre".to_owned(), format!("{}.xyz", named.value(0))),
+            (
+                "vec3 halfSize".to_owned(),
+                format!("{}.xyz", named.value(1)),
+            ),
+            ("float side".to_owned(), side(named).to_owned()),
         ]
         .to_vec()
     };
@@ -106,11 +156,11 @@ fn at_faces(members: &[&Named]) -> String {
 /// Basic shapes of one kind.
 fn at_kind(members: &[&Named]) -> String {
     let count = members[0].value_count();
+    let one = members[0].selected();
     let values = |named: &Named| {
-        let selected = (0..count).map(|n| (SELECTED[n], named.value(n)));
+        let selected = (0..count).map(|n| (format!("vec4 {}", one.value(n)), named.value(n)));
         selected.collect::<Vec<_>>()
     };
-    let one = members[0].selected();
     let mut reflection = String::from("        vec3 onto = hit;\n");
     for statement in projection(&one, "onto", "along") {
         let _ = writeln!(reflection, "        {statement}");
@@ -119,12 +169,9 @@ fn at_kind(members: &[&Named]) -> String {
     block(members, &select(members, values), &reflection)
 }
 
-/// Declarations of the values of the surface that was hit: a basic shape has at most three.
-const SELECTED: [&str; 3] = ["vec4 selected0", "vec4 selected1", "vec4 selected2"];
-
 /// Declares the values of the first of some surfaces, and selects those of the surface that was
 /// hit.
-fn select(members: &[&Named], values: impl Fn(&Named) -> Vec<(&'static str, String)>) -> String {
+fn select(members: &[&Named], values: impl Fn(&Named) -> Vec<(String, String)>) -> String {
     let mut out = String::new();
     for (declaration, value) in values(members[0]) {
         let _ = writeln!(out, "        {declaration} = {value};");
@@ -132,7 +179,7 @@ fn select(members: &[&Named], values: impl Fn(&Named) -> Vec<(&'static str, Stri
     for named in &members[1..] {
         let is_met = named.is_met();
         for (declaration, value) in values(named) {
-            let name = declaration.rsplit(' ').next().unwrap_or(declaration);
+            let name = declaration.rsplit(' ').next().unwrap_or(&declaration);
             let _ = writeln!(out, "        {name} = {is_met} ? {value} : {name};");
         }
     }

@@ -100,6 +100,12 @@ impl<'a> Text<'a> {
         self.add(parts, "the surfaces", text);
     }
 
+    /// The functions of a group of fields: gradient and normal.
+    pub fn field_functions(&self, group: &Named) -> String {
+        group.field_functions(field::gradient_text, self.assets)
+            + &group.field_functions(field::normal_text, self.assets)
+    }
+
     /// The declaration of `uSurfaces`, a variable for each of its vectors, and the function
     /// `copyUniforms`, which every main function calls first.
     /// Some drivers load a uniform again at each use, which took up to half of the time in loops

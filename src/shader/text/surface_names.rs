@@ -3,7 +3,7 @@
 use super::field::{self, has_closed_form};
 use super::link::no_comment;
 use crate::scene::{Node, Scene, Shape, Surface};
-use crate::shader::origin_rebasing::value_count;
+use crate::shader::origin_rebasing::{number_vectors, value_count};
 use crate::shader::structure::Assets;
 
 /// A surface that is unrolled, or a kind of surfaces that are data.
@@ -91,6 +91,26 @@ impl<'a> Named<'a> {
         }
     }
 
+    /// A field whose values are selected among those of several surfaces, as the functions of a group of this name.
+    pub fn selected_field(&self, tag: String) -> Named<'a> {
+        Named {
+            tag,
+            ..self.selected()
+        }
+    }
+
+    /// The vectors of its numbers as literals, for a field whose numbers do not move.
+    pub fn literal_numbers(&self) -> Option<Vec<String>> {
+        let field = self.field()?;
+        let is_fixed = !self.is_data() && !self.surface.moving_nodes(field).contains(&true);
+        let vector = |v: glam::Vec4| {
+            let numbers = v.to_array().map(|number| field::literal(number.into()));
+            format!("vec4({})", numbers.join(", "))
+        };
+        let vectors = || number_vectors(field, &vec![true; field.nodes().len()]);
+        is_fixed.then(|| vectors().into_iter().map(vector).collect())
+    }
+
     pub fn field(&self) -> Option<&'a Shape> {
         self.surface.shape.field()
     }
@@ -114,13 +134,29 @@ impl<'a> Named<'a> {
         matches!(self.values, Values::Data)
     }
 
-    /// The parameter of the functions of a kind in addition to the point: the index of its values.
-    pub fn data_parameter(&self) -> &'static str {
-        if self.is_data() { ", int data" } else { "" }
+    /// The parameters of the functions of a kind in addition to the point: the index of its values; or the selected
+    /// numbers.
+    pub fn data_parameter(&self) -> String {
+        match self.values {
+            Values::Uniforms(_) => String::new(),
+            Values::Data => ", int data".to_owned(),
+            Values::Selected => self.each_selected(", vec4 "),
+        }
     }
 
-    pub fn data_argument(&self) -> &'static str {
-        if self.is_data() { ", data" } else { "" }
+    pub fn data_argument(&self) -> String {
+        match self.values {
+            Values::Uniforms(_) => String::new(),
+            Values::Data => ", data".to_owned(),
+            Values::Selected => self.each_selected(", "),
+        }
+    }
+
+    fn each_selected(&self, before: &str) -> String {
+        let vectors = self.first_number()..value_count(self.surface, true);
+        vectors
+            .map(|n| format!("{before}{}", self.value(n)))
+            .collect()
     }
 
     /// The n-th vector of its values.
@@ -169,8 +205,8 @@ impl<'a> Named<'a> {
     /// Whether the numbers of each node of the field move: if they are data, all of them do.
     pub fn moving_nodes(&self, field: &Shape) -> Vec<bool> {
         match self.values {
-            Values::Uniforms(_) | Values::Selected => self.surface.moving_nodes(field),
-            Values::Data => vec![true; field.nodes().len()],
+            Values::Uniforms(_) => self.surface.moving_nodes(field),
+            Values::Data | Values::Selected => vec![true; field.nodes().len()],
         }
     }
 
@@ -336,8 +372,8 @@ impl<'a> Named<'a> {
         let value = |n: usize| self.value(first + n);
         let place = field::Place {
             tag: &self.tag,
-            parameter: self.data_parameter(),
-            argument: self.data_argument(),
+            parameter: &self.data_parameter(),
+            argument: &self.data_argument(),
             moving: &moving,
             value: &value,
         };

@@ -127,7 +127,7 @@ impl<'a> Numbers<'a> {
 }
 
 /// A number as a literal that GLSL reads back to the same bits.
-pub(super) fn literal(number: f64) -> String {
+pub(in crate::shader) fn literal(number: f64) -> String {
     let number = number as f32;
     // An infinite size is limited to a number that GLSL can write.
     let held = number.clamp(-1e30, 1e30);
@@ -342,9 +342,16 @@ fn user_functions(user: &UserField, index: usize) -> Vec<Source> {
         let name = format!("{}, field {index}", source.name);
         Source::new(name, text)
     };
-    [source!("user/value.glsl"), gradient]
-        .map(numbered)
-        .to_vec()
+    let mut sources = vec![source!("user/value.glsl"), gradient];
+    if has_slope(user) {
+        sources.push(source!("user/on_line.glsl"));
+    }
+    sources.into_iter().map(numbered).collect()
+}
+
+/// Whether value and slope on a line are one evaluation of the text.
+fn has_slope(user: &UserField) -> bool {
+    user.states_gradient() || user.is_differentiated()
 }
 
 /// The number by which a driver's messages name the user's own text in [`user_sources`].

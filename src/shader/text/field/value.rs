@@ -1,7 +1,7 @@
 //! Value and gradient of a tree, and its value on a line.
 
 use super::along::quadric_steepness;
-use super::{Numbers, Place, Writer, literal};
+use super::{Numbers, Place, Writer, has_slope, literal};
 use crate::scene::shape::{HeightField, Mirror, Repeat, User};
 use crate::scene::{Copies, Node, Shape, UserField};
 use crate::shader::structure::Assets;
@@ -92,7 +92,11 @@ pub(in crate::shader) fn line_text(field: &Shape, place: &Place, assets: &Assets
 
 /// Whether [`line_text`] can be written for a field.
 pub(in crate::shader) fn is_known_on_lines(field: &Shape) -> bool {
-    field.nodes().iter().all(|node| node.node.user().is_none())
+    let knows_bend = |user: &UserField| user.bend.is_some() && has_slope(user);
+    let nodes = field.nodes().into_iter();
+    nodes
+        .filter_map(|node| node.node.user())
+        .all(|user| knows_bend(user))
 }
 
 /// Whether the field has a second derivative with a bound at almost every point next to its surface, so that its value
@@ -134,8 +138,7 @@ pub(in crate::shader) fn has_differences(field: &Shape) -> bool {
 
 /// Whether a node is a user's field whose text neither states a gradient nor is differentiated.
 fn takes_differences(node: &Node) -> bool {
-    let has_gradient = |user: &UserField| user.states_gradient() || user.is_differentiated();
-    node.user().is_some_and(|user| !has_gradient(user))
+    node.user().is_some_and(|user| !has_slope(user))
 }
 
 impl<'a> Writer<'a> {
@@ -267,6 +270,15 @@ impl<'a> Writer<'a> {
     }
 
     fn shape_on_line(&mut self, field: &Shape, p: &str, numbers: &[String]) -> String {
+        let d = self.direction.clone();
+        if let Node::User(user) = &field.node {
+            let (name, arguments) = (self.shape_name(field), arguments(&field.node, numbers));
+            let sag = literal(user.bend().unwrap_or(0.0));
+            return self.result(
+                Kind::Line,
+                &format!("onLine{name}({p}, {d}{arguments}, {sag})"),
+            );
+        }
         let gradient = self.shape(field, Kind::Gradient, p, numbers);
         let name = field.node.name();
         let bend = if is_quadric(&field.node) {
@@ -278,7 +290,6 @@ impl<'a> Writer<'a> {
         } else {
             "vec3(0.0)".to_owned()
         };
-        let d = self.direction.clone();
         self.result(Kind::Line, &format!("onLine({gradient}, {d}, {bend})"))
     }
 
