@@ -352,7 +352,8 @@ impl<'a> Writer<'a> {
                 };
                 parameters.push(self.declared(parameter, &name, varies));
             }
-            self.block(&own.body)?;
+            let body = own.body.as_ref().map_err(|why| *why)?;
+            self.block(body)?;
             if !self.frame.has_changed {
                 return Ok(parameters.join(", "));
             }

@@ -5,7 +5,7 @@ use super::parse::Parser;
 use super::syntax::{
     Declaration, Expression, Function, Parameter, Program, Statement, Structure, Variable,
 };
-use super::types::Type;
+use super::types::{Base, Type};
 use super::{Obstacle, obstacle};
 
 /// The syntax tree of a text that has no directives.
@@ -50,7 +50,12 @@ impl<'a> Parser<'a, '_> {
             if self.take(";") {
                 return Ok(());
             }
-            let body = self.block()?;
+            let (from, depth) = (self.tokens, self.depth);
+            let body = self.block();
+            if body.is_err() {
+                (self.tokens, self.depth) = (from, depth);
+                self.skip_block()?;
+            }
             program.functions.push(Function {
                 name,
                 returns: of,
@@ -68,9 +73,27 @@ impl<'a> Parser<'a, '_> {
         Ok(())
     }
 
+    /// Goes past the bracket that closes the one that is next.
+    fn skip_block(&mut self) -> Result<(), Obstacle> {
+        let mut open = 0usize;
+        loop {
+            match self.next()?.text {
+                "{" => open += 1,
+                "}" => open = open.saturating_sub(1),
+                _ => (),
+            }
+            if open == 0 {
+                return Ok(());
+            }
+        }
+    }
+
     fn structure(&mut self) -> Result<Type, Obstacle> {
         self.expect("struct")?;
-        let name = self.word()?;
+        let name = match self.peek() {
+            "{" => "",
+            _ => self.word()?,
+        };
         self.expect("{")?;
         let mut members = Vec::new();
         while !self.take("}") {
@@ -84,11 +107,11 @@ impl<'a> Parser<'a, '_> {
             }
             self.expect(";")?;
         }
-        if self.type_named(name).is_some() {
+        if self.type_named(name).is_some() && !name.is_empty() {
             return obstacle("two types of one name");
         }
         self.structures.push(Structure { name, members });
-        self.type_named(name).ok_or(Obstacle("a type is missing"))
+        Ok(Type::scalar(Base::Struct(self.structures.len() - 1)))
     }
 
     fn parameters(&mut self) -> Result<Vec<Parameter<'a>>, Obstacle> {

@@ -84,11 +84,13 @@ pub struct Function<'a> {
     pub name: &'a str,
     pub returns: Type,
     pub parameters: Vec<Parameter<'a>>,
-    pub body: Vec<Statement<'a>>,
+    /// The statements, or the reason why they cannot be parsed: other functions may still be differentiated.
+    pub body: Result<Vec<Statement<'a>>, super::Obstacle>,
 }
 
 #[derive(Debug)]
 pub struct Structure<'a> {
+    /// Empty for a structure without a name.
     pub name: &'a str,
     pub members: Vec<(&'a str, Type)>,
 }

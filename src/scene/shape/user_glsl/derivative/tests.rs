@@ -45,6 +45,17 @@ fn what_does_not_depend_on_the_point_stays() {
     assert_eq!(text.matches("noise(dual0_vec2 p)").count(), 1, "{text}");
 }
 
+/// Protects the gradients of a text from parts that its field does not use: a function that cannot be parsed, or a
+/// structure without a name.
+#[test]
+fn what_is_not_used_is_no_obstacle() {
+    let other =
+        "struct { float a; } s; float f() { struct L { float a; }; L b; b.a = 9.0; return b.a; }";
+    let uses = |value: &str| format!("{other} float field(vec3 p) {{ return {value}; }}");
+    assert!(derived(&uses("length(p) - 1.0")).is_ok());
+    assert!(derived(&uses("length(p) - f()")).is_ok());
+}
+
 /// Protects the names: those of each field, of either kind of derivative, and of the text's own that begin with an
 /// underscore, which no name may have twice in a row.
 #[test]
