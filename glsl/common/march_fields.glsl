@@ -92,13 +92,14 @@ float marchFields(vec3 origin, vec3 d, float last, float limit, out float object
         float slope = slopeOf(ahead, march, near);
         root = max(-value / min(slope, -STEEPEST), -SHALLOW * touch);
         bool touches = !isFirst && abs(value) <= touch && value <= -SHALLOW * touch * slope;
-        isHit = isProven && slope < 0.0 && (touches || isTangentHit(ahead, slope, root));
+        bool isSolid = isProven && value < -touch && !isFirst;
+        bool isEnclosed = isSolid && march.trial <= touch;
+        isHit = isProven && slope < 0.0 && (touches || isEnclosed || isTangentHit(ahead, slope, root));
         float free = min(ahead.free, ahead.others);
         isBeyond = isProven && t + (isHit ? 0.0 : min(free, ahead.cell)) >= limit;
         if (isHit || isBeyond) {
             break;
         }
-        bool isSolid = isProven && value < -touch && !isFirst;
         if (isProven && !isSolid) {
             march = March(t, max(value, 0.0), max(free, 0.0), stepAhead(ahead, slope, touch));
         } else {
