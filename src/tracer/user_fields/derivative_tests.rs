@@ -44,6 +44,7 @@ fn compared_with(
         context,
         program,
         field: &field,
+        waves: WaveDomain::BothSides,
     };
     let points: Vec<Vec3> = (1..=POINTS)
         .map(|index| (half * (OFF_GRID + 1.96 * halton(index) - 1.0)).as_vec3())
@@ -461,6 +462,7 @@ fn poles_have_the_derivative_of_a_side() {
             context: &context,
             program,
             field: &field,
+            waves: WaveDomain::BothSides,
         };
         let found = probe.gradients(&origin).unwrap()[0].length();
         assert!((least..=most).contains(&found), "{value}: {found}");
@@ -481,7 +483,7 @@ fn a_derivative_that_is_none_is_not_used() {
         let text = format!("float field(vec3 p) {{ return {value}; }}");
         let field = UserField::new("steps.glsl", text, Vec3::splat(3.0), 2.0);
         assert_eq!(field.is_differentiated(), agrees.is_some(), "{value}");
-        check(&context, &field).unwrap();
+        check(&context, &field, WaveDomain::Air).unwrap();
         assert_eq!(field.derivative_agrees(), agrees, "{value}");
         assert_eq!(field.is_differentiated(), agrees == Some(true), "{value}");
     }

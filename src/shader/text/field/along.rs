@@ -5,7 +5,7 @@
 //! the air, and for the solid (of the value with its sign changed), because a complement, a
 //! difference or a shell exchanges air and solid.
 
-use super::value::{Axis, arguments, mirrored};
+use super::value::{Axis, arguments, mirrored, quadric_steepness};
 use super::{CopyAxes, Place, Writer, keep_to_cells};
 use crate::scene::shape::{HeightField, Mirror, Repeat};
 use crate::scene::{Copies, Node, Shape};
@@ -457,20 +457,4 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 fn each_axis(of: impl Fn(usize, &str) -> String) -> String {
     let [x, y, z] = [0, 1, 2].map(|axis| of(axis, AXES[axis]));
     format!("vec3({x}, {y}, {z})")
-}
-
-/// The length of the gradient of a quadric's function, and the norm of its form.
-pub(super) fn quadric_steepness(node: &Node, p: &str, n: &[String]) -> (String, String) {
-    let vector = |from: usize| format!("vec3({})", n[from..from + 3].join(", "));
-    let diagonal = vector(0);
-    let gradient = match node {
-        Node::GeneralQuadric(_) => format!(
-            "2.0 * quadricForm({p}, {diagonal}, {}) + {}",
-            vector(3),
-            vector(6)
-        ),
-        Node::Paraboloid(_) => format!("2.0 * {diagonal} * {p} - vec3(0.0, 1.0, 0.0)"),
-        _ => format!("2.0 * {diagonal} * {p}"),
-    };
-    (format!("length({gradient})"), n[n.len() - 1].clone())
 }

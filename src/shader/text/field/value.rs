@@ -1,6 +1,5 @@
 //! Value and gradient of a tree, and its value on a line.
 
-use super::along::quadric_steepness;
 use super::{Numbers, Place, Writer, has_slope, literal};
 use crate::scene::shape::{HeightField, Mirror, Repeat, User};
 use crate::scene::{Copies, Node, Shape, UserField};
@@ -565,6 +564,22 @@ pub(super) fn mirrored(p: &str, axes: [bool; 3]) -> (String, Option<String>) {
             x.1, y.1, z.1
         )),
     )
+}
+
+/// The length of the gradient of a quadric's function, and the norm of its form.
+pub(super) fn quadric_steepness(node: &Node, p: &str, n: &[String]) -> (String, String) {
+    let vector = |from: usize| format!("vec3({})", n[from..from + 3].join(", "));
+    let diagonal = vector(0);
+    let gradient = match node {
+        Node::GeneralQuadric(_) => format!(
+            "2.0 * quadricForm({p}, {diagonal}, {}) + {}",
+            vector(3),
+            vector(6)
+        ),
+        Node::Paraboloid(_) => format!("2.0 * {diagonal} * {p} - vec3(0.0, 1.0, 0.0)"),
+        _ => format!("2.0 * {diagonal} * {p}"),
+    };
+    (format!("length({gradient})"), n[n.len() - 1].clone())
 }
 
 /// A shape's numbers as arguments of its functions, each with a comma before it.

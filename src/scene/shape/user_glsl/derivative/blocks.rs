@@ -1,9 +1,9 @@
 //! Writes statements and declarations.
 
-use super::functions::Writer;
+use super::functions::{Variable, Writer};
 use super::syntax::{Declaration, Expression, Statement};
 use super::types::Type;
-use super::values::{Value, Variable};
+use super::values::Value;
 use super::{Obstacle, obstacle};
 use std::collections::HashMap;
 use std::fmt::Write as _;

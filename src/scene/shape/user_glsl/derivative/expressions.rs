@@ -1,10 +1,10 @@
 //! Writes expressions.
 
-use super::functions::Writer;
+use super::functions::{Variable, Writer};
 use super::rules;
 use super::syntax::{Expression, ExpressionKind as Kind};
 use super::types::{Base, Type};
-use super::values::{Place, Value, Variable};
+use super::values::{Place, Value};
 use super::{Obstacle, obstacle};
 
 /// Maximum length in bytes of an index, which is repeated for each derivative.

@@ -2,7 +2,6 @@
 
 use super::syntax::{Declaration, Program};
 use super::types::{Base, Type};
-use super::values::Variable;
 use super::{Along, Obstacle, obstacle};
 use std::collections::{HashMap, HashSet};
 use std::fmt::Write as _;
@@ -12,6 +11,14 @@ const MOST_STEPS: usize = 1 << 18;
 
 /// Maximum length of the result in bytes, half of the longest text. A driver takes about 20 µs and 1 KB per token.
 const LONGEST: usize = 1 << 17;
+
+/// A variable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Variable<'a> {
+    /// The n-th declaration of the function.
+    Local(usize),
+    Global(&'a str),
+}
 
 /// Maximum levels of expressions, statements and calls together: the writer calls itself for each.
 const DEEPEST: usize = 160;

@@ -1,16 +1,8 @@
 //! Values of expressions: their text, and where they are.
 
-use super::functions::Writer;
+use super::functions::{Variable, Writer};
 use super::types::{Base, Type};
 use super::{Obstacle, obstacle};
-
-/// A variable.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Variable<'a> {
-    /// The n-th declaration of the function.
-    Local(usize),
-    Global(&'a str),
-}
 
 /// A part of a variable.
 #[derive(Clone, Debug)]
