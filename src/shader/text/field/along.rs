@@ -5,7 +5,8 @@
 //! the air, and for the solid (of the value with its sign changed), because a complement, a
 //! difference or a shell exchanges air and solid.
 
-use super::value::{Axis, arguments, mirrored, quadric_steepness};
+use super::copies::Axis;
+use super::value::{arguments, mirrored, quadric_steepness};
 use super::{CopyAxes, Place, Writer, keep_to_cells};
 use crate::scene::shape::{HeightField, Mirror, Repeat};
 use crate::scene::{Copies, Node, Shape};

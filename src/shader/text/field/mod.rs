@@ -12,15 +12,17 @@
 
 mod along;
 mod chords;
+mod copies;
+mod function_kind;
 mod hit;
 mod value;
 
 pub(in crate::shader) use along::{free_text, is_bounded, leaps};
 pub(in crate::shader) use chords::{chords_text, has_chords};
+pub(super) use function_kind::has_differences;
 pub(in crate::shader) use hit::{has_closed_form, hit_text, takes_limit};
 pub(super) use value::{
-    gradient_text, has_differences, is_known_on_lines, is_smooth_on_lines, line_text, normal_text,
-    value_text,
+    gradient_text, is_known_on_lines, is_smooth_on_lines, line_text, normal_text, value_text,
 };
 
 use super::link::{Part, Source, no_comment, parts, source};

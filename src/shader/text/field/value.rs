@@ -1,65 +1,12 @@
 //! Value and gradient of a tree, and its value on a line.
 
+use super::function_kind::{Kind, has_differences};
 use super::{Numbers, Place, Writer, has_slope, literal};
-use crate::scene::shape::{HeightField, Mirror, Repeat, User};
-use crate::scene::{Copies, Node, Shape, UserField};
+use crate::scene::shape::{HeightField, Mirror, User};
+use crate::scene::{Node, Shape, UserField};
 use crate::shader::structure::Assets;
 use crate::shader::text::link::has_function;
 use std::fmt::Write;
-
-/// The result of a function.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Kind {
-    Value,
-    Gradient,
-    /// A gradient whose direction is as exact as possible.
-    Normal,
-    /// Value, slope and limits of the second derivative on a line (`glsl/common/on_line.glsl`).
-    Line,
-}
-
-impl Kind {
-    fn of_type(self) -> &'static str {
-        match self {
-            Kind::Value => "float",
-            Kind::Gradient | Kind::Normal => "vec4",
-            Kind::Line => "OnLine",
-        }
-    }
-
-    fn function(self) -> &'static str {
-        match self {
-            Kind::Value => "field",
-            Kind::Gradient => "gradient",
-            Kind::Normal => "normal",
-            Kind::Line => "onLine",
-        }
-    }
-
-    /// The parameters of the function.
-    fn parameters(self) -> &'static str {
-        match self {
-            Kind::Line => "vec3 p, vec3 d",
-            _ => "vec3 p",
-        }
-    }
-
-    /// The start of the names of the operators' functions.
-    fn operator(self) -> &'static str {
-        match self {
-            Kind::Line => "onLine",
-            _ => "op",
-        }
-    }
-
-    fn prefix(self, node: &Node) -> &'static str {
-        match self {
-            Kind::Value => "sd",
-            Kind::Normal if takes_differences(node) => "gn",
-            Kind::Gradient | Kind::Normal | Kind::Line => "gd",
-        }
-    }
-}
 
 /// `float field<number>(vec3 p)`: the value, by which a march may step.
 pub(in crate::shader) fn value_text(field: &Shape, place: &Place, assets: &Assets) -> String {
@@ -129,17 +76,6 @@ fn is_quadric(node: &Node) -> bool {
     )
 }
 
-/// Whether some part of the field's gradient is computed by differences.
-pub(in crate::shader) fn has_differences(field: &Shape) -> bool {
-    let mut nodes = field.nodes().into_iter();
-    nodes.any(|node| takes_differences(&node.node))
-}
-
-/// Whether a node is a user's field whose text neither states a gradient nor is differentiated.
-fn takes_differences(node: &Node) -> bool {
-    node.user().is_some_and(|user| !has_slope(user))
-}
-
 impl<'a> Writer<'a> {
     pub(super) fn new(place: &'a Place<'a>, assets: &'a Assets) -> Writer<'a> {
         Writer {
@@ -189,7 +125,7 @@ impl<'a> Writer<'a> {
     }
 
     /// Writes the statements for a node, and returns the name of the result.
-    fn node(&mut self, field: &Shape, kind: Kind, p: &str) -> String {
+    pub(super) fn node(&mut self, field: &Shape, kind: Kind, p: &str) -> String {
         if kind == Kind::Line && turns_lines(&field.node) {
             return self.line_of_gradient(field, p);
         }
@@ -243,7 +179,7 @@ impl<'a> Writer<'a> {
         self.node(field, Kind::Value, p)
     }
 
-    fn result(&mut self, kind: Kind, expression: &str) -> String {
+    pub(super) fn result(&mut self, kind: Kind, expression: &str) -> String {
         let stem = if kind == Kind::Value { "d" } else { "g" };
         let name = self.name(stem);
         self.line(&format!("{} {name} = {expression};", kind.of_type()));
@@ -401,145 +337,6 @@ impl<'a> Writer<'a> {
                 kind,
                 &format!("un{turn}({of}, {p}, {q}, {rate}, {beyond}, {lipschitz})"),
             ),
-        }
-    }
-
-    fn repeated(&mut self, field: &Shape, kind: Kind, p: &str, numbers: &[String]) -> String {
-        // A rejected repetition never gets here.
-        let copies = field.copies().unwrap_or([Copies::Own; 3]);
-        let Node::Repeat(Repeat { count, .. }) = &field.node else {
-            return String::new();
-        };
-        let axes: Vec<Axis> = (0..3)
-            .map(|axis| Axis {
-                coordinate: format!("{p}.{}", ["x", "y", "z"][axis]),
-                period: numbers[axis].clone(),
-                count: count[axis],
-                copies: copies[axis],
-            })
-            .collect();
-        if axes.iter().all(|axis| axis.copies.count() == 1) {
-            let inner: Vec<String> = axes.iter().map(|axis| axis.copy("0.0")).collect();
-            let q = self.point(&format!("vec3({})", inner.join(", ")));
-            return self.node(&field.children[0], kind, &q);
-        }
-        let child = self.child_function(&field.children[0], kind);
-        let none = if kind == Kind::Value {
-            "1e30"
-        } else {
-            "vec4(0.0, 0.0, 0.0, 1e30)"
-        };
-        let result = self.result(kind, none);
-        self.copies_loop(&axes, &child, &result);
-        let (Some(_), [.., x, y, z, near, inverse]) = (field.cap(), numbers) else {
-            return result;
-        };
-        let prefix = kind.prefix(&field.node);
-        self.result(
-            kind,
-            &format!(
-                "opUnion({result}, {prefix}RepeatCap({p}, vec3({x}, {y}, {z}), {near}, {inverse}))"
-            ),
-        )
-    }
-
-    /// A loop with one call of the child for each copy.
-    fn copies_loop(&mut self, axes: &[Axis], child: &str, result: &str) {
-        let mut coordinates = Vec::new();
-        for axis in axes {
-            if axis.copies.count() == 1 {
-                coordinates.push(axis.copy("0.0"));
-                continue;
-            }
-            let step = self.name("step");
-            let (from, to) = axis.steps();
-            self.line(&format!(
-                "for (int {step} = {from}; {step} <= {to}; ++{step}) {{"
-            ));
-            coordinates.push(axis.copy(&axis.moved_by(&step)));
-        }
-        let point = coordinates.join(", ");
-        let argument = self.place.argument;
-        self.line(&format!(
-            "{result} = opUnion({result}, {child}(vec3({point}){argument}));"
-        ));
-        for axis in axes {
-            if axis.copies.count() > 1 {
-                self.line("}");
-            }
-        }
-    }
-
-    /// A field as a separate function, for callers that need it more than once.
-    fn child_function(&mut self, field: &Shape, kind: Kind) -> String {
-        // Two directly nested repetitions have used no name in between.
-        let name = self.name(&format!("{}{}_", self.stem, self.place.tag));
-        let outer = std::mem::take(&mut self.body);
-        let result = self.node(field, kind, "p");
-        let body = std::mem::replace(&mut self.body, outer);
-        let _ = write!(
-            self.functions,
-            "{} {name}(vec3 p{}) {{\n{body}    return {result};\n}}\n\n",
-            kind.of_type(),
-            self.place.parameter
-        );
-        name
-    }
-}
-
-/// One axis of a repetition.
-pub(super) struct Axis {
-    pub coordinate: String,
-    pub period: String,
-    pub count: u32,
-    pub copies: Copies,
-}
-
-impl Axis {
-    /// The coordinate, and the period and range of the copies, as arguments of the GLSL functions.
-    pub fn range(&self) -> (String, String) {
-        let even = self.count > 0 && self.count.is_multiple_of(2);
-        let (coordinate, period) = (&self.coordinate, &self.period);
-        // An even number of copies is centred on the origin, with none at the origin itself.
-        let q = if even {
-            format!("{coordinate} - 0.5 * {period}")
-        } else {
-            coordinate.clone()
-        };
-        let (first, last) = match self.count {
-            0 => (-1e30, 1e30),
-            count => {
-                let first = -f64::from(count / 2);
-                (first, first + f64::from(count - 1))
-            }
-        };
-        let range = format!("{period}, {}, {}", literal(first), literal(last));
-        (q, range)
-    }
-
-    pub fn copy(&self, step: &str) -> String {
-        if self.copies == Copies::None {
-            return self.coordinate.clone();
-        }
-        let (q, range) = self.range();
-        format!("repeatCopy({q}, {range}, {step})")
-    }
-
-    fn steps(&self) -> (i64, i64) {
-        match self.copies {
-            Copies::Around(reach) => (-i64::from(reach), reach.into()),
-            Copies::OwnAndNext => (0, 1),
-            Copies::None | Copies::Own => (0, 0),
-        }
-    }
-
-    fn moved_by(&self, step: &str) -> String {
-        match self.copies {
-            Copies::OwnAndNext => {
-                let (q, range) = self.range();
-                format!("float({step}) * repeatSide({q}, {range})")
-            }
-            _ => format!("float({step})"),
         }
     }
 }
