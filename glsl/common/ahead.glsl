@@ -1,4 +1,4 @@
-// What a march knows of the marched fields at a point of its line.
+// The marched fields at a point of a march's line.
 
 struct Ahead {
     OnLine nearest;    // the nearest field on the line

@@ -19,7 +19,8 @@ float hitChord(float enter, float leave, float errorBound) {
     return leave > ahead + errorBound + ROUNDING * ahead && leave + enter > 0.0 ? ahead : NO_HIT;
 }
 
-// Where a line enters and leaves a convex solid, in metres; without a chord the first exceeds the second.
+// A chord: the distances along a line at which it enters and leaves a convex solid, in metres; without a chord the first
+// exceeds the second.
 const vec2 NO_CHORD = vec2(1e20, -1e20);
 
 // The chord where the distance from the line's middle, whose square is (half of the chord)^2, is positive.

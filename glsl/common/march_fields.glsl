@@ -15,9 +15,9 @@ const float RELAXED = 0.95;    // share of the step at which the balls would jus
 const float SHALLOW = 64.0;    // maximum distance of a hit, in roundings along the ray
 const float TANGENT = 2e-7;    // maximum error of a hit where the tangent meets 0, metres
 const float CHORD_MARGIN = 4.0;   // distance from the ends of chords, in roundings, at which they are left
-const float STEEPEST = 1e-3;   // least slope for the tangent
+const float FLATTEST = 1e-3;   // least slope of a tangent, metres per metre
 
-// What the march knows of its line.
+// The state of a march.
 struct March {
     float proven;   // distance without a surface, metres
     float value;    // value there; 0 in the solid, within rounding
@@ -90,7 +90,7 @@ float marchFields(vec3 origin, vec3 d, float last, float limit, out float object
         bool isNear = march.free < near;
         bool isProven = isNear || march.trial <= march.free || value + march.free >= march.trial;
         float slope = slopeOf(ahead, march, near);
-        root = max(-value / min(slope, -STEEPEST), -SHALLOW * touch);
+        root = max(-value / min(slope, -FLATTEST), -SHALLOW * touch);
         bool touches = !isFirst && abs(value) <= touch && value <= -SHALLOW * touch * slope;
         bool isSolid = isProven && value < -touch && !isFirst;
         bool isEnclosed = isSolid && march.trial <= touch;

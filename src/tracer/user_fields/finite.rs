@@ -60,7 +60,7 @@ impl Probe<'_> {
         self.check_boundaries(boundaries.collect())
     }
 
-    /// Replaces samples that are none, deep in the solid, by the values beside them.
+    /// Replaces samples deep in the solid that are not numbers by the values beside them.
     pub(super) fn fill(&self, grid: &mut Grid) -> Result<(), Error> {
         let none: Vec<usize> = (0..grid.values.len())
             .filter(|&index| !grid.values[index].is_finite())

@@ -49,7 +49,7 @@ impl Steepest {
         };
         let way = ends[0].distance(ends[1]);
         let growth = ((to - from).abs() - self.rounding) / way;
-        // A gradient of 0 gives no step, and values that are none are judged elsewhere.
+        // A gradient of 0 gives no step, and values that are not numbers are judged elsewhere.
         if way > 0.0 && growth.is_finite() && growth > self.growth {
             self.growth = growth;
             self.ends = ends;

@@ -18,7 +18,48 @@ float closestHit(vec3 p, vec3 d, float last, float limit, out float object) {
     return nearest;
 }
 
+// glsl/common/rounding.glsl
+// glsl/common/safe_inverse.glsl
+// glsl/shape/cuboid.glsl
+// the surfaces
+// surface 1 (Field)
+vec2 chord1_bounds = vec2(0.0);
+void findChords1(vec3 p, vec3 d, float errorBound) {
+    vec2 c1 = chordBox(p - vec3(0.0, 0.0, 0.0), d, vec3(1.5, 1.5, 1.5) + errorBound);
+    chord1_bounds = c1 + vec2(-errorBound, errorBound);
+}
+
+// the values of the surfaces
+vec4 surfaceValue0 = vec4(0.0);
+
 // glsl/common/march_fields.glsl
+// the fields
+// Finds the chords of a line, where the rounding error of p is errorBound.
+void findChords(vec3 p, vec3 d, float errorBound) {
+    findChords1(p - surfaceValue0.xyz, d, CHORD_MARGIN * max(errorBound, surfaceValue0.w));
+}
+
+// glsl/common/rounding.glsl
+// glsl/common/bound.glsl
+// the surfaces
+float through1(float t) {
+    t = t < chord1_bounds.x ? chord1_bounds.x : t;
+    t = chord1_bounds.x > chord1_bounds.y || t > chord1_bounds.y ? NO_END : t;
+    return t;
+}
+
+// the fields
+// The distance that a wave is free after its start, as the chords show: 0 if they show none.
+float freeAtStart(float last) {
+    float free = NO_END;
+    free = min(free, through1(0.0));
+    return free;
+}
+
+// glsl/common/march_fields.glsl
+// glsl/common/on_line.glsl
+// glsl/common/ahead.glsl
+// glsl/common/on_line.glsl
 // names of my.glsl, field 0
 #define R user0_R
 #define field user0_field
@@ -31,6 +72,7 @@ float field(vec3 p) { return length(p) - R; }
 #undef R
 #undef field
 
+// glsl/user/value.glsl, field 0
 // glsl/shape/cuboid.glsl
 // glsl/user/value.glsl, field 0
 // the surfaces
@@ -40,28 +82,26 @@ float field1(vec3 p) {
     return d1;
 }
 
-// the values of the surfaces
-vec4 surfaceValue0 = vec4(0.0);
-
+// glsl/common/bound.glsl
+// glsl/common/on_line.glsl
+// glsl/common/ahead.glsl
 // the fields
-// The least value of the fields that a wave at p along d can hit, and that field's
-// number. The value is valid up to reach along d; the same fields are evaluated up to within.
-// A convex field that the wave leaves (last) cannot be hit.
-float fieldsAhead(vec3 p, vec3 d, float last, out float object, out float reach, out float within) {
-    float nearest = 1e30;
-    reach = 1e30;
-    within = 1e30;
-    object = -1.0;
-    float candidate;
+// Returns what is ahead of p, which is t metres along the line, in the direction d; the rounding error of p is
+// errorBound. A convex field that the wave leaves (last) cannot be hit.
+Ahead fieldsAhead(float t, vec3 p, vec3 d, float last, float errorBound) {
+    Ahead ahead = nothingAhead();
     // surface 1 (Field)
-    candidate = field1(p - surfaceValue0.xyz);
-    if (candidate < nearest) { nearest = candidate; object = 1.0; }
-    return nearest;
+    {
+        OnLine field = valueOnLine(field1(p - surfaceValue0.xyz));
+        float free = freeOf(field, 0.0);
+        free = through1(t + free) - t;
+        addField(ahead, 1.0, field, free, surfaceValue0.w);
+    }
+    return ahead;
 }
 
 // glsl/common/march_fields.glsl
-// glsl/common/rounding.glsl
-// glsl/common/march_fields.glsl
+// glsl/common/onto_field.glsl
 // gradient of my.glsl, field 0
 struct dual0_vec3 {
     vec3 v;
@@ -108,20 +148,6 @@ vec4 gradient1(vec3 p) {
     return g1;
 }
 
-// the fields
-// The gradient of one field, and the error bound of its value.
-vec3 fieldGradient(vec3 p, float object, out float errorBound) {
-    errorBound = 0.0;
-    if (object == 1.0) { errorBound = surfaceValue0.w; return gradient1(p - surfaceValue0.xyz).xyz; } // surface 1 (Field)
-    return vec3(0.0);
-}
-
-// glsl/common/march_fields.glsl
-// the fields
-// The fields have no bound along lines.
-float fieldsFree(vec3 p, vec3 d, float last, float errorBound) { return 0.0; }
-
-// glsl/common/march_fields.glsl
 // glsl/common/onto_field.glsl
 // glsl/common/rounding.glsl
 // glsl/common/mirror_direction.glsl
@@ -138,13 +164,13 @@ void reflectWave(float object, float t, inout vec3 p, inout vec3 d) {
     if (object == 1.0) {
         p = hit;
         q = p - surfaceValue0.xyz;
-        q = ontoField(q, gradient1(q));
         vec3 at = q;
         normal = vec3(0.0);
         for (int sheet = 0; sheet < SHEETS && normal == vec3(0.0); ++sheet) {
-            vec3 gradient = gradient1(at).xyz;
-            normal = facing(gradient, along);
-            at += APART * roundingAt(p, surfaceValue0.w) * unitOrZero(gradient);
+            vec4 gradient = gradient1(at);
+            q = sheet == 0 ? ontoField(q, gradient) : q;
+            normal = facing(gradient.xyz, along);
+            at = (sheet == 0 ? q : at) + APART * roundingAt(p, surfaceValue0.w) * unitOrZero(gradient.xyz);
         }
         p = q + surfaceValue0.xyz;
         normal = normal;

@@ -125,7 +125,7 @@ impl<'a> Writer<'a> {
         Ok(())
     }
 
-    /// What a loop begins with: one statement.
+    /// The first part of a loop's head: one statement.
     fn first(&mut self, first: &'a [Statement<'a>]) -> Result<String, Obstacle> {
         let mut texts = Vec::new();
         for statement in first {

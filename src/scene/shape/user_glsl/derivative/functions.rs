@@ -63,7 +63,7 @@ pub struct Writer<'a> {
     pub structures: String,
     pub helpers: String,
     pub instances_text: String,
-    /// What has been written, by its key.
+    /// The functions that have been written, by key.
     pub known: HashSet<String>,
     instances: HashMap<(usize, Vec<bool>), Instance>,
     active: Vec<usize>,

@@ -56,7 +56,7 @@ impl<'a> Writer<'a> {
         self.check_length()
     }
 
-    /// The parameter types of a function, which tell its overloads apart.
+    /// The parameter types of a function, by which its overloads differ.
     fn key(&mut self, name: &str, given: &[Value<'a>]) -> String {
         let types = given.iter().map(|v| self.name_of(&v.of_type, v.varies));
         format!("{name} {}", types.collect::<Vec<_>>().join(" "))

@@ -75,7 +75,7 @@ fn names_are_those_of_the_field() {
     }
 }
 
-/// Protects from wrong gradients: what has no derivative here is told, not guessed.
+/// Protects from wrong gradients: a text without a derivative is refused, not guessed.
 #[test]
 fn what_cannot_be_differentiated_is_told() {
     let field = |body: &str| format!("float field(vec3 p) {{ {body} }}");

@@ -1,6 +1,6 @@
 //! The types of GLSL, as far as a derivative depends on them.
 
-/// What a type is made of.
+/// The components of a type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Base {
     Void,
