@@ -15,6 +15,8 @@ const float RELAXED = 0.95;    // share of the step at which the balls would jus
 const float SHALLOW = 64.0;    // maximum distance of a hit, in roundings along the ray
 const float TANGENT = 2e-7;    // maximum error of a hit where the tangent meets 0, metres
 const float CHORD_MARGIN = 4.0;   // distance from the ends of chords, in roundings, at which they are left
+const float GLANCING = 4.0;    // inverse of the slope below which a value is compared with less than `touch`
+const float FLAT = 0.0625;     // least share of `touch` with which a value is compared
 const float FLATTEST = 1e-3;   // least slope of a tangent, metres per metre
 
 // The state of a march.
@@ -40,6 +42,13 @@ bool isTangentHit(Ahead ahead, float slope, float root) {
     float bend = max(ahead.nearest.sag, ahead.nearest.rise);
     return 0.5 * bend * value * value < TANGENT * slope * slope && 4.0 * bend * value < slope * slope
         && root <= min(ahead.nearest.reach, ahead.others);
+}
+
+// Whether a value is within rounding of a hit, and the tangent meets 0 nearby. A field may grow far more slowly than the
+// distance, and its slope shows this: just outside the solid the value must be smaller by as much.
+bool isTouch(float value, float slope, float touch) {
+    float most = value > 0.0 ? touch * clamp(GLANCING * -slope, FLAT, 1.0) : touch;
+    return abs(value) <= most && value <= -SHALLOW * touch * slope;
 }
 
 // The step from a proven point.
@@ -91,7 +100,7 @@ float marchFields(vec3 origin, vec3 d, float last, float limit, out float object
         bool isProven = isNear || march.trial <= march.free || value + march.free >= march.trial;
         float slope = slopeOf(ahead, march, near);
         root = max(-value / min(slope, -FLATTEST), -SHALLOW * touch);
-        bool touches = !isFirst && abs(value) <= touch && value <= -SHALLOW * touch * slope;
+        bool touches = !isFirst && isTouch(value, slope, touch);
         bool isSolid = isProven && value < -touch && !isFirst;
         bool isEnclosed = isSolid && march.trial <= touch;
         isHit = isProven && slope < 0.0 && (touches || isEnclosed || isTangentHit(ahead, slope, root));
