@@ -13,6 +13,12 @@ pub mod plain_file {
     pub use crate::file_input::{count_names as names, open_plain as open};
 }
 
+pub mod fields_cost {
+    pub use crate::tracer::fields_cost::{
+        FieldsCost, evaluations, evaluations_per_flight, flights,
+    };
+}
+
 pub mod shader {
     pub use crate::shader::{Layout, Lists, is_marched};
 }

@@ -15,6 +15,7 @@ mod arrival_passes;
 mod arrivals;
 mod error;
 mod field_trial;
+pub(crate) mod fields_cost;
 mod frame;
 mod frame_steps;
 mod gpu_scene;

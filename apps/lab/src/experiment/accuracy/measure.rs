@@ -1,10 +1,11 @@
-//! Compares each wave with its exact twin, and counts evaluations of the distance.
+//! Compares each wave with its exact twin.
 
 use super::report::{Chaos, Quantiles, WaveErrors};
 use super::truth::Truth;
 use echomarch::Error;
 use echomarch::geometry::{ExactWave, sequence_hash};
-use echomarch::tracer::{Fate, Profile, Settings, Tracer, Wave};
+use echomarch::internals::fields_cost::flights;
+use echomarch::tracer::{Fate, Settings, Tracer, Wave};
 use glam::Vec3;
 
 /// Compares the waves of `settings` with exact waves that have the same start directions.
@@ -28,27 +29,6 @@ pub fn wave_errors(
     let flights = flights(&states, settings.profile());
     let errors = compare(&ends, &met, &exact, chaos, settings.iterations);
     Ok(WaveErrors { flights, ..errors })
-}
-
-/// Counts the evaluations of the distance in an untimed frame.
-///
-/// # Errors
-/// Errors of [`Tracer::frame`].
-pub fn evaluations(tracer: &mut Tracer, truth: &Truth, settings: &Settings) -> Result<u64, Error> {
-    let counting = settings.clone().with_count_evaluations(true);
-    let counting = counting.with_sum_on_gpu(false);
-    Ok(tracer.frame(truth.scene, &counting)?.counts.evaluations)
-}
-
-/// The number of flights of waves, from their states before the first and after each iteration.
-fn flights(states: &[Vec<Wave>], profile: Profile) -> u64 {
-    let starts = states.iter().rev().skip(1).flatten();
-    let flies = |wave: &&Wave| match wave.fate() {
-        Fate::Listener => false,
-        Fate::Dead => profile == Profile::Thesis,
-        Fate::Travelling | Fate::NotFinite => true,
-    };
-    starts.filter(flies).count() as u64
 }
 
 /// The objects that each wave met before it died, was heard or reached its last iteration.
@@ -156,14 +136,5 @@ mod tests {
         assert_eq!(objects_met(&states), [vec![2, 0]]);
         let states = [0.5, 2.0, 1.0].map(|status| vec![wave(status)]);
         assert_eq!(objects_met(&states), [vec![2, 1]]);
-    }
-
-    /// Protects the number of flights: a heard wave makes none, and a dead one makes them only in the thesis.
-    #[test]
-    fn flights_end_with_their_wave() {
-        let states = [[0.5, 0.5], [0.0, -1.0], [0.0, -1.0]].map(|states| states.map(wave).to_vec());
-        assert_eq!(flights(&states, Profile::Hybrid), 2);
-        assert_eq!(flights(&states, Profile::March), 2);
-        assert_eq!(flights(&states, Profile::Thesis), 3);
     }
 }

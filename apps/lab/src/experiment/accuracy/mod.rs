@@ -51,6 +51,7 @@ pub use surface_counts::SurfaceCounts;
 pub use sweep::{Case, ITERATIONS, MIN_DISTANCES, full, quick, short};
 
 use echomarch::Error;
+use echomarch::internals::fields_cost;
 use echomarch::scene::Scene;
 use echomarch::tracer::{Directions, Settings, Tracer};
 use std::time::Instant;
@@ -248,7 +249,7 @@ fn run_group(
         let few = case.settings.clone();
         let few = few.with_waves(case.settings.waves.min(plan.compared_waves));
         let errors = measure::wave_errors(tracer, truth, chaos, &few)?;
-        let evaluations = measure::evaluations(tracer, truth, &few)?;
+        let evaluations = fields_cost::evaluations(tracer, truth.scene, &few)?;
         let evaluations = evaluations as f64 / errors.flights.max(1) as f64;
         let summed = case.settings.sum_on_gpu;
         let sum_error = summed.then(|| panning_error::sum_error(tracer, truth, &case.settings));
