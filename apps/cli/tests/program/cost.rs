@@ -9,6 +9,7 @@ use echomarch::{Listener, Node, Profile, Scene, Settings, Source, Surface};
 use echomarch_lab::experiment::cost::{
     CostOptions, CostReport, MOST_SURFACES, ShaderReport, Verdict, measure,
 };
+use echomarch_lab::report::Report;
 
 /// The only function without a caller: it is in a file that every pass includes as a whole.
 /// Compilers drop it.
@@ -93,6 +94,23 @@ fn the_report_of_the_corner_agrees_with_itself() {
     assert!(!option("half the iterations").within_noise);
     assert!(option("half the waves").change.unwrap().heard_percent.rms < 20.0);
     assert!(!report.advice.is_empty());
+}
+
+/// Protects the user of a field from not knowing its cost: the report says how many evaluations a flight takes, and a
+/// scene of closed forms has no such line.
+#[test]
+fn the_cost_of_fields_is_told() {
+    let settings = Settings::hybrid().with_waves(1024).with_iterations(2);
+    let cave = report(&builtin("cave"), &settings);
+    let fields = cave.fields.unwrap();
+    assert_eq!((fields.surfaces, fields.waves), (1, 1024));
+    assert!(fields.evaluations_per_flight > 0.0 && fields.frame_ms > 0.0);
+    assert!(fields.percent_of_frame <= 100.0, "{fields:?}");
+    let told = cave.document().markdown();
+    assert!(told.contains("1 marched surface: fields "), "{told}");
+    let corner = report(&builtin("corner"), &settings);
+    assert_eq!(corner.fields, None);
+    assert!(!corner.document().markdown().contains("marched surface"));
 }
 
 /// Protects edge cases: one surface, silence, and more surfaces than rows.

@@ -3,6 +3,7 @@
 use super::{Change, CostReport, Noise, OptionRow, ShaderReport, SurfaceRow, Timing, Verdict};
 use crate::columns;
 use crate::report::{Cell, Column, Document, Report, Row, Table};
+use echomarch::internals::fields_cost::FieldsCost;
 
 const LEGEND: &str = "\
     Each row changes one thing: a surface is left out, an option is set. met: waves that meet \
@@ -228,6 +229,9 @@ impl Report for CostReport {
             self.control_total.base_ms,
             self.noise.heard
         ));
+        if let Some(fields) = &self.fields {
+            document.paragraph(of_fields(fields));
+        }
         document.table(self.lines());
         let mut legend = format!("{LEGEND} met is of {} waves.", self.followed);
         if self.surfaces.iter().any(|row| row.leaves_cells) {
@@ -242,6 +246,19 @@ impl Report for CostReport {
     fn table(&self) -> Table {
         Table::of(self.lines())
     }
+}
+
+/// The cost of the marched surfaces together, with the spread of the pairs.
+fn of_fields(fields: &FieldsCost) -> String {
+    let surfaces = match fields.surfaces {
+        1 => "1 marched surface".to_owned(),
+        many => format!("{many} marched surfaces"),
+    };
+    format!(
+        "{surfaces}: {fields} (± {:.0} % of a frame of \
+         {:.2} ms).",
+        fields.spread_percent, fields.frame_ms
+    )
 }
 
 fn shader(shader: &ShaderReport) -> String {

@@ -4,6 +4,8 @@
 //! of a pair run in turns, with the same waves; each run has its own seed. The saving is the median
 //! of the pairs' differences. The audible change is compared with the effect of another seed: a
 //! smaller change is inaudible, because every frame contains that much noise.
+//!
+//! The marched surfaces together are measured as the window measures them (`FieldsCost`).
 
 mod advice;
 mod change;
@@ -20,6 +22,7 @@ pub use shader::{Feature, ShaderReport};
 pub use surfaces::{MOST_SURFACES, SurfaceRow, Verdict};
 
 use echomarch::Error;
+use echomarch::internals::fields_cost::FieldsCost;
 use echomarch::scene::Scene;
 use echomarch::tracer::{Frame, Settings, Tracer};
 use pair::{Case, pair};
@@ -68,6 +71,8 @@ pub struct CostReport {
     pub control_total: Timing,
     /// The effect of another seed.
     pub noise: Noise,
+    /// The cost of the marched surfaces together; `None` for a scene without them.
+    pub fields: Option<FieldsCost>,
     /// Number of waves followed to find which surfaces they meet.
     pub followed: u32,
     /// Whether surfaces are grouped by kind, because there are too many for one row each.
@@ -111,6 +116,7 @@ pub fn measure(
     let (march, total_time) = (control.march(f64::INFINITY), control.total(f64::INFINITY));
     let seeded = seeded_frames(tracer, base)?;
     let noise = Noise::of(&seeded, settings.waves);
+    let fields = FieldsCost::measure(tracer, scene, settings, runs, &|| true)?;
     let bench = Bench {
         base,
         runs,
@@ -135,6 +141,7 @@ pub fn measure(
         runs,
         control: march,
         control_total: total_time,
+        fields,
         followed,
         by_kind: scene.surfaces.len() > MOST_SURFACES,
         surfaces,
