@@ -161,6 +161,14 @@ impl Tracer {
         marching.map(|frame| frame.progress.spent())
     }
 
+    /// The share of the march of the current frame whose time [`frame_marching_for`](Tracer::frame_marching_for) gives,
+    /// 0 to 1, on a graphics card with the rows of the last call, whose time is not known yet; `None` as there.
+    #[doc(hidden)]
+    pub fn frame_share_marched(&self) -> Option<f64> {
+        let marching = self.under_way.as_ref().filter(|frame| !frame.is_drawn());
+        marching.map(|frame| frame.progress.share(frame.prepared.grid.height))
+    }
+
     /// Traces one frame as [`Tracer::frame`] does, and leaves its result on the GPU, without reading it back. On a
     /// graphics card it does not wait for the card.
     ///

@@ -17,6 +17,8 @@ const LEAST_MILLISECONDS: f64 = 1e-6;
 
 /// Progress of the march of a frame.
 pub(super) struct Progress {
+    /// Iterations of all passes.
+    iterations: u32,
     /// Iterations not yet assigned to a pass.
     left: u32,
     /// Iterations of the pass in progress; 0 when all passes are done.
@@ -32,6 +34,7 @@ pub(super) struct Progress {
 impl Progress {
     pub fn new(settings: &Settings, iterations_per_pass: u32) -> Progress {
         let mut progress = Progress {
+            iterations: settings.iterations,
             left: settings.iterations,
             iterations_in_pass: 0,
             rows: 0,
@@ -51,6 +54,15 @@ impl Progress {
         self.rows = 0;
         self.iterations_in_pass = self.iterations_per_pass.min(self.left);
         self.left -= self.iterations_in_pass;
+    }
+
+    /// The share of the frame's rows times iterations that is drawn, 0 to 1, of `height` rows.
+    pub fn share(&self, height: u32) -> f64 {
+        let in_pass = f64::from(self.iterations_in_pass);
+        let rows_to_do = f64::from(height.saturating_sub(self.rows));
+        let all = f64::from(height) * f64::from(self.iterations);
+        let to_do = f64::from(height) * f64::from(self.left) + rows_to_do * in_pass;
+        1.0 - to_do / all.max(1.0)
     }
 
     /// Milliseconds spent.
@@ -159,5 +171,28 @@ impl Throughput {
             self.untaken = Some(work);
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects the prediction of a frame's time: the share drawn grows evenly with rows, from pass to pass.
+    #[test]
+    fn the_share_counts_rows_of_all_passes() {
+        const HEIGHT: u32 = 10;
+        let settings = Settings::hybrid().with_waves(100).with_iterations(5);
+        let mut progress = Progress::new(&settings, 2);
+        let mut shares = Vec::new();
+        while !progress.is_over() {
+            progress.rows = HEIGHT / 2;
+            shares.push(progress.share(HEIGHT));
+            progress.next_pass();
+            shares.push(progress.share(HEIGHT));
+        }
+        let expected = [0.2, 0.4, 0.6, 0.8, 0.9, 1.0];
+        let is_near = |(share, expected): (&f64, &f64)| (share - expected).abs() < 1e-12;
+        assert!(shares.iter().zip(&expected).all(is_near), "{shares:?}");
     }
 }
