@@ -4,6 +4,7 @@
 
 use echomarch::gl::Context;
 use echomarch::internals::platform::Instant;
+use echomarch::internals::shader::is_marched;
 use echomarch::response::{HeardSource, ListenerAxes, Response, ResponseSettings};
 use echomarch::scene::Scene;
 use echomarch::tracer::{Profile, Settings, Tracer};
@@ -14,9 +15,28 @@ use std::time::Duration;
 /// second needs no more.
 const MOST_WAVES: u32 = 16_384;
 
-/// Minimum number of waves for late arrivals. With fewer, only a few arrivals make up the energy of 10 ms, and the
+/// Usual minimum number of waves for late arrivals. With fewer, only a few arrivals make up the energy of 10 ms, and the
 /// late part is rough.
 const LEAST_LATE_WAVES: u32 = 1024;
+
+/// Number of waves of the first trace of a scene with marched fields, whose time is unknown, and minimum number of waves
+/// of a trace that takes longer than [`LONGEST_LOOK_S`]: eight vectors of a software renderer.
+const LEAST_WAVES: u32 = 64;
+
+/// Maximum duration of a trace in seconds with more waves than the minimum: a late part that is rough, and missing
+/// echoes, are better than those of a place that the listener left long ago.
+const LONGEST_LOOK_S: f64 = 1.0;
+
+/// Length in seconds of the first response of a scene with marched fields, and minimum length of those of a dear one:
+/// it contains the first echoes of a room.
+const FIRST_LENGTH_S: f64 = 0.25;
+
+/// Number of waves that an estimate of the length usually takes.
+const ESTIMATE_WAVES: f64 = 4096.0;
+
+/// Maximum predicted duration of an estimate of the length in seconds. In dearer scenes responses are as long as the
+/// minimum number of waves allows in [`LONGEST_LOOK_S`].
+const LONGEST_ESTIMATE_S: f64 = 8.0;
 
 /// Target duration of a trace in seconds: with a longer one, echoes lag behind the listener.
 const LOOK_S: f64 = 0.25;
@@ -51,6 +71,9 @@ pub struct EarsStatus {
     pub sources: Vec<HeardSource>,
     /// Number of traces.
     pub looks: u64,
+    /// Number of waves for early arrivals in the last trace, and the number if they took no longer than a second.
+    pub waves: u32,
+    pub waves_asked: u32,
     /// Milliseconds that the last trace took, and that its late part took.
     pub trace_ms: f64,
     pub late_ms: f64,
@@ -75,6 +98,15 @@ pub struct Hearing {
     scene: Option<Scene>,
     /// Length of the responses, and when it was estimated.
     length: Option<(f64, Instant)>,
+    /// The profile of the last trace.
+    profile: Option<Profile>,
+    /// The time that a wave takes for each second of a response, in seconds; none before the first trace of a scene with
+    /// marched fields.
+    cost: Option<f64>,
+    /// Number of waves for early arrivals, as far as [`LONGEST_LOOK_S`] allows.
+    early_waves: u32,
+    /// Number of waves for early arrivals of the last trace.
+    early_waves_heard: u32,
     /// Number of waves for late arrivals, as far as [`LOOK_S`] allows.
     late_waves: u32,
     /// Number of waves of the present late part.
@@ -108,6 +140,10 @@ impl Hearing {
             tracer: Tracer::new(context)?,
             scene: None,
             length: None,
+            profile: None,
+            cost: Some(0.0),
+            early_waves: MOST_WAVES,
+            early_waves_heard: 0,
             late_waves: LEAST_LATE_WAVES,
             late_waves_heard: 0,
             last_look: Instant::now(),
@@ -116,10 +152,13 @@ impl Hearing {
     }
 
     /// Whether a new trace is due: the scene has changed since the last one, a new player waits, or the late part is
-    /// missing or was traced with too few waves for lack of time.
+    /// missing, or waves were left out of the last trace before their time was known.
     pub fn is_new(&self, scene: &Scene, settings: &Settings, is_waited_for: bool) -> bool {
         let is_another = self.scene.as_ref() != Some(scene);
-        let is_rough = self.late_waves >= 2 * self.late_waves_heard;
+        let early = self.early_waves.min(settings.waves);
+        let is_rough = self.late_waves >= 2 * self.late_waves_heard
+            || early >= 2 * self.early_waves_heard.max(1)
+            || self.length.is_none() && self.allows_estimate();
         let lacks_late = self.last_late < Some(self.last_look) || is_rough;
         let lacks_late = lacks_late && self.late_is_due();
         settings.profile() != Profile::Thesis && (is_another || lacks_late || is_waited_for)
@@ -145,8 +184,9 @@ impl Hearing {
         let since = self.last_look.elapsed().as_secs_f64();
         let glide_s = since.clamp(SHORTEST_GLIDE_S, LONGEST_GLIDE_S);
         let is_late_due = is_waited_for || self.late_is_due();
+        self.begin_small(scene, settings);
         let seconds = self.length_s(scene, settings)?;
-        let how = response_settings(settings)
+        let how = response_settings(settings, self.early_waves)
             .with_seconds(seconds)
             .with_late_waves(self.late_waves);
         let tracing = Instant::now();
@@ -154,6 +194,8 @@ impl Hearing {
         let axes = ListenerAxes::of(listener)?;
         let mut status = EarsStatus {
             curve_s: seconds,
+            waves: how.trace.waves,
+            waves_asked: settings.waves.min(MOST_WAVES),
             ..EarsStatus::default()
         };
         let mut curve = vec![0.0; CURVE_POINTS];
@@ -180,6 +222,9 @@ impl Hearing {
         if is_late_due {
             self.late_waves_heard = self.late_waves;
         }
+        self.cost = Some(tracing.as_secs_f64() / (f64::from(self.late_waves) * seconds));
+        self.early_waves_heard = status.waves;
+        self.early_waves = early_waves(self.early_waves, tracing);
         self.late_waves = late_waves(self.late_waves, tracing);
         self.last_look = Instant::now();
         if is_late_due {
@@ -189,21 +234,42 @@ impl Hearing {
         Ok(status)
     }
 
-    /// Length of the responses, estimated again every few seconds.
+    /// Begins another scene or profile with few waves if surfaces are marched, since their speed is unknown.
+    fn begin_small(&mut self, scene: &Scene, settings: &Settings) {
+        let last = self.scene.as_ref().map(|last| &last.name);
+        if last == Some(&scene.name) && self.profile == Some(settings.profile()) {
+            return;
+        }
+        self.profile = Some(settings.profile());
+        let takes_steps = settings.profile() != Profile::Hybrid;
+        let may_be_dear = takes_steps || scene.surfaces.iter().any(is_marched);
+        self.length = None;
+        (self.early_waves, self.late_waves, self.cost) = match may_be_dear {
+            true => (LEAST_WAVES, LEAST_WAVES, None),
+            false => (MOST_WAVES, LEAST_LATE_WAVES, Some(0.0)),
+        };
+    }
+
+    /// Whether an estimate of the length is known not to take too long.
+    fn allows_estimate(&self) -> bool {
+        let foreseen = |cost: f64| cost * ESTIMATE_WAVES * LONGEST_S;
+        self.cost
+            .is_some_and(|cost| foreseen(cost) <= LONGEST_ESTIMATE_S)
+    }
+
+    /// Length of the responses, estimated again every few seconds if that does not take too long.
     fn length_s(&mut self, scene: &Scene, settings: &Settings) -> Result<f64, Error> {
-        let is_another = self
-            .scene
-            .as_ref()
-            .is_none_or(|last| last.name != scene.name);
+        if !self.allows_estimate() {
+            return Ok(self.cost.map_or(FIRST_LENGTH_S, length_of_dear));
+        }
         if let Some((seconds, found)) = self.length
-            && !is_another
             && found.elapsed().as_secs_f64() < LENGTH_EVERY_S
         {
             return Ok(seconds);
         }
         let waves = settings.waves.min(self.late_waves);
         let few = settings.clone().with_waves(waves);
-        let settings = response_settings(&few).with_longest(LONGEST_S);
+        let settings = response_settings(&few, MOST_WAVES).with_longest(LONGEST_S);
         let mut longest: f64 = 0.0;
         for source in 0..scene.sources.len() {
             let pair = scene.pair(source, LISTENER)?;
@@ -215,14 +281,32 @@ impl Hearing {
     }
 }
 
-/// Returns the number of waves for the next late part, after a trace of `before` waves with duration `took`.
-fn late_waves(before: u32, took: Duration) -> u32 {
-    let fit = f64::from(before) * LOOK_S / took.as_secs_f64();
-    (fit as u32).clamp(LEAST_LATE_WAVES, MOST_WAVES)
+/// Returns the length of responses in seconds if a wave takes `cost` seconds for each second of a response.
+fn length_of_dear(cost: f64) -> f64 {
+    let fit = LONGEST_LOOK_S / (cost * f64::from(LEAST_WAVES));
+    fit.clamp(FIRST_LENGTH_S, LONGEST_S)
 }
 
-fn response_settings(chosen: &Settings) -> ResponseSettings {
-    let waves = chosen.waves.min(MOST_WAVES);
+/// Returns the number of waves for the next late part, after a trace of `before` waves with duration `took`.
+fn late_waves(before: u32, took: Duration) -> u32 {
+    let usual = fitting(before, took, LOOK_S);
+    usual.max(fitting(before, took, LONGEST_LOOK_S).min(LEAST_LATE_WAVES))
+}
+
+/// Returns the number of waves for the next early arrivals, after a trace of `before` waves with duration `took`.
+fn early_waves(before: u32, took: Duration) -> u32 {
+    fitting(before, took, LONGEST_LOOK_S)
+}
+
+/// Returns the number of waves, within its limits, that would take `seconds`.
+fn fitting(before: u32, took: Duration, seconds: f64) -> u32 {
+    let fit = f64::from(before) * seconds / took.as_secs_f64();
+    (fit as u32).clamp(LEAST_WAVES, MOST_WAVES)
+}
+
+/// The settings of responses with at most this number of waves for early arrivals.
+fn response_settings(chosen: &Settings, most: u32) -> ResponseSettings {
+    let waves = chosen.waves.min(most);
     let chosen = chosen.clone().with_waves(waves);
     let settings = ResponseSettings::default().with_trace_of_frames(&chosen);
     settings.with_order(ORDER)
@@ -256,6 +340,7 @@ fn in_decibels(curve: &[f64]) -> Vec<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use echomarch::gl::ContextOptions;
 
     /// Protects the user from waiting seconds for echoes, and the late part from needless roughness.
     #[test]
@@ -265,6 +350,55 @@ mod tests {
         assert_eq!(after(8192, 2.0 * LOOK_S), 4096);
         assert_eq!(after(2048, 0.5 * LOOK_S), 4096);
         assert_eq!(after(2048, 0.0), MOST_WAVES);
-        assert_eq!(after(MOST_WAVES, 60.0), LEAST_LATE_WAVES);
+        assert_eq!(after(MOST_WAVES, 4.0), MOST_WAVES / 4);
+        assert_eq!(after(2048, 1.5), LEAST_LATE_WAVES);
+        assert_eq!(after(1024, 4.0), 256);
+        assert_eq!(after(1024, 600.0), LEAST_WAVES);
+    }
+
+    /// Protects the user of a dear field from waiting for a minute, and echoes from being left out of cheap scenes.
+    #[test]
+    fn early_waves_are_as_many_as_take_a_second() {
+        let after = |before, seconds| early_waves(before, Duration::from_secs_f64(seconds));
+        assert_eq!(after(LEAST_WAVES, 0.001), MOST_WAVES);
+        assert_eq!(after(MOST_WAVES, LONGEST_LOOK_S), MOST_WAVES);
+        assert_eq!(after(8192, 2.0 * LONGEST_LOOK_S), 4096);
+        assert_eq!(after(1024, 40.0), LEAST_WAVES);
+    }
+
+    /// Protects the user of a dear field from waiting for an estimate of the length: it is made only where it is quick.
+    #[test]
+    fn dear_responses_are_shorter() {
+        assert_eq!(length_of_dear(1.0 / 64.0), 1.0);
+        assert_eq!(length_of_dear(1e-6), LONGEST_S);
+        assert_eq!(length_of_dear(1e3), FIRST_LENGTH_S);
+        let context = Context::headless(&ContextOptions::default()).unwrap();
+        let mut hearing = Hearing::new(&context).unwrap();
+        for (cost, allowed) in [(None, false), (Some(0.0), true), (Some(1.0), false)] {
+            hearing.cost = cost;
+            assert_eq!(hearing.allows_estimate(), allowed, "{cost:?}");
+        }
+        assert!(hearing.length.is_none());
+    }
+
+    /// Protects a scene of marched surfaces from the number of waves of the last one, the same scene from beginning
+    /// again, and scenes of closed forms from a first trace with few waves.
+    #[test]
+    fn a_marched_scene_begins_with_few_waves() {
+        let context = Context::headless(&ContextOptions::default()).unwrap();
+        let mut hearing = Hearing::new(&context).unwrap();
+        let scene = Scene::builtin("corner").unwrap();
+        let settings = Settings::hybrid().with_waves(2048);
+        let look = |hearing: &mut Hearing, settings: &Settings| {
+            let looked = hearing.look(&scene, settings, true, |_| Ok(()));
+            looked.unwrap().waves
+        };
+        assert_eq!(look(&mut hearing, &settings), 2048);
+        let march = Settings::march().with_waves(2048);
+        assert_eq!(look(&mut hearing, &march), LEAST_WAVES);
+        hearing.early_waves = MOST_WAVES;
+        hearing.last_late = None;
+        assert!(hearing.is_new(&scene, &march, false));
+        assert_eq!(look(&mut hearing, &march), 2048);
     }
 }

@@ -14,14 +14,18 @@ const SHOWN: MostKept = MostKept {
 };
 /// Maximum number of iterations of the paths.
 pub const PATH_ITERATIONS: u32 = 16;
-/// Waves per search for heard waves: tracing them takes about a millisecond.
+/// Maximum number of waves per search for heard waves: tracing them usually takes about a millisecond.
 const AT_A_TIME: u32 = 2048;
-/// Waves per search in the profile `thesis`, where a wave takes dozens of times longer.
+/// Maximum number of waves per search in the profile `thesis`, where a wave takes dozens of times longer.
 const THESIS_AT_A_TIME: u32 = 256;
+/// Minimum number of waves per search, and the number of the first search.
+const LEAST_AT_A_TIME: u32 = 64;
 /// Maximum number of searches in one scene.
 const SEARCHES: u32 = 32;
 /// Search time per frame; the next frame continues the search.
 const AT_MOST: Duration = Duration::from_millis(2);
+/// Maximum time of one search, for which its number of waves falls: a dear field must not hold the pictures up.
+const LONGEST_SEARCH: Duration = Duration::from_millis(10);
 
 /// The paths shown, cached while scene and settings are unchanged.
 #[derive(Default)]
@@ -30,6 +34,8 @@ pub struct Paths {
     /// Input of the last trace.
     of: Option<(Traced, Settings)>,
     search: HeardSearch,
+    /// Waves of the next search; none before the first search of a scene.
+    at_a_time: Option<u32>,
 }
 
 /// The parts of a scene that determine the paths of its waves: the gaze does not.
@@ -94,10 +100,11 @@ impl Paths {
         pair: Pair,
         settings: &Settings,
     ) -> Result<(), Error> {
-        let settings = settings.clone().with_waves(match settings.profile() {
+        let most = match settings.profile() {
             Profile::Thesis => THESIS_AT_A_TIME,
             _ => AT_A_TIME,
-        });
+        };
+        let settings = settings.clone().with_waves(most);
         let same = self
             .of
             .as_ref()
@@ -111,7 +118,11 @@ impl Paths {
         }
         let began = Instant::now();
         while self.is_searching() {
+            let waves = self.at_a_time.unwrap_or(LEAST_AT_A_TIME).min(most);
+            let settings = settings.clone().with_waves(waves);
+            let searching = Instant::now();
             self.search.search(tracer, pair, &settings, SHOWN)?;
+            self.at_a_time = Some(next_search(waves, searching.elapsed()));
             if began.elapsed() > AT_MOST {
                 break;
             }
@@ -123,5 +134,29 @@ impl Paths {
 
     fn is_searching(&self) -> bool {
         self.search.heard.len() < SHOWN.heard && self.search.searches < SEARCHES
+    }
+}
+
+/// Returns the number of waves of the next search, a power of two, after one of `before` waves with duration `took`.
+fn next_search(before: u32, took: Duration) -> u32 {
+    let fit = f64::from(before) * LONGEST_SEARCH.as_secs_f64() / took.as_secs_f64();
+    let fit = (fit as u32).clamp(LEAST_AT_A_TIME, AT_A_TIME);
+    // Almost equal numbers would need new textures at every search.
+    1 << fit.ilog2()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects pictures from waiting for the paths of a dear field, and cheap scenes from small searches.
+    #[test]
+    fn a_search_is_as_large_as_its_time_allows() {
+        let after = |before, ms| next_search(before, Duration::from_millis(ms));
+        assert_eq!(after(64, 0), AT_A_TIME);
+        assert_eq!(after(2048, 10), 2048);
+        assert_eq!(after(2048, 11), 1024);
+        assert_eq!(after(512, 30), 128);
+        assert_eq!(after(64, 5000), LEAST_AT_A_TIME);
     }
 }

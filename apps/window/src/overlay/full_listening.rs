@@ -28,7 +28,17 @@ pub fn draw(ui: &mut Ui, hud: &HudState) {
     curve(ui, ears);
     let times = format!("{:.0} + {:.0} ms", ears.trace_ms, ears.late_ms);
     style::row(ui, "trace, late part", times);
+    style::row(ui, "waves for echoes", waves(ears));
     ui.separator();
+}
+
+/// Formats the number of waves, and how many there would be if they took no longer than a second.
+fn waves(ears: &EarsStatus) -> String {
+    match (ears.waves, ears.waves_asked) {
+        (0, _) => "–".to_owned(),
+        (waves, asked) if waves < asked => format!("{waves} of {asked}"),
+        (waves, _) => waves.to_string(),
+    }
 }
 
 /// Formats a source's level, which is unknown before the first trace.
