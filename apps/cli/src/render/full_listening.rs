@@ -12,6 +12,7 @@ use echomarch::offline::{self, Block, FullSettings};
 use echomarch::response::ImpulseSettings;
 use echomarch::response::{HeardSource, ResponseSettings};
 use serde::Serialize;
+use std::time::Instant;
 
 /// Largest accepted gain in decibels, positive or negative: the range includes every audible gain.
 const MOST_GAIN_DB: f64 = 120.0;
@@ -101,7 +102,12 @@ pub fn run(job: Job) -> anyhow::Result<()> {
     let (mut lines, mut peak) = (Vec::new(), 0.0_f32);
     let mut samples = Vec::new();
     let tail_s = settings.tail_s(&mut tracer, scene)?;
+    let began = Instant::now();
+    let waves = settings.response.trace.waves;
     let take = |block: Block<[HeardSource]>| {
+        if lines.is_empty() {
+            job.note_dear(waves, began.elapsed().as_secs_f64(), &bar);
+        }
         samples.clear();
         samples.extend(block.samples.iter().map(|sample| sample * gain));
         peak = samples

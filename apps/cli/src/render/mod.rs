@@ -34,6 +34,9 @@ const STANDING_SECONDS: f64 = 5.0;
 /// About the maximum length that a WAV file of this format can hold.
 const LONGEST_SECONDS: f64 = 3.0 * 3600.0;
 
+/// Seconds that a frame takes at least for a note about the time of all frames.
+const DEAR_SECONDS: f64 = 1.0;
+
 /// Arguments of `render`.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
@@ -195,9 +198,28 @@ impl Job<'_> {
         }
     }
 
+    /// Prints a note after the first frame, which took `seconds`, if the others will take long.
+    fn note_dear(&self, waves: u32, seconds: f64, bar: &indicatif::ProgressBar) {
+        if let Some(note) = dear_note(waves, seconds, self.timing.frames()) {
+            bar.suspend(|| self.common.note(&note));
+        }
+    }
+
     fn bar(&self) -> indicatif::ProgressBar {
         print::progress(self.common.quiet, self.timing.frames(), "frames")
     }
+}
+
+/// Returns a note about frames of which one took `seconds`; `None` if they are quick, or if there is only one.
+fn dear_note(waves: u32, seconds: f64, frames: u64) -> Option<String> {
+    if seconds < DEAR_SECONDS || frames < 2 {
+        return None;
+    }
+    let minutes = seconds * frames as f64 / 60.0;
+    Some(format!(
+        "note: a frame of {waves} waves takes {seconds:.1} s, so that {frames} frames take about {minutes:.0} min: \
+         fewer --waves or a lower --fps take less"
+    ))
 }
 
 /// Rejects, before anything is traced, a scene that becomes invalid while things move.
@@ -254,4 +276,20 @@ fn timing(arguments: &Arguments, duration: f64) -> anyhow::Result<Timing> {
     check_range("--seconds", seconds, 0.001, LONGEST_SECONDS)?;
     check_range("--fps", arguments.frame_rate.fps, 1.0, 1000.0)?;
     Ok(Timing::new(seconds, arguments.frame_rate.fps))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Protects the user of a dear field from waiting without knowing for how long.
+    #[test]
+    fn the_time_of_all_frames_is_told_after_the_first() {
+        assert_eq!(dear_note(65_536, 0.9, 150), None);
+        assert_eq!(dear_note(65_536, 40.0, 1), None);
+        let note = dear_note(65_536, 40.0, 150).unwrap();
+        assert!(note.starts_with(
+            "note: a frame of 65536 waves takes 40.0 s, so that 150 frames take about 100 min"
+        ));
+    }
 }
