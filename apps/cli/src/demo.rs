@@ -308,6 +308,20 @@ fn to_errors(line: &str) {
     print::tell(line);
 }
 
+/// Prints the number of waves if it is lower than wanted, and the cost of the scene's fields.
+fn print_waves(report: &Report) -> anyhow::Result<()> {
+    if let Some(asked) = report.more_waves_asked {
+        print::line(&format!(
+            "  {} of {asked} waves: more would not have kept the frame rate",
+            report.waves
+        ))?;
+    }
+    match &report.fields {
+        Some(fields) => print::line(&format!("  {fields}")),
+        None => Ok(()),
+    }
+}
+
 fn print_text(report: &Report) -> anyhow::Result<()> {
     let times = &report.frame_ms_median;
     print::line(&format!(
@@ -330,6 +344,7 @@ fn print_text(report: &Report) -> anyhow::Result<()> {
         times.overlay,
         times.swap
     ))?;
+    print_waves(report)?;
     let latency = &report.latency_ms;
     print::line(&format!(
         "  key to ear {}; {}",

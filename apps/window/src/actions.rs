@@ -14,7 +14,6 @@ impl App {
         match action {
             Action::Profile(profile) => {
                 self.choices.set_profile(profile);
-                self.wave_control.forget();
                 self.say(format!("profile {profile}"));
             }
             Action::Waves(steps) => {
@@ -44,7 +43,7 @@ impl App {
             Action::Panels => self.choices.panels = !self.choices.panels,
             Action::AdaptWaves => {
                 self.choices.adapt_waves = !self.choices.adapt_waves;
-                self.wave_control.forget();
+                self.asked_waves = self.choices.settings.waves;
                 self.say(match self.choices.adapt_waves {
                     true => "the number of waves follows the frame time",
                     false => "the number of waves stays",

@@ -5,9 +5,21 @@
 
 use echomarch::internals::sampling::median;
 
-/// Sides of the grid of waves that the control chooses from. The first is the minimum: of fewer than 4,096 waves the
-/// listener receives only a few dozen, too few for a stable pan.
-const SIDES: [u32; 11] = [64, 96, 128, 192, 256, 384, 512, 768, 1024, 1448, 2048];
+/// Sides of the grid of waves that the control chooses from.
+const SIDES: [u32; 13] = [
+    32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024, 1448, 2048,
+];
+
+/// Usual minimum number of waves, and the number of the first frame of a scene: of fewer the listener receives only a
+/// few dozen, too few for a stable pan. Scenes whose frames take longer than [`LONGEST_WAIT_MS`] with so many get fewer.
+pub const LEAST_WAVES: u32 = 4096;
+
+/// Maximum time from a frame of waves to the next in milliseconds, for which the number of waves may fall below
+/// [`LEAST_WAVES`].
+const LONGEST_WAIT_MS: f64 = 1000.0;
+
+/// The share of a frame's time spent on waves if a whole frame of waves does not fit.
+pub const SHARE_OF_WAVES: f64 = 0.4;
 
 /// Maximum number of waves that the control and the slider choose.
 pub const MOST_WAVES: u32 = 1 << 20;
@@ -26,6 +38,10 @@ const FULL: f64 = 0.92;
 
 /// Share of the target time that the predicted time may fill after the cost is raised.
 const ROOM: f64 = 0.80;
+
+/// Time of parts of a frame of waves in milliseconds from which the time of the frame is predicted: three parts at 30
+/// frames a second.
+const ENOUGH_MS: f64 = 40.0;
 
 /// The recent measurements for one choice from a ladder of costs.
 #[derive(Clone, Debug, Default)]
@@ -86,13 +102,94 @@ fn recent(times: &[f64]) -> f64 {
     median(times[first..].iter().copied())
 }
 
-/// Returns the selectable numbers of waves up to `most`.
-pub fn wave_ladder(most: u32) -> Vec<u32> {
-    SIDES
-        .iter()
-        .map(|side| side * side)
-        .filter(|&waves| waves <= most)
-        .collect()
+/// Returns the selectable numbers of waves from `least` to `most`.
+pub fn wave_ladder(least: u32, most: u32) -> Vec<u32> {
+    let all = SIDES.iter().map(|side| side * side);
+    all.filter(|waves| (least..=most).contains(waves)).collect()
+}
+
+/// The time of a frame of waves, measured or predicted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WaveTime {
+    pub waves: u32,
+    pub milliseconds: f64,
+}
+
+impl WaveTime {
+    /// Predicted milliseconds of a frame of another number of waves.
+    pub fn of(self, waves: u32) -> f64 {
+        self.milliseconds * f64::from(waves) / f64::from(self.waves.max(1))
+    }
+
+    /// The largest selectable number of waves up to `most` that keeps the frame time `target`, in milliseconds. Below
+    /// the usual minimum the number only falls as far as is needed for a frame in parts to last a second at most.
+    pub fn fitting(self, most: u32, target: f64) -> u32 {
+        // The control lowers a number only above this time.
+        let room = (FULL - (1.0 - SHARE_OF_WAVES)) * target;
+        let within_frame = |waves: &u32| self.of(*waves) <= room;
+        if within_frame(&most) {
+            return most;
+        }
+        let usual = wave_ladder(LEAST_WAVES.min(most), most);
+        if let Some(waves) = usual.iter().rev().copied().find(within_frame) {
+            return waves;
+        }
+        let within_wait = |waves: &u32| self.of(*waves) <= SHARE_OF_WAVES * LONGEST_WAIT_MS;
+        let few = wave_ladder(1, LEAST_WAVES.min(most));
+        let fitting = few.iter().rev().copied().find(within_wait);
+        fitting.or(few.first().copied()).unwrap_or(most)
+    }
+}
+
+/// The first frames of waves of a scene, whose time decides the number of waves.
+///
+/// The first part that is drawn also compiles, so its time is not used: if it was the whole frame, a second frame
+/// follows. A frame that takes many parts is not waited for; its time is predicted from a few of them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FirstFrames {
+    /// The number of waves that is used if it fits.
+    pub asked: u32,
+    waves: u32,
+    /// Time and share of the frame that are not counted.
+    from: Option<(f64, f64)>,
+}
+
+impl FirstFrames {
+    /// `asked` waves are used if they fit; these frames have `most` at most.
+    pub fn new(asked: u32, most: u32) -> FirstFrames {
+        FirstFrames {
+            asked,
+            waves: asked.min(most),
+            from: None,
+        }
+    }
+
+    /// The number of waves of these frames.
+    pub fn waves(&self) -> u32 {
+        self.waves
+    }
+
+    /// Takes the milliseconds and the share, 0 to 1, of a frame in progress; returns its time once it can be predicted.
+    pub fn part(&mut self, spent: f64, share: f64) -> Option<WaveTime> {
+        let (from_ms, from_share) = *self.from.get_or_insert((spent, share));
+        let (spent, share) = (spent - from_ms, share - from_share);
+        (spent >= ENOUGH_MS && share > 0.0).then(|| WaveTime {
+            waves: self.waves(),
+            milliseconds: spent / share,
+        })
+    }
+
+    /// Takes the milliseconds of a finished frame; `None` if they include compiling, so that another frame is needed.
+    pub fn whole(&mut self, milliseconds: f64) -> Option<WaveTime> {
+        if self.from != Some((0.0, 0.0)) {
+            self.from = Some((0.0, 0.0));
+            return None;
+        }
+        Some(WaveTime {
+            waves: self.waves(),
+            milliseconds,
+        })
+    }
 }
 
 /// Returns the largest step of an increasing ladder that does not exceed a value; the first step if all exceed it.
@@ -163,11 +260,83 @@ mod tests {
     /// Protects the ladder of wave numbers from exceeding the allowed maximum.
     #[test]
     fn ladders_end_where_they_must() {
-        assert_eq!(wave_ladder(65_536).last(), Some(&65_536));
-        assert_eq!(wave_ladder(70_000).last(), Some(&65_536));
-        assert_eq!(wave_ladder(70_000)[0], 4096);
+        let usual = |most| wave_ladder(LEAST_WAVES, most);
+        assert_eq!(usual(65_536).last(), Some(&65_536));
+        assert_eq!(usual(70_000).last(), Some(&65_536));
+        assert_eq!(usual(70_000)[0], 4096);
+        assert_eq!(wave_ladder(1, 4096), [1024, 2304, 4096]);
         assert_eq!(step_of(&[1, 5, 9], 6), 1);
         assert_eq!(step_of(&[1, 5, 9], 0), 0);
         assert_eq!(step_of(&SCALES, 1.0), SCALES.len() - 1);
+    }
+
+    fn fitting(milliseconds_of_4096: f64, most: u32) -> u32 {
+        let time = WaveTime {
+            waves: 4096,
+            milliseconds: milliseconds_of_4096,
+        };
+        time.fitting(most, TARGET)
+    }
+
+    /// Protects the frame rate from dear scenes, and cheap scenes from needlessly few waves: the number fits the frame,
+    /// then a second, and the number asked for is never exceeded.
+    #[test]
+    fn the_number_of_waves_follows_the_measured_rate() {
+        assert_eq!(fitting(0.1, 65_536), 65_536);
+        assert_eq!(fitting(0.1, 50_000), 50_000);
+        assert_eq!(fitting(1.0, 65_536), 36_864);
+        assert_eq!(fitting(2.6, 262_144), 16_384);
+        assert_eq!(fitting(10.0, 65_536), 4096);
+        // From here a frame is traced in parts.
+        assert_eq!(fitting(399.0, 65_536), 4096);
+        assert_eq!(fitting(410.0, 65_536), 2304);
+        assert_eq!(fitting(1500.0, 65_536), 1024);
+        assert_eq!(fitting(1e6, 65_536), 1024);
+        assert_eq!(fitting(1e6, 300), 300);
+        assert_eq!(fitting(0.0, 65_536), 65_536);
+    }
+
+    /// Protects the chosen number from being lowered at once by the control that follows the frame time.
+    #[test]
+    fn the_control_keeps_the_first_number() {
+        let costs: Vec<f64> = wave_ladder(LEAST_WAVES, MOST_WAVES)
+            .iter()
+            .map(|&waves| f64::from(waves))
+            .collect();
+        for of_4096 in [0.1, 0.5, 1.0, 2.6, 5.0, 10.0] {
+            let waves = fitting(of_4096, 65_536);
+            let ladder = wave_ladder(LEAST_WAVES, MOST_WAVES);
+            let step = step_of(&ladder, waves);
+            let part = of_4096 * f64::from(waves) / 4096.0;
+            let mut control = Control::default();
+            for _ in 0..FRAMES {
+                control.add((1.0 - SHARE_OF_WAVES) * TARGET + part, part);
+            }
+            assert!(control.choose(&costs, step, TARGET) >= step, "{of_4096}");
+        }
+    }
+
+    /// Protects the measurement from the time of compiling, and the user from waiting for a long frame.
+    #[test]
+    fn compiling_is_no_part_of_the_first_time() {
+        let mut quick = FirstFrames::new(65_536, 4096);
+        assert_eq!(quick.waves(), 4096);
+        assert_eq!(quick.whole(900.0), None);
+        let time = quick.whole(2.0).unwrap();
+        assert_eq!((time.waves, time.milliseconds), (4096, 2.0));
+
+        let mut slow = FirstFrames::new(1000, 4096);
+        assert_eq!(slow.part(900.0, 0.01), None);
+        assert_eq!(slow.part(913.0, 0.02), None);
+        let time = slow.part(950.0, 0.06).unwrap();
+        assert_eq!(time.waves, 1000);
+        assert!((time.milliseconds - 1000.0).abs() < 1e-9);
+
+        // A frame in a few parts: the second is measured, its first part included.
+        let mut between = FirstFrames::new(4096, 4096);
+        assert_eq!(between.part(900.0, 0.5), None);
+        assert_eq!(between.whole(910.0), None);
+        assert_eq!(between.part(13.0, 0.5), None);
+        assert_eq!(between.whole(26.0).unwrap().milliseconds, 26.0);
     }
 }

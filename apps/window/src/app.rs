@@ -1,8 +1,9 @@
 //! The window's whole state, and its event loop.
 
-use super::adapt::{Control, SCALES, step_of};
+use super::adapt::{Control, FirstFrames, LEAST_WAVES, SCALES, WaveTime, step_of};
 use super::display::Connection;
 use super::ears::Ears;
+use super::fields::Fields;
 use super::files::Files;
 use super::follower::{Before, Coming, Follower};
 use super::keys::{PressedKeys, action};
@@ -11,7 +12,7 @@ use super::mouse::Mouse;
 use super::overlay::Plan;
 use super::report::{Recorder, Report};
 use super::sound::{SoundStatus, Speaker};
-use super::state::{Choices, InFull};
+use super::state::{Choices, InFull, Measured};
 use super::window::DemoWindow;
 use super::{DemoError, DemoOptions, overlay};
 use echomarch::picture::{Drawn, View};
@@ -83,6 +84,19 @@ pub(super) struct App {
     pub scale_step: usize,
     pub scale_control: Control,
     pub wave_control: Control,
+    /// What the first frames of waves measure or have measured.
+    pub measured: Option<Measured>,
+    /// The first frames of waves, until they have decided the number of waves.
+    pub first_frames: Option<FirstFrames>,
+    /// The time of a frame of waves, as the first frames foretold it.
+    pub wave_time: Option<WaveTime>,
+    /// The number of waves that is traced if it fits the frame time.
+    pub asked_waves: u32,
+    /// The minimum of an adaptive number of waves.
+    pub least_waves: u32,
+    pub fields: Fields,
+    /// Whether the cost of the present scene's fields must be measured.
+    pub fields_are_due: bool,
     pub latency: Latency,
     pub recorder: Recorder,
     pub speaker: Speaker,
@@ -146,6 +160,13 @@ impl App {
             scale_step: SCALES.len() - 1,
             scale_control: Control::default(),
             wave_control: Control::default(),
+            measured: None,
+            first_frames: None,
+            wave_time: None,
+            asked_waves: options.settings.waves,
+            least_waves: LEAST_WAVES,
+            fields: Fields::default(),
+            fields_are_due: true,
             latency: Latency::default(),
             recorder: Recorder::default(),
             sound: speaker.status(),

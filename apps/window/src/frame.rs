@@ -1,7 +1,7 @@
 //! One frame, part by part: setup, waves, picture, panels, swap.
 
 use super::DemoError;
-use super::adapt::{MOST_WAVES, SCALES, scale_costs, step_of, wave_ladder};
+use super::adapt::{SCALES, SHARE_OF_WAVES, scale_costs};
 use super::app::{App, Stage};
 use super::error::sentence;
 use super::overlay::{self, HudState};
@@ -14,15 +14,8 @@ use std::time::{Duration, Instant};
 
 /// Number of frames between two sets of paths.
 const PATHS_EVERY: u64 = 6;
-/// The share of a frame's time spent on waves if a whole frame of waves does not fit.
-const SHARE_OF_WAVES: f64 = 0.4;
 /// The number of recent frames from which it is decided whether waves fit.
 const FRAMES_LOOKED_AT: usize = 10;
-/// Waves that take more than this multiple of the frame time are reported.
-const TOO_LONG: f64 = 2.0;
-/// Number of consecutive frames that must exceed `TOO_LONG`: the first frame compiles shaders, and any frame may be
-/// delayed.
-const TOO_OFTEN: u32 = 30;
 /// How long a message is shown.
 const MESSAGE: Duration = Duration::from_secs(4);
 /// Number of frames shown in the panels.
@@ -168,6 +161,7 @@ impl App {
         if !is_marching {
             self.collect(stage, is_due, times)?;
         }
+        self.measure_new();
         let tracing = Instant::now();
         if is_due && !is_marching || is_marching && is_stale {
             self.latency.trace_begins(tracing);
@@ -185,6 +179,8 @@ impl App {
         }
         if let Some(spent) = stage.tracer.frame_marching_for() {
             self.on_waves = self.on_waves.max(spent);
+            let share = stage.tracer.frame_share_marched().unwrap_or_default();
+            self.part_traced(spent, share);
         }
         if stage.window.gl.context().is_software() {
             // Otherwise the graphics card measures the time, which is read when the frame is collected.
@@ -235,6 +231,7 @@ impl App {
             times.waves += spent.initialise + spent.march + spent.pan;
         }
         times.read_back += spent.read_back;
+        self.frame_traced(self.on_waves);
         let seconds = self.seconds();
         self.recorder
             .heard(&frame, self.under_way.profile(), seconds);
@@ -262,6 +259,7 @@ impl App {
     ) -> Result<(), DemoError> {
         let drawing = Instant::now();
         self.hear();
+        self.follow_fields();
         self.message.take_if(|(_, at)| at.elapsed() > MESSAGE);
         let renderer = stage.window.gl.context().renderer().to_owned();
         let refusal = self.refusal().map(str::to_owned);
@@ -274,6 +272,8 @@ impl App {
             times: self.recorder.last(FRAMES_SHOWN),
             target: self.options.frame_milliseconds,
             drawn: self.drawn,
+            more_waves_asked: self.more_waves_asked(),
+            fields: self.fields.cost(),
             window: size,
             latency: self.latency.parts(),
             sound: &self.sound,
@@ -345,20 +345,12 @@ impl App {
 
     /// Chooses the picture's scale and, if requested, the number of waves for the next frames.
     fn adapt(&mut self, times: FrameTimes) {
-        let target = self.options.frame_milliseconds;
         let every = self.choices.trace_every.max(1) as usize;
         let last = self.recorder.last(every);
         let mean_of = |of: fn(&FrameTimes) -> f64| mean(last.iter().map(of)).unwrap_or(0.0);
         let (work, others) = (mean_of(|t| t.work), mean_of(without_waves));
         let on_waves = self.on_waves;
-        let is_late = on_waves > TOO_LONG * target && !self.choices.adapt_waves;
-        self.late = if is_late { self.late + 1 } else { 0 };
-        if self.late >= TOO_OFTEN && self.message.is_none() {
-            self.late = 0;
-            self.say(format!(
-                "the waves take {on_waves:.0} ms: T adapts their number to the frame time, [ halves it"
-            ));
-        }
+        self.watch_waves();
         // Only one of the two is changed at a time: the other must be measured again afterwards.
         if self.adapt_picture(work, times.picture) {
             self.wave_control.forget();
@@ -377,24 +369,6 @@ impl App {
         self.scale_control.add(work, on_picture);
         self.scale_step = self.scale_control.choose(&scale_costs(), before, target);
         self.scale_step != before
-    }
-
-    /// Adapts the number of waves; returns whether it changed. `on_waves` is the average time per frame in milliseconds
-    /// of waves traced in one piece, and `others` the time of all other work.
-    fn adapt_waves(&mut self, others: f64, on_waves: f64) -> bool {
-        if !self.choices.adapt_waves {
-            return false;
-        }
-        let ladder = wave_ladder(MOST_WAVES);
-        let costs: Vec<f64> = ladder.iter().map(|&waves| f64::from(waves)).collect();
-        let before = step_of(&ladder, self.choices.settings.waves);
-        let target = self.options.frame_milliseconds;
-        // The remaining time is reserved for the picture, which every movement draws again.
-        let others = others.max((1.0 - SHARE_OF_WAVES) * target);
-        self.wave_control.add(others + on_waves, on_waves);
-        let chosen = self.wave_control.choose(&costs, before, target);
-        self.choices.settings.waves = ladder[chosen];
-        chosen != before
     }
 }
 

@@ -32,6 +32,7 @@ mod app;
 mod display;
 mod ears;
 mod error;
+mod fields;
 mod files;
 mod follower;
 mod frame;
@@ -48,6 +49,7 @@ mod scenes;
 mod sound;
 mod state;
 mod summary;
+mod waves;
 mod window;
 
 pub use echomarch_walk::{BODY, EarsStatus, MoveInput, Walker};

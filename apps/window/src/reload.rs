@@ -66,6 +66,7 @@ impl App {
                 }
                 self.paths.forget();
                 self.begins_anew = true;
+                self.measure_again();
                 self.has_reread(None);
             }
             Err(error) => self.refuse(sentence(&error)),

@@ -2,6 +2,7 @@
 
 use super::latency::Parts;
 use super::sound::SoundStatus;
+use echomarch::internals::fields_cost::FieldsCost;
 use echomarch::internals::sampling::{median, quantiles};
 use echomarch::response::HeardSource;
 use echomarch::tracer::{Counts, Frame, Profile};
@@ -68,6 +69,10 @@ pub struct FrameLine<'a> {
     pub heard: Option<&'a PanAt>,
     /// Waves in a frame.
     pub waves: u32,
+    /// The number of waves that would be traced if it fitted the frame time; none if all are.
+    pub more_waves_asked: Option<u32>,
+    /// The cost of the scene's marched fields; none without fields, and until it is measured.
+    pub fields: Option<&'a FieldsCost>,
     /// Whether the number of waves follows the frame time.
     pub adapts_waves: bool,
     /// The name or file that the scene was loaded by.
@@ -131,6 +136,10 @@ pub struct Report {
     pub profile: String,
     /// Waves in a frame at the end.
     pub waves: u32,
+    /// The number of waves that would have been traced at the end if it had fitted the frame time; none if all were.
+    pub more_waves_asked: Option<u32>,
+    /// The cost of the scene's marched fields; none without fields, or if it was not measured.
+    pub fields: Option<FieldsCost>,
     /// Whether the number of waves followed the frame time at the end.
     pub adapts_waves: bool,
     /// Iterations at the end.

@@ -95,7 +95,7 @@ impl App {
         self.heard = None;
         self.begins_anew = true;
         self.scale_control.forget();
-        self.wave_control.forget();
+        self.measure_again();
     }
 
     /// Sets a named value; a value that the scene rejects changes nothing.

@@ -14,6 +14,24 @@ pub struct InFull {
     pub has_bands: bool,
 }
 
+/// What the time of a frame of waves depends on, apart from their number where it adapts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measured {
+    pub scene: String,
+    pub profile: Profile,
+    pub iterations: u32,
+    /// The number of waves, if it is fixed.
+    pub fixed: Option<u32>,
+}
+
+impl Measured {
+    /// Whether both differ at most in the number of waves.
+    pub fn is_of_march(&self, other: &Measured) -> bool {
+        let march = |of: &Measured| (of.profile, of.iterations);
+        self.scene == other.scene && march(self) == march(other)
+    }
+}
+
 /// The present choices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choices {

@@ -1,6 +1,7 @@
 //! The meters: levels left and right, the pan, the waves by fate, and the latency.
 
 use super::{HudState, style};
+use echomarch::internals::fields_cost::FieldsCost;
 use egui::{Color32, CornerRadius, Pos2, Rect, Sense, Ui, Vec2};
 
 /// Height of a meter in points.
@@ -100,6 +101,11 @@ pub fn heard(ui: &mut Ui, hud: &HudState) {
         let text = count.map_or("–".to_owned(), |count| count.to_string());
         style::row(ui, name, text);
     }
+    let percent = |cost: &FieldsCost| format!("{:.0} %", cost.shown_percent());
+    let evaluations = |cost: &FieldsCost| format!("{:.1}", cost.evaluations_per_flight);
+    let of = |value: Option<String>| value.unwrap_or("–".to_owned());
+    style::row(ui, "fields, of the frame", of(hud.fields.map(percent)));
+    style::row(ui, "evaluations a flight", of(hud.fields.map(evaluations)));
     ui.separator();
     latency(ui, hud);
 }

@@ -19,6 +19,7 @@ use super::latency::Parts;
 use super::report::FrameTimes;
 use super::sound::SoundStatus;
 use super::state::Choices;
+use echomarch::internals::fields_cost::FieldsCost;
 use echomarch::picture::Drawn;
 use echomarch::tracer::{Frame, Wave};
 use echomarch_walk::{EarsStatus, World};
@@ -107,6 +108,10 @@ pub struct HudState<'a> {
     pub target: f64,
     /// The picture as drawn last.
     pub drawn: Drawn,
+    /// The number of waves that would be traced if it fitted the frame time; none if all are.
+    pub more_waves_asked: Option<u32>,
+    /// The cost of the scene's marched fields; none without fields, and until it is measured.
+    pub fields: Option<&'a FieldsCost>,
     /// The window's size in pixels.
     pub window: [u32; 2],
     /// Latency from a key to the ear.

@@ -95,6 +95,8 @@ fn laid_out(
             size: moment.drawn,
             ..Drawn::default()
         },
+        more_waves_asked: moment.heard.map(|_| 1 << 20),
+        fields: None,
         window: size,
         latency: Parts::default(),
         sound: &sound,

@@ -38,7 +38,11 @@ pub fn draw(ui: &mut Ui, hud: &HudState, chosen: &Choices) {
     };
     let [width, height] = hud.drawn.size;
     let picture = format!("{width:>5}×{height:<5}");
-    let waves = format!("{:>11}", chosen.settings.waves);
+    let waves = match hud.more_waves_asked {
+        None => chosen.settings.waves.to_string(),
+        Some(asked) => format!("{} of {asked}", chosen.settings.waves),
+    };
+    let waves = format!("{waves:>17}");
     ui.horizontal(|ui| {
         ui.label(
             RichText::new(format!("{fps:3.0} fps"))
