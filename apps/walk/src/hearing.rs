@@ -350,7 +350,7 @@ mod tests {
         assert_eq!(after(8192, 2.0 * LOOK_S), 4096);
         assert_eq!(after(2048, 0.5 * LOOK_S), 4096);
         assert_eq!(after(2048, 0.0), MOST_WAVES);
-        assert_eq!(after(MOST_WAVES, 4.0), MOST_WAVES / 4);
+        assert_eq!(after(MOST_WAVES, 4.0), LEAST_LATE_WAVES);
         assert_eq!(after(2048, 1.5), LEAST_LATE_WAVES);
         assert_eq!(after(1024, 4.0), 256);
         assert_eq!(after(1024, 600.0), LEAST_WAVES);
