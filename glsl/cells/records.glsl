@@ -2,6 +2,15 @@
 // loop from record to record. CELL_VECTOR and CELL_AXES are the vector type and the components of the
 // axes along which cells have ends.
 
+// Distance by which rounding may move the entry into a box, as a share of a cell: a quarter of the margin with which the
+// lists are built.
+const float WITHIN_PAD = 2.5e-4;
+
+// The object where a march of one surface has reached its step limit.
+const float UNDECIDED = -1.0;
+
+int fieldSteps = 0;   // evaluations left for the marches of single surfaces in this flight
+
 // A line through a grid (Amanatides and Woo 1987). The line crosses face n of an axis at n *
 // between + offset metres: unlike a running sum, a product does not drift.
 struct GridLine {

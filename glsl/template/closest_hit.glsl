@@ -6,6 +6,6 @@ float closestHit(vec3 p, vec3 d, float last, float limit, out float object) {
     float nearest = @first@;
     object = 0.0;
 @surfaces@
-    return nearest;
+    return @result@;
 }
 

@@ -9,7 +9,7 @@
 //!
 //! A distance from outside the grid uses *groups* of surfaces instead (`members.rs`).
 //!
-//! Lines are intersected with each kind separately if it has a closed form (`kinds.rs`).
+//! Profile `hybrid` looks for the hit of a line in each kind separately (`kinds.rs`).
 //!
 //! By measurement, uniform cells are faster than a list of all surfaces (the same code with one cell) and than
 //! unrolled text: see docs/benchmarks/surfaces-llvmpipe.md. Lists are kept from frame to frame: moved surfaces are
@@ -37,6 +37,8 @@ pub(super) const ENDLESS: f64 = 1e9;
 pub struct Cells {
     /// Axes along which cells are infinite.
     unbounded_axes: [bool; 3],
+    /// Whether a cell lists every surface whose box, in the surface's own axes, reaches into it.
+    by_boxes: bool,
     grid: Grid,
     /// The surfaces in the cells, in their state when the lists were built.
     known: Vec<Member>,
@@ -57,7 +59,7 @@ struct Candidates {
 /// The requested kind of lists.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Lists {
-    /// Surfaces that a line through the cell can hit, with separate cells for each kind that has a closed form.
+    /// Surfaces that a line through the cell can hit, with separate cells for each kind.
     #[default]
     Lines,
     /// Surfaces that a line through the cell can hit.
@@ -69,12 +71,27 @@ pub enum Lists {
 impl Cells {
     /// Builds the cells of these surfaces.
     pub fn new(scene: &Scene, surfaces: &[usize], unbounded_axes: [bool; 3]) -> Cells {
+        Cells::build(scene, surfaces, unbounded_axes, false)
+    }
+
+    /// Builds the cells of the boxes around these surfaces.
+    pub fn of_boxes(scene: &Scene, surfaces: &[usize], unbounded_axes: [bool; 3]) -> Cells {
+        Cells::build(scene, surfaces, unbounded_axes, true)
+    }
+
+    fn build(
+        scene: &Scene,
+        surfaces: &[usize],
+        unbounded_axes: [bool; 3],
+        by_boxes: bool,
+    ) -> Cells {
         let member = |&index: &usize| Member::new(index as u32, &scene.surfaces[index]);
         let known: Vec<Member> = surfaces.iter().map(member).collect();
         let inner = hull(&known, unbounded_axes);
         let grid = Grid::around(inner, known.len(), unbounded_axes);
         let mut cells = Cells {
             unbounded_axes,
+            by_boxes,
             grid,
             known,
             overlapping: vec![Vec::new(); grid.cells()],
@@ -121,7 +138,7 @@ impl Cells {
     fn renew(&mut self, scene: &Scene) {
         let had_near = self.near.is_some();
         let surfaces: Vec<usize> = self.known.iter().map(|m| m.index as usize).collect();
-        *self = Cells::new(scene, &surfaces, self.unbounded_axes);
+        *self = Cells::build(scene, &surfaces, self.unbounded_axes, self.by_boxes);
         if had_near {
             self.make_near();
         }
@@ -180,7 +197,7 @@ impl Cells {
 
     fn put(&mut self, place: usize) {
         for (cell, bounds) in self.touched(place) {
-            if self.known[place].reaches_into(bounds, self.unbounded_axes) {
+            if self.known[place].reaches_into(bounds, self.unbounded_axes, self.by_boxes) {
                 let list = &mut self.overlapping[cell];
                 let at = list.partition_point(|&other| (other as usize) < place);
                 list.insert(at, place as u32);

@@ -5,11 +5,12 @@
 //! loses no precision. Box faces that another solid covers are extended into that solid, so that
 //! rounding at the seam cannot open a gap between the two (`covered_faces.rs`).
 
+use super::cells::ENDLESS;
 use super::covered_faces::extend_covered_faces;
 use super::layout::Layout;
 use crate::scene::shape::{Cuboid, Cylinder, Room, Sphere};
 use crate::scene::{Listener, Node, ROUNDING, Scene, Shape, Surface};
-use glam::{Quat, Vec3, Vec4};
+use glam::{DVec3, Quat, Vec3, Vec4};
 
 /// The conversion from world coordinates to a shader's coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -117,6 +118,27 @@ impl RebasedScene {
             true,
             values,
         );
+    }
+
+    /// The box around a surface (by its index) in the surface's own axes: its middle in the shader's
+    /// coordinates; half its size, and the rounding error of the distance to the surface. If one end of an
+    /// axis is infinite, both are, about the surface's position.
+    pub(super) fn box_around(&self, index: usize) -> [Vec4; 2] {
+        let surface = &self.surfaces[index];
+        let bounds = surface.shape.properties().bounds;
+        let rotation = surface.rotation.as_dquat().normalize();
+        let (middle, half) = match bounds.is_empty() {
+            true => (DVec3::ZERO, DVec3::ZERO),
+            false => (bounds.middle(), bounds.half_size()),
+        };
+        let ends = half.cmplt(DVec3::splat(ENDLESS));
+        let middle = DVec3::select(ends, middle, DVec3::ZERO);
+        let half = half.min(DVec3::splat(ENDLESS)).as_vec3();
+        let place = surface.position.as_dvec3() + rotation * middle;
+        [
+            place.as_vec3().extend(0.0),
+            half.extend(self.error_bounds[index]),
+        ]
     }
 
     /// Maximum rounding error of the distance to a surface (numbered from 1), in metres.

@@ -22,11 +22,16 @@
 //! in its first component, the index of a list). This vector is omitted if the first vector of the
 //! values has an unused component: for a box, and for an infinite pillar, whose height has no
 //! meaning.
+//!
+//! The record of a marched surface begins with its box, in the surface's own axes: the box's middle in the
+//! shader's coordinates, and the tag; half its size, and the rounding error of the distance to the surface. An
+//! infinite box has its middle at the surface's position.
 
 use super::cells::{Cells, ENDLESS, Group, Lists, SceneCells};
 use super::layout::{GRID_VECTORS, Layout};
 use super::origin_rebasing::{RebasedScene, rounding_of, value_count};
 use super::structure::Assets;
+use super::text::is_marched;
 use crate::scene::{Node, Surface};
 use glam::{DVec3, UVec3, Vec3, Vec4};
 
@@ -150,11 +155,11 @@ impl Writer<'_> {
                 let number = number(index as usize);
                 values.clear();
                 self.rebased.push_data(index as usize, &mut values);
-                record.push(
-                    if is_last { number } else { -number },
-                    &values,
-                    &mut records,
-                );
+                let tag = if is_last { number } else { -number };
+                if record.has_box {
+                    values.splice(0..0, self.rebased.box_around(index as usize));
+                }
+                record.push(tag, &values, &mut records);
             }
             match list.len() {
                 0 => (),
@@ -233,9 +238,14 @@ fn number(index: usize) -> f32 {
     (index + 1) as f32
 }
 
+/// Vectors of the box in the record of a marched surface.
+pub const BOX_VECTORS: usize = 2;
+
 /// The layout of a record: the positions of the tag and of the values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Record {
+    /// Whether the surface's box precedes the values.
+    pub has_box: bool,
     /// Whether the tag has a vector of its own.
     pub has_head: bool,
     /// The component of the first vector that is the tag.
@@ -247,13 +257,16 @@ pub struct Record {
 impl Record {
     /// The record of a surface's kind.
     pub fn of(surface: &Surface) -> Record {
+        let has_box = is_marched(surface);
         let free = match surface.shape.node {
+            _ if has_box => Some(3),
             Node::Cuboid(_) => Some(3),
             Node::Cylinder(_) if !surface.has_rotation() => Some(1),
             _ => None,
         };
-        let values = value_count(surface, true);
+        let values = value_count(surface, true) + if has_box { BOX_VECTORS } else { 0 };
         Record {
+            has_box,
             has_head: free.is_none(),
             tag: free.unwrap_or(1),
             vectors: values + usize::from(free.is_none()),

@@ -63,6 +63,8 @@ pub(super) struct Loops {
     /// The values of the fields without a closed form, and the gradient of one; `None` without such
     /// fields.
     pub other_fields: Option<u64>,
+    /// The value of the surface of a kind that is marched alone; `None` without such kinds.
+    pub kind_fields: Option<u64>,
     /// Intersecting a line with closed forms, except traversals with a step limit.
     pub line: u64,
     /// One step of a traversal that has a step limit.
@@ -85,6 +87,8 @@ pub(super) struct StructureTurns {
     unrolled_hits: u64,
     /// One intersection of each kind.
     kind_hits: Vec<u64>,
+    /// One step of a march of each kind without a closed form.
+    kind_steps: Vec<Option<u64>>,
     copy_step: u64,
     projection: u64,
     unrolled: u64,
@@ -115,6 +119,7 @@ impl StructureTurns {
             other_fields: FieldTurns::of(text, Marched::Others),
             unrolled_hits: closed.map(hit).sum(),
             kind_hits: text.instanced.iter().map(hit).collect(),
+            kind_steps: text.instanced.iter().map(step_alone).collect(),
             copy_step: text.all().map(step).max().unwrap_or(0),
             projection: text.all().map(projection).max().unwrap_or(0),
             unrolled: text.unrolled.len() as u64,
@@ -138,8 +143,20 @@ impl StructureTurns {
         let kind_hits = cells
             .map_or(&[][..], SceneCells::kinds)
             .iter()
-            .map(|(kind, cells)| cells.records_on_line(lists) * (1 + self.kind_hits[*kind]));
+            .map(|(kind, cells)| {
+                // Each record of a marched kind may end the loop that looks for the next surface.
+                let per_record = match self.kind_steps[*kind] {
+                    Some(_) => 2,
+                    None => 1 + self.kind_hits[*kind],
+                };
+                cells.records_on_line(lists) * per_record
+            });
+        let marched = cells
+            .map_or(&[][..], SceneCells::kinds)
+            .iter()
+            .filter_map(|(kind, _)| self.kind_steps[*kind]);
         Loops {
+            kind_fields: marched.max(),
             distance: self.unrolled_values + listed(self.kind_values).max(outside),
             directed: in_list,
             all_fields: self.all_fields.as_ref().map(fields),
@@ -152,20 +169,30 @@ impl StructureTurns {
     }
 }
 
+/// Turns of one step of a march: it evaluates the value or the bound along the line.
+fn of_step(named: &Named) -> u64 {
+    let bounds = named.field().filter(|field| is_bounded(field));
+    named.field().map_or(0, of_value) + bounds.map_or(0, leaps)
+}
+
+/// Turns of one step of a march of one surface of a kind, if the kind has no closed form.
+fn step_alone(named: &Named) -> Option<u64> {
+    let is_marched = Marched::Others.takes(named);
+    is_marched.then(|| of_step(named) + named.field().map_or(0, of_value))
+}
+
 impl FieldTurns {
-    /// The turns of the marched fields, if there are any.
+    /// The turns of the fields that are marched together, if there are any.
     fn of(text: &Text, marched: Marched) -> Option<FieldTurns> {
         let value = |named: &Named| named.field().map_or(0, of_value);
-        // A step of a march evaluates the value or the bound along the line.
-        let step = |named: &Named| {
-            let bounds = named.field().filter(|field| is_bounded(field));
-            value(named) + bounds.map_or(0, leaps)
-        };
+        let step = of_step;
         if !text.marches(marched) {
             return None;
         }
         let unrolled = || text.unrolled.iter().filter(|named| marched.takes(named));
-        let instanced = text.instanced.iter().filter(|named| marched.takes(named));
+        let in_cells = text.marches_kinds(marched);
+        let takes = |named: &&Named| in_cells && marched.takes(named);
+        let instanced = text.instanced.iter().filter(takes);
         let of_kind = instanced.map(step).max();
         let gradient = unrolled().map(value).max().max(of_kind);
         Some(FieldTurns {
@@ -327,8 +354,10 @@ fn hybrid(loops: &Loops, asked: u32) -> Budget {
         turns => held(MAX_COPY_STEPS, left, turns),
     };
     let traversals = copy_steps * loops.copy_step;
-    let (field_steps, field_turns) =
-        field_steps(loops.other_fields, left.saturating_sub(traversals));
+    // Fields that are marched together, and surfaces that are marched alone, have this number of steps each.
+    let fields = loops.other_fields.into_iter().chain(loops.kind_fields);
+    let fields = fields.reduce(|a, b| a + FIELD_TURNS + b);
+    let (field_steps, field_turns) = field_steps(fields, left.saturating_sub(traversals));
     let objects = 1 + loops.unrolled;
     let work = Work {
         turns: rest - 1 + traversals + field_steps * (FIELD_TURNS + field_turns),

@@ -1,8 +1,9 @@
 //! All cells of a scene, in the form that a profile's passes read.
 //!
-//! If lines are intersected in closed form, each kind has separate cells: a loop over them tests
-//! only one shape, and the size of the cells suits the density of that kind. All other surfaces
-//! share cells.
+//! If lines are intersected with one surface after another, each kind has separate cells: a loop over them
+//! tests only one shape, and the size of the cells suits the density of that kind. A marched kind is listed
+//! by the boxes around its surfaces, which a line enters before it can hit one of them. Where all surfaces are
+//! looked at together, they share cells.
 
 use super::{Cells, Lists};
 use crate::scene::Scene;
@@ -26,10 +27,16 @@ impl SceneCells {
         if !layout.has_cells() {
             return None;
         }
-        let is_own = |kind: usize| has_own_cells(scene, layout, which, kind);
+        let is_own = |_: usize| which == Lists::Lines;
         let axes = layout.unbounded_axes;
         let own = (0..layout.instanced.len()).filter(|&kind| is_own(kind));
-        let cells = |kind| Cells::new(scene, &layout.surfaces_of(|k| k == kind), axes);
+        let cells = |kind: usize| {
+            let surfaces = layout.surfaces_of(|k| k == kind);
+            match is_marched(&scene.surfaces[layout.instanced[kind]]) {
+                true => Cells::of_boxes(scene, &surfaces, axes),
+                false => Cells::new(scene, &surfaces, axes),
+            }
+        };
         let others = layout.surfaces_of(|kind| !is_own(kind));
         let mut lists = (!others.is_empty()).then(|| Cells::new(scene, &others, axes));
         if let Some(lists) = &mut lists {
@@ -69,9 +76,4 @@ impl SceneCells {
     pub fn which(&self) -> Lists {
         self.which
     }
-}
-
-/// Whether a kind has separate cells.
-fn has_own_cells(scene: &Scene, layout: &Layout, which: Lists, kind: usize) -> bool {
-    which == Lists::Lines && !is_marched(&scene.surfaces[layout.instanced[kind]])
 }

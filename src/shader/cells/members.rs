@@ -42,8 +42,20 @@ impl Member {
         })
     }
 
-    pub fn reaches_into(&self, bounds: Bounds3, unbounded_axes: [bool; 3]) -> bool {
-        self.least_distance(bounds, unbounded_axes) <= radius(bounds, unbounded_axes)
+    /// Whether its solid, or the box around it, reaches into a box, as far as distances from the middle show.
+    pub fn reaches_into(&self, bounds: Bounds3, unbounded_axes: [bool; 3], by_boxes: bool) -> bool {
+        let distance = match by_boxes && unbounded_axes == [false; 3] {
+            true => self.box_distance(bounds.middle()),
+            false => self.least_distance(bounds, unbounded_axes),
+        };
+        distance <= radius(bounds, unbounded_axes)
+    }
+
+    /// The distance of a point from the box around the surface, in the surface's own axes.
+    fn box_distance(&self, point: DVec3) -> f64 {
+        let rotation = self.surface.rotation.as_dquat().normalize();
+        let own = rotation.inverse() * (point - self.surface.position.as_dvec3());
+        self.surface.shape.properties().bounds.distance(own)
     }
 
     /// A lower bound of the surface's distance from the centre of a box.

@@ -1,11 +1,12 @@
 //! Intersections of a line with each surface in closed form; only fields without a closed form are
 //! marched.
 //!
-//! Each unrolled surface has its own lines of text. Each kind with its own cells has a loop over
-//! their records (`shader/scene_data.rs`).
+//! Each unrolled surface has its own lines of text. Each kind in cells has a loop over their records
+//! (`shader/scene_data.rs`). A kind without a closed form is marched, one surface after another: the records
+//! contain the boxes around the surfaces, and only a surface whose box the line enters is marched.
 
 use super::field::{gradient_text, hit_text, normal_text, value_text};
-use super::fields_ahead::fields_ahead;
+use super::fields_ahead::{ahead_alone, fields_ahead, functions_alone, march_alone, march_parts};
 use super::link::{Part, fill, source};
 use super::reflect::reflect_text;
 use super::scene_text::{ListenerText, Text};
@@ -19,7 +20,7 @@ use std::fmt::Write;
 /// scene, and of `marchFields(p, d, last, limit, object, limitReached)` for its fields without a
 /// closed form.
 pub fn closed_form_parts(text: &Text, listener: ListenerText) -> Vec<Part> {
-    let marched = |named: &Named| Marched::Others.takes(named);
+    let marched = |named: &Named| Marched::Others.takes(named) && !named.is_data();
     let mut parts = text.parts();
     text.add_fields(&mut parts, |named| named.has_closed_form(), hit_text);
     text.add_fields(&mut parts, marched, value_text);
@@ -28,6 +29,10 @@ pub fn closed_form_parts(text: &Text, listener: ListenerText) -> Vec<Part> {
     text.add(&mut parts, "the grids of kinds", grids_text(text));
     let functions = closest_of_kinds(text) + &closest_hit(text, listener) + &reflect_text(text);
     text.add(&mut parts, "the scene", functions);
+    if text.instanced.iter().any(|kind| !kind.has_closed_form()) {
+        text.add(&mut parts, "the marched kinds", marched_kinds(text));
+        parts.extend(march_parts());
+    }
     parts.extend(fields_ahead(text, Marched::Others));
     parts
 }
@@ -59,8 +64,17 @@ fn closest_hit(text: &Text, listener: ListenerText) -> String {
     for named in limited {
         surfaces += &candidate(named);
     }
+    let result = match text.instanced.iter().all(Named::has_closed_form) {
+        true => "nearest",
+        false => "object < 0.0 ? GIVEN_UP : nearest",
+    };
     let skeleton = source!("template/closest_hit.glsl");
-    fill(&skeleton, &[("first", first), ("surfaces", &surfaces)])
+    let texts = [
+        ("first", first),
+        ("surfaces", &surfaces),
+        ("result", result),
+    ];
+    fill(&skeleton, &texts)
 }
 
 fn candidate(named: &Named) -> String {
@@ -84,7 +98,7 @@ fn candidate(named: &Named) -> String {
 
 /// The grids of the kinds, and the axes of their cells.
 fn grids_text(text: &Text) -> String {
-    let kinds = own_kinds(text).count();
+    let kinds = text.instanced.len();
     if kinds == 0 {
         return String::new();
     }
@@ -102,46 +116,86 @@ fn grids_text(text: &Text) -> String {
     )
 }
 
-/// The kinds that have their own cells, with the numbers of the kinds.
-fn own_kinds<'a>(text: &'a Text) -> impl Iterator<Item = (usize, &'a Named<'a>)> {
+/// The kinds with their numbers: those with a closed form, or the marched ones.
+fn kinds<'a>(text: &'a Text, marched: bool) -> impl Iterator<Item = (usize, &'a Named<'a>)> {
     let kinds = text.instanced.iter().enumerate();
-    kinds.filter(|(_, named)| named.has_closed_form())
+    kinds.filter(move |(_, named)| named.has_closed_form() != marched)
 }
 
-/// The calls for all kinds; each call only looks for a hit nearer than those before.
+/// The calls for all kinds; each call only looks for a hit nearer than those before, and so a march is the
+/// last.
 fn kind_calls(text: &Text) -> String {
-    own_kinds(text)
-        .map(|(kind, _)| format!("    closestOfKind{kind}(p, d, last, nearest, object);\n"))
-        .collect()
+    let call = |(kind, _)| format!("    closestOfKind{kind}(p, d, last, nearest, object);\n");
+    let mut calls: String = kinds(text, false).map(call).collect();
+    let marched: String = kinds(text, true).map(call).collect();
+    if !marched.is_empty() {
+        calls.push_str("    fieldSteps = uFieldSteps;\n");
+    }
+    calls + &marched
 }
 
-/// The parts of `closestOfKindN(p, d, last, nearest, object)` for each kind.
+/// The parts of `closestOfKindN(p, d, last, nearest, object)` for each kind with a closed form.
 fn closest_of_kinds(text: &Text) -> String {
-    let kinds = own_kinds(text).enumerate();
-    kinds
-        .map(|(place, (kind, named))| closest_of_kind(named, kind, GRID_VECTORS * place))
+    kinds(text, false)
+        .map(|(kind, named)| closest_of_kind(named, kind))
         .collect()
 }
 
-fn closest_of_kind(named: &Named, kind: usize, grid: usize) -> String {
+/// The parts of `closestOfKindN(p, d, last, nearest, object)` for each kind without a closed form.
+fn marched_kinds(text: &Text) -> String {
+    let vectors = kinds(text, true).map(|(_, named)| named.loaded().value_count());
+    let loaded = (0..vectors.max().unwrap_or(0)).map(|n| format!("vec4 loaded{n} = vec4(0.0);\n"));
+    let declared = loaded.collect::<String>() + "\n";
+    let functions =
+        kinds(text, true).map(|(kind, named)| closest_of_marched_kind(text, named, kind));
+    declared + &functions.collect::<String>()
+}
+
+fn closest_of_marched_kind(text: &Text, named: &Named, kind: usize) -> String {
+    let loaded = named.loaded();
+    let record = Record::of(named.surface);
+    let load: String = (0..loaded.value_count())
+        .map(|n| format!("    {} = {};\n", loaded.value(n), named.value(n)))
+        .collect();
+    let texts = [
+        ("label", named.label.as_str()),
+        ("kind", &kind.to_string()),
+        ("grid", &(GRID_VECTORS * kind).to_string()),
+        ("vectors", &record.vectors.to_string()),
+        ("load", &load),
+        ("field", &ahead_alone(&loaded)),
+        ("point", &named.vector("p - centre.xyz")),
+        ("vector", &named.vector("d")),
+        ("is_left", is_left(named)),
+    ];
+    functions_alone(text, &loaded)
+        + &fill(&source!("template/closest_of_marched_kind.glsl"), &texts)
+        + &march_alone(kind)
+}
+
+/// The condition that the wave does not leave a convex surface.
+fn is_left(named: &Named) -> &'static str {
+    match named.surface.shape.is_convex() {
+        true => " && number != last",
+        false => "",
+    }
+}
+
+fn closest_of_kind(named: &Named, kind: usize) -> String {
     let record = Record::of(named.surface);
     let (vectors, tag) = (record.vectors, record.component());
     let data = if record.has_head { "at + 1" } else { "at" };
     let (of_line, candidate) = record_candidate(named);
-    let is_left = match named.surface.shape.is_convex() {
-        true => " && number != last",
-        false => "",
-    };
     let texts = [
         ("label", named.label.as_str()),
         ("kind", &kind.to_string()),
-        ("grid", &grid.to_string()),
+        ("grid", &(GRID_VECTORS * kind).to_string()),
         ("of_line", of_line),
         ("vectors", &vectors.to_string()),
         ("tag", tag),
         ("data", data),
         ("candidate", &candidate),
-        ("is_left", is_left),
+        ("is_left", is_left(named)),
     ];
     fill(&source!("template/closest_of_kind.glsl"), &texts)
 }

@@ -1,7 +1,8 @@
 //! The fields that are marched: what a march knows of them at a point of its line.
 
 use super::field::{
-    chords_text, free_text, is_bounded, is_known_on_lines, is_smooth_on_lines, line_text,
+    Write, chords_text, free_text, is_bounded, is_known_on_lines, is_smooth_on_lines, line_text,
+    value_text,
 };
 use super::link::{Part, fill, parts, source};
 use super::scene_text::{Text, of_kind};
@@ -13,7 +14,8 @@ pub(super) fn fields_ahead(text: &Text, marched: Marched) -> Vec<Part> {
         return Vec::new();
     }
     let mut all = Vec::new();
-    let takes = |named: &Named| marched.takes(named);
+    let in_cells = text.marches_kinds(marched);
+    let takes = |named: &Named| marched.takes(named) && (in_cells || !named.is_data());
     text.add_fields(&mut all, takes, line_text);
     text.add_fields(
         &mut all,
@@ -25,7 +27,6 @@ pub(super) fn fields_ahead(text: &Text, marched: Marched) -> Vec<Part> {
         |named| takes(named) && named.has_chords(),
         chords_text,
     );
-    let in_cells = text.instanced.iter().any(takes);
     if in_cells {
         text.add(&mut all, "the kinds of fields", kinds(text, marched));
     }
@@ -53,9 +54,63 @@ pub(super) fn fields_ahead(text: &Text, marched: Marched) -> Vec<Part> {
             ],
         ),
     );
-    all.extend(parts(source!("common/ahead.glsl")));
-    all.extend(parts(source!("common/march_fields.glsl")));
+    let march = [
+        ("name", "Fields"),
+        ("given", "last"),
+        (
+            "start",
+            "    findChords(origin, d, ROUNDING * size);\n    float start = freeAtStart(last);\n",
+        ),
+        ("steps", "uFieldSteps"),
+        ("ahead", "fieldsAhead(t, p, d, last, rounding)"),
+        ("taken", ""),
+    ];
+    text.add(&mut all, "the march of the fields", march_text(&march));
+    all.extend(march_parts());
     all
+}
+
+/// What every march calls.
+pub(super) fn march_parts() -> Vec<Part> {
+    let sources = [
+        source!("common/ahead.glsl"),
+        source!("common/march_fields.glsl"),
+    ];
+    sources.into_iter().flat_map(parts).collect()
+}
+
+/// The skeleton of a march, filled with these texts.
+fn march_text(texts: &[(&str, &str)]) -> String {
+    fill(&source!("template/march.glsl"), texts)
+}
+
+/// The statement that adds a surface that is marched alone to what is ahead.
+pub(super) fn ahead_alone(loaded: &Named) -> String {
+    format!("    {{\n{}    }}\n", ahead_of(loaded, "1.0"))
+}
+
+/// The function that marches a surface of a kind alone, which has been loaded.
+pub(super) fn march_alone(kind: usize) -> String {
+    march_text(&[
+        ("name", &kind.to_string()),
+        ("given", "start"),
+        ("start", ""),
+        ("steps", "fieldSteps"),
+        ("ahead", &format!("ahead{kind}(p, d, rounding)")),
+        ("taken", "    fieldSteps -= min(i + 1, stepLimit);\n"),
+    ])
+}
+
+/// The functions of a field that [`ahead_alone`] calls.
+pub(super) fn functions_alone(text: &Text, loaded: &Named) -> String {
+    let mut writes: Vec<Write> = vec![value_text, line_text];
+    if needs_bound(loaded) {
+        writes.push(free_text);
+    }
+    let functions = writes.into_iter();
+    functions
+        .map(|write| text.functions_of(loaded, write))
+        .collect()
 }
 
 /// Whether a lower bound along lines reaches further than the value on the line shows.

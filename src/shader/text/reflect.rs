@@ -44,7 +44,7 @@ pub(super) fn reflect_text(text: &Text) -> String {
             Group::Fields(members) if members.len() == 1 => at_field(members[0]),
             Group::Fields(members) => {
                 let one = representative(&members).selected_field(format!("Group{index}"));
-                out += &text.field_functions(&one);
+                out += &text.functions_of_group(&one);
                 at_fields(&members, &one)
             }
         };

@@ -55,9 +55,15 @@ impl<'a> Text<'a> {
         self.unrolled.iter().chain(&self.instanced)
     }
 
-    /// Whether fields are marched.
+    /// Whether fields are marched together. The kinds of [`Marched::Others`] are marched one surface at a time.
     pub fn marches(&self, marched: Marched) -> bool {
-        self.all().any(|named| marched.takes(named))
+        let unrolled = self.unrolled.iter().any(|named| marched.takes(named));
+        unrolled || self.marches_kinds(marched)
+    }
+
+    /// Whether fields in cells are marched together with all other fields.
+    pub fn marches_kinds(&self, marched: Marched) -> bool {
+        marched == Marched::All && self.instanced.iter().any(|named| marched.takes(named))
     }
 
     /// The parts that every text may call: the library, the users' fields, the values of the surfaces.
@@ -101,9 +107,13 @@ impl<'a> Text<'a> {
     }
 
     /// The functions of a group of fields: gradient and normal.
-    pub fn field_functions(&self, group: &Named) -> String {
-        group.field_functions(field::gradient_text, self.assets)
-            + &group.field_functions(field::normal_text, self.assets)
+    pub fn functions_of_group(&self, group: &Named) -> String {
+        self.functions_of(group, field::gradient_text) + &self.functions_of(group, field::normal_text)
+    }
+
+    /// A function of the field of a surface or of a kind.
+    pub fn functions_of(&self, named: &Named, write: field::Write) -> String {
+        named.field_functions(write, self.assets)
     }
 
     /// The declaration of `uSurfaces`, a variable for each of its vectors, and the function

@@ -46,6 +46,8 @@ enum Values {
     Data,
     /// In variables that hold the values of the surface that a wave hits.
     Selected,
+    /// In variables that hold the values of the surface of a kind that is marched alone.
+    Loaded,
 }
 
 /// The variable that holds a copy of a vector of `uSurfaces`.
@@ -111,6 +113,16 @@ impl<'a> Named<'a> {
         is_fixed.then(|| vectors().into_iter().map(vector).collect())
     }
 
+    /// A surface of the kind, with the values that were loaded from the scene's data.
+    pub fn loaded(&self) -> Named<'a> {
+        Named {
+            surface: self.surface,
+            tag: format!("Loaded{}", self.tag),
+            label: self.label.clone(),
+            values: Values::Loaded,
+        }
+    }
+
     pub fn field(&self) -> Option<&'a Shape> {
         self.surface.shape.field()
     }
@@ -127,18 +139,23 @@ impl<'a> Named<'a> {
 
     /// Number of vectors of its values.
     pub fn value_count(&self) -> usize {
-        value_count(self.surface, self.is_data())
+        value_count(self.surface, self.has_all_numbers())
     }
 
     pub fn is_data(&self) -> bool {
         matches!(self.values, Values::Data)
     }
 
+    /// Whether all numbers of its field are among its values.
+    fn has_all_numbers(&self) -> bool {
+        !matches!(self.values, Values::Uniforms(_))
+    }
+
     /// The parameters of the functions of a kind in addition to the point: the index of its values; or the selected
     /// numbers.
     pub fn data_parameter(&self) -> String {
         match self.values {
-            Values::Uniforms(_) => String::new(),
+            Values::Uniforms(_) | Values::Loaded => String::new(),
             Values::Data => ", int data".to_owned(),
             Values::Selected => self.each_selected(", vec4 "),
         }
@@ -146,14 +163,14 @@ impl<'a> Named<'a> {
 
     pub fn data_argument(&self) -> String {
         match self.values {
-            Values::Uniforms(_) => String::new(),
+            Values::Uniforms(_) | Values::Loaded => String::new(),
             Values::Data => ", data".to_owned(),
             Values::Selected => self.each_selected(", "),
         }
     }
 
     fn each_selected(&self, before: &str) -> String {
-        let vectors = self.first_number()..value_count(self.surface, true);
+        let vectors = self.first_number()..self.value_count();
         vectors
             .map(|n| format!("{before}{}", self.value(n)))
             .collect()
@@ -165,6 +182,7 @@ impl<'a> Named<'a> {
             Values::Uniforms(first) => value_name(first + n),
             Values::Data => format!("sceneData(data + {n})"),
             Values::Selected => format!("selected{n}"),
+            Values::Loaded => format!("loaded{n}"),
         }
     }
 
@@ -204,9 +222,9 @@ impl<'a> Named<'a> {
 
     /// Whether the numbers of each node of the field move: if they are data, all of them do.
     pub fn moving_nodes(&self, field: &Shape) -> Vec<bool> {
-        match self.values {
-            Values::Uniforms(_) => self.surface.moving_nodes(field),
-            Values::Data | Values::Selected => vec![true; field.nodes().len()],
+        match self.has_all_numbers() {
+            true => vec![true; field.nodes().len()],
+            false => self.surface.moving_nodes(field),
         }
     }
 
@@ -224,7 +242,7 @@ impl<'a> Named<'a> {
     fn squared_radius(&self) -> String {
         match self.values {
             Values::Uniforms(first) => squared_radius_name(first),
-            Values::Data | Values::Selected => format!("{0}.w * {0}.w", self.value(0)),
+            _ => format!("{0}.w * {0}.w", self.value(0)),
         }
     }
 
@@ -325,7 +343,7 @@ impl<'a> Named<'a> {
     /// Whether the chords of a line with a marched field are found once for a flight.
     pub fn has_chords(&self) -> bool {
         let has = |field| field::has_chords(field, &self.moving_nodes(field));
-        !self.is_data() && self.field().is_some_and(has)
+        !self.has_all_numbers() && self.field().is_some_and(has)
     }
 
     /// The length over which the line of a wave is free of a marched field.

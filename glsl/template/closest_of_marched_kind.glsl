@@ -1,0 +1,65 @@
+// Loads the values of a surface of @label@.
+void load@kind@(int data) {
+@load@
+}
+
+// What is ahead of p in the direction d on the line of this surface; see fieldsAhead.
+Ahead ahead@kind@(vec3 p, vec3 d, float errorBound) {
+    Ahead ahead = nothingAhead();
+@field@
+    return ahead;
+}
+
+// Finds the line's nearest hit with @label@, if it is nearer than `nearest`. Each surface whose box the line enters
+// before the nearest hit is marched alone, in the cell in which the line enters the box. If a march reaches its step
+// limit, the object is UNDECIDED from where the line enters the box.
+void closestOfKind@kind@(vec3 p, vec3 d, float last, inout float nearest, inout float object) {
+    vec4 origin = uGrids[@grid@];
+    vec4 size = uGrids[@grid@ + 1];
+    CELL_VECTOR strides = uGrids[@grid@ + 4].CELL_AXES;
+    int turns = int(uGrids[@grid@ + 4].w);   // more records than any line visits
+    int first = int(origin.w);
+    int most = int(size.w);
+    vec3 inverse = safeInverse(d);
+    GridLine line = gridLine(p.CELL_AXES, d.CELL_AXES, inverse.CELL_AXES, origin.CELL_AXES, size.CELL_AXES,
+        uGrids[@grid@ + 2].CELL_AXES, uGrids[@grid@ + 3].CELL_AXES);
+    CELL_VECTOR place = line.place;
+    float t = line.enters;
+    float known = min(nearest, line.leaves);
+    float end = known;
+    float errorBound = ROUNDING * largest(p);
+    float early = WITHIN_PAD * least(size.CELL_AXES);
+    int listed = 0;   // the next record of a cell's list, or 0
+    while (turns > 0 && t < end) {
+        float number = 0.0;
+        int data = 0;
+        vec2 chord = NO_CHORD;
+        bool isEntered = false;
+        for (; turns > 0 && t < end && !isEntered; --turns) {
+            int at = listed > 0 ? listed : first + @vectors@ * clamp(int(dot(place, strides)), 0, most);
+            vec4 centre = sceneData(at);
+            vec4 halfSize = sceneData(at + 1);
+            data = at + 2;
+            number = abs(centre.w);
+            vec3 margin = vec3(CHORD_MARGIN * max(errorBound, halfSize.w));
+            chord = chordBox(@point@, @vector@, halfSize.xyz + margin);
+            bool isAhead = chord.x <= chord.y && chord.y > 0.0 && chord.x < end;
+            bool isNew = t <= line.enters || chord.x >= t - early;
+            isEntered = number > 0.0@is_left@ && isAhead && isNew;
+            listed = centre.w < 0.0 ? at + @vectors@ : number > 0.0 ? 0 : int(centre.x);
+            CELL_VECTOR faces = (place + line.ahead) * line.between + line.offset;
+            float next = least(faces);
+            t = listed > 0 ? t : next;
+            place = listed > 0 ? place : nextCell(place, line, faces);
+        }
+        load@kind@(data);
+        float start = max(chord.x, 0.0);
+        float found;
+        bool limitReached;
+        float candidate = march@kind@(p, d, start, isEntered ? min(chord.y, end) : 0.0, found, limitReached);
+        bool isNearer = isEntered && (candidate >= 0.0 || limitReached);
+        end = isNearer ? (limitReached ? start : candidate) : end;
+        object = isNearer ? (limitReached ? UNDECIDED : number) : object;
+    }
+    nearest = end < known ? end : nearest;
+}
