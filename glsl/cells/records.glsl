@@ -9,6 +9,11 @@ const float WITHIN_PAD = 2.5e-4;
 // The object where a march of one surface has reached its step limit.
 const float UNDECIDED = -1.0;
 
+// The line of a surface that is marched alone, in the surface's own axes, from `lineStart` metres on.
+float lineStart = 0.0;
+vec3 lineFrom = vec3(0.0);
+vec3 lineAlong = vec3(0.0);
+
 int fieldSteps = 0;   // evaluations left for the marches of single surfaces in this flight
 
 // A line through a grid (Amanatides and Woo 1987). The line crosses face n of an axis at n *

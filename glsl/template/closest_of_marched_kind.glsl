@@ -1,13 +1,17 @@
-// Loads the values of a surface of @label@.
-void load@kind@(int data) {
+// Loads a surface of @label@, and finds the line from p along d in the surface's own axes, from `start`
+// metres on.
+void load@kind@(int data, vec3 p, vec3 d, float start) {
 @load@
+    lineStart = start;
+    lineFrom = @start@;
+    lineAlong = @along@;
 }
 
-// What is ahead of p in the direction d on the line of this surface; see fieldsAhead.
-Ahead ahead@kind@(vec3 p, vec3 d, float errorBound) {
-    Ahead ahead = nothingAhead();
-@field@
-    return ahead;
+// What is ahead on the line of this surface, t metres from p; the rounding error of the point is errorBound.
+Ahead ahead@kind@(float t, float errorBound) {
+    vec3 q = lineFrom + (t - lineStart) * lineAlong;
+    OnLine field = @field@;
+    return Ahead(field, 1.0, @error_bound@, freeOf(field, @free@), NO_END, NO_END, NO_END);
 }
 
 // Finds the line's nearest hit with @label@, if it is nearer than `nearest`. Each surface whose box the line enters
@@ -52,8 +56,8 @@ void closestOfKind@kind@(vec3 p, vec3 d, float last, inout float nearest, inout 
             t = listed > 0 ? t : next;
             place = listed > 0 ? place : nextCell(place, line, faces);
         }
-        load@kind@(data);
         float start = max(chord.x, 0.0);
+        load@kind@(data, p, d, start);
         float found;
         bool limitReached;
         float candidate = march@kind@(p, d, start, isEntered ? min(chord.y, end) : 0.0, found, limitReached);

@@ -26,6 +26,7 @@ pub use members::Group;
 
 use crate::scene::{Bounds3, Scene};
 use glam::UVec3;
+use grid::{CELLS_A_BOX, CELLS_A_SURFACE};
 use members::{Member, groups, hull, radius};
 use rayon::prelude::*;
 
@@ -88,7 +89,11 @@ impl Cells {
         let member = |&index: &usize| Member::new(index as u32, &scene.surfaces[index]);
         let known: Vec<Member> = surfaces.iter().map(member).collect();
         let inner = hull(&known, unbounded_axes);
-        let grid = Grid::around(inner, known.len(), unbounded_axes);
+        let share = match by_boxes {
+            true => CELLS_A_BOX,
+            false => CELLS_A_SURFACE,
+        };
+        let grid = Grid::around(inner, share * known.len() as f64, unbounded_axes);
         let mut cells = Cells {
             unbounded_axes,
             by_boxes,

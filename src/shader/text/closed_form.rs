@@ -6,7 +6,7 @@
 //! contain the boxes around the surfaces, and only a surface whose box the line enters is marched.
 
 use super::field::{gradient_text, hit_text, normal_text, value_text};
-use super::fields_ahead::{ahead_alone, fields_ahead, functions_alone, march_alone, march_parts};
+use super::fields_ahead::{fields_ahead, functions_alone, march_alone, march_parts, on_own_line};
 use super::link::{Part, fill, source};
 use super::reflect::reflect_text;
 use super::scene_text::{ListenerText, Text};
@@ -154,6 +154,7 @@ fn marched_kinds(text: &Text) -> String {
 fn closest_of_marched_kind(text: &Text, named: &Named, kind: usize) -> String {
     let loaded = named.loaded();
     let record = Record::of(named.surface);
+    let [field, free] = on_own_line(&loaded);
     let load: String = (0..loaded.value_count())
         .map(|n| format!("    {} = {};\n", loaded.value(n), named.value(n)))
         .collect();
@@ -163,7 +164,11 @@ fn closest_of_marched_kind(text: &Text, named: &Named, kind: usize) -> String {
         ("grid", &(GRID_VECTORS * kind).to_string()),
         ("vectors", &record.vectors.to_string()),
         ("load", &load),
-        ("field", &ahead_alone(&loaded)),
+        ("field", &field),
+        ("free", &free),
+        ("error_bound", &loaded.error_bound()),
+        ("start", &loaded.point("p + start * d")),
+        ("along", &loaded.vector("d")),
         ("point", &named.vector("p - centre.xyz")),
         ("vector", &named.vector("d")),
         ("is_left", is_left(named)),

@@ -84,9 +84,13 @@ fn march_text(texts: &[(&str, &str)]) -> String {
     fill(&source!("template/march.glsl"), texts)
 }
 
-/// The statement that adds a surface that is marched alone to what is ahead.
-pub(super) fn ahead_alone(loaded: &Named) -> String {
-    format!("    {{\n{}    }}\n", ahead_of(loaded, "1.0"))
+/// A surface that is marched alone on its line, whose point and direction in the surface's own axes are `q` and
+/// `lineAlong`, and the length that is free of it.
+pub(super) fn on_own_line(loaded: &Named) -> [String; 2] {
+    [
+        loaded.on_line("q", "lineAlong"),
+        loaded.free("q", "lineAlong", "errorBound"),
+    ]
 }
 
 /// The function that marches a surface of a kind alone, which has been loaded.
@@ -96,12 +100,12 @@ pub(super) fn march_alone(kind: usize) -> String {
         ("given", "start"),
         ("start", ""),
         ("steps", "fieldSteps"),
-        ("ahead", &format!("ahead{kind}(p, d, rounding)")),
+        ("ahead", &format!("ahead{kind}(t, rounding)")),
         ("taken", "    fieldSteps -= min(i + 1, stepLimit);\n"),
     ])
 }
 
-/// The functions of a field that [`ahead_alone`] calls.
+/// The functions of a field that [`on_own_line`] calls.
 pub(super) fn functions_alone(text: &Text, loaded: &Named) -> String {
     let mut writes: Vec<Write> = vec![value_text, line_text];
     if needs_bound(loaded) {
@@ -157,8 +161,8 @@ fn ahead_of(named: &Named, object: &str) -> String {
     format!(
         "        OnLine field = {};\n        float free = freeOf(field, {});\n{through}        \
          addField(ahead, {object}, field, free, {});\n",
-        named.on_line("p", "d"),
-        named.free("p", "d", "errorBound"),
+        named.on_line(&named.point("p"), &named.vector("d")),
+        named.free(&named.point("p"), &named.vector("d"), "errorBound"),
         named.error_bound()
     )
 }

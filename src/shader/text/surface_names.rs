@@ -327,16 +327,19 @@ impl<'a> Named<'a> {
         }
     }
 
-    /// A marched field on the line of a wave.
-    pub fn on_line(&self, p: &str, d: &str) -> String {
-        let (point, vector) = (self.point(p), self.vector(d));
+    /// A marched field on a line in the surface's own axes.
+    pub fn on_line(&self, point: &str, vector: &str) -> String {
         match self.field().is_some_and(field::is_known_on_lines) {
             true => format!(
                 "onLine{}({point}, {vector}{})",
                 self.tag,
                 self.data_argument()
             ),
-            false => format!("valueOnLine({})", self.distance(p)),
+            false => format!(
+                "valueOnLine(field{}({point}{}))",
+                self.tag,
+                self.data_argument()
+            ),
         }
     }
 
@@ -346,14 +349,13 @@ impl<'a> Named<'a> {
         !self.has_all_numbers() && self.field().is_some_and(has)
     }
 
-    /// The length over which the line of a wave is free of a marched field.
-    pub fn free(&self, p: &str, d: &str, error_bound: &str) -> String {
+    /// The length over which a line in the surface's own axes is free of a marched field.
+    pub fn free(&self, point: &str, vector: &str, error_bound: &str) -> String {
         let field = self.field();
         if !field.is_some_and(|field| field::is_bounded(field) && !field::is_smooth_on_lines(field))
         {
             return "0.0".to_owned();
         }
-        let (point, vector) = (self.point(p), self.vector(d));
         let error_bound = format!("max({error_bound}, {})", self.error_bound());
         format!(
             "free{}({point}, {vector}, {error_bound}{})",
