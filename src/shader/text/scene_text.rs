@@ -108,7 +108,8 @@ impl<'a> Text<'a> {
 
     /// The functions of a group of fields: gradient and normal.
     pub fn functions_of_group(&self, group: &Named) -> String {
-        self.functions_of(group, field::gradient_text) + &self.functions_of(group, field::normal_text)
+        self.functions_of(group, field::gradient_text)
+            + &self.functions_of(group, field::normal_text)
     }
 
     /// A function of the field of a surface or of a kind.
