@@ -236,12 +236,12 @@ mod tests {
     #[test]
     fn what_is_not_marched_stays() {
         let scene = Scene::builtin("cave").unwrap();
-        let pair = (&scene).chosen().unwrap();
+        let pair = scene.only_pair().unwrap();
         let rest = without_marched(pair, Profile::Hybrid);
         assert_eq!(rest.surfaces.len(), 1);
         assert!(rest.surface_distance(rest.sources[0].position).distance > 0.0);
         let scene = Scene::builtin("corner").unwrap();
-        let pair = (&scene).chosen().unwrap();
+        let pair = scene.only_pair().unwrap();
         assert_eq!(
             without_marched(pair, Profile::Hybrid).surfaces,
             scene.surfaces
