@@ -26,21 +26,26 @@ fn rounding(scene: &Scene) -> f64 {
 
 /// Traces one flight in each profile and compares it with the exact flight.
 pub fn compare(scene: &Scene, directions: &[Vec3], profiles: &[Profile]) {
+    compare_paths(scene, directions, profiles, 1);
+}
+
+/// Traces a number of flights of each wave in each profile and compares their end with that of the exact flights.
+pub fn compare_paths(scene: &Scene, directions: &[Vec3], profiles: &[Profile], count: u32) {
     let exact = ExactScene::new(scene).unwrap();
     let start = scene.sources[0].position.as_dvec3();
     let ear = scene.listeners[0].position.as_dvec3();
     let mut tracer = tracer();
     for &profile in profiles {
-        let settings = Settings::new(profile).with_iterations(1);
+        let settings = Settings::new(profile).with_iterations(count);
         let states = tracer
             .trace_directions(scene, &settings, directions)
             .unwrap();
-        let waves = &states[1];
+        let waves = &states[count as usize];
         let context = |wave: &Wave| format!("{}, {profile}: {wave:?}", scene.name);
         for wave in waves {
             assert_eq!(wave.step_limit_reached, 0, "{}", context(wave));
             let d = wave.start_direction.as_dvec3();
-            let truth = exact.trace(start, d, 1);
+            let truth = exact.trace(start, d, count);
             let place = wave.position.as_dvec3();
             if wave.status < 0.0 && truth.status < 0 {
                 continue;
@@ -56,7 +61,7 @@ pub fn compare(scene: &Scene, directions: &[Vec3], profiles: &[Profile]) {
             // rays then end on either side of it, and the hit still lies on a surface.
             let (one, other) = d.any_orthonormal_pair();
             let aside = [one, -one, other, -other].map(|side| {
-                let twin = exact.trace(start + off * side, d, 1);
+                let twin = exact.trace(start + off * side, d, count);
                 (twin.status, twin.point.distance(truth.point))
             });
             let as_twin = aside.iter().any(|twin| twin.0 == wave.status as i32);

@@ -1,7 +1,7 @@
 //! Marched fields against the exact reference: no wave passes through a solid, no grazing wave is
 //! given up, and both profiles agree, near the listener and far from it.
 
-use crate::common::flights;
+use crate::common::{Random, flights};
 use echomarch::scene::shape::{
     Capsule, Cone, Ellipsoid, HalfSpace, HeightField, Prism, Room, RoundedBox, Torus,
 };
@@ -249,6 +249,63 @@ fn edges_and_parallel_planes_take_few_steps() {
         })
         .collect();
     compare(&scene, &level);
+}
+
+/// A room with 64 tori and 256 rounded boxes at random places and angles, some of which overlap.
+fn tori_and_boxes() -> Scene {
+    let mut random = Random(7);
+    let mut surfaces = vec![Surface::new(Room {
+        size: Vec3::new(20.0, 10.0, 20.0),
+    })];
+    for index in 0..320 {
+        let mut within = |low: f32, high: f32| low + (high - low) * random.unit() as f32;
+        let shape: Shape = match index % 5 {
+            0 => Torus {
+                ring: within(0.3, 0.8),
+                tube: within(0.1, 0.25),
+            }
+            .into(),
+            _ => RoundedBox {
+                size: Vec3::new(within(0.4, 1.0), within(0.4, 1.0), within(0.4, 1.0)),
+                rounding: within(0.02, 0.15),
+            }
+            .into(),
+        };
+        let place = Vec3::new(within(-8.5, 8.5), within(-4.0, 3.5), within(-8.5, 8.5));
+        let turn = Quat::from_axis_angle(random.direction().as_vec3(), 3.0 * random.unit() as f32);
+        surfaces.push(Surface::new(shape).at(place).turned(turn));
+    }
+    Scene::new(
+        "tori and rounded boxes",
+        surfaces,
+        Source::at(Vec3::new(-9.6, 4.7, -9.6)),
+        Listener::at(Vec3::new(9.6, 4.7, 9.6), 0.2),
+    )
+}
+
+/// Protects marched surfaces in cells, which are looked for by the boxes around them: overlapping ones, those that lie
+/// in several cells, and the flights of waves that leave a torus and may hit it again.
+#[test]
+fn marched_surfaces_in_cells_are_hit_as_the_reference_hits_them() {
+    let scene = tori_and_boxes();
+    let directions = Random(9).directions(3000);
+    for flights in [1, 2] {
+        flights::compare_paths(&scene, &directions, &PROFILES, flights);
+    }
+}
+
+/// Protects a room that has few fields of one kind and many of another: the first are marched together, the others one
+/// at a time, and the nearest hit counts.
+#[test]
+fn fields_in_cells_and_others_are_hit_in_their_order() {
+    let mut scene = tori_and_boxes();
+    let capsule = Shape::from(Node::Capsule(Capsule {
+        radius: 0.3,
+        height: 4.0,
+    }));
+    let blended = Shape::smooth_union(0.2, [capsule, torus().scale(0.5)]);
+    scene.surfaces.push(Surface::new(blended));
+    flights::compare(&scene, &Random(11).directions(2000), &PROFILES);
 }
 
 /// Protects surfaces in cells from relaxed steps that end just beyond a cell: the list of surfaces

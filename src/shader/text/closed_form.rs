@@ -6,7 +6,7 @@
 //! contain the boxes around the surfaces, and only a surface whose box the line enters is marched.
 
 use super::field::{gradient_text, hit_text, normal_text, value_text};
-use super::fields_ahead::{fields_ahead, functions_alone, march_alone, march_parts, on_own_line};
+use super::fields_ahead::{fields_ahead, functions_alone, march_alone, on_own_line};
 use super::link::{Part, fill, source};
 use super::reflect::reflect_text;
 use super::scene_text::{ListenerText, Text};
@@ -31,7 +31,6 @@ pub fn closed_form_parts(text: &Text, listener: ListenerText) -> Vec<Part> {
     text.add(&mut parts, "the scene", functions);
     if text.instanced.iter().any(|kind| !kind.has_closed_form()) {
         text.add(&mut parts, "the marched kinds", marched_kinds(text));
-        parts.extend(march_parts());
     }
     parts.extend(fields_ahead(text, Marched::Others));
     parts

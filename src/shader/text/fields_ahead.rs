@@ -4,7 +4,7 @@ use super::field::{
     Write, chords_text, free_text, is_bounded, is_known_on_lines, is_smooth_on_lines, line_text,
     value_text,
 };
-use super::link::{Part, fill, parts, source};
+use super::link::{Part, fill, source};
 use super::scene_text::{Text, of_kind};
 use super::surface_names::{Marched, Named};
 
@@ -66,17 +66,7 @@ pub(super) fn fields_ahead(text: &Text, marched: Marched) -> Vec<Part> {
         ("taken", ""),
     ];
     text.add(&mut all, "the march of the fields", march_text(&march));
-    all.extend(march_parts());
     all
-}
-
-/// What every march calls.
-pub(super) fn march_parts() -> Vec<Part> {
-    let sources = [
-        source!("common/ahead.glsl"),
-        source!("common/march_fields.glsl"),
-    ];
-    sources.into_iter().flat_map(parts).collect()
 }
 
 /// The skeleton of a march, filled with these texts.

@@ -296,7 +296,7 @@ macro_rules! files_of_parts {
 /// All functions of the files, split into parts once.
 static LIBRARY: LazyLock<Vec<Part>> = LazyLock::new(|| {
     let shared = files!(
-        "common": ball beyond_turning bound chord corner cosine_sine exit_distance hash least_component listener mirror_direction
+        "common": ahead ball beyond_turning bound chord corner cosine_sine exit_distance hash least_component listener march_fields mirror_direction
         no_hit on_line onto_field quadric_form reflect_at_face rotate_by_quaternion rounding safe_inverse
         scene_data segment
     );
