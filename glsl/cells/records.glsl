@@ -2,8 +2,7 @@
 // loop from record to record. CELL_VECTOR and CELL_AXES are the vector type and the components of the
 // axes along which cells have ends.
 
-// Distance by which rounding may move the entry into a box, as a share of a cell: a quarter of the margin with which the
-// lists are built.
+// Maximum rounding error of the entry into a box, as a share of a cell: a quarter of the margin of the lists.
 const float WITHIN_PAD = 2.5e-4;
 
 // The object where a march of one surface has reached its step limit.

@@ -7,7 +7,7 @@ void load@kind@(int data, vec3 p, vec3 d, float start) {
     lineAlong = @along@;
 }
 
-// What is ahead on the line of this surface, t metres from p; the rounding error of the point is errorBound.
+// Returns the loaded surface on its line, t metres from p, as an Ahead; the rounding error of the point is errorBound.
 Ahead ahead@kind@(float t, float errorBound) {
     vec3 q = lineFrom + (t - lineStart) * lineAlong;
     OnLine field = @field@;
