@@ -236,8 +236,10 @@ mod tests {
     #[test]
     fn what_is_not_marched_stays() {
         let scene = Scene::builtin("cave").unwrap();
-        let pair = scene.only_pair().unwrap();
-        let rest = without_marched(pair, Profile::Hybrid);
+        let rest = without_marched(scene.only_pair().unwrap(), Profile::Hybrid);
+        assert_eq!(rest.surfaces, scene.surfaces[1..], "all but the rock");
+        let scene = Scene::builtin("morphing-room").unwrap();
+        let rest = without_marched(scene.only_pair().unwrap(), Profile::Hybrid);
         assert_eq!(rest.surfaces.len(), 1);
         assert!(rest.surface_distance(rest.sources[0].position).distance > 0.0);
         let scene = Scene::builtin("corner").unwrap();
