@@ -34,8 +34,8 @@ const STANDING_SECONDS: f64 = 5.0;
 /// About the maximum length that a WAV file of this format can hold.
 const LONGEST_SECONDS: f64 = 3.0 * 3600.0;
 
-/// Seconds that a frame takes at least for a note about the time of all frames.
-const DEAR_SECONDS: f64 = 1.0;
+/// Least time of all frames in minutes for a note about it.
+const DEAR_MINUTES: f64 = 2.0;
 
 /// Arguments of `render`.
 #[derive(Args, Debug)]
@@ -212,10 +212,10 @@ impl Job<'_> {
 
 /// Returns a note about frames of which one took `seconds`; `None` if they are quick, or if there is only one.
 fn dear_note(waves: u32, seconds: f64, frames: u64) -> Option<String> {
-    if seconds < DEAR_SECONDS || frames < 2 {
+    let minutes = seconds * frames as f64 / 60.0;
+    if minutes < DEAR_MINUTES || frames < 2 {
         return None;
     }
-    let minutes = seconds * frames as f64 / 60.0;
     Some(format!(
         "note: a frame of {waves} waves takes {seconds:.1} s, so that {frames} frames take about {minutes:.0} min: \
          fewer --waves or a lower --fps take less"
@@ -285,8 +285,8 @@ mod tests {
     /// Protects the user of a dear field from waiting without knowing for how long.
     #[test]
     fn the_time_of_all_frames_is_told_after_the_first() {
-        assert_eq!(dear_note(65_536, 0.9, 150), None);
-        assert_eq!(dear_note(65_536, 40.0, 1), None);
+        assert_eq!(dear_note(65_536, 0.7, 150), None);
+        assert_eq!(dear_note(65_536, 400.0, 1), None);
         let note = dear_note(65_536, 40.0, 150).unwrap();
         assert!(note.starts_with(
             "note: a frame of 65536 waves takes 40.0 s, so that 150 frames take about 100 min"

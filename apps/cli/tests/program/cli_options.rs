@@ -97,7 +97,7 @@ fn options_that_change_nothing_are_refused() {
             "--json has no effect",
         ),
         (
-            &["shader", "corner", "--pass", "pan", "--profile", "march"],
+            &["shader", "corner", "--pass", "pan", "--profile", "thesis"],
             "--profile changes nothing",
         ),
         (

@@ -42,8 +42,8 @@ const PREFIXES: [&str; 6] = ["sd", "gd", "hit", "project", "gradient", "op"];
 const SUFFIXES: [&str; 2] = ["Directed", "Cap"];
 
 /// Function names, without their prefix, that belong to neither a shape nor an operator.
-const HELPERS: [&str; 8] = [
-    "Ball", "Chord", "Circle", "Corner", "Kind", "Listener", "OfKind", "OntoKind",
+const HELPERS: [&str; 9] = [
+    "Ball", "Chord", "Circle", "Corner", "Group", "Kind", "Listener", "OfKind", "OntoKind",
 ];
 
 /// Functions whose names do not follow this pattern, with their operators.
