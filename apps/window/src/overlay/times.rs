@@ -22,6 +22,9 @@ const PARTS: [Part; 6] = [
 /// Frames shown; one bar each.
 pub const FRAMES: usize = 100;
 
+/// Characters of the number of waves.
+const WAVES_WIDTH: usize = 17;
+
 /// Time at the top of the diagram, as a share of the target frame time.
 const TOP: f64 = 1.5;
 
@@ -42,7 +45,12 @@ pub fn draw(ui: &mut Ui, hud: &HudState, chosen: &Choices) {
         None => chosen.settings.waves.to_string(),
         Some(asked) => format!("{} of {asked}", chosen.settings.waves),
     };
-    let waves = format!("{waves:>17}");
+    // Very large numbers are written closer together, so that the panel keeps its width.
+    let waves = match waves.len() > WAVES_WIDTH {
+        true => waves.replace(" of ", "/"),
+        false => waves,
+    };
+    let waves = format!("{waves:>WAVES_WIDTH$}");
     ui.horizontal(|ui| {
         ui.label(
             RichText::new(format!("{fps:3.0} fps"))
