@@ -105,7 +105,7 @@ impl Part for User {
 
 impl User {
     /// A number K of the value in metres, in 1/m: along any straight line in the box, the second derivative of
-    /// [`Part::value`] is at least −K wherever waves can be, in the whole air of the field and next to its surface in
+    /// [`Shape::value`] is at least −K wherever waves can be, in the whole air of the field and next to its surface in
     /// the solid. From the stated bend, divided by the Lipschitz constant; the cut at the box does not increase it,
     /// because a box's own value is convex. It does not hold across a face of the box, where the value becomes
     /// constant, nor outside.
