@@ -178,11 +178,11 @@ fn a_page_counts_what_the_program_counts() {
         let file = stage.folder.path().join("balls.ron");
         std::fs::write(&file, many_balls()).unwrap();
         let balls = format!("scene=corner&text={}", escaped(&many_balls()));
-        let cases = [
+        let cases: [(&str, &str); 3] = [
             ("corner", "scene=corner"),
             ("obstacles", "scene=obstacles"),
+            // Not cave: Chromium's software renderer loses the context with the march of fields (docs/browser.md).
             (argument(&file), &balls),
-            ("cave", "scene=cave"),
         ];
         for (scene, link) in cases {
             let link = format!("#{link}&profile=hybrid&waves=65536&iterations=8");
