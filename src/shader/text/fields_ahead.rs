@@ -1,9 +1,6 @@
 //! The fields that are marched: what a march knows of them at a point of its line.
 
-use super::field::{
-    Write, chords_text, free_text, is_bounded, is_known_on_lines, is_smooth_on_lines, line_text,
-    value_text,
-};
+use super::field::{Write, chords_text, free_text, line_text, value_text};
 use super::link::{Part, fill, source};
 use super::scene_text::{Text, of_kind};
 use super::surface_names::{Marched, Named};
@@ -19,7 +16,7 @@ pub(super) fn fields_ahead(text: &Text, marched: Marched) -> Vec<Part> {
     text.add_fields(&mut all, takes, line_text);
     text.add_fields(
         &mut all,
-        |named| takes(named) && needs_bound(named),
+        |named| takes(named) && named.needs_bound(),
         free_text,
     );
     text.add_fields(
@@ -98,19 +95,13 @@ pub(super) fn march_alone(kind: usize) -> String {
 /// The functions of a field that [`on_own_line`] calls.
 pub(super) fn functions_alone(text: &Text, loaded: &Named) -> String {
     let mut writes: Vec<Write> = vec![value_text, line_text];
-    if needs_bound(loaded) {
+    if loaded.needs_bound() {
         writes.push(free_text);
     }
     let functions = writes.into_iter();
     functions
         .map(|write| text.functions_of(loaded, write))
         .collect()
-}
-
-/// Whether a lower bound along lines reaches further than the value on the line shows.
-fn needs_bound(named: &Named) -> bool {
-    let is = |field| is_bounded(field) && !(is_known_on_lines(field) && is_smooth_on_lines(field));
-    named.field().is_some_and(is)
 }
 
 /// The statement that finds the chords of a line with a field.

@@ -97,7 +97,7 @@ fn representative<'a>(members: &[&'a Named<'a>]) -> &'a Named<'a> {
 /// Fields that share the functions of the group `one`.
 fn at_fields(members: &[&Named], one: &Named) -> String {
     let is_turned = one.surface.has_rotation();
-    let values = |named: &Named| {
+    at_alike(members, one, |named| {
         let mut all = vec![named.value(0)];
         if is_turned {
             all.push(match named.surface.has_rotation() {
@@ -106,17 +106,8 @@ fn at_fields(members: &[&Named], one: &Named) -> String {
             });
         }
         all.extend(named.literal_numbers().unwrap_or_default());
-        let declared = all.into_iter().enumerate();
-        declared
-            .map(|(n, value)| (format!("vec4 {}", one.value(n)), value))
-            .collect::<Vec<_>>()
-    };
-    let mut reflection = String::from("        vec3 onto = hit;\n");
-    for statement in projection(one, "onto", "along") {
-        let _ = writeln!(reflection, "        {statement}");
-    }
-    reflection.push_str("        vec3 mirrored = mirror(along, normal);\n");
-    block(members, &select(members, values), &reflection)
+        all
+    })
 }
 
 fn has_faces_along_axes(named: &Named) -> bool {
@@ -156,17 +147,24 @@ fn at_faces(members: &[&Named]) -> String {
 /// Basic shapes of one kind.
 fn at_kind(members: &[&Named]) -> String {
     let count = members[0].value_count();
-    let one = members[0].selected();
-    let values = |named: &Named| {
-        let selected = (0..count).map(|n| (format!("vec4 {}", one.value(n)), named.value(n)));
-        selected.collect::<Vec<_>>()
+    at_alike(members, &members[0].selected(), |named| {
+        (0..count).map(|n| named.value(n)).collect()
+    })
+}
+
+/// Surfaces that share the text of `one`, whose vectors are selected among those that `values` gives for each.
+fn at_alike(members: &[&Named], one: &Named, values: impl Fn(&Named) -> Vec<String>) -> String {
+    let declared = |named: &Named| {
+        let vectors = values(named).into_iter().enumerate();
+        let vectors = vectors.map(|(n, value)| (format!("vec4 {}", one.value(n)), value));
+        vectors.collect::<Vec<_>>()
     };
     let mut reflection = String::from("        vec3 onto = hit;\n");
-    for statement in projection(&one, "onto", "along") {
+    for statement in projection(one, "onto", "along") {
         let _ = writeln!(reflection, "        {statement}");
     }
     reflection.push_str("        vec3 mirrored = mirror(along, normal);\n");
-    block(members, &select(members, values), &reflection)
+    block(members, &select(members, declared), &reflection)
 }
 
 /// Declares the values of the first of some surfaces, and selects those of the surface that was

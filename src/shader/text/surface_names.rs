@@ -85,20 +85,21 @@ impl<'a> Named<'a> {
 
     /// The same surface, with the values that are selected among surfaces of its kind.
     pub fn selected(&self) -> Named<'a> {
+        self.with(self.tag.clone(), Values::Selected)
+    }
+
+    fn with(&self, tag: String, values: Values) -> Named<'a> {
         Named {
             surface: self.surface,
-            tag: self.tag.clone(),
+            tag,
             label: self.label.clone(),
-            values: Values::Selected,
+            values,
         }
     }
 
     /// A field whose values are selected among those of several surfaces, as the functions of a group of this name.
     pub fn selected_field(&self, tag: String) -> Named<'a> {
-        Named {
-            tag,
-            ..self.selected()
-        }
+        self.with(tag, Values::Selected)
     }
 
     /// The vectors of its numbers as literals, for a field whose numbers do not move.
@@ -115,12 +116,7 @@ impl<'a> Named<'a> {
 
     /// A surface of the kind, with the values that were loaded from the scene's data.
     pub fn loaded(&self) -> Named<'a> {
-        Named {
-            surface: self.surface,
-            tag: format!("Loaded{}", self.tag),
-            label: self.label.clone(),
-            values: Values::Loaded,
-        }
+        self.with(format!("Loaded{}", self.tag), Values::Loaded)
     }
 
     pub fn field(&self) -> Option<&'a Shape> {
@@ -349,11 +345,15 @@ impl<'a> Named<'a> {
         !self.has_all_numbers() && self.field().is_some_and(has)
     }
 
+    /// Whether a lower bound along lines reaches further than the value on the line shows.
+    pub fn needs_bound(&self) -> bool {
+        let needs = |field| field::is_bounded(field) && !field::is_smooth_on_lines(field);
+        self.field().is_some_and(needs)
+    }
+
     /// The length over which a line in the surface's own axes is free of a marched field.
     pub fn free(&self, point: &str, vector: &str, error_bound: &str) -> String {
-        let field = self.field();
-        if !field.is_some_and(|field| field::is_bounded(field) && !field::is_smooth_on_lines(field))
-        {
+        if !self.needs_bound() {
             return "0.0".to_owned();
         }
         let error_bound = format!("max({error_bound}, {})", self.error_bound());

@@ -7,7 +7,7 @@
 
 use super::value::arguments;
 use super::{Place, Writer, literal};
-use crate::scene::{Node, Shape};
+use crate::scene::{Bounds3, Node, Shape};
 use crate::shader::structure::Assets;
 use crate::shader::text::link::has_function;
 use std::fmt::Write as _;
@@ -60,9 +60,14 @@ pub(in crate::shader) fn chords_text(field: &Shape, place: &Place, assets: &Asse
 
 /// Whether [`chords_text`] is not empty.
 pub(in crate::shader) fn has_chords(field: &Shape, moving: &[bool]) -> bool {
-    let is_fixed = !moving.contains(&true);
+    fixed_bounds(field, moving).is_some() || parts(field, false) > 0
+}
+
+/// The box around a solid whose numbers do not move, if it is finite.
+fn fixed_bounds(field: &Shape, moving: &[bool]) -> Option<Bounds3> {
     let bounds = field.properties().bounds;
-    (is_fixed && bounds.is_finite() && !bounds.is_empty()) || parts(field, false) > 0
+    let is_fixed = !moving.contains(&true);
+    (is_fixed && bounds.is_finite() && !bounds.is_empty()).then_some(bounds)
 }
 
 /// Number of convex parts of a field's air, or of its solid.
@@ -121,10 +126,8 @@ impl Chords {
     fn of(field: &Shape, place: &Place, assets: &Assets) -> Chords {
         let mut writer = Writer::new(place, assets);
         let names = writer.chords(field, ("p", "d"), false);
-        let bounds = field.properties().bounds;
-        let is_bounded = bounds.is_finite() && !bounds.is_empty() && !place.moving.contains(&true);
         let vector = |v: glam::DVec3| format!("vec3({})", v.to_array().map(literal).join(", "));
-        let bounds = is_bounded.then(|| {
+        let bounds = fixed_bounds(field, place.moving).map(|bounds| {
             let (middle, half) = (vector(bounds.middle()), vector(bounds.half_size()));
             writer.chord(&format!("chordBox(p - {middle}, d, {half} + errorBound)"))
         });

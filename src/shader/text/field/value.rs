@@ -27,8 +27,8 @@ pub(in crate::shader) fn normal_text(field: &Shape, place: &Place, assets: &Asse
     Writer::new(place, assets).whole(field, Kind::Normal)
 }
 
-/// `OnLine onLine<number>(vec3 p, vec3 d)`: the field on the line through p along d (`glsl/common/on_line.glsl`); empty for a field
-/// with a user's text, of which only values are known.
+/// `OnLine onLine<number>(vec3 p, vec3 d)`: the field on the line through p along d (`glsl/common/on_line.glsl`); empty
+/// for a field with a user's text whose bend is not stated.
 pub(in crate::shader) fn line_text(field: &Shape, place: &Place, assets: &Assets) -> String {
     if !is_known_on_lines(field) {
         return String::new();
