@@ -16,7 +16,7 @@ use std::fmt;
 /// Maximum number of states of waves read back to count flights: 64 MB.
 const MOST_STATES: u32 = 1 << 20;
 
-/// Maximum number of waves whose flights and evaluations are counted. The mean of so many differs from that of all by
+/// Maximum number of waves whose flights and evaluations are counted. Their mean differs from that of all waves by
 /// about a percent.
 const MOST_COUNTED: u32 = 16_384;
 
@@ -232,7 +232,7 @@ mod tests {
         );
     }
 
-    /// Protects the comparison: the scene without its fields keeps the rest, and is an empty room where nothing is left.
+    /// Protects the comparison: the scene without its fields keeps the others, and without any is an empty room.
     #[test]
     fn what_is_not_marched_stays() {
         let scene = Scene::builtin("cave").unwrap();

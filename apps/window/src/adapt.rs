@@ -11,7 +11,8 @@ const SIDES: [u32; 13] = [
 ];
 
 /// Usual minimum number of waves, and the number of the first frame of a scene: of fewer the listener receives only a
-/// few dozen, too few for a stable pan. Scenes whose frames take longer than [`LONGEST_WAIT_MS`] with so many get fewer.
+/// few dozen, too few for a stable pan. Scenes whose frames take longer than [`LONGEST_WAIT_MS`] with this number get
+/// fewer.
 pub const LEAST_WAVES: u32 = 4096;
 
 /// Maximum time from a frame of waves to the next in milliseconds, for which the number of waves may fall below

@@ -84,11 +84,11 @@ pub(super) struct App {
     pub scale_step: usize,
     pub scale_control: Control,
     pub wave_control: Control,
-    /// What the first frames of waves measure or have measured.
+    /// The scene and the settings that the first frames of waves measure or have measured.
     pub measured: Option<Measured>,
     /// The first frames of waves, until they have decided the number of waves.
     pub first_frames: Option<FirstFrames>,
-    /// The time of a frame of waves, as the first frames foretold it.
+    /// The time of a frame of waves, as predicted from the first frames.
     pub wave_time: Option<WaveTime>,
     /// The number of waves that is traced if it fits the frame time.
     pub asked_waves: u32,

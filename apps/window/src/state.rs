@@ -14,7 +14,7 @@ pub struct InFull {
     pub has_bands: bool,
 }
 
-/// What the time of a frame of waves depends on, apart from their number where it adapts.
+/// The scene and the settings on which the time of a frame of waves depends, except an adaptive number of waves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measured {
     pub scene: String,

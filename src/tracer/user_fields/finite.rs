@@ -1,7 +1,7 @@
 //! Whether a value is a number where waves can be.
 //!
-//! Where a sample is none and one beside it is a number, the boundary between them is located by
-//! bisection. The field is rejected if the air is there, or within the depth that is judged.
+//! Between a sample that is not a number and one beside it that is, bisection locates the boundary. The field is
+//! rejected if the boundary is in the air, or within the depth that is judged.
 
 use super::stars::Stars;
 use super::{Error, Grid, Probe, SIDE, TraceError, WaveDomain, neighbours};
@@ -55,7 +55,7 @@ impl Probe<'_> {
         if let (Some((place, value)), WaveDomain::BothSides) = (none.peek(), self.waves) {
             return Err(self.not_finite(**place, **value));
         }
-        // Where the grid has none either, its own boundaries have been checked.
+        // If the nearest sample of the grid is not a number either, the grid's own boundaries have been checked.
         let boundaries = none.map(|(place, _)| (grid.points[self.nearest(*place)], *place));
         self.check_boundaries(boundaries.collect())
     }

@@ -20,7 +20,7 @@ const MARGIN: f32 = 1.01;
 const CLOSER: usize = 256;
 
 /// A value may jump if its growth is more than this multiple of the growth between points
-/// [`CLOSER`] times as far apart: at a jump the two differ by about [`CLOSER`], on a slope hardly.
+/// [`CLOSER`] times as far apart: at a jump the ratio of the two is about [`CLOSER`], on a slope about 1.
 const NARROWER: f32 = 32.0;
 
 /// It seems to jump if, in addition, the growth is more than this multiple of the stated one. The

@@ -36,7 +36,7 @@ pub(super) const PAIRS: usize = POINTS / 2;
 pub(super) enum Scope {
     /// Everywhere: in the whole box, or because all of the star is next to the air.
     Whole,
-    /// Where they are positive.
+    /// Only positive values.
     Air,
     /// Nowhere: no point of the star is in the air.
     Nowhere,

@@ -320,7 +320,7 @@ fn of_geometry(name: &str, given: &[Type], t: &Type) -> Option<Rule> {
             &["S * dA", "0.0 * dB", "0.0 * dC"],
         )
         .after("float S = dot(C, B) < 0.0 ? 1.0 : -1.0;"),
-        // Incident A, normal B, ratio C; nothing is refracted where K < 0.
+        // Incident A, normal B, ratio C; the result is 0 where K < 0.
         "refract" => Rule::new(
             t,
             "refract(A, B, C)",
