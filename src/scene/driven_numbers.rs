@@ -1,4 +1,4 @@
-//! Sets the moving numbers of surfaces, by the time of their key frames or by named values.
+//! Sets the driven numbers of surfaces, from key frames or from named values.
 
 use super::shape::{Numbers, Parameter};
 use super::{Driver, Motion, Node, Quantity, Scene, SceneError, Shape, Surface};
@@ -6,13 +6,13 @@ use crate::text::nearest;
 use glam::{EulerRot, Quat, Vec3};
 use std::collections::{BTreeMap, HashMap, HashSet};
 
-/// Frames per second at which a surface is checked between its keys: the default frame rate of a rendering, so that a
-/// scene that loads can also be rendered.
+/// Rate of the checks between key frames, in frames per second. It equals the default frame rate of a rendering, so
+/// that a scene that loads can also be rendered.
 const CHECKED_FPS: f64 = 30.0;
 
 impl Surface {
-    /// Every number that may be driven; see [`Surface::parameter_names`]. The numbers of the rotation, `rotation.x` …
-    /// in radians, are stored in [`Surface::angles`].
+    /// All numbers that a driver can set; see [`Surface::parameter_names`]. The numbers of the rotation (`rotation.x`
+    /// …, in radians) are stored in [`Surface::angles`].
     pub(crate) fn parameters_mut(&mut self) -> Vec<Parameter<'_>> {
         let mut all = Vec::new();
         self.position
@@ -22,7 +22,7 @@ impl Surface {
         all
     }
 
-    /// The same surface with one of its numbers driven.
+    /// Returns the surface with a driver for the number `parameter`.
     #[must_use]
     pub fn driven(mut self, parameter: &str, motion: Motion) -> Surface {
         let parameter = parameter.to_owned();
@@ -61,9 +61,8 @@ impl Surface {
         }
     }
 
-    /// The names of the numbers that [`Surface::driven`] may move: `position.x` …, `rotation.x` …, the shape's own
-    /// numbers (`radius`, `size.x` …), and the numbers of its children, each name after the child's number (`0.radius`
-    /// …).
+    /// The names of the numbers that [`Surface::driven`] can drive: `position.x` …, `rotation.x` …, the shape's own
+    /// numbers (`radius`, `size.x` …), and the numbers of its children, prefixed with the child's index (`0.radius` …).
     pub fn parameter_names(&self) -> HashSet<String> {
         let mut bare = Surface {
             drivers: Vec::new(),
@@ -77,9 +76,9 @@ impl Surface {
         parameters.map(|parameter| parameter.name).collect()
     }
 
-    /// Times in seconds at which the surface is checked before it is drawn: all keys in order, then the frames of a
-    /// rendering at the default rate from the first key to the last, or `most_between` evenly spaced ones if there are
-    /// more.
+    /// Times in seconds at which the surface is checked: all keys in order, then the frames between the first and the
+    /// last key at the default frame rate. If there are more than `most_between` frames, only every n-th frame is
+    /// checked, with the smallest sufficient n.
     pub(super) fn checked_times(&self, most_between: usize) -> Vec<f64> {
         let mut times = Vec::new();
         for driver in &self.drivers {
@@ -99,8 +98,8 @@ impl Surface {
         times
     }
 
-    /// For each node of the surface's field, in the order of [`Shape::nodes`]: whether a
-    /// driver moves one of its numbers.
+    /// Whether a driver moves one of a node's numbers, for each node of the surface's field in the order of
+    /// [`Shape::nodes`].
     pub(crate) fn moving_nodes(&self, field: &Shape) -> Vec<bool> {
         let mut moving = vec![false; field.nodes().len()];
         for driver in &self.drivers {
@@ -115,8 +114,8 @@ impl Surface {
     }
 }
 
-/// Marks the node with the named parameter, and every node that depends on it: the numbers of a twist or a bend follow
-/// from the bounds of its child.
+/// Marks the node with the named parameter, and each twist, bend and repetition above that node. Their shader numbers
+/// are derived from the bounds of their child.
 fn mark(field: &Shape, parameter: &str, moving: &mut [bool]) {
     let mut node = field;
     let mut place = 0;
@@ -141,7 +140,7 @@ fn mark(field: &Shape, parameter: &str, moving: &mut [bool]) {
 }
 
 impl Scene {
-    /// Sets a named value wherever the scene uses it, in the unit of a scene file: metres, degrees for an angle,
+    /// Sets a named value at all its uses in the scene, in the unit of a scene file: metres, degrees for an angle,
     /// degrees per metre for the rate of a twist or a bend.
     ///
     /// ```
@@ -195,7 +194,7 @@ impl Scene {
         Ok(())
     }
 
-    /// The names that [`Scene::set_value`] accepts, each once, in alphabetic order.
+    /// The names that [`Scene::set_value`] accepts, in alphabetic order and without duplicates.
     pub fn value_names(&self) -> Vec<String> {
         let drivers = self.surfaces.iter().flat_map(|s| &s.drivers);
         let mut names: Vec<String> = drivers
@@ -225,12 +224,12 @@ pub struct NamedValue {
     pub name: String,
     /// Its value, in the unit of the file.
     pub value: f32,
-    /// Its quantity; if the value is used for several quantities, the one with the narrowest range.
+    /// Quantity. If the value drives several quantities, this is the quantity with the narrowest range.
     pub quantity: Quantity,
 }
 
 impl Scene {
-    /// The named values of the scene in alphabetic order, each once.
+    /// The named values of the scene, in alphabetic order and without duplicates.
     #[doc(hidden)]
     pub fn named_values(&self) -> Vec<NamedValue> {
         let mut values: Vec<NamedValue> = Vec::new();
@@ -280,7 +279,7 @@ impl Surface {
 mod tests {
     use super::*;
 
-    /// Every operator that turns, and other shapes, all driven by the same name.
+    /// Every operator that turns its child, and other shapes, all driven by the same named value.
     const TURNS: &str = r#"Scene(
         surfaces: [
             Surface(shape: Plane, position: (0, Value("a", 30), 0), rotation: (0, 0, Value("a", 30))),
@@ -292,8 +291,8 @@ mod tests {
         ],
         source: Source(position: (0, 1, -5)), listener: Listener(position: (0, 1, 5), radius: 1))"#;
 
-    /// Protects the unit of the file for all uses of an angle: setting a value to the number in the file changes
-    /// nothing, and 60 means 60 degrees.
+    /// Protects the unit of named angles: setting a value to the number in the file changes nothing, and 60 means 60
+    /// degrees.
     #[test]
     fn values_are_in_the_unit_of_the_file() {
         let read = Scene::from_ron(TURNS, "turns").unwrap();

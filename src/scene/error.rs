@@ -1,9 +1,9 @@
-//! Errors of scenes, and warnings about odd scenes that can still be traced.
+//! Errors of scenes, and warnings about unusual scenes that can still be traced.
 //!
-//! Each message is written next to its check: the syntax of a file in `crate::ron_error` and `scene/file/mod.rs`; a
-//! number's range in `scene/shape/part.rs` and `scene/notation/numbers.rs`; a shape in `scene/shape/mod.rs` and its own
-//! file; names, materials and the scene as a whole in `scene/check/`; sizes too large for a renderer in
-//! `shader/structure.rs`.
+//! Each message is written next to its check. The syntax of a file is checked in `crate::ron_error` and
+//! `scene/file/mod.rs`; the range of a number in `scene/shape/part.rs` and `scene/notation/numbers.rs`; a shape in
+//! `scene/shape/mod.rs` and the shape's own file; names, materials and the scene as a whole in `scene/check/`; sizes
+//! too large for a renderer in `shader/structure.rs`.
 
 use super::material::WALL_NAMES;
 use crate::file_input::{InputError, MalformedText};
@@ -35,15 +35,16 @@ pub enum SceneError {
         /// The reason.
         source: InputError,
     },
-    /// The text is not a scene; its origin is the file's path, or `scene` for text from elsewhere.
+    /// The text is not a scene. Its origin is the path of the file, or `scene` for text that was not read from a file.
     #[error(transparent)]
     Malformed(MalformedText),
-    /// No path leads from that folder to the scene file that is to be its base.
+    /// A file in the folder cannot refer to the base: no path from the folder to the base can be written in a scene
+    /// file.
     #[error("{} has no path that a scene file in the folder {} can name", base.display(), folder.display())]
     NoBase {
-        /// The folder of the other file.
+        /// The folder of the file that refers to the base.
         folder: PathBuf,
-        /// The scene file.
+        /// The base.
         base: PathBuf,
     },
     /// A file that the scene names cannot be used.
@@ -78,7 +79,7 @@ pub enum SceneError {
         /// The error, and how to correct it.
         why: String,
     },
-    /// A driver of a number that does not exist.
+    /// A driver for a number that does not exist.
     #[error(
         "scene {scene:?}: {surface} has no number {parameter:?} that could be driven; it has: {known}"
     )]
@@ -107,7 +108,7 @@ pub enum SceneError {
         /// A similar name, if any.
         nearest: Option<String>,
     },
-    /// There is no source or listener with this number.
+    /// The scene has no source or listener with this index.
     #[error("scene {scene:?} has no {what} number {number}: it has {count}, counted from 0")]
     NoSuchNumber {
         /// The scene's name.
@@ -119,8 +120,8 @@ pub enum SceneError {
         /// Number of existing sources or listeners.
         count: usize,
     },
-    /// One source and one listener are needed, and the scene has none or several. [`Scene::pair`](super::Scene::pair)
-    /// chooses among several.
+    /// The operation needs exactly one source and one listener, but the scene has none or several.
+    /// [`Scene::pair`](super::Scene::pair) selects among several.
     #[error(
         "scene {scene:?} has {} and {}: one of each must be chosen",
         counted(*sources, "source"),
@@ -137,10 +138,10 @@ pub enum SceneError {
     /// A height image that cannot be used.
     #[error("{why}")]
     BadHeightImage {
-        /// Its name or file, and the requirement.
+        /// Name or file of the image, and the requirement.
         why: String,
     },
-    /// The orientation of a listener tilts its head: a listener has yaw and pitch alone.
+    /// The orientation of a listener tilts the head to one side. A listener has only yaw and pitch.
     #[error(
         "a listener's head cannot be tilted to a side, and this orientation tilts it by {roll_deg}° to the right: give the direction of its gaze instead"
     )]
@@ -148,15 +149,15 @@ pub enum SceneError {
         /// Turn about the gaze in degrees, positive to the right.
         roll_deg: f32,
     },
-    /// The orientation of a listener is 0 or not finite.
+    /// The orientation of a listener is zero or not finite.
     #[error("a listener's {of} must be finite and not 0, not {value}")]
     NoOrientation {
         /// `quaternion` or `direction`.
         of: &'static str,
-        /// The numbers.
+        /// The given components.
         value: String,
     },
-    /// A room has no wall of this number.
+    /// A room has no wall with this number.
     #[error(
         "a room has no wall number {wall}: they are counted from 0, {}",
         WALL_NAMES.join(", ")
@@ -175,7 +176,7 @@ pub enum SceneError {
         /// The name.
         name: String,
     },
-    /// A source or a listener is named like the number of another one that has no name.
+    /// The name of a source or listener equals the number of an unnamed source or listener.
     #[error(
         "scene {scene:?}: one of the {what} is called {name:?}, which is the number of another that has no name: name that one too"
     )]
@@ -201,7 +202,7 @@ pub enum SceneError {
     },
 }
 
-/// A clause that suggests a built-in scene for a missing file.
+/// A clause that suggests the built-in scene with the name of a missing file.
 fn may_be_meant(why: &InputError, path: &Path) -> String {
     match why {
         InputError::Io(error) if error.kind() == std::io::ErrorKind::NotFound => {
@@ -229,7 +230,7 @@ impl SceneError {
 /// Maximum number of surfaces that one message lists.
 const MOST_LISTED: usize = 6;
 
-/// The first labels of a list, and how many more there are.
+/// Joins the first labels of a list, and states the number of the omitted labels.
 fn listed(labels: &[String]) -> String {
     let (listed, more) = labels.split_at(labels.len().min(MOST_LISTED));
     match more.len() {
@@ -238,20 +239,20 @@ fn listed(labels: &[String]) -> String {
     }
 }
 
-/// An oddity of a scene that can still be traced.
+/// A problem of a scene that can still be traced.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Warning {
     /// The source is in a solid and cannot be heard.
     SourceInsideSurface {
-        /// The source's name in messages: `the source`, `source 2 (flute)`.
+        /// The source's name in messages, such as `the source` or `source 2 (flute)`.
         source: String,
         /// The surface, or the solid around a room.
         surface: String,
         /// Depth in metres.
         depth: f32,
     },
-    /// The source is within the listener's sphere: each wave of a frame ends where it starts.
+    /// The source is inside the listener's sphere: each wave of a frame ends at its start.
     SourceInsideListener {
         /// The source's name in messages.
         source: String,
@@ -271,29 +272,29 @@ pub enum Warning {
         /// Depth in metres.
         depth: f32,
     },
-    /// Several rooms: each is solid outside, so that only the space inside all of them is air.
+    /// The scene has several rooms. The space outside a room is solid, so only the space inside all rooms is air.
     RoomsFillEachOther {
-        /// Their labels: `1`, `surface 2 (Room)`.
+        /// Labels of the rooms: `1`, `surface 2 (Room)`.
         rooms: Vec<String>,
     },
-    /// Surfaces and walls without a material, in a scene where others have one: they reflect all sound, which lengthens
-    /// decays.
+    /// Surfaces and walls without a material, in a scene in which others have one. They reflect all sound, which
+    /// lengthens decays.
     NoMaterial {
         /// Labels of the surfaces and walls: `1/floor`, `surface 2 (Sphere)`.
         surfaces: Vec<String>,
     },
-    /// A user's field whose samples in its box are all solid or all air.
+    /// A user's field that is solid at all samples in its box, or air at all samples.
     OneSided {
         /// The surface.
         surface: String,
         /// The field's file.
         file: String,
-        /// Whether it is solid at every sample; if not, it is air at every sample.
+        /// True if all samples are solid, false if all samples are air.
         solid: bool,
     },
 }
 
-/// `1 source`, `2 sources`.
+/// Formats a count with its noun: `1 source`, `2 sources`.
 fn counted(count: usize, what: &str) -> String {
     match count {
         1 => format!("1 {what}"),
@@ -301,7 +302,7 @@ fn counted(count: usize, what: &str) -> String {
     }
 }
 
-/// Metres rounded to millimetres.
+/// Converts a length in metres to `f64`, rounded to millimetres.
 fn to_millimetres(metres: f32) -> f64 {
     (1e3 * f64::from(metres)).round() / 1e3
 }
@@ -327,7 +328,7 @@ impl fmt::Display for Warning {
                 radius,
             } => write!(
                 f,
-                "{source} is {distance} m from {listener}'s centre, inside its sphere of {radius} m: a frame's waves end where they start, so it has no balance of left and right"
+                "{source} is {distance} m from {listener}'s centre, inside its sphere of {radius} m: each wave of a frame ends at its start, so the frame has no left-right balance"
             ),
             Warning::ListenerInsideSurface {
                 listener,
@@ -342,7 +343,7 @@ impl fmt::Display for Warning {
             }
             Warning::RoomsFillEachOther { rooms } => write!(
                 f,
-                "{} fill each other: all outside of a Room is solid; write rooms that are joined as one surface, Complement(of: Union(of: [Box(…), Box(…)]))",
+                "{} fill each other: the space outside a Room is solid; write connected rooms as one surface, Complement(of: Union(of: [Box(…), Box(…)]))",
                 listed(rooms)
             ),
             Warning::NoMaterial { surfaces } => {
@@ -352,7 +353,7 @@ impl fmt::Display for Warning {
                 };
                 write!(
                     f,
-                    "{} {verb} all sound, so that decays are too long: give each surface a material",
+                    "{} {verb} all sound, which makes decays too long: give each surface a material",
                     listed(surfaces)
                 )
             }

@@ -1,5 +1,4 @@
-//! Materials of surfaces (absorption and scattering), and the air between the surfaces (speed of sound and
-//! attenuation).
+//! Materials of surfaces (absorption and scattering), and the air (speed of sound and attenuation).
 
 use crate::bands::{BAND_COUNT, Bands, PerBand};
 use std::ops::{Range, RangeInclusive};
@@ -20,29 +19,27 @@ pub(super) const WALL_NAMES: [&str; 6] = ["left", "right", "floor", "ceiling", "
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
-    /// The share of the energy that a reflection absorbs, 0 to 1: the absorption coefficient for
-    /// random incidence.
+    /// Share of the incident energy that a reflection absorbs, 0 to 1: the absorption coefficient for random incidence.
     pub absorption: Bands,
-    /// The share of the reflected energy that leaves in directions other than the mirrored one, 0
-    /// to 1: the scattering coefficient (ISO 17497-1).
+    /// Share of the reflected energy that leaves in other directions than the specular direction, 0 to 1: the
+    /// scattering coefficient (ISO 17497-1).
     pub scattering: Bands,
 }
 
 impl Material {
-    /// Materials that every scene may name; a scene's own material of the same name takes precedence.
-    /// At 63 Hz each material has its published value for 125 Hz; at 8 kHz `wood-floor` has its value for 4 kHz. None
-    /// of the materials scatters.
-    /// do not scatter.
+    /// Materials that every scene can use by name. A scene's own material of the same name takes precedence. At 63 Hz
+    /// each material has its published value for 125 Hz; at 8 kHz `wood-floor` has its value for 4 kHz. The scattering
+    /// coefficients are 0.
     pub const BUILTIN: &[BuiltinMaterial] = BUILTIN_MATERIALS;
 
-    /// A perfect mirror: the material of surfaces that name none.
+    /// A perfect mirror, the material of surfaces without a material name.
     pub const MIRROR: Material = Material {
         absorption: [0.0; BAND_COUNT],
         scattering: [0.0; BAND_COUNT],
     };
 
-    /// A specular reflector that absorbs a share (0 to 1) of the energy: one number for all bands, or one number per
-    /// band. [`Scene::validate`] rejects numbers outside 0 to 1.
+    /// A specular reflector that absorbs a share (0 to 1) of the energy, given as one number for all bands or one
+    /// number per band. [`Scene::validate`] rejects numbers outside 0 to 1.
     ///
     /// [`Scene::validate`]: super::Scene::validate
     pub fn absorbing(share: impl PerBand) -> Material {
@@ -52,8 +49,8 @@ impl Material {
         }
     }
 
-    /// The same material, scattering a share (0 to 1) of the reflected energy in every band: one number, or one for
-    /// each.
+    /// Returns the material with a scattering coefficient of `share` (0 to 1), given as one number for all bands or one
+    /// number per band.
     #[must_use]
     pub fn scattering_by(self, share: impl PerBand) -> Material {
         Material {
@@ -72,12 +69,12 @@ impl Material {
         *self == Material::MIRROR
     }
 
-    /// Whether the material scatters in any of these bands.
+    /// Whether the material scatters in any of these octave bands.
     pub(crate) fn scatters(&self, bands: Range<usize>) -> bool {
         self.scattering[bands].iter().any(|share| *share > 0.0)
     }
 
-    /// Whether absorption and scattering are equal in all octave bands, so that a reflection keeps the timbre.
+    /// Whether absorption and scattering are equal in all octave bands, so that a reflection preserves the timbre.
     pub fn is_grey(&self) -> bool {
         let is_even = |bands: &Bands| bands.iter().all(|value| *value == bands[0]);
         is_even(&self.absorption) && is_even(&self.scattering)
@@ -96,7 +93,7 @@ impl Default for Material {
     }
 }
 
-/// A material that every scene may name without defining it.
+/// A material that scenes can use without defining it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct BuiltinMaterial {
@@ -113,8 +110,8 @@ pub struct BuiltinMaterial {
 /// The source of all values of [`Material::BUILTIN`].
 const VORLAENDER: &str = "M. Vorländer, Auralization, Springer 2008, annex, tables of random-incidence absorption coefficients";
 
-/// Extends seven published coefficients (125 Hz to 8 kHz) to eight bands. The tables have no values at 63 Hz: the value
-/// at 125 Hz is used there. They have no scattering coefficients: the materials do not scatter.
+/// Extends seven published absorption coefficients (125 Hz to 8 kHz) to eight bands. The tables have no values at 63
+/// Hz, so the value at 125 Hz is used. They have no scattering coefficients, so the scattering is 0.
 const fn published(name: &'static str, of: &'static str, a: [f64; 7]) -> BuiltinMaterial {
     BuiltinMaterial {
         name,
@@ -151,7 +148,7 @@ const BUILTIN_MATERIALS: &[BuiltinMaterial] = &[
     ),
     published(
         "curtain",
-        "cotton curtain of 0.5 kg/m², draped to 3/4 of its area, some 130 mm before a wall",
+        "cotton curtain of 0.5 kg/m², draped to 3/4 of its area, about 130 mm in front of a wall",
         [0.30, 0.45, 0.65, 0.56, 0.59, 0.71, 0.71],
     ),
     published(
@@ -176,7 +173,7 @@ const BUILTIN_MATERIALS: &[BuiltinMaterial] = &[
     ),
     published(
         "plaster",
-        "hard walls and floors on average: brick, plaster and the like",
+        "average of hard walls and floors: brick, plaster and similar",
         [0.02, 0.02, 0.03, 0.03, 0.04, 0.05, 0.05],
     ),
     published(
@@ -206,13 +203,14 @@ const BUILTIN_MATERIALS: &[BuiltinMaterial] = &[
     ),
 ];
 
-/// Degrees Celsius: the range of the tables in ISO 9613-1, where its formulas are within 10 %.
+/// Valid temperatures in degrees Celsius: the range of the tables in ISO 9613-1, in which its formulas are accurate to
+/// 10 %.
 pub(crate) const TEMPERATURES: RangeInclusive<f64> = -20.0..=50.0;
 
-/// Relative humidity in per cent.
+/// Valid relative humidities in per cent.
 pub(crate) const HUMIDITIES: RangeInclusive<f64> = 0.0..=100.0;
 
-/// Kilopascals: from the pressure 5.5 km above the sea to the highest for which ISO 9613-1 holds.
+/// Valid pressures in kilopascals: from the pressure at 5.5 km above sea level to the upper limit of ISO 9613-1.
 pub(crate) const PRESSURES: RangeInclusive<f64> = 50.0..=200.0;
 
 /// Reference temperature of ISO 9613-1 in kelvin: 20 °C.
@@ -227,21 +225,21 @@ const TRIPLE_POINT_K: f64 = 273.16;
 /// Zero degrees Celsius in kelvin.
 const ZERO_C_IN_K: f64 = 273.15;
 
-/// Speed of sound at the reference temperature in metres a second, dry (ISO 9613-1, annex A).
+/// Speed of sound in dry air at the reference temperature, in metres per second (ISO 9613-1, annex A).
 const REFERENCE_SPEED: f64 = 343.2;
 
-/// The air between the surfaces, uniform everywhere.
+/// Homogeneous air between the surfaces.
 ///
 /// ```
 /// use echomarch::scene::Air;
 /// let air = Air { temperature: 10.0, humidity: 70.0, ..Air::default() };
-/// // 3.66 dB a kilometre at 1 kHz (ISO 9613-2, table 2, gives 3.7).
+/// // 3.66 dB per kilometre at 1 kHz (ISO 9613-2, table 2, gives 3.7).
 /// let db_a_km = 10.0 * air.attenuation()[4] * 1000.0 / 10f64.ln();
 /// assert!((db_a_km - 3.66).abs() < 0.005);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Air {
-    /// Degrees Celsius, −20 to 50.
+    /// Temperature in degrees Celsius, −20 to 50.
     pub temperature: f64,
     /// Relative humidity in per cent, 0 to 100.
     pub humidity: f64,
@@ -250,7 +248,7 @@ pub struct Air {
 }
 
 impl Default for Air {
-    /// 20 °C, 50 %, one atmosphere (101.325 kPa).
+    /// 20 °C, 50 % relative humidity, one atmosphere (101.325 kPa).
     fn default() -> Air {
         Air {
             temperature: 20.0,
@@ -261,19 +259,20 @@ impl Default for Air {
 }
 
 impl Air {
-    /// Speed of sound in a scene without air, in metres a second: the speed at 20 °C, rounded.
+    /// Speed of sound in a scene without air, in metres per second: the rounded speed at 20 °C.
     pub const USUAL_SPEED_OF_SOUND: f64 = 343.0;
 
-    /// Speed of sound in metres a second: 343.2 √(T / 293.15 K), as in ISO 9613-1, annex A.
+    /// Speed of sound in metres per second: 343.2 √(T / 293.15 K), as in ISO 9613-1, annex A.
     ///
-    /// Humidity is ignored: it raises the speed by 0.2 % at 20 °C and 50 %, and by about 1 % at 40 °C and 100 %.
+    /// Humidity is ignored. It raises the speed by 0.2 % at 20 °C and 50 %, and by about 1 % at 40 °C and 100 %.
     pub fn speed_of_sound(&self) -> f64 {
         REFERENCE_SPEED * (self.kelvin() / REFERENCE_K).sqrt()
     }
 
-    /// Attenuation of sound energy by band, in 1/m: after s metres the share exp(−m s) of the energy is left. Equations
-    /// (3) to (5) of ISO 9613-1:1993 for pure tones, at the exact midband frequencies of equation (6), 10^(3k/10) kHz
-    /// (7943 Hz, not 8 kHz), as in the standard's tables.
+    /// Attenuation coefficient m of sound energy by octave band, in 1/m: after s metres, the share exp(−m s) of the
+    /// energy remains. Computed by equations (3) to (5) of ISO 9613-1:1993 for pure tones. As in the tables of the
+    /// standard, the frequencies are the exact midband frequencies of equation (6), 10^(3k/10) kHz (for example 7943 Hz
+    /// instead of 8 kHz).
     pub fn attenuation(&self) -> Bands {
         // The index of the 1 kHz band.
         const BAND_OF_1_KHZ: i32 = 4;
@@ -286,7 +285,7 @@ impl Air {
         bands
     }
 
-    /// Equation (5) of ISO 9613-1:1993, dB/m.
+    /// Attenuation in dB/m at a frequency, equation (5) of ISO 9613-1:1993.
     fn decibels_a_metre(&self, hertz: f64) -> f64 {
         let kelvin = self.kelvin();
         let warmth = kelvin / REFERENCE_K;
@@ -331,8 +330,8 @@ impl Air {
 mod tests {
     use super::*;
 
-    /// Protects the built-in list: valid shares, names in order and without duplicates, a source
-    /// for each.
+    /// Protects the built-in list: the coefficients are valid, the names are in order and unique, and each material has
+    /// a source.
     #[test]
     fn built_in_materials_are_shares_with_names_and_sources() {
         let names: Vec<&str> = Material::BUILTIN.iter().map(|known| known.name).collect();
@@ -350,7 +349,7 @@ mod tests {
         assert_eq!(Material::builtin("bricks"), None);
     }
 
-    /// Protects materials given by one number or eight, as `f32` or `f64`: every band gets its number.
+    /// Protects the conversion of one number or eight numbers, as `f32` or `f64`, to the values of the bands.
     #[test]
     fn materials_take_one_number_or_one_for_each_band() {
         let each: Bands = std::array::from_fn(|band| band as f64 / 8.0);
@@ -367,7 +366,7 @@ mod tests {
         );
     }
 
-    /// Protects the order of bands: from low to high, with the value of 125 Hz at 63 Hz.
+    /// Protects the order of the bands, from low to high, and the use of the value for 125 Hz at 63 Hz.
     #[test]
     fn published_values_stand_at_their_bands() {
         let carpet = Material::builtin("carpet").unwrap();
@@ -377,7 +376,8 @@ mod tests {
         );
     }
 
-    /// Table 2 of ISO 9613-2:1996, which is ISO 9613-1 rounded: °C, %, and dB/km by octave bands.
+    /// Table 2 of ISO 9613-2:1996, which contains rounded values of ISO 9613-1: temperature in °C, humidity in %, and
+    /// dB/km by octave band.
     const TABLE: [(f64, f64, [f64; 8]); 6] = [
         (10.0, 70.0, [0.1, 0.4, 1.0, 1.9, 3.7, 9.7, 32.8, 117.0]),
         (20.0, 70.0, [0.1, 0.3, 1.1, 2.8, 5.0, 9.0, 22.9, 76.6]),
@@ -391,8 +391,8 @@ mod tests {
         air.attenuation().map(|m| 1e4 * m / 10f64.ln())
     }
 
-    /// Protects the formulas and the midband frequencies: every value of the published table, to the
-    /// digits printed there.
+    /// Protects the formulas and the midband frequencies: all values of the published table are reproduced to the last
+    /// printed digit.
     #[test]
     fn attenuation_is_that_of_the_published_table() {
         for (temperature, humidity, expected) in TABLE {
@@ -402,8 +402,8 @@ mod tests {
                 ..Air::default()
             };
             for (band, (found, expected)) in db_a_km(&air).into_iter().zip(expected).enumerate() {
-                // Half of the last printed digit, and a tenth of that half: two of the 48 values lie halfway between
-                // two printable ones (4.151, 12.75).
+                // Half of the last printed digit, plus a tenth of that half: two of the 48 values (4.151 and 12.75) lie
+                // halfway between two printed values.
                 let digit = if expected > 100.0 { 1.0 } else { 0.1 };
                 assert!(
                     (found - expected).abs() <= 0.6 * digit,
@@ -413,8 +413,8 @@ mod tests {
         }
     }
 
-    /// Protects the speed: the standard's own value at 20 °C, and 331.3 m/s at 0 °C (331.29 by
-    /// 343.2 √(273.15 / 293.15)).
+    /// Protects the speed: it equals the value in the standard at 20 °C, and 331.3 m/s at 0 °C (331.29 by 343.2
+    /// √(273.15 / 293.15)).
     #[test]
     fn sound_is_faster_in_warm_air() {
         let at = |temperature| Air {
@@ -425,7 +425,8 @@ mod tests {
         assert!((at(0.0).speed_of_sound() - 331.29).abs() < 0.005);
     }
 
-    /// Protects from NaN: at every corner of the ranges the attenuation is positive and increases from band to band.
+    /// Protects from NaN: for all combinations of the range limits, the attenuation is positive and increases with
+    /// frequency.
     #[test]
     fn every_air_in_range_takes_more_of_higher_bands() {
         let ends = |range: &RangeInclusive<f64>| [*range.start(), *range.end()];

@@ -1,11 +1,11 @@
-//! Scenes: surfaces and their materials, air, sources, listeners.
+//! Scenes: surfaces with their materials, air, sources, listeners.
 //!
-//! A [`Scene`] is plain data. It is read from a RON file ([`Scene::load`]), built into the library ([`Scene::builtin`])
-//! or written in Rust, and does not depend on OpenGL: the module `shader` turns it into shader text and numbers, and
-//! [`Scene::surface_distance`] and [`Pair::distance`] are the same signed distance functions on the CPU.
+//! A [`Scene`] is plain data, independent of OpenGL. It is read from a RON file ([`Scene::load`]), built into the
+//! library ([`Scene::builtin`]) or written in Rust. The module `shader` converts it to shader text and uniforms.
+//! [`Scene::surface_distance`] and [`Pair::distance`] evaluate the same signed distance functions on the CPU.
 //!
-//! World axes: x to the right, y up, z towards the viewer (right-handed).
-//! World units are metres, angles are radians in code and degrees in files.
+//! World axes: x to the right, y up, z towards the viewer (right-handed). Lengths are in metres. Angles are in radians
+//! in code and in degrees in files.
 
 mod check;
 mod driven_numbers;
@@ -47,12 +47,12 @@ use std::collections::BTreeMap;
 use std::path::{self, PathBuf};
 use std::sync::Arc;
 
-/// Eight units in the last place, as a share of the largest number in the computation of a distance: sums of three
-/// squares, a root and a product lose about half of that. Equal to the value in `glsl/common/rounding.glsl`. A point on
-/// a surface may lie this deep inside its solid.
+/// Bound of the rounding error of a distance: eight units in the last place, relative to the largest number in the
+/// computation. The sums of three squares, the root and the product lose about half of this. Equal to the value in
+/// `glsl/common/rounding.glsl`. A point on a surface may lie this deep inside the solid.
 pub(crate) const ROUNDING: f32 = 8.0 * f32::EPSILON;
 
-/// An acoustic world: surfaces with materials, air, sources and listeners.
+/// An acoustic scene: surfaces with materials, air, sources and listeners.
 ///
 /// ```
 /// use echomarch::glam::Vec3;
@@ -70,29 +70,29 @@ pub(crate) const ROUNDING: f32 = 8.0 * f32::EPSILON;
 /// # Ok::<(), echomarch::Error>(())
 /// ```
 ///
-/// Positions and directions are given as whatever converts into three numbers: `[f32; 3]`, or the vectors of `glam`
-/// and other crates, in any version.
+/// Positions and directions are accepted as any type that converts to three numbers: `[f32; 3]`, or the vectors of
+/// `glam` and other crates, in any version.
 ///
-/// A scene serialises to the content of its file (`docs/scene-format.md`), and deserialises from that content.
+/// A scene is serialised in the format of a scene file (`docs/scene-format.md`), and deserialised from that format.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Scene {
     /// Name in reports.
     pub name: String,
-    /// The surfaces, numbered from 1 in this order in every wave's status.
+    /// The surfaces. The status of a wave refers to a surface by its number in this order, counted from 1.
     pub surfaces: Vec<Surface>,
-    /// The scene's own materials by name; the [built-in materials](Material::BUILTIN) need not be listed here.
+    /// The scene's own materials by name. The [built-in materials](Material::BUILTIN) need no entry here.
     pub materials: BTreeMap<String, Material>,
-    /// The air; if `None`, the speed of sound is 343 m/s and the air does not absorb.
+    /// The air. Without air (`None`) the speed of sound is 343 m/s and there is no attenuation.
     pub air: Option<Air>,
-    /// The sources; a file has at least one. What needs one of them takes a [`Pair`].
+    /// The sources; a scene file has at least one. Functions that need exactly one source take a [`Pair`].
     pub sources: Vec<Source>,
-    /// The listeners; a file has at least one.
+    /// The listeners; a scene file has at least one.
     pub listeners: Vec<Listener>,
 }
 
 impl Scene {
-    /// A scene of these surfaces, numbered from 1 in this order, with one source and one listener.
+    /// Creates a scene of these surfaces (numbered from 1 in this order), one source and one listener.
     pub fn new(
         name: impl Into<String>,
         surfaces: Vec<Surface>,
@@ -109,8 +109,8 @@ impl Scene {
         }
     }
 
-    /// Creates an empty rectangular room about the origin, of `size` metres. `wall 0` to `wall 5` are the materials of
-    /// its walls at −x, +x, −y, +y, −z, +z, with the given absorption by band.
+    /// Creates an empty rectangular room of `size` metres, centred on the origin. Its walls at −x, +x, −y, +y, −z, +z
+    /// have the materials `wall 0` to `wall 5`, with the given absorption by band.
     ///
     /// ```
     /// use echomarch::{Listener, Scene, Source};
@@ -143,7 +143,7 @@ impl Scene {
         scene
     }
 
-    /// The scene at `seconds` on its key-framed paths.
+    /// The state of the scene at `seconds`, with all key-framed positions, angles and numbers at this time.
     #[must_use]
     pub fn at(&self, seconds: f64) -> Scene {
         let mut posed = self.clone();
@@ -162,7 +162,7 @@ impl Scene {
         posed
     }
 
-    /// Length of the longest path in seconds; 0 if nothing moves.
+    /// Duration of the longest key-framed motion in seconds; 0 if nothing moves.
     pub fn duration(&self) -> f64 {
         let drivers = self.surfaces.iter().flat_map(|s| &s.drivers);
         let driven = drivers.map(|driver| driver.motion.duration());
@@ -188,7 +188,7 @@ impl Scene {
         self.field_nodes().filter_map(Node::user)
     }
 
-    /// The users' fields of all surfaces, in order, with the part of each in which waves can be.
+    /// The users' fields of all surfaces in order, each with the part of the field that waves can reach.
     pub(crate) fn user_domains(&self) -> Vec<(&Arc<UserField>, WaveDomain)> {
         let mut all = Vec::new();
         for surface in &self.surfaces {
@@ -197,7 +197,7 @@ impl Scene {
         all
     }
 
-    /// The files other than the scene's own that it was made from: users' fields and images.
+    /// The files that the scene file names: users' fields and height images.
     pub fn files(&self) -> Vec<PathBuf> {
         let file = |asset: Asset| match asset {
             Asset::User(field) => field.file.clone(),
@@ -206,8 +206,8 @@ impl Scene {
         self.assets().map(file).collect()
     }
 
-    /// The contents of the files of [`Scene::files`], in the same order: texts, and the heights of images as
-    /// little-endian `f32` after their width and height.
+    /// The contents of the files of [`Scene::files`], in the same order. A user's field is its text. An image is its
+    /// width, its height and its heights as little-endian `f32`.
     #[doc(hidden)]
     pub fn file_contents(&self) -> Vec<Vec<u8>> {
         let content = |asset: Asset| match asset {
@@ -258,7 +258,7 @@ pub(super) const FIELDS: &[(&str, &str)] = &[(
     include_str!("../../examples/scenes/menger.glsl"),
 )];
 
-/// Whether a field's text is one of those built into the program.
+/// Whether the text of a field is built into the program.
 pub(super) fn is_own_text(text: &str) -> bool {
     FIELDS.iter().any(|(_, own)| *own == text)
 }
@@ -300,9 +300,9 @@ impl Scene {
         known.map(|(_, text)| *text)
     }
 
-    /// Loads a built-in scene by its name, or a scene file if there is no such scene.
+    /// Loads the built-in scene of this name; if there is none, loads the scene file at this path.
     ///
-    /// A name is looked up among the built-in scenes first; `./corner` is a file.
+    /// Built-in names take precedence; `./corner` always refers to a file.
     ///
     /// # Errors
     /// [`SceneError`] if the scene is unknown, unreadable, malformed or invalid.
@@ -321,14 +321,15 @@ impl Scene {
     }
 }
 
-/// The result of looking up a scene's name: a scene, a file or an error.
+/// The result of the lookup of a scene's name: a scene, a file or an error.
 pub(super) enum Named {
     BuiltIn(Result<Scene, SceneError>),
     File(PathBuf),
     Unknown(SceneError),
 }
 
-/// Looks up the name of a built-in scene, then of a file in a folder; without a folder, only built-in scenes.
+/// Looks up the name of a built-in scene first, and then of a file in the folder. Without a folder, only built-in
+/// scenes are looked up.
 pub(super) fn named(name: &str, folder: Option<&path::Path>) -> Named {
     if Scene::BUILTIN_NAMES.contains(&name) {
         return Named::BuiltIn(Scene::builtin(name));
@@ -353,7 +354,8 @@ fn unknown(name: &str, folder: Option<&path::Path>) -> SceneError {
     }
 }
 
-/// A scene file whose name without the extension is `name`: in the folder, or among the examples of a checkout.
+/// A scene file whose name without the extension is `name`, in the folder or among the examples of a repository
+/// checkout.
 fn file_of(name: &str, folder: &path::Path) -> Option<String> {
     let file = format!("{name}.ron");
     let example = format!("examples/scenes/{file}");
@@ -361,7 +363,7 @@ fn file_of(name: &str, folder: &path::Path) -> Option<String> {
     known.find(|file| folder.join(file).is_file())
 }
 
-/// The built-in scene whose name is most similar to `name`, or contains it as a word or a beginning.
+/// The built-in scene whose name is most similar to `name`, or starts with `name` or contains it as a word.
 fn nearest(name: &str) -> Option<&'static str> {
     let plain = name.to_lowercase().replace([' ', '_'], "-");
     let has = |known: &&str| {
@@ -372,7 +374,7 @@ fn nearest(name: &str) -> Option<&'static str> {
     mistyped.or_else(|| Scene::BUILTIN_NAMES.into_iter().find(has))
 }
 
-/// A clause that suggests the built-in scene with the name of a missing file, or an empty text.
+/// A clause that suggests the built-in scene with the name of a missing file; empty if there is no such scene.
 pub(super) fn built_in_of(path: &path::Path) -> String {
     let is_alone = path.components().count() == 1;
     let stem = path.file_stem().and_then(|stem| stem.to_str());
@@ -391,7 +393,7 @@ pub(super) fn built_in_of(path: &path::Path) -> String {
 mod tests {
     use super::*;
 
-    /// Protects files from editors that put a byte-order mark before the text.
+    /// Protects files from editors that write a byte-order mark before the text.
     #[test]
     fn a_byte_order_mark_is_no_part_of_the_scene() {
         let marked = format!("\u{feff}{}", BUILTIN[0].1);
@@ -399,7 +401,7 @@ mod tests {
         assert_eq!(scene, Scene::builtin(BUILTIN[0].0).unwrap());
     }
 
-    /// For a mistyped name the most similar one is suggested, if there is one.
+    /// Protects the suggestion for a mistyped name: the most similar name, if any is similar.
     #[test]
     fn a_name_that_is_nearly_right_is_suggested() {
         for (typed, meant) in [
@@ -422,7 +424,7 @@ mod tests {
         }
     }
 
-    /// Protects every file in `examples/scenes/` that is also a built-in scene.
+    /// Protects the built-in scenes, which are files in `examples/scenes/`: all load without a warning.
     #[test]
     fn built_in_scenes_load_without_a_warning() {
         for name in Scene::BUILTIN_NAMES {

@@ -1,7 +1,8 @@
-//! Motion: key-framed paths, and numbers of a surface driven by key frames or by named values from the API.
+//! Motion: key-framed paths, and the drivers of a surface's numbers, which are key frames or named values set through
+//! the API.
 //!
-//! The shape stores the current value of each number. A separate [`Driver`] states which number it sets, and from what.
-//! A driven number is a uniform in the shader, so that setting it does not compile anything.
+//! The shape stores the current value of each number. A separate [`Driver`] states the number that it sets and the
+//! motion of this number. A driven number is a uniform of the shader, so setting it compiles no shader.
 
 use glam::Vec3;
 
@@ -18,10 +19,10 @@ pub struct Driver {
 /// The motion of a number. Lengths are in metres, angles in radians.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Motion {
-    /// Key frames (seconds, value) with strictly increasing times: the value is linear between them, and constant
-    /// before the first and after the last.
+    /// Key frames (seconds, value) with strictly increasing times. The value is interpolated linearly between keys, and
+    /// constant before the first and after the last key.
     Keys(Vec<(f64, f32)>),
-    /// The value set by [`Scene::set_value`](super::Scene::set_value) for this name, in the unit of a scene file.
+    /// The value set by [`Scene::set_value`](super::Scene::set_value) under this name, in the unit of a scene file.
     Named(String),
 }
 
@@ -64,9 +65,9 @@ pub enum Quantity {
     Angle,
     /// A turn per length, in degrees per metre.
     Rate,
-    /// From 0 to 1.
+    /// A share, 0 to 1.
     Share,
-    /// Any number.
+    /// A number without a unit or a range.
     Plain,
 }
 
@@ -81,7 +82,7 @@ impl Quantity {
         }
     }
 
-    /// Converts a number of the code to the unit of the file.
+    /// Converts a number from the unit of the code to the unit of the scene file.
     pub fn in_file(self, value: f32) -> f32 {
         match self {
             Quantity::Angle | Quantity::Rate => value.to_degrees(),
@@ -89,7 +90,7 @@ impl Quantity {
         }
     }
 
-    /// Converts a number of the file to the unit of the code.
+    /// Converts a number from the unit of the scene file to the unit of the code.
     pub fn in_code(self, value: f32) -> f32 {
         match self {
             Quantity::Angle | Quantity::Rate => value.to_radians(),
@@ -109,10 +110,10 @@ impl Quantity {
     }
 }
 
-/// A key-framed path: keys in order of time; empty for an object without motion.
+/// A key-framed path: keys in order of time. The path of an object without motion is empty.
 ///
-/// Between two keys positions and angles change linearly; before the first key and after the last they are constant.
-/// Angles are not reduced, so a path may turn through more than a full circle.
+/// Positions and angles are interpolated linearly between two keys. They are constant before the first and after the
+/// last key. Angles are not reduced to a full circle, so a path may turn by more than 360°.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Path {
     keys: Vec<Key>,
@@ -125,14 +126,14 @@ pub struct Key {
     pub time: f64,
     /// World position in metres.
     pub position: Vec3,
-    /// Radians, positive to the right; only a listener turns.
+    /// Yaw in radians, positive to the right; used only for listeners.
     pub yaw: f32,
-    /// Radians, positive upwards; only a listener turns.
+    /// Pitch in radians, positive upwards; used only for listeners.
     pub pitch: f32,
 }
 
 impl Key {
-    /// A position at a given time in seconds, with a gaze along −z.
+    /// A position at a given time in seconds, with a viewing direction along −z.
     pub fn at(time: f64, position: impl Into<[f32; 3]>) -> Key {
         Key {
             time,
@@ -199,7 +200,7 @@ mod tests {
         }
     }
 
-    /// Protects interpolation, and constant poses outside the keys.
+    /// Protects the interpolation between keys, and the constant pose outside them.
     #[test]
     fn a_path_is_linear_between_keys_and_holds_outside() {
         let path = Path::new(vec![key(1.0, 0.0, 0.0), key(3.0, 4.0, 2.0)]).unwrap();
@@ -211,7 +212,7 @@ mod tests {
         assert_eq!(Path::default().at(1.0), None);
     }
 
-    /// Protects the order of keys, on which interpolation relies.
+    /// Protects the strict order of keys, which the interpolation requires.
     #[test]
     fn times_must_increase() {
         assert_eq!(

@@ -6,11 +6,11 @@ use sealed::{Chosen, Viewpoint};
 
 /// One source and one listener of a scene.
 ///
-/// [`Scene::pair`] chooses a pair, or [`Scene::only_pair`] in a scene with exactly one. A pair borrows the scene and
-/// copies none of it.
+/// [`Scene::pair`] selects a pair; [`Scene::only_pair`] returns the pair of a scene with one source and one listener. A
+/// pair borrows the scene without copying it.
 ///
-/// Two pairs are equal if they sound alike: their surfaces, materials, air, sources and listeners are equal. The
-/// scenes' names and their other sources and listeners are ignored.
+/// Two pairs are equal if their surfaces, materials, air, sources and listeners are equal. The names of the scenes and
+/// all other sources and listeners are ignored.
 #[derive(Clone, Copy, Debug)]
 pub struct Pair<'a> {
     pub(crate) scene: &'a Scene,
@@ -35,14 +35,14 @@ impl<'a> Pair<'a> {
         self.listener
     }
 
-    /// The arguments of [`Scene::pair`]: the indices of the source and of the listener, from 0. With these arguments
-    /// [`Scene::pair`] returns the same pair from another state of the scene, such as its state at another time.
+    /// The indices of the source and of the listener, from 0, as passed to [`Scene::pair`]. With these indices,
+    /// [`Scene::pair`] selects the same source and listener in another state of the scene, for example at another time.
     pub fn indices(&self) -> (usize, usize) {
         self.indices
     }
 
-    /// Signed distance in metres from a world point to the nearest surface or to the listener's sphere: the function
-    /// that the march in the thesis evaluates (figure 9).
+    /// Signed distance in metres from a world point to the nearest surface or to the listener's sphere. The march in
+    /// the thesis evaluates this function (figure 9).
     pub fn distance(&self, point: impl Into<[f32; 3]>) -> Nearest {
         let point = Vec3::from(point.into());
         let listener = Nearest {
@@ -52,7 +52,7 @@ impl<'a> Pair<'a> {
         self.scene.nearest_surface(point, listener)
     }
 
-    /// The same source with another listener.
+    /// Returns the pair with another listener.
     pub(crate) fn with_listener<'b>(self, listener: &'b Listener) -> Pair<'b>
     where
         'a: 'b,
@@ -72,7 +72,7 @@ impl PartialEq for Pair<'_> {
     }
 }
 
-/// An input of traces and pictures: a [`Pair`], or a scene that has one source and one listener alone.
+/// An input of traces and pictures: a [`Pair`], or a scene with exactly one source and one listener.
 ///
 /// ```
 /// use echomarch::gl::Context;
@@ -85,17 +85,17 @@ impl PartialEq for Pair<'_> {
 ///
 /// scene.sources.push(Source::at([0.0, 1.0, 0.0]).named("flute"));
 /// tracer.frame(scene.pair(1, 0)?, &settings)?;
-/// assert!(tracer.frame(&scene, &settings).is_err()); // which source?
+/// assert!(tracer.frame(&scene, &settings).is_err()); // two sources
 /// # Ok::<(), echomarch::Error>(())
 /// ```
 ///
-/// A picture needs a listener but no source: a scene without a source can be drawn too.
+/// A picture needs a listener but no source, so a scene without a source can be drawn.
 pub trait IntoPair<'a>: Chosen<'a> {}
 
 impl<'a> IntoPair<'a> for Pair<'a> {}
 impl<'a> IntoPair<'a> for &'a Scene {}
 
-/// The two conversions, hidden from callers.
+/// The two conversions, hidden from callers outside the crate.
 pub(crate) mod sealed {
     use super::{Listener, Pair, Scene, SceneError, Source};
 
@@ -106,7 +106,7 @@ pub(crate) mod sealed {
         fn viewpoint(self) -> Result<Viewpoint<'a>, SceneError>;
     }
 
-    /// A scene to draw, with the source and the listener in the picture's foreground, if it has them.
+    /// A scene to draw, with the source and the listener that the picture shows, if any.
     #[derive(Clone, Copy, Debug)]
     pub struct Viewpoint<'a> {
         pub scene: &'a Scene,
@@ -152,7 +152,7 @@ impl<'a> Chosen<'a> for &'a Scene {
 
 #[cfg(feature = "picture")]
 impl<'a> Viewpoint<'a> {
-    /// The listener that sees the picture.
+    /// The listener whose view the picture shows.
     ///
     /// # Errors
     /// [`SceneError::NotOnePair`] without a listener.
@@ -170,7 +170,7 @@ impl<'a> Viewpoint<'a> {
 }
 
 impl Scene {
-    /// The source and the listener with these indices, from 0, in [`Scene::sources`] and [`Scene::listeners`].
+    /// Selects the source and the listener with these indices, from 0, in [`Scene::sources`] and [`Scene::listeners`].
     ///
     /// ```
     /// use echomarch::{Scene, Source};
@@ -202,10 +202,11 @@ impl Scene {
         })
     }
 
-    /// The source and the listener of a scene that has one of each.
+    /// The only source and the only listener of a scene.
     ///
     /// # Errors
-    /// [`SceneError::NotOnePair`] if the scene does not have exactly one of each: choose with [`Scene::pair`] instead.
+    /// [`SceneError::NotOnePair`] if the scene does not have exactly one source and one listener; [`Scene::pair`]
+    /// selects among several.
     pub fn only_pair(&self) -> Result<Pair<'_>, SceneError> {
         match (self.sources.len(), self.listeners.len()) {
             (1, 1) => self.pair(0, 0),
@@ -228,7 +229,7 @@ mod tests {
     use crate::scene::shape::Sphere;
     use crate::scene::{Air, Surface};
 
-    /// A scene with a ball, sources at 1 m, 2 m … along x, and listeners at 1 m, 2 m … along y.
+    /// A scene with a sphere, sources at 1 m, 2 m … along x, and listeners at 1 m, 2 m … along y.
     fn scene(sources: usize, listeners: usize) -> Scene {
         let ball = Surface::new(Sphere { radius: 0.5 });
         let mut scene = Scene::new(
@@ -244,7 +245,7 @@ mod tests {
         scene
     }
 
-    /// Protects the choice by index, and callers from indices out of range.
+    /// Protects the selection by index, and callers from indices out of range.
     #[test]
     fn a_pair_is_what_the_numbers_say() {
         let scene = scene(2, 3);
@@ -262,8 +263,8 @@ mod tests {
         assert!(text.contains("it has 3"), "{text}");
     }
 
-    /// Protects callers from a default that is chosen silently: without a choice a scene must have exactly one source
-    /// and one listener.
+    /// Protects callers from a silent default: a scene is a valid input only if it has exactly one source and one
+    /// listener.
     #[test]
     fn the_only_pair_is_the_one_that_is_alone() {
         let alone = scene(1, 1);
@@ -286,7 +287,7 @@ mod tests {
         }
     }
 
-    /// Protects callers that trace only after a change: two pairs differ exactly when an audible property differs.
+    /// Protects callers that trace only after a change: two pairs differ if and only if an audible property differs.
     #[test]
     fn pairs_are_equal_if_they_sound_alike() {
         let before = scene(2, 2);
@@ -308,8 +309,7 @@ mod tests {
         }));
     }
 
-    /// Protects the distance that a march evaluates: it includes the sphere of the pair's listener, not of another
-    /// listener.
+    /// Protects the distance that a march evaluates: it includes the sphere of the pair's own listener only.
     #[test]
     fn the_distance_is_to_the_listener_of_the_pair() {
         let scene = scene(1, 2);

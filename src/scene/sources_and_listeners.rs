@@ -1,29 +1,29 @@
-//! Sources and listeners of a scene, and the properties of the scene that affect the sound between them.
+//! Sources and listeners of a scene, and the scene's materials and air by lookup.
 
 use super::{Air, Material, Path, Scene, SceneError};
 use crate::bands::{BAND_COUNT, Bands};
 use crate::text::nearest_or_all;
 use glam::{DQuat, DVec3, DVec4, Vec3};
 
-/// The tilt of a head, in radians, that counts as level: more than the rounding of a quaternion that was composed of
-/// thousands in `f32`. It raises an ear of a listener by a thousandth of the head's half width.
+/// Maximum tilt of a head that counts as level, in radians. It exceeds the rounding error of a quaternion composed of
+/// thousands of `f32` rotations. It raises an ear of a listener by a thousandth of half the head's width.
 const MOST_TILT: f64 = 1e-3;
 
-/// A point that sends waves in all directions.
+/// A point that emits waves in all directions.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Source {
     /// Name in reports, unique among the sources.
     pub name: Option<String>,
-    /// Level relative to other sources in decibels.
+    /// Level relative to the other sources, in decibels.
     pub level_db: f32,
     /// World position in metres.
     pub position: Vec3,
-    /// Positions in time; empty when it stands still.
+    /// Key-framed positions; empty for a static source.
     pub path: Path,
 }
 
-/// A sphere that receives waves, and the direction it looks in.
+/// A sphere that receives waves, with a viewing direction.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Listener {
@@ -31,18 +31,18 @@ pub struct Listener {
     pub name: Option<String>,
     /// World position of the centre in metres.
     pub position: Vec3,
-    /// Turn about the vertical in radians, positive to the right; 0 looks along −z.
+    /// Rotation about the vertical axis in radians, positive to the right; 0 is the direction −z.
     pub yaw: f32,
-    /// Elevation of the gaze in radians, positive upwards.
+    /// Elevation of the viewing direction in radians, positive upwards.
     pub pitch: f32,
     /// Radius of the sphere in metres.
     pub radius: f32,
-    /// Positions and turns in time; empty when it stands still.
+    /// Key-framed positions and angles; empty for a static listener.
     pub path: Path,
 }
 
 impl Source {
-    /// A source that stands still at `position` (metres).
+    /// Creates a static source at `position` (metres).
     pub fn at(position: impl Into<[f32; 3]>) -> Source {
         Source {
             name: None,
@@ -52,14 +52,14 @@ impl Source {
         }
     }
 
-    /// The same source with a name.
+    /// Returns the source with a name.
     #[must_use]
     pub fn named(mut self, name: impl Into<String>) -> Source {
         self.name = Some(name.into());
         self
     }
 
-    /// The same source with a level relative to other sources, in decibels.
+    /// Returns the source with a level relative to the other sources, in decibels.
     #[must_use]
     pub fn with_level_db(mut self, level_db: f32) -> Source {
         self.level_db = level_db;
@@ -68,7 +68,7 @@ impl Source {
 }
 
 impl Listener {
-    /// A listener that stands still at `position` (metres) and looks along −z.
+    /// Creates a static listener at `position` (metres) that looks along −z.
     pub fn at(position: impl Into<[f32; 3]>, radius: f32) -> Listener {
         Listener {
             name: None,
@@ -80,15 +80,15 @@ impl Listener {
         }
     }
 
-    /// The same listener with a name.
+    /// Returns the listener with a name.
     #[must_use]
     pub fn named(mut self, name: impl Into<String>) -> Listener {
         self.name = Some(name.into());
         self
     }
 
-    /// The same listener, turned by a quaternion (x, y, z, w; of any length but 0) from a gaze along −z with +y
-    /// upwards: the rotation of a camera in a right-handed world with y up.
+    /// Returns the listener with the rotation of a quaternion (x, y, z, w) of any length except 0. The identity looks
+    /// along −z with +y up, like a camera in a right-handed world with y up.
     ///
     /// ```
     /// use echomarch::Listener;
@@ -101,9 +101,9 @@ impl Listener {
     /// ```
     ///
     /// # Errors
-    /// [`SceneError::RolledListener`] if the head is tilted to a side, or upside down: the ears of a listener lie on a
-    /// level axis. [`Listener::looking_along`] ignores such a tilt. [`SceneError::NoOrientation`] for a quaternion that
-    /// is 0 or not finite.
+    /// [`SceneError::RolledListener`] if the head is tilted to one side or upside down: the axis through a listener's
+    /// ears is horizontal. [`Listener::looking_along`] ignores such a tilt. [`SceneError::NoOrientation`] for a
+    /// quaternion that is 0 or not finite.
     pub fn with_orientation(
         mut self,
         orientation: impl Into<[f32; 4]>,
@@ -118,7 +118,7 @@ impl Listener {
         }
         let turn = DQuat::from_xyzw(x, y, z, w).normalize();
         let [right, up] = [turn * DVec3::X, turn * DVec3::Y];
-        // Looking straight up or down, a turn about the gaze is a yaw.
+        // If the listener looks straight up or down, a rotation about the viewing direction is a yaw.
         if right.y.hypot(up.y) > MOST_TILT {
             let roll = -right.y.atan2(up.y);
             if roll.abs() > MOST_TILT {
@@ -132,8 +132,8 @@ impl Listener {
         Ok(self)
     }
 
-    /// The same listener, looking along a direction (world axes, any length but 0). Straight up and down, its yaw stays
-    /// as it was.
+    /// Returns the listener looking along a direction in world axes, of any length except 0. A direction straight up or
+    /// down leaves the yaw unchanged.
     ///
     /// # Errors
     /// [`SceneError::NoOrientation`] for a direction that is 0 or not finite.
@@ -160,25 +160,25 @@ impl Listener {
         Vec3::new(sin_yaw * cos_pitch, sin_pitch, -cos_yaw * cos_pitch)
     }
 
-    /// Unit vector out of the right ear.
+    /// Unit vector that points out of the right ear.
     pub fn right(&self) -> Vec3 {
         let (sin_yaw, cos_yaw) = self.yaw.sin_cos();
         Vec3::new(cos_yaw, 0.0, sin_yaw)
     }
 
-    /// Unit vector out of the top of the head.
+    /// Unit vector that points out of the top of the head.
     pub fn up(&self) -> Vec3 {
         self.right().cross(self.forward())
     }
 }
 
 impl Scene {
-    /// The names of the sources in reports, in order: each by its name, or by its number from 1.
+    /// The names of the sources in reports, in order. A source without a name is labelled by its number from 1.
     pub fn source_labels(&self) -> Vec<String> {
         labels(self.sources.iter().map(|source| source.name.as_deref()))
     }
 
-    /// The names of the listeners in reports, in order: each by its name, or by its number from 1.
+    /// The names of the listeners in reports, in order. A listener without a name is labelled by its number from 1.
     pub fn listener_labels(&self) -> Vec<String> {
         labels(
             self.listeners
@@ -200,20 +200,20 @@ impl Scene {
     }
 
     /// The material of a surface (counted from 0), or of one of its walls in the order of
-    /// [`Room::WALL_NAMES`](super::shape::Room::WALL_NAMES): that of the wall, else that of the surface. `None` if
-    /// neither has one: all energy is reflected.
+    /// [`Room::WALL_NAMES`](super::shape::Room::WALL_NAMES). A wall without its own material has the material of the
+    /// surface. `None` if neither has a material: all energy is reflected.
     pub fn material(&self, surface: usize, wall: Option<usize>) -> Option<&Material> {
         let surface = self.surfaces.get(surface)?;
         self.material_named(surface.material_name(wall)?)
     }
 
-    /// The material of this name: the scene's own, or else a built-in one.
+    /// The material of this name: the scene's own material, otherwise the built-in material.
     pub fn material_named(&self, name: &str) -> Option<&Material> {
         let own = self.materials.get(name);
         own.or_else(|| Material::builtin(name))
     }
 
-    /// The material of this name, or the message that there is none.
+    /// The material of this name, or an error message that suggests similar names.
     pub(super) fn find_material(&self, name: &str) -> Result<&Material, String> {
         self.material_named(name).ok_or_else(|| {
             let mut all: Vec<&str> = self.materials.keys().map(String::as_str).collect();
@@ -223,7 +223,7 @@ impl Scene {
         })
     }
 
-    /// Whether any surface absorbs or scatters; otherwise every reflection is specular and keeps all energy.
+    /// Whether any surface absorbs or scatters. Otherwise every reflection is specular and keeps all energy.
     pub fn has_materials(&self) -> bool {
         self.used_materials().any(|material| !material.is_mirror())
     }
@@ -234,25 +234,25 @@ impl Scene {
         materials.any(|material| material.scatters(0..BAND_COUNT))
     }
 
-    /// Whether a material or the air changes the timbre; otherwise all octave bands are alike.
+    /// Whether a material or the air changes the timbre. Otherwise all octave bands are equal.
     pub fn has_bands(&self) -> bool {
         self.air.is_some() || self.used_materials().any(|material| !material.is_grey())
     }
 
-    /// The materials of surfaces and walls; a material is repeated for each surface or wall that uses it.
+    /// The materials of all surfaces and walls, with repetitions.
     fn used_materials(&self) -> impl Iterator<Item = &Material> {
         let names = self.surfaces.iter().flat_map(|s| s.material_names());
         names.filter_map(|name| self.material_named(name))
     }
 
-    /// Speed of sound in metres a second: that of the scene's air, else 343.
+    /// Speed of sound in metres per second: of the scene's air, or 343 without air.
     pub fn speed_of_sound(&self) -> f64 {
         self.air
             .map_or(Air::USUAL_SPEED_OF_SOUND, |air| air.speed_of_sound())
     }
 
-    /// Attenuation of sound energy by the air, by band, in 1/m (see [`Air::attenuation`](super::Air::attenuation)); 0
-    /// where the scene has no air.
+    /// Attenuation coefficient of the air by octave band, in 1/m (see [`Air::attenuation`](super::Air::attenuation)); 0
+    /// without air.
     pub fn air_attenuation(&self) -> Bands {
         self.air.map_or([0.0; BAND_COUNT], |air| air.attenuation())
     }
@@ -283,7 +283,7 @@ mod tests {
     use glam::{EulerRot, Quat};
     use std::f32::consts::FRAC_PI_2;
 
-    /// Protects the sign of yaw and pitch: right and up are positive.
+    /// Protects the signs of yaw and pitch: right and up are positive.
     #[test]
     fn a_listener_turns_right_and_looks_up_with_positive_angles() {
         let mut listener = Listener::at(Vec3::ZERO, 1.0);
@@ -296,8 +296,8 @@ mod tests {
         assert!((listener.up() - Vec3::NEG_X).length() < 1e-6);
     }
 
-    /// Protects orientations of other programs: of yaw and pitch alone the quaternion gives the same gaze and ears, also
-    /// straight up, at any length, and a tilted head is refused.
+    /// Protects the import of orientations from other programs. A quaternion of yaw and pitch gives the same viewing
+    /// direction and ears as the two angles, also straight up and at any length. A tilted head is rejected.
     #[test]
     fn a_quaternion_turns_a_listener_unless_it_tilts_the_head() {
         let of = |turn: Quat| Listener::at([0.0; 3], 0.2).with_orientation(turn);
@@ -311,7 +311,7 @@ mod tests {
         ] {
             let mut expected = Listener::at(Vec3::ZERO, 0.2);
             (expected.yaw, expected.pitch) = (yaw, pitch);
-            // The yaw of a listener is to the right, a turn about +y to the left.
+            // The yaw of a listener is positive to the right, a rotation about +y is positive to the left.
             let turn = Quat::from_euler(EulerRot::YXZ, -yaw, pitch, 0.0);
             for turn in [turn, -turn, turn * 40.0] {
                 let turned = of(turn).unwrap();
@@ -338,7 +338,8 @@ mod tests {
         }
     }
 
-    /// Protects gazes along a direction: any length will do, and straight up the yaw stays.
+    /// Protects viewing directions given by a vector: any length is accepted, and a direction straight up keeps the
+    /// yaw.
     #[test]
     fn a_listener_looks_along_a_direction() {
         let mut listener = Listener::at([1.0, 2.0, 3.0], 0.2);
@@ -371,8 +372,8 @@ mod tests {
         )
     }
 
-    /// Protects the order in which a material is looked up: the wall, then the surface; the scene's own,
-    /// then the built-in one.
+    /// Protects the order of the material lookup: the wall before the surface, the scene's own material before the
+    /// built-in material.
     #[test]
     fn a_wall_comes_before_its_surface_and_a_scene_before_the_list() {
         let mut scene = hall();
@@ -395,8 +396,7 @@ mod tests {
         assert!(scene.has_materials() && !scene.has_bands());
     }
 
-    /// Protects motion: every listener or source with a path moves, and the longest path determines the scene's
-    /// duration.
+    /// Protects motion: every source or listener with a path moves, and the longest path is the scene's duration.
     #[test]
     fn all_sources_and_listeners_follow_their_paths() {
         let mut scene = hall();
@@ -420,7 +420,7 @@ mod tests {
         assert_eq!((listener.position.x, listener.yaw), (0.5, 0.5));
     }
 
-    /// Protects a scene without air: the speed of sound is 343 m/s, and there is no attenuation.
+    /// Protects scenes without air: the speed of sound is 343 m/s, and there is no attenuation.
     #[test]
     fn without_air_nothing_is_lost() {
         let mut scene = hall();

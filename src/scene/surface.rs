@@ -1,7 +1,7 @@
-//! A surface: a placed shape; the signed distance of a scene on the CPU.
+//! Surfaces, which are shapes placed in the world, and the signed distance of a scene on the CPU.
 //!
-//! Distances are computed in `f64` and written independently of the shaders, so that each can reveal errors of the
-//! other; a test compares both at the same points. They are negative in the solid.
+//! Distances are computed in `f64`, with code that is independent of the shaders. A test compares both at the same
+//! points, so that each reveals errors of the other. Distances are negative inside a solid.
 
 use super::shape::Room;
 use super::{Bounds3, Driver, Listener, Node, Scene, SceneError, Shape};
@@ -21,33 +21,34 @@ use glam::{DMat3, Quat, Vec3};
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Surface {
-    /// Name in reports; without a name, the surface's number is used.
+    /// Name in reports. Without a name, reports use the surface's number.
     pub name: Option<String>,
-    /// The surface's form and size.
+    /// Form and size of the surface.
     pub shape: Shape,
-    /// World position of the shape's own origin in metres.
+    /// World position of the origin of the shape's axes, in metres.
     pub position: Vec3,
-    /// Turns the shape's own axes to the world's axes.
+    /// Rotation from the shape's axes to the world axes.
     pub rotation: Quat,
-    /// Declares that the rotation will change even if it is currently the identity.
+    /// Declares that the rotation will change, even if it is currently the identity.
     ///
-    /// A surface that is not turned has no rotation in its shader text. A surface that is turned, or declared here as
-    /// turning, takes its rotation from a uniform, so that turning it never compiles a shader.
+    /// The shader text of a surface without a rotation contains no rotation. A surface that is rotated, or declared
+    /// here as rotating, reads its rotation from a uniform, so that a change of the rotation compiles no shader.
     pub dynamic_rotation: bool,
-    /// The angles of a driven rotation in radians, about x, then y, then z.
+    /// Angles of a driven rotation in radians, about x, then y, then z.
     pub angles: Vec3,
-    /// The drivers of its numbers; empty if it does not move.
+    /// The drivers of the surface's numbers; empty if nothing moves.
     #[doc(hidden)]
     pub drivers: Vec<Driver>,
-    /// The name of its material, one of the scene's or a built-in one; without a material it reflects all sound.
+    /// Name of the material, either one of the scene's own or a built-in material. A surface without a material
+    /// reflects all sound.
     pub material: Option<String>,
-    /// For a [`Room`](super::shape::Room): the materials of walls that differ from the surface's,
-    /// in the order of [`Room::WALL_NAMES`](super::shape::Room::WALL_NAMES). They turn with the room.
+    /// For a [`Room`](super::shape::Room): the materials of the walls that differ from the surface's material, in the
+    /// order of [`Room::WALL_NAMES`](super::shape::Room::WALL_NAMES). The walls rotate with the room.
     pub walls: [Option<String>; Room::WALL_COUNT],
 }
 
 impl Surface {
-    /// Creates a surface with its shape at the world's origin, not turned.
+    /// Creates a surface with its shape at the world's origin, without a rotation.
     pub fn new(shape: impl Into<Shape>) -> Surface {
         Surface {
             name: None,
@@ -62,14 +63,14 @@ impl Surface {
         }
     }
 
-    /// Returns the surface with its origin at `position` (metres).
+    /// Returns the surface with the origin of its axes at `position` (metres).
     #[must_use]
     pub fn at(mut self, position: impl Into<[f32; 3]>) -> Surface {
         self.position = position.into().into();
         self
     }
 
-    /// Returns the surface turned by `rotation`: a unit quaternion (x, y, z, w).
+    /// Returns the surface rotated by `rotation`, a unit quaternion (x, y, z, w).
     #[must_use]
     pub fn turned(mut self, rotation: impl Into<[f32; 4]>) -> Surface {
         self.rotation = Quat::from_array(rotation.into());
@@ -90,7 +91,7 @@ impl Surface {
         self
     }
 
-    /// Returns the room with the material of this name on one of its walls (0 to 5, see
+    /// Returns the room with the material of this name on one wall (0 to 5, see
     /// [`Room::WALL_NAMES`](super::shape::Room::WALL_NAMES)).
     ///
     /// # Errors
@@ -115,13 +116,13 @@ impl Surface {
         }
     }
 
-    /// The name of the material of a wall, or of the surface.
+    /// The name of a wall's material. A wall without its own material has the material of the surface.
     pub(super) fn material_name(&self, wall: Option<usize>) -> Option<&str> {
         let of_wall = wall.and_then(|wall| self.walls.get(wall)?.as_deref());
         of_wall.or(self.material.as_deref())
     }
 
-    /// The names of all materials of the surface: its own, then its walls'.
+    /// The names of all materials of the surface: its own, then those of its walls.
     pub(super) fn material_names(&self) -> impl Iterator<Item = &str> {
         let walls = self.walls.iter();
         self.material
@@ -130,12 +131,12 @@ impl Surface {
             .map(String::as_str)
     }
 
-    /// Whether its shape has walls that may have different materials.
+    /// Whether the shape has walls that can have different materials.
     pub(super) fn has_walls(&self) -> bool {
         matches!(self.shape.node, Node::Room(_))
     }
 
-    /// Whether both surfaces are equal, ignoring the paths of the files that they name.
+    /// Whether both surfaces are equal, ignoring the paths of their files.
     #[doc(hidden)]
     pub fn is_alike(&self, other: &Surface) -> bool {
         let at_one_place = Surface {
@@ -145,14 +146,14 @@ impl Surface {
         at_one_place == *other && self.shape.is_alike(&other.shape)
     }
 
-    /// Returns the surface, declared to rotate: see [`dynamic_rotation`](Surface::dynamic_rotation).
+    /// Returns the surface with a rotation that may change; see [`dynamic_rotation`](Surface::dynamic_rotation).
     #[must_use]
     pub fn turning(mut self) -> Surface {
         self.dynamic_rotation = true;
         self
     }
 
-    /// Bounds of its solid, in world metres.
+    /// Bounding box of the solid, in world metres.
     pub fn bounds(&self) -> Bounds3 {
         let own = self.shape.properties().bounds;
         let turned = if self.has_rotation() {
@@ -163,7 +164,7 @@ impl Surface {
         turned.moved(self.position.as_dvec3())
     }
 
-    /// Whether the shader text contains its rotation.
+    /// Whether the shader text contains a rotation for this surface.
     pub fn has_rotation(&self) -> bool {
         self.dynamic_rotation || self.rotation != Quat::IDENTITY
     }
@@ -175,12 +176,12 @@ impl Surface {
 pub struct Nearest {
     /// Signed distance in metres, negative in a solid.
     pub distance: f32,
-    /// The nearest object: 0 is the listener, n is surface n, counted from 1.
+    /// Number of the nearest object: 0 is the listener, n is surface n, counted from 1.
     pub object: u32,
 }
 
 impl Scene {
-    /// Signed distance to the nearest surface, ignoring the listener.
+    /// Signed distance to the nearest surface; the listener is ignored.
     pub fn surface_distance(&self, point: impl Into<[f32; 3]>) -> Nearest {
         let nothing = Nearest {
             distance: f32::INFINITY,
@@ -202,7 +203,7 @@ impl Scene {
 }
 
 impl Surface {
-    /// Signed distance from a world point in metres.
+    /// Signed distance from a world point to the surface, in metres.
     pub fn distance(&self, point: impl Into<[f32; 3]>) -> f32 {
         let offset = Vec3::from(point.into()) - self.position;
         if !self.has_rotation() {
@@ -213,15 +214,15 @@ impl Surface {
 }
 
 impl Listener {
-    /// Signed distance to the listener's sphere in metres.
+    /// Signed distance from a world point to the listener's sphere, in metres.
     pub fn distance(&self, point: impl Into<[f32; 3]>) -> f32 {
         (Vec3::from(point.into()) - self.position).length() - self.radius
     }
 }
 
 impl Shape {
-    /// Lower bound of the signed distance in metres at a point in the tree's own axes (metres): the
-    /// value, divided by its Lipschitz constant.
+    /// Lower bound of the signed distance in metres, at a point in the tree's own axes (metres): the value divided by
+    /// its Lipschitz constant.
     pub fn distance(&self, p: impl Into<[f32; 3]>) -> f32 {
         let p = Vec3::from(p.into());
         (self.value(p.as_dvec3()) / self.properties().lipschitz) as f32
@@ -240,7 +241,7 @@ mod tests {
         assert!((actual - expected).abs() < 1e-5, "{actual} != {expected}");
     }
 
-    /// Protects sign and size of each shape's distance at hand-computed points.
+    /// Protects sign and magnitude of each shape's distance, by points computed by hand.
     #[test]
     fn shapes_have_their_distance() {
         let size = Vec3::new(2.0, 4.0, 6.0);
@@ -261,7 +262,7 @@ mod tests {
         assert_close(cylinder.distance(Vec3::new(3.0, 100.0, 4.0)), 3.0);
     }
 
-    /// Protects the direction of a rotation: it turns the shape, not the point.
+    /// Protects the direction of a rotation: the shape is rotated, not the point.
     #[test]
     fn a_turned_plane_faces_where_its_normal_was_turned() {
         // A quarter turn about z takes the plane's normal from +y to −x.
@@ -272,7 +273,7 @@ mod tests {
         assert_close(wall.distance(Vec3::new(5.0, 7.0, 9.0)), -2.0);
     }
 
-    /// Protects the numbering: 0 is the listener, surfaces count from 1.
+    /// Protects the numbers of objects: 0 is the listener, and surfaces are counted from 1.
     #[test]
     fn the_nearest_object_is_named() {
         let scene = Scene::new(

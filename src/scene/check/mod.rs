@@ -1,4 +1,4 @@
-//! Checks of a scene: errors if it cannot be traced, warnings if it is odd.
+//! Checks of a scene: errors if it cannot be traced, warnings if it is unusual.
 
 #[cfg(test)]
 mod tests;
@@ -14,27 +14,29 @@ use std::collections::HashSet;
 use std::fmt;
 use std::ops::RangeInclusive;
 
-/// Maximum product of a surface's key-frame times and the nodes of its field: checking each node at each time then
-/// takes a few seconds.
+/// Maximum product of the number of a surface's key-frame times and the number of nodes of its field. Checking each
+/// node at each time then takes a few seconds.
 const MOST_WORK: usize = 3_000_000;
 
-/// Like [`MOST_WORK`], for the times between keys only, and for all surfaces together: less than a second.
+/// Maximum sum over all surfaces of the same product for the times between key frames. These checks then take less than
+/// a second.
 const MOST_WORK_BETWEEN: usize = 300_000;
 
-/// Maximum number of checked frames between keys: a minute and a half.
+/// Maximum number of checked frames between the first and the last key: 90 s at 30 frames per second.
 const MOST_BETWEEN: usize = 2700;
 
-/// Level of a source relative to others in decibels: the range is wider than from the softest audible sound to pain.
+/// Range of a source's level relative to other sources, in decibels. It is wider than the range from the threshold of
+/// hearing to the threshold of pain.
 pub(super) const LEVELS: RangeInclusive<f32> = -120.0..=120.0;
 
-/// Maximum number of a scene's sources, and of its listeners: each pair of source and listener is checked, and traced
-/// as a separate sound.
+/// Maximum number of a scene's sources, and maximum number of its listeners. Each pair of a source and a listener is
+/// checked and traced as a separate sound.
 pub(super) const MOST_PLACED: usize = 256;
 
 impl Scene {
-    /// Checks the scene like [`Scene::validate_moving`], and every field like `Shape::check`: a
-    /// few milliseconds for each field that states its Lipschitz constant. This check runs when a scene file is read,
-    /// and when a tracer gets a new structure. The text of users' fields is compiled later, by the tracer.
+    /// Checks the scene like [`Scene::validate_moving`], and every field like `Shape::check`, which takes a few
+    /// milliseconds for each field that states its Lipschitz constant. This check runs when a scene file is read, and
+    /// when a tracer gets a new structure. The tracer compiles the text of users' fields later.
     ///
     /// # Errors
     /// The errors of [`Scene::validate_moving`].
@@ -44,19 +46,19 @@ impl Scene {
             let checked = surface.shape.check();
             checked.map_err(|why| self.bad_field(&surface.label(index), why))?;
         }
-        // With many times, fewer points are evaluated at each.
+        // If there are many times, fewer points are evaluated at each time.
         self.at_checked_times(|scene, label, posed, times| {
             let checked = posed.shape.check_growth_at_one_of(times);
             checked.map_err(|why| scene.bad_field(label, why))
         })
     }
 
-    /// Checks every number. This is cheap enough for every frame of a scene that moves or was written in Rust; checks
-    /// that are needed only once are in [`Scene::check`].
+    /// Checks every number. This check is fast enough to run in every frame of a scene that moves or was written in
+    /// Rust. [`Scene::check`] contains the checks that need to run only once.
     ///
     /// # Errors
-    /// [`SceneError::Empty`] without surfaces; [`SceneError::BadNumber`] for
-    /// numbers that are not finite and for sizes and radii that are not positive.
+    /// [`SceneError::Empty`] without surfaces; [`SceneError::BadNumber`] for numbers that are not finite, and for sizes
+    /// and radii that are not positive.
     pub fn validate(&self) -> Result<(), SceneError> {
         if self.surfaces.is_empty() {
             return Err(SceneError::Empty {
@@ -71,11 +73,11 @@ impl Scene {
         self.validate_sound()
     }
 
-    /// Checks the scene like [`Scene::validate`], and each surface at every time of its key frames and at the
-    /// thirtieths of a second between them.
+    /// Checks the scene like [`Scene::validate`], and each surface at all its key frames and every thirtieth of a
+    /// second between them.
     ///
     /// # Errors
-    /// The errors of [`Scene::validate`]; [`SceneError::At`] for a value that is invalid only at a later time.
+    /// The errors of [`Scene::validate`]; [`SceneError::At`] for a value that is invalid at a later time only.
     pub fn validate_moving(&self) -> Result<(), SceneError> {
         self.validate()?;
         for (index, surface) in self.surfaces.iter().enumerate() {
@@ -84,7 +86,7 @@ impl Scene {
         self.at_checked_times(|scene, label, posed, _| scene.validate_pose(label, posed))
     }
 
-    /// Checks that evaluating every node at every key takes at most a few seconds.
+    /// Checks that evaluating every node at every key frame takes at most a few seconds.
     fn validate_work(&self, label: &str, surface: &Surface) -> Result<(), SceneError> {
         let nodes = surface.nodes();
         let keys = surface.checked_times(0).len();
@@ -96,8 +98,8 @@ impl Scene {
         Err(self.bad_number(&what, must, keys))
     }
 
-    /// Calls `check` for each surface in its state at every sampled time; `check` also receives the number of these
-    /// times.
+    /// Calls `check` for each moving surface, in its state at each checked time. `check` also receives the number of
+    /// checked times.
     fn at_checked_times(
         &self,
         check: impl Fn(&Scene, &str, &Surface, usize) -> Result<(), SceneError>,
@@ -118,7 +120,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Checks the numbers in their current state.
+    /// Checks the position, the rotation and the shape in their current state.
     fn validate_pose(&self, label: &str, surface: &Surface) -> Result<(), SceneError> {
         self.finite(&format!("{label}: position"), surface.position)?;
         let rotation = surface.rotation;
@@ -130,7 +132,7 @@ impl Scene {
         checked.map_err(|why| self.bad_field(label, why))
     }
 
-    /// Checks that every driver drives an existing number and that its keys are in order.
+    /// Checks that every driver sets an existing number, and that its keys are in order.
     fn validate_drivers(&self, label: &str, surface: &Surface) -> Result<(), SceneError> {
         if surface.drivers.is_empty() {
             return Ok(());
@@ -266,7 +268,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Checks that each name is used once.
+    /// Checks that all names are unique.
     fn validate_names<'a>(
         &self,
         what: &'static str,
@@ -328,8 +330,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Checks that every material named by the surface exists, and that only a room has materials
-    /// of walls.
+    /// Checks that every material named by the surface exists, and that only rooms have wall materials.
     fn validate_material_names(&self, index: usize, surface: &Surface) -> Result<(), SceneError> {
         for name in surface.material_names() {
             self.find_material(name)
@@ -342,7 +343,7 @@ impl Scene {
     }
 }
 
-/// The message if a shape other than a room has materials of walls.
+/// The error message for wall materials of a shape that is not a room.
 pub(super) const NOT_A_ROOM: &str = "only the walls of a Room have materials of their own";
 
 /// The first name that occurs twice.
@@ -351,7 +352,7 @@ pub(super) fn twice<'a>(names: impl Iterator<Item = Option<&'a String>>) -> Opti
     names.flatten().find(|name| !known.insert(*name))
 }
 
-/// Finds a name that equals the number of an unnamed source or listener, whose number serves as its name.
+/// Finds a name that equals the number of an unnamed source or listener. Reports use this number as a name.
 fn number_of_another<'a>(names: &[Option<&'a String>]) -> Option<&'a String> {
     let is_of_another = |(index, name): &(usize, &'a String)| {
         let other = name.parse::<usize>().ok().and_then(|n| n.checked_sub(1));
@@ -363,7 +364,7 @@ fn number_of_another<'a>(names: &[Option<&'a String>]) -> Option<&'a String> {
 }
 
 impl Scene {
-    /// Returns warnings about the scene in its current state; it can still be traced.
+    /// Returns warnings about the scene in its current state. Scenes with warnings can still be traced.
     pub fn warnings(&self) -> Vec<Warning> {
         let mut warnings = self.odd_sources();
         for (index, listener) in self.listeners.iter().enumerate() {
@@ -382,7 +383,7 @@ impl Scene {
         warnings
     }
 
-    /// Warns of scenes with several rooms.
+    /// Warns about scenes with several rooms.
     fn rooms_that_fill_each_other(&self) -> Option<Warning> {
         let all = self.surfaces.iter().enumerate();
         let rooms = all.filter(|(_, surface)| surface.has_walls());
@@ -390,7 +391,7 @@ impl Scene {
         (rooms.len() > 1).then_some(Warning::RoomsFillEachOther { rooms })
     }
 
-    /// Warns of surfaces without a material if other surfaces have one.
+    /// Warns about surfaces without a material if other surfaces have one.
     fn without_material(&self) -> Option<Warning> {
         if !self.has_materials() {
             return None;
@@ -417,7 +418,7 @@ impl Scene {
         (!surfaces.is_empty()).then_some(Warning::NoMaterial { surfaces })
     }
 
-    /// Warns of sources in solids and in listeners.
+    /// Warns about sources inside solids or listeners.
     fn odd_sources(&self) -> Vec<Warning> {
         let mut warnings = Vec::new();
         for (index, from) in self.sources.iter().enumerate() {
@@ -445,7 +446,7 @@ impl Scene {
         warnings
     }
 
-    /// Warns of users' fields that are all solid or all air.
+    /// Warns about users' fields that are all solid or all air.
     fn one_sided_fields(&self) -> Vec<Warning> {
         let mut warnings = Vec::new();
         for (index, surface) in self.surfaces.iter().enumerate() {
@@ -476,7 +477,7 @@ impl Scene {
         let surface = &self.surfaces[index];
         let largest = point.abs().max(surface.position.abs()).max_element();
         if nearest.distance >= -ROUNDING * largest {
-            // Waves start at such a point as on the surface itself.
+            // Rounding error: a wave from this point starts on the surface.
             return None;
         }
         let label = surface.label(index);

@@ -15,7 +15,7 @@ fn room() -> Scene {
     )
 }
 
-/// Protects from numbers that would break a shader: they are rejected.
+/// Protects shaders from invalid numbers: the scene is rejected.
 #[test]
 fn bad_numbers_are_refused() {
     assert!(room().validate().is_ok());
@@ -52,7 +52,7 @@ fn hall() -> Scene {
     scene
 }
 
-/// Names in messages: a single source or listener has no number, one of several has.
+/// Protects the names in messages: a single source or listener has no number, one of several has a number.
 #[test]
 fn one_of_several_is_called_by_its_number() {
     let mut scene = hall();
@@ -65,7 +65,7 @@ fn one_of_several_is_called_by_its_number() {
     assert_eq!(labels(&scene), ["the source", "the listener"]);
 }
 
-/// Numbers are unambiguous: a name must not equal the number of an unnamed source or listener.
+/// Protects the meaning of numbers: no name may equal the number of an unnamed source or listener.
 #[test]
 fn no_name_is_the_number_of_another() {
     let named = |first: Option<&str>, second: Option<&str>| {
@@ -88,7 +88,7 @@ fn no_name_is_the_number_of_another() {
     }
 }
 
-/// Invalid shares, air and sources are reported by name.
+/// Protects the names in messages about invalid coefficients, air and sources.
 #[test]
 fn bad_sound_is_refused_by_its_name() {
     hall().validate().unwrap();
@@ -190,7 +190,7 @@ fn bad_sound_is_refused_by_its_name() {
     }
 }
 
-/// Protects against rooms without air: the warning names both rooms and the correct notation.
+/// Protects users from several rooms, which leave no air: the warning names both rooms and the correct notation.
 #[test]
 fn rooms_that_fill_each_other_are_told() {
     let mut scene = room();
@@ -206,8 +206,8 @@ fn rooms_that_fill_each_other_are_told() {
     assert!(said.contains("Complement(of: Union(of: [Box(…), Box(…)]))"));
 }
 
-/// Protects decays from surfaces that reflect all sound unnoticed: each is named, walls too; a scene without any
-/// material gets no such warning.
+/// Protects decays from surfaces that unintentionally reflect all sound: the warning names each surface and wall. A
+/// scene without any material has no such warning.
 #[test]
 fn what_has_no_material_is_told() {
     let mut scene = room();
@@ -229,7 +229,7 @@ fn what_has_no_material_is_told() {
     );
 }
 
-/// Protects the warnings: they name the surface and do not reject the scene.
+/// Protects the warnings: they name the surface, and the scene is not rejected.
 #[test]
 fn odd_places_are_warned_of() {
     let mut scene = room();
@@ -237,7 +237,7 @@ fn odd_places_are_warned_of() {
     scene.sources[0].position.x = 6.0;
     assert!(matches!(&scene.warnings()[..],
         [Warning::SourceInsideSurface { surface, depth, .. }] if surface == "the solid around surface 1 (Room)" && *depth == 1.0));
-    // Inside both solids no wave arrives: only the solid is reported.
+    // Inside both solids no wave arrives, so only the solid is reported.
     scene.listeners[0].position.x = 5.5;
     assert_eq!(scene.warnings().len(), 2);
     scene.listeners[0].position.x = 0.0;
