@@ -220,9 +220,9 @@ impl Scene {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct NamedValue {
-    /// Its name.
+    /// Name in the scene.
     pub name: String,
-    /// Its value, in the unit of the file.
+    /// Current value, in the unit of the scene file.
     pub value: f32,
     /// Quantity. If the value drives several quantities, this is the quantity with the narrowest range.
     pub quantity: Quantity,

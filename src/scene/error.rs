@@ -146,7 +146,7 @@ pub enum SceneError {
         "a listener's head cannot be tilted to a side, and this orientation tilts it by {roll_deg}° to the right: give the direction of its gaze instead"
     )]
     RolledListener {
-        /// Turn about the gaze in degrees, positive to the right.
+        /// Roll angle about the viewing direction in degrees, positive to the right.
         roll_deg: f32,
     },
     /// The orientation of a listener is zero or not finite.

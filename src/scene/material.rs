@@ -99,7 +99,7 @@ impl Default for Material {
 pub struct BuiltinMaterial {
     /// Name in scenes.
     pub name: &'static str,
-    /// The measured object.
+    /// Description of the measured object.
     pub of: &'static str,
     /// Publication of the values.
     pub source: &'static str,

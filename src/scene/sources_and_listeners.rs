@@ -1,4 +1,4 @@
-//! Sources and listeners of a scene, and the scene's materials and air by lookup.
+//! Sources and listeners of a scene, and the lookup of its materials and air.
 
 use super::{Air, Material, Path, Scene, SceneError};
 use crate::bands::{BAND_COUNT, Bands};

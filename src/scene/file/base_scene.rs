@@ -1,4 +1,4 @@
-//! Scenes based on others: reads and writes files that state their base and the differences from it.
+//! Scenes based on other scenes: reads and writes files that name a base and list the differences from it.
 //!
 //! ```ron
 //! Scene(
@@ -8,7 +8,8 @@
 //! )
 //! ```
 //!
-//! The surfaces are always those of the base, so that only one list of them is in memory for a chain of files.
+//! A scene always has exactly the surfaces of its base, so that a chain of files needs memory for only one list of
+//! surfaces.
 
 use super::serialise::{listeners, sources};
 use super::sources_and_listeners::{ListenerFile, Placed, Several, SourceFile, one_form};
@@ -26,10 +27,10 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::{Component, Path, PathBuf};
 
-/// Maximum number of scenes in a chain of bases: chains are written by hand, and each file may have the full size.
+/// Maximum number of bases in a chain. Chains are written by hand, and each file may have the maximum size.
 const MOST_BASES: usize = 8;
 
-/// The real paths of the files from the requested scene down to the one being read.
+/// The canonical paths of a chain of files, from the requested scene to the file that is being read.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Chain {
     files: Vec<PathBuf>,
@@ -37,7 +38,7 @@ pub(super) struct Chain {
 }
 
 impl Chain {
-    /// A chain with one file.
+    /// A chain that consists of one file.
     pub fn at(path: &Path) -> Chain {
         Chain {
             files: std::fs::canonicalize(path).into_iter().collect(),
@@ -45,7 +46,7 @@ impl Chain {
         }
     }
 
-    /// Returns the chain extended by this base, or the reason why that is not possible.
+    /// Returns the chain extended by this base, or the reason why the extension is not possible.
     pub fn down_to(&self, base: &Path) -> Result<Chain, String> {
         let real = std::fs::canonicalize(base).ok();
         if real.as_ref().is_some_and(|real| self.files.contains(real)) {
@@ -65,7 +66,7 @@ impl Chain {
     }
 }
 
-/// The content of a scene file with a base.
+/// The content of a scene file that has a base.
 #[derive(Deserialize)]
 #[serde(rename = "Scene", deny_unknown_fields)]
 pub(super) struct BasedFile<'a> {
@@ -85,7 +86,7 @@ pub(super) struct BasedFile<'a> {
     values: Vec<&'a RawValue>,
 }
 
-/// A named value of the base and its new number, in the unit of the base's file.
+/// The name of a value of the base, and its new number in the unit of a scene file.
 #[derive(Deserialize)]
 #[serde(rename = "Value")]
 struct ValueFile(Name, f32);
@@ -96,7 +97,7 @@ impl ValueFile {
     }
 }
 
-/// The part of a scene file that states its base.
+/// The only field of a scene file that is read to find its base.
 #[derive(Deserialize)]
 #[serde(rename = "Scene")]
 struct Head<'a> {
@@ -104,13 +105,13 @@ struct Head<'a> {
     base: Option<&'a RawValue>,
 }
 
-/// The text of the field with a scene file's base, if any.
+/// The text of the `base` field, if the file has one.
 fn base_of(text: &str) -> Option<&RawValue> {
     let head: Head = options().from_str(text).ok()?;
     head.base
 }
 
-/// Whether a text that cannot be read as a scene without a base states a base.
+/// Whether a text names a base, given the error from reading the text as a scene without a base.
 pub(super) fn has_base(text: &str, error: &ron::Error) -> bool {
     let is_met = matches!(error, ron::Error::NoSuchStructField { found, outer, .. }
         if found == "base" && outer.as_deref() == Some("Scene"));
@@ -118,7 +119,7 @@ pub(super) fn has_base(text: &str, error: &ron::Error) -> bool {
 }
 
 impl BasedFile<'_> {
-    /// The scene of the base with the changes applied.
+    /// Builds the base and applies the changes of this file.
     pub fn scene(self, text: &str, files: &Attached, chain: &Chain) -> Result<Scene, SceneError> {
         let mut scene = self.base(text, files, chain)?;
         let changed = self.change(&mut scene);
@@ -130,12 +131,12 @@ impl BasedFile<'_> {
         let Err(refused) = scene.check() else {
             return Ok(scene);
         };
-        // If the base itself is valid, the error is in the values.
+        // If the base itself is valid, the error is in the values of this file.
         self.base(text, files, chain)?.check()?;
         Err(at_value(text, files, first, refused.to_string()))
     }
 
-    /// Applies everything except the values.
+    /// Applies all changes except the named values.
     fn change(&self, scene: &mut Scene) -> Result<(), Refused> {
         if !self.name.0.is_empty() {
             scene.name.clone_from(&self.name.0);
@@ -165,7 +166,7 @@ impl BasedFile<'_> {
         Ok(())
     }
 
-    /// The base, before it is checked as a whole.
+    /// The scene of the base, without the checks of the whole scene.
     fn base(&self, text: &str, files: &Attached, chain: &Chain) -> Result<Scene, SceneError> {
         let refused = |why: String| at_value(text, files, self.base, why);
         let name: String = options()
@@ -220,13 +221,13 @@ impl BasedFile<'_> {
     }
 }
 
-/// An error at a value of the text.
+/// An error at the position of a value in the text.
 fn at_value(text: &str, files: &Attached, value: &RawValue, why: String) -> SceneError {
     let (line, column) = place_of(text, value);
     malformed(files, line, column, &why)
 }
 
-/// Rejects a name that the first source or listener shares with one of the others.
+/// Rejects a name of the first source or listener that another source or listener already has.
 fn once_each<'a, T: Placed>(
     names: impl Iterator<Item = &'a Option<String>>,
 ) -> Result<(), Refused> {
@@ -237,7 +238,7 @@ fn once_each<'a, T: Placed>(
     Err(Refused::At(Place::Field(T::ONE), why))
 }
 
-/// Returns the files that a scene file is based on, as far as they can be read.
+/// Returns the chain of files that a scene file is based on, up to the first file that cannot be read.
 pub fn bases_of(path: &Path) -> Vec<PathBuf> {
     let mut bases = Vec::new();
     let mut path = path.to_owned();
@@ -254,7 +255,7 @@ pub fn bases_of(path: &Path) -> Vec<PathBuf> {
     bases
 }
 
-/// The file that a scene file states as its base; `None` for a built-in scene.
+/// The file that a scene file names as its base; `None` if the base is a built-in scene.
 fn base_beside(path: &Path, name: &str) -> Option<PathBuf> {
     match named(name, Some(folder_of(path))) {
         Named::File(path) => Some(path),
@@ -262,16 +263,16 @@ fn base_beside(path: &Path, name: &str) -> Option<PathBuf> {
     }
 }
 
-/// A scene file with a base, to be written; the base gives the values that are not set.
+/// A scene file with a base, to be written. Values that are not set here come from the base.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BasedScene {
     base: String,
-    /// The text of each field except the values.
+    /// The text of each field except `values`.
     fields: BTreeMap<&'static str, String>,
     values: BTreeMap<String, f32>,
 }
 
-/// The fields of a scene file with a base, in writing order.
+/// The fields of a scene file with a base, in the order of writing.
 const FIELDS: [&str; 7] = [
     "name",
     "materials",
@@ -282,7 +283,7 @@ const FIELDS: [&str; 7] = [
     "listeners",
 ];
 
-/// The fields of a source that stay when the source is moved.
+/// The fields of a source that do not change when the source moves.
 #[derive(Default, Deserialize)]
 #[serde(rename = "Source")]
 struct KeptSource<'a> {
@@ -292,7 +293,7 @@ struct KeptSource<'a> {
     level_db: Option<&'a RawValue>,
 }
 
-/// The fields of a listener that stay when the listener is moved.
+/// The fields of a listener that do not change when the listener moves.
 #[derive(Default, Deserialize)]
 #[serde(rename = "Listener")]
 struct KeptListener<'a> {
@@ -301,12 +302,12 @@ struct KeptListener<'a> {
 }
 
 impl BasedScene {
-    /// Starts a file in `folder` based on the scene of `origin`, which is a built-in scene's name or a file. If that
-    /// file itself has a base, its base is used together with all its changes, so that files made from each other do
-    /// not form a chain.
+    /// Creates a file in `folder` based on `origin`, the name of a built-in scene or a file. If that file has a base
+    /// itself, the new file has the same base and repeats all changes of `origin`. Files created from each other thus
+    /// do not form a chain.
     ///
     /// # Errors
-    /// [`SceneError::Unreadable`]; [`SceneError::NoBase`] for a path that a scene file cannot state.
+    /// [`SceneError::Unreadable`]; [`SceneError::NoBase`] for a path that cannot be written in a scene file.
     pub fn of(origin: &str, folder: &Path) -> Result<BasedScene, SceneError> {
         let on = |base: String| BasedScene {
             base,
@@ -345,8 +346,8 @@ impl BasedScene {
         })
     }
 
-    /// Moves the first source to its position in `scene`, without a path. The other sources of `scene` must equal those
-    /// of this file.
+    /// Writes the position of the first source in `scene` to this file, without a path. The other sources of `scene`
+    /// must equal those of this file.
     pub fn put_source(&mut self, scene: &Scene) {
         if let Some(list) = self.fields.get_mut("sources") {
             *list = in_ron(&sources(scene));
@@ -362,8 +363,8 @@ impl BasedScene {
         self.fields.insert("source", text);
     }
 
-    /// Gives the first listener its position and direction in `scene`, without a path. The other listeners of `scene`
-    /// must equal those of this file.
+    /// Writes the position and direction of the first listener in `scene` to this file, without a path. The other
+    /// listeners of `scene` must equal those of this file.
     pub fn put_listener(&mut self, scene: &Scene) {
         if let Some(list) = self.fields.get_mut("listeners") {
             *list = in_ron(&listeners(scene));
@@ -384,19 +385,19 @@ impl BasedScene {
         self.fields.insert("listener", text);
     }
 
-    /// The file's value of a field; the default value if the file does not set the field.
+    /// The value of a field of the file; the default value if the file does not set the field.
     fn said<'a, T: Deserialize<'a> + Default>(&'a self, field: &str) -> T {
         let said = self.fields.get(field).map_or("()", String::as_str);
-        // The text was parsed before, so it has the right form.
+        // The text has already been parsed, so it is valid.
         options().from_str(said).unwrap_or_default()
     }
 
-    /// Sets a named value in the unit of the base's file.
+    /// Sets a named value, in the unit of a scene file.
     pub fn set_value(&mut self, name: &str, value: f32) {
         self.values.insert(name.to_owned(), value);
     }
 
-    /// The file's text, with `comment` as comment lines at its beginning.
+    /// The text of the file, which begins with `comment` as comment lines.
     pub fn text(&self, comment: &str) -> String {
         let mut text = String::new();
         // Writing to a string never fails.
@@ -425,7 +426,7 @@ fn point(p: Vec3) -> String {
     format!("({}, {}, {})", p.x, p.y, p.z)
 }
 
-/// Fields with their original text, each followed by a comma.
+/// Formats fields with their original text, each followed by a comma.
 fn again<const N: usize>(fields: [(&str, Option<&RawValue>); N]) -> String {
     let said = fields.into_iter().filter_map(|(field, value)| {
         let value = value?.trim();
@@ -434,7 +435,7 @@ fn again<const N: usize>(fields: [(&str, Option<&RawValue>); N]) -> String {
     said.collect()
 }
 
-/// Formats a list as in a scene file, on one line.
+/// Formats a list in the notation of a scene file, on one line.
 fn in_ron(list: &Written) -> String {
     let notation = PrettyConfig::new()
         .struct_names(true)
@@ -447,19 +448,20 @@ fn in_ron(list: &Written) -> String {
         .unwrap_or_default()
 }
 
-/// A string in RON, with escapes as in Rust.
+/// Formats a string in RON, with the escapes of Rust.
 fn quoted(text: &str) -> String {
     format!("{text:?}")
 }
 
-/// The relative path from a folder to a file, as a scene file in that folder states it.
+/// The relative path from a folder to a file, in the notation of a scene file in that folder.
 fn relative(folder: &Path, file: &Path) -> Result<String, SceneError> {
     let refused = || SceneError::NoBase {
         folder: folder.to_owned(),
         base: file.to_owned(),
     };
     let name = file.file_name().ok_or_else(refused)?;
-    // The file itself may be a link: paths in it are relative to the folder of the link.
+    // The file may be a symbolic link. Paths in it are relative to the folder of the link, so only the folders are
+    // canonicalised.
     let (from, to) = (real(folder), real(folder_of(file)));
     let (Some(from), Some(to)) = (from, to) else {
         return Err(refused());
@@ -482,7 +484,7 @@ fn relative(folder: &Path, file: &Path) -> Result<String, SceneError> {
     }
 }
 
-/// A folder's real path; that of the current folder if the path is empty.
+/// The canonical path of a folder; an empty path is the current folder.
 fn real(folder: &Path) -> Option<PathBuf> {
     let folder = match folder.as_os_str().is_empty() {
         true => Path::new("."),

@@ -1,7 +1,7 @@
-//! Scene files in RON: reading them, and rereading them when they change.
+//! Scene files in RON: reading, and reloading after changes.
 //!
-//! The types here are the content of the text (degrees, full sizes); they are immediately converted to the plain
-//! [`Scene`]. Every number is checked while it is read, so that an error points at its line and column. See
+//! The types in this module hold the content of the text (degrees, full sizes). They are immediately converted to the
+//! plain [`Scene`]. Every number is checked while it is read, so that an error states its line and column. See
 //! `docs/scene-format.md`.
 
 mod base_scene;
@@ -32,19 +32,20 @@ use text::{Modern, Place, Refused};
 #[doc(hidden)]
 pub use base_scene::{BasedScene, bases_of};
 
-/// Maximum size of a scene file in bytes: 100,000 key frames are 2 MB, and the content of a text of this size (a shape
-/// in six bytes) fits into a gigabyte of memory.
+/// Maximum size of a scene file in bytes. 100,000 key frames take 2 MB. A text of this size needs at most a gigabyte of
+/// memory when parsed (the shortest shape has six bytes).
 const LARGEST_FILE: u64 = 4 << 20;
 
-/// Maximum nesting of the text, which protects the stack; each nested shape takes four or five levels.
+/// Maximum nesting depth of the text, which protects the stack. Each nested shape takes four or five levels.
 const DEEPEST: usize = 512;
 
 impl Scene {
-    /// Reads a scene file, its base, and the files that each of them names, relative to its own folder.
+    /// Reads a scene file, its base, and the other files that each of them names. File names are relative to the folder
+    /// of the file that contains them.
     ///
     /// # Errors
     /// [`SceneError::Unreadable`], [`SceneError::Malformed`] with line and column, [`SceneError::Attached`] for the
-    /// files that it names, and the errors of [`Scene::check`].
+    /// files that the scene names, and the errors of [`Scene::check`].
     pub fn from_file(path: &Path) -> Result<Scene, SceneError> {
         let scene = scene_of_file(path, &text_of(path)?, &Chain::at(path))?;
         scene.check()?;
@@ -95,7 +96,7 @@ impl Scene {
     }
 }
 
-/// The text of a scene file, without the byte-order mark that some editors put at the beginning.
+/// Reads the text of a scene file, without a byte-order mark.
 fn text_of(path: &Path) -> Result<String, SceneError> {
     read_text(path, LARGEST_FILE).map_err(|source| SceneError::Unreadable {
         path: path.to_owned(),
@@ -103,12 +104,12 @@ fn text_of(path: &Path) -> Result<String, SceneError> {
     })
 }
 
-/// The folder of a file; the current one for a bare name.
+/// The folder of a file; an empty path (the current folder) for a bare file name.
 fn folder_of(path: &Path) -> &Path {
     path.parent().unwrap_or(Path::new(""))
 }
 
-/// The scene of a file with this text, before it is checked as a whole.
+/// Reads the scene of a file with this text, without the checks of the whole scene.
 fn scene_of_file(path: &Path, text: &str, chain: &Chain) -> Result<Scene, SceneError> {
     let files = Attached::in_folder(&path.display().to_string(), folder_of(path));
     let mut scene = parse(text, &files, chain)?;
@@ -126,15 +127,15 @@ fn options() -> ron::Options {
         .with_recursion_limit(DEEPEST)
 }
 
-/// The scene of the text, before it is checked as a whole.
+/// Reads the scene of a text, without the checks of the whole scene.
 fn parse(text: &str, files: &Attached, chain: &Chain) -> Result<Scene, SceneError> {
-    // Some editors put a byte-order mark before the text.
+    // Some editors write a byte-order mark before the text.
     let modern = Modern::of(text.trim_start_matches('\u{feff}'));
     parse_modern(&modern.text, files, chain)
         .map_err(|error| modern.in_text_as_it_was(error, files.origin()))
 }
 
-/// The scene of a text that has all operators in the current form.
+/// Reads the scene of a text in the current notation of operators.
 fn parse_modern(text: &str, files: &Attached, chain: &Chain) -> Result<Scene, SceneError> {
     let error = match options().from_str::<SceneFile>(text) {
         Ok(file) => {
@@ -162,7 +163,7 @@ fn from_ron(files: &Attached, text: &str, error: &SpannedError) -> SceneError {
     malformed(files, start.line, start.col, &message)
 }
 
-/// The error at a line and a column, each counted from 1.
+/// An error at a line and a column, each counted from 1.
 fn malformed(files: &Attached, line: usize, column: usize, message: &str) -> SceneError {
     SceneError::Malformed(MalformedText {
         origin: files.origin().to_owned(),
@@ -188,7 +189,7 @@ struct SceneFile {
 }
 
 impl SceneFile {
-    /// Converts to a scene, reading the files that it names.
+    /// Converts the content to a scene, and reads the files that it names.
     fn scene(self, files: &Attached) -> Result<Scene, Refused> {
         let sources = Several::needed(self.source, self.sources)?;
         let listeners = Several::needed(self.listener, self.listeners)?;
@@ -207,7 +208,7 @@ impl SceneFile {
     }
 }
 
-/// Checks that every material named by a surface or a wall exists, and that only rooms have walls.
+/// Checks that all materials of surfaces and walls exist, and that only rooms have walls.
 fn check_materials(scene: &Scene) -> Result<(), Refused> {
     for (surface, of) in scene.surfaces.iter().enumerate() {
         let walls = of.walls.iter().enumerate();
@@ -227,9 +228,9 @@ fn check_materials(scene: &Scene) -> Result<(), Refused> {
     Ok(())
 }
 
-/// The message for an error in this text, in terms of the notation, if the error concerns a shape, an operator, or
-/// another part with a name and fields. RON's own message states what its parser expected; the author of `Sphere(1)` or
-/// `Air(20)` needs the correct notation.
+/// An error message with the correct notation, if the error concerns a shape, an operator, or another part with a name
+/// and fields. RON's own message states only what the parser expected. The author of `Sphere(1)` or `Air(20)` needs the
+/// correct notation.
 fn about_part(text: &str, error: &SpannedError) -> Option<String> {
     match &error.code {
         Error::NoSuchEnumVariant { found, outer, .. } if outer.as_deref() == Some("Shape") => {
@@ -253,7 +254,7 @@ fn no_such_shape(found: &str) -> String {
     nearest_or_all(&told, found, shape_names())
 }
 
-/// The correct form of the part whose name is before the error.
+/// The correct notation of the part whose name precedes the error.
 fn how_written(before: &str, behind: &str) -> Option<String> {
     let before = before.trim_end();
     let named = before.strip_suffix(['(', '[', '{']).unwrap_or(before);
@@ -263,7 +264,7 @@ fn how_written(before: &str, behind: &str) -> Option<String> {
     let form = form_of(name).or_else(|| form_of_sound(name))?;
     let has_bracket = behind.trim_start().starts_with(['(', '[', '{']);
     if form == Form::NameAlone && !has_bracket {
-        // The error is a missing part after it.
+        // The error is that a part after the name is missing.
         return None;
     }
     Some(format!("{name} is written {}", form.written(name)))
@@ -280,13 +281,13 @@ fn form_of_sound(name: &str) -> Option<Form> {
     }
 }
 
-/// A file's last write time and its length in bytes; `None` while the file does not exist.
+/// Time of the last change of a file, and its length in bytes; `None` if the file does not exist.
 type Stamp = Option<(SystemTime, u64)>;
 
-/// A scene file, its bases, and the files that they name, watched for changes.
+/// Watches a scene file, its bases, and the files that they name for changes.
 ///
-/// Does not use OpenGL: see [`tracer::Reloading`](crate::tracer::Reloading) for scenes that the renderer also checks.
-/// Polling takes a few microseconds per file.
+/// This type does not use OpenGL. [`tracer::Reloading`](crate::tracer::Reloading) also checks the scene with the
+/// renderer. Polling takes a few microseconds per file.
 pub struct SceneWatch {
     load: Box<dyn Fn() -> Result<Scene, SceneError>>,
     /// The scene file; `None` for a built-in scene.
@@ -295,12 +296,12 @@ pub struct SceneWatch {
     read: Vec<(PathBuf, Stamp)>,
     /// State of the files at the last poll, if it differs from `read`.
     found: Option<Vec<Stamp>>,
-    /// The last error's message, until a scene is read.
+    /// Message of the last error; `None` after a scene was read.
     refused: Option<String>,
 }
 
 impl SceneWatch {
-    /// Reads a scene like [`Scene::load`], and watches it from now on.
+    /// Reads a scene like [`Scene::load`], and starts to watch its files.
     ///
     /// # Errors
     /// The errors of [`Scene::load`].
@@ -309,7 +310,7 @@ impl SceneWatch {
         SceneWatch::open_with(name_or_file, move || Scene::load(&name))
     }
 
-    /// Watches a scene file that `load` reads; for scenes that are changed after reading.
+    /// Watches a scene file that is read by `load`. This allows changes of the scene after reading.
     ///
     /// # Errors
     /// The errors of `load`.
@@ -336,10 +337,11 @@ impl SceneWatch {
         self.read.iter().map(|(path, _)| path.as_path())
     }
 
-    /// Returns the scene, or the error when reading it, once after each change; otherwise `None`.
+    /// Returns the scene or the error from reading it, once after each change; otherwise `None`.
     ///
-    /// A change counts when two consecutive polls find the same state, since an editor may still be writing. After an
-    /// error the scene file's folder is watched too, in case a missing file appears.
+    /// The scene is read when two consecutive polls find the same changed state, because an editor may still be
+    /// writing. After an error, the folder of the scene file is watched too, so that the appearance of a missing file
+    /// is noticed.
     pub fn poll(&mut self) -> Option<Result<Scene, SceneError>> {
         let now: Vec<Stamp> = self.read.iter().map(|(path, _)| stamp(path)).collect();
         if self.read.iter().map(|(_, stamp)| stamp).eq(&now) {
@@ -365,7 +367,7 @@ impl SceneWatch {
                 let folders: Vec<PathBuf> = self.own.iter().map(|own| folder(own)).collect();
                 let known = self.files().map(Path::to_owned).collect::<Vec<_>>();
                 self.keep([known, folders].concat());
-                // Another file may have appeared in the folder or vanished from it.
+                // The error may be unchanged: another file may have appeared in the folder or vanished from it.
                 let is_news = self.refused.as_ref() != Some(&sentence);
                 self.refused = Some(sentence);
                 is_news.then_some(Err(error))
@@ -373,7 +375,7 @@ impl SceneWatch {
         }
     }
 
-    /// Watches the scene's own file, its bases and `files`; files that are already watched keep their recorded state.
+    /// Watches the scene's own file, its bases and `files`. Files that are already watched keep their recorded state.
     fn keep(&mut self, files: Vec<PathBuf>) {
         let Some(own) = self.own.clone() else {
             return;

@@ -1,7 +1,7 @@
-//! Serialises and deserialises scenes with serde: the content of a scene file, in any format.
+//! Serialisation and deserialisation of scenes with serde, in any format, with the structure of a scene file.
 //!
-//! Fields have the names that the types for reading declare ([`Form`]), and values have the units of the file, so that
-//! there is only one notation.
+//! The names of the fields are those of the types for reading ([`Form`]), and values have the units of a scene file.
+//! Reading and writing thus share one notation.
 
 use super::SceneFile;
 use crate::bands::BAND_COUNT;
@@ -15,21 +15,21 @@ use glam::{EulerRot, Quat, Vec3};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de, ser};
 use std::collections::BTreeMap;
 
-/// A scene is written as the content of its file, including the content of its base. Height images and users' GLSL are
-/// written as file names, and are read from these files with the scene.
+/// A scene is serialised with the structure of a scene file, and includes the content of its base. Height images and
+/// users' GLSL are written as file names; the files are read again when the scene is read.
 ///
 /// ```
 /// # use echomarch::Scene;
 /// let scene = Scene::builtin("corner")?;
-/// let text = serde_json::to_string(&scene).expect("it is sound");
-/// let same: Scene = serde_json::from_str(&text).expect("it was written");
+/// let text = serde_json::to_string(&scene).expect("the scene is valid");
+/// let same: Scene = serde_json::from_str(&text).expect("the text is a scene");
 /// assert_eq!(same.surfaces.len(), scene.surfaces.len());
 /// # Ok::<(), echomarch::Error>(())
 /// ```
 ///
-/// Rotations are written as three angles in degrees, so the last places of what is read may differ.
-/// A scene is read in its state at time 0. A scene that [`Scene::check`] rejects, or without a source
-/// or a listener, is neither written nor read.
+/// Rotations are written as three angles in degrees, so the last digits may change. A scene is read in its state at
+/// time 0. A scene that [`Scene::check`] rejects, or that has no source or no listener, can neither be written nor
+/// read.
 impl Serialize for Scene {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         self.check().map_err(ser::Error::custom)?;
@@ -63,7 +63,7 @@ fn none_of(scene: &Scene, what: &str) -> String {
     format!("scene {:?} has no {what}, and a file needs one", scene.name)
 }
 
-/// Files that the scene names are relative to the current folder.
+/// File names in the scene are relative to the current folder.
 impl<'de> Deserialize<'de> for Scene {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Scene, D::Error> {
         let file = SceneFile::deserialize(deserializer)?;
@@ -106,7 +106,7 @@ fn air(of: Air) -> Written {
     Written::Struct("Air", fields)
 }
 
-/// The field with the name, if there is one.
+/// The `name` field, if there is a name.
 fn named(name: &Option<String>) -> Fields {
     let name = name.iter().cloned();
     name.map(|name| ("name", Written::Text(name))).collect()
@@ -177,13 +177,13 @@ fn surface(of: &Surface) -> Written {
     Written::Struct("Surface", fields)
 }
 
-/// The angles of a rotation in degrees, about x, then y, then z of the world's axes.
+/// The angles of a rotation in degrees, about x, then y, then z of the world axes.
 fn angles_of(rotation: Quat) -> [f32; 3] {
     let (x, y, z) = rotation.as_dquat().normalize().to_euler(EulerRot::XYZEx);
     [x, y, z].map(|angle| angle.to_degrees() as f32)
 }
 
-/// Three numbers of a surface along the axes, in the unit of the file.
+/// Three numbers of a surface along the axes, in the unit of a scene file.
 fn along_axes(values: [f32; 3], name: &str, drivers: &[Driver]) -> Written {
     let axes = ["x", "y", "z"].into_iter().zip(values);
     let quantity = match name {
@@ -194,7 +194,7 @@ fn along_axes(values: [f32; 3], name: &str, drivers: &[Driver]) -> Written {
     Written::Tuple(axes.map(one).collect())
 }
 
-/// A tree; the names of its numbers begin with `at`.
+/// A tree of shapes. The names of its numbers begin with `at`.
 fn node(of: &Shape, at: &str, drivers: &[Driver]) -> Written {
     let part = of.node.part();
     let child = |(index, child)| node(child, &format!("{at}{index}."), drivers);
@@ -224,7 +224,8 @@ fn node(of: &Shape, at: &str, drivers: &[Driver]) -> Written {
     }
 }
 
-/// Groups numbers by the first part of their names: a vector becomes `(x, y)`, and a list of vectors `[(x, y), …]`.
+/// Groups numbers by the first part of their names: the components of a vector become `(x, y)`, and those of a list of
+/// vectors become `[(x, y), …]`.
 fn grouped(numbers: Vec<(String, Written)>) -> Vec<(String, Written)> {
     let mut groups: Vec<(String, Vec<(String, Written)>)> = Vec::new();
     for (name, number) in numbers {
@@ -251,9 +252,9 @@ fn together(mut members: Vec<(String, Written)>) -> Written {
     }
 }
 
-/// A number with its motion; `value` is in the unit of the file.
+/// A number with its motion; `value` is in the unit of a scene file.
 fn number(name: &str, value: f32, quantity: Quantity, drivers: &[Driver]) -> Written {
-    // If several drivers set a number, the last driver counts.
+    // If several drivers set the same number, the last driver applies.
     let driver = drivers.iter().rev().find(|d| d.parameter == name);
     match driver.map(|driver| &driver.motion) {
         None => Written::Number(value),
@@ -273,7 +274,8 @@ fn point(of: Vec3) -> Written {
     Written::Tuple(of.to_array().map(Written::Number).to_vec())
 }
 
-/// Converts a number of the code to the unit of the file, if possible to a value that converts back exactly.
+/// Converts a number from the unit of the code to the unit of a scene file. If possible, the result converts back to
+/// exactly the same number.
 fn in_file(quantity: Quantity, value: f32) -> f32 {
     let near = quantity.in_file(value);
     let all = [near, near.next_up(), near.next_down()];
@@ -293,7 +295,7 @@ mod tests {
         Scene::from_ron(&text, "written").unwrap_or_else(|error| panic!("{error}\n{text}"))
     }
 
-    /// Whether the entry needs no separate files.
+    /// Whether the field needs no additional files.
     fn is_whole(entry: &Entry) -> bool {
         let mut nodes = entry.field.nodes().into_iter();
         nodes.all(|part| {
@@ -344,7 +346,7 @@ mod tests {
         }
     }
 
-    /// Protects every shape and operator: writing and reading preserves them.
+    /// Protects every shape and operator: a written shape is read without changes.
     #[test]
     fn every_shape_is_read_as_it_was_written() {
         for entry in entries().iter().filter(|entry| is_whole(entry)) {
@@ -353,7 +355,7 @@ mod tests {
         }
     }
 
-    /// Protects moving numbers and the units of the file: text and scene convert to each other without loss.
+    /// Protects moving numbers and the units of a scene file: text and scene convert to each other without loss.
     #[test]
     fn what_moves_is_read_as_it_was_written() {
         const TEXT: &str = r#"Scene(
@@ -381,7 +383,7 @@ mod tests {
         assert_eq!(read.named_values(), scene.named_values());
     }
 
-    /// Protects other formats, and the built-in scenes, whose fields are embedded in the program.
+    /// Protects other formats, and built-in scenes, whose fields are embedded in the program.
     #[test]
     fn built_in_scenes_go_through_json() {
         for name in Scene::BUILTIN_NAMES {

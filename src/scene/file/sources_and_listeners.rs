@@ -20,7 +20,7 @@ pub(super) struct SourceFile {
     path: Option<PathFile>,
 }
 
-/// A listener with a radius of type `R`, which is optional if the scene has a base.
+/// A listener whose radius has the type `R`. The radius is optional if the scene has a base.
 #[derive(Deserialize)]
 #[serde(
     rename = "Listener",
@@ -51,7 +51,7 @@ checked! {
     /// Level of a source in decibels.
     #[derive(Clone, Copy)]
     Level(f32) from f32: level;
-    /// Keys whose times strictly increase.
+    /// Keys with strictly increasing times.
     PathFile(Path) from Vec<KeyFile>: path;
 }
 
@@ -76,7 +76,7 @@ fn path(keys: Vec<KeyFile>) -> Result<Path, String> {
     path.ok_or_else(|| "the times of a path's keys must increase".to_owned())
 }
 
-/// The path from the file; if there is none, a path without keys.
+/// The path in the file; without one, an empty path.
 fn path_of(file: &Option<PathFile>) -> Path {
     file.as_ref().map(|file| file.0.clone()).unwrap_or_default()
 }
@@ -89,8 +89,8 @@ impl SourceFile {
         source
     }
 
-    /// Moves a source to its position in the file; without a position it is at the start of its path. If the file gives
-    /// a position and no path, the source loses its path.
+    /// Applies the fields of the file to a source. A path without a position moves the source to the start of the path.
+    /// A position without a path removes the path of the source.
     pub fn change(&self, source: &mut Source) {
         if let Some(name) = &self.name {
             source.name = Some(name.0.clone());
@@ -118,8 +118,8 @@ impl ListenerFile<FixedRadius> {
 }
 
 impl<R: Copy + Into<Option<FixedRadius>>> ListenerFile<R> {
-    /// Moves a listener to its position in the file; without a position, position and direction are those at the start
-    /// of its path. If the file gives a position and no path, the listener loses its path.
+    /// Applies the fields of the file to a listener. A path without a position moves the listener to the pose at the
+    /// start of the path. A position without a path removes the path of the listener.
     pub fn change(&self, listener: &mut Listener) {
         if let Some(name) = &self.name {
             listener.name = Some(name.0.clone());
@@ -146,11 +146,11 @@ impl<R: Copy + Into<Option<FixedRadius>>> ListenerFile<R> {
     }
 }
 
-/// An element of a scene that occurs once or several times and may have a name.
+/// An element of a scene that occurs once or several times and can have a name.
 pub(super) trait Placed {
-    /// Name of the field with a single element.
+    /// Name of the field for a single element.
     const ONE: &'static str;
-    /// Name of the field with several elements.
+    /// Name of the field for several elements.
     const SEVERAL: &'static str;
     /// The notation of one element.
     const NOTATION: &'static str;
@@ -178,10 +178,10 @@ impl<R> Placed for ListenerFile<R> {
     }
 }
 
-/// A list of at least one element, with distinct names.
+/// A list of one or more elements with distinct names.
 pub(super) struct Several<T>(Vec<T>);
 
-/// Rejects a scene that uses both forms, `source: …` and `sources: […]`.
+/// Rejects a scene that has both fields, `source: …` and `sources: […]`.
 pub(super) fn one_form<T: Placed>(one: bool, several: bool) -> Result<(), Refused> {
     if one && several {
         let why = format!("a scene has {} or {}, not both", T::ONE, T::SEVERAL);
@@ -191,7 +191,7 @@ pub(super) fn one_form<T: Placed>(one: bool, several: bool) -> Result<(), Refuse
 }
 
 impl<T: Placed> Several<T> {
-    /// The elements of a scene, from whichever of the two fields it uses.
+    /// The elements of a scene, from the one of the two fields that it has.
     pub fn needed(one: Option<T>, several: Option<Several<T>>) -> Result<Several<T>, Refused> {
         one_form::<T>(one.is_some(), several.is_some())?;
         let alone = |only| Several(vec![only]);
@@ -204,7 +204,7 @@ impl<T: Placed> Several<T> {
         })
     }
 
-    /// Converts all of them.
+    /// Converts all elements.
     pub fn read<U>(&self, read: impl Fn(&T) -> U) -> Vec<U> {
         self.0.iter().map(read).collect()
     }
@@ -216,7 +216,7 @@ impl<'de, T: Placed + Deserialize<'de>> Deserialize<'de> for Several<T> {
     }
 }
 
-/// Visitor of a list.
+/// Visitor of a list with at least one element.
 struct OneAtLeast<T>(PhantomData<T>);
 
 impl<'de, T: Placed + Deserialize<'de>> Visitor<'de> for OneAtLeast<T> {

@@ -21,7 +21,7 @@ pub(super) struct SurfaceFile {
     shape: ShapeFile,
     #[serde(default)]
     position: Vector<Metres>,
-    /// Right-handed turns about the world's x, then y, then z axis.
+    /// Right-handed rotations about the world's x, then y, then z axis.
     #[serde(default)]
     rotation: Vector<Angle>,
     #[serde(default)]
@@ -31,10 +31,10 @@ pub(super) struct SurfaceFile {
 }
 
 impl SurfaceFile {
-    /// Converts the file's surface.
+    /// Converts the content of the file to a surface.
     ///
     /// # Errors
-    /// The errors of the files that it names.
+    /// The errors of the files that the surface names.
     pub fn read(self, files: &Attached) -> Result<Surface, SceneError> {
         let mut reader = Reader::new(files);
         let position = Vec3::read(self.position, "position", &mut reader);
@@ -55,7 +55,7 @@ impl SurfaceFile {
     }
 }
 
-/// Materials by name, each defined once.
+/// Materials by name; names are unique.
 #[derive(Default)]
 pub struct Materials(pub BTreeMap<String, Material>);
 
@@ -64,12 +64,12 @@ pub struct Materials(pub BTreeMap<String, Material>);
 pub(super) struct MaterialFile {
     absorption: Option<Shares<false>>,
     scattering: Option<Shares<true>>,
-    /// The material for the values that are not given.
+    /// The material that supplies the values that are not given.
     #[serde(default)]
     base: Base,
 }
 
-/// A built-in material by its name; without a name, a perfect mirror.
+/// A built-in material, given by name; a perfect mirror if no name is given.
 #[derive(Default)]
 struct Base(Material);
 
@@ -96,7 +96,7 @@ impl MaterialFile {
     }
 }
 
-/// Values for single walls of a room.
+/// Values for individual walls of a room.
 #[derive(Deserialize)]
 #[serde(rename = "Walls", deny_unknown_fields, bound = "T: Deserialize<'de>")]
 pub(super) struct Walls<T> {
@@ -129,11 +129,11 @@ impl Walls<Name> {
     }
 }
 
-/// Shares of energy by octave band, given as one number or eight: of the scattered energy if `SCATTERED`, otherwise of
-/// the absorbed energy.
+/// Shares of energy by octave band, given as one number or eight numbers. They are shares of the scattered energy if
+/// `SCATTERED`, otherwise of the absorbed energy.
 struct Shares<const SCATTERED: bool>(Bands);
 
-/// One share, checked when it is read.
+/// A share, checked while it is read.
 struct Share<const SCATTERED: bool>(f64);
 
 const fn what(scattered: bool) -> &'static str {
@@ -165,7 +165,7 @@ impl<'de, const SCATTERED: bool> Deserialize<'de> for Shares<SCATTERED> {
     }
 }
 
-/// Reads a number, or eight in brackets.
+/// Reads a number, or eight numbers in brackets.
 struct OneOrEight<const SCATTERED: bool>;
 
 impl<const SCATTERED: bool> OneOrEight<SCATTERED> {
@@ -223,7 +223,7 @@ impl<'de> Deserialize<'de> for Materials {
     }
 }
 
-/// Reads names and materials.
+/// Reads a map from names to materials.
 struct ByName;
 
 impl<'de> Visitor<'de> for ByName {
@@ -250,7 +250,7 @@ impl<'de> Visitor<'de> for ByName {
     }
 }
 
-/// The air in a file; values may be omitted.
+/// The air in a scene file; each value is optional.
 #[derive(Deserialize)]
 #[serde(rename = "Air", deny_unknown_fields)]
 pub(super) struct AirFile {
@@ -260,7 +260,7 @@ pub(super) struct AirFile {
 }
 
 impl AirFile {
-    /// The previous air, or the default, with the given values replaced.
+    /// Returns the previous or the default air, with the given values replaced.
     pub fn change(&self, before: Option<Air>) -> Air {
         let before = before.unwrap_or_default();
         Air {
@@ -285,7 +285,7 @@ checked! {
     /// Degrees Celsius.
     #[derive(Clone, Copy)]
     Temperature(f64) from f64: |value| within("the air's temperature", &TEMPERATURES, "°C", value);
-    /// Relative, in per cent.
+    /// Relative humidity in per cent.
     #[derive(Clone, Copy)]
     Humidity(f64) from f64: |value| within("the air's humidity", &HUMIDITIES, "%", value);
     /// Kilopascals.
@@ -307,7 +307,7 @@ mod tests {
         Ok(scene.materials["own"])
     }
 
-    /// Protects a built-in material that scatters: given values are used, and the base gives all others.
+    /// Protects the `base` of a material: given values are used, and the base supplies all others.
     #[test]
     fn a_base_says_what_is_left_out() {
         let brick = Material::builtin("brick").expect("a built-in material");

@@ -1,4 +1,4 @@
-//! Files based on others, messages about wrong notation, and files that change.
+//! Tests of files with a base, of messages about incorrect notation, and of changing files.
 
 use crate::scene::{Path as KeyPath, Scene, SceneError, SceneWatch, Source};
 use glam::Vec3;
@@ -13,7 +13,7 @@ const HALL: &str = r#"Scene(
     listener: Listener(position: (0, 0, 6), radius: 1, yaw: 10, pitch: 5, path: [Key(time: 1, position: (0, 0, 5))]),
 )"#;
 
-/// A folder with `hall.ron`; tests write other files next to it.
+/// A folder with `hall.ron`. Tests write other files into it.
 struct Folder(tempfile::TempDir);
 
 impl Folder {
@@ -46,7 +46,7 @@ impl Folder {
     }
 }
 
-/// Protects the rule of a base: fields in the file are changed, all others come from the base.
+/// Protects the rule of a base: the fields in the file replace those of the base, and all others come from the base.
 #[test]
 fn only_what_is_named_differs_from_the_base() {
     let folder = Folder::new();
@@ -58,11 +58,11 @@ fn only_what_is_named_differs_from_the_base() {
     expected.name = "small".into();
     expected.sources[0] = Source::at(Vec3::Y);
     expected.set_value("door", 60.0).unwrap();
-    let text = r#"// The base may stand anywhere.
+    let text = r#"// The order of fields does not matter.
         (values: [Value("door", 60)], source: (position: (0, 1, 0)), name: "small", base: "hall.ron")"#;
     assert_eq!(folder.read(text).unwrap(), expected);
 
-    // If the file gives a listener's position, the listener has no path; a radius alone does not move it.
+    // A position without a path removes the listener's path; a radius does not move the listener.
     let listener = |said: &str| {
         let text = format!(r#"Scene(base: "hall.ron", listener: Listener({said}))"#);
         folder.read(&text).unwrap().listeners.remove(0)
@@ -80,8 +80,8 @@ fn only_what_is_named_differs_from_the_base() {
     assert_eq!((walks.yaw, walks.pitch), (90f32.to_radians(), 0.0));
 }
 
-/// Protects the lookup of names: a built-in scene first, then a file in the folder of the naming file; an embedded text
-/// has no files.
+/// Protects the lookup of a base: a built-in scene first, then a file in the folder of the file that names the base. An
+/// embedded text cannot name files.
 #[test]
 fn a_base_is_a_built_in_scene_or_a_file_beside() {
     let folder = Folder::new();
@@ -99,7 +99,7 @@ fn a_base_is_a_built_in_scene_or_a_file_beside() {
     assert_eq!(menger.listeners[0].radius, 0.5);
 }
 
-/// Each error states its file, and the line in that file.
+/// Protects the position of an error: the message states the file, and the line in that file.
 #[test]
 fn errors_point_at_their_own_file_and_line() {
     let folder = Folder::new();
@@ -176,7 +176,8 @@ fn errors_point_at_their_own_file_and_line() {
     }
 }
 
-/// Protects against endless and deep chains: a cycle is reported, also through links, and so are nine bases.
+/// Protects against endless and long chains: cycles are reported, also through symbolic links, and so are chains of
+/// nine bases.
 #[test]
 fn chains_of_bases_have_an_end() {
     let folder = Folder::new();
@@ -217,7 +218,7 @@ fn chains_of_bases_have_an_end() {
     );
 }
 
-/// Protects a running program: a base is an input like the file that names it, and changes to the base are noticed.
+/// Protects a running program: a base is never overwritten, and its changes are noticed.
 #[test]
 fn a_base_is_watched_and_never_replaced() {
     let folder = Folder::new();
@@ -244,7 +245,7 @@ fn told(shape: &str) -> String {
     Scene::from_ron(&text, "scene").unwrap_err().to_string()
 }
 
-/// A shape in a wrong form is reported with its correct form.
+/// Protects the message about a shape in an incorrect form: it states the correct form.
 #[test]
 fn a_shape_is_told_by_its_name_and_how_it_is_written() {
     for (shape, sentence) in [
@@ -266,7 +267,7 @@ fn a_shape_is_told_by_its_name_and_how_it_is_written() {
     }
 }
 
-/// Material, air or a source in a wrong form is reported with its correct form.
+/// Protects the message about a material, air or a source in an incorrect form: it states the correct form.
 #[test]
 fn sound_is_told_how_it_is_written() {
     for (said, sentence) in [
@@ -290,7 +291,7 @@ fn sound_is_told_how_it_is_written() {
     }
 }
 
-/// For a mistyped shape the most similar name is suggested; if none is similar, all are listed.
+/// Protects the suggestion for a mistyped shape: the most similar name. If no name is similar, all names are listed.
 #[test]
 fn the_nearest_shape_is_suggested() {
     for (shape, nearest) in [
@@ -313,7 +314,7 @@ fn the_nearest_shape_is_suggested() {
     );
 }
 
-/// Protects other errors from misleading hints.
+/// Protects other errors from misleading hints about the notation.
 #[test]
 fn what_is_no_error_of_a_shape_is_told_as_it_was() {
     for shape in ["Plane position: (0, 0, 0)", "Sphere(radius: one)"] {
@@ -324,12 +325,12 @@ fn what_is_no_error_of_a_shape_is_told_as_it_was() {
 const SCENE: &str = "Scene(surfaces: [Surface(shape: Plane)],
     source: Source(position: (0, 1, 0)), listener: Listener(position: (0, 2, 5), radius: 1))";
 
-/// The result of the next polls.
+/// The first result of the next three polls.
 fn settled(watch: &mut SceneWatch) -> Option<Result<Scene, SceneError>> {
     (0..3).find_map(|_| watch.poll())
 }
 
-/// Protects a running program from half-written and broken files: each change is reported once, and so is each error.
+/// Protects a running program from incomplete and invalid files: each change and each error is reported once.
 #[test]
 fn each_change_is_told_once() {
     let folder = tempfile::tempdir().unwrap();

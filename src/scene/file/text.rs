@@ -1,8 +1,8 @@
 //! The text of a scene file: its fields, the positions of rejected values, and the older notation of three operators,
 //! `Union([…])` for `Union(of: […])`.
 //!
-//! RON reads a name's content either as fields or as one value, so a text in the older notation is converted to the
-//! current one before it is read. Errors give positions in the original text.
+//! RON accepts either fields or a single value after a name. A text in the older notation is therefore converted to the
+//! current notation before it is read. Errors state positions in the original text.
 
 use super::surfaces::Walls;
 use super::{malformed, options};
@@ -15,9 +15,9 @@ use std::borrow::Cow;
 
 /// The reason why a parsed file is rejected.
 pub(super) enum Refused {
-    /// The position in the text, and why the text there is invalid.
+    /// The position in the text, and the reason why the text there is invalid.
     At(Place, String),
-    /// An error without a position, or one that states its own.
+    /// An error without a position, or with its own position.
     Scene(SceneError),
 }
 
@@ -28,7 +28,7 @@ pub(super) enum Place {
     Field(&'static str),
     /// The material of a surface (from 0), or of one of its walls.
     Material { surface: usize, wall: Option<usize> },
-    /// The end of the scene, for something missing.
+    /// The end of the scene, where something is missing.
     End,
 }
 
@@ -50,7 +50,7 @@ impl Refused {
         }
     }
 
-    /// The error's message in a format without positions.
+    /// The message of the error without its position, for formats without positions.
     pub fn without_place(self) -> String {
         match self {
             Refused::Scene(error) => error.to_string(),
@@ -59,7 +59,7 @@ impl Refused {
     }
 }
 
-/// Line and column, each counted from 1, of a value that is a part of the text.
+/// Line and column, each counted from 1, of a value that is a slice of `text`.
 pub(super) fn place_of(text: &str, value: &RawValue) -> (usize, usize) {
     let value = value.trim().get_ron();
     let before = value.as_ptr() as usize - text.as_ptr() as usize;
@@ -68,7 +68,7 @@ pub(super) fn place_of(text: &str, value: &RawValue) -> (usize, usize) {
     (count, last.chars().count() + 1)
 }
 
-/// The values of a surface that are checked after the whole file was read.
+/// The values of a surface that are checked after the whole file has been read.
 #[derive(Deserialize)]
 #[serde(rename = "Surface")]
 struct SurfaceValues<'a> {
@@ -78,7 +78,7 @@ struct SurfaceValues<'a> {
     walls: Option<Walls<&'a RawValue>>,
 }
 
-/// A scene that is rejected at the end of its text.
+/// A type whose deserialisation fails at the end of the text, to find the position of the end.
 #[derive(Deserialize)]
 #[serde(try_from = "IgnoredAny")]
 struct Ended;
@@ -91,7 +91,7 @@ impl TryFrom<IgnoredAny> for Ended {
 }
 
 impl Place {
-    /// Line and column, each counted from 1.
+    /// Line and column of the place in the text, each counted from 1.
     fn find(self, text: &str) -> Option<(usize, usize)> {
         if let Place::End = self {
             let end = options().from_str::<Ended>(text).err()?.span.start;
@@ -116,7 +116,7 @@ impl Place {
     }
 }
 
-/// Defines the fields of a scene file as unparsed text.
+/// Defines a type with the fields of a scene file as unparsed text.
 macro_rules! raw_fields {
     ($($field:ident)*) => {
         /// The content of a scene file, field by field.
@@ -152,16 +152,16 @@ impl<'a> RawFields<'a> {
     }
 }
 
-/// Operators that had no field name for their operands in the older notation.
+/// Operators whose operands had no field name in the older notation.
 const OPERATORS: [&str; 3] = ["Union", "Intersection", "Complement"];
 
-/// Text to insert before these operands.
+/// The text that is inserted before the operands.
 const NAME: &str = "of: ";
 
-/// A text in the current form, with the positions at which it differs from the original text.
+/// A text in the current notation, and the positions of the inserted names.
 pub(super) struct Modern<'a> {
     pub text: Cow<'a, str>,
-    /// Line and column, each counted from 1, of every inserted name in the original text, in order.
+    /// Line and column in the original text, each counted from 1, of every inserted name, in order.
     inserted: Vec<(usize, usize)>,
 }
 
@@ -196,7 +196,8 @@ impl<'a> Modern<'a> {
         }
     }
 
-    /// Converts the position of an error in this text, with the origin `origin`, to its position in the original text.
+    /// Converts the position of an error in the converted text to the position in the original text, if the error is in
+    /// the text named `origin`.
     pub fn in_text_as_it_was(&self, mut error: SceneError, origin: &str) -> SceneError {
         if let SceneError::Malformed(malformed) = &mut error
             && malformed.origin == origin
@@ -209,7 +210,7 @@ impl<'a> Modern<'a> {
     fn column_as_it_was(&self, line: usize, column: usize) -> usize {
         let in_line = self.inserted.iter().filter(|(at, _)| *at == line);
         in_line.fold(column, |column, (_, begin)| {
-            // Within an inserted name: the position of the insertion.
+            // A position inside an inserted name becomes the position of the insertion.
             match column > *begin {
                 true => column.saturating_sub(NAME.len()).max(*begin),
                 false => column,
@@ -246,7 +247,8 @@ fn places(text: &str) -> Vec<usize> {
     places
 }
 
-/// Position of a parenthesis' content, if the parenthesis opens at `at`.
+/// Byte position of the content of the parenthesis that opens at `at`, ignoring blanks and comments; `None` if there is
+/// no parenthesis.
 fn inside(text: &str, at: usize) -> Option<usize> {
     let open = after_blanks(text, at);
     text[open..]
@@ -254,7 +256,7 @@ fn inside(text: &str, at: usize) -> Option<usize> {
         .then(|| after_blanks(text, open + 1))
 }
 
-/// Whether a value begins here and not a field's name.
+/// Whether a value without a field name begins at `at`.
 fn is_unnamed(text: &str, at: usize) -> bool {
     let word = word_length(&text[at..]);
     let is_name = word > 0 && text[after_blanks(text, at + word)..].starts_with(':');
@@ -279,7 +281,7 @@ fn word_length(text: &str) -> usize {
     end.unwrap_or(text.len())
 }
 
-/// Length in bytes of the comment, string or character that begins here.
+/// Length in bytes of the comment, string or character literal at the beginning of the text; `None` if there is none.
 fn beside_code(text: &str) -> Option<usize> {
     if let Some(length) = comment_length(text) {
         return Some(length);
@@ -297,7 +299,7 @@ fn beside_code(text: &str) -> Option<usize> {
     Some(text.len() - inside.len() + length)
 }
 
-/// Length in bytes of the comment that begins here; block comments may be nested.
+/// Length in bytes of the comment at the beginning of the text; block comments may be nested.
 fn comment_length(text: &str) -> Option<usize> {
     if text.starts_with("//") {
         return Some(text.find('\n').unwrap_or(text.len()));
@@ -324,7 +326,7 @@ fn comment_length(text: &str) -> Option<usize> {
     Some(text.len())
 }
 
-/// Length in bytes of the string in quotation marks that begins here.
+/// Length in bytes of the string literal at the beginning of the text.
 fn text_length(text: &str) -> usize {
     let mut at = 1;
     while let Some(found) = text[at..].find(['"', '\\']) {
@@ -342,7 +344,7 @@ mod tests {
     use super::*;
     use crate::scene::Scene;
 
-    /// Protects files in either form: names are inserted exactly where they are missing.
+    /// Protects files in either notation: names are inserted exactly where they are missing.
     #[test]
     fn names_are_put_in_where_they_lack() {
         for (text, expected) in [
@@ -382,7 +384,7 @@ mod tests {
         }
     }
 
-    /// Protects the positions of errors in files of the older form.
+    /// Protects the positions of errors in files with the older notation.
     #[test]
     fn errors_stand_where_they_stood() {
         let told = |shape: &str| {
@@ -396,7 +398,7 @@ mod tests {
         ] {
             let said = told(shape);
             assert!(said.starts_with(place), "{shape}: {said}");
-            // Same as in the current form, except for the names.
+            // The message is the same as for the current notation, except for the position.
             let modern = told(&Modern::of(shape).text);
             assert_eq!(
                 said.split_once(": ").unwrap().1,

@@ -1,5 +1,5 @@
-//! The notation of scene files below surfaces and shapes: numbers with their units, the form of shapes for reading and
-//! writing, and the files that a scene names.
+//! Parts of the notation of scene files: numbers with their units, the forms of shapes for reading and writing, and the
+//! files that a scene names.
 
 mod numbers;
 
@@ -37,12 +37,12 @@ pub(crate) enum Form {
 }
 
 impl Form {
-    /// The form that the type `F` requests when it is read; `None` if it accepts any.
+    /// The form that the type `F` requests when it is deserialised; `None` if it requests no particular form.
     pub fn of<'de, F: Deserialize<'de>>() -> Option<Form> {
         F::deserialize(Asked).err().and_then(|answer| answer.0)
     }
 
-    /// Formats a part of this name in this form.
+    /// Formats a shape or another part of this name in this form.
     pub fn written(self, name: &str) -> String {
         match self {
             Form::Fields(fields) => format!("{name}({}: …)", fields.join(": …, ")),
@@ -52,10 +52,10 @@ impl Form {
     }
 }
 
-/// A deserializer without content that records the requested form.
+/// A deserializer without content that records the form requested by a type.
 struct Asked;
 
-/// The requested form, returned as the error that ends the reading.
+/// The requested form. It is returned as an error, which ends the deserialisation.
 #[derive(Debug)]
 struct Answer(Option<Form>);
 
@@ -111,7 +111,7 @@ impl<'de> Deserializer<'de> for Asked {
     }
 }
 
-/// The rest of a variant after its name.
+/// The content of an enum variant, after its name.
 pub(crate) struct Variant<A>(pub A);
 
 impl<'de, A: VariantAccess<'de>> Deserializer<'de> for Variant<A> {
@@ -155,7 +155,7 @@ impl<'de, A: VariantAccess<'de>> Deserializer<'de> for Variant<A> {
     }
 }
 
-/// The content of a newtype, for a visitor of the newtype.
+/// A deserialisation seed that passes the content of a newtype to the newtype's visitor.
 struct Newtype<'de, V>(V, PhantomData<&'de ()>);
 
 impl<'de, V: Visitor<'de>> DeserializeSeed<'de> for Newtype<'de, V> {
@@ -166,7 +166,7 @@ impl<'de, V: Visitor<'de>> DeserializeSeed<'de> for Newtype<'de, V> {
     }
 }
 
-/// A value of a scene file.
+/// A value in the notation of scene files, to be written.
 #[derive(Clone, Debug)]
 pub(crate) enum Written {
     Number(f32),
@@ -179,13 +179,13 @@ pub(crate) enum Written {
     Tuple(Vec<Written>),
     /// In brackets.
     List(Vec<Written>),
-    /// A key-framed number: pairs of seconds and value.
+    /// A key-framed number: pairs (seconds, value).
     Keys(Vec<(f64, f32)>),
-    /// A number driven by a named value, and its current value.
+    /// A number driven by a named value: the name and the current value.
     Named(String, f32),
     /// Values by name: `{"name": …}`.
     Map(Vec<(String, Written)>),
-    /// A name of the notation, with fields.
+    /// A struct of the notation, with its name and fields.
     Struct(&'static str, Fields),
     /// The name of a shape or an operator.
     Plain(ShapeName),
@@ -195,14 +195,14 @@ pub(crate) enum Written {
     With(ShapeName, Fields),
 }
 
-/// The name of a shape or an operator, and its number for formats that write no names.
+/// The name of a shape or an operator, and its index for formats that write indices instead of names.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ShapeName {
     pub name: &'static str,
     pub index: u32,
 }
 
-/// Names and values, in order.
+/// Pairs of name and value, in order.
 pub(crate) type Fields = Vec<(&'static str, Written)>;
 
 impl Serialize for Written {
@@ -257,10 +257,10 @@ impl Serialize for Written {
     }
 }
 
-/// Maximum size of a GLSL field in bytes: a larger file must be a mistake.
+/// Maximum size of the text of a user's field in bytes. A larger file is assumed to be a mistake.
 const LARGEST_FIELD: u64 = 1 << 20;
 
-/// The location of a scene's files; each file is read once.
+/// The location of the files that a scene names. Each file is read only once.
 pub(crate) struct Attached {
     /// The name of the scene's text in errors.
     origin: String,
@@ -270,14 +270,14 @@ pub(crate) struct Attached {
 }
 
 enum Place {
-    /// In the scene file's folder.
+    /// Files in the folder of the scene file.
     Folder(PathBuf),
-    /// Embedded in the program: names and texts.
+    /// Files embedded in the program, as names and texts.
     Embedded(&'static [(&'static str, &'static str)]),
 }
 
 impl Attached {
-    /// Files in the scene file's folder, or in the current folder.
+    /// Files in `folder`, which is empty for the current folder.
     pub fn in_folder(origin: &str, folder: &Path) -> Attached {
         Attached::new(origin, Place::Folder(folder.to_owned()))
     }
@@ -309,7 +309,7 @@ impl Attached {
         }
     }
 
-    /// Reads a height image by its file name in the scene.
+    /// Reads the height image with this file name.
     pub fn heights(&self, name: &str) -> Result<Arc<HeightImage>, SceneError> {
         let known = self.images.borrow();
         if let Some((_, image)) = known.iter().find(|(known, _)| known == name) {
@@ -324,7 +324,7 @@ impl Attached {
         Ok(image)
     }
 
-    /// Reads a GLSL field by its file name in the scene.
+    /// Reads the GLSL field with this file name.
     pub fn field(
         &self,
         name: &str,
@@ -363,14 +363,14 @@ impl Attached {
         match &self.place {
             Place::Folder(folder) => {
                 let path = folder.join(name);
-                // If a built-in scene was copied to another folder, it still finds its field.
+                // A built-in scene that was copied to another folder still finds its field.
                 match (path.exists(), embedded(FIELDS, name)) {
                     (false, Some(text)) => Ok(text),
                     _ => read_text(&path, LARGEST_FIELD).map_err(|error| error.to_string()),
                 }
             }
             Place::Embedded(texts) => {
-                embedded(texts, name).ok_or_else(|| "it is not within the program".to_owned())
+                embedded(texts, name).ok_or_else(|| "it is not embedded in the program".to_owned())
             }
         }
     }

@@ -1,6 +1,6 @@
-//! Numbers of a scene file, in the units of the file and checked while they are read; the drivers of moving numbers.
+//! Numbers of a scene file, which are checked while they are read, and the drivers of moving numbers.
 //!
-//! Each number of a surface is a plain number, key frames, or a named value:
+//! Each number of a surface is a plain number, a list of key frames, or a named value:
 //!
 //! ```ron
 //! radius: 1.5
@@ -15,7 +15,7 @@ use glam::{Vec2, Vec3};
 use serde::Deserialize;
 use std::marker::PhantomData;
 
-/// The quantity of a number: its check, and its conversion to the unit of the code.
+/// The quantity of a number: checks the number, and converts it from the unit of the file to the unit of the code.
 pub(crate) trait Unit {
     /// The quantity in the code.
     const QUANTITY: Quantity;
@@ -86,7 +86,7 @@ units! {
     Angle = Angle, angle();
     /// A turn per length: degrees per metre in the file, radians per metre in the code.
     Rate = Rate, angle();
-    /// From 0 to 1.
+    /// A share, 0 to 1.
     Share = Share, share();
 }
 
@@ -94,7 +94,7 @@ units! {
 #[derive(Deserialize)]
 #[serde(try_from = "Said", bound = "U: Unit")]
 pub(crate) struct Number<U> {
-    /// Its value at time 0.
+    /// Value at time 0.
     pub start: f32,
     /// Its motion.
     pub motion: Option<Motion>,
@@ -114,7 +114,7 @@ pub(crate) struct Vector<U>(pub [Number<U>; 3]);
 #[serde(from = "(Number<U>, Number<U>)", bound(deserialize = "U: Unit"))]
 pub(crate) struct Pair<U>(pub [Number<U>; 2]);
 
-/// A number in its notation in the file.
+/// A number as it is written in the file.
 #[derive(Deserialize)]
 #[serde(
     untagged,
@@ -207,7 +207,7 @@ impl<U> Default for Number<U> {
     }
 }
 
-/// The corners of a triangle.
+/// The three corners of a triangle.
 #[derive(Deserialize)]
 #[serde(try_from = "Vec<Pair<U>>", bound(deserialize = "U: Unit"))]
 pub(crate) struct Corners<U>([Pair<U>; 3]);
@@ -225,16 +225,17 @@ impl<U> TryFrom<Vec<Pair<U>>> for Corners<U> {
 pub(crate) struct Reader<'a> {
     files: &'a Attached,
     drivers: Vec<Driver>,
-    /// Prefix of the names of the numbers to be read: the path down the tree, such as `1.0.`.
+    /// Prefix of the names of the numbers to be read: the indices of the children on the path from the root, such as
+    /// `1.0.`.
     at: String,
 }
 
-/// Numbers that belong together, a single number or those of a vector, in their notation in the file.
+/// A single number, or the numbers of a vector, as written in the file.
 pub(crate) trait ReadNumbers: Sized {
     /// The type of the values in the file.
     type Said<U: Unit>;
 
-    /// Returns the values at the start and stores the drivers.
+    /// Returns the values at time 0 and stores the drivers.
     fn read<U: Unit>(said: Self::Said<U>, name: &str, reader: &mut Reader) -> Self;
 }
 
@@ -284,7 +285,7 @@ impl ReadNumbers for [Vec2; 3] {
 }
 
 impl<'a> Reader<'a> {
-    /// Creates a reader of a surface whose files are `files`.
+    /// Creates a reader of a surface that finds its files in `files`.
     pub fn new(files: &'a Attached) -> Reader<'a> {
         Reader {
             files,
@@ -309,7 +310,7 @@ impl<'a> Reader<'a> {
         drivers.any(|driver| driver.parameter.starts_with(name))
     }
 
-    /// Returns a number's value at the start and stores its driver.
+    /// Returns the value of a number at time 0 and stores its driver.
     pub fn number<U>(&mut self, name: &str, said: Number<U>) -> f32 {
         if let Some(motion) = said.motion {
             let parameter = format!("{}{name}", self.at);
@@ -318,7 +319,7 @@ impl<'a> Reader<'a> {
         said.start
     }
 
-    /// Reads the parts of the child with this index.
+    /// Reads numbers of the child with this index.
     pub fn within<T>(
         &mut self,
         index: usize,
@@ -332,8 +333,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Defines types whose values are checked while they are read, each a wrapper of its value: the type in the file, and
-/// the check.
+/// Defines wrapper types whose values are checked while they are read. Each has the type in the file and the check.
 macro_rules! checked {
     ($($(#[$meta:meta])* $visible:vis $name:ident($value:ty) from $said:ty: $check:expr;)*) => {$(
         $(#[$meta])*
@@ -351,10 +351,10 @@ macro_rules! checked {
 pub(in crate::scene) use checked;
 
 checked! {
-    /// A name: up to 200 characters, all of them visible.
+    /// A name of at most 200 visible characters.
     #[derive(Default)]
     pub(crate) Name(String) from String: name;
-    /// Any finite number that does not move.
+    /// A finite number that does not move.
     #[derive(Clone, Copy, Default)]
     pub(crate) Finite(f64) from f64: |value| match value.is_finite() {
         true => Ok(value),
@@ -372,10 +372,10 @@ checked! {
     /// Full width, height and depth in metres that do not move, each finite and greater than 0.
     #[derive(Clone, Copy)]
     pub(crate) Size(Vec3) from (f32, f32, f32): size;
-    /// Maximum rate of change of a value, in metres per metre: the stated Lipschitz constant.
+    /// Stated Lipschitz constant: maximum rate of change of a value, in metres per metre.
     #[derive(Clone, Copy)]
     pub(crate) Lipschitz(f32) from f32: |constant| positive("a Lipschitz constant", constant);
-    /// The greatest amount by which a second derivative of a value along a line is below 0, per metre.
+    /// Stated bend, per metre: an upper bound of −f″ along any line, where f is the value.
     #[derive(Clone, Copy)]
     pub(crate) MostBend(f32) from f32: |bend| match bend.is_finite() && bend >= 0.0 {
         true => Ok(bend),
