@@ -1,8 +1,9 @@
-//! Large objects that a shape's value depends on: height images and users' fields.
+//! Large objects that the value of a shape depends on: height images and users' fields.
 //!
-//! A user's field is GLSL text with a `float field(vec3 p)`, and optionally a `vec3 fieldGradient(vec3 p)`. Without one,
-//! the text is differentiated if possible. Only a GPU can evaluate it. For tests on the CPU (whether the source is in a solid, where a walker may go) there are samples,
-//! which the GPU takes once when the field is checked; see `crate::tracer`.
+//! A user's field is GLSL text with a `float field(vec3 p)`, and optionally a `vec3 fieldGradient(vec3 p)`. If the text
+//! does not define the gradient, the crate differentiates the text where possible. Only a GPU can evaluate a user's
+//! field. Tests on the CPU (whether a source is in a solid, where a walker may go) use samples of the field, which the
+//! GPU computes once when the field is checked; see `crate::tracer`.
 
 use super::user_glsl;
 use super::user_glsl::derivative::{self, Along};
@@ -24,27 +25,28 @@ pub(crate) enum Asset<'a> {
     User(&'a Arc<UserField>),
 }
 
-/// Maximum number of pixels along a side: a million heights are 16 MB on the GPU.
+/// Maximum number of pixels along a side. The heights of an image of this size take 16 MB on the GPU.
 const LARGEST_SIDE: u32 = 1024;
 
-/// Maximum size of an image file in bytes: four channels of 16 bits need 8 MiB uncompressed.
+/// Maximum size of an image file in bytes. An uncompressed image of the maximum size, with four channels of 16 bits,
+/// takes 8 MiB.
 const LARGEST_FILE: u64 = 32 << 20;
 
-/// Maximum memory of the decoder in bytes, without the picture: rows, and colour data in the file.
+/// Maximum memory of the decoder in bytes, excluding the decoded image: rows, and colour data in the file.
 const DECODER_BYTES: usize = 64 << 20;
 
-/// Weights of red, green and blue in the height of a coloured pixel: the luminances of the primaries of sRGB with its
-/// white D65 (IEC 61966-2-1), rounded as in earlier versions, so that a file keeps its heights.
+/// Weights of red, green and blue in the height of a coloured pixel: the luminances of the sRGB primaries with white
+/// point D65 (IEC 61966-2-1). The rounding is that of earlier versions, so that existing files keep their heights.
 const LUMA: [f32; 3] = [0.212_647_84, 0.715_179_2, 0.072_173_04];
 
-/// A grid of heights from 0 (black) to 1 (white), with the image's upper row first: the image is a view from above,
-/// with its upper edge at −z.
+/// A grid of heights from 0 (black) to 1 (white), upper row first. The image is a view from above, with its upper edge
+/// at −z.
 #[derive(Clone, Debug)]
 pub struct HeightImage {
     size: UVec2,
     heights: Vec<f32>,
     name: String,
-    /// The size for which the steepest slope was first computed, and that slope.
+    /// The first horizontal size for which the steepest slope was computed, and this slope.
     steepest: OnceLock<(DVec2, f64)>,
 }
 
@@ -55,28 +57,28 @@ impl PartialEq for HeightImage {
 }
 
 impl HeightImage {
-    /// Whether both have the same heights, whatever their files are.
+    /// Whether both images have the same heights, regardless of their files.
     pub(crate) fn has_heights_of(&self, other: &HeightImage) -> bool {
         self.size == other.size && self.heights == other.heights
     }
 
-    /// Creates a grid of heights, row by row; `name` is its name in reports.
+    /// Creates an image from heights in rows; `name` is the name in reports.
     ///
     /// # Errors
-    /// [`SceneError::BadHeightImage`] if the grid is smaller than 2 × 2 or larger than 1024 × 1024, or a height is not
-    /// within 0 to 1.
+    /// [`SceneError::BadHeightImage`] if the grid is smaller than 2 × 2 or larger than 1024 × 1024, or if a height is
+    /// outside 0 to 1.
     pub fn new(name: &str, size: UVec2, heights: Vec<f32>) -> Result<HeightImage, SceneError> {
         if size.min_element() < 2 || size.max_element() > LARGEST_SIDE {
             return Err(bad(wrong_size(name, size)));
         }
         if heights.len() != (size.x * size.y) as usize {
             return Err(bad(format!(
-                "the height image {name} has not a height for each pixel"
+                "the height image {name} must have exactly one height per pixel"
             )));
         }
         if !heights.iter().all(|h| (0.0..=1.0).contains(h)) {
             return Err(bad(format!(
-                "the height image {name} has heights outside of 0 to 1"
+                "the height image {name} has heights outside 0 to 1"
             )));
         }
         let name = name.to_owned();
@@ -88,11 +90,11 @@ impl HeightImage {
         })
     }
 
-    /// Reads a PNG file with 8 or 16 bits, grey or coloured; the heights of a coloured image are its luma.
+    /// Reads a PNG file with 8 or 16 bits per channel, grey or coloured. The heights of a coloured image are its luma.
     ///
     /// # Errors
-    /// [`SceneError::BadHeightImage`] with the file if it cannot be read or is too large: more than 32 MiB, or more than
-    /// 1024 pixels along a side, which is checked before decoding.
+    /// [`SceneError::BadHeightImage`], with the name of the file, if the file cannot be read, is larger than 32 MiB, or
+    /// has more than 1024 pixels along a side. The side is checked before decoding.
     pub fn from_file(path: &Path) -> Result<HeightImage, SceneError> {
         let shown = path.display().to_string();
         let refused = |why: String| bad(format!("cannot read the height image {shown}: {why}"));
@@ -105,7 +107,7 @@ impl HeightImage {
         HeightImage::new(&shown, size, heights.collect())
     }
 
-    /// Its name in reports.
+    /// Name in reports.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -115,14 +117,14 @@ impl HeightImage {
         self.size
     }
 
-    /// Width, height and all heights, each in four bytes, little-endian.
+    /// Width, height and all heights, each as four bytes in little-endian order.
     pub(crate) fn to_bytes(&self) -> Vec<u8> {
         let size = self.size.to_array().into_iter().flat_map(u32::to_le_bytes);
         let heights = self.heights.iter().flat_map(|height| height.to_le_bytes());
         size.chain(heights).collect()
     }
 
-    /// The heights, row by row.
+    /// The heights in rows, the upper row first.
     pub fn heights(&self) -> &[f32] {
         &self.heights
     }
@@ -131,7 +133,7 @@ impl HeightImage {
         f64::from(self.heights[(z * self.size.x + x) as usize])
     }
 
-    /// The cell that contains a point, and the position in that cell. `at` is 0 to 1 along x and z.
+    /// The grid cell that contains a point, and the point's position in that cell. `at` is 0 to 1 along x and z.
     fn cell(&self, at: DVec2) -> (UVec2, DVec2) {
         let cells = (self.size - 1).as_dvec2();
         let place = (at * cells).clamp(DVec2::ZERO, cells);
@@ -139,7 +141,7 @@ impl HeightImage {
         (cell.as_uvec2(), place - cell)
     }
 
-    /// Bilinear height, 0 to 1. `at` is 0 to 1 along x and z, clamped at the edges.
+    /// Bilinearly interpolated height, 0 to 1. `at` is 0 to 1 along x and z, clamped at the edges.
     pub fn at(&self, at: DVec2) -> f64 {
         let (cell, within) = self.cell(at);
         let row = |z: u32| {
@@ -150,9 +152,10 @@ impl HeightImage {
         near + (row(cell.y + 1) - near) * within.y
     }
 
-    /// The steepest slope, in heights per full width, along x and z.
+    /// The steepest slope for a terrain of the horizontal size `size` (x, z): change of the height (0 to 1) per unit of
+    /// `size`.
     ///
-    /// Visits the whole image once; the result for the same size is cached.
+    /// The first call visits the whole image. The result for the same size is cached.
     pub fn steepest(&self, size: DVec2) -> f64 {
         let (known_size, known) = self
             .steepest
@@ -194,11 +197,11 @@ fn wrong_size(name: &str, size: UVec2) -> String {
     )
 }
 
-/// Errors of a PNG file.
+/// The reason why a PNG file is rejected.
 enum PngError {
-    /// Its width and height.
+    /// The size in pixels is out of range.
     Side(UVec2),
-    /// Any other error, as a message.
+    /// Any other reason, as a message.
     Refused(String),
 }
 
@@ -208,7 +211,7 @@ impl From<DecodingError> for PngError {
     }
 }
 
-/// The picture's size, and the luma of its pixels from 0 to 65535. The size is checked before decoding.
+/// The size of the image, and the luma of its pixels from 0 to 65535. The size is checked before decoding.
 fn luma(bytes: &[u8]) -> Result<(UVec2, Vec<u16>), PngError> {
     let limits = png::Limits {
         bytes: DECODER_BYTES,
@@ -229,7 +232,7 @@ fn luma(bytes: &[u8]) -> Result<(UVec2, Vec<u16>), PngError> {
     let found = reader.next_frame(&mut pixels)?;
     pixels.truncate(found.buffer_size());
     if UVec2::new(found.width, found.height) != size {
-        let why = "its first picture does not fill it".to_owned();
+        let why = "its first frame does not cover the whole image".to_owned();
         return Err(PngError::Refused(why));
     }
     let (colour, depth) = (found.color_type, found.bit_depth);
@@ -238,9 +241,9 @@ fn luma(bytes: &[u8]) -> Result<(UVec2, Vec<u16>), PngError> {
     Ok((size, lumas))
 }
 
-/// Checks the palette: the decoder panics if its last colour is incomplete.
+/// Checks the palette, because the decoder panics if the last colour is incomplete.
 fn check_palette(info: &png::Info) -> Result<(), PngError> {
-    /// Bytes per colour: red, green and blue; a palette has at most 256 colours.
+    /// Bytes per colour: red, green and blue. A palette has at most 256 colours.
     const COLOUR: usize = 3;
     const MOST: usize = 256 * COLOUR;
     let length = info.palette.as_ref().map_or(0, |palette| palette.len());
@@ -252,7 +255,7 @@ fn check_palette(info: &png::Info) -> Result<(), PngError> {
     )))
 }
 
-/// The luma of pixels in the decoder's output, big-endian with at least 8 bits; `None` for other types.
+/// The luma of pixels in the decoder's output, which is big-endian with at least 8 bits; `None` for unsupported types.
 fn lumas(colour: ColorType, depth: BitDepth, bytes: &[u8]) -> Option<Vec<u16>> {
     let (levels, most): (Vec<u16>, u16) = match depth {
         BitDepth::Eight => (bytes.iter().copied().map(u16::from).collect(), 255),
@@ -287,42 +290,42 @@ fn lumas(colour: ColorType, depth: BitDepth, bytes: &[u8]) -> Option<Vec<u16>> {
     })
 }
 
-/// A user's field, with its stated properties.
+/// A user's field with its stated properties.
 #[derive(Debug)]
 pub struct UserField {
-    /// The file with the text, or another name for reports.
+    /// The file that contains the text, or another name for reports.
     pub file: PathBuf,
-    /// GLSL with a `float field(vec3 p)`; helpers, constants and macros are allowed. A
-    /// `vec3 fieldGradient(vec3 p)` states its gradient, in units of the value per metre.
+    /// GLSL text with a `float field(vec3 p)`. Helper functions, constants and macros are allowed. A function `vec3
+    /// fieldGradient(vec3 p)` defines the gradient, in units of the value per metre.
     pub text: String,
-    /// Full size in metres of the field's box about the origin: the field is cut off at the box, and never evaluated
-    /// outside.
+    /// Full size in metres of the field's box, which is centred on the origin. The field ends at the box, and is never
+    /// evaluated outside it.
     pub size: Vec3,
-    /// Lipschitz constant of its value, in metres per metre.
+    /// Lipschitz constant of the value, in metres per metre.
     pub lipschitz: f32,
-    /// The greatest amount, per metre, by which the second derivative of its value along any straight line is below 0:
-    /// at least −f″, 0 for a value that is convex along lines. Valid where waves can be: in the whole air within the
-    /// box, and next to the surface in the solid. `None` if it is not stated.
+    /// Upper bound, per metre, of −f″ along any straight line, where f is the value; 0 for a function that is convex
+    /// along every line. The bound must hold wherever waves can be: in all air within the box, and in the solid near
+    /// the surface. `None` if no bound is stated.
     pub bend: Option<f32>,
     samples: OnceLock<Arc<UserSamples>>,
     passed_on_both_sides: OnceLock<()>,
     read: OnceLock<Read>,
     evaluation_seconds: OnceLock<f64>,
     exact: Option<fn(DVec3) -> f64>,
-    /// Whether the renderer has found the derivative of the text to be that of its values.
+    /// Result of the renderer's test whether the derivative of the text agrees with its values.
     derivative_agrees: OnceLock<bool>,
 }
 
-/// The part of a user's field where waves can be. The field is checked there.
+/// The part of a user's field that waves can reach. The renderer checks the field there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub(crate) enum WaveDomain {
-    /// The air, where the value is positive, and the solid next to it.
+    /// The air, where the value is positive, and the solid near the surface.
     Air,
-    /// The whole box: an operator above the field exchanges its sides or moves its surface inwards.
+    /// The whole box. An operator above the field exchanges air and solid, or moves the surface inwards.
     BothSides,
 }
 
-/// Properties of the text that every frame needs; cached because the text is parsed only once.
+/// Properties of the text that every frame needs. They are cached, so that the text is parsed only once.
 #[derive(Clone, Copy, Debug, Default)]
 struct Read {
     has_loops: bool,
@@ -330,17 +333,17 @@ struct Read {
     has_derivative: bool,
 }
 
-/// The values of a field on a grid over its box, edges included.
+/// The values of a field on a grid that covers its box, including the faces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UserSamples {
-    /// Samples along each side.
+    /// Number of samples along each side.
     pub side: usize,
     /// The values: x varies fastest, then y, then z.
     pub values: Vec<f32>,
 }
 
 impl UserField {
-    /// Creates a field from text; `file` is its name in reports.
+    /// Creates a field from text; `file` is the name in reports.
     pub fn new(file: impl Into<PathBuf>, text: String, size: Vec3, lipschitz: f32) -> UserField {
         UserField {
             file: file.into(),
@@ -357,8 +360,8 @@ impl UserField {
         }
     }
 
-    /// Returns the field with its function in `f64`: the exact reference then follows the function itself instead of
-    /// the samples, which are coarser than a wave's rounding.
+    /// Returns the field with its function in `f64`. The exact reference then evaluates the function instead of
+    /// interpolated samples, whose error is larger than the rounding error of a wave.
     #[doc(hidden)]
     #[must_use]
     pub fn with_exact_value(mut self, exact: fn(DVec3) -> f64) -> UserField {
@@ -366,26 +369,26 @@ impl UserField {
         self
     }
 
-    /// Whether [`UserField::value`] is that of the function itself.
+    /// Whether [`UserField::value`] evaluates the exact function.
     #[doc(hidden)]
     pub fn has_exact_value(&self) -> bool {
         self.exact.is_some()
     }
 
-    /// The same field with a stated [`UserField::bend`], per metre.
+    /// Returns the field with a stated [`UserField::bend`], per metre.
     #[must_use]
     pub fn with_bend(mut self, bend: f32) -> UserField {
         self.bend = Some(bend);
         self
     }
 
-    /// Whether the field has passed the renderer's checks where waves can be.
+    /// Whether the field has passed the renderer's checks in this domain.
     pub(crate) fn has_passed(&self, waves: WaveDomain) -> bool {
         let is_on_both_sides = self.passed_on_both_sides.get().is_some();
         self.samples.get().is_some() && (is_on_both_sides || waves == WaveDomain::Air)
     }
 
-    /// Stores the results of checks that the field has passed; later calls can only extend the domain.
+    /// Stores the results of checks that the field has passed. Later calls can only extend the domain.
     pub(crate) fn set_passed(&self, waves: WaveDomain, samples: Arc<UserSamples>, seconds: f64) {
         self.set_samples(samples);
         self.set_evaluation_seconds(seconds);
@@ -394,24 +397,24 @@ impl UserField {
         }
     }
 
-    /// Stores the samples from the GPU; later calls have no effect.
+    /// Stores the samples from the GPU. Later calls have no effect.
     pub(crate) fn set_samples(&self, samples: Arc<UserSamples>) {
         // The same text over the same box gives the same samples.
         let _ = self.samples.set(samples);
     }
 
-    /// The samples from the GPU, if they have been taken.
+    /// The samples from the GPU, if they have been computed.
     pub(crate) fn samples(&self) -> Option<&Arc<UserSamples>> {
         self.samples.get()
     }
 
-    /// Stores the time of an evaluation; later calls have no effect.
+    /// Stores the time of one evaluation in seconds. Later calls have no effect.
     pub(crate) fn set_evaluation_seconds(&self, seconds: f64) {
-        // Another measurement of the same text gives the same time, except for the effect of other load.
+        // Measurements of the same text differ only by the effect of other load.
         let _ = self.evaluation_seconds.set(seconds);
     }
 
-    /// Time in seconds per evaluation on the renderer, with many running in parallel, if measured.
+    /// Time in seconds per evaluation on the renderer with many parallel evaluations, if measured.
     pub(crate) fn evaluation_seconds(&self) -> Option<f64> {
         self.evaluation_seconds.get().copied()
     }
@@ -421,7 +424,8 @@ impl UserField {
         crate::scene::is_own_text(&self.text)
     }
 
-    /// The value interpolated from the samples (trilinear), clamped to the box; 0 if there are no samples yet.
+    /// The value by trilinear interpolation of the samples, at the point clamped to the box; 0 if there are no samples
+    /// yet.
     pub fn value(&self, point: DVec3) -> f64 {
         if let Some(exact) = self.exact {
             let half = 0.5 * self.size.as_dvec3();
@@ -434,18 +438,17 @@ impl UserField {
         samples.at(share)
     }
 
-    /// The text for use within a shader, with unchanged line numbers: in ASCII, with macros expanded, and without
-    /// directives and `precision` statements, which belong to the whole shader. Empty for a text that
-    /// [`UserField::check_text`] rejects.
+    /// The text for use within a shader: in ASCII, with macros expanded, without directives and `precision` statements,
+    /// and with unchanged line numbers. Empty for a text that [`UserField::check_text`] rejects.
     pub fn shader_text(&self) -> String {
         user_glsl::read(&self.text).map_or_else(|_| String::new(), |text| text.code)
     }
 
-    /// Performs all checks that do not need a compiler.
+    /// Performs all checks of the text that need no compiler.
     ///
     /// # Errors
-    /// The line, if the error has one, and a message: the text lacks a `float field(vec3 p)`, needs a value from
-    /// outside, does something that a function of one point cannot do, or exceeds the limits that protect compilers.
+    /// A message, and the line if the error has one. The text lacks a `float field(vec3 p)`, needs an external input,
+    /// contains something that is not allowed in a function of one point, or exceeds the limits that protect compilers.
     pub fn check_text(&self) -> Result<(), (Option<u32>, String)> {
         user_glsl::read(&self.text).map(|_| ())
     }
@@ -455,36 +458,37 @@ impl UserField {
         self.read().has_loops
     }
 
-    /// Whether the text states its gradient: `vec3 fieldGradient(vec3 p)`.
+    /// Whether the text defines its gradient by `vec3 fieldGradient(vec3 p)`.
     pub fn states_gradient(&self) -> bool {
         self.read().states_gradient
     }
 
-    /// Whether gradients come from a derivative of the text: the text states none, it can be differentiated, and the
-    /// renderer has not found differences between the derivative and the values.
+    /// Whether gradients are computed from a derivative of the text: the text defines no gradient, it can be
+    /// differentiated, and the renderer has found no differences between the derivative and the values.
     pub(crate) fn is_differentiated(&self) -> bool {
         self.read().has_derivative && self.derivative_agrees() != Some(false)
     }
 
-    /// Whether the derivative of the text is that of its values, if tested.
+    /// Whether the derivative of the text agrees with its values; `None` if this has not been tested.
     pub(crate) fn derivative_agrees(&self) -> Option<bool> {
         self.derivative_agrees.get().copied()
     }
 
-    /// Stores the result of the test of the derivative; later calls have no effect.
+    /// Stores the result of the test of the derivative. Later calls have no effect.
     pub(crate) fn set_derivative_agrees(&self, agrees: bool) {
         // The same text over the same box gives the same result.
         let _ = self.derivative_agrees.set(agrees);
     }
 
-    /// Text after the field's own in a shader, where `field` has become `user<index>_field`:
-    /// `float dual<index>_field(vec3 p, out vec3 gradient)`, which returns the value. Empty for a text that cannot be
-    /// differentiated.
+    /// Text that follows the field's own text in a shader, in which `field` is renamed to `user<index>_field`. It
+    /// defines `float dual<index>_field(vec3 p, out vec3 gradient)`, which returns the value. Empty for a text that
+    /// cannot be differentiated.
     pub(crate) fn gradient_text(&self, index: usize) -> String {
         self.derivative(Along::Axes, index)
     }
 
-    /// The same for one direction: `float slope<index>_field(vec3 p, vec3 direction, out float slope)`.
+    /// The derivative along one direction: `float slope<index>_field(vec3 p, vec3 direction, out float slope)`. Empty
+    /// for a text that cannot be differentiated.
     pub(crate) fn slope_text(&self, index: usize) -> String {
         self.derivative(Along::Line, index)
     }
@@ -507,14 +511,14 @@ impl UserField {
             .get_or_init(|| user_glsl::read(&self.text).map(read).unwrap_or_default())
     }
 
-    /// All names in the text that are not GLSL's own: they are renamed when the text is included in a shader, so that
-    /// fields do not clash with each other or with the rest of the shader. Empty for a text that
+    /// All names in the text that GLSL does not define. They are renamed when the text becomes part of a shader, so
+    /// that fields do not clash with each other or with the rest of the shader. Empty for a text that
     /// [`UserField::check_text`] rejects.
     pub fn names(&self) -> Vec<String> {
         user_glsl::read(&self.text).map_or_else(|_| Vec::new(), |text| text.names)
     }
 
-    /// Whether both have the same text and properties, whatever their files are.
+    /// Whether both fields have the same text and properties, regardless of their files.
     pub(crate) fn has_text_of(&self, other: &UserField) -> bool {
         self.text == other.text
             && self.size == other.size
@@ -530,7 +534,7 @@ impl PartialEq for UserField {
 }
 
 impl UserSamples {
-    /// Trilinear value at 0 to 1 along each side, clamped at the edges.
+    /// Trilinearly interpolated value. `share` is 0 to 1 along each side, clamped at the edges.
     fn at(&self, share: DVec3) -> f64 {
         let last = (self.side - 1) as f64;
         let place = (share * last).clamp(DVec3::ZERO, DVec3::splat(last));
@@ -553,7 +557,7 @@ impl UserSamples {
 mod tests {
     use super::*;
 
-    /// Protects the CPU's values of a field: the interpolated samples, or the exact values where they are known.
+    /// Protects the CPU's values of a field: interpolated samples, or exact values if the field has an exact function.
     #[test]
     fn samples_are_interpolated() {
         let size = Vec3::new(2.0, 4.0, 8.0);
@@ -574,8 +578,8 @@ mod tests {
         assert_eq!(finer.value(DVec3::new(0.5, 0.3, -2.0)), 2.5);
     }
 
-    /// Protects the heights of existing files of every colour type: they are the same as in earlier versions, by the
-    /// weights of red, green and blue and regardless of the opacity.
+    /// Protects the heights of existing files of every colour type: they equal those of earlier versions, with the same
+    /// weights of red, green and blue, and regardless of opacity.
     #[test]
     fn heights_are_the_luma_of_every_colour_type() {
         use BitDepth::{Eight, Four, Sixteen};

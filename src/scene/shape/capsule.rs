@@ -1,15 +1,15 @@
-//! A cylinder with round ends.
+//! A cylinder with hemispherical ends.
 
 use super::part::{half, part, surface_kind};
 use super::{Part, Properties, Shape};
 use glam::{DVec2, DVec3};
 
 part! {
-    /// A cylinder about y with round ends.
+    /// A cylinder about the y axis with hemispherical ends.
     Capsule {
-        /// Radius of cylinder and ends, in metres.
+        /// Radius of the cylinder and of the ends, in metres.
         radius: f32 as Radius,
-        /// Height between the centres of the round ends, in metres.
+        /// Distance between the centres of the ends, in metres.
         height: f32 as Length,
     }
 }

@@ -5,7 +5,7 @@ use super::{Part, Properties, Shape};
 use glam::{DVec2, DVec3};
 
 part! {
-    /// A finite cone about y: base at −height/2, tip at height/2.
+    /// A finite cone about the y axis, with its base at −height/2 and its tip at height/2.
     Cone {
         /// Radius of the base, in metres.
         radius: f32 as Radius,
@@ -42,7 +42,7 @@ impl Part for Cone {
     }
 }
 
-/// The distance of a point in a plane from a segment between two points.
+/// Distance of a point from the segment between `a` and `b`, in a plane.
 pub(super) fn segment_distance(p: DVec2, a: DVec2, b: DVec2) -> f64 {
     let along = b - a;
     let share = ((p - a).dot(along) / along.length_squared()).clamp(0.0, 1.0);

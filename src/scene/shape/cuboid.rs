@@ -1,4 +1,4 @@
-//! A box, called a cuboid in Rust because the name `Box` is taken.
+//! A box. The type is called `Cuboid` because `Box` is a type of the standard library.
 
 use super::part::{arguments, part, surface_kind};
 use super::{Part, Properties, Shape};
@@ -30,7 +30,7 @@ impl Part for Cuboid {
     arguments!(3);
 }
 
-/// The signed distance to a box about the origin.
+/// The signed distance to a box centred on the origin.
 pub(crate) fn box_value(p: DVec3, half_size: DVec3) -> f64 {
     let beyond = p.abs() - half_size;
     beyond.max(DVec3::ZERO).length() + beyond.max_element().min(0.0)

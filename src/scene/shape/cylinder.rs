@@ -1,4 +1,4 @@
-//! An infinite cylinder, and one with plane ends. Both are called `Cylinder` in scene files.
+//! An infinite cylinder, and a cylinder with plane ends. Both are called `Cylinder` in scene files.
 
 use super::part::{Notation, half, parameters, surface_kind};
 use super::{Part, Properties, Rotate, Shape};
@@ -7,14 +7,14 @@ use crate::scene::notation::{Length, Number, Radius, Reader, checked};
 use glam::{DVec2, DVec3, Vec3};
 use serde::Deserialize;
 
-/// A solid infinite cylinder about y.
+/// A solid infinite cylinder about the y axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cylinder {
     /// Radius in metres.
     pub radius: f32,
 }
 
-/// Its form in a scene file: finite if it has a height, turned if it has an axis.
+/// The notation in a scene file. The cylinder is finite if it has a height, and rotated if it has an axis.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct File {
@@ -89,7 +89,7 @@ fn upright(radius: Number<Radius>, height: Option<Number<Length>>, reader: &mut 
     }
 }
 
-/// The angles about x, then y, that turn the y axis into a unit vector.
+/// The rotation angles about x, then y, that rotate the y axis to a unit vector.
 fn turn_from_y(axis: Vec3) -> Vec3 {
     let about_x = axis.x.hypot(axis.z).atan2(axis.y);
     let about_y = axis.x.atan2(axis.z);
@@ -116,7 +116,7 @@ impl Part for Cylinder {
     }
 }
 
-/// A finite cylinder about y.
+/// A finite cylinder about the y axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CappedCylinder {
     /// Radius in metres.
@@ -145,7 +145,7 @@ impl Part for CappedCylinder {
     }
 }
 
-/// The signed distance to a quarter plane, from the signed distances to the lines of its two edges.
+/// The signed distance to a quarter plane. `beyond` contains the signed distances to the lines of its two edges.
 pub(super) fn corner_value(beyond: DVec2) -> f64 {
     beyond.max(DVec2::ZERO).length() + beyond.max_element().min(0.0)
 }

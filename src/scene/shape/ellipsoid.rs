@@ -23,8 +23,8 @@ impl Part for Ellipsoid {
         }
     }
 
-    /// With m = |p / radii|, F = m² − 1 and g ≤ 2 m / least, the value is at least (m − 1) least / (1 + √2), while the
-    /// point is at most (m − 1) greatest beyond the bounds along any axis.
+    /// Let m = |p / radii|; then F = m² − 1 and g ≤ 2 m / least, with the least radius. The value is at least (m − 1)
+    /// least / (1 + √2). The distance from p to the bounds along any axis is at most (m − 1) times the greatest radius.
     fn slowness(&self, _: &[Shape]) -> f64 {
         let stretch = f64::from(self.radii.max_element()) / f64::from(self.radii.min_element());
         (1.0 + std::f64::consts::SQRT_2) * stretch

@@ -1,20 +1,20 @@
-//! A half space in any direction.
+//! A half space with any normal.
 
 use super::part::{arguments, part, surface_kind};
 use super::{Bounds3, Part, Properties, Shape};
 use glam::{DVec3, Vec3};
 
 part! {
-    /// Solid where `normal · p < offset`; the normal need not be a unit vector.
+    /// Solid where `normal · p < offset`, with the normal scaled to a unit vector.
     HalfSpace {
-        /// Points out of the solid.
+        /// Normal that points out of the solid; any length.
         normal: Vec3 as Plain,
         /// Distance of the boundary from the origin along the unit normal, in metres.
         offset: f32 as Metres = default,
     }
 }
 
-/// Least length of a normal: `f32` cannot resolve the direction of a shorter one.
+/// Minimum length of a normal. `f32` cannot resolve the direction of a shorter vector.
 const SHORTEST_NORMAL: f32 = 1e-6;
 
 impl Part for HalfSpace {

@@ -1,4 +1,4 @@
-//! Ground with heights from an image.
+//! Terrain with heights from an image.
 
 use super::asset::Asset;
 use super::cuboid::box_value;
@@ -10,17 +10,17 @@ use glam::{DVec2, DVec3, Vec3};
 use serde::Deserialize;
 use std::sync::Arc;
 
-/// Ground with heights from an image: solid below, within a box centred on the origin. Black is at the box's floor,
-/// white at its ceiling.
+/// Terrain with heights from an image. It is solid below the surface, and fills a box centred on the origin. Black is
+/// at the floor of the box, white at its ceiling.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeightField {
     /// The heights.
     pub image: Arc<HeightImage>,
-    /// Full width (the image's), height and depth in metres.
+    /// Full width, height and depth of the box in metres. The image spans width and depth.
     pub size: Vec3,
 }
 
-/// Its form in a scene file.
+/// The notation in a scene file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct File {
@@ -67,7 +67,7 @@ impl Part for HeightField {
         above.max(box_value(p, 0.5 * size))
     }
 
-    /// Half of the size, and the factor that scales the height above the ground.
+    /// Half the size, and the factor that scales the height above the terrain.
     fn shader_numbers(&self, _: &[Shape]) -> Vec<f64> {
         let half = 0.5 * self.size.as_dvec3();
         vec![half.x, half.y, half.z, self.slowest()]
@@ -77,8 +77,8 @@ impl Part for HeightField {
 }
 
 impl HeightField {
-    /// The factor that turns the height above the ground into a lower bound of the distance: the cosine of the steepest
-    /// slope.
+    /// The factor that converts the height above the terrain to a lower bound of the distance: the cosine of the
+    /// steepest slope.
     fn slowest(&self) -> f64 {
         let flat = DVec2::new(self.size.x.into(), self.size.z.into());
         let slope = f64::from(self.size.y) * self.image.steepest(flat);

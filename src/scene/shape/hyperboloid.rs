@@ -1,4 +1,4 @@
-//! A hyperboloid of one or of two sheets.
+//! A hyperboloid of one or two sheets.
 
 use super::part::{part, surface_kind};
 use super::quadric::straight_quadric;
@@ -8,12 +8,13 @@ use glam::DVec3;
 use serde::de::{Deserialize, Deserializer, Error};
 
 part! {
-    /// A hyperboloid about y. One sheet: x² + z² < waist² (1 + y²/rise²), a solid with a waist. Two sheets: y² > rise²
-    /// (1 + (x² + z²)/waist²), two solid bowls.
+    /// A hyperboloid about the y axis. With one sheet, x² + z² < waist² (1 + y²/rise²): a solid with a waist. With two
+    /// sheets, y² > rise² (1 + (x² + z²)/waist²): two solid bowls.
     Hyperboloid {
-        /// Radius at the waist, in metres; for two sheets, the half width of the hyperbola's box.
+        /// Radius at the waist, in metres. For two sheets, the radius at which the asymptotic cone has the height
+        /// `rise`.
         waist: f32 as Length,
-        /// Height in metres over which the asymptotic cone is as wide as the waist.
+        /// Height in metres at which the asymptotic cone has the radius `waist`.
         rise: f32 as Length,
     } and {
         /// Whether there are two sheets.
@@ -22,7 +23,7 @@ part! {
     }
 }
 
-/// Reads the number of sheets.
+/// Reads the number of sheets, and returns whether there are two.
 fn two_sheets<'de, D: Deserializer<'de>>(from: D) -> Result<bool, D::Error> {
     match i64::deserialize(from)? {
         1 => Ok(false),

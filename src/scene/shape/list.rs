@@ -1,5 +1,5 @@
-//! The list of all shapes and operators: to add one, write its two files, a line in this list, and its `mod` and
-//! `pub use` lines in `mod.rs`.
+//! The list of all shapes and operators. To add one, write its two files, a line in this list, and its `mod` and `pub
+//! use` lines in `mod.rs`.
 
 use super::part::{Notation, Part};
 use crate::scene::notation::{Form, Reader, ShapeName, Variant, Written};
@@ -12,7 +12,7 @@ macro_rules! parts {
         all: { $($(#[$attr:meta])* $name:literal $_module:ident::$part:ident,)* }
         said: { $($(#[$said_attr:meta])* $said_name:literal $_said_module:ident::$said:ident,)* }
     ) => {
-        /// A node of a tree: a shape or an operator, without its children.
+        /// A node of a tree: a shape, or an operator without its children.
         #[derive(Clone, Debug, PartialEq)]
         pub enum Node {
             $($(#[$attr])* #[doc = concat!("`", $name, "` in scene files.")] $part(super::$part),)*
@@ -58,16 +58,16 @@ macro_rules! parts {
             }
         }
 
-        /// The form of a shape or an operator in a scene file.
+        /// The notation of a shape or an operator in a scene file.
         pub(crate) enum ShapeFile {
             $($(#[$said_attr])* $said(<super::$said as Notation>::File),)*
         }
 
         impl ShapeFile {
-            /// Reads the shape's tree.
+            /// Reads the tree of shapes.
             ///
             /// # Errors
-            /// The errors of the files that it names.
+            /// The errors of the files that the tree names.
             pub fn read(self, reader: &mut Reader) -> Result<Shape, SceneError> {
                 match self {
                     $($(#[$said_attr])* ShapeFile::$said(file) => super::$said::read(file, reader),)*
@@ -75,7 +75,7 @@ macro_rules! parts {
             }
         }
 
-        /// The notation in scene files of the shape or operator with this name.
+        /// The notation of the shape or operator with this name in scene files.
         pub(crate) fn form_of(name: &str) -> Option<Form> {
             match name {
                 $($(#[$said_attr])* $said_name => Form::of::<<super::$said as Notation>::File>(),)*
@@ -124,12 +124,12 @@ macro_rules! all_parts {
     };
 }
 
-/// Passes the list to a macro: the name in scene files, the name of the file under `glsl/` (except for operators
-/// inlined in the shader's text), and the type.
+/// Passes the list to a macro. Each line has the name in scene files, the name of the file under `glsl/` (except for
+/// operators that are inlined in the shader text), and the type.
 macro_rules! every_part {
     ($callback:ident) => {
         $callback! {
-            // Each has functions in `glsl/shape/`.
+            // Shapes, which have functions in `glsl/shape/`.
             shapes: {
                 "Plane" plane::Plane,
                 "HalfSpace" half_space::HalfSpace,
@@ -147,11 +147,11 @@ macro_rules! every_part {
                 "Hyperboloid" hyperboloid::Hyperboloid,
                 "Quadric" quadric::GeneralQuadric,
                 "HeightField" height_field::HeightField,
-                // The worked example in `docs/architecture.md`.
+                // The example in `docs/architecture.md`.
                 #[cfg(test)]
                 "Octahedron" octahedron::Octahedron,
             }
-            // Each has functions in `glsl/operator/`.
+            // Operators that have functions in `glsl/operator/`.
             operators: {
                 "Union" union::Union,
                 "Intersection" intersection::Intersection,
@@ -166,7 +166,7 @@ macro_rules! every_part {
                 "Bend" bend::Bend,
                 "Morph" morph::Morph,
             }
-            // Inlined in the shader's text, without functions.
+            // Operators that are inlined in the shader text, without functions.
             written_out: {
                 "Field" user::User,
                 "Complement" complement::Complement,
@@ -174,7 +174,7 @@ macro_rules! every_part {
                 "Rotate" rotate::Rotate,
                 "Scale" scale::Scale,
             }
-            // Shapes with a different notation in scene files: a cylinder with a height.
+            // Shapes whose notation in scene files is that of another shape: a `Cylinder` with a height.
             made: {
                 "Cylinder" capped_cylinder::CappedCylinder,
             }
@@ -186,7 +186,7 @@ pub(crate) use every_part;
 every_part!(all_parts);
 
 impl Node {
-    /// The name in shaders and reports; in scene files a `CappedCylinder` is a `Cylinder`.
+    /// The name in shaders and reports. In scene files a `CappedCylinder` is written as `Cylinder`.
     pub fn name(&self) -> &'static str {
         match self {
             Node::CappedCylinder(_) => "CappedCylinder",
@@ -200,14 +200,14 @@ pub(crate) fn shape_names() -> &'static [&'static str] {
     NAMES
 }
 
-/// The name and its number.
+/// A name with its index in the list.
 pub(crate) fn numbered(name: &'static str) -> ShapeName {
     let index = NAMES.iter().position(|known| *known == name);
     let index = index.unwrap_or_default() as u32;
     ShapeName { name, index }
 }
 
-/// Reads the name of a shape or operator, and its content.
+/// Visitor that reads the name of a shape or operator, and its content.
 struct Tree;
 
 impl<'de> Deserialize<'de> for ShapeFile {
@@ -216,7 +216,7 @@ impl<'de> Deserialize<'de> for ShapeFile {
     }
 }
 
-/// The children of an operator in one field of a file.
+/// One field of an operator in a scene file, which contains children.
 pub(crate) trait Operands {
     /// Minimum and maximum number of children.
     const COUNT: (usize, usize);
@@ -224,7 +224,7 @@ pub(crate) trait Operands {
     /// Adds the children in order.
     fn add_to(self, all: &mut Vec<ShapeFile>);
 
-    /// The value of the field, taken from the children that are not yet written.
+    /// The value of the field, taken from the children that have not been written yet.
     fn written(left: &mut impl Iterator<Item = Written>) -> Option<Written>;
 }
 
@@ -252,7 +252,7 @@ impl Operands for Vec<ShapeFile> {
     }
 }
 
-/// Reads children, which are numbered in order.
+/// Reads the children of an operator, numbered in order.
 pub(super) fn read_children(
     files: Vec<ShapeFile>,
     reader: &mut Reader,

@@ -1,16 +1,16 @@
-//! Shapes: implicit surfaces as trees of shapes and operators.
+//! Implicit surfaces as trees of shapes and operators.
 //!
-//! A [`Shape`] is a function of space whose sign separates air (positive) from solid (negative).
-//! Its leaves are shapes, its inner nodes operators, nested to any depth. The `Properties` of a
-//! tree state whether its value is the distance to the surface, a bound of it, or only Lipschitz
-//! (Hart 1996, section 3), the bounds of the solid, and whether it is convex.
+//! A [`Shape`] is a function of space whose sign separates air (positive) from solid (negative). The leaves of a tree
+//! are shapes, and its inner nodes are operators, with any nesting depth. The `Properties` of a tree state whether its
+//! value is the distance to the surface, a bound of the distance, or only Lipschitz continuous (Hart 1996, section 3).
+//! They also contain the bounds of the solid, and state whether it is convex.
 //!
-//! Each shape has a file in this folder, the operators are in `operator`, and each shape and operator has a file under
-//! `glsl/`; `list` lists them all.
+//! Each shape has a file in this folder, and the operators are in `operator`. Each shape and operator also has a file
+//! under `glsl/`. The module `list` contains the list of all.
 //!
-//! Theory: Hart 1996, "Sphere tracing"; Quilez, "distance functions", for the operators' customary names. Values here
-//! are computed in `f64`, independently of the shader's text, so that each can reveal errors of the other; tests
-//! compare both for a table of shapes.
+//! Theory: Hart 1996, "Sphere tracing"; Quilez, "distance functions", for the common names of the operators. Values
+//! here are computed in `f64` with code that is independent of the shaders. Tests compare both for a table of shapes,
+//! so that each reveals errors of the other.
 
 mod asset;
 mod capsule;
@@ -96,7 +96,7 @@ use std::sync::Arc;
 /// assert_eq!(hollow.value(DVec3::new(0.5, 0.0, 0.0)), 1.5);
 /// ```
 ///
-/// Operators are its methods:
+/// Operators are methods of the shape:
 ///
 /// ```
 /// use echomarch::Shape;
@@ -134,7 +134,7 @@ impl Node {
 }
 
 impl Shape {
-    /// An operator over several fields.
+    /// An operator applied to children.
     #[doc(hidden)]
     pub fn over(node: impl Into<Node>, children: impl IntoIterator<Item = Shape>) -> Shape {
         Shape {
@@ -143,9 +143,9 @@ impl Shape {
         }
     }
 
-    /// Whether the tree is a single one of the thesis' five shapes: a plane, a box, a room, a sphere or a cylinder. The
-    /// sizes of basic shapes are passed to the shader with every frame, relative to the listener; the numbers of all
-    /// other trees are in the shader's text.
+    /// Whether the tree is one of the five shapes of the thesis: a plane, a box, a room, a sphere or a cylinder. The
+    /// sizes of these basic shapes are passed to the shader in every frame, relative to the listener. The numbers of
+    /// all other trees are part of the shader text.
     pub fn is_basic(&self) -> bool {
         use Node::{Cuboid, Cylinder, Plane, Room, Sphere};
         matches!(
@@ -154,24 +154,24 @@ impl Shape {
         )
     }
 
-    /// Whether it is a single shape that has only plane faces.
+    /// Whether the tree is a single shape whose faces are all plane.
     pub(crate) fn is_flat(&self) -> bool {
         self.children.is_empty() && self.node.part().surface_kind().flat
     }
 
-    /// Whether its whole surface consists of planes, however they are combined and copied.
+    /// Whether the whole surface consists of planes, including combined and copied planes.
     pub(crate) fn has_planes_alone(&self) -> bool {
         self.all_parts(|part| part.surface_kind().flat)
     }
 
-    /// Whether its surface has no edges and no corners: it is a smooth shape or a blend of such shapes, moved, turned,
-    /// scaled or inverted.
+    /// Whether the surface has no edges and no corners: a smooth shape or a blend of smooth shapes, possibly moved,
+    /// rotated, scaled or inverted.
     pub(crate) fn is_smooth(&self) -> bool {
         self.all_parts(|part| part.surface_kind().smooth)
     }
 
-    /// Whether sheets of its surface may meet in a hollow edge, around which less than half of space is air: an edge of
-    /// a room, or a point where two solids touch.
+    /// Whether sheets of the surface may meet in a hollow edge. Less than half of the space around such an edge is air.
+    /// Examples are an edge of a room, and a point where two solids touch.
     pub(crate) fn may_have_hollow_edges(&self) -> bool {
         if self.is_convex() || self.is_smooth() {
             return false;
@@ -180,12 +180,12 @@ impl Shape {
             || self.children.iter().any(Shape::may_have_hollow_edges)
     }
 
-    /// Whether its whole surface lies in the planes of its leaves.
+    /// Whether the whole surface lies in the planes of the tree's leaves.
     pub(crate) fn has_planes_of_leaves(&self) -> bool {
         self.all_parts(|part| part.surface_kind().flat && !part.copies())
     }
 
-    /// Whether it is hollow and curved, and may therefore focus sound.
+    /// Whether the surface is curved and the solid is not convex, so that the surface may focus sound.
     #[doc(hidden)]
     pub fn gathers_sound(&self) -> bool {
         !self.has_planes_alone() && !self.is_convex()
@@ -208,8 +208,8 @@ impl Shape {
         self.node.part().properties(&self.children)
     }
 
-    /// The value at a point in the tree's own axes (metres): positive in the air. It is the distance to the surface, or
-    /// grows with that distance: for most operators it is at most the distance.
+    /// The value at a point in the tree's own axes (metres): positive in the air. The value is the distance to the
+    /// surface, or a function that grows with this distance. For most operators it is at most the distance.
     pub fn value(&self, p: DVec3) -> f64 {
         self.node.part().value(&self.children, p)
     }
@@ -219,13 +219,13 @@ impl Shape {
         self.node.part().slowness(&self.children)
     }
 
-    /// The numbers of the outermost node that the shader's text uses.
+    /// The numbers of the root node that the shader text uses.
     pub(crate) fn shader_numbers(&self) -> Vec<f64> {
         self.node.part().shader_numbers(&self.children)
     }
 
-    /// The largest length in the computation of its value, in metres: that of its bounds if they are finite, otherwise
-    /// the largest among its nodes. 0 for a plane.
+    /// The largest length in the computation of the value, in metres: the largest coordinate of the bounds if they are
+    /// finite, otherwise the largest length among the nodes. 0 for a plane.
     #[doc(hidden)]
     pub fn extent(&self) -> f64 {
         let bounds = self.properties().bounds;
@@ -237,8 +237,8 @@ impl Shape {
         lengths.fold(0.0, f64::max)
     }
 
-    /// Adds the users' fields of the tree, in order, with the part of each in which waves can be if those of the tree
-    /// are in `waves`.
+    /// Adds the users' fields of the tree in order, each with the part that waves can reach. `waves` is the part of the
+    /// tree that waves can reach.
     pub(crate) fn add_users<'a>(
         &'a self,
         waves: WaveDomain,
@@ -257,7 +257,7 @@ impl Shape {
         }
     }
 
-    /// Whether the two are equal except for the paths of the files that they name.
+    /// Whether both trees are equal, ignoring the paths of their files.
     pub(crate) fn is_alike(&self, other: &Shape) -> bool {
         let nodes_are_alike = match (&self.node, &other.node) {
             (Node::User(one), Node::User(other)) => one.field.has_text_of(&other.field),
@@ -272,10 +272,10 @@ impl Shape {
             && children.all(|(one, other)| one.is_alike(other))
     }
 
-    /// Every number of the tree that may move.
+    /// All numbers of the tree that can move.
     ///
-    /// A node's own numbers have their names in a scene file (`radius`, `size.x`); the names of the n-th child's
-    /// numbers (from 0) begin with `n.` (`0.radius`, `1.0.by.y`).
+    /// A node's own numbers have their names in a scene file (`radius`, `size.x`). The names of the n-th child's
+    /// numbers (from 0) have the prefix `n.` (`0.radius`, `1.0.by.y`).
     pub(crate) fn parameters_mut(&mut self) -> Vec<Parameter<'_>> {
         let mut all = self.node.part_mut().parameters_mut();
         for (index, child) in self.children.iter_mut().enumerate() {
@@ -288,17 +288,17 @@ impl Shape {
         all
     }
 
-    /// Whether the solid is convex: a wave reflected by it cannot hit it next.
+    /// Whether the solid is convex, so that a wave cannot hit it twice in succession.
     pub fn is_convex(&self) -> bool {
         self.properties().convex
     }
 
-    /// The name of the outermost node in scene files and reports.
+    /// The name of the root node in reports.
     pub fn name(&self) -> &'static str {
         self.node.name()
     }
 
-    /// Every node of the tree, the outermost first.
+    /// All nodes of the tree, the root first.
     pub fn nodes(&self) -> Vec<&Shape> {
         let mut all = vec![self];
         for child in &self.children {
@@ -308,26 +308,27 @@ impl Shape {
     }
 }
 
-/// Maximum number of nodes in a tree: compiling a larger tree takes too much memory and time. A field of 4,000 nodes
-/// took llvmpipe more than 7 GB.
+/// Maximum number of nodes in a tree. The compilation of a larger tree takes too much memory and time: llvmpipe needed
+/// more than 7 GB for a field of 4,000 nodes.
 pub(crate) const MOST_NODES: usize = 512;
 
 /// Number of points at which a stated Lipschitz constant is checked.
 const TRIES: usize = 4096;
 
-/// Maximum number of times at which it is checked at all these points; if there are more times, they share the points.
+/// Maximum number of times at which a stated Lipschitz constant is checked at all `TRIES` points. If there are more
+/// times, fewer points are checked at each time.
 const TIMES_IN_FULL: usize = 64;
 
-/// Minimum number of points at which it is checked at each time.
+/// Minimum number of points at which a stated Lipschitz constant is checked at each time.
 const LEAST_TRIES: usize = 32;
 
-/// Relative excess of a difference quotient over a stated constant that is tolerated: the effect of rounding on a
-/// quotient over a thousandth of the size.
+/// Tolerated relative excess of a difference quotient over a stated Lipschitz constant. It covers the rounding error of
+/// the quotient.
 const ROUNDING: f64 = 1e-3;
 
 impl Shape {
-    /// Checks the tree's numbers, its operators' operands and that every repetition is safe: cheap enough for every
-    /// frame. Checks that need evaluations are in [`Shape::check`].
+    /// Checks the numbers of the tree, the number of each operator's children, and the safety of every repetition. This
+    /// check is fast enough to run in every frame. [`Shape::check`] contains the checks that evaluate the tree.
     ///
     /// # Errors
     /// A message that names the node and states the requirement.
@@ -345,7 +346,7 @@ impl Shape {
                 .and_then(|()| tree.node.check())
                 .map_err(named)?;
         }
-        // Properties are defined for valid numbers only.
+        // Properties are defined only for valid numbers.
         for tree in nodes {
             let checked = tree.node.part().check_over(&tree.children);
             checked.map_err(|why| format!("{}: {why}", tree.node.name()))?;
@@ -354,7 +355,7 @@ impl Shape {
     }
 
     /// Checks the tree like [`Shape::validate`], and checks every stated Lipschitz constant by a few thousand
-    /// evaluations; the text of users' fields is parsed, but not compiled.
+    /// evaluations. The text of users' fields is parsed, but not compiled.
     ///
     /// # Errors
     /// A message that names the node and states the requirement.
@@ -369,8 +370,8 @@ impl Shape {
         Ok(())
     }
 
-    /// Checks every stated Lipschitz constant in the field's current state, at one of `times` times; the checks at all
-    /// times together take at most a few seconds.
+    /// Checks every stated Lipschitz constant in the current state of the tree, at one of `times` times. The checks at
+    /// all times together take at most a few seconds.
     pub(in crate::scene) fn check_growth_at_one_of(&self, times: usize) -> Result<(), String> {
         let tries = TRIES * TIMES_IN_FULL / times.max(1);
         let tries = tries.clamp(LEAST_TRIES, TRIES);
@@ -394,7 +395,7 @@ impl Shape {
         })
     }
 
-    /// Checks the stated constant of a twist or a bend.
+    /// Checks the stated Lipschitz constant of a twist or a bend.
     fn check_growth(&self, tries: usize) -> Result<(), String> {
         let Some(stated) = self.node.part().stated_lipschitz() else {
             return Ok(());
@@ -404,7 +405,7 @@ impl Shape {
             return Ok(());
         }
         Err(format!(
-            "its value grows by {steepest:.3} a metre at ({:.3}, {:.3}, {:.3}), more than the stated lipschitz of {stated}: state at least {:.3}, or leave it out to have it computed",
+            "its value grows by {steepest:.3} per metre at ({:.3}, {:.3}, {:.3}), more than the stated lipschitz of {stated}: state at least {:.3}, or omit it to have it computed",
             place.x,
             place.y,
             place.z,
@@ -412,7 +413,7 @@ impl Shape {
         ))
     }
 
-    /// Checks that a user's text defines the function and needs no other inputs.
+    /// Checks that a user's text defines the field function and needs no external input.
     fn check_text(&self) -> Result<(), String> {
         match &self.node {
             Node::User(User { field }) => field.check_text().map_err(|(line, why)| {
@@ -426,7 +427,7 @@ impl Shape {
         }
     }
 
-    /// The greatest difference quotient found at points within the field's bounds, and the point at which it was found.
+    /// The largest difference quotient among the tested points within the bounds, and its point.
     pub fn steepest(&self) -> (f64, DVec3) {
         self.steepest_of(TRIES)
     }
@@ -451,7 +452,7 @@ impl Shape {
     }
 }
 
-/// The n-th point of Halton's sequence in bases 2, 3, 5, which is evenly distributed in the unit cube.
+/// The n-th point of Halton's sequence in bases 2, 3 and 5. The points are evenly distributed in the unit cube.
 pub(crate) fn halton(index: usize) -> DVec3 {
     let radical_inverse = |base: usize| {
         let (mut rest, mut share, mut sum) = (index, 1.0, 0.0);

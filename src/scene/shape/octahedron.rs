@@ -1,4 +1,4 @@
-//! A regular octahedron: the worked example in `docs/architecture.md`, built for tests only.
+//! A regular octahedron: the example in `docs/architecture.md`, compiled for tests only.
 
 use super::part::part;
 use super::{Bounds3, Part, Properties, Shape};
@@ -13,7 +13,7 @@ part! {
 }
 
 impl Part for Octahedron {
-    /// The value is the distance to the nearest face's plane, which is a bound near edges.
+    /// The value is the distance to the plane of the nearest face, which is a lower bound of the distance near edges.
     fn properties(&self, _: &[Shape]) -> Properties {
         let half_size = DVec3::splat(self.radius.into());
         Properties {
@@ -43,9 +43,9 @@ mod tests {
         listener: Listener(position: (0, 4, 0), radius: 0.5),
     )";
 
-    /// Protects the procedure for adding a shape: two files, a line in the list and two in `mod.rs` add a shape that
-    /// files can name, the CPU evaluates, and every profile traces. The test compares it with the reference, which
-    /// knows only its value.
+    /// Protects the procedure for adding a shape: two files, a line in the list and two lines in `mod.rs`. The added
+    /// shape can be named in scene files, evaluated on the CPU, and traced in every profile. The test compares the
+    /// traces with the reference, which uses only the value of the shape.
     #[test]
     fn a_shape_of_two_files_and_a_line_is_traced() {
         let scene = Scene::from_ron(SCENE, "octahedra").unwrap();
@@ -68,7 +68,7 @@ mod tests {
                 }
             }
             assert!(met.iter().all(|&met| met > 100), "{profile}: {met:?}");
-            // At an edge the result depends on rounding.
+            // Hits at an edge depend on rounding.
             assert!(differ <= 2, "{profile}: {differ} of {} waves", waves.len());
         }
     }

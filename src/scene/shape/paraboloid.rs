@@ -6,9 +6,9 @@ use super::{Bounds3, Part, Properties, Quadric, Shape};
 use glam::DVec3;
 
 part! {
-    /// A solid paraboloid that opens towards +y: y > (x² + z²) / (4 focal length).
+    /// A solid paraboloid that opens towards +y: y > (x² + z²) / (4 `focal_length`).
     Paraboloid {
-        /// Distance of the focus from the vertex (the origin), in metres.
+        /// Distance of the focus from the vertex at the origin, in metres.
         focal_length: f32 as Length,
     }
 }
@@ -20,8 +20,8 @@ impl Part for Paraboloid {
         Properties {
             convex: true,
             symmetric: [true, false, true],
-            // Below the vertex its value grows as the root of the distance: no multiple of the value bounds the
-            // distance of a level set from y = 0.
+            // Below the vertex, the value grows with the square root of the distance. No multiple of the value
+            // therefore bounds the distance of a level set from y = 0.
             ..Properties::bound(Bounds3::EVERYWHERE)
         }
     }

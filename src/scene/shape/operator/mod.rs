@@ -1,4 +1,4 @@
-//! Operators on shapes: those that join several fields, and the functions of [`Shape`] that apply operators.
+//! Operators that join several fields, and the methods of [`Shape`] that apply operators.
 
 mod repeat;
 mod single;
@@ -15,7 +15,7 @@ use super::{Bounds3, Exactness, Node, Part, Properties, Shape, ShapeFile};
 use glam::DVec3;
 
 part! {
-    /// Solid where any of its children is.
+    /// Solid where any child is solid.
     Union over (of: Vec<ShapeFile>)
 }
 
@@ -32,7 +32,7 @@ impl Part for Union {
         })
     }
 
-    /// Exact in the air if all children are exact there (Hart 1996, section 3.3).
+    /// Exact in the air if all children are exact in the air (Hart 1996, section 3.3).
     fn properties(&self, children: &[Shape]) -> Properties {
         let of: Vec<Properties> = children.iter().map(Shape::properties).collect();
         let merged = merged(&of, hull(&of));
@@ -50,14 +50,14 @@ impl Part for Union {
 }
 
 part! {
-    /// Solid where all of its children are.
+    /// Solid where all children are solid.
     Intersection over (of: Vec<ShapeFile>)
 }
 
 impl Part for Intersection {
     surface_kind!(FLAT);
 
-    /// Exact in the solid if all children are exact there.
+    /// Exact in the solid if all children are exact in the solid.
     fn properties(&self, children: &[Shape]) -> Properties {
         let of: Vec<Properties> = children.iter().map(Shape::properties).collect();
         let common = of.iter().map(|p| p.bounds).reduce(Bounds3::common);
@@ -76,7 +76,7 @@ impl Part for Intersection {
 }
 
 part! {
-    /// The first of its children minus all the others.
+    /// The first child minus all others.
     Difference over (from: Box<ShapeFile>, cut: Vec<ShapeFile>)
 }
 
@@ -88,7 +88,7 @@ impl Part for Difference {
         merged(&of, of[0].bounds)
     }
 
-    /// The air of its result includes the solids that are cut out.
+    /// The air of a difference includes the solids that are cut out.
     fn keeps_air(&self, child: usize) -> bool {
         child == 0
     }
@@ -100,7 +100,7 @@ impl Part for Difference {
 }
 
 part! {
-    /// The union, with its seams blended.
+    /// A union with blended seams.
     SmoothUnion over (of: Vec<ShapeFile>) {
         /// Difference of distances in metres below which two fields are blended.
         radius: f32 as Radius,
@@ -110,8 +110,8 @@ part! {
 impl Part for SmoothUnion {
     surface_kind!(SMOOTH);
 
-    /// Blending mixes the gradients of two fields, so the greater Lipschitz constant still holds. For each field that
-    /// is blended in, the solid reaches a quarter of the radius beyond the plain union.
+    /// A blend mixes the gradients of two fields, so the larger Lipschitz constant remains valid. For each blended
+    /// field, the solid extends by a quarter of the radius beyond the plain union.
     fn properties(&self, children: &[Shape]) -> Properties {
         let of: Vec<Properties> = children.iter().map(Shape::properties).collect();
         let blended = children.len().saturating_sub(1) as f64;
@@ -138,9 +138,9 @@ fn smooth_min(a: f64, b: f64, radius: f64) -> f64 {
 }
 
 part! {
-    /// A blend between two fields: the first at 0, the second at 1.
+    /// A blend between two fields: the first for an amount of 0, the second for 1.
     Morph over (from: Box<ShapeFile>, to: Box<ShapeFile>) {
-        /// 0 to 1.
+        /// Amount of the second field, 0 to 1.
         amount: f32 as Share,
     }
 }
@@ -151,7 +151,7 @@ impl Part for Morph {
         merged(&of, hull(&of))
     }
 
-    /// Between two surfaces there is air in the solid of one of them.
+    /// The air between the two surfaces includes solid of one of the children.
     fn keeps_air(&self, _: usize) -> bool {
         false
     }
@@ -177,12 +177,12 @@ impl Shape {
         Shape::over(Intersection, children)
     }
 
-    /// The union, blended where distances differ by less than `radius` metres.
+    /// The union, blended where the distances differ by less than `radius` metres.
     pub fn smooth_union(radius: f32, children: impl IntoIterator<Item = Shape>) -> Shape {
         Shape::over(SmoothUnion { radius }, children)
     }
 
-    /// This field minus all the others.
+    /// This shape minus all shapes in `cut`.
     #[must_use]
     pub fn minus(self, cut: impl IntoIterator<Item = Shape>) -> Shape {
         let mut children = vec![self];
@@ -190,7 +190,7 @@ impl Shape {
         Shape::over(Difference, children)
     }
 
-    /// A blend between this field (0) and another (1).
+    /// A blend between this shape (amount 0) and another shape (amount 1).
     #[must_use]
     pub fn morph(self, to: Shape, amount: f32) -> Shape {
         Shape::over(Morph { amount }, [self, to])
@@ -202,13 +202,13 @@ impl Shape {
         self.under(Complement)
     }
 
-    /// A wall of `thickness` metres along the shape's surface.
+    /// A wall of `thickness` metres along the surface of the shape.
     #[must_use]
     pub fn shell(self, thickness: f32) -> Shape {
         self.under(Shell { thickness })
     }
 
-    /// The shape grown by a length in metres, or shrunk by a negative one.
+    /// The shape grown by `by` metres, or shrunk if `by` is negative.
     #[must_use]
     pub fn offset(self, by: f32) -> Shape {
         self.under(Offset { by })
@@ -221,7 +221,7 @@ impl Shape {
         self.under(Translate { by })
     }
 
-    /// The shape turned about x, then y, then z of the outer axes, in radians.
+    /// The shape rotated about x, then y, then z of the outer axes, by angles in radians.
     #[must_use]
     pub fn rotate(self, by: impl Into<[f32; 3]>) -> Shape {
         let by = by.into().into();
@@ -234,34 +234,35 @@ impl Shape {
         self.under(Scale { by })
     }
 
-    /// The part on the positive side of the chosen axes, mirrored to the other side.
+    /// The part of the shape on the positive side of the chosen axes, mirrored to the other side.
     #[must_use]
     pub fn mirror(self, axes: [bool; 3]) -> Shape {
         self.under(Mirror { axes })
     }
 
-    /// The shape repeated every `period` metres (0: not along that axis), `count` times (0: without end).
+    /// The shape repeated every `period` metres (0 for an axis without repetition), `count` times (0 for an infinite
+    /// repetition).
     #[must_use]
     pub fn repeat(self, period: impl Into<[f32; 3]>, count: [u32; 3]) -> Shape {
         let period = period.into().into();
         self.under(Repeat { period, count })
     }
 
-    /// The shape cut at the origin, with each half moved outwards by `by` metres.
+    /// The shape cut at the coordinate planes, with each half moved outwards by `by` metres.
     #[must_use]
     pub fn elongate(self, by: impl Into<[f32; 3]>) -> Shape {
         let by = by.into().into();
         self.under(Elongate { by })
     }
 
-    /// The shape turned about y by `rate` radians per metre of y.
+    /// The shape twisted about y by `rate` radians per metre of y.
     #[must_use]
     pub fn twist(self, rate: f32) -> Shape {
         let lipschitz = 0.0;
         self.under(Twist { rate, lipschitz })
     }
 
-    /// The shape turned about z by `rate` radians per metre of x.
+    /// The shape bent about z by `rate` radians per metre of x.
     #[must_use]
     pub fn bend(self, rate: f32) -> Shape {
         let lipschitz = 0.0;
@@ -279,8 +280,8 @@ mod tests {
         Shape::from(Cuboid { size: Vec3::ONE })
     }
 
-    /// Protects waves that start in an edge of a field: if sheets may meet with less than half of space in the air, the
-    /// shader evaluates each sheet.
+    /// Protects waves that start in an edge. If less than half of the space around an edge may be air, the shader
+    /// evaluates each sheet.
     #[test]
     fn edges_of_hollows_and_between_solids_that_touch_are_hollow() {
         let room = Shape::from(Room { size: Vec3::ONE });
@@ -302,7 +303,7 @@ mod tests {
         }
     }
 
-    /// Protects the speed of fields whose solids are apart: none of their edges is hollow.
+    /// Protects the speed of fields with separate solids: none of their edges is hollow.
     #[test]
     fn edges_of_convex_solids_apart_are_not_hollow() {
         let pillar = Shape::from(Cylinder { radius: 0.5 });

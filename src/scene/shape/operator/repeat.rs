@@ -1,13 +1,14 @@
-//! Determines which copies of a repeated field can be the nearest.
+//! Repetition: determines the copies of a repeated field that can be nearest to a point.
 //!
-//! Along one axis a point q lies in the cell about copy i: |q − i P| ≤ P/2. If the child lies within its cell, the
-//! nearest copy is copy i or the next one on the side of q: for every point x of copy i, |q − x| ≤ |q − (x − P)| for q
-//! ≥ 0 and x ≤ P/2. If the child is also symmetric about the cell's middle, copy i alone is the nearest. If the child
-//! reaches out of its cell by up to k periods, k more copies on either side can be the nearest.
+//! Along one axis with period P, a point q relative to the middle of copy i lies in the cell of this copy if |q| ≤ P/2.
+//! If the child lies within its cell, the nearest copy is copy i or the next copy on the side of q. For every point x
+//! of copy i, |q − x| ≤ |q − (x − P)| if q ≥ 0 and x ≤ P/2. If the child is also symmetric about the middle of its
+//! cell, copy i is the nearest. If the child extends up to k periods beyond its cell, k more copies on either side can
+//! be the nearest.
 //!
-//! This holds for distances. A bound of the distance may be smaller for a more distant copy, and the value would then
-//! jump where that copy is no longer evaluated. So beyond that point the value is capped at the minimum value of such a
-//! copy, see [`Cap`].
+//! These rules hold for exact distances. A bound of the distance may be smaller for a more distant copy. Its value
+//! would jump where that copy is no longer evaluated. The value is therefore limited by the minimum value of the copies
+//! that are not evaluated, see [`Cap`].
 
 use super::{Bounds3, Exactness, Node, Part, Properties, Shape, ShapeFile, part, surface_kind};
 use crate::scene::notation::{Fields, Written};
@@ -15,12 +16,12 @@ use glam::{DVec3, Vec3};
 use serde::de::{Deserialize, Deserializer};
 
 part! {
-    /// Its child repeated along the axes.
+    /// The child, repeated along the axes.
     Repeat over (of: Box<ShapeFile>) {
-        /// Distance between copies in metres along x, y, z; 0 for an axis without repetition.
+        /// Distance between copies in metres along x, y and z; 0 for an axis without repetition.
         period: Vec3 as Metres,
     } and {
-        /// Number of copies along each axis, centred about the origin; 0 for an infinite number.
+        /// Number of copies along each axis, centred on the origin; 0 for infinitely many.
         #[serde(default, deserialize_with = "counts")]
         count: [u32; 3],
     }
@@ -30,10 +31,10 @@ fn counts<'de, D: Deserializer<'de>>(from: D) -> Result<[u32; 3], D::Error> {
     <(u32, u32, u32)>::deserialize(from).map(<[u32; 3]>::from)
 }
 
-/// Gap or overlap that rounding may cause between touching copies, as a share of the period.
+/// Maximum gap or overlap between touching copies due to rounding, as a share of the period.
 const TOUCHING: f64 = 1e-6;
 
-/// Maximum count for which `f32` can distinguish neighbouring copies.
+/// Exclusive upper limit of a count, up to which `f32` can distinguish neighbouring copies.
 const MOST_COUNTED: u32 = 1 << 24;
 
 impl Part for Repeat {
@@ -61,7 +62,7 @@ impl Part for Repeat {
         if self.period.min_element() >= 0.0 && self.period.max_element() > 0.0 {
             return Ok(());
         }
-        Err("its period must be greater than 0 along an axis, and 0 along those that are not repeated".to_owned())
+        Err("its period must be greater than 0 along at least one axis, and 0 along the axes without repetition".to_owned())
     }
 
     fn check_over(&self, children: &[Shape]) -> Result<(), String> {
@@ -108,7 +109,7 @@ impl Part for Repeat {
     }
 }
 
-/// Maximum number of evaluated copies: more would be too slow.
+/// Maximum number of evaluated copies, which limits the cost of an evaluation.
 const MOST_COPIES: u32 = 64;
 
 /// The copies evaluated along one axis, relative to the cell that contains the point.
@@ -116,11 +117,11 @@ const MOST_COPIES: u32 = 64;
 pub enum Copies {
     /// The axis is not repeated.
     None,
-    /// Only the copy in the point's own cell.
+    /// Only the copy in the cell that contains the point.
     Own,
-    /// The copy of the cell, and the next copy on the point's side.
+    /// The copy in the point's cell, and the next copy on the point's side.
     OwnAndNext,
-    /// The copy of the cell, and this number of copies on either side.
+    /// The copy in the point's cell, and this number of copies on either side.
     Around(u32),
 }
 
@@ -143,11 +144,11 @@ fn along(bounds: Bounds3, symmetric: bool, axis: usize, step: f64) -> Result<Cop
     }
     if !(least.is_finite() && most.is_finite()) {
         return Err(format!(
-            "what it repeats along {name} has no end there, so that copies cannot be distinguished"
+            "its child is unbounded along {name}, so that copies cannot be distinguished"
         ));
     }
     let reach = (most.abs().max(least.abs()) - 0.5 * step) / step;
-    // A child that just touches the face of its cell counts as within the cell, despite rounding.
+    // A child that touches the face of its cell counts as within the cell, despite rounding errors.
     if reach <= TOUCHING {
         return Ok(if symmetric {
             Copies::Own
@@ -155,12 +156,13 @@ fn along(bounds: Bounds3, symmetric: bool, axis: usize, step: f64) -> Result<Cop
             Copies::OwnAndNext
         });
     }
-    // |q − x| is at most (1 + reach) periods, so the nearest copy of x is at most that many periods away, rounded.
+    // |q − x| is at most (1 + reach) periods. The nearest copy of x is therefore at most this number of periods away,
+    // rounded.
     Ok(Copies::Around((reach + 1.5).min(1e6) as u32))
 }
 
-/// The cap of a repeated bound's value: `near` among the copies, and farther away the distance to the box about all
-/// copies, divided by the slowness of the value.
+/// An upper limit for the value of a repeated bound. Near the copies it is `near`. Farther away, it is the distance to
+/// the box around all copies, divided by the slowness of the child.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Cap {
     pub near: f64,
@@ -176,7 +178,7 @@ impl Cap {
 }
 
 impl Repeat {
-    /// The cap for a bound that is evaluated for several copies; `None` if a cap is not necessary.
+    /// The cap for a bound that is evaluated for several copies; `None` if no cap is necessary.
     pub(crate) fn cap(&self, child: &Shape) -> Option<Cap> {
         let of = child.properties();
         if of.in_air == Exactness::Exact || of.bounds.is_empty() {
@@ -185,8 +187,8 @@ impl Repeat {
         let (copies, period) = (self.copies(child).ok()?, self.period.as_dvec3());
         let far = |b: Bounds3| b.min.abs().max(b.max.abs());
         let reach = far(of.bounds);
-        // The least distance to a copy's bounds at the point where its evaluation begins or ends: at the middle of a
-        // cell, or at its face.
+        // The least distance to the bounds of a copy at the point where its evaluation begins or ends: the middle or
+        // the face of a cell.
         let along = (0..3).filter_map(|axis| match copies[axis] {
             Copies::None | Copies::Own => None,
             Copies::OwnAndNext => Some(period[axis] - reach[axis]),
@@ -216,7 +218,7 @@ impl Repeat {
         places
     }
 
-    /// The copies to evaluate along x, y and z.
+    /// The copies that are evaluated along x, y and z.
     ///
     /// # Errors
     /// A message that states why the repetition is not safe.
@@ -237,9 +239,9 @@ impl Repeat {
     }
 }
 
-/// The box about a copy's middle, in metres; its faces are finite.
+/// The bounding box of one copy, in metres, with finite faces.
 fn copy_box(child: &Shape) -> Bounds3 {
-    /// Farther than any position in a scene, and finite in `f32` when divided by the least speed.
+    /// Larger than any position in a scene, and finite in `f32` after division by the least slowness.
     const NO_END: DVec3 = DVec3::splat(1e15);
     let bounds = child.properties().bounds;
     if bounds.is_empty() {
@@ -252,7 +254,7 @@ fn copy_box(child: &Shape) -> Bounds3 {
 }
 
 impl Shape {
-    /// Translations in metres that leave the repetition unchanged: the periods of infinite repetitions.
+    /// Translations in metres that map the tree to itself: the periods of infinite repetitions.
     pub(crate) fn periods(&self) -> Vec<DVec3> {
         let below = || {
             self.children
@@ -287,7 +289,7 @@ impl Shape {
         }
     }
 
-    /// The copies of a [`Repeat`] to evaluate along x, y and z.
+    /// The copies of a [`Repeat`] that are evaluated along x, y and z.
     ///
     /// # Errors
     /// A message that states why the repetition is not safe.
@@ -299,12 +301,12 @@ impl Shape {
     }
 }
 
-/// The coordinates along one axis, relative to each copy that can be the nearest.
+/// The coordinates of a point along one axis, relative to each copy that can be the nearest.
 fn offsets(q: f64, period: f64, count: u32, copies: Copies) -> Vec<f64> {
     if copies == Copies::None || period == 0.0 {
         return vec![q];
     }
-    // If the number of copies is even, none is at the origin.
+    // If the number of copies is even, there is no copy at the origin.
     let shift = if count > 0 && count.is_multiple_of(2) {
         0.5 * period
     } else {
@@ -339,8 +341,8 @@ mod tests {
     use crate::scene::shape::Sphere;
     use std::f32::consts::FRAC_PI_2;
 
-    /// Protects distant positions in infinite repetitions: they are moved by the repetition's periods, which turn and
-    /// scale with the repetition.
+    /// Protects distant positions in infinite repetitions. They are moved by the periods of the repetition, which are
+    /// rotated and scaled with the repetition.
     #[test]
     fn periods_are_turned_and_scaled() {
         let repeat = Repeat {

@@ -1,4 +1,4 @@
-//! Operators on one field: they move, turn, scale or mirror it, or move its surface along the normals.
+//! Operators on one child, which move, rotate, scale or mirror the child, or move its surface along the normals.
 
 use super::{
     Bounds3, Exactness, Part, Properties, Shape, ShapeFile, half, part, slowest, surface_kind,
@@ -8,9 +8,9 @@ use glam::{DMat3, DVec3, EulerRot, Vec3};
 use serde::de::{Deserialize, Deserializer, Error};
 
 part! {
-    /// Its child moved.
+    /// The child, moved.
     Translate over (of: Box<ShapeFile>) {
-        /// Metres along x, y and z.
+        /// Translation in metres along x, y and z.
         by: Vec3 as Metres,
     }
 }
@@ -37,9 +37,9 @@ impl Part for Translate {
 }
 
 part! {
-    /// Its child turned about the origin.
+    /// The child, rotated about the origin.
     Rotate over (of: Box<ShapeFile>) {
-        /// Right-handed turns in radians about x, then y, then z of the outer axes.
+        /// Right-handed rotation angles in radians about x, then y, then z of the outer axes.
         by: Vec3 as Angle,
     }
 }
@@ -56,7 +56,7 @@ impl Part for Rotate {
         }
     }
 
-    /// When a box grows by a length along its axes, a corner moves by √3 of that length.
+    /// If a box grows by a length along its axes, its corners move by √3 times this length.
     fn slowness(&self, children: &[Shape]) -> f64 {
         match children[0].properties().in_air {
             Exactness::Exact => slowest(children),
@@ -83,9 +83,9 @@ impl Rotate {
 }
 
 part! {
-    /// Its child scaled about the origin.
+    /// The child, scaled about the origin.
     Scale over (of: Box<ShapeFile>) {
-        /// Factor, greater than 0.
+        /// Scale factor, greater than 0.
         by: f32 as Factor,
     }
 }
@@ -108,15 +108,15 @@ impl Part for Scale {
 }
 
 part! {
-    /// The part on the positive side of some axes, mirrored to the other side.
+    /// The part of the child on the positive side of some axes, mirrored to the other side.
     Mirror over (of: Box<ShapeFile>) {} and {
-        /// Whether it is mirrored across x, y and z.
+        /// Whether the child is mirrored across x = 0, y = 0 and z = 0.
         #[serde(deserialize_with = "mirror_axes")]
         axes: [bool; 3],
     }
 }
 
-/// Reads the letters of a mirror's axes.
+/// Reads the axes of a mirror from their letters.
 fn mirror_axes<'de, D: Deserializer<'de>>(from: D) -> Result<[bool; 3], D::Error> {
     let letters = String::deserialize(from)?;
     let refused = || {
@@ -164,11 +164,12 @@ impl Part for Mirror {
             if of.symmetric[axis] {
                 continue;
             }
-            // A solid that crosses the mirror plane is cut off there, but its distance is not.
+            // A solid that crosses the mirror plane is cut there, but its value remains the distance to the uncut
+            // solid.
             if of.bounds.min[axis] < 0.0 {
                 result.in_air = result.in_air.or_bound();
             }
-            // A solid that touches the mirror plane merges with its image: its face in the plane vanishes.
+            // A solid that touches the mirror plane merges with its mirror image, so the face in the plane vanishes.
             if of.bounds.min[axis] <= 0.0 {
                 result.in_solid = result.in_solid.or_bound();
             }
@@ -186,7 +187,7 @@ impl Part for Mirror {
 }
 
 part! {
-    /// Air and solid exchanged.
+    /// The child with air and solid exchanged.
     Complement over (of: Box<ShapeFile>)
 }
 
@@ -204,12 +205,12 @@ impl Part for Complement {
         }
     }
 
-    /// The bounds of a complement are all of space, which does not grow.
+    /// The bounds of a complement are infinite, so the solid cannot extend beyond them.
     fn slowness(&self, _: &[Shape]) -> f64 {
         1.0
     }
 
-    /// Its air is the solid of its child.
+    /// The air of a complement is the solid of the child.
     fn keeps_air(&self, _: usize) -> bool {
         false
     }
@@ -220,7 +221,7 @@ impl Part for Complement {
 }
 
 part! {
-    /// A wall along the surface of its child.
+    /// A wall along the surface of the child.
     Shell over (of: Box<ShapeFile>) {
         /// Full thickness in metres.
         thickness: f32 as Length,
@@ -244,7 +245,7 @@ impl Part for Shell {
         self.thickness.into()
     }
 
-    /// Its air is on both sides of its child's surface.
+    /// The air of a shell is on both sides of the child's surface.
     fn keeps_air(&self, _: usize) -> bool {
         false
     }
@@ -259,16 +260,16 @@ impl Part for Shell {
 }
 
 part! {
-    /// Its child grown (or shrunk) by a length.
+    /// The child, grown or shrunk by a length.
     Offset over (of: Box<ShapeFile>) {
-        /// Metres outwards.
+        /// Distance in metres by which the surface moves outwards.
         by: f32 as Metres,
     }
 }
 
 impl Part for Offset {
-    /// The surface moves towards one side; on that side exact distances stay exact. With exact distances a convex solid
-    /// stays convex; the level sets of a bound need not be convex.
+    /// The surface moves to one side. On that side, exact distances remain exact. If the distances are exact, a convex
+    /// solid remains convex. The level sets of a bound can be non-convex.
     fn properties(&self, children: &[Shape]) -> Properties {
         let of = children[0].properties();
         let by = f64::from(self.by);
@@ -295,7 +296,7 @@ impl Part for Offset {
         self.by.abs().into()
     }
 
-    /// A solid that shrinks leaves air in the solid of its child.
+    /// A shrunk solid leaves air where the child is solid.
     fn keeps_air(&self, _: usize) -> bool {
         false
     }
@@ -306,9 +307,9 @@ impl Part for Offset {
 }
 
 part! {
-    /// Its child cut at the coordinate planes and moved apart, with the gaps filled straight.
+    /// The child, cut at the coordinate planes. The parts are moved apart, and the gaps are filled by extrusion.
     Elongate over (of: Box<ShapeFile>) {
-        /// Distance that each half moves along x, y and z, in metres.
+        /// Distance by which each half moves along x, y and z, in metres.
         by: Vec3 as Metres,
     }
 }
@@ -327,7 +328,7 @@ impl Part for Elongate {
             in_air: Exactness::bound(of.lipschitz),
             in_solid: Exactness::bound(of.lipschitz),
             bounds: of.bounds.grown(self.by.as_dvec3()),
-            // A slanted side that crosses the cut gets a step; a symmetric convex solid becomes its Minkowski sum with
+            // A slanted side that crosses the cut gets a step. A symmetric convex solid becomes its Minkowski sum with
             // a box of half size `by`.
             convex: of.convex && (0..3).all(|a| self.by[a] == 0.0 || of.symmetric[a]),
             ..of

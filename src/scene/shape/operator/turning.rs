@@ -1,28 +1,28 @@
-//! Twist and bend: a turn proportional to a coordinate.
+//! Twist and bend: rotations by an angle that is proportional to a coordinate.
 //!
-//! A twist turns by rate · y, so its Jacobian is I + s t yᵀ with s = rate · radius and unit vectors t ⟂ y; its norm is
-//! (s + √(s² + 4)) / 2. For a bend t need not be perpendicular; its norm is at most 1 + s. Beyond the radius of the
-//! child's own bounds the value is the value at the bounds plus the distance to them.
+//! A twist rotates by rate · y. Its Jacobian is I + s t yᵀ with s = rate · radius and unit vectors t ⟂ y, and its norm
+//! is (s + √(s² + 4)) / 2. For a bend, t need not be perpendicular, and the norm is at most 1 + s. Beyond the radius of
+//! the child's bounds, the value combines the value at this radius with the distance beyond it.
 
 use super::{Bounds3, Part, Properties, Shape, ShapeFile, part};
 use crate::scene::notation::{Fields, Lipschitz, Written};
 use glam::DVec3;
 use serde::de::{Deserialize, Deserializer};
 
-/// A turn about an axis (1: y, a twist; 2: z, a bend) proportional to y or x.
+/// A rotation about an axis (1: y, a twist; 2: z, a bend) by an angle proportional to y or x.
 struct Turning {
     pub axis: usize,
-    /// Radians per metre.
+    /// Rate of the rotation in radians per metre.
     pub rate: f64,
-    /// The stated Lipschitz constant; 0 if it is not stated.
+    /// The stated Lipschitz constant; 0 if none is stated.
     pub stated: f64,
 }
 
-/// The largest constant that may be stated: with more no march ends. The smallest is 1, as the constant of a turn is
-/// never smaller.
+/// The largest Lipschitz constant that can be stated. A march with a larger constant does not end in practice. The
+/// smallest is 1, because the constant of a rotation is never smaller.
 const LARGEST_LIPSCHITZ: f32 = 1e6;
 
-/// Rejects a stated constant that is out of range; 0 stands for none.
+/// Rejects a stated Lipschitz constant that is out of range; 0 means that none is stated.
 ///
 /// # Errors
 /// A message that states the valid range.
@@ -34,7 +34,7 @@ fn check_stated(lipschitz: f32) -> Result<(), String> {
 }
 
 impl Turning {
-    /// Rejects an unbounded child: its turned value would grow without bound.
+    /// Rejects a child that extends infinitely far from the axis, because its value would grow without bound.
     ///
     /// # Errors
     /// A message that states the requirement.
@@ -45,7 +45,7 @@ impl Turning {
             return Ok(());
         }
         Err(format!(
-            "what it turns has no end away from the {away} axis, so that its value grows without bound: intersect it with something that ends"
+            "its child is unbounded away from the {away} axis, so that its value grows without bound: intersect the child with a bounded shape"
         ))
     }
 
@@ -67,7 +67,7 @@ impl Turning {
         }
     }
 
-    /// Turns the point back, which turns the child right-handedly.
+    /// Evaluates the child at the point rotated back, which rotates the child by the right-hand rule.
     pub fn value(&self, child: &Shape, p: DVec3) -> f64 {
         let most = child.properties().bounds.radius_about(self.axis);
         let mut aside = p;
@@ -100,7 +100,7 @@ impl Turning {
 
     /// Rate, radius of the child's own bounds, and Lipschitz constant.
     pub fn shader_numbers(&self, child: &Shape) -> Vec<f64> {
-        /// Stands for an infinite radius.
+        /// Replaces infinite values.
         const ENDLESS: f64 = 1e30;
         let radius = child.properties().bounds.radius_about(self.axis);
         let lipschitz = self.properties(child).lipschitz;
@@ -116,13 +116,13 @@ fn norm_of_turning(axis: usize, s: f64) -> f64 {
     }
 }
 
-/// Reads a stated constant; 0 stands for a missing one.
+/// Reads a stated Lipschitz constant; 0 if none is stated.
 fn stated<'de, D: Deserializer<'de>>(from: D) -> Result<f32, D::Error> {
     let stated = Option::<Lipschitz>::deserialize(from)?;
     Ok(stated.map_or(0.0, |stated| stated.0))
 }
 
-/// A twist or a bend, whose properties come from [`Turning`] about one axis.
+/// Defines a twist or a bend, with the properties of [`Turning`] about one axis.
 macro_rules! turning {
     ($(#[$doc:meta])* $part:ident about $axis:literal, $rate:literal) => {
         part! {
@@ -131,7 +131,7 @@ macro_rules! turning {
                 #[doc = $rate]
                 rate: f32 as Rate,
             } and {
-                /// The stated Lipschitz constant; 0 to compute it from the bounds.
+                /// The stated Lipschitz constant; 0 if it is to be computed from the bounds.
                 #[serde(default, deserialize_with = "stated")]
                 lipschitz: f32,
             }
@@ -181,12 +181,12 @@ macro_rules! turning {
 }
 
 turning! {
-    /// Its child turned about y by an angle proportional to y.
+    /// The child, rotated about y by an angle proportional to y.
     Twist about 1, "Radians per metre of y."
 }
 
 turning! {
-    /// Its child turned about z (right-handed) by an angle proportional to x: a bar along x becomes an arc.
+    /// The child, rotated about z by the right-hand rule, by an angle proportional to x. A bar along x becomes an arc.
     Bend about 2, "Radians per metre of x."
 }
 
@@ -196,14 +196,14 @@ mod tests {
     use super::*;
     use glam::Vec3;
 
-    /// A bar along x, thin along the other two axes.
+    /// A bar along x that is thin along the other two axes.
     fn bar() -> Shape {
         let size = Vec3::new(4.0, 0.1, 0.1);
         Cuboid { size }.into()
     }
 
-    /// Protects the documented direction of turns: with a positive rate a twist turns the upper part from z towards x,
-    /// and a bend turns the right part from x towards y.
+    /// Protects the documented direction of rotation. With a positive rate, a twist rotates the upper part from z
+    /// towards x, and a bend rotates the right part from x towards y.
     #[test]
     fn twist_and_bend_are_right_handed() {
         const RATE: f64 = 0.5;
@@ -212,7 +212,7 @@ mod tests {
         assert!(twisted.value(DVec3::new(cos, 1.0, -sin)) < 0.0);
         assert!(twisted.value(DVec3::new(cos, 1.0, sin)) > 0.0);
         let bent = bar().bend(RATE as f32);
-        // At x = 1 the bar is turned by half a radian.
+        // At x = 1 the bar is rotated by half a radian.
         assert!(bent.value(DVec3::new(1.0, RATE.tan(), 0.0)) < 0.0);
         assert!(bent.value(DVec3::new(1.0, -RATE.tan(), 0.0)) > 0.0);
     }

@@ -365,15 +365,15 @@ fn refusals() -> Vec<(Shape, &'static str)> {
         // Repetitions and turns of unbounded children.
         (
             Shape::from(Plane).repeat(v(1.0, 0.0, 0.0), [0; 3]),
-            "no end",
+            "unbounded",
         ),
         (
             sphere(1.0).complement().repeat(v(9.0, 0.0, 0.0), [0; 3]),
-            "no end",
+            "unbounded",
         ),
         (sphere(5.0).repeat(v(0.5, 0.5, 0.5), [0; 3]), "more than 64"),
-        (Shape::from(Plane).twist(1.0), "no end"),
-        (Shape::from(Cylinder { radius: 1.0 }).bend(1.0), "no end"),
+        (Shape::from(Plane).twist(1.0), "unbounded"),
+        (Shape::from(Cylinder { radius: 1.0 }).bend(1.0), "unbounded"),
         (
             Shape::over(
                 Twist {
