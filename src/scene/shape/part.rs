@@ -1,8 +1,8 @@
-//! The interface of every shape and every operator.
+//! The interface that all shapes and operators implement.
 //!
-//! A part is one node of a tree without its children: its numbers and their ranges, its notation in scene files, the
-//! relation of its value to the distance, and the value itself in `f64`. Each shape has its own file; the operators are
-//! in `operator/`. The shaders are in `glsl/shape/` and `glsl/operator/`. [`parts`](super::list) lists all.
+//! A part is one node of a tree without its children. It has numbers with ranges, a notation in scene files, properties
+//! that relate its value to the distance, and the value itself in `f64`. Each shape has its own file, and the operators
+//! are in `operator/`. The shaders are in `glsl/shape/` and `glsl/operator/`. [`list`](super::list) contains all parts.
 
 use super::asset::Asset;
 use super::{Properties, Shape, SurfaceKind};
@@ -11,56 +11,57 @@ use crate::scene::{Quantity, SceneError};
 use glam::{DVec3, Vec2, Vec3};
 use serde::de::DeserializeOwned;
 
-/// The interface of a shape or an operator. `children` are the operands of an operator; a shape has no children.
+/// The interface of a shape or an operator. `children` contains the operands of an operator, and is empty for a shape.
 pub(crate) trait Part: Parameters {
-    /// Its form in a scene file, without its children and without the numbers that may move.
+    /// The part's fields in a scene file, without its children and without the numbers that can move.
     fn words(&self) -> Fields {
         Fields::new()
     }
 
-    /// The kind of its surface; for an operator, the kind if its children's surfaces are of that kind.
+    /// The kind of the part's surface. For an operator, this kind requires that the surfaces of all children have the
+    /// same kind.
     fn surface_kind(&self) -> SurfaceKind {
         SurfaceKind::GENERAL
     }
 
-    /// Whether it is an operator that copies its children's surface to other positions.
+    /// Whether the part is an operator that copies the surfaces of its children to other positions.
     fn copies(&self) -> bool {
         false
     }
 
-    /// Whether its surface consists of its children's surfaces, moved and copied, without any of them touching.
+    /// Whether the surface consists of moved and copied surfaces of the children that do not touch each other.
     fn keeps_apart(&self, _children: &[Shape]) -> bool {
         self.surface_kind().moved
     }
 
-    /// Rejects numbers that are within their ranges but do not fit together.
+    /// Rejects numbers that are within their ranges but contradict each other.
     ///
     /// # Errors
-    /// A message that states what is required.
+    /// A message that states the requirement.
     fn check(&self) -> Result<(), String> {
         Ok(())
     }
 
-    /// Rejects children to which it cannot be applied; their numbers have been checked.
+    /// Rejects children that the operator cannot be applied to. The numbers of the children have already been checked.
     ///
     /// # Errors
-    /// A message that states what is required.
+    /// A message that states the requirement.
     fn check_over(&self, _children: &[Shape]) -> Result<(), String> {
         Ok(())
     }
 
-    /// Properties of its value.
+    /// Properties of the part's value.
     fn properties(&self, children: &[Shape]) -> Properties;
 
-    /// Distance in metres by which the solid may exceed its bounds along any axis when its surface is moved to the
-    /// level of 1 m. 1 m if the value is the distance; a bound of the distance can grow more slowly, so that its levels
-    /// are farther apart.
+    /// Maximum distance in metres, along any axis, from the bounds of the solid to the level set at 1 m. It is 1 m if
+    /// the value is the distance. A bound of the distance can grow more slowly, so that its level sets are farther
+    /// apart.
     fn slowness(&self, children: &[Shape]) -> f64 {
         slowest(children)
     }
 
-    /// The largest length among its own numbers, in metres; for a bounded shape, the greatest distance of its points
-    /// from the origin.
+    /// The largest length among the part's own numbers, in metres. For a bounded shape, this is the largest coordinate
+    /// of its bounds.
     fn own_length(&self) -> f64 {
         let (_, most) = self.operands();
         let bounds = match most {
@@ -71,40 +72,40 @@ pub(crate) trait Part: Parameters {
         if far.is_finite() { far } else { 0.0 }
     }
 
-    /// The value at a point of its own axes (metres): positive in the air.
+    /// The value at a point of the part's own axes (metres): positive in the air.
     fn value(&self, children: &[Shape], p: DVec3) -> f64;
 
-    /// The numbers that the shader's text uses, in its order, derived from the parameters (halves, squares, sines); by
-    /// default the parameters themselves.
+    /// The numbers that the shader text uses, in the order of their use. They are derived from the parameters (halves,
+    /// squares, sines). The default is the parameters themselves.
     fn shader_numbers(&self, _children: &[Shape]) -> Vec<f64> {
         let mut numbers = Vec::new();
         self.each_number(&mut |_, number| numbers.push(number.into()));
         numbers
     }
 
-    /// Number of components of each argument of its shader functions.
+    /// Number of components of each argument of the part's shader functions.
     fn arguments(&self) -> &'static [usize] {
         &[1; 8]
     }
 
-    /// The large object that its value depends on, if any.
+    /// The large object that the value depends on, if any.
     fn asset(&self) -> Option<Asset<'_>> {
         None
     }
 
-    /// Whether waves in the air of its value are also in the air of the child with this index. Below a part where they
-    /// are not, a user's field is checked on both sides of its surface.
+    /// Whether all air of the part is also air of the child with this index. If it is not, the users' fields below this
+    /// child are checked on both sides of their surfaces.
     fn keeps_air(&self, _child: usize) -> bool {
         true
     }
 
-    /// The stated Lipschitz constant of its value, in metres per metre; `None` if it is computed.
+    /// The stated Lipschitz constant of the value, in metres per metre; `None` if the constant is computed.
     fn stated_lipschitz(&self) -> Option<f32> {
         None
     }
 }
 
-/// States the kind of a part's surface, within its `impl Part`.
+/// Defines the kind of a part's surface, within its `impl Part`.
 macro_rules! surface_kind {
     ($kind:ident) => {
         fn surface_kind(&self) -> $crate::scene::shape::SurfaceKind {
@@ -114,7 +115,7 @@ macro_rules! surface_kind {
 }
 pub(super) use surface_kind;
 
-/// States the number of components of each argument of a part's shader functions, within its `impl Part`.
+/// Defines the number of components of each argument of a part's shader functions, within its `impl Part`.
 macro_rules! arguments {
     ($($components:literal),*) => {
         fn arguments(&self) -> &'static [usize] {
@@ -129,41 +130,41 @@ pub(super) fn half(length: f32) -> f64 {
     0.5 * f64::from(length)
 }
 
-/// The greatest slowness of these trees, at least 1.
+/// The greatest slowness of these trees, but at least 1.
 pub(super) fn slowest(of: &[Shape]) -> f64 {
     of.iter().map(Shape::slowness).fold(1.0, f64::max)
 }
 
-/// A number of a part that may move.
+/// A number of a part that can move.
 pub struct Parameter<'a> {
     /// Name in a scene file: `radius`, `size.x`, `corners.2.y`.
     pub name: String,
-    /// Its current value, in the unit of the code.
+    /// Current value, in the unit of the code.
     pub number: &'a mut f32,
     /// Its quantity.
     pub quantity: Quantity,
 }
 
-/// The content of a part: the numbers that may move, and the number of its children.
+/// The numbers of a part that can move, and its children.
 pub(crate) trait Parameters {
     /// Minimum and maximum number of children.
     fn operands(&self) -> (usize, usize);
 
-    /// Its children as a scene file writes them.
+    /// The children in the notation of a scene file.
     fn written_children(&self, children: Vec<Written>) -> Fields;
 
     /// All numbers with their names and quantities, in order.
     fn parameters_mut(&mut self) -> Vec<Parameter<'_>>;
 
-    /// Visits all numbers without their names. This allocates no memory, as it happens in every frame.
+    /// Visits all numbers without their names. This function allocates no memory, because it runs in every frame.
     fn each_number(&self, visit: &mut dyn FnMut(Quantity, f32));
 }
 
-/// The largest coordinate, size or time in a scene, in metres or seconds: results computed from it in `f32`, squares
-/// included, are finite.
+/// The largest coordinate, size or time in a scene, in metres or seconds. Results computed from such numbers in `f32`,
+/// including squares, are finite.
 pub(crate) const LARGEST: f32 = 1e9;
 
-/// Whether a number is in the range of its quantity, and a description of the range.
+/// Whether a number is in the range of its quantity, and the description of this range.
 fn range(quantity: Quantity, value: f32) -> (bool, &'static str) {
     match quantity {
         Quantity::Length | Quantity::Factor => (
@@ -201,7 +202,7 @@ impl Parameter<'_> {
     }
 }
 
-/// Numbers that belong together: a single number, or those of a vector.
+/// A single number, or the numbers of a vector.
 pub(crate) trait Numbers {
     /// Adds each number with its name.
     fn add_to<'a>(&'a mut self, name: &str, quantity: Quantity, all: &mut Vec<Parameter<'a>>);
@@ -249,7 +250,7 @@ impl Numbers for Vec3 {
     }
 }
 
-/// The numbers of an array are named by their index: `corners.0.x`.
+/// The names of the numbers of an array contain the index: `corners.0.x`.
 impl<T: Numbers, const N: usize> Numbers for [T; N] {
     fn add_to<'a>(&'a mut self, name: &str, quantity: Quantity, all: &mut Vec<Parameter<'a>>) {
         for (index, number) in self.iter_mut().enumerate() {
@@ -266,19 +267,19 @@ impl<T: Numbers, const N: usize> Numbers for [T; N] {
 
 /// The notation of a part in scene files.
 pub(crate) trait Notation {
-    /// The content after its name.
+    /// The content after the part's name.
     type File: DeserializeOwned;
 
-    /// Reads the tree that has this part as its root.
+    /// Reads the tree whose root is this part.
     ///
     /// # Errors
-    /// The errors of the files that it names.
+    /// The errors of the files that the tree names.
     fn read(file: Self::File, reader: &mut Reader) -> Result<Shape, SceneError>;
 }
 
-/// Defines a part: the struct, its form in a scene file, and the list of its numbers that may move. Each of these is
-/// `name: type as Unit`, with `= default` if a file may leave it out. Values that never move follow after `and`, each
-/// with its serde attributes.
+/// Defines a part: the struct, its notation in a scene file, and the list of its numbers that can move. Each number has
+/// the form `name: type as Unit`, followed by `= default` if it is optional in a file. After `and` follow the values
+/// that cannot move, with their serde attributes.
 ///
 /// ```text
 /// part! {
@@ -292,8 +293,8 @@ pub(crate) trait Notation {
 /// }
 /// ```
 ///
-/// An operator states its operands before its numbers: `Shell over (of: Box<ShapeFile>) {…}`. A part without numbers is
-/// a unit struct; a shape without numbers is its name alone in a scene file.
+/// An operator declares its operands before its numbers: `Shell over (of: Box<ShapeFile>) {…}`. A part without numbers
+/// is a unit struct. The notation of a shape without numbers is its name alone.
 macro_rules! part {
     ($(#[$doc:meta])* $part:ident) => {
         $(#[$doc])*
@@ -355,7 +356,7 @@ macro_rules! part {
             use $crate::scene::shape::part::{Notation, parameters};
             use $crate::scene::{SceneError, Shape};
 
-            /// Its form in a scene file.
+            /// The notation in a scene file.
             #[derive(serde::Deserialize)]
             #[serde(deny_unknown_fields)]
             pub(crate) $($file)*
@@ -384,7 +385,7 @@ macro_rules! part {
 }
 pub(super) use part;
 
-/// Lists the numbers of a part that may move and their quantities; for an operator, also its children.
+/// Lists the numbers of a part that can move, with their quantities. For an operator, lists its children too.
 macro_rules! parameters {
     ($part:ident { $($field:ident: $quantity:expr),* $(,)? }) => {
         $crate::scene::shape::part::parameters!($part over {} { $($field: $quantity,)* });

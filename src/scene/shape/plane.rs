@@ -5,7 +5,7 @@ use super::{Bounds3, Part, Properties, Shape};
 use glam::DVec3;
 
 part! {
-    /// The plane y = 0: solid below.
+    /// The plane y = 0, with the solid below it.
     Plane
 }
 

@@ -1,4 +1,4 @@
-//! A triangle, extruded.
+//! A triangular prism.
 
 use super::cone::segment_distance;
 use super::cylinder::corner_value;
@@ -9,15 +9,15 @@ use glam::{DVec2, DVec3, Vec2};
 part! {
     /// A triangle in the xy plane, extruded along z.
     Prism {
-        /// The triangle's corners (x, y) in metres, in either sense of rotation.
+        /// Corners of the triangle (x, y) in metres, clockwise or counter-clockwise.
         corners: [Vec2; 3] as Metres,
         /// Full length along z in metres.
         depth: f32 as Length,
     }
 }
 
-/// Area of a triangle, as a share of its longest side squared, below which its corners count as collinear: `f32` cannot
-/// resolve smaller areas.
+/// Minimum area of a triangle, as a share of the square of its longest side. The corners of a triangle with a smaller
+/// area count as collinear, because `f32` cannot resolve the area.
 const LEAST_AREA: f64 = 1e-6;
 
 impl Part for Prism {
@@ -67,7 +67,7 @@ impl Prism {
     }
 }
 
-/// The signed distance of a point in the plane from a triangle.
+/// The signed distance of a point from a triangle, in a plane.
 fn triangle_value(p: DVec2, corners: [DVec2; 3]) -> f64 {
     let [a, b, c] = corners;
     let turn = (b - a).perp_dot(c - a).signum();

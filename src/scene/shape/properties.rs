@@ -1,9 +1,9 @@
-//! Properties of a field, from its leaves up, and the box that encloses its solid.
+//! Properties of a field, computed from the leaves to the root, and bounding boxes.
 //!
-//! These are the exactness on either side, and the Lipschitz constant L of the value: |value| / L never exceeds the
-//! distance to the surface, as a safe step requires (Hart 1996, theorem 1). Each shape and operator has its own rule.
-//! Common rules: if several fields are joined, the value is a bound, with the greatest L; moving, turning, mirroring
-//! and cutting space never increases a distance.
+//! The properties state the exactness of the value in the air and in the solid, and the Lipschitz constant L of the
+//! value. |value| / L never exceeds the distance to the surface, which makes a step of this length safe (Hart 1996,
+//! theorem 1). Each shape and operator has its own rule. Two rules are common. The value of several joined fields is a
+//! bound, with the greatest L of the fields. Moving, rotating, mirroring and cutting space never increases a distance.
 
 use Exactness::{Bound, Exact, Neither};
 use glam::{DMat3, DVec3};
@@ -15,64 +15,64 @@ pub enum Exactness {
     Exact,
     /// The value never exceeds the distance.
     Bound,
-    /// Neither: the value must be divided by the Lipschitz constant.
+    /// The value is neither, and must be divided by the Lipschitz constant.
     Neither,
 }
 
-/// Properties of a field that are known without evaluating the field.
+/// Properties of a field that are known without evaluating it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Properties {
-    /// The relation of positive values to the distance.
+    /// Exactness of positive values.
     pub in_air: Exactness,
-    /// The relation of negative values to the distance.
+    /// Exactness of negative values.
     pub in_solid: Exactness,
-    /// The Lipschitz constant of the value; at least 1.
+    /// Lipschitz constant of the value; at least 1.
     pub lipschitz: f64,
     /// Bounds of the solid.
     pub bounds: Bounds3,
     /// Whether the solid is convex.
     pub convex: bool,
-    /// Whether the solid is symmetric about x = 0, y = 0, z = 0.
+    /// Whether the solid is symmetric about x = 0, y = 0 and z = 0.
     pub symmetric: [bool; 3],
 }
 
-/// The kind of a surface, known without evaluating the field.
+/// Properties of a surface that are known without evaluating the field.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SurfaceKind {
     /// Whether the whole surface consists of planes.
     pub flat: bool,
     /// Whether the surface has neither edges nor corners.
     pub smooth: bool,
-    /// Whether the surface is that of a single child, moved, turned or scaled.
+    /// Whether the surface is that of a single child, moved, rotated or scaled.
     pub moved: bool,
 }
 
 impl SurfaceKind {
-    /// A surface of unknown kind.
+    /// A surface without known properties.
     pub(super) const GENERAL: SurfaceKind = SurfaceKind {
         flat: false,
         smooth: false,
         moved: false,
     };
-    /// Planes with edges between them; for an operator, flat if its children are flat, with edges where their surfaces
-    /// meet.
+    /// Planes with edges between them. An operator of this kind has a flat surface if its children are flat, with edges
+    /// where the surfaces of the children meet.
     pub(super) const FLAT: SurfaceKind = SurfaceKind {
         flat: true,
         ..SurfaceKind::GENERAL
     };
-    /// Curved, without edges; for an operator, smooth if its children are smooth.
+    /// A curved surface without edges. An operator of this kind has a smooth surface if its children are smooth.
     pub(super) const SMOOTH: SurfaceKind = SurfaceKind {
         smooth: true,
         ..SurfaceKind::GENERAL
     };
-    /// One plane.
+    /// A single plane.
     pub(super) const PLANE: SurfaceKind = SurfaceKind {
         flat: true,
         smooth: true,
         moved: false,
     };
-    /// The child's surface, seen from its other side.
+    /// The child's surface with air and solid exchanged.
     pub(super) const TURNED_INSIDE_OUT: SurfaceKind = SurfaceKind::PLANE;
     /// The child's surface, moved.
     pub(super) const MOVED: SurfaceKind = SurfaceKind {
@@ -83,7 +83,7 @@ impl SurfaceKind {
 }
 
 impl Properties {
-    /// A solid with its exact distance on both sides, convex and symmetric.
+    /// Properties of a convex and symmetric solid with exact distances on both sides.
     pub(super) fn exact(half_size: DVec3) -> Properties {
         Properties {
             in_air: Exact,
@@ -95,7 +95,7 @@ impl Properties {
         }
     }
 
-    /// A bound of the distance on both sides, symmetric.
+    /// Properties of a symmetric solid whose value is a bound of the distance on both sides.
     pub(super) fn bound(bounds: Bounds3) -> Properties {
         Properties {
             in_air: Bound,
@@ -107,13 +107,13 @@ impl Properties {
         }
     }
 
-    /// A solid about y with its exact distance on both sides.
+    /// Properties of a solid of revolution about y with exact distances on both sides.
     pub(super) fn round(radius: f32, half_height: f64) -> Properties {
         let radius = f64::from(radius);
         Properties::exact(DVec3::new(radius, half_height, radius))
     }
 
-    /// Sets the Lipschitz constant; above 1 the value is not even a bound.
+    /// Sets the Lipschitz constant. A value with a constant above 1 is not a bound.
     pub(super) fn growing(mut self, lipschitz: f64) -> Properties {
         self.lipschitz = lipschitz.max(1.0);
         if self.lipschitz > 1.0 {
@@ -124,7 +124,7 @@ impl Properties {
 }
 
 impl Exactness {
-    /// The common relation of several values, given the Lipschitz constant of the steepest.
+    /// The weakest exactness of several values, if `lipschitz` is the greatest of their Lipschitz constants.
     pub(super) fn worst(of: impl Iterator<Item = Exactness>, lipschitz: f64) -> Exactness {
         let mut of = of;
         match lipschitz > 1.0 {
@@ -134,18 +134,18 @@ impl Exactness {
         }
     }
 
-    /// A bound, if the constant is at most 1.
+    /// `Bound` if the Lipschitz constant is at most 1, otherwise `Neither`.
     pub(super) fn bound(lipschitz: f64) -> Exactness {
         if lipschitz > 1.0 { Neither } else { Bound }
     }
 
-    /// Turns an exact distance into a bound.
+    /// Reduces `Exact` to `Bound`.
     pub(super) fn or_bound(self) -> Exactness {
         if self == Exact { Bound } else { self }
     }
 }
 
-/// The axis-aligned box that encloses a solid: its least and greatest coordinates in metres, ±∞ along unbounded axes.
+/// An axis-aligned bounding box of a solid: its least and greatest coordinates in metres, ±∞ along unbounded axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds3 {
     /// Least x, y, z.
@@ -162,7 +162,7 @@ impl Bounds3 {
     /// All of space.
     pub const EVERYWHERE: Bounds3 = Bounds3::new(DVec3::NEG_INFINITY, DVec3::INFINITY);
 
-    /// A box about the origin with this half size.
+    /// The box centred on the origin with this half size.
     pub fn centred(half_size: DVec3) -> Bounds3 {
         Bounds3::new(-half_size, half_size)
     }
@@ -180,13 +180,13 @@ impl Bounds3 {
         Bounds3::new(self.min.min(other.min), self.max.max(other.max))
     }
 
-    /// The intersection; if it is empty, its minimum may exceed its maximum.
+    /// The intersection of both boxes. If it is empty, its minimum can exceed its maximum.
     #[must_use]
     pub fn common(self, other: Bounds3) -> Bounds3 {
         Bounds3::new(self.min.max(other.min), self.max.min(other.max))
     }
 
-    /// The box grown on all sides by a length in metres.
+    /// The box grown on each side by a length in metres along each axis.
     #[must_use]
     pub fn grown(self, by: DVec3) -> Bounds3 {
         Bounds3::new(self.min - by, self.max + by)
@@ -204,14 +204,14 @@ impl Bounds3 {
         Bounds3::new(self.min * by, self.max * by)
     }
 
-    /// Bounds of the box turned about the origin.
+    /// The bounding box of the box rotated about the origin.
     #[must_use]
     pub fn turned(self, by: DMat3) -> Bounds3 {
         let mut turned = Bounds3::new(DVec3::ZERO, DVec3::ZERO);
         for column in 0..3 {
             for row in 0..3 {
                 let share = by.col(column)[row];
-                // Avoids 0 times infinity; a quarter turn in `f32` has a residue of 4e-8.
+                // Avoids 0 · ∞. The matrix of a quarter turn in `f32` has residues of 4e-8.
                 if share.abs() < 1e-6 {
                     continue;
                 }
@@ -223,7 +223,7 @@ impl Bounds3 {
         turned
     }
 
-    /// Whether the boxes do not touch, not even at their faces.
+    /// Whether the boxes do not touch, including their faces.
     pub(super) fn is_apart_from(self, other: Bounds3) -> bool {
         self.common(other).is_empty()
     }
@@ -233,17 +233,17 @@ impl Bounds3 {
         !(self.min.x <= self.max.x && self.min.y <= self.max.y && self.min.z <= self.max.z)
     }
 
-    /// Whether it is bounded on every side.
+    /// Whether the box is bounded on every side.
     pub fn is_finite(self) -> bool {
         self.min.is_finite() && self.max.is_finite()
     }
 
-    /// Half of its size.
+    /// Half the size.
     pub fn half_size(self) -> DVec3 {
         0.5 * (self.max - self.min)
     }
 
-    /// Its middle along the axes where both faces are finite; 0 along the others.
+    /// The middle along axes on which both faces are finite; 0 along other axes.
     pub fn middle(self) -> DVec3 {
         let middle = 0.5 * (self.min + self.max);
         DVec3::select(middle.is_finite_mask(), middle, DVec3::ZERO)
@@ -257,8 +257,8 @@ impl Bounds3 {
             .length()
     }
 
-    /// The greatest distance of its points from an axis through the origin (0 = x …), or from the origin if the number
-    /// is not 0 to 2.
+    /// The greatest distance of the box's points from the axis through the origin with this index (0 = x, 1 = y, 2 =
+    /// z). Any other index gives the distance from the origin.
     pub fn radius_about(self, axis: usize) -> f64 {
         let mut far = self.min.abs().max(self.max.abs());
         if let Some(along) = AsMut::<[f64; 3]>::as_mut(&mut far).get_mut(axis) {
@@ -267,7 +267,7 @@ impl Bounds3 {
         far.length()
     }
 
-    /// Signed distance to the box, negative inside.
+    /// Signed distance to the box in metres, negative inside.
     pub fn signed_distance(self, point: DVec3) -> f64 {
         let outside = self.distance(point);
         if outside > 0.0 {
@@ -277,13 +277,13 @@ impl Bounds3 {
     }
 }
 
-/// The smallest box that contains the bounds of all.
+/// The smallest box that contains all bounds.
 pub(super) fn hull(of: &[Properties]) -> Bounds3 {
     let bounds = of.iter().map(|p| p.bounds);
     bounds.reduce(Bounds3::hull).unwrap_or(Bounds3::EVERYWHERE)
 }
 
-/// Properties of several fields joined to one: a bound with the greatest constant, symmetric if all fields are
+/// Properties of several joined fields: a bound with the greatest Lipschitz constant, symmetric if all fields are
 /// symmetric.
 pub(super) fn merged(of: &[Properties], bounds: Bounds3) -> Properties {
     let lipschitz = of.iter().map(|p| p.lipschitz).fold(1.0, f64::max);

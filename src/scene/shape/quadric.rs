@@ -1,8 +1,9 @@
-//! The general quadric, and the common form of the special quadrics.
+//! The general quadric, and the code shared by the special quadrics.
 //!
-//! The distance r to the surface of F obeys |F| ≤ g r + λ r², with g = |∇F| and λ the norm of the quadratic form
-//! (Taylor's theorem, exact for a quadratic). Solving for r gives φ = 2 F / (g + √(g² + 4 λ |F|)), which never exceeds
-//! the distance, agrees with it to first order at the surface, and is Lipschitz with constant 1, because |∇g| ≤ 2 λ.
+//! The distance r to the surface of F satisfies |F| ≤ g r + λ r², with g = |∇F| and λ the norm of the quadratic form
+//! (Taylor's theorem, exact for a quadratic). Solving for r gives φ = 2 F / (g + √(g² + 4 λ |F|)). φ never exceeds the
+//! distance, and equals it to first order at the surface. It is Lipschitz continuous with constant 1, because |∇g| ≤ 2
+//! λ.
 
 use super::part::{Notation, arguments, parameters};
 use super::{Bounds3, Part, Properties, Shape};
@@ -15,11 +16,11 @@ use serde::Deserialize;
 /// scene files.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GeneralQuadric {
-    /// A to J, in this order.
+    /// The coefficients A to J, in this order.
     pub coefficients: [f32; 10],
 }
 
-/// Its form in a scene file: the coefficients alone.
+/// The notation in a scene file: a list of the coefficients.
 #[derive(Deserialize)]
 pub(crate) struct File([Number<Plain>; 10]);
 
@@ -44,10 +45,7 @@ impl Part for GeneralQuadric {
         if self.form().norm() > 0.0 {
             return Ok(());
         }
-        Err(
-            "one of its first six coefficients must not be 0: for a plane there is HalfSpace"
-                .to_owned(),
-        )
+        Err("one of its first six coefficients must not be 0: use HalfSpace for a plane".to_owned())
     }
 
     fn properties(&self, _: &[Shape]) -> Properties {
@@ -57,7 +55,7 @@ impl Part for GeneralQuadric {
         }
     }
 
-    /// Coefficients are not lengths, but their quotients are.
+    /// The coefficients are not lengths, but roots and quotients of them are.
     fn own_length(&self) -> f64 {
         let form = self.form();
         let (linear, constant) = (form.linear.length(), form.constant.abs());
@@ -92,7 +90,7 @@ impl GeneralQuadric {
     }
 }
 
-/// Common implementation of the quadrics along the coordinate axes, from their `form`.
+/// The methods of a quadric along the coordinate axes, computed from its `form`.
 macro_rules! straight_quadric {
     () => {
         fn value(&self, _: &[Shape], p: DVec3) -> f64 {
@@ -124,10 +122,10 @@ pub(crate) struct Quadric {
 }
 
 impl Quadric {
-    /// The groups of [`Quadric::straight_numbers`].
+    /// Number of components of each argument in [`Quadric::straight_numbers`].
     pub(super) const STRAIGHT_ARGUMENTS: &[usize] = &[3, 1, 1];
 
-    /// A quadric along the coordinate axes.
+    /// Creates a quadric along the coordinate axes.
     pub(super) fn straight(diagonal: DVec3, linear: DVec3, constant: f64) -> Quadric {
         Quadric {
             diagonal,
@@ -137,14 +135,14 @@ impl Quadric {
         }
     }
 
-    /// Diagonal, constant, norm: the numbers in which axis-parallel quadrics of one kind differ.
+    /// Diagonal, constant and norm: the numbers in which quadrics of one kind along the coordinate axes differ.
     pub(super) fn straight_numbers(&self) -> Vec<f64> {
         let mut numbers = self.diagonal.to_array().to_vec();
         numbers.extend([self.constant, self.norm()]);
         numbers
     }
 
-    /// A lower bound of the distance to the surface, see the module's documentation.
+    /// A lower bound of the distance to the surface; see the documentation of the module.
     pub(super) fn distance_bound(&self, p: DVec3) -> f64 {
         let (value, gradient) = self.at(p);
         let g = gradient.length();
@@ -173,8 +171,8 @@ impl Quadric {
         (value, 2.0 * form + self.linear)
     }
 
-    /// Upper bound of the factor by which Q stretches a vector: for a diagonal form its largest element, otherwise the
-    /// Frobenius norm, which is never smaller.
+    /// Upper bound of the factor by which Q stretches a vector. For a diagonal form this is the largest element.
+    /// Otherwise it is the Frobenius norm, which is never smaller than the factor.
     pub fn norm(&self) -> f64 {
         if self.mixed == DVec3::ZERO {
             return self.diagonal.abs().max_element();

@@ -1,4 +1,4 @@
-//! The inside of a box.
+//! The air inside a box.
 
 use super::part::{arguments, part, surface_kind};
 use super::{Bounds3, Exactness, Part, Properties, Shape};
@@ -6,7 +6,7 @@ use crate::scene::material::WALL_NAMES;
 use glam::{DVec3, Vec3};
 
 part! {
-    /// The inside of a box: air inside, solid outside.
+    /// The inside of a box, with air inside and solid outside.
     Room {
         /// Full width, height and depth of the air in metres.
         size: Vec3 as Side,
@@ -15,7 +15,7 @@ part! {
 
 impl Room {
     /// The names of the walls in scene files, in the order of [`Surface::walls`](crate::Surface::walls): the walls at
-    /// −x, +x, −y, +y, −z and +z of the room's own axes. An unrotated listener faces the wall `front`.
+    /// −x, +x, −y, +y, −z and +z of the room's own axes. A listener without a rotation faces the wall `front`.
     pub const WALL_NAMES: [&str; Room::WALL_COUNT] = WALL_NAMES;
 
     /// Number of walls of a room.

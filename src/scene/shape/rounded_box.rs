@@ -6,7 +6,7 @@ use super::{Part, Properties, Shape};
 use glam::{DVec3, Vec3};
 
 part! {
-    /// A box whose edges and vertices are rounded.
+    /// A box with rounded edges and vertices.
     RoundedBox {
         /// Full width, height and depth in metres, including the rounding.
         size: Vec3 as Side,

@@ -1,11 +1,11 @@
-//! A ball.
+//! A solid sphere.
 
 use super::part::{part, surface_kind};
 use super::{Part, Properties, Shape};
 use glam::DVec3;
 
 part! {
-    /// A ball.
+    /// A solid sphere.
     Sphere {
         /// Radius in metres.
         radius: f32 as Radius,

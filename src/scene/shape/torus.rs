@@ -1,13 +1,13 @@
-//! A ring.
+//! A torus.
 
 use super::part::{part, surface_kind};
 use super::{Exactness, Part, Properties, Shape};
 use glam::{DVec2, DVec3};
 
 part! {
-    /// A ring about y.
+    /// A torus about the y axis.
     Torus {
-        /// Radius of the ring's centre line, in metres.
+        /// Radius of the centre line, in metres.
         ring: f32 as Radius,
         /// Radius of the tube, in metres.
         tube: f32 as Radius,
@@ -19,8 +19,8 @@ impl Part for Torus {
 
     fn properties(&self, _: &[Shape]) -> Properties {
         Properties {
-            // A tube that reaches across the axis covers its own inner side. That side is then not a surface, but the
-            // value is still the distance to it.
+            // If the tube reaches across the axis, it covers its own inner side. That side is then not part of the
+            // surface, but the value is still the distance to it.
             in_solid: match self.tube > self.ring {
                 true => Exactness::Bound,
                 false => Exactness::Exact,

@@ -1,4 +1,4 @@
-//! A user's own field, as a shape.
+//! A user's field as a shape.
 
 use super::asset::{Asset, UserField};
 use super::cuboid::box_value;
@@ -10,14 +10,14 @@ use glam::DVec3;
 use serde::Deserialize;
 use std::sync::Arc;
 
-/// A user's GLSL `float field(vec3 p)`, within a box centred on the origin: `Field` in scene files.
+/// A user's GLSL function `float field(vec3 p)` within a box centred on the origin: `Field` in scene files.
 #[derive(Clone, Debug, PartialEq)]
 pub struct User {
-    /// The text and its stated properties.
+    /// The text with its stated properties.
     pub field: Arc<UserField>,
 }
 
-/// Its form in a scene file.
+/// The notation in a scene file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct File {
@@ -104,11 +104,10 @@ impl Part for User {
 }
 
 impl User {
-    /// A number K of the value in metres, in 1/m: along any straight line in the box, the second derivative of
-    /// [`Shape::value`] is at least −K wherever waves can be, in the whole air of the field and next to its surface in
-    /// the solid. From the stated bend, divided by the Lipschitz constant; the cut at the box does not increase it,
-    /// because a box's own value is convex. It does not hold across a face of the box, where the value becomes
-    /// constant, nor outside.
+    /// A constant K in 1/m: along any straight line in the box, the second derivative of [`Shape::value`] is at least
+    /// −K wherever waves can be (in all air of the field, and in the solid near its surface). It is the stated bend
+    /// divided by the Lipschitz constant. The cut at the box does not increase it, because the value of a box is
+    /// convex. It is not valid across a face of the box, where the value becomes constant, and not outside the box.
     pub fn bend(&self) -> Option<f64> {
         let bend = self.field.bend?;
         Some(f64::from(bend) / f64::from(self.field.lipschitz))

@@ -151,7 +151,7 @@ impl Part for Morph {
         merged(&of, hull(&of))
     }
 
-    /// The air between the two surfaces includes solid of one of the children.
+    /// Air of a blend can lie in the solid of a child.
     fn keeps_air(&self, _: usize) -> bool {
         false
     }

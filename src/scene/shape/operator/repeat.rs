@@ -239,7 +239,8 @@ impl Repeat {
     }
 }
 
-/// The bounding box of one copy, in metres, with finite faces.
+/// Larger than any position in a scene, and finite in `f32` after division by the smallest component of a ray's
+/// direction.
 fn copy_box(child: &Shape) -> Bounds3 {
     /// Larger than any position in a scene, and finite in `f32` after division by the least slowness.
     const NO_END: DVec3 = DVec3::splat(1e15);

@@ -1,6 +1,6 @@
 //! Tests of all shapes and operators: their `properties`, compared with values sampled on the CPU, and the messages
-//! about invalid ones. The tests in `shader/tests` use the same table as shaders, and those in `tracer/tests` with
-//! waves.
+//! about invalid shapes. The tests in `shader/tests` evaluate the same table in shaders, and those in `tracer/tests`
+//! trace waves in it.
 
 pub mod table;
 
@@ -20,7 +20,8 @@ fn anywhere(random: &mut Random, reach: f64) -> DVec3 {
     reach * DVec3::new(random.signed(), random.signed(), random.signed())
 }
 
-/// Points of the surface: sign changes along random lines, found by bisection. Only the sign of the value is used.
+/// Points of the surface, which are sign changes along random lines, found by bisection. Only the sign of the value is
+/// used.
 fn surface_points(entry: &Entry, random: &mut Random, lines: usize) -> Vec<DVec3> {
     const PIECES: usize = 48;
     let reach = 1.5 * entry.reach();
@@ -52,8 +53,8 @@ fn surface_points(entry: &Entry, random: &mut Random, lines: usize) -> Vec<DVec3
     found
 }
 
-/// Whether a step by the value against the gradient ends on the surface. As the distance is never less than the value,
-/// the two are then equal.
+/// Whether a step against the gradient, with the value as its length, ends on the surface. Because the distance is
+/// never less than the value, both are equal in this case.
 fn leads_to_surface(entry: &Entry, p: DVec3) -> bool {
     let (value, step) = (entry.distance(p), 1e-6 * entry.reach());
     let along = |axis: DVec3| {
@@ -64,8 +65,8 @@ fn leads_to_surface(entry: &Entry, p: DVec3) -> bool {
     foot.abs() <= 1e-4 * value.abs() + 1e-6 * entry.reach()
 }
 
-/// Protects safe steps: a value divided by the Lipschitz constant never exceeds the distance to the surface, and equals
-/// it on the sides that are stated to be exact.
+/// Protects safe steps: a value divided by the Lipschitz constant never exceeds the distance to the surface. On the
+/// sides that are stated to be exact, it equals the distance.
 #[test]
 fn values_are_the_distances_that_they_are_said_to_be() {
     let mut failures = Vec::new();
@@ -110,7 +111,7 @@ fn values_are_the_distances_that_they_are_said_to_be() {
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
-/// Whether the value grows faster than its Lipschitz constant between two points.
+/// Finds a pair of points between which the value grows faster than its Lipschitz constant.
 fn grows_too_fast(field: &Shape, reach: f64, seed: u64) -> Option<String> {
     let lipschitz = field.properties().lipschitz;
     let mut random = Random(seed);
@@ -127,7 +128,7 @@ fn grows_too_fast(field: &Shape, reach: f64, seed: u64) -> Option<String> {
     None
 }
 
-/// Whether the solid has the stated bounds, convexity and symmetry.
+/// Finds a contradiction to the stated bounds, convexity or symmetry of the solid.
 fn breaks_its_form(field: &Shape, reach: f64, seed: u64) -> Option<String> {
     let properties = field.properties();
     let mut random = Random(seed);
@@ -171,7 +172,7 @@ fn values_grow_no_faster_than_they_may() {
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
-/// Protects bounds, convexity and symmetry, on which repetitions and departing waves rely.
+/// Protects bounds, convexity and symmetry. Repetitions and waves that start on a surface rely on them.
 #[test]
 fn solids_have_the_form_that_is_promised() {
     let found = on_cpu()
@@ -181,7 +182,7 @@ fn solids_have_the_form_that_is_promised() {
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
-/// Random trees of the table's shapes and operators.
+/// Random trees of the shapes and operators in the table.
 pub fn trees() -> impl Strategy<Value = Shape> {
     let mut leaves = shapes();
     leaves.extend(operators());
@@ -224,7 +225,7 @@ pub fn trees() -> impl Strategy<Value = Shape> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 96, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Protects the rules by which operators derive properties from their children's.
+    /// Protects the rules by which operators derive their properties from those of their children.
     #[test]
     fn random_trees_keep_their_promises(field in trees(), seed in any::<u64>()) {
         let entry = Entry { name: String::new(), field, truth: None };
@@ -362,7 +363,7 @@ fn refusals() -> Vec<(Shape, &'static str)> {
         (sphere(1.0).elongate(v(-1.0, 0.0, 0.0)), "negative"),
         (sphere(1.0).morph(sphere(2.0), 1.5), "amount"),
         (cuboid(1.0, 1.0, 1.0).twist(f32::NAN), "rate"),
-        // Repetitions and turns of unbounded children.
+        // Repetitions, twists and bends of unbounded children.
         (
             Shape::from(Plane).repeat(v(1.0, 0.0, 0.0), [0; 3]),
             "unbounded",
@@ -404,7 +405,7 @@ fn refusals() -> Vec<(Shape, &'static str)> {
             ),
             "lipschitz",
         ),
-        // Operands.
+        // The number of operands.
         (Shape::union([]), "at least 1"),
         (Shape::over(Difference, [sphere(1.0)]), "at least 2"),
         (Shape::over(Morph { amount: 0.5 }, [sphere(1.0)]), "takes 2"),
@@ -430,7 +431,7 @@ fn refusals() -> Vec<(Shape, &'static str)> {
     list
 }
 
-/// Each invalid number of a field is reported with its node, alone and within a tree.
+/// Each invalid number of a field is reported with the name of its node, for a single node and within a tree.
 #[test]
 fn bad_fields_are_refused_by_name() {
     for (field, says) in refusals() {
@@ -444,14 +445,14 @@ fn bad_fields_are_refused_by_name() {
     }
 }
 
-/// Protects from trees that would compile for minutes.
+/// Protects from trees that take minutes to compile.
 #[test]
 fn a_field_has_an_end() {
     let many = Shape::union((0..5000).map(|_| sphere(1.0)));
     assert!(many.validate().is_err_and(|why| why.contains("too large")));
 }
 
-/// Protects height images: invalid ones are rejected.
+/// Protects the validation of height images.
 #[test]
 fn height_images_are_checked() {
     let new = |size, count, height| HeightImage::new("x", size, vec![height; count]);

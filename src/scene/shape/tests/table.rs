@@ -1,4 +1,4 @@
-//! All shapes and operators, and combinations of them, as a table for tests.
+//! A table of all shapes and operators, and of combinations of them, for tests.
 
 use crate::scene::shape::{
     CappedCylinder, Capsule, Complement, Cone, Cuboid, Cylinder, Difference, Ellipsoid,
@@ -10,17 +10,17 @@ use crate::{Listener, Scene, Source, Surface};
 use glam::{DVec3, EulerRot, Quat, UVec2, Vec2, Vec3};
 use std::sync::Arc;
 
-/// A field of the table.
+/// An entry of the table.
 #[derive(Clone, Debug)]
 pub struct Entry {
     pub name: String,
     pub field: Shape,
-    /// The function that a user's text computes; the CPU has only samples of the text.
+    /// The function that a user's text computes. The CPU has only samples of the text.
     pub truth: Option<fn(DVec3) -> f64>,
 }
 
 impl Entry {
-    /// The step length of a march.
+    /// The length of a step of a march.
     pub fn distance(&self, p: DVec3) -> f64 {
         match self.truth {
             Some(value) => value(p),
@@ -28,7 +28,7 @@ impl Entry {
         }
     }
 
-    /// Distance from the origin in metres within which the field has features.
+    /// Distance in metres from the origin within which the field has features.
     pub fn reach(&self) -> f64 {
         let bounds = self.field.properties().bounds;
         if bounds.is_finite() && !bounds.is_empty() {
@@ -41,8 +41,8 @@ impl Entry {
 
 const KINDS: usize = 34;
 
-/// The number of a node's kind. A new variant does not compile until it is added here: give it a number, raise
-/// [`KINDS`], and add it to [`shapes`] or [`operators`].
+/// The index of a node's kind. A new variant of `Node` does not compile until it has an index here. It also needs an
+/// increase of [`KINDS`] and an entry in [`shapes`] or [`operators`].
 fn kind(node: &Node) -> usize {
     match node {
         Node::Plane(Plane) => 0,
@@ -79,7 +79,7 @@ fn kind(node: &Node) -> usize {
         Node::Twist(_) => 31,
         Node::Bend(_) => 32,
         Node::Morph(_) => 33,
-        Node::Octahedron(_) => unreachable!("an example, which has a test of its own"),
+        Node::Octahedron(_) => unreachable!("an example that has its own test"),
     }
 }
 
@@ -128,7 +128,7 @@ fn hills() -> Shape {
     .into()
 }
 
-/// Shapes in several sizes, without users' texts.
+/// Shapes in several sizes, without users' fields.
 pub fn shapes() -> Vec<Shape> {
     let node = Shape::from;
     let quadric = |coefficients| Shape::from(Node::GeneralQuadric(GeneralQuadric { coefficients }));
@@ -202,7 +202,7 @@ pub fn shapes() -> Vec<Shape> {
     ]
 }
 
-/// Users' texts with the functions that they compute.
+/// Users' fields, with the functions that they compute.
 pub fn users() -> Vec<Entry> {
     const BALL: &str = "#define SQUARE(x) ((x) * (x))\nconst float RADIUS = 0.75;\n\
         float lengthOf(vec3 p) { return sqrt(SQUARE(p.x) + SQUARE(p.y) + SQUARE(p.z)); }\n\
@@ -238,7 +238,7 @@ pub fn users() -> Vec<Entry> {
     ]
 }
 
-/// Operators, alone and nested.
+/// Operators, single and nested.
 pub fn operators() -> Vec<Shape> {
     let v = Vec3::new;
     let bar = || cuboid(2.0, 0.4, 0.3);
@@ -266,7 +266,7 @@ pub fn operators() -> Vec<Shape> {
         ellipsoid(2.0, 0.5, 1.0).shell(0.4),
         Shape::smooth_union(0.6, [sphere(0.7), bar(), aside()]),
         Shape::smooth_union(1.0, [ellipsoid(2.0, 0.4, 0.6), ellipsoid(0.4, 1.0, 0.5)]),
-        // The fields are far apart except at one point; far from that point they are unchanged.
+        // The fields are far apart except near one point, and unchanged far from this point.
         Shape::smooth_union(
             0.15,
             [
@@ -316,7 +316,7 @@ pub fn operators() -> Vec<Shape> {
         cuboid(3.0, 0.3, 0.5).bend(0.4),
         sphere(0.8).morph(cuboid(2.0, 0.8, 1.2), 0.4),
         sphere(0.8).morph(cone(), 1.0),
-        // Nested three and four deep.
+        // Three and four nested operators.
         Shape::union([
             bar().twist(1.0).translate(v(0.0, 0.8, 0.0)),
             Shape::smooth_union(0.3, [aside(), cone()]).shell(0.1),
@@ -364,14 +364,14 @@ pub fn entries() -> Vec<Entry> {
     all
 }
 
-/// The entries whose value the CPU can compute.
+/// The entries whose value can be computed on the CPU.
 pub fn on_cpu() -> Vec<Entry> {
     let all = entries().into_iter();
     all.filter(|entry| entry.truth.is_none()).collect()
 }
 
-/// The field at the origin, and moved. A basic shape alone has no functions of its own in a shader, so it is wrapped in
-/// a union of one.
+/// The field at the origin, and the moved field. A basic shape alone has no shader functions of its own, so it becomes
+/// the only child of a union.
 pub fn surfaces(entry: &Entry) -> [Surface; 2] {
     let field = entry.field.clone();
     let plain = Surface::new(match field.is_basic() {
@@ -385,7 +385,7 @@ pub fn surfaces(entry: &Entry) -> [Surface; 2] {
     ]
 }
 
-/// Converts a point in world axes to the surface's own axes, and back.
+/// Converts a point in world axes to the surface's own axes.
 pub fn to_local(surface: &Surface, p: Vec3) -> DVec3 {
     let turn = surface.rotation.as_dquat().normalize();
     turn.inverse() * (p.as_dvec3() - surface.position.as_dvec3())
@@ -405,7 +405,7 @@ pub fn scene_of(surfaces: Vec<Surface>) -> Scene {
     )
 }
 
-/// Protects the table itself: it has every kind of node, and all entries are valid.
+/// Protects the table: it contains every kind of node, and all entries are valid.
 #[test]
 fn every_node_is_in_the_table() {
     let mut found = [false; KINDS];

@@ -1,15 +1,15 @@
-//! Reads users' GLSL before a driver does.
+//! Reads and checks users' GLSL before it is passed to a driver.
 //!
-//! A driver's compiler trusts its input: macros that double, a hundred thousand terms or deeply nested brackets crash
-//! the compiler, and the program with it. So this module splits the text into tokens and preprocesses it, within
-//! limits, and rejects forbidden content by name. The driver gets the result: without directives, macros and continued
-//! lines; lines, blanks and comments (except those next to directives) keep their positions. The text that is checked
-//! is the text that is compiled.
+//! The compiler in a driver trusts its input. Macros that double the text, a hundred thousand terms or deeply nested
+//! brackets crash the compiler, and the program with it. This module therefore splits the text into tokens and
+//! preprocesses it within limits, and rejects forbidden content by name. The driver receives the preprocessed text,
+//! without directives, macros and continued lines. Lines, blanks and comments (except those next to directives) keep
+//! their positions. The checked text is identical to the compiled text.
 //!
-//! Remaining problems (sums that overflow a compiler's stack, infinite loops) are found only by
-//! compiling and running it: see [`crate::tracer::FieldTrial`].
+//! Other problems, such as sums that overflow the stack of a compiler and infinite loops, are found only by compiling
+//! and running the text: see [`crate::tracer::FieldTrial`].
 //!
-//! The same preprocessor, without limits, analyses whole shaders for `echomarch cost`.
+//! The command `echomarch cost` analyses whole shaders with the same preprocessor, without limits.
 
 pub(super) mod derivative;
 mod preprocess;
@@ -22,15 +22,15 @@ use std::collections::HashSet;
 use tokens::{Kind, Token};
 use words::{Renamed, is_function, is_known, is_language, is_selection, is_type, refusal};
 
-/// Maximum size of a text in bytes. The largest published fields, whole scenes or small neural networks, have about
-/// 30,000.
+/// Maximum size of a text in bytes. The largest published fields (whole scenes and small neural networks) have about
+/// 30,000 bytes.
 const LARGEST_TEXT: usize = 1 << 18;
 
-/// Maximum number of tokens of a text after macro expansion: four times as many as the largest fields have. Drivers
-/// take about 20 µs and 1 KB per token.
+/// Maximum number of tokens of a text after macro expansion: four times the number in the largest published fields.
+/// Drivers take about 20 µs and 1 KB per token.
 const MOST_TOKENS: usize = 1 << 15;
 
-/// The error in a text, and its line (from 1), if it has one.
+/// An error in a text: the line (from 1), if there is one, and the message.
 pub(super) type Refusal = (Option<u32>, String);
 
 /// A parsed text.
@@ -48,11 +48,11 @@ pub(super) struct Text {
 
 /// Parses a text, and rejects it if it is not a field or has forbidden content.
 ///
-/// `#version` lines and `precision` statements belong to whole shaders and are removed.
+/// `#version` lines and `precision` statements are removed, because the whole shader has its own.
 pub(super) fn read(text: &str) -> Result<Text, Refusal> {
     if text.len() > LARGEST_TEXT {
         let size = text.len();
-        let why = format!("it has {size} bytes, and a field may have {LARGEST_TEXT}");
+        let why = format!("it has {size} bytes: a field must have at most {LARGEST_TEXT}");
         return Err((None, why));
     }
     let clean = tokens::clean(text);
@@ -72,11 +72,11 @@ pub(super) fn read(text: &str) -> Result<Text, Refusal> {
     })
 }
 
-/// The lines of code in a whole shader's text, as the compiler sees them: without comments, directives and lines
-/// excluded by conditions, and with macros expanded.
+/// The lines of code that the compiler sees in the text of a whole shader: without comments, directives and lines that
+/// conditions exclude, and with expanded macros.
 ///
 /// # Errors
-/// An error in a text that no compiler would accept.
+/// The error in a text that no compiler accepts.
 pub fn code_lines(text: &str) -> Result<Vec<String>, String> {
     let is_kept = |line: &&str| !line.starts_with("#line");
     let kept: Vec<&str> = text.lines().filter(is_kept).collect();
@@ -92,13 +92,13 @@ pub fn code_lines(text: &str) -> Result<Vec<String>, String> {
     Ok(lines.map(written).collect())
 }
 
-/// Writes tokens on their original lines, with the space before each and after the last.
+/// Writes tokens on their original lines, with the original space before each token and after the last token.
 fn written(tokens: &[Token], renamed: &Renamed, end: &str) -> String {
     let mut code = String::new();
     let mut line = 1;
     for (place, token) in tokens.iter().enumerate() {
         let breaks = newlines(token.space);
-        // Line breaks for removed lines.
+        // Line breaks that replace removed lines.
         while line + breaks < token.line {
             code.push('\n');
             line += 1;
@@ -121,11 +121,11 @@ fn newlines(space: &str) -> u32 {
 /// Maximum nesting of brackets.
 const DEEPEST: usize = 128;
 
-/// Maximum number of elements of an array. Each wave evaluated in parallel has its own array: 2^14 vectors are 256 KiB,
-/// and the arrays of all parallel waves fit into the cache of a processor's core.
+/// Maximum number of elements of an array. Each wave has its own copy of an array: 2^14 vectors are 256 KiB. The arrays
+/// of all waves that are evaluated in parallel fit into the cache of a processor core.
 const LONGEST_ARRAY: u64 = 1 << 14;
 
-/// Removes `precision highp float;` and similar statements: the whole shader has its own.
+/// Removes `precision highp float;` and similar statements, because the whole shader has its own.
 fn leave_out_precisions<'a>(tokens: &[Token<'a>]) -> Vec<Token<'a>> {
     let is_precision = |at: &[Token]| {
         matches!(at, [word, how, of, end] if word.is("precision")
@@ -135,7 +135,7 @@ fn leave_out_precisions<'a>(tokens: &[Token<'a>]) -> Vec<Token<'a>> {
     let mut after_one = false;
     for token in tokens {
         let mut token = *token;
-        // The tokens on either side must not merge.
+        // The tokens on both sides must not merge.
         if std::mem::take(&mut after_one) && token.space.is_empty() {
             token.space = " ";
         }
@@ -149,16 +149,16 @@ fn leave_out_precisions<'a>(tokens: &[Token<'a>]) -> Vec<Token<'a>> {
     left
 }
 
-/// The declarations of a text.
+/// The declarations in a text.
 struct Declared {
-    /// Whether the text states its gradient.
+    /// Whether the text defines its gradient.
     states_gradient: bool,
-    /// Positions of the words outside brackets and initial values: the names of globals, functions and structures, and
-    /// the types.
+    /// Positions of the words outside brackets and initial values. These are the names of globals, functions and
+    /// structures, and the names of types.
     globals: Vec<usize>,
 }
 
-/// Rejects a text that is not a field, or does something that a field cannot do.
+/// Rejects a text that is not a field or contains something that is not allowed in a field.
 fn check(tokens: &[Token]) -> Result<Declared, Refusal> {
     let mut open: Vec<&Token> = Vec::new();
     let mut globals = Vec::new();
@@ -173,7 +173,10 @@ fn check(tokens: &[Token]) -> Result<Declared, Refusal> {
             ")" | "]" | "}" => {
                 let fits = open.pop().is_some_and(|o| closes(o.text, token.text));
                 if !fits {
-                    return told(format!("this '{}' closes nothing", token.text));
+                    return told(format!(
+                        "there is no opening bracket for this '{}'",
+                        token.text
+                    ));
                 }
             }
             "#" | "##" => return told(format!("'{}' must begin its line", token.text)),
@@ -234,7 +237,7 @@ fn check(tokens: &[Token]) -> Result<Declared, Refusal> {
         let (mark, line) = (bracket.text, bracket.line);
         return Err((
             None,
-            format!("after its end: the '{mark}' of line {line} is still open"),
+            format!("at the end of the text: the '{mark}' in line {line} is not closed"),
         ));
     }
     if is_found {
@@ -243,18 +246,17 @@ fn check(tokens: &[Token]) -> Result<Declared, Refusal> {
             globals,
         });
     }
-    let why = "there is no `float field(vec3 p)` in it, which every field needs".to_owned();
+    let why = "it does not define `float field(vec3 p)`, which every field needs".to_owned();
     Err((None, why))
 }
 
-/// Whether the word at a position is a word of the language in place of a declared name: after a type or after
-/// `struct`.
+/// Whether the word at a position is a reserved word used as a declared name: it follows a type or `struct`.
 fn is_named_as_language(tokens: &[Token], place: usize) -> bool {
     let before = place.checked_sub(1).map(|before| tokens[before].text);
     is_language(tokens[place].text) && before.is_some_and(|word| is_type(word) || word == "struct")
 }
 
-/// Whether the word at a position is a function's name in a declaration: a type precedes it.
+/// Whether the word at a position is the name in a function declaration: it follows a type.
 fn is_prototype(tokens: &[Token], place: usize) -> bool {
     let is_of_statement = |word: &Token| matches!(word.text, "return" | "else" | "do" | "case");
     let before = place.checked_sub(1).map(|before| &tokens[before]);
@@ -262,8 +264,8 @@ fn is_prototype(tokens: &[Token], place: usize) -> bool {
     is_after_type && tokens.get(place + 1).is_some_and(|next| next.is("("))
 }
 
-/// Names in the text that GLSL does not define, in their written form and in order of appearance. Component selections
-/// (`.xyz`) do not count: no global has such a name.
+/// Names in the text that GLSL does not define, as written and in order of appearance. Component selections (`.xyz`) do
+/// not count, because no global has such a name after renaming.
 fn names(tokens: &[Token], renamed: &Renamed) -> Vec<String> {
     let mut known = HashSet::new();
     let words = (0..tokens.len()).filter(|place| tokens[*place].is_word());
@@ -279,7 +281,7 @@ fn closes(open: &str, close: &str) -> bool {
     matches!((open, close), ("(", ")") | ("[", "]") | ("{", "}"))
 }
 
-/// The number in `[number]` at the beginning of the tokens.
+/// The number in `[number]` at the beginning of the tokens, if the tokens begin with this pattern.
 fn array_length(tokens: &[Token]) -> Option<u64> {
     match tokens {
         [open, number, close, ..]
@@ -287,14 +289,14 @@ fn array_length(tokens: &[Token]) -> Option<u64> {
         {
             let digits = number.text.trim_end_matches(['u', 'U']);
             let is_number = digits.bytes().all(|byte| byte.is_ascii_digit());
-            // A number with too many digits also counts as too large.
+            // A number with too many digits counts as too large.
             is_number.then(|| digits.parse().unwrap_or(u64::MAX))
         }
         _ => None,
     }
 }
 
-/// Whether the tokens begin with a function of this type and name, and `(vec3`.
+/// Whether the tokens begin with a function of this type and name whose first parameter is a `vec3`.
 fn is_of_a_point(tokens: &[Token], [of_type, name]: [&str; 2]) -> bool {
     let mut inside = tokens.iter().map(|token| token.text);
     let opens = [of_type, name, "("]
@@ -304,11 +306,11 @@ fn is_of_a_point(tokens: &[Token], [of_type, name]: [&str; 2]) -> bool {
     opens && kind == Some("vec3")
 }
 
-/// Rejects loops whose text shows that they never end: `while (true)` and similar loops without a `break` or a
-/// `return`. Loops whose condition is computed at run time are left to the trial run.
+/// Rejects loops that visibly never end: `while (true)` and similar loops without a `break` or a `return`. Loops whose
+/// condition is computed at run time are tested by the trial run.
 ///
-/// Software renderers end a loop after 65,536 iterations, and a compiler removes a loop whose result is not used, so
-/// the trial run alone does not find endless loops.
+/// The trial run cannot find all infinite loops. Software renderers end a loop after 65,536 iterations, and a compiler
+/// removes a loop whose result is not used.
 fn check_loops(tokens: &[Token]) -> Result<(), Refusal> {
     let endless = (0..tokens.len()).find(|&at| is_endless(tokens, at));
     match endless {
@@ -328,7 +330,7 @@ fn is_endless(tokens: &[Token], at: usize) -> bool {
     if !is_for && !tokens[at].is("while") {
         return false;
     }
-    // A loop needs a condition in brackets; the driver reports its absence.
+    // A loop needs a condition in brackets. The driver reports a missing condition.
     if !tokens.get(at + 1).is_some_and(|next| next.is("(")) {
         return false;
     }
@@ -347,12 +349,12 @@ fn is_endless(tokens: &[Token], at: usize) -> bool {
     !body.iter().any(|t| t.is("break") || t.is("return"))
 }
 
-/// The part of a `for` between its two semicolons.
+/// The part of a `for` statement between its two semicolons.
 fn condition<'a, 'b>(said: &'a [Token<'b>]) -> &'a [Token<'b>] {
     said.split(|token| token.is(";")).nth(1).unwrap_or(said)
 }
 
-/// Whether a condition is `true`; an empty condition of a `for` counts as true.
+/// Whether a condition is `true`. An empty condition of a `for` also counts as true.
 fn is_true(condition: &[Token], is_for: bool) -> bool {
     let mut words = condition.iter().filter(|t| !t.is("(") && !t.is(")"));
     match words.next() {
@@ -361,7 +363,7 @@ fn is_true(condition: &[Token], is_for: bool) -> bool {
     }
 }
 
-/// The position of the bracket that closes the bracket at `open`.
+/// The position of the bracket that closes the bracket at `open`, if it is closed.
 fn closing(tokens: &[Token], open: usize) -> Option<usize> {
     let mut depth = 0usize;
     for (at, token) in tokens.iter().enumerate().skip(open) {
@@ -377,7 +379,7 @@ fn closing(tokens: &[Token], open: usize) -> Option<usize> {
     None
 }
 
-/// The block, or the tokens up to a semicolon, that begins at `at`.
+/// The block that begins at `at`, or the tokens up to the next semicolon.
 fn statement<'a, 'b>(tokens: &'a [Token<'b>], at: usize) -> &'a [Token<'b>] {
     let rest = tokens.get(at..).unwrap_or_default();
     if rest.first().is_some_and(|token| token.is("{")) {
@@ -392,7 +394,7 @@ fn statement<'a, 'b>(tokens: &'a [Token<'b>], at: usize) -> &'a [Token<'b>] {
     }
 }
 
-/// The block of the `do {…} while` whose `while` is at `at`; empty for a plain `while`.
+/// The block of the `do {…} while` whose `while` is at `at`; empty for a `while` without `do`.
 fn done_before<'a, 'b>(tokens: &'a [Token<'b>], at: usize) -> &'a [Token<'b>] {
     let mut depth = 0usize;
     for start in (0..at).rev() {

@@ -1,22 +1,23 @@
-//! Expands directives and macros, within limits.
+//! Processes directives and expands macros, within limits.
 
 use super::tokens::{Kind, Token, condition};
 use super::{Refusal, words};
 use std::collections::{HashMap, HashSet};
 
-/// Steps of macro expansion per permitted token of the result: enough for eight levels.
+/// Maximum number of expansion steps for each permitted token of the result; sufficient for eight levels of macros.
 const STEPS_A_TOKEN: usize = 8;
 
-/// Maximum number of reported characters of an `#error`.
+/// Maximum number of characters of an `#error` message that are reported.
 const LONGEST_ERROR: usize = 200;
 
-/// Maximum nesting of macro calls.
+/// Maximum nesting depth of macro calls.
 const DEEPEST_CALL: u32 = 64;
 
-/// Maximum nesting of conditions.
+/// Maximum nesting depth of conditions.
 const DEEPEST_CONDITION: usize = 64;
 
-/// Value of `__VERSION__`: the lower of the two languages in which a field is compiled, GLSL ES 3.00 and GLSL 3.30.
+/// Value of `__VERSION__`: the lower of the two language versions in which a field is compiled, GLSL ES 3.00 and GLSL
+/// 3.30.
 const VERSION: &str = "300";
 
 /// Returns the text without directives and macros, with at most `most_tokens` tokens.
@@ -50,11 +51,11 @@ pub fn preprocess<'a>(tokens: &[Token<'a>], most_tokens: usize) -> Result<Vec<To
 /// An `#if` whose `#endif` has not been read yet.
 struct Condition {
     line: u32,
-    /// Whether the surrounding lines are active.
+    /// Whether the lines around the `#if` are active.
     outer: bool,
-    /// Whether its current lines are active.
+    /// Whether the current lines are active.
     is_on: bool,
-    /// Whether any of its lines were active.
+    /// Whether any branch has been active.
     was_on: bool,
     has_else: bool,
 }
@@ -89,7 +90,7 @@ impl<'a> Preprocessor<'a> {
                 Err(told(format!("#error {words}")))
             }
             "extension" | "pragma" | "line" | "include" => Err(told(format!(
-                "#{} belongs to a whole shader: a field cannot have it",
+                "#{} is allowed in whole shaders only, not in a field",
                 name.text
             ))),
             other => Err(told(format!("there is no directive #{other}"))),
@@ -143,7 +144,7 @@ impl<'a> Preprocessor<'a> {
         Ok(())
     }
 
-    /// Whether the expression of an `#if` or `#elif` holds.
+    /// Whether the expression of an `#if` or `#elif` is true.
     fn holds(&mut self, line: u32, tokens: &[Token<'a>]) -> Result<bool, Refusal> {
         let mut known = Vec::with_capacity(tokens.len());
         let mut rest = tokens;
@@ -186,16 +187,16 @@ struct Macro<'a> {
     kinds: Vec<Kind>,
 }
 
-/// An item still to be processed.
+/// An item that has not been processed yet.
 enum Item<'a> {
     Token(Token<'a>),
-    /// The end of a macro's tokens, within which the macro is not expanded again.
+    /// The end of the tokens of a macro. The macro is not expanded again before this end.
     End(&'a str),
 }
 
 struct Expander<'a> {
     macros: HashMap<&'a str, Macro<'a>>,
-    /// Macros that are being expanded.
+    /// Macros that are currently being expanded, and are therefore not expanded again.
     hidden: HashSet<&'a str>,
     steps: usize,
     most_tokens: usize,
@@ -267,7 +268,7 @@ impl<'a> Expander<'a> {
         ))
     }
 
-    /// Expands the macros of some tokens.
+    /// Expands the macros in some tokens.
     fn expand(
         &mut self,
         tokens: &[Token<'a>],
@@ -275,7 +276,7 @@ impl<'a> Expander<'a> {
         depth: u32,
     ) -> Result<(), Refusal> {
         let mut left: Vec<Item> = tokens.iter().rev().map(|t| Item::Token(*t)).collect();
-        // The token after a macro must not merge with the macro's last token.
+        // The token after a macro must not merge with the last token of the macro.
         let mut after_macro = false;
         while let Some(item) = left.pop() {
             let mut token = match item {
@@ -307,7 +308,8 @@ impl<'a> Expander<'a> {
         Ok(())
     }
 
-    /// Replaces a macro by its tokens; returns false if `name` is not a macro, or is a function macro without a call.
+    /// Replaces a macro call by the tokens of the macro. Returns false if `name` is not a macro, or is a macro with
+    /// parameters that is not followed by arguments.
     fn call(
         &mut self,
         name: Token<'a>,
@@ -333,7 +335,7 @@ impl<'a> Expander<'a> {
         let told = |why: &str| (Some(name.line), format!("the macro '{}' {why}", name.text));
         let body = body_of(of, name);
         let mut given = self.arguments(name, left)?;
-        // An empty call has one empty argument, or none.
+        // An empty call has one empty argument or no argument.
         if parameters.is_empty() && given.len() == 1 && given[0].is_empty() {
             given.clear();
         }
@@ -368,7 +370,7 @@ impl<'a> Expander<'a> {
         Ok(true)
     }
 
-    /// Removes the arguments of a call, beginning with its `(`, from the remaining items.
+    /// Removes the arguments of a call from the remaining items, beginning with its `(`.
     fn arguments(
         &mut self,
         name: Token<'a>,
@@ -452,7 +454,7 @@ fn body_of<'a>(of: &Macro<'a>, name: Token<'a>) -> Vec<Token<'a>> {
         .collect()
 }
 
-/// A token produced by a macro, at the position of the macro's name.
+/// A token from a macro, at the position of the macro's name.
 fn made<'a>(token: Token<'a>, name: Token<'a>) -> Token<'a> {
     Token {
         space: " ",

@@ -1,4 +1,4 @@
-//! Accepted and rejected texts.
+//! Tests of accepted and rejected texts.
 
 use super::*;
 
@@ -8,7 +8,7 @@ fn refusal(text: &str) -> (Option<u32>, String) {
     read(text).expect_err(&text[..text.len().min(200)])
 }
 
-/// Protects the counts of `cost`: comments and excluded lines do not count as code, names are renamed, and the limits
+/// Protects the counts of `echomarch cost`: comments and excluded lines are not code, names are renamed, and the limits
 /// of users' texts do not apply.
 #[test]
 fn a_shader_is_reduced_to_its_code() {
@@ -28,7 +28,7 @@ fn a_shader_is_reduced_to_its_code() {
     assert!(code_lines("#if 1\nfloat a;").is_err());
 }
 
-/// Protects the renaming: every name that could clash with one of the program's own is found.
+/// Protects the renaming: every name that can clash with a name of the program is found.
 #[test]
 fn the_names_of_a_text_are_found() {
     let text = "// float not(vec3 p)\n#define PI 3.14\nconst float A = PI, B[2];\n\
@@ -58,7 +58,7 @@ fn a_text_is_made_fit_for_a_shader_line_by_line() {
     assert_eq!(read(plain).unwrap().code, plain);
 }
 
-/// Protects the detection of a stated gradient: a function of another kind does not count.
+/// Protects the detection of a gradient function: a function with another signature is not one.
 #[test]
 fn a_stated_gradient_is_found() {
     for (text, is_stated) in [
@@ -84,7 +84,7 @@ fn a_stated_gradient_is_found() {
     }
 }
 
-/// A gradient of another type is rejected, not skipped.
+/// Protects users from a gradient that is silently ignored: a gradient of another type is rejected.
 #[test]
 fn a_gradient_of_another_type_is_refused() {
     for text in [
@@ -99,7 +99,7 @@ fn a_gradient_of_another_type_is_refused() {
     }
 }
 
-/// Protects the message for a text that is not a field.
+/// Protects the message about a text that does not define a field.
 #[test]
 fn what_is_no_field_is_told() {
     for good in [
@@ -126,8 +126,8 @@ fn what_is_no_field_is_told() {
     }
 }
 
-/// Protects the shader around a field from forbidden content: it is reported by name and line, also in macros and
-/// continued lines.
+/// Protects the shader around a field from forbidden content. The content is reported by name and line, also within
+/// macros and continued lines.
 #[test]
 fn what_a_field_cannot_have_is_refused_by_name() {
     let bad = [
@@ -167,7 +167,7 @@ fn what_a_field_cannot_have_is_refused_by_name() {
     }
 }
 
-/// Protects the compilers: unbounded growth and nesting are rejected, without delay.
+/// Protects compilers: texts with unbounded growth or nesting are rejected quickly.
 #[test]
 fn what_would_overwhelm_a_compiler_is_refused() {
     let doubling = |levels: usize| {
@@ -220,7 +220,7 @@ fn what_would_overwhelm_a_compiler_is_refused() {
     assert!(read(&spaced).is_ok());
 }
 
-/// Protects the meaning of texts: macros and conditions work as in GLSL.
+/// Protects the meaning of texts: macros and conditions have the same result as in GLSL.
 #[test]
 fn macros_and_conditions_do_as_in_glsl() {
     let same = [
@@ -293,7 +293,7 @@ fn with_body(body: &str) -> String {
     format!("float field(vec3 p) {{\n float a = 0.0; int i = 0;\n{body}\n return p.x; }}")
 }
 
-/// An infinite loop is rejected: a renderer would end it after an arbitrary number of iterations, without an error.
+/// An infinite loop is rejected, because a renderer would silently end it after an arbitrary number of iterations.
 #[test]
 fn a_loop_without_an_end_is_refused_with_its_line() {
     for body in [
@@ -311,7 +311,7 @@ fn a_loop_without_an_end_is_refused_with_its_line() {
     }
 }
 
-/// Protects loops that end by other means than their condition.
+/// Protects loops that end by a `break`, a `return` or a condition.
 #[test]
 fn a_loop_that_can_be_left_is_taken() {
     for body in [
@@ -325,7 +325,7 @@ fn a_loop_that_can_be_left_is_taken() {
         "do { if (i++ > 5) { break; } } while (true);",
         "{ a = 1.0; } while (a < 3.0) a += 1.0;",
         "bool t = true; while (i < 3) { i++; }",
-        // Invalid GLSL, which the driver reports.
+        // Invalid GLSL that the driver reports.
         "while; for a; do {} while 1; while",
     ] {
         assert!(
@@ -336,7 +336,8 @@ fn a_loop_that_can_be_left_is_taken() {
     }
 }
 
-/// Protects the only exception to renaming: no name in the program's own shaders looks like a selection of components.
+/// Protects the only exception to renaming: the program's own shaders contain no name that looks like a selection of
+/// components.
 #[test]
 fn selections_and_names_are_told_apart() {
     for word in ["x", "xyz", "rgba", "stp", "p", "aaaa"] {

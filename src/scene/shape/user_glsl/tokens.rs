@@ -2,11 +2,11 @@
 
 use super::Refusal;
 
-/// Maximum length of a name or a number. GLSL ES 3.00 limits names to 1024 characters, and the program's prefix for
-/// renamed names has at most 16.
+/// Maximum length of a name or a number in characters. GLSL ES 3.00 limits names to 1024 characters, and the program
+/// adds a prefix of at most 16 characters when it renames them.
 const LONGEST_WORD: usize = 1024 - 16;
 
-/// Symbols of several characters, longer ones first.
+/// Symbols of two or three characters, the longer ones first.
 const MARKS: [&str; 24] = [
     "<<=", ">>=", "++", "--", "<<", ">>", "<=", ">=", "==", "!=", "&&", "||", "^^", "+=", "-=",
     "*=", "/=", "%=", "&=", "|=", "^=", "##", "//", "/*",
@@ -17,7 +17,7 @@ const SINGLE: &[u8] = b"(){}[].,;:?+-*/%<>=!&|^~#";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// A name or a word of the language.
+    /// A name or a reserved word.
     Word,
     Number,
     Mark,
@@ -28,11 +28,11 @@ pub enum Kind {
 pub struct Token<'a> {
     pub kind: Kind,
     pub text: &'a str,
-    /// Blanks, line breaks and comments before it.
+    /// Blanks, line breaks and comments before the token.
     pub space: &'a str,
-    /// Line, counted from 1; for a macro's token, the line of its call.
+    /// Line of the token, counted from 1. For a token from a macro, this is the line of the macro call.
     pub line: u32,
-    /// Whether it is the first in its line.
+    /// Whether the token is the first in its line.
     pub is_first: bool,
 }
 
@@ -46,10 +46,10 @@ impl Token<'_> {
     }
 }
 
-/// The text in ASCII, as GLSL requires, with `\n` at the end of lines, and without continued lines: their breaks are
-/// moved to the end of the joined line, so that later lines keep their numbers.
+/// Converts the text to ASCII, as GLSL requires, with `\n` at the end of lines. Continued lines are joined, and the
+/// removed line breaks are added after the joined line, so that later lines keep their numbers.
 ///
-/// Other characters, which occur in comments, become question marks.
+/// Other characters, which occur in comments, are replaced by question marks.
 pub fn clean(text: &str) -> String {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut out = String::with_capacity(text.len());
@@ -80,7 +80,7 @@ fn end_line(out: &mut String, owed: &mut usize) {
     out.extend(std::iter::repeat_n('\n', 1 + std::mem::take(owed)));
 }
 
-/// The tokens of a clean text, and the space after the last token.
+/// The tokens of a text that [`clean`] has converted, and the space after the last token.
 pub fn tokens(text: &str) -> Result<(Vec<Token<'_>>, &str), Refusal> {
     let mut all = Vec::new();
     let (mut at, mut line) = (0, 1);
@@ -105,7 +105,7 @@ pub fn tokens(text: &str) -> Result<(Vec<Token<'_>>, &str), Refusal> {
     }
 }
 
-/// The end of the blanks and comments, and whether they contain the beginning of a line.
+/// The end of the blanks and comments that begin at `at`, and whether they contain the beginning of a line.
 fn space_end(
     text: &str,
     mut at: usize,
@@ -132,7 +132,7 @@ fn space_end(
     }
 }
 
-/// Kind and length of the first token of a text.
+/// Kind and length in bytes of the first token of a text.
 fn token(text: &str) -> Result<(Kind, usize), String> {
     let bytes = text.as_bytes();
     let first = bytes[0];
@@ -150,7 +150,7 @@ fn token(text: &str) -> Result<(Kind, usize), String> {
     };
     if length > LONGEST_WORD {
         let why = format!(
-            "'{}…' has {length} characters, and a name or a number may have {LONGEST_WORD}",
+            "'{}…' has {length} characters: a name or a number must have at most {LONGEST_WORD}",
             &text[..16]
         );
         return Err(why);
@@ -163,7 +163,7 @@ fn word_length(bytes: &[u8]) -> usize {
     bytes.iter().take_while(is_of_it).count()
 }
 
-/// Length of a number by the preprocessor's definition: including a sign after the `e` of an exponent.
+/// Length of a number as defined by the preprocessor, which includes the sign of an exponent.
 fn number_length(bytes: &[u8]) -> usize {
     let is_hex = bytes.len() > 1 && bytes[0] == b'0' && bytes[1].eq_ignore_ascii_case(&b'x');
     let mut length = 1;
@@ -179,10 +179,10 @@ fn number_length(bytes: &[u8]) -> usize {
     length
 }
 
-/// Maximum nesting of brackets and signs in the expression of an `#if`.
+/// Maximum nesting depth of brackets and signs in the expression of an `#if`.
 const DEEPEST: u32 = 64;
 
-/// Binary operators by level, from the weakest to the strongest.
+/// Binary operators by precedence, from the lowest to the highest.
 const LEVELS: [&[&str]; 10] = [
     &["||"],
     &["&&"],
@@ -196,7 +196,7 @@ const LEVELS: [&[&str]; 10] = [
     &["*", "/", "%"],
 ];
 
-/// The value of an `#if` expression without macros; names count as 0.
+/// The value of an `#if` expression in which all macros have been expanded. Remaining names have the value 0.
 pub fn condition(tokens: &[Token]) -> Result<i64, String> {
     let mut parser = Parser { tokens, depth: 0 };
     let value = parser.binary(0)?;
@@ -287,7 +287,7 @@ fn applied(left: i64, operator: &str, right: i64) -> Result<i64, String> {
     })
 }
 
-/// A whole number in GLSL notation: decimal, octal or hexadecimal.
+/// Parses an integer in GLSL notation: decimal, octal or hexadecimal.
 fn whole(text: &str) -> Option<i64> {
     let digits = text.trim_end_matches(['u', 'U']);
     if let Some(hex) = digits.strip_prefix("0x").or(digits.strip_prefix("0X")) {

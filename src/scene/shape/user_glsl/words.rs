@@ -1,28 +1,29 @@
-//! The words of GLSL that a field may and may not use, and new names for globals.
+//! The words of GLSL that are allowed or forbidden in a field, and new names for some globals.
 //!
-//! Names are renamed by macros, which would also rename the `.s` of a vector. So a global that looks like a selection
-//! of components, such as `float s(float x)`, gets another name in the text itself: two fields with an `s` then do not
-//! clash.
+//! The names of a field are renamed by macros. A macro for `s` would also rename the component selection `.s` of a
+//! vector. A global that looks like a selection of components, such as `float s(float x)`, therefore gets a new name in
+//! the text itself. Two fields that both declare an `s` then do not clash.
 
 use super::tokens::Token;
 use std::collections::{HashMap, HashSet};
 use std::sync::LazyLock;
 
-/// Types common to GLSL 3.30 and GLSL ES 3.00 that a function of one point can use.
+/// Types that exist in both GLSL 3.30 and GLSL ES 3.00, and that a function of one point can use.
 const TYPES: &str = "
     void bool int uint float vec2 vec3 vec4 bvec2 bvec3 bvec4 ivec2 ivec3 ivec4 uvec2 uvec3
     uvec4 mat2 mat3 mat4 mat2x2 mat2x3 mat2x4 mat3x2 mat3x3 mat3x4 mat4x2 mat4x3 mat4x4";
 
-/// Other usable words common to both languages: qualifiers, and words of statements.
+/// Other allowed words that exist in both languages: qualifiers and words of statements.
 const WORDS: &str = "
     struct const in out inout highp mediump lowp precision if else for while do switch case
     default break continue return true false";
 
-/// Functions common to both languages that a function of one point can use: a text can call them, but cannot declare
-/// them again. In GLSL 3.30 a declaration replaces the function for the whole shader, in GLSL ES 3.00 it is an error.
+/// Functions that exist in both languages, and that a function of one point can use. A text can call them, but cannot
+/// declare them again. In GLSL 3.30 such a declaration would replace the function for the whole shader. In GLSL ES 3.00
+/// it is an error.
 ///
-/// All other functions of either language are names that a text may declare: they are then renamed, like all its
-/// declarations.
+/// All other functions of the two languages are names that a text may declare. They are renamed like all declarations
+/// of the text.
 const FUNCTIONS: &str = "
     radians degrees sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh pow exp log exp2
     log2 sqrt inversesqrt abs sign floor trunc round roundEven ceil fract mod modf min max clamp
@@ -31,17 +32,17 @@ const FUNCTIONS: &str = "
     matrixCompMult outerProduct transpose determinant inverse lessThan lessThanEqual greaterThan
     greaterThanEqual equal notEqual any all not";
 
-/// Words for inputs from outside.
+/// Words that declare external inputs.
 const GIVEN: &str = "
     uniform varying attribute layout buffer shared centroid flat smooth noperspective invariant
     patch sample subroutine coherent volatile restrict readonly writeonly";
 
-/// Words for reading or doing something other than evaluating the field's own point.
+/// Functions that need more than the field's own point.
 const BEYOND: &str = "
     dFdx dFdy fwidth texture texelFetch texture2D textureLod textureSize textureOffset
     textureProj textureGrad";
 
-/// Words that either language reserves for future use. Texts with them do not compile anywhere.
+/// Words that one of the languages reserves for future use. A text that contains them does not compile.
 const RESERVED: &str = "
     active asm atomic_uint cast class common double dvec2 dvec3 dvec4 enum extern external
     filter fixed fvec2 fvec3 fvec4 goto half hvec2 hvec3 hvec4 inline input interface long
@@ -59,7 +60,7 @@ enum Class {
     Reserved,
 }
 
-/// The classes of all words above.
+/// Each word of the lists above, with its class.
 static CLASSES: LazyLock<HashMap<&str, Class>> = LazyLock::new(|| {
     let lists = [
         (Class::Type, TYPES),
@@ -73,43 +74,42 @@ static CLASSES: LazyLock<HashMap<&str, Class>> = LazyLock::new(|| {
     words.into_iter().flatten().collect()
 });
 
-/// Whether a word is in one of the lists above.
+/// Whether a word has this class.
 fn is_of(class: Class, word: &str) -> bool {
     CLASSES.get(word) == Some(&class)
 }
 
-/// Macros defined by the compiler.
+/// Macros that the compiler defines.
 const MACROS: &[&str] = &["__LINE__", "__FILE__", "__VERSION__", "defined"];
 
 /// Letters that select components.
 const SELECTIONS: [&str; 3] = ["xyzw", "rgba", "stpq"];
 
-/// Whether a word belongs to GLSL.
+/// Whether a word is defined by GLSL.
 pub fn is_known(word: &str) -> bool {
     is_language(word) || is_function(word)
 }
 
-/// Whether a word is a type of GLSL.
+/// Whether a word is a GLSL type.
 pub fn is_type(word: &str) -> bool {
     is_of(Class::Type, word)
 }
 
-/// Whether a word belongs to the language, so that it cannot be a name.
+/// Whether a word is reserved, so that it cannot be a name.
 pub fn is_language(word: &str) -> bool {
     is_of(Class::Word, word) || is_type(word)
 }
 
-/// Whether a word is a function of GLSL that a text cannot declare again.
+/// Whether a word is a GLSL function that a text cannot declare again.
 pub fn is_function(word: &str) -> bool {
     is_of(Class::Function, word)
 }
 
-/// The reason why a text cannot define or undefine a macro of this name, if any.
+/// The reason why a text cannot define or undefine a macro with this name, if any.
 pub fn macro_refusal(word: &str) -> Option<String> {
     let is_of_compiler = word.starts_with("GL_") || MACROS.contains(&word);
-    is_of_compiler.then(|| {
-        format!("'{word}' is the compiler's: a text can neither define it nor undefine it")
-    })
+    is_of_compiler
+        .then(|| format!("the compiler defines '{word}': a text cannot define or undefine it"))
 }
 
 /// Whether a word could select components of a vector.
@@ -126,16 +126,16 @@ pub fn refusal(word: &str) -> Option<String> {
         ));
     }
     if word == "discard" {
-        return Some("a field cannot 'discard': it has a value everywhere".to_owned());
+        return Some("'discard' is not allowed: a field has a value everywhere".to_owned());
     }
     if word.starts_with("gl_") || word.starts_with("GL_") || is_of(Class::Beyond, word) {
         return Some(format!(
-            "'{word}' belongs to a whole shader: the only input of a field is its point"
+            "'{word}' is allowed in whole shaders only: the only input of a field is its point"
         ));
     }
     if is_of(Class::Reserved, word) {
         return Some(format!(
-            "'{word}' is a word that GLSL reserves for later: choose another name"
+            "'{word}' is a word that GLSL reserves for future use: choose another name"
         ));
     }
     if word.contains("__") {
@@ -151,8 +151,8 @@ pub fn refusal(word: &str) -> Option<String> {
     (word == "defined").then(|| "'defined' belongs to the preprocessor".to_owned())
 }
 
-/// Whether a word begins with a prefix of renamed names: `user0_`, `users0_`. The macros that rename names could then
-/// collide.
+/// Whether a word begins with a prefix of renamed names, such as `user0_` or `users0_`. The macros that rename names
+/// could collide with such a word.
 fn is_of_renaming(word: &str) -> bool {
     let Some(after) = word.strip_prefix("user") else {
         return false;
@@ -162,7 +162,7 @@ fn is_of_renaming(word: &str) -> bool {
     name.len() < number.len() && name.starts_with('_')
 }
 
-/// Whether a word is the type of a texture or an image: `sampler2D`, `uimageCube`.
+/// Whether a word is an opaque type, such as `sampler2D` or `uimageCube`.
 fn is_opaque(word: &str) -> bool {
     let is_dimension = |rest: &str| {
         let is_named = ["Cube", "Buffer"].iter().any(|name| rest.starts_with(name));
@@ -179,15 +179,15 @@ fn is_opaque(word: &str) -> bool {
     rests.any(is_dimension)
 }
 
-/// The words of a text with their new names; most words are unchanged.
+/// The words of a text, some of which have new names.
 pub struct Renamed<'a> {
-    /// The new names of renamed tokens, by position.
+    /// The new names of renamed tokens, by the position of the token.
     of: HashMap<usize, String>,
     tokens: &'a [Token<'a>],
 }
 
 impl<'a> Renamed<'a> {
-    /// Chooses new names for a text with globals at these positions.
+    /// Chooses new names for a text whose globals are at these positions.
     pub fn new(tokens: &'a [Token<'a>], globals: &[usize]) -> Renamed<'a> {
         let selections = globals.iter().map(|place| tokens[*place].text);
         let wanted: HashSet<&str> = selections.filter(|word| is_selection(word)).collect();
@@ -206,7 +206,7 @@ impl<'a> Renamed<'a> {
         Renamed { of, tokens }
     }
 
-    /// The output text of the token at this position.
+    /// The text of the token at this position after renaming.
     pub fn text(&self, place: usize) -> &str {
         self.of
             .get(&place)
@@ -214,8 +214,8 @@ impl<'a> Renamed<'a> {
     }
 }
 
-/// Finds a new name for each wanted name: the name with a number, such that the text does not contain it and it does
-/// not select components.
+/// Finds a new name for each wanted name by appending a number. The text does not contain the new name, and it does not
+/// select components.
 fn new_names<'a>(tokens: &[Token<'a>], wanted: HashSet<&'a str>) -> HashMap<&'a str, String> {
     let known: HashSet<&str> = tokens.iter().map(|token| token.text).collect();
     let new = |word: &'a str| {
@@ -226,19 +226,19 @@ fn new_names<'a>(tokens: &[Token<'a>], wanted: HashSet<&'a str>) -> HashMap<&'a 
     wanted.into_iter().filter_map(new).collect()
 }
 
-/// Detects the declarations of structure members.
+/// Finds the names of structure members in a sequence of tokens.
 #[derive(Default)]
 struct Members {
-    /// Whether a `struct` was read but not yet its `{`.
+    /// Whether a `struct` has been read, but not its `{`.
     begins: bool,
     is_inside: bool,
-    /// Whether the next word is a member's type.
+    /// Whether the next word is the type of a member.
     is_type: bool,
     brackets: usize,
 }
 
 impl Members {
-    /// Whether the token declares the name of a member.
+    /// Whether this token is the declared name of a member.
     fn is_declared_by(&mut self, token: &Token) -> bool {
         match token.text {
             "struct" => self.begins = true,

@@ -1,4 +1,4 @@
-//! Writes statements and declarations.
+//! Writes the derivative of statements and declarations.
 
 use super::functions::{Variable, Writer};
 use super::syntax::{Declaration, Expression, Statement};
@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use std::fmt::Write as _;
 
 impl<'a> Writer<'a> {
-    /// Statements in a scope of their own.
+    /// Writes statements in a new scope.
     pub fn block(&mut self, statements: &'a [Statement<'a>]) -> Result<(), Obstacle> {
         self.frame.scopes.push(HashMap::new());
         for statement in statements {
@@ -100,7 +100,7 @@ impl<'a> Writer<'a> {
         Ok(())
     }
 
-    /// A condition, without derivatives.
+    /// Writes a condition, which needs no derivatives.
     fn condition(&mut self, of: &'a Expression<'a>) -> Result<String, Obstacle> {
         let value = self.value(of)?;
         self.native(&value)
@@ -125,7 +125,7 @@ impl<'a> Writer<'a> {
         Ok(())
     }
 
-    /// The first part of a loop's head: one statement.
+    /// Writes the first part of a loop's head, a single statement.
     fn first(&mut self, first: &'a [Statement<'a>]) -> Result<String, Obstacle> {
         let mut texts = Vec::new();
         for statement in first {
@@ -140,8 +140,8 @@ impl<'a> Writer<'a> {
         Ok(texts.join("; "))
     }
 
-    /// A declaration: a statement for each variable, or a single one whose variables all depend on the point if one
-    /// does.
+    /// Writes a declaration. If `is_single`, the result is a single statement, in which all variables have derivatives
+    /// if any of them depends on the point. Otherwise each variable becomes a separate statement.
     fn declaration(
         &mut self,
         declaration: &'a Declaration<'a>,

@@ -1,4 +1,4 @@
-//! Writes calls: of functions of GLSL, of constructors, and of the text's own functions.
+//! Writes the derivative of calls of GLSL functions, constructors, and functions of the text.
 
 use super::functions::Writer;
 use super::rules;
@@ -9,7 +9,7 @@ use super::{Obstacle, obstacle};
 use std::fmt::Write as _;
 
 impl<'a> Writer<'a> {
-    /// A call of a function.
+    /// Writes a call of a function.
     pub fn call(
         &mut self,
         name: &'a str,
@@ -26,7 +26,7 @@ impl<'a> Writer<'a> {
         of.iter().map(|one| self.value(one)).collect()
     }
 
-    /// The function of the text that a call means; `None` for a function of GLSL.
+    /// The index of the text's function that a call refers to; `None` for a GLSL function.
     fn overload(&self, name: &str, given: &[Value<'a>]) -> Result<Option<usize>, Obstacle> {
         let program = self.program;
         let fits = |accepts: fn(&Type, &Type) -> bool| -> Vec<usize> {
@@ -84,7 +84,7 @@ impl<'a> Writer<'a> {
         Ok(Value::plain(text, of))
     }
 
-    /// `modf(x, whole)`: the whole part does not vary.
+    /// Writes `modf(x, whole)`. The whole part is constant between jumps, so it has no derivative.
     fn modf(&mut self, given: &[Value<'a>]) -> Result<Value<'a>, Obstacle> {
         let [value, whole] = given else {
             return obstacle("a call of a function of GLSL with other arguments");
@@ -112,7 +112,7 @@ impl<'a> Writer<'a> {
         Ok(Value::varying(text, of))
     }
 
-    /// A constructor of any type.
+    /// Writes a constructor of any type.
     pub fn constructor(
         &mut self,
         of: &Type,
@@ -155,7 +155,7 @@ impl<'a> Writer<'a> {
         Ok(Value::plain(text, of.clone()))
     }
 
-    /// The values of members; with types, those that can depend on the point do.
+    /// Writes the values of members. If `types` is given, members whose type can depend on the point get derivatives.
     fn members_as(
         &mut self,
         given: &[Value<'a>],
@@ -171,7 +171,7 @@ impl<'a> Writer<'a> {
         Ok(texts.join(", "))
     }
 
-    /// A call of a function of the text.
+    /// Writes a call of a function of the text.
     fn own_call(&mut self, index: usize, given: &[Value<'a>]) -> Result<Value<'a>, Obstacle> {
         let program = self.program;
         let function = &program.functions[index];
@@ -187,7 +187,7 @@ impl<'a> Writer<'a> {
             let varies = instance.varies[place];
             if parameter.is_out {
                 let Some(to) = &value.place else {
-                    return obstacle("an argument that is no variable");
+                    return obstacle("an `out` argument that is not a variable");
                 };
                 if varies && !value.varies {
                     self.make_vary(to.variable)?;
@@ -220,7 +220,8 @@ impl<'a> Writer<'a> {
         })
     }
 
-    /// A function that calls another with components: GLSL passes them one by one.
+    /// Writes a wrapper of a function for arguments that are components of a variable. GLSL has no structure of such
+    /// components, so the wrapper takes the components of the value and of each derivative as separate parameters.
     fn split_call(
         &mut self,
         of: &str,
@@ -271,7 +272,7 @@ impl<'a> Writer<'a> {
         Ok(function)
     }
 
-    /// A parameter in a declaration.
+    /// Writes a parameter of a function declaration.
     pub fn declared(&mut self, parameter: &Parameter<'a>, name: &str, varies: bool) -> String {
         let how = match (parameter.is_in, parameter.is_out) {
             (true, true) => "inout ",

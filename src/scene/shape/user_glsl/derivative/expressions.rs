@@ -1,4 +1,4 @@
-//! Writes expressions.
+//! Writes the derivative of expressions.
 
 use super::functions::{Variable, Writer};
 use super::rules;
@@ -7,7 +7,7 @@ use super::types::{Base, Type};
 use super::values::{Place, Value};
 use super::{Obstacle, obstacle};
 
-/// Maximum length in bytes of an index, which is repeated for each derivative.
+/// Maximum length of an index in bytes. The text of an index is repeated for each derivative.
 const LONGEST_INDEX: usize = 256;
 
 impl<'a> Writer<'a> {
@@ -76,7 +76,7 @@ impl<'a> Writer<'a> {
     fn prefixed(&mut self, operator: &str, of: &'a Expression<'a>) -> Result<Value<'a>, Obstacle> {
         let value = self.value(of)?;
         if !value.varies || matches!(operator, "!" | "~") {
-            // The blank separates two signs.
+            // The blank separates two consecutive signs.
             let text = format!("({operator} {})", self.native(&value)?);
             return Ok(Value::plain(text, value.of_type));
         }
@@ -92,7 +92,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// A binary operator.
+    /// Writes a binary operator.
     pub fn operated(
         &mut self,
         operator: &str,
@@ -168,7 +168,7 @@ impl<'a> Writer<'a> {
         self.part(&value, &text, Some(&at), element)
     }
 
-    /// A part of a value: an element, or components.
+    /// Writes a part of a value: an element, or components.
     fn part(
         &mut self,
         value: &Value<'a>,
@@ -247,15 +247,15 @@ impl<'a> Writer<'a> {
         self.put(&target, &from)
     }
 
-    /// Assigns a value to a place.
+    /// Writes an assignment of a value to a place.
     fn put(&mut self, target: &Value<'a>, from: &Value<'a>) -> Result<Value<'a>, Obstacle> {
         let Some(place) = &target.place else {
-            return obstacle("an assignment to no variable");
+            return obstacle("an assignment to something other than a variable");
         };
         let of = &target.of_type;
         if from.varies && !target.varies && self.can_vary(of) {
             self.make_vary(place.variable)?;
-            // Every text of this turn is discarded.
+            // The text of this pass is discarded, so this text need not be valid.
             return Ok(Value::varying(from.text.clone(), of.clone()));
         }
         if !target.varies {
@@ -277,7 +277,7 @@ impl<'a> Writer<'a> {
         Ok(Value::varying(text, of.clone()))
     }
 
-    /// `++` and `--`, before or after.
+    /// Writes `++` and `--`, before or after an operand.
     fn stepped(
         &mut self,
         operator: &'a str,
@@ -300,7 +300,7 @@ impl<'a> Writer<'a> {
         let put = self.put(&value, &result)?;
         match is_before {
             true => Ok(put),
-            // The value before the step, from the value after it.
+            // Computes the value before the step from the value after it.
             false => {
                 let back = if operator == "++" { "-" } else { "+" };
                 self.operated(back, &put, &one)
@@ -322,7 +322,7 @@ fn type_of_literal(text: &str) -> Type {
     })
 }
 
-/// Whether an expression has no effects, so that its text may be repeated.
+/// Whether an expression has no side effects, so that its text can be repeated.
 fn is_pure(of: &Expression) -> bool {
     match &of.kind {
         Kind::Literal(_) | Kind::Name(_) => true,

@@ -1,4 +1,4 @@
-//! Writes functions, each for the arguments that depend on the point.
+//! Writes the derivative of functions, once for each set of arguments that depend on the point.
 
 use super::syntax::{Declaration, Program};
 use super::types::{Base, Type};
@@ -6,45 +6,46 @@ use super::{Along, Obstacle, obstacle};
 use std::collections::{HashMap, HashSet};
 use std::fmt::Write as _;
 
-/// Maximum expressions that are written, counting each time: many times those of the largest fields.
+/// Maximum number of written expressions, including repetitions. The largest known fields need only a small part of it.
 const MOST_STEPS: usize = 1 << 18;
 
-/// Maximum length of the result in bytes, half of the longest text. A driver takes about 20 µs and 1 KB per token.
+/// Maximum length of the derivative's text in bytes, half the maximum length of a field's text. A driver takes about 20
+/// µs and 1 KB per token.
 const LONGEST: usize = 1 << 17;
 
 /// A variable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Variable<'a> {
-    /// The n-th declaration of the function.
+    /// The declaration of the function with this index.
     Local(usize),
     Global(&'a str),
 }
 
-/// Maximum levels of expressions, statements and calls together: the writer calls itself for each.
+/// Maximum number of nested expressions, statements and calls together, which limits the recursion of the writer.
 const DEEPEST: usize = 160;
 
-/// A function for some varying arguments.
+/// The derivative of a function for certain arguments that depend on the point.
 #[derive(Clone, Debug)]
 pub struct Instance {
     pub name: String,
-    /// Which of the parameters have derivatives.
+    /// Whether each parameter has derivatives.
     pub varies: Vec<bool>,
     pub returns_vary: bool,
-    /// The type of its result as text.
+    /// The type of the result, as text.
     pub returns: String,
-    /// Whether it uses a global that depends on the point.
+    /// Whether the function uses a global that depends on the point.
     pub touches_global: bool,
 }
 
-/// A function that is being written.
+/// The state of the writer within a function.
 #[derive(Debug, Default)]
 pub struct Frame<'a> {
     /// The variables in scope, innermost last.
     pub scopes: Vec<HashMap<&'a str, (usize, Type)>>,
-    /// Declarations until now; their order is the same in each turn.
+    /// Number of variables declared so far. Every pass declares the variables in the same order.
     pub declared: usize,
     pub varying: HashSet<usize>,
-    /// Whether a variable has changed in this turn.
+    /// Whether another variable has become dependent on the point in this pass.
     pub has_changed: bool,
     pub text: String,
     pub returns: Option<Type>,
@@ -63,12 +64,12 @@ pub struct Writer<'a> {
     pub structures: String,
     pub helpers: String,
     pub instances_text: String,
-    /// The functions that have been written, by key.
+    /// The keys of the functions that have been written.
     pub known: HashSet<String>,
     instances: HashMap<(usize, Vec<bool>), Instance>,
     active: Vec<usize>,
     varying_globals: HashSet<&'a str>,
-    /// Whether another global depends on the point, so that everything is written again.
+    /// Whether another global has become dependent on the point. Everything is then written again.
     has_changed: bool,
     pub makes_floats_of_bits: bool,
     steps: usize,
@@ -102,7 +103,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Counts a unit of work.
+    /// Counts one unit of work.
     pub fn step(&mut self) -> Result<(), Obstacle> {
         self.steps += 1;
         match self.steps <= MOST_STEPS {
@@ -119,7 +120,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Does something within one more level.
+    /// Performs `work` one nesting level deeper.
     pub fn deeper<T>(
         &mut self,
         work: impl FnOnce(&mut Self) -> Result<T, Obstacle>,
@@ -133,7 +134,7 @@ impl<'a> Writer<'a> {
         Ok(done)
     }
 
-    /// The whole text.
+    /// Writes the whole text of the derivative.
     pub fn whole(mut self) -> Result<String, Obstacle> {
         let is_field = |f: &super::syntax::Function| {
             let point = Type::vector(Base::Float, 3);
@@ -199,7 +200,7 @@ impl<'a> Writer<'a> {
         ))
     }
 
-    /// The globals that depend on the point.
+    /// Writes the globals that depend on the point.
     fn globals(&mut self) -> Result<String, Obstacle> {
         let mut text = String::new();
         let program = self.program;
@@ -228,7 +229,7 @@ impl<'a> Writer<'a> {
         format!("{}g_{name}", self.prefix)
     }
 
-    /// The variable of a name.
+    /// The variable with this name, and its type.
     pub fn find(&self, name: &'a str) -> Option<(Variable<'a>, Type)> {
         let mut scopes = self.frame.scopes.iter().rev();
         if let Some((index, of)) = scopes.find_map(|scope| scope.get(name)) {
@@ -246,7 +247,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// From now on, and in the next turn from the beginning, the variable depends on the point.
+    /// Makes a variable depend on the point, from here on and in all later passes.
     pub fn make_vary(&mut self, variable: Variable<'a>) -> Result<(), Obstacle> {
         match variable {
             Variable::Local(index) => {
@@ -276,7 +277,8 @@ impl<'a> Writer<'a> {
         index
     }
 
-    /// The function for these varying arguments, written when it is first asked for.
+    /// The derivative of a function for certain arguments that depend on the point (`asked`). It is written at the
+    /// first call.
     pub fn instance(&mut self, function: usize, asked: &[bool]) -> Result<Instance, Obstacle> {
         let program = self.program;
         let own = &program.functions[function];
@@ -287,7 +289,7 @@ impl<'a> Writer<'a> {
             returns: self.type_name(&own.returns),
             touches_global: false,
         };
-        // Without a varying argument nothing within it can vary.
+        // If neither an argument nor a global depends on the point, nothing in the function does.
         if !asked.contains(&true) && self.varying_globals.is_empty() {
             return Ok(original);
         }
@@ -337,7 +339,8 @@ impl<'a> Writer<'a> {
         Ok(instance)
     }
 
-    /// Writes a function until no more variables change; returns its parameters.
+    /// Writes a function in repeated passes, until no more variables become dependent on the point. Returns the text of
+    /// the parameters.
     fn turns(&mut self, function: usize, asked: &[bool]) -> Result<String, Obstacle> {
         let program = self.program;
         let own = &program.functions[function];

@@ -1,4 +1,4 @@
-//! Structures with derivatives, and the functions with the rules of operators.
+//! Writes the structures with derivatives, and the functions that implement the rules of operators.
 
 use super::functions::Writer;
 use super::rules::Rule;
@@ -7,11 +7,12 @@ use super::values::Value;
 use super::{Obstacle, obstacle};
 use std::fmt::Write as _;
 
-/// Names of parameters, and of their values in rules.
+/// For each argument of a rule: the name of the parameter, and the names of its value and its derivative in the rule.
 const LETTERS: [(&str, &str, &str); 3] = [("a", "A", "dA"), ("b", "B", "dB"), ("c", "C", "dC")];
 
 impl<'a> Writer<'a> {
-    /// The name of the structure of a value with its derivatives; of an element for an array.
+    /// The name of the structure that contains a value and its derivatives. For an array, this is the structure of an
+    /// element.
     pub fn dual(&mut self, of: &Type) -> String {
         let element = Type {
             length: None,
@@ -47,7 +48,7 @@ impl<'a> Writer<'a> {
         all
     }
 
-    /// Adds a function, once for each key.
+    /// Adds a helper function, once for each key.
     pub fn add_helper(&mut self, key: &str, text: &str) -> Result<(), Obstacle> {
         if self.known.insert(key.to_owned()) {
             self.helpers.push_str(text);
@@ -56,13 +57,13 @@ impl<'a> Writer<'a> {
         self.check_length()
     }
 
-    /// The parameter types of a function, by which its overloads differ.
+    /// A key that contains the name and the parameter types of a function, by which its overloads differ.
     fn key(&mut self, name: &str, given: &[Value<'a>]) -> String {
         let types = given.iter().map(|v| self.name_of(&v.of_type, v.varies));
         format!("{name} {}", types.collect::<Vec<_>>().join(" "))
     }
 
-    /// A call of the function with a rule.
+    /// Writes a call of the function that implements a rule.
     pub fn apply(
         &mut self,
         name: &str,
@@ -80,7 +81,7 @@ impl<'a> Writer<'a> {
         Ok(Value::varying(call, rule.returns.clone()))
     }
 
-    /// The text of a function with a rule.
+    /// The text of a function that implements a rule.
     fn ruled(
         &mut self,
         function: &str,
@@ -150,7 +151,7 @@ impl<'a> Writer<'a> {
         ))
     }
 
-    /// The type's constructor.
+    /// Writes a call of a type's constructor.
     pub fn constructed(&mut self, of: &Type, given: &[Value<'a>]) -> Result<Value<'a>, Obstacle> {
         let t = of.name();
         let texts: Vec<&str> = given.iter().map(|value| value.text.as_str()).collect();
@@ -170,7 +171,8 @@ impl<'a> Writer<'a> {
             from.is_matrix() && (from.columns < of.columns || from.rows < of.rows)
         };
         if of.is_matrix() && given.iter().any(is_smaller) {
-            // The rest of the matrix would have derivatives of an identity matrix.
+            // GLSL fills the rest of the matrix from an identity matrix. The same fill would be wrong for the
+            // derivatives.
             return obstacle("a matrix of a smaller one");
         }
         let function = format!("{}make_{t}", self.prefix);
@@ -210,7 +212,7 @@ impl<'a> Writer<'a> {
         Ok(Value::varying(call, of.clone()))
     }
 
-    /// Components, or an element, of a value that is not a variable's.
+    /// Writes the selection of components or of an element from a value that is not a variable.
     pub fn selected(
         &mut self,
         value: &Value<'a>,
@@ -240,7 +242,7 @@ impl<'a> Writer<'a> {
         Ok(Value::varying(text, of.clone()))
     }
 
-    /// The name of the function that assigns to components.
+    /// The name of the helper function that assigns to components.
     pub fn setter(&mut self, of: &Type) -> Result<String, Obstacle> {
         let (plain, dual) = (of.name(), self.dual(of));
         let function = format!("{}set", self.prefix);
@@ -258,7 +260,7 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// A rule's text with the result's type and the arguments' derivatives.
+/// Replaces the names in the text of a rule by the type of the result and the derivatives of the arguments.
 fn substituted(text: &str, t: &str, rates: &[(&str, String)]) -> String {
     let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let mut out = String::with_capacity(text.len());

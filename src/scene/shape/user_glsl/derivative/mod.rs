@@ -1,20 +1,20 @@
-//! Derivatives of users' texts, by forward differentiation of their source.
+//! Derivatives of users' fields, by forward-mode differentiation of the source text.
 //!
-//! From a text with `float field(vec3 p)` this writes the text of a function with the same value and its derivatives.
-//! A float, vector or matrix that depends on the point becomes a structure of its value and its derivative along each
-//! direction, which has the same type as the value; an operator becomes a call of a function with the operator's rule
-//! ([`rules`]). Everything else stays as it is: numbers, counters, conditions, and calls whose arguments do not depend on
-//! the point are calls of the user's own functions (the hash of a cell, for example). A function is written once for each
-//! set of arguments that depend on the point. An assignment makes the whole variable depend on the point, so a function
-//! is written again until no more variables change.
+//! For a text with `float field(vec3 p)`, this module writes the text of a function that computes the same value and
+//! its derivatives. A float, vector or matrix that depends on the point becomes a structure. It contains the value and,
+//! for each direction, a derivative of the same type. An operator becomes a call of a function that implements the rule
+//! of the operator ([`rules`]). Everything that does not depend on the point is unchanged: numbers, counters,
+//! conditions, and calls of the user's own functions (the hash of a cell, for example). A function is written once for
+//! each set of arguments that depend on the point. An assignment makes the whole variable depend on the point. A
+//! function is therefore written repeatedly, until no more variables become dependent on the point.
 //!
-//! A text that cannot be parsed, or that computes floats from the bits of floats that vary, has no derivative here; its
-//! gradient is then computed by differences. Whether the derivative is that of the value is tested on the renderer
-//! (`crate::tracer`), since a text may compute steps from whole numbers, for example.
+//! This module rejects a text that cannot be parsed, and a text that computes floats from the bits of floats that
+//! depend on the point. Gradients are then computed by differences. The renderer tests whether the derivative agrees
+//! with the value (`crate::tracer`), because a text may, for example, compute steps from integers.
 //!
-//! The parser is this module's own. A text has been preprocessed, so it has no directives; of the rest of the language,
-//! the part that a field may use is small. The crates `glsl-lang` and `naga` bring a preprocessor and a validator of
-//! their own, whose limits and languages differ from those of the drivers that compile the text.
+//! The parser is part of this crate. A text has already been preprocessed, so it has no directives, and a field uses
+//! only a small part of the language. The crates `glsl-lang` and `naga` contain their own preprocessor and validator.
+//! Their limits and language versions differ from those of the drivers that compile the text.
 
 mod blocks;
 mod calls;
@@ -33,16 +33,16 @@ mod values;
 use super::tokens;
 use functions::Writer;
 
-/// Why a text has no derivative.
+/// The reason why a text has no derivative.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Obstacle(pub &'static str);
 
-/// An obstacle as a result.
+/// Returns an obstacle as an error.
 fn obstacle<T>(why: &'static str) -> Result<T, Obstacle> {
     Err(Obstacle(why))
 }
 
-/// The directions of the derivatives.
+/// The directions along which the derivatives are taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Along {
     /// Along x, y and z: `float dual0_field(vec3 p, out vec3 gradient)`.
@@ -60,7 +60,7 @@ impl Along {
         }
     }
 
-    /// The beginning of the names of functions and structures of a field.
+    /// The prefix of the names of a field's functions and structures.
     fn prefix(self, index: usize) -> String {
         match self {
             Along::Axes => format!("dual{index}_"),
@@ -69,21 +69,21 @@ impl Along {
     }
 }
 
-/// The derivative of a preprocessed text, as text that follows the text of the field with this index, in which every
-/// name `a` has become `user<index>_a`.
+/// Writes the derivative of a preprocessed text. The result follows the text of the field with this index, in which
+/// every name `a` has been renamed to `user<index>_a`.
 ///
 /// # Errors
 /// The reason why the text has no derivative.
 pub fn written(code: &str, along: Along, index: usize) -> Result<String, Obstacle> {
     let Ok((tokens, _)) = tokens::tokens(code) else {
-        return obstacle("it has no tokens");
+        return obstacle("it cannot be split into tokens");
     };
     let program = statements::program(&tokens)?;
     let makes_floats = uses_floats_of_bits(&tokens);
     Writer::new(&program, (along, index), makes_floats).whole()
 }
 
-/// Whether a text makes floats of bits.
+/// Whether a text computes floats from bits.
 fn uses_floats_of_bits(tokens: &[tokens::Token]) -> bool {
     let makes = |token: &tokens::Token| matches!(token.text, "intBitsToFloat" | "uintBitsToFloat");
     tokens.iter().any(makes)

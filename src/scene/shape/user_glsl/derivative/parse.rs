@@ -1,14 +1,14 @@
-//! A parser by recursive descent: expressions, and what statements and declarations share.
+//! A recursive-descent parser: expressions, and functions shared with the parser of statements and declarations.
 
 use super::super::tokens::{Kind, Token};
 use super::syntax::{Expression, ExpressionKind, Structure};
 use super::types::{Base, Type};
 use super::{Obstacle, obstacle};
 
-/// Maximum levels of an expression, and of nested statements: the parser and the writer call themselves for each.
+/// Maximum nesting of expressions and of statements, which limits the recursion of the parser and the writer.
 pub const DEEPEST: usize = 96;
 
-/// Binary operators by level, from the weakest to the strongest.
+/// Binary operators by precedence, from the lowest to the highest.
 const LEVELS: [&[&str]; 11] = [
     &["||"],
     &["^^"],
@@ -38,7 +38,7 @@ impl<'a> Parser<'a, '_> {
         self.after(0)
     }
 
-    /// The text of a later token; empty after the end.
+    /// The text of the token `count` positions ahead; empty after the end.
     pub fn after(&self, count: usize) -> &'a str {
         self.tokens.get(count).map_or("", |token| token.text)
     }
@@ -51,7 +51,7 @@ impl<'a> Parser<'a, '_> {
         Ok(*first)
     }
 
-    /// Takes the next token if it is this one.
+    /// Consumes the next token if its text is `text`; returns whether it was consumed.
     pub fn take(&mut self, text: &str) -> bool {
         let is_it = self.peek() == text && !self.tokens.is_empty();
         if is_it {
@@ -75,13 +75,13 @@ impl<'a> Parser<'a, '_> {
         }
     }
 
-    /// The type that a word names, of GLSL or of the text.
+    /// The type with this name, defined by GLSL or by the text.
     pub fn type_named(&self, word: &str) -> Option<Type> {
         let index = || self.structures.iter().rposition(|s| s.name == word);
         Type::named(word).or_else(|| Some(Type::scalar(Base::Struct(index()?))))
     }
 
-    /// A type with its precision and brackets, if any.
+    /// Parses a type, with its precision and brackets if there are any.
     pub fn type_written(&mut self) -> Result<Type, Obstacle> {
         while matches!(self.peek(), "highp" | "mediump" | "lowp") {
             self.next()?;
@@ -93,7 +93,7 @@ impl<'a> Parser<'a, '_> {
         self.brackets(known)
     }
 
-    /// A type followed by the brackets of an array, if any.
+    /// Parses the brackets of an array type after `of`, if there are any.
     pub fn brackets(&mut self, of: Type) -> Result<Type, Obstacle> {
         if !self.take("[") {
             return Ok(of);
@@ -104,7 +104,7 @@ impl<'a> Parser<'a, '_> {
         let mut length = String::new();
         while self.peek() != "]" {
             let token = self.next()?;
-            // A number, or the name of a constant: anything else could have effects.
+            // Only a number or the name of a constant is accepted, because other expressions could have side effects.
             if !length.is_empty() || token.kind == Kind::Mark {
                 return obstacle("the length of an array is computed");
             }
@@ -117,7 +117,7 @@ impl<'a> Parser<'a, '_> {
         })
     }
 
-    /// An expression, with commas.
+    /// Parses an expression that may contain the comma operator.
     pub fn expression(&mut self) -> Result<Expression<'a>, Obstacle> {
         let mut first = self.assignment()?;
         while self.take(",") {
@@ -127,7 +127,7 @@ impl<'a> Parser<'a, '_> {
         Ok(first)
     }
 
-    /// An expression without commas.
+    /// Parses an expression without the comma operator.
     pub fn assignment(&mut self) -> Result<Expression<'a>, Obstacle> {
         self.deeper(|parser| {
             let left = parser.binary(0)?;
@@ -152,7 +152,7 @@ impl<'a> Parser<'a, '_> {
         })
     }
 
-    /// Parses something within one more level.
+    /// Parses something one nesting level deeper.
     pub fn deeper<T>(
         &mut self,
         parse: impl FnOnce(&mut Self) -> Result<T, Obstacle>,
@@ -166,7 +166,8 @@ impl<'a> Parser<'a, '_> {
         Ok(parsed)
     }
 
-    /// Binary operators from this level on, by climbing: one call for all levels.
+    /// Parses binary operators of at least this precedence by precedence climbing, with one recursive call for all
+    /// levels.
     fn binary(&mut self, least: usize) -> Result<Expression<'a>, Obstacle> {
         let mut left = self.prefix()?;
         loop {
@@ -296,7 +297,7 @@ fn made(kind: ExpressionKind, below: usize) -> Result<Expression, Obstacle> {
             kind,
             depth: below + 1,
         }),
-        // A tree this deep could not be dropped or written without a large stack.
+        // A deeper tree would need a large stack when it is dropped or written.
         false => obstacle("an expression has too many terms"),
     }
 }

@@ -1,31 +1,32 @@
-//! The derivatives of GLSL's operators and functions.
+//! The differentiation rules of GLSL's operators and functions.
 //!
-//! A rule is text in which `A`, `B` and `C` are the values of the arguments, `dA`, `dB` and `dC` their derivatives along
-//! one direction, `V` the value of the result and `T` its type. The derivative is the sum of one term for each argument
-//! that varies; every term is linear in the argument's derivative.
+//! A rule is text. In it, `A`, `B` and `C` are the values of the arguments, `dA`, `dB` and `dC` are their derivatives
+//! along one direction, `V` is the value of the result and `T` is its type. The derivative of the result is the sum of
+//! one term for each argument that depends on the point. Every term is linear in the derivative of its argument.
 //!
-//! At the edges of `abs`, `min`, `max` and `clamp` the derivative is that of one side. Where a constant limits a value
-//! that is equal to it, the side is that of a slightly smaller value, so that `length(max(q, 0.0)) + min(x, 0.0)` counts
-//! a face once. The derivative of a length at 0 is the limit along a fixed direction; other poles are limited to large
-//! numbers.
+//! Where `abs`, `min`, `max` and `clamp` have a kink, the derivative is that of one side. If a constant limit equals
+//! the value, the derivative is that of a slightly smaller value. With this choice, `length(max(q, 0.0)) + min(x, 0.0)`
+//! counts the derivative at a face only once. The derivative of a length at 0 is the limit along a fixed direction.
+//! Other poles are limited to large numbers.
 
 use super::types::{Base, Type};
 use super::{Obstacle, obstacle};
 
-/// The derivative of an operator or a function.
+/// The differentiation rule of an operator or a function.
 #[derive(Clone, Debug)]
 pub struct Rule {
     /// The type of the result.
     pub returns: Type,
-    /// Whether scalar arguments become vectors of the result's type.
+    /// Whether scalar arguments are converted to vectors of the result's type.
     pub promotes: bool,
-    /// Statements before the value, and between value and terms.
+    /// Statements before the value.
     pub before: String,
+    /// Statements between the value and the terms.
     pub after: String,
     pub value: String,
     /// The term of each argument.
     pub terms: Vec<String>,
-    /// The sum of the terms in a shorter form, if all arguments vary.
+    /// A shorter form of the sum of all terms, used if all arguments depend on the point.
     pub sum: Option<&'static str>,
 }
 
@@ -68,17 +69,17 @@ impl Rule {
     }
 }
 
-/// A rule, or none for a function whose value does not vary smoothly: its derivative is 0.
+/// A rule, or `None` for a function whose value is piecewise constant and whose derivative is 0.
 pub type Found = Result<Option<Rule>, Obstacle>;
 
-/// Least number by which a derivative divides, so that it stays finite.
+/// Minimum divisor in a derivative, which keeps the derivative finite.
 const TINY: &str = "1e-18";
 
-/// Least number under a root in the derivative of `asin`, `acos` and `acosh`: a derivative of a million is beyond what
-/// any field states, and its square is finite.
+/// Minimum radicand in the derivatives of `asin`, `acos` and `acosh`. It limits the derivative to a million, and its
+/// square is then finite. No stated Lipschitz constant is larger than a million.
 const TINY_UNDER_ROOT: &str = "1e-12";
 
-/// A comparison of scalars, or of vectors by component.
+/// Writes a comparison of scalars, or of vectors by component.
 fn compared(of: &Type, left: &str, operator: &str, right: &str) -> String {
     if of.is_scalar() {
         return format!("({left} {operator} {right})");
@@ -93,13 +94,13 @@ fn compared(of: &Type, left: &str, operator: &str, right: &str) -> String {
     format!("{name}({left}, {right})")
 }
 
-/// A number with 1 in place of 0.
+/// Writes a value in which 0 is replaced by 1.
 fn not_zero(of: &Type, name: &str) -> String {
     format!("({name} + T({}))", compared(of, name, "==", "T(0.0)"))
 }
 
-/// The direction along which a length is left where it is 0: of length 1, and off every line that a text is likely to
-/// treat specially.
+/// The direction in which the derivative of a length at 0 is taken: a unit vector that is unlikely to coincide with a
+/// special direction of the text.
 fn off_axis(of: &Type) -> &'static str {
     match of.rows {
         2 => "vec2(0.6, -0.8)",
@@ -108,7 +109,7 @@ fn off_axis(of: &Type) -> &'static str {
     }
 }
 
-/// The widest of the arguments' types, as floats unless all are whole.
+/// The type with the most components, with floats unless all arguments are integers.
 fn widest(given: &[Type]) -> Option<Type> {
     let widest = given.iter().max_by_key(|of| of.rows)?.clone();
     let is_whole = |of: &Type| matches!(of.base, Base::Int | Base::Uint);
@@ -118,7 +119,7 @@ fn widest(given: &[Type]) -> Option<Type> {
     }
 }
 
-/// The type of a call of a function of GLSL.
+/// The type of the result of a GLSL function.
 pub fn type_of_call(name: &str, given: &[Type]) -> Option<Type> {
     let first = given.first()?;
     if given.iter().any(|of| of.is_array() || of.is_struct()) {
@@ -144,7 +145,7 @@ pub fn type_of_call(name: &str, given: &[Type]) -> Option<Type> {
     })
 }
 
-/// The rule of a function of GLSL with these arguments, some of which vary.
+/// The rule of a GLSL function with these arguments; `varies` states which depend on the point.
 pub fn of_call(name: &str, given: &[Type], varies: &[bool]) -> Found {
     let Some(t) = type_of_call(name, given) else {
         return obstacle("a call of a function of GLSL with other arguments");
@@ -228,12 +229,12 @@ pub fn of_call(name: &str, given: &[Type], varies: &[bool]) -> Found {
     }))
 }
 
-/// The type of a comparison of two values of a type.
+/// The type of the result of a comparison by component.
 fn bools(of: &Type) -> String {
     of.of(Base::Bool).name()
 }
 
-/// Functions of one number, by component.
+/// The rule of a function of one argument, by component.
 fn of_one(name: &str, t: &Type) -> Option<Rule> {
     let call = format!("{name}(A)");
     let safe = |text: String| format!("max({text}, T({TINY_UNDER_ROOT}))");
@@ -272,7 +273,7 @@ fn of_one(name: &str, t: &Type) -> Option<Rule> {
     })
 }
 
-/// Functions of vectors as a whole.
+/// The rule of a geometric function of whole vectors.
 fn of_geometry(name: &str, given: &[Type], t: &Type) -> Option<Rule> {
     let first = given.first()?;
     let g = first.name();
@@ -320,7 +321,7 @@ fn of_geometry(name: &str, given: &[Type], t: &Type) -> Option<Rule> {
             &["S * dA", "0.0 * dB", "0.0 * dC"],
         )
         .after("float S = dot(C, B) < 0.0 ? 1.0 : -1.0;"),
-        // Incident A, normal B, ratio C; the result is 0 where K < 0.
+        // A is the incident vector, B the normal, C the ratio of refractive indices. The result is 0 where K < 0.
         "refract" => Rule::new(
             t,
             "refract(A, B, C)",
@@ -339,7 +340,7 @@ fn of_geometry(name: &str, given: &[Type], t: &Type) -> Option<Rule> {
     Some(rule.unpromoted())
 }
 
-/// Functions of matrices.
+/// The rule of a function of matrices.
 fn of_matrices(name: &str, given: &[Type], t: &Type) -> Result<Rule, Obstacle> {
     let rule = match (name, given.first().map_or(0, |of| of.columns)) {
         ("transpose", _) => Rule::new(t, "transpose(A)", &["transpose(dA)"]),
@@ -355,7 +356,7 @@ fn of_matrices(name: &str, given: &[Type], t: &Type) -> Result<Rule, Obstacle> {
         ),
         ("inverse", _) => Rule::new(t, "inverse(A)", &["(-(V * dA * V))"]),
         ("determinant", columns) => {
-            // The columns' derivatives one after the other.
+            // The sum of the determinants in which one column is replaced by its derivative.
             let replaced = |one: usize| {
                 let column = |at| format!("{}[{at}]", if at == one { "dA" } else { "A" });
                 let columns: Vec<String> = (0..columns).map(column).collect();
@@ -370,7 +371,7 @@ fn of_matrices(name: &str, given: &[Type], t: &Type) -> Result<Rule, Obstacle> {
     Ok(rule.unpromoted())
 }
 
-/// The type of a binary operation on floats.
+/// The type of the result of a binary operator on floats.
 pub fn type_of_operation(operator: &str, left: &Type, right: &Type) -> Option<Type> {
     if [left, right]
         .iter()
@@ -383,7 +384,7 @@ pub fn type_of_operation(operator: &str, left: &Type, right: &Type) -> Option<Ty
         (Base::Float, Base::Int | Base::Uint) | (Base::Int | Base::Uint, Base::Float) => {
             Base::Float
         }
-        // An implicit conversion, or a shift by a number of another type.
+        // Int and uint are converted implicitly. A shift keeps the type of its left operand.
         (one, other) if matches!(operator, "<<" | ">>") || other == Base::Int => one,
         (_, other) => other,
     };
@@ -407,7 +408,7 @@ pub fn of_operation(operator: &str, left: &Type, right: &Type) -> Result<Rule, O
     let Some(t) = type_of_operation(operator, left, right) else {
         return obstacle("an operator on other types");
     };
-    // A scalar is added to every component, of a matrix too.
+    // A scalar is added to every component, including the components of a matrix.
     let wide = |of: &Type, rate: &'static str| match (of.is_scalar() && !t.is_scalar(), rate) {
         (false, _) => rate,
         (true, "dA") => "T(0.0) + dA",
@@ -429,7 +430,7 @@ pub fn of_operation(operator: &str, left: &Type, right: &Type) -> Result<Rule, O
     Ok(rule.unpromoted())
 }
 
-/// The rule of a sign.
+/// The rule of the negation.
 pub fn of_negation(of: &Type) -> Rule {
     Rule::new(of, "-A", &["-dA"])
 }

@@ -1,4 +1,4 @@
-//! The parser's statements and declarations.
+//! The part of the parser for statements and declarations.
 
 use super::super::tokens::Token;
 use super::parse::Parser;
@@ -8,7 +8,7 @@ use super::syntax::{
 use super::types::{Base, Type};
 use super::{Obstacle, obstacle};
 
-/// The syntax tree of a text that has no directives.
+/// Parses a text without directives to a syntax tree.
 pub fn program<'a>(tokens: &[Token<'a>]) -> Result<Program<'a>, Obstacle> {
     let mut parser = Parser {
         tokens,
@@ -46,7 +46,7 @@ impl<'a> Parser<'a, '_> {
         if self.after(1) == "(" {
             let name = self.word()?;
             let parameters = self.parameters()?;
-            // A prototype; the definition follows.
+            // A prototype; the definition follows later.
             if self.take(";") {
                 return Ok(());
             }
@@ -73,7 +73,7 @@ impl<'a> Parser<'a, '_> {
         Ok(())
     }
 
-    /// Goes past the bracket that closes the one that is next.
+    /// Skips the block that begins at the next token.
     fn skip_block(&mut self) -> Result<(), Obstacle> {
         let mut open = 0usize;
         loop {
@@ -108,7 +108,7 @@ impl<'a> Parser<'a, '_> {
             self.expect(";")?;
         }
         if self.type_named(name).is_some() && !name.is_empty() {
-            return obstacle("two types of one name");
+            return obstacle("two types with the same name");
         }
         self.structures.push(Structure { name, members });
         Ok(Type::scalar(Base::Struct(self.structures.len() - 1)))
@@ -135,7 +135,7 @@ impl<'a> Parser<'a, '_> {
                 self.next()?;
             }
             let of = self.type_written()?;
-            // A parameter without a name is not used.
+            // A parameter without a name is unused.
             let name = match self.peek() {
                 "," | ")" => "",
                 _ => self.word()?,
@@ -170,7 +170,7 @@ impl<'a> Parser<'a, '_> {
         }
     }
 
-    /// Whether a declaration begins here: with a type, and a name or brackets after it.
+    /// Whether a declaration begins at the next token: a type that is followed by a name or by brackets.
     fn is_declaration(&self) -> bool {
         let first = self.peek();
         let is_type = || self.type_named(first).is_some();
@@ -180,7 +180,7 @@ impl<'a> Parser<'a, '_> {
             || is_type() && (self.tokens.get(1).is_some_and(is_name) || self.is_array_declared())
     }
 
-    /// Whether `type[…] name` begins here, not `type[…](…)`.
+    /// Whether `type[…] name` begins at the next token, and not `type[…](…)`.
     fn is_array_declared(&self) -> bool {
         let close = self.tokens.iter().take(4).position(|t| t.is("]"));
         let next = close.and_then(|close| self.tokens.get(close + 1));
@@ -196,7 +196,7 @@ impl<'a> Parser<'a, '_> {
         Ok(all)
     }
 
-    /// The statements of a branch or a loop, in braces or not.
+    /// Parses the statements of a branch or a loop, with or without braces.
     fn body(&mut self) -> Result<Vec<Statement<'a>>, Obstacle> {
         self.deeper(|parser| match parser.peek() {
             "{" => parser.block(),
@@ -204,7 +204,7 @@ impl<'a> Parser<'a, '_> {
         })
     }
 
-    /// A statement; `None` for an empty one.
+    /// Parses a statement; `None` for an empty statement.
     fn statement(&mut self) -> Result<Option<Statement<'a>>, Obstacle> {
         let statement = match self.peek() {
             ";" => {
@@ -265,7 +265,7 @@ impl<'a> Parser<'a, '_> {
         Ok(Some(statement))
     }
 
-    /// A declaration or an expression, without its semicolon.
+    /// Parses a declaration or an expression, without its semicolon.
     fn simple(&mut self) -> Result<Statement<'a>, Obstacle> {
         if !self.is_declaration() {
             return Ok(Statement::Expression(self.expression()?));

@@ -1,4 +1,4 @@
-//! The syntax tree of a text.
+//! The syntax tree of a field's text.
 
 use super::types::Type;
 
@@ -6,7 +6,7 @@ use super::types::Type;
 #[derive(Debug)]
 pub struct Expression<'a> {
     pub kind: ExpressionKind<'a>,
-    /// Levels of the tree below it, itself included.
+    /// Depth of the tree, including this node.
     pub depth: usize,
 }
 
@@ -20,20 +20,20 @@ pub enum ExpressionKind<'a> {
     /// `x++` or `x--`.
     Postfix(&'a str, Box<Expression<'a>>),
     Binary(&'a str, Box<Expression<'a>>, Box<Expression<'a>>),
-    /// An assignment with its operator.
+    /// An assignment, with its operator.
     Assignment(&'a str, Box<Expression<'a>>, Box<Expression<'a>>),
-    /// Condition, and the values where it is true and false.
+    /// The operator `? :`: the condition, and the values if it is true and if it is false.
     Choice([Box<Expression<'a>>; 3]),
     Index(Box<Expression<'a>>, Box<Expression<'a>>),
-    /// Members of structures, and components.
+    /// A member of a structure, or a selection of components.
     Member(Box<Expression<'a>>, &'a str),
     Call(&'a str, Vec<Expression<'a>>),
     Constructor(Type, Vec<Expression<'a>>),
-    /// `array.length()`.
+    /// The number of elements, `array.length()`.
     Length(Box<Expression<'a>>),
 }
 
-/// A variable of a declaration.
+/// A declared variable.
 #[derive(Debug)]
 pub struct Variable<'a> {
     pub name: &'a str,
@@ -73,9 +73,9 @@ pub enum Statement<'a> {
 pub struct Parameter<'a> {
     pub name: &'a str,
     pub of_type: Type,
-    /// Whether the function gets the argument's value.
+    /// Whether the argument is copied to the parameter before the call.
     pub is_in: bool,
-    /// Whether the argument gets the parameter's last value.
+    /// Whether the parameter is copied to the argument after the call.
     pub is_out: bool,
 }
 
@@ -84,18 +84,19 @@ pub struct Function<'a> {
     pub name: &'a str,
     pub returns: Type,
     pub parameters: Vec<Parameter<'a>>,
-    /// The statements, or the reason why they cannot be parsed: other functions may still be differentiated.
+    /// The statements, or the reason why they cannot be parsed. Other functions of the text can still be
+    /// differentiated.
     pub body: Result<Vec<Statement<'a>>, super::Obstacle>,
 }
 
 #[derive(Debug)]
 pub struct Structure<'a> {
-    /// Empty for a structure without a name.
+    /// Empty for an anonymous structure.
     pub name: &'a str,
     pub members: Vec<(&'a str, Type)>,
 }
 
-/// A whole text.
+/// A whole preprocessed text.
 #[derive(Debug, Default)]
 pub struct Program<'a> {
     pub structures: Vec<Structure<'a>>,

@@ -1,5 +1,5 @@
-//! What is differentiated, what is not, and that no text does harm. The derivatives themselves are compared with
-//! differences on a renderer (`crate::tracer`).
+//! Tests of what is differentiated and what is rejected, and of the safety of arbitrary texts. Tests of the renderer
+//! (`crate::tracer`) compare the derivatives with differences.
 
 use super::super::read;
 use super::*;
@@ -9,7 +9,7 @@ fn derived(text: &str) -> Result<String, Obstacle> {
     written(&read.code, Along::Axes, 0)
 }
 
-/// Texts with most of what a text may contain.
+/// Texts with most features that a field can use.
 const TEXTS: [&str; 4] = [
     include_str!("../../../../../examples/scenes/menger.glsl"),
     "struct Hit { float d; vec3 q; int id; };\n float best = 0.0;\n const float W[2] = float[2](1.0, 0.5);\n\
@@ -28,8 +28,8 @@ const TEXTS: [&str; 4] = [
      vec2 f(vec2 x) { return x * f(x.y); }\nfloat field(vec3 p) { R(p.xy, 0.5); return f(f(p.xy)).x + f(p.z); }",
 ];
 
-/// Protects the cost of a gradient: what does not depend on the point is computed once, by the text's own functions,
-/// and a function is written once for each set of arguments that do.
+/// Protects the cost of a gradient: parts that do not depend on the point are computed once, by the text's own
+/// functions. A function is written once for each set of arguments that depend on the point.
 #[test]
 fn what_does_not_depend_on_the_point_stays() {
     let text = derived(TEXTS[2]).unwrap();
@@ -45,8 +45,7 @@ fn what_does_not_depend_on_the_point_stays() {
     assert_eq!(text.matches("noise(dual0_vec2 p)").count(), 1, "{text}");
 }
 
-/// Protects the gradients of a text from parts that its field does not use: a function that cannot be parsed, or a
-/// structure without a name.
+/// Protects texts that contain unused functions or structures that cannot be parsed: the field still has a derivative.
 #[test]
 fn what_is_not_used_is_no_obstacle() {
     let other =
@@ -56,8 +55,8 @@ fn what_is_not_used_is_no_obstacle() {
     assert!(derived(&uses("length(p) - f()")).is_ok());
 }
 
-/// Protects the names: those of each field, of either kind of derivative, and of the text's own that begin with an
-/// underscore, which no name may have twice in a row.
+/// Protects the names in the derivative. They differ between fields and between the two kinds of derivatives. Names
+/// that begin with an underscore produce no double underscore, which GLSL reserves.
 #[test]
 fn names_are_those_of_the_field() {
     let text = read(
@@ -75,7 +74,7 @@ fn names_are_those_of_the_field() {
     }
 }
 
-/// Protects from wrong gradients: a text without a derivative is refused, not guessed.
+/// Protects from wrong gradients: a text that cannot be differentiated is rejected.
 #[test]
 fn what_cannot_be_differentiated_is_told() {
     let field = |body: &str| format!("float field(vec3 p) {{ {body} }}");
@@ -109,7 +108,7 @@ fn what_cannot_be_differentiated_is_told() {
     }
 }
 
-/// Protects the stack and the memory from texts that nest or repeat: they have no derivative.
+/// Protects stack and memory from deeply nested and long texts: they have no derivative.
 #[test]
 fn large_texts_are_left_alone() {
     let nested = |open: &str, close: &str, count: usize| {
@@ -140,7 +139,7 @@ fn large_texts_are_left_alone() {
     ] {
         assert!(derived(&text).is_err(), "{}", &text[..60]);
     }
-    // A function of many parameters, each in each combination.
+    // A function with four parameters, called with every combination of arguments that depend on the point.
     let mut text =
         "float f(float a, float b, float c, float d) { return a * b + c * d; }\n".to_owned();
     text += "float field(vec3 p) { float s = 0.0;";
@@ -152,11 +151,11 @@ fn large_texts_are_left_alone() {
     assert!(derived(&(text + " return s; }")).is_ok());
 }
 
-/// Protects the program from strangers' texts: whatever is left out, doubled, exchanged or mixed, it does not panic, and
-/// what is written stays within its limit.
+/// Protects the program from arbitrary texts. If tokens are removed, doubled, exchanged or mixed, the program does not
+/// panic, and the written text stays within its limit.
 #[test]
 fn no_mutated_text_panics() {
-    /// Changes of each text, and changed places in each.
+    /// Number of changed versions of each text, and number of changes in each version.
     const ROUNDS: usize = 500;
     const CHANGES: usize = 3;
     let mut state = 1u64;

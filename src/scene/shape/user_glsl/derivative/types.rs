@@ -1,6 +1,6 @@
-//! The types of GLSL, as far as a derivative depends on them.
+//! The types of GLSL, with the properties that a derivative depends on.
 
-/// The components of a type.
+/// The type of a scalar or a component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Base {
     Void,
@@ -12,15 +12,15 @@ pub enum Base {
     Struct(usize),
 }
 
-/// A type.
+/// A type of GLSL.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Type {
     pub base: Base,
-    /// Columns of a matrix; 1 for any other type.
+    /// Number of columns of a matrix; 1 for any other type.
     pub columns: usize,
-    /// Components of a vector or of a column; 1 for a scalar.
+    /// Number of components of a vector or of a matrix column; 1 for a scalar.
     pub rows: usize,
-    /// The length of an array as text; empty where the initial value determines it.
+    /// The length of an array, as text; empty if the initial value determines the length.
     pub length: Option<String>,
 }
 
@@ -42,7 +42,7 @@ impl Type {
         Type::new(base, 1, rows)
     }
 
-    /// The type that this word of GLSL names.
+    /// The type with this name in GLSL.
     pub fn named(word: &str) -> Option<Type> {
         let scalar = match word {
             "void" => Base::Void,
@@ -77,7 +77,7 @@ impl Type {
         Some(Type::vector(base, size(rows)?))
     }
 
-    /// Its name; for a structure, the caller knows it.
+    /// The name of the type; for a structure, the caller must find the name.
     pub fn name(&self) -> String {
         let (scalar, prefix) = match self.base {
             Base::Void | Base::Struct(_) => ("void", ""),
@@ -106,7 +106,7 @@ impl Type {
         self.columns == 1 && self.rows > 1
     }
 
-    /// Whether it is a single number or truth value.
+    /// Whether the type is a single number or boolean.
     pub fn is_scalar(&self) -> bool {
         self.columns == 1 && self.rows == 1 && !self.is_array() && !self.is_struct()
     }
@@ -115,12 +115,12 @@ impl Type {
         matches!(self.base, Base::Struct(_))
     }
 
-    /// Whether it is a number, vector or matrix of floats.
+    /// Whether the type is a scalar, vector or matrix of floats.
     pub fn is_float(&self) -> bool {
         self.base == Base::Float && !self.is_array()
     }
 
-    /// The type of an element: of an array, a matrix (a column) or a vector.
+    /// The type of an element of an array, of a column of a matrix, or of a component of a vector.
     pub fn element(&self) -> Option<Type> {
         let mut element = self.clone();
         if self.is_array() {
@@ -135,7 +135,7 @@ impl Type {
         Some(element)
     }
 
-    /// The same form with other components.
+    /// The same type with another base.
     pub fn of(&self, base: Base) -> Type {
         Type {
             base,
@@ -143,14 +143,14 @@ impl Type {
         }
     }
 
-    /// Whether both are the same type; lengths of arrays are left to the compiler.
+    /// Whether both types are equal, ignoring the lengths of arrays, which the compiler checks.
     pub fn is_same(&self, other: &Type) -> bool {
         self.base == other.base
             && (self.columns, self.rows) == (other.columns, other.rows)
             && self.is_array() == other.is_array()
     }
 
-    /// Whether a value of the other type is accepted for this one: whole numbers become floats by themselves.
+    /// Whether a value of the other type is accepted for this type: integers are converted to floats implicitly.
     pub fn takes(&self, other: &Type) -> bool {
         let is_whole = matches!(other.base, Base::Int | Base::Uint);
         self.is_same(other)

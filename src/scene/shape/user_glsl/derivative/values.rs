@@ -1,16 +1,16 @@
-//! Values of expressions: their text, and where they are.
+//! Values of expressions: their text, and their place if they are variables.
 
 use super::functions::{Variable, Writer};
 use super::types::{Base, Type};
 use super::{Obstacle, obstacle};
 
-/// A part of a variable.
+/// A variable, or a part of it.
 #[derive(Clone, Debug)]
 pub struct Place<'a> {
     pub variable: Variable<'a>,
-    /// The variable, with members of structures and indices of arrays.
+    /// The text of the variable, with members of structures and indices of arrays.
     pub root: String,
-    /// Indices of columns, and selections of components.
+    /// The text of the indices of columns and the selections of components.
     pub components: String,
 }
 
@@ -19,7 +19,7 @@ pub struct Place<'a> {
 pub struct Value<'a> {
     pub text: String,
     pub of_type: Type,
-    /// Whether it depends on the point: its text has a structure with derivatives.
+    /// Whether the value depends on the point. If so, its text is a structure with derivatives.
     pub varies: bool,
     pub place: Option<Place<'a>>,
 }
@@ -43,7 +43,7 @@ impl<'a> Value<'a> {
 }
 
 impl<'a> Writer<'a> {
-    /// The value of a place.
+    /// The value of a variable or a part of it.
     pub fn at_place(&mut self, place: Place<'a>, of_type: Type, varies: bool) -> Value<'a> {
         let Place {
             root, components, ..
@@ -64,13 +64,13 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// The value and the derivatives of a structure.
+    /// The texts of the value and the derivatives of the structure `root`.
     pub fn parts(&self, root: &str) -> Vec<String> {
         let lanes = self.lanes.iter().map(|lane| format!("{root}.{lane}"));
         std::iter::once(format!("{root}.v")).chain(lanes).collect()
     }
 
-    /// The text of a value without derivatives.
+    /// The text of a value without its derivatives.
     pub fn native(&self, value: &Value<'a>) -> Result<String, Obstacle> {
         if !value.varies {
             return Ok(value.text.clone());
@@ -88,7 +88,8 @@ impl<'a> Writer<'a> {
         })
     }
 
-    /// The text of a value as a structure of this type; derivatives are 0 if it does not depend on the point.
+    /// The text of a value as a structure of this type. If the value does not depend on the point, the derivatives are
+    /// 0.
     pub fn lifted(&mut self, value: &Value<'a>, to: &Type) -> Result<String, Obstacle> {
         if value.varies {
             return Ok(value.text.clone());
@@ -109,7 +110,7 @@ impl<'a> Writer<'a> {
         Ok(format!("{name}({own}{zeros})"))
     }
 
-    /// An array, element by element. A function needs a length that is known outside of functions.
+    /// Converts an array element by element. The helper function needs a length that is known outside of functions.
     fn lifted_array(&mut self, value: &Value<'a>, to: &Type) -> Result<String, Obstacle> {
         let is_known = |of: &&Type| {
             let length = of.length.as_deref().unwrap_or_default();
@@ -126,7 +127,8 @@ impl<'a> Writer<'a> {
         let (own, dual) = (self.type_name(&element), self.dual(&element));
         let at = Value::plain("a[i]".to_owned(), element.clone());
         let lifted = self.lifted(&at, &element)?;
-        // No overload by the length: a compiler may find the same number behind two names.
+        // The length is part of the function's name. Overloads by the length would clash if two names have the same
+        // number.
         let length = brackets.trim_matches(['[', ']']);
         let function = format!("{}lift_{length}", self.prefix);
         self.add_helper(
@@ -164,7 +166,7 @@ impl<'a> Writer<'a> {
         Ok(format!("{function}({})", value.text))
     }
 
-    /// The name in the shader of a name in the text.
+    /// The name in the shader for a name in the text.
     pub fn named(&self, name: &str) -> String {
         use super::super::words::{is_known, is_selection};
         if is_known(name) || is_selection(name) {
@@ -180,7 +182,7 @@ impl<'a> Writer<'a> {
         self.named(self.program.structures[index].name)
     }
 
-    /// The name of a type in the shader, without the length of an array.
+    /// The name in the shader for a type, without the length of an array.
     pub fn type_name(&self, of: &Type) -> String {
         match of.base {
             Base::Struct(index) => self.structure_name(index),
@@ -188,7 +190,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// The name of a type, or of its structure with derivatives.
+    /// The name in the shader for a type, or for its structure with derivatives.
     pub fn name_of(&mut self, of: &Type, varies: bool) -> String {
         match varies {
             true => self.dual(of),
@@ -196,7 +198,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// The brackets of an array.
+    /// The brackets of an array type, as text.
     pub fn brackets(&self, of: &Type) -> String {
         let length = |length: &String| match length.starts_with(|c: char| c.is_ascii_digit()) {
             true => format!("[{length}]"),
@@ -206,7 +208,7 @@ impl<'a> Writer<'a> {
         of.length.as_ref().map_or(String::new(), length)
     }
 
-    /// Whether values of a type can depend on the point.
+    /// Whether values of this type can depend on the point.
     pub fn can_vary(&self, of: &Type) -> bool {
         match of.base {
             Base::Float => true,
