@@ -237,7 +237,7 @@ fn check(tokens: &[Token]) -> Result<Declared, Refusal> {
         let (mark, line) = (bracket.text, bracket.line);
         return Err((
             None,
-            format!("at the end of the text: the '{mark}' in line {line} is not closed"),
+            format!("after its end: the '{mark}' in line {line} is not closed"),
         ));
     }
     if is_found {
@@ -246,7 +246,7 @@ fn check(tokens: &[Token]) -> Result<Declared, Refusal> {
             globals,
         });
     }
-    let why = "it does not define `float field(vec3 p)`, which every field needs".to_owned();
+    let why = "there is no `float field(vec3 p)` in it, which every field must define".to_owned();
     Err((None, why))
 }
 
