@@ -1,7 +1,7 @@
-//! Intersects a line with each shape, in the shape's own axes and in `f64`.
+//! Intersections of a line with each shape, in the shape's own axes and in `f64`.
 //!
-//! The line starts in the air. By rounding its start may be up to `error_bound` metres inside the solid: a line that
-//! goes further in then hits the surface at once, and a line on its way out leaves it.
+//! A line starts in the air. Rounding can move its start up to `error_bound` metres into a solid. A line that points
+//! into the solid then hits the surface at once, and a line that points out of the solid leaves it.
 
 use super::marched::MarchedField;
 use crate::scene::shape::{Cuboid, Cylinder, Room, Sphere};
@@ -13,7 +13,7 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 enum Form {
     Plane,
-    /// `covered` faces lie on or behind a wall: [negative, positive] for each axis.
+    /// `covered` marks the faces that lie on or behind a wall: [negative, positive] side for each axis.
     Box {
         half: DVec3,
         covered: [[bool; 2]; 3],
@@ -30,12 +30,12 @@ enum Form {
     Field(Arc<MarchedField>),
 }
 
-/// A shape, placed in the world.
+/// A shape placed in the world.
 #[derive(Clone, Debug)]
 pub(super) struct Placed {
     form: Form,
     position: DVec3,
-    /// Shape axes to world axes, and the inverse; `None` if the shape is not turned.
+    /// Rotation from the shape's axes to the world axes, and its inverse; `None` if the shape is not rotated.
     pub turn: Option<(DMat3, DMat3)>,
 }
 
@@ -49,9 +49,9 @@ pub(super) struct Face {
 /// The intersection of a line with a shape.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Intersection {
-    /// Metres along the unit direction, at least 0.
+    /// Distance in metres along the unit direction, at least 0.
     pub t: f64,
-    /// The face hit, for a box or a room.
+    /// The face that is hit, for a box or a room.
     pub face: Option<Face>,
 }
 
@@ -87,7 +87,8 @@ impl Placed {
         }
     }
 
-    /// The flat faces with only solid behind them: a point on each and its unit normal into the air, in world metres.
+    /// The plane surfaces with only solid behind them, as a point in world metres and the unit normal that points into
+    /// the air.
     pub fn walls(&self) -> Vec<(DVec3, DVec3)> {
         let at = |point, normal| (self.world(point) + self.position, self.world(normal));
         match self.form {
@@ -101,14 +102,14 @@ impl Placed {
         }
     }
 
-    /// Marks the faces of a box that lie behind a wall, or on it to within `error_bound` metres. No wave can hit such a
-    /// face from the air, but a wave that ends in the edge between box and wall would seem to: its point on the wall is
-    /// on the face, too.
+    /// Marks the faces of a box that lie behind a wall, or within `error_bound` metres of it. A wave in the air cannot
+    /// hit such a face. However, a wave that ends in the edge between the box and the wall has its end point on the
+    /// covered face too, and would appear to hit it.
     pub fn mark_covered_faces(&mut self, walls: &[(DVec3, DVec3)], error_bound: f64) {
         let Form::Box { half, mut covered } = self.form else {
             return;
         };
-        // A wall that no corner can reach does not cover any face; most pairs of box and wall are of this kind.
+        // A wall that no corner can reach covers no face. This is the case for most pairs of a box and a wall.
         let reach = half.length() + 2.0 * error_bound;
         let is_near =
             |(point, normal): &&(DVec3, DVec3)| (self.position - *point).dot(*normal) <= reach;
@@ -137,17 +138,17 @@ impl Placed {
         self.form = Form::Box { half, covered };
     }
 
-    /// Whether its intersections are found by marching, not in closed form.
+    /// Whether intersections are found by marching, and not in closed form.
     pub fn is_marched(&self) -> bool {
         matches!(self.form, Form::Field(_))
     }
 
-    /// Whether it is a room: only a room's six faces can be hit twice in a row.
+    /// Whether the shape is a room. Only the faces of a room can be hit twice in succession.
     pub fn is_room(&self) -> bool {
         matches!(self.form, Form::Room { .. })
     }
 
-    /// Whether a wave that leaves the shape cannot hit it next.
+    /// Whether a wave that leaves the shape cannot hit it at its next hit.
     pub fn is_convex(&self) -> bool {
         match &self.form {
             Form::Room { .. } => false,
@@ -156,7 +157,7 @@ impl Placed {
         }
     }
 
-    /// Whether the shape spreads waves, and with them their errors.
+    /// Whether the shape is curved. Reflections at curved shapes spread waves, and therefore increase their errors.
     pub fn is_curved(&self) -> bool {
         matches!(
             self.form,
@@ -175,7 +176,7 @@ impl Placed {
         self.position.abs().max_element() + size
     }
 
-    /// World-axis-aligned bounds of the solid, in metres; infinite where the solid is unbounded.
+    /// Bounding box of the solid in world axes, in metres; infinite along axes on which the solid is unbounded.
     pub fn bounds(&self) -> Bounds3 {
         let own = match self.form {
             Form::Plane | Form::Room { .. } => return Bounds3::EVERYWHERE,
@@ -190,7 +191,7 @@ impl Placed {
         turned.moved(self.position)
     }
 
-    /// Signed distance from a world point in metres, negative in the solid.
+    /// Signed distance from a world point in metres, negative inside the solid.
     pub fn distance(&self, point: DVec3) -> f64 {
         let p = self.local(point - self.position);
         match self.form {
@@ -203,10 +204,10 @@ impl Placed {
         }
     }
 
-    /// The first intersection of the world line with the shape, from the air.
+    /// The first intersection of a line in world axes with the shape, from the air.
     ///
-    /// `left` is the face of this shape on which the line starts. A marched shape may stop beyond `until` metres, to
-    /// save time.
+    /// `left` is the face of this shape on which the line starts. The march of a field can stop beyond `until` metres,
+    /// which saves time.
     pub fn intersect(
         &self,
         origin: DVec3,
@@ -229,8 +230,8 @@ impl Placed {
         intersection.filter(|intersection| intersection.t.is_finite())
     }
 
-    /// The world point of an intersection, projected onto the surface, and the unit normal there, pointing out of the
-    /// solid.
+    /// The world point of an intersection, projected onto the surface, and the unit normal there, which points out of
+    /// the solid.
     pub fn project(
         &self,
         origin: DVec3,
@@ -264,8 +265,8 @@ impl Placed {
     }
 }
 
-/// Bounds of a box that is turned about the origin. Unlike [`Bounds3::turned`], the result is infinite along every axis
-/// to which the turn moves an infinite face, however small the turn.
+/// Bounding box of a box that is rotated about the origin. If the rotation moves an infinite face towards an axis, the
+/// result is infinite along this axis, even for very small rotations. [`Bounds3::turned`] ignores very small rotations.
 fn turned(own: Bounds3, turn: DMat3) -> Bounds3 {
     let mut all = Bounds3::centred(DVec3::ZERO);
     for column in 0..3 {
@@ -282,7 +283,7 @@ fn turned(own: Bounds3, turn: DMat3) -> Bounds3 {
     all
 }
 
-/// Distance in metres to a sphere about the origin, hit from outside.
+/// Distance in metres to a sphere about the origin, hit from outside; `None` if the line misses it.
 pub(super) fn intersect_sphere(radius: f64, o: DVec3, d: DVec3) -> Option<f64> {
     let along = o.dot(d);
     if along >= 0.0 {
@@ -292,7 +293,8 @@ pub(super) fn intersect_sphere(radius: f64, o: DVec3, d: DVec3) -> Option<f64> {
     enter_circle(radius, o.length(), beside, along, 1.0)
 }
 
-/// Seen along y the cylinder is a circle, and the projection of `d` is shorter than 1.
+/// Distance in metres to a cylinder about the y axis. In the projection along y, the cylinder is a circle, and the
+/// projection of `d` is shorter than 1.
 fn intersect_cylinder(radius: f64, o: DVec3, d: DVec3) -> Option<f64> {
     let (o, d) = (DVec2::new(o.x, o.z), DVec2::new(d.x, d.z));
     let along = o.dot(d);
@@ -304,9 +306,9 @@ fn intersect_cylinder(radius: f64, o: DVec3, d: DVec3) -> Option<f64> {
     enter_circle(radius, o.length(), beside, along, speed)
 }
 
-/// Distance along a line to the circle that it enters. The line's start is `distance` from the centre, its closest
-/// approach to the centre is `beside`, its direction has the length `speed`, and `along` is the start's position
-/// relative to the closest point, times `speed`.
+/// Distance along a line to the circle that the line enters. `distance` is the distance of the line's start from the
+/// centre, `beside` is the least distance of the line from the centre, and `speed` is the length of its direction.
+/// `along` is the position of the start relative to the point closest to the centre, multiplied by `speed`.
 fn enter_circle(radius: f64, distance: f64, beside: f64, along: f64, speed: f64) -> Option<f64> {
     let half_chord_squared = (radius - beside) * (radius + beside);
     if half_chord_squared < 0.0 {
@@ -325,9 +327,10 @@ fn intersect_box(
 ) -> Option<Intersection> {
     let (half, o, d) = (half.to_array(), o.to_array(), d.to_array());
     let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
-    // A covered face is off the wall by at most the bound, and so is a line along the wall: together twice the bound.
+    // Both the covered face and a line along the wall can be off the wall by the error bound. Together they can be off
+    // by twice the bound.
     let cover_error = 2.0 * error_bound;
-    // The line is below a covered face up to this distance.
+    // Up to this distance, the line is below the plane of a covered face.
     let mut covered_until = f64::NEG_INFINITY;
     let mut axis = 0;
     for i in 0..3 {
@@ -351,7 +354,8 @@ fn intersect_box(
     if enter > leave || leave <= 0.0 {
         return None;
     }
-    // The start is inside the box: by rounding if the line is on its way in, otherwise on its way out.
+    // The start is inside the box. If this is due to rounding, the line enters the box here. Otherwise it leaves the
+    // box.
     if enter < 0.0 && (-enter > leave || -enter * d[axis].abs() > error_bound) {
         return None;
     }
@@ -372,11 +376,12 @@ fn intersect_room(half: DVec3, o: DVec3, d: DVec3, left: Option<Face>) -> Option
     for axis in 0..3 {
         let positive = d[axis] > 0.0;
         let face = Some(Face { axis, positive });
-        // Only rounding can turn a mirrored wave towards the face that it has just left.
+        // Only rounding can direct a reflected wave towards the face that it has just left.
         if d[axis] == 0.0 || face == left {
             continue;
         }
-        // 0 in an edge, or if the start is beyond a face by rounding: every wave stays inside.
+        // The distance is 0 in an edge, or if the start is beyond a face due to rounding. Therefore no wave leaves the
+        // room.
         let t = ((half[axis].copysign(d[axis]) - o[axis]) / d[axis]).max(0.0);
         if t < nearest {
             (nearest, met) = (t, face);
@@ -388,8 +393,7 @@ fn intersect_room(half: DVec3, o: DVec3, d: DVec3, left: Option<Face>) -> Option
     })
 }
 
-/// Projects a point onto a face and within its four edges; `outward` is 1 for a solid box and −1
-/// for a room.
+/// Projects a point onto a face, limited to the area of the face. `outward` is 1 for a solid box and −1 for a room.
 fn project_onto_face(half: DVec3, p: DVec3, face: Face, outward: f64) -> (DVec3, DVec3) {
     let side = if face.positive { 1.0 } else { -1.0 };
     let mut point = p.clamp(-half, half);

@@ -1,12 +1,12 @@
-//! Traces waves in closed form: every flight ends exactly on the surface that it hits.
+//! Traces waves in closed form, so that every flight ends exactly on the surface that it hits.
 //!
-//! Rules for cases that arithmetic cannot decide:
-//! - A wave that has just been mirrored at a convex surface cannot hit that surface next and is not tested against it;
-//!   in a room it is not tested against the face that it has just left.
-//! - In an edge of a room, a wave hits two faces in turn, the second after 0 m: two reflections, two iterations.
-//! - The faces of a box that lie on or behind a room's wall or a plane have no air in front of them and cannot be hit;
-//!   no wave can get in between box and wall.
-//! - At the same distance, the listener comes before a surface.
+//! Rules for cases that floating-point arithmetic cannot decide:
+//! - A wave that was reflected by a convex surface cannot hit this surface next, and is not tested against it. In a
+//!   room, a wave is not tested against the face that it has just left.
+//! - In an edge of a room, a wave hits both faces in succession, the second after 0 m: two reflections, two iterations.
+//! - Faces of a box that lie on or behind a plane or a wall of a room have no air in front of them and cannot be hit.
+//!   No wave can enter between the box and the wall.
+//! - At equal distances, the listener takes precedence over a surface.
 
 use super::closed_form::{Face, Intersection, Placed, intersect_sphere};
 use super::hierarchy::Hierarchy;
@@ -15,18 +15,18 @@ use crate::scene::{IntoPair, Pair, SceneError};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-/// Rounding of the scene, as a share of its extent: a few hundred units in the last place.
+/// Error bound of positions, as a share of the scene's extent: a few hundred units in the last place.
 const ROUNDING: f64 = 1e-13;
 
-/// Margin of the boxes around surfaces, as a share of the scene's extent: a millimetre in a hundred metres. Marching
-/// and missing lines are decided at much smaller distances from a surface.
+/// Margin of the bounding boxes of surfaces, as a share of the scene's extent: a millimetre in a hundred metres. The
+/// tests of surfaces, including marches, decide at much smaller distances.
 const SPARE: f64 = 1e-5;
 
-/// Minimum number of waves per thread, below which starting the thread does not pay off.
+/// Minimum number of waves per thread. For fewer waves, the start of a thread costs more than it saves.
 const WAVES_WORTH_A_THREAD: usize = 4096;
 
-/// A scene to trace waves through exactly, in its current state (use [`Scene::at`](crate::Scene::at) to follow moving sources and
-/// listeners).
+/// A scene for exact tracing, in its current state. [`Scene::at`](crate::Scene::at) gives the state of moving sources
+/// and listeners at a certain time.
 ///
 /// ```
 /// use echomarch::{Scene, geometry::ExactScene};
@@ -41,14 +41,14 @@ const WAVES_WORTH_A_THREAD: usize = 4096;
 #[derive(Clone, Debug)]
 pub struct ExactScene {
     pub(super) surfaces: Vec<Placed>,
-    /// The surfaces with a closed form, then the marched surfaces: a march need not go beyond a hit of the former.
+    /// The surfaces with a closed form, followed by the marched surfaces. A march can stop at a hit of the former.
     pub(super) hierarchies: [Hierarchy; 2],
     ear: Ear,
-    /// Rounding of the scene in metres.
+    /// Error bound of positions in metres.
     pub(super) error_bound: f64,
 }
 
-/// The listener in `f64`.
+/// The listener, in `f64`.
 #[derive(Clone, Copy, Debug)]
 struct Ear {
     centre: DVec3,
@@ -56,15 +56,15 @@ struct Ear {
     right: DVec3,
 }
 
-/// The end of a flight.
+/// The hit at the end of a flight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Hit {
     /// Length of the flight in metres.
     pub t: f64,
-    /// 0 for the listener, n for surface n, counted from 1.
+    /// Number of the hit object: 0 for the listener, n for surface n, counted from 1.
     pub object: u32,
-    /// World position in metres, on the surface.
+    /// World position in metres, on the surface of the object.
     pub point: DVec3,
     /// Unit vector in world axes, from the solid into the air.
     pub normal: DVec3,
@@ -74,59 +74,59 @@ pub struct Hit {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ExactWave {
-    /// 0 = heard, −1 = dead, n = last mirrored at surface n, counted from 1.
+    /// 0 = heard, −1 = dead, n = last reflected by surface n, counted from 1.
     pub status: i32,
-    /// Number of reflections; for a heard wave, its order.
+    /// Number of reflections. For a heard wave this is its order.
     pub order: u32,
-    /// Number of reflections at spheres and cylinders, which multiply errors.
+    /// Number of reflections by curved surfaces, which multiply errors.
     pub curved_hits: u32,
-    /// World position in metres of its last hit, or its start if it has none.
+    /// World position of the last hit in metres, or of the start if the wave has no hits.
     pub point: DVec3,
-    /// Unit vector in world axes of its further flight: mirrored at a surface, unchanged at the listener and for a dead
+    /// Unit vector in world axes after the last hit: reflected at a surface, unchanged at the listener and for a dead
     /// wave.
     pub direction: DVec3,
-    /// Unit vector in world axes of its flight to `point`.
+    /// Unit vector in world axes of the flight to `point`.
     pub incoming_direction: DVec3,
-    /// Length in metres of the path from the start to `point`.
+    /// Length of the path from the start to `point` in metres.
     pub length: f64,
-    /// A hash of the objects hit, in order, including the listener (0): two waves with the same hash have hit the same
-    /// objects.
+    /// Hash of the numbers of the hit objects in order, including the listener (0). Waves with the same hash have hit
+    /// the same objects.
     pub sequence_hash: u64,
 }
 
-/// A hit of a wave, in the order of its flight.
+/// A hit of a wave. The hits of a path are in the order of the flight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathVertex {
     /// World position in metres.
     pub point: DVec3,
-    /// 0 for the listener, n for surface n, counted from 1.
+    /// Number of the hit object: 0 for the listener, n for surface n, counted from 1.
     pub object: u32,
     /// Unit vector in world axes, from the solid (or the listener) into the air.
     pub normal: DVec3,
 }
 
-/// A hash of the objects that a wave hit, in order (0 = listener): two waves with the same hash have hit the same
-/// objects.
+/// Hash of the numbers of the objects that a wave hit, in order (0 = listener). Waves with the same hash have hit the
+/// same objects.
 ///
-/// FNV-1a over whole object numbers instead of bytes.
+/// The hash is FNV-1a over whole object numbers instead of bytes.
 pub fn sequence_hash(objects: &[u32]) -> u64 {
     objects
         .iter()
         .fold(FNV_EMPTY, |hash, object| fnv_with(hash, u64::from(*object)))
 }
 
-/// The index of the surface that a wave has just left, and its face, if it has faces.
+/// The index of the surface that a wave has just left, and the face, if the surface has faces.
 pub(super) type Left = Option<(usize, Option<Face>)>;
 
-/// A hit of a surface, with the surface's index and face, if it has faces.
+/// A hit of a surface, with the index of the surface and the face, if the surface has faces.
 pub(super) type Met = (Hit, (usize, Option<Face>));
 
 impl ExactScene {
-    /// Copies the surfaces and the listener of a pair, or of a scene that has one of each.
+    /// Copies the surfaces and the listener of a pair, or of a scene with exactly one source and one listener.
     ///
     /// # Errors
-    /// [`SceneError`] as from [`Scene::validate`](crate::Scene::validate), and for a scene of which no pair was
-    /// [chosen](crate::Scene::pair).
+    /// The errors of [`Scene::validate`](crate::Scene::validate), and [`SceneError::NotOnePair`] for a scene that does
+    /// not have exactly one source and one listener (see [`Scene::pair`](crate::Scene::pair)).
     pub fn new<'a>(pair: impl IntoPair<'a>) -> Result<ExactScene, SceneError> {
         ExactScene::of_pair(pair.chosen()?)
     }
@@ -172,8 +172,8 @@ impl ExactScene {
         })
     }
 
-    /// Signed distance in metres from a world point to the nearest surface, negative in a solid;
-    /// ignores the listener.
+    /// Signed distance in metres from a world point to the nearest surface, negative inside a solid. The listener is
+    /// ignored.
     pub fn surface_distance(&self, point: DVec3) -> f64 {
         self.surfaces
             .iter()
@@ -181,14 +181,15 @@ impl ExactScene {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether a world point lies in a solid by more than `depth` metres.
+    /// Whether a world point is more than `depth` metres inside a solid.
     pub(crate) fn is_in_solid(&self, point: DVec3, depth: f64) -> bool {
         let is_in = |index: usize| self.surfaces[index].distance(point) < -depth;
         let mut hierarchies = self.hierarchies.iter();
         hierarchies.any(|hierarchy| hierarchy.any_near(point, 0.0, is_in))
     }
 
-    /// [`ExactScene::surface_distance`] if the box of a surface is within `reach` metres; otherwise at least `reach`.
+    /// [`ExactScene::surface_distance`] if the bounding box of a surface is within `reach` metres, otherwise at least
+    /// `reach`.
     pub(crate) fn distance_within(&self, point: DVec3, reach: f64) -> f64 {
         let mut nearest = reach;
         for hierarchy in &self.hierarchies {
@@ -200,25 +201,24 @@ impl ExactScene {
         nearest
     }
 
-    /// The first hit of a wave that starts in the air at `origin` (world metres) and flies along `direction` (any
-    /// length except 0); `None` if it hits neither a surface nor the listener.
+    /// The first hit of a wave that starts in the air at `origin` (world metres) along `direction` (any length except
+    /// 0); `None` if the wave hits neither a surface nor the listener.
     ///
-    /// A start inside the listener's sphere gives a hit of the listener after 0 m.
+    /// If the start is inside the listener's sphere, the wave hits the listener after 0 m.
     pub fn closest_hit(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
         let direction = direction.try_normalize()?;
         self.next(origin, direction, None).map(|(hit, _)| hit)
     }
 
-    /// Follows one wave for at most `iterations` flights from `start` (world metres)
-    /// along `direction` (any length).
+    /// Traces one wave for at most `iterations` flights from `start` (world metres) along `direction` (any length).
     ///
-    /// A wave without a direction or iterations remains at its start with status −1, and so does a wave that starts in
-    /// a solid, which carries no sound.
+    /// A wave without a direction or iterations remains at its start with status −1. A wave that starts in a solid does
+    /// so too, because it carries no sound.
     pub fn trace(&self, start: DVec3, direction: DVec3, iterations: u32) -> ExactWave {
         self.walk(start, direction, iterations, |_| ())
     }
 
-    /// Every hit of the wave of [`ExactScene::trace`], without its start.
+    /// All hits of the wave that [`ExactScene::trace`] traces, without its start.
     #[doc(hidden)]
     pub fn trace_path(&self, start: DVec3, direction: DVec3, iterations: u32) -> Vec<PathVertex> {
         let mut path = Vec::new();
@@ -232,16 +232,16 @@ impl ExactScene {
         path
     }
 
-    /// [`ExactScene::trace`] for many directions from one start, in their order, on the threads of rayon's pool; the
-    /// result does not depend on the number of threads.
+    /// Traces many directions from one start like [`ExactScene::trace`], on the threads of rayon's pool. The results
+    /// are in the order of the directions, and do not depend on the number of threads.
     pub fn trace_all(&self, start: DVec3, directions: &[Vec3], iterations: u32) -> Vec<ExactWave> {
         let trace = |direction: &Vec3| self.trace(start, direction.as_dvec3(), iterations);
         let shares = directions.par_iter().with_min_len(WAVES_WORTH_A_THREAD);
         shares.map(trace).collect()
     }
 
-    /// Lateral position on the listener's sphere where a wave arrived: −1 at the left ear, 0
-    /// anywhere on the plane between the ears, 1 at the right ear; `None` if it is not heard.
+    /// Lateral position on the listener's sphere at which a wave arrived: −1 at the left ear, 0 in the plane midway
+    /// between the ears, 1 at the right ear. `None` if the wave is not heard.
     pub fn arrival_side(&self, wave: &ExactWave) -> Option<f64> {
         let outwards = (wave.point - self.ear.centre).normalize_or_zero();
         (wave.status == 0).then(|| outwards.dot(self.ear.right))
@@ -284,8 +284,8 @@ impl ExactScene {
         wave
     }
 
-    /// The next hit, and the surface and face that the wave leaves when it is mirrored there; `None` in place of these
-    /// for the listener.
+    /// The next hit. If the wave is reflected, also returns the surface and face that the wave leaves; `None` for the
+    /// listener.
     fn next(&self, origin: DVec3, direction: DVec3, left: Left) -> Option<(Hit, Left)> {
         let heard = self.ear.intersect(origin, direction);
         let until = heard.unwrap_or(f64::INFINITY);
@@ -297,8 +297,8 @@ impl ExactScene {
         }
     }
 
-    /// The next surface nearer than `until` metres, ignoring the listener, and the surface and face that the wave
-    /// leaves when it is mirrored there. Also returns the number of surfaces and bounding boxes that were tested.
+    /// The next hit of a surface nearer than `until` metres, with the surface and face that the reflected wave leaves.
+    /// The listener is ignored. Also returns the number of surfaces and bounding boxes that were tested.
     pub(super) fn next_surface(
         &self,
         origin: DVec3,
@@ -318,7 +318,7 @@ impl ExactScene {
             let Some(found) = found else {
                 return nearest;
             };
-            // At equal distances the hit is on the surface that comes first in the scene.
+            // At equal distances, the first surface in the scene is hit.
             let is_before = met.is_some_and(|(other, _)| index < other);
             if found.t < nearest || (found.t == nearest && is_before) {
                 met = Some((index, found));
@@ -375,7 +375,7 @@ impl Ear {
 }
 
 impl ExactWave {
-    /// A wave that has not hit anything yet.
+    /// A wave without hits.
     fn at(start: DVec3, direction: DVec3) -> ExactWave {
         ExactWave {
             status: -1,
@@ -392,33 +392,33 @@ impl ExactWave {
 
 pub(super) fn mirror(direction: DVec3, normal: DVec3) -> DVec3 {
     let mirrored = direction - normal * (2.0 * direction.dot(normal));
-    // One Newton step towards length 1; otherwise errors of the normals would add up.
+    // One Newton step towards length 1, because the errors of the normals would otherwise accumulate.
     mirrored * (1.5 - 0.5 * mirrored.length_squared())
 }
 
-/// The flight of a wave after its last hit.
+/// The flight of a wave after its last reflection.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LastFlight {
     /// Start in world metres.
     pub origin: DVec3,
     /// Unit vector in world axes.
     pub direction: DVec3,
-    /// Whether the flight is known to hit no further surface.
+    /// Whether the flight is known to hit no surface.
     pub is_free: bool,
-    /// Number of surfaces and bounding boxes tested so far.
+    /// Number of surfaces and bounding boxes that were tested for the whole path.
     pub asked: u64,
 }
 
 impl ExactScene {
-    /// Rounding of this scene in metres: see [`super`].
+    /// Error bound of positions in this scene, in metres.
     pub(crate) fn rounding(&self) -> f64 {
         self.error_bound
     }
 
-    /// Follows one wave from `start` (world metres) along the unit vector `direction`, through the listener, for at
-    /// most `reflections` reflections; calls `visit` with every hit in order.
+    /// Traces one wave from `start` (world metres) along the unit vector `direction`, for at most `reflections`
+    /// reflections. The wave passes through the listener. Calls `visit` with every hit in order.
     ///
-    /// Returns the flight after the last hit; `None` if the wave starts in a solid.
+    /// Returns the flight after the last hit, or `None` if the wave starts in a solid.
     pub(crate) fn follow(
         &self,
         start: DVec3,
@@ -452,11 +452,11 @@ impl ExactScene {
         Some(flight)
     }
 
-    /// The first surface nearer than `until` metres on the line from `origin` along the unit
-    /// vector `direction`.
+    /// The first hit of a surface nearer than `until` metres on the line from `origin` along the unit vector
+    /// `direction`.
     ///
-    /// For a line that starts on a surface, `leaving` holds that surface's number, counted from 1, and the unit normal
-    /// at the start.
+    /// For a line that starts on a surface, `leaving` contains the number of this surface, counted from 1, and the unit
+    /// normal at the start.
     pub(crate) fn first_surface(
         &self,
         origin: DVec3,
@@ -476,7 +476,7 @@ impl ExactScene {
     }
 }
 
-/// The face of a room with this unit normal into the air, in world axes.
+/// The face of a room with this unit normal, which points into the air in world axes.
 fn wall(room: &Placed, normal: DVec3) -> Face {
     let normal = room.local(normal);
     let size = normal.abs();

@@ -1,52 +1,52 @@
-//! Finds the surfaces that a line may hit or a point may lie in, by a hierarchy of bounding boxes.
+//! A hierarchy of bounding boxes, which finds the surfaces that a line can hit or a point can lie in.
 //!
-//! A bounding volume hierarchy (Rubin and Whitted, *A 3-dimensional representation for fast rendering of complex
-//! scenes*, 1980), halved at the median. It only selects the surfaces to test; their tests are the same as without a
-//! hierarchy. Boxes are wider than rounding, so hits are identical, to the bit, to those found by testing every
-//! surface.
+//! This is a bounding volume hierarchy (Rubin and Whitted, *A 3-dimensional representation for fast rendering of
+//! complex scenes*, 1980), split at the median. It only selects the surfaces to test. The boxes have a margin that
+//! exceeds rounding errors, so the hits are bit-identical to those found by testing every surface.
 
 use crate::scene::Bounds3;
 use glam::DVec3;
 
-/// Number of surfaces up to which all are tested: for fewer, the boxes cost more than they save.
+/// Maximum number of surfaces that are all tested, without boxes. For so few surfaces, boxes cost more than they save.
 const ALL_ASKED: usize = 16;
 
 /// Maximum number of surfaces in a leaf.
 const IN_LEAF: usize = 4;
 
-/// Maximum number of boxes waiting during a descent: one for each time that 2^32 surfaces can be halved, and one more.
+/// Maximum number of boxes on the stack during a traversal: one for each halving of 2^32 surfaces, and one more.
 const WAITING: usize = 33;
 
-/// Boxes around surfaces.
+/// A hierarchy of bounding boxes of surfaces.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Hierarchy {
-    /// Surfaces that are always tested, by index: unbounded ones, or all if there are few.
+    /// Indices of surfaces that are always tested: unbounded surfaces, or all surfaces if there are few.
     always: Vec<u32>,
-    /// The other surfaces; those of a leaf are adjacent.
+    /// Indices of the other surfaces. The surfaces of a leaf are adjacent.
     order: Vec<u32>,
-    /// The first node encloses all; empty if all surfaces are always tested.
+    /// The first node encloses all others. Empty if all surfaces are always tested.
     nodes: Vec<Node>,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Node {
     bounds: Bounds3,
-    /// For a leaf, the position of its first surface in `order`; otherwise the node of the second half. The node of the
-    /// first half follows this node.
+    /// For a leaf, the position of its first surface in `order`. Otherwise, the index of its second child; the first
+    /// child follows the node directly.
     first: u32,
-    /// Number of surfaces of a leaf; otherwise 0.
+    /// Number of surfaces in a leaf; 0 for other nodes.
     count: u32,
 }
 
 /// A line from `origin` along a unit vector.
 struct Line {
     origin: DVec3,
-    /// 1 over the components of the direction.
+    /// The reciprocals of the direction's components.
     inverse: DVec3,
 }
 
 impl Hierarchy {
-    /// Builds the hierarchy of surfaces by index. Each box encloses its surface, with a margin for rounding.
+    /// Builds the hierarchy from indices of surfaces and their bounding boxes. Each box must include a margin for
+    /// rounding errors.
     pub fn new(surfaces: Vec<(u32, Bounds3)>) -> Hierarchy {
         let index = |(index, _): &(u32, Bounds3)| *index;
         let (mut bounded, mut always): (Vec<_>, Vec<_>) = surfaces
@@ -97,10 +97,10 @@ impl Hierarchy {
         self.add(second);
     }
 
-    /// Calls `ask` with the index of each surface that the line may hit nearer than `until` metres, and with the
-    /// current value of `until`; `ask` returns the value from then on. Near boxes come first.
+    /// Calls `ask` with the index of each surface that the line can hit nearer than `until` metres, and with the
+    /// current value of `until`. The result of `ask` is the new value of `until`. Nearer boxes are visited first.
     ///
-    /// Returns the number of surfaces and boxes that were tested.
+    /// Returns the number of surfaces and bounding boxes that were tested.
     pub fn along(
         &self,
         origin: DVec3,
@@ -154,8 +154,8 @@ impl Hierarchy {
         asked
     }
 
-    /// Calls `ask` with the index of each surface whose box is within `by` metres of a point, until `ask` returns true;
-    /// returns whether it did.
+    /// Calls `ask` with the index of each surface whose bounding box is within `by` metres of a point, until `ask`
+    /// returns true. Returns whether `ask` returned true.
     pub fn any_near(&self, place: DVec3, by: f64, mut ask: impl FnMut(usize) -> bool) -> bool {
         if self.always.iter().any(|&index| ask(index as usize)) {
             return true;
@@ -198,12 +198,12 @@ impl Line {
     }
 }
 
-/// Whether a box entered at distance `enters` may contain a point no farther than `until`.
+/// Whether a box that the line enters at distance `enters` can contain a hit no farther than `until`.
 fn is_before(enters: f64, until: f64) -> bool {
     enters < f64::INFINITY && enters <= until
 }
 
-/// Whether a box is finite along some axis; otherwise it is useless.
+/// Whether a box is finite along some axis. A box without finite faces excludes nothing.
 fn has_ends(bounds: &Bounds3) -> bool {
     (bounds.min.is_finite_mask() & bounds.max.is_finite_mask()).any()
 }
@@ -233,7 +233,7 @@ mod tests {
     const HALF: f64 = 10.0;
 
     fn place(random: &mut Random) -> Vec3 {
-        // Whole decimetres, so that axis-parallel lines lie in faces, and surfaces share faces.
+        // Coordinates are multiples of a decimetre, so that axis-parallel lines lie in faces, and surfaces share faces.
         Vec3::from_array(std::array::from_fn(|_| {
             (10.0 * HALF * random.signed()).round() as f32 * 0.1
         }))
@@ -268,7 +268,8 @@ mod tests {
             .turned(turn)
     }
 
-    /// A room with `count` surfaces, every tenth of them duplicated, moved by `away` from the world's origin.
+    /// A room with `count` surfaces, a tenth of which are duplicated, at an offset of `away` metres from the world's
+    /// origin.
     fn scene(random: &mut Random, count: usize, away: Vec3) -> Scene {
         let size = Vec3::splat(2.5 * HALF as f32);
         let mut surfaces = vec![Surface::new(Node::Room(Room { size }))];
@@ -285,7 +286,7 @@ mod tests {
         Scene::new("many", surfaces, source, listener)
     }
 
-    /// The same scene, without a hierarchy: every surface is tested.
+    /// The same scene without a hierarchy, so that every surface is tested.
     fn asking_all(exact: &ExactScene) -> ExactScene {
         let mut all = exact.clone();
         all.hierarchies = [false, true].map(|is_marched| {
@@ -310,9 +311,9 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(12))]
 
-        /// Protects the hits of waves among many surfaces: each flight of a wave, each obstacle and each point in a
-        /// solid is, bit for bit, the one found by testing every surface; also for surfaces that share a face, and for
-        /// lines along their faces.
+        /// Protects the hits of waves among many surfaces. Each flight, each obstacle and each test whether a point is
+        /// in a solid is bit-identical to the result of testing every surface. The cases include surfaces that share a
+        /// face, and lines along these faces.
         #[test]
         fn the_hierarchy_changes_no_hit(seed in any::<u32>(), count in 17..160usize, is_far in any::<bool>()) {
             let mut random = Random(seed.into());
@@ -347,7 +348,7 @@ mod tests {
         }
     }
 
-    /// Protects the speed with many surfaces: a line tests a small part of them.
+    /// Protects the speed with many surfaces: a line tests a small share of them.
     #[test]
     fn a_line_asks_few_of_many() {
         let mut random = Random(5);

@@ -1,40 +1,35 @@
 //! Image sources in an empty rectangular room (Allen & Berkley 1979).
 //!
-//! Mirrored repeatedly at its walls, the room fills space with copies of itself, in which a wave that is mirrored at
-//! walls becomes one straight line. Every wall that the line crosses is one reflection, and each copy contains one
-//! image of the listener. Only the part of an image within its copy counts: the part of a listener inside a wall does
-//! not hear.
-//!
-//! Cost: one step for each copy that the line crosses, order + 1 in total.
+//! Cost per wave: one step for each copy that the line crosses, which is order + 1 steps in total.
 
 use crate::scene::shape::Room;
 use crate::scene::{IntoPair, Node, Pair};
 use crate::tracer::{Settings, TraceError};
 use glam::{DQuat, DVec3, Vec3};
 
-/// A source, a listener, and the room around both, in the room's own axes.
+/// A source, a listener, and the surrounding room, in the room's own axes.
 #[derive(Clone, Copy, Debug)]
 pub struct ShoeboxImages {
     half: [f64; 3],
     source: [f64; 3],
     listener: [f64; 3],
     radius: f64,
-    /// World axes to room axes.
+    /// Rotation from world axes to room axes.
     into_room: DQuat,
 }
 
 /// The arrival of a wave at the listener.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arrival {
-    /// Number of reflections before it.
+    /// Number of reflections before the arrival.
     pub order: u32,
-    /// Length in metres from the source to the listener's sphere.
+    /// Length of the path from the source to the listener's sphere, in metres.
     pub length: f64,
 }
 
 impl ShoeboxImages {
-    /// The images of a pair, or of a scene that has one source and one listener, in its current state; `None` unless
-    /// the scene is valid, its only surface is one [`Node::Room`], and the source is in it.
+    /// The images of a pair, or of a scene with exactly one source and one listener, in its current state. `None`
+    /// unless the scene is valid, its only surface is a [`Node::Room`], and the source is inside the room.
     pub fn new<'a>(pair: impl IntoPair<'a>) -> Option<ShoeboxImages> {
         ShoeboxImages::of_pair(pair.chosen().ok()?)
     }
@@ -73,7 +68,7 @@ impl ShoeboxImages {
     }
 
     /// The arrival at the listener of the wave that leaves the source along `direction` (world axes, any length),
-    /// within `iterations` flights; `None` if it is not heard.
+    /// within `iterations` flights; `None` if the wave is not heard.
     pub(super) fn arrival(&self, direction: DVec3, iterations: u32) -> Option<Arrival> {
         let u = (self.into_room * direction.try_normalize()?).to_array();
         // Number of walls crossed along each axis, and in total.
@@ -97,8 +92,8 @@ impl ShoeboxImages {
         None
     }
 
-    /// Returns how many waves with the given directions (world axes) are heard after 0, 1, 2 … reflections, up to
-    /// `iterations` − 1.
+    /// The numbers of waves that are heard after 0, 1, 2 … reflections, up to `iterations` − 1, for these directions
+    /// (world axes).
     ///
     /// # Errors
     /// [`TraceError::BadSetting`] if `iterations` is not in 1 to [`Settings::MAX_ITERATIONS`].
@@ -123,7 +118,8 @@ impl ShoeboxImages {
         Ok(hits)
     }
 
-    /// Distance in metres to the next unfolded wall across `axis`, after `crossed` walls.
+    /// Distance in metres from the source to the next unfolded wall perpendicular to `axis`, if `crossed` walls have
+    /// been crossed along this axis.
     fn wall(&self, axis: usize, u: [f64; 3], crossed: u32) -> f64 {
         if u[axis] == 0.0 {
             return f64::INFINITY;
@@ -132,8 +128,8 @@ impl ShoeboxImages {
         (wall - self.source[axis] * u[axis].signum()) / u[axis].abs()
     }
 
-    /// Distance in metres to the listener's image in the copy of the room that the line enters and leaves at the given
-    /// distances.
+    /// Distance in metres to the listener's image in the copy of the room that the line enters at distance `entered`
+    /// and leaves at distance `left`; `None` if the line misses the image.
     fn heard_in_copy(
         &self,
         u: [f64; 3],
@@ -144,7 +140,7 @@ impl ShoeboxImages {
         let offset: [f64; 3] =
             std::array::from_fn(|axis| self.image(axis, u, crossed[axis]) - self.source[axis]);
         let closest_at: f64 = (0..3).map(|axis| offset[axis] * u[axis]).sum();
-        // Not |offset|² − closest_at²: that difference cancels after a long distance.
+        // Not computed as |offset|² − closest_at², because this difference suffers from cancellation at long distances.
         let miss_squared: f64 = (0..3)
             .map(|axis| (offset[axis] - closest_at * u[axis]).powi(2))
             .sum();
@@ -158,7 +154,7 @@ impl ShoeboxImages {
         (begins <= ends).then_some(begins)
     }
 
-    /// The listener's coordinate in the copy that is `crossed` walls away.
+    /// The coordinate along `axis` of the listener's image in the copy that is `crossed` walls away.
     fn image(&self, axis: usize, u: [f64; 3], crossed: u32) -> f64 {
         let shift = 2.0 * self.half[axis] * f64::from(crossed) * u[axis].signum();
         let mirrored = crossed % 2 == 1;
@@ -188,7 +184,7 @@ mod tests {
         )
     }
 
-    /// Protects lengths and orders along one axis, where they can be worked out by hand.
+    /// Protects lengths and orders along one axis, where they can be computed by hand.
     #[test]
     fn a_wave_straight_at_a_wall_comes_back() {
         let images = ShoeboxImages::new(&scene(Vec3::X * -2.0)).expect("a shoebox");
@@ -200,18 +196,18 @@ mod tests {
         assert_eq!(images.arrival(DVec3::Y, 9), None);
     }
 
-    /// Protects a listener partly inside a wall: the part inside the wall does not hear.
+    /// Protects the rule for a listener that is partly inside a wall: the part inside the wall does not hear.
     #[test]
     fn only_the_part_in_the_room_hears() {
         let images = ShoeboxImages::new(&scene(Vec3::new(5.3, 0.0, 0.0))).expect("a shoebox");
         let inside = images.arrival(DVec3::X, 1).expect("heard");
         assert!((inside.length - 3.8).abs() < 1e-6);
-        // Towards the sphere's rim at x = 5.3; the wall at x = 5 comes first.
+        // The line points to the rim of the sphere at x = 5.3, but hits the wall at x = 5 first.
         let rim = DVec3::new(4.3, 0.45, 0.0);
         assert_eq!(images.arrival(rim, 8), None);
     }
 
-    /// Protects the refusal of scenes that are not a shoebox.
+    /// Protects the rejection of scenes that are not a shoebox.
     #[test]
     fn other_scenes_have_no_images() {
         let mut other = scene(Vec3::ZERO);

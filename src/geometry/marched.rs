@@ -1,34 +1,35 @@
-//! Intersects a line with a field in `f64`, by sphere tracing to the limit of precision.
+//! Intersections of a line with a field in `f64`, by sphere tracing to the limit of precision.
 //!
-//! In general a field has no closed form, so its reference is a march too, but one without code in common with the
-//! shader's march: plain steps of the value divided by the Lipschitz constant, until the value is at most `TOUCH` of
-//! the field's extent. A point with such a small value counts as a hit only if the line enters the solid there; a line
-//! that leaves the surface moves away from it by steps of at least [`LEAST_STEP`].
+//! Most fields have no closed-form intersection, so their reference is a march too. It has no code in common with the
+//! march of the shader. Its steps are the value divided by the Lipschitz constant, until the value is at most `TOUCH`
+//! times the extent of the field. A point with such a small value is a hit only if the line enters the solid there. A
+//! line that leaves the surface continues by steps of at least [`LEAST_STEP`].
 
 use crate::scene::{Bounds3, Shape};
 use glam::DVec3;
 
-/// Value below which a point counts as on the surface, as a share of the extent.
+/// Maximum value at a point on the surface, as a share of the extent.
 const TOUCH: f64 = 1e-12;
 
-/// Least step, as a share of the extent: it still changes a position whose coordinates are a thousand extents.
+/// Minimum step, as a share of the extent. It is large enough to change a position whose coordinates are a thousand
+/// times the extent.
 const LEAST_STEP: f64 = 1e-12;
 
-/// Half the step of difference quotients, as a share of the extent: their error is then below 1e-9,
-/// both from rounding and from curvature.
+/// Half the step of difference quotients, as a share of the extent. Their errors from rounding and from curvature are
+/// then both below 1e-9.
 const DIFFERENCE: f64 = 1e-6;
 
-/// Distance ahead at which a line is sampled to decide whether it enters the solid, as a share of the extent: small
-/// enough to avoid creases, and large enough to resolve a slope of 1e-8.
+/// Distance ahead at which the value is sampled to decide whether a line enters the solid, as a share of the extent. It
+/// is small enough to avoid creases, and large enough to resolve a slope of 1e-8.
 const AHEAD: f64 = 1e-8;
 
-/// Maximum number of steps of a march. A line that grazes a surface takes thousands.
+/// Maximum number of steps of a march. A line that grazes a surface takes thousands of steps.
 const STEPS: usize = 200_000;
 
-/// Maximum length of a line, in extents.
+/// Maximum length of a line, as a multiple of the extent.
 const FAR: f64 = 1e6;
 
-/// A field with the data for its march.
+/// A field with the data that its march needs.
 #[derive(Clone, Debug)]
 pub(super) struct MarchedField {
     field: Shape,
@@ -41,7 +42,7 @@ pub(super) struct MarchedField {
 impl MarchedField {
     pub fn new(field: &Shape) -> MarchedField {
         let properties = field.properties();
-        // For a plane any length is suitable.
+        // A plane has an extent of 0, and any length is suitable instead.
         let extent = Some(field.extent()).filter(|e| *e > 0.0).unwrap_or(1.0);
         MarchedField {
             field: field.clone(),
@@ -52,7 +53,7 @@ impl MarchedField {
         }
     }
 
-    /// Whether a wave that leaves the field cannot hit it next.
+    /// Whether a wave that leaves the field cannot hit it at its next hit.
     pub fn is_convex(&self) -> bool {
         self.convex
     }
@@ -62,7 +63,7 @@ impl MarchedField {
         self.extent
     }
 
-    /// Bounds of the field's solid, in its own axes.
+    /// Bounding box of the field's solid, in the field's own axes.
     pub fn bounds(&self) -> Bounds3 {
         self.bounds
     }
@@ -72,8 +73,8 @@ impl MarchedField {
         self.field.value(p) * self.inverse_lipschitz
     }
 
-    /// Length in metres along the unit vector `d` from `o`, which is in the air or on the surface, to the first hit;
-    /// `None` without a hit within `until` metres.
+    /// Distance in metres to the first hit along the unit vector `d` from `o`, which is in the air or on the surface.
+    /// `None` if there is no hit within `until` metres.
     pub fn intersect(&self, o: DVec3, d: DVec3, until: f64) -> Option<f64> {
         let until = until.min(FAR * self.extent);
         let touch = TOUCH * self.extent.max(o.abs().max_element());
@@ -101,9 +102,9 @@ impl MarchedField {
         self.distance(p + AHEAD * self.extent * d) < self.distance(p)
     }
 
-    /// The gradient. Values may have a kink exactly at the surface (that of a quadric has a term F |F|), and the error
-    /// of central differences is then proportional to their step; so the differences of two steps are extrapolated to a
-    /// step of 0 (Richardson).
+    /// The gradient. The value can have a kink exactly at the surface (the value of a quadric has a term F |F|). The
+    /// error of central differences is then proportional to their step. The differences of two steps are therefore
+    /// extrapolated to a step of 0 (Richardson extrapolation).
     fn gradient(&self, p: DVec3) -> DVec3 {
         let step = DIFFERENCE * self.extent;
         2.0 * self.differences(p, 0.5 * step) - self.differences(p, step)
@@ -117,7 +118,7 @@ impl MarchedField {
         DVec3::new(along(DVec3::X), along(DVec3::Y), along(DVec3::Z))
     }
 
-    /// Projects a point near the surface onto it, and also returns the unit normal there.
+    /// Projects a point near the surface onto the surface, and returns the unit normal there too.
     pub fn project(&self, p: DVec3, d: DVec3) -> (DVec3, DVec3) {
         let gradient = self.gradient(p);
         let squared = gradient.length_squared();

@@ -1,11 +1,11 @@
-//! Energies of image sources in an empty rectangular room with absorbing walls (Allen & Berkley
-//! 1979, with energies instead of pressures).
+//! Energies of image sources in an empty rectangular room with absorbing walls (Allen & Berkley 1979, with energies
+//! instead of pressures).
 //!
-//! Mirrored repeatedly at its walls, the source becomes a lattice of images, one in each copy of the room. The straight
-//! line from an image to the listener crosses one wall for each reflection of its path: from copy *m* along an axis it
-//! crosses |*m*| walls, alternately the wall on the image's side and the opposite wall. An image at *r* metres gives Π
-//! (1 − α) / (4π r²). The sum is complete and not random: its only errors are rounding, and the finite length of the
-//! cells.
+//! The images of the source form a lattice, with one image in each mirrored copy of the room. The straight line from an
+//! image to the listener crosses one wall for each reflection of the path. From copy *m* along an axis, it crosses
+//! |*m*| walls, alternately the wall on the image's side and the opposite wall. An image at a distance of *r* metres
+//! contributes Π (1 − α) / (4π r²). The sum includes all images within the given length and uses no random numbers. Its
+//! only errors are rounding errors and the finite length of the cells.
 
 use crate::bands::{BAND_COUNT, Bands};
 use crate::tracer::TraceError;
@@ -13,64 +13,64 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Number of parts in which the images are summed. It does not depend on the number of cores, so the sums are identical
-/// on every machine, to the bit.
+/// Number of parallel parts of the sum. It does not depend on the number of cores, so that the sums are bit-identical
+/// on every machine.
 const PARTS: usize = 16;
 
-/// Maximum number of reflections of a listed image: 300,000 images have at most this order.
+/// Maximum order of a listed image. About 300,000 images have at most this order.
 const MOST_ORDER: u32 = 60;
 
-/// Maximum number of cells of energies: a gibibyte during the sum.
+/// Maximum number of cells. The sum of this number of cells needs one gibibyte of memory.
 const MOST_CELLS: f64 = (1 << 20) as f64;
 
-/// Maximum number of images in a sum: hours on one core.
+/// Maximum number of images in a sum. A sum of this number of images takes hours on one core.
 const MOST_IMAGES: f64 = 1e12;
 
-/// A source and a listener in a rectangular room with absorption by wall and band.
+/// A source and a listener in a rectangular room, with the absorption of each wall in each octave band.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShoeboxEnergies {
     size: DVec3,
     source: DVec3,
     listener: DVec3,
-    /// Reflectance of the walls at −x, +x, −y, +y, −z, +z.
+    /// Reflectance of the walls at −x, +x, −y, +y, −z, +z, by octave band.
     reflectance: [Bands; 6],
 }
 
-/// One image of the source.
+/// An image of the source.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImageSource {
     /// Number of reflections at each wall: −x, +x, −y, +y, −z, +z.
     pub reflections: [u32; 6],
     /// Distance to the listener in metres.
     pub length_m: f64,
-    /// Direction of flight at the listener: a unit vector, room axes.
+    /// Direction of arrival at the listener: a unit vector in room axes that points away from the image.
     pub direction: DVec3,
-    /// Energy density at the listener for a source of unit power, times the speed of sound, in 1/m². Without absorption
-    /// by air.
+    /// Energy density at the listener for a source of unit power, multiplied by the speed of sound, in 1/m². The
+    /// absorption by air is not included.
     pub energy: Bands,
 }
 
-/// Energies by length of path.
+/// Energies in cells of path length.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EnergiesByLength {
-    /// Beginning of the first cell: length in metres of the direct path, the shortest of all.
+    /// Lower limit of the first cell in metres: the length of the direct path, which is the shortest path.
     pub first_m: f64,
     /// Length of a cell in metres.
     pub cell_m: f64,
-    /// The energy in each cell in 1/m².
+    /// Energy in each cell, in 1/m².
     pub energies: Vec<Bands>,
     /// Number of images summed.
     pub images: u64,
 }
 
-/// One copy of the room along one axis.
+/// A copy of the room along one axis.
 #[derive(Clone, Copy, Debug)]
 struct Copy {
     /// Distance in metres from the listener to the image along the axis.
     offset: f64,
-    /// Number of reflections at the lower and the upper wall.
+    /// Number of reflections at the wall on the negative side and at the wall on the positive side.
     reflections: [u32; 2],
-    /// The product of their reflectances.
+    /// Product of the reflectances of all these reflections.
     reflectance: Bands,
 }
 
@@ -81,9 +81,10 @@ impl Copy {
 }
 
 impl ShoeboxEnergies {
-    /// Creates a room of `size` metres about the origin, with source and listener in metres from there and the
-    /// absorption 0 … 1 of the walls at −x, +x, −y, +y, −z, +z. `None` if source or listener is not in the room, both
-    /// are at the same point, or an absorption is out of range.
+    /// Creates a room of `size` metres, centred on the origin. Source and listener are positions in metres.
+    /// `absorption` contains the absorption coefficients (0 to 1) of the walls at −x, +x, −y, +y, −z, +z. `None` if the
+    /// source or the listener is outside the room, if both are at the same point, or if an absorption coefficient is
+    /// out of range.
     pub fn new(
         size: DVec3,
         source: DVec3,
@@ -110,7 +111,7 @@ impl ShoeboxEnergies {
         self.source.distance(self.listener)
     }
 
-    /// All images of up to `order` reflections, the nearest first.
+    /// All images with at most `order` reflections, the nearest first.
     ///
     /// # Errors
     /// [`TraceError::BadSetting`] for more than 60 reflections.
@@ -142,13 +143,13 @@ impl ShoeboxEnergies {
         Ok(images)
     }
 
-    /// The energies of all images within `length_m` metres except those of up to `without_order` reflections, in cells
-    /// of `cell_m` metres. Takes a few nanoseconds per image on each core; 64 bytes per cell, and 16 times that during
-    /// the sum.
+    /// The energies of all images within `length_m` metres, in cells of `cell_m` metres. Images with at most
+    /// `without_order` reflections are left out. The sum takes a few nanoseconds per image and core. The result needs
+    /// 64 bytes per cell, and the sum needs 16 times as much memory.
     ///
     /// # Errors
-    /// [`TraceError::BadSetting`] for a length that is not finite, cells that are not above 0, more than a million
-    /// cells, or more than 10¹² images.
+    /// [`TraceError::BadSetting`] for a length that is not finite, a cell length that is not positive and finite, more
+    /// than a million cells, or more than 10¹² images.
     #[doc(hidden)]
     pub fn energies_by_length(
         &self,
@@ -179,8 +180,8 @@ impl ShoeboxEnergies {
         }))
     }
 
-    /// The number of cells, each `cell_m` metres long, between the direct sound and `length_m`; an error if the sum
-    /// would exceed a limit.
+    /// The number of cells between the direct sound and `length_m`, each `cell_m` metres long. Returns an error if the
+    /// sum would exceed a limit.
     fn check_sum(&self, cell_m: f64, length_m: f64) -> Result<usize, TraceError> {
         let refused = |what, must: &str, value: f64| {
             Err(TraceError::BadSetting {
@@ -199,7 +200,7 @@ impl ShoeboxEnergies {
         if cells > MOST_CELLS {
             return refused("number of cells", "at most 1048576", cells);
         }
-        // Number of copies along an axis, at least one for any length.
+        // Number of copies along an axis; at least one for any length.
         let copies = |axis: usize| 2.0 * length_m.max(0.0) / self.size[axis] + 1.0;
         let images = copies(0) * copies(1) * copies(2) * PI / 6.0;
         if images.is_nan() || images > MOST_IMAGES {
@@ -208,13 +209,13 @@ impl ShoeboxEnergies {
         Ok(cells as usize)
     }
 
-    /// The copy with this number along an axis; 0 is the room itself.
+    /// The copy with this number along an axis. Number 0 is the room itself.
     fn copy(&self, axis: usize, number: i64) -> Copy {
         let source = self.source[axis];
         let mirrored = if number % 2 == 0 { source } else { -source };
         let crossed = number.unsigned_abs() as u32;
-        // Seen from the listener, the wall on the image's side is crossed first, then the opposite wall, and so on
-        // alternately.
+        // From the listener towards the image, the line crosses the wall on the image's side first, then the opposite
+        // wall, and so on alternately.
         let (own, other) = (crossed.div_ceil(2), crossed / 2);
         let reflections = if number > 0 {
             [other, own]
@@ -231,9 +232,10 @@ impl ShoeboxEnergies {
         }
     }
 
-    /// The copies along an axis whose images can lie within `length_m` metres.
+    /// The copies along an axis whose images can be within `length_m` metres.
     fn copies_within(&self, axis: usize, length_m: f64) -> Vec<Copy> {
-        // An image is at most one and a half room lengths nearer than the number of its copy states.
+        // The distance of an image can be up to one and a half room lengths less than the number of its copy, times the
+        // room length.
         let reach = (length_m / self.size[axis]).ceil().max(0.0) as i64 + 2;
         let copies = (-reach..=reach).map(|number| self.copy(axis, number));
         copies.filter(|copy| copy.offset.abs() < length_m).collect()
@@ -257,7 +259,7 @@ fn image(x: &Copy, y: &Copy, z: &Copy) -> ImageSource {
 }
 
 impl EnergiesByLength {
-    /// The middle of a cell in metres.
+    /// The centre of a cell in metres.
     pub fn middle_m(&self, cell: usize) -> f64 {
         self.first_m + (cell as f64 + 0.5) * self.cell_m
     }
@@ -290,10 +292,10 @@ impl EnergiesByLength {
         }
     }
 
-    /// Adds an image with the given squared distance to the listener, in square metres.
+    /// Adds an image. `squared` is the squared distance to the listener, in square metres.
     fn add(&mut self, squared: f64, across: &Bands, along: &Bands) {
         let place = (squared.sqrt() - self.first_m) / self.cell_m;
-        // By rounding, an image as near as the direct one may fall before the first cell.
+        // Due to rounding, an image at the distance of the source may fall before the first cell.
         let Some(cell) = self.energies.get_mut(place.max(0.0) as usize) else {
             return;
         };
@@ -344,7 +346,7 @@ mod tests {
         assert!((direct.energy[3] / spread - 1.0).abs() < 1e-12);
     }
 
-    /// Protects the assignment of reflections to walls: the first-order images, counted by hand.
+    /// Protects the assignment of reflections to walls, by the first-order images.
     #[test]
     fn first_order_images_lie_behind_their_walls() {
         let absorption = by_wall();
@@ -356,7 +358,7 @@ mod tests {
                 .filter(|image| image.reflections[wall] == 1)
                 .collect();
             assert_eq!(found.len(), 1);
-            // The sound comes from the wall's side.
+            // The sound arrives from the side of the wall.
             let side = if wall % 2 == 0 { 1.0 } else { -1.0 };
             assert!(found[0].direction[wall / 2] * side > 0.0, "wall {wall}");
             let spread = 1.0 / (4.0 * PI * found[0].length_m.powi(2));
@@ -364,7 +366,7 @@ mod tests {
             assert!((reflectance - (1.0 - absorption[5])).abs() < 1e-12);
         }
         let upper_x = images.iter().find(|image| image.reflections[1] == 1);
-        // The image at 8 + 2 = 10 m, seen from 2 m.
+        // The image is at x = 8 + 2 = 10 m, and the listener at x = 2 m.
         let expected = DVec3::new(8.0, 0.4, 2.5).length();
         assert!((upper_x.expect("an image").length_m - expected).abs() < 1e-12);
     }
@@ -378,13 +380,13 @@ mod tests {
         assert!(images.is_sorted_by(|a, b| a.length_m <= b.length_m));
     }
 
-    /// Protects the sums by length, which are compared with the list of images.
+    /// Protects the energies in cells, by comparison with the list of images.
     #[test]
     fn cells_hold_the_images_of_the_list() {
         let room = room(&by_wall());
         let length_m = 14.0;
-        // All images within 14 m have fewer than 12 reflections: 14 m cross at most 14/8 + 14/3 + 14/5 walls and one
-        // more along each axis.
+        // All images within 14 m have fewer than 12 reflections. A path of 14 m crosses at most 14/8 + 14/3 + 14/5
+        // walls, and one more along each axis.
         let near = |image: &ImageSource| image.length_m < length_m;
         let images: Vec<ImageSource> = room.images(12).unwrap().into_iter().filter(near).collect();
         let summed = room.energies_by_length(0.5, length_m, None).unwrap();
@@ -405,14 +407,15 @@ mod tests {
         assert_eq!(late.images, summed.images - 7);
     }
 
-    /// Protects the total, which is compared with the energy of a diffuse field. With equal walls that absorb little, a
-    /// source of unit power gives 4/A (1/m²; A: absorption area) in addition to the direct sound, to within the few per
-    /// cent of Sabine's assumption of small absorption.
+    /// Protects the total energy, by comparison with a diffuse field. With equal walls of low absorption, a source of
+    /// unit power gives 4/A (in 1/m², with the absorption area A) in addition to the direct sound. The difference is at
+    /// most the few per cent error of Sabine's assumption of low absorption.
     #[test]
     fn the_energy_of_a_live_room_is_that_of_sabine() {
         let room = room(&[[0.02; BAND_COUNT]; 6]);
         let (volume, surface) = (8.0 * 3.0 * 5.0, 2.0 * (24.0 + 40.0 + 15.0));
-        // Seven times the time in which the energy falls by a factor of e: 0.1 % of it comes later.
+        // Seven times the path length over which the energy falls by a factor of e. Only 0.1 % of the energy arrives
+        // later.
         let length_m = 7.0 * 4.0 * volume / (0.02 * surface);
         let summed = room.energies_by_length(0.1, length_m, Some(0)).unwrap();
         let energy: f64 = summed.energies.iter().map(|energy| energy[0]).sum();
@@ -420,7 +423,7 @@ mod tests {
         assert!((energy / sabine - 1.0).abs() < 0.05, "{energy} {sabine}");
     }
 
-    /// Protects the refusal of invalid rooms.
+    /// Protects the rejection of invalid rooms.
     #[test]
     fn bad_rooms_are_refused() {
         let build = |listener, absorption: f64| {
@@ -434,7 +437,7 @@ mod tests {
         assert!(build(DVec3::Y, f64::NAN).is_none());
     }
 
-    /// Protects memory and time from values for which a sum would be too long.
+    /// Protects memory and time from arguments for which the sum would take too long.
     #[test]
     fn endless_sums_are_refused() {
         let room = room(&by_wall());

@@ -1,4 +1,4 @@
-//! Flights in closed form: intersections compared with points worked out by hand, and the statuses of waves.
+//! Tests of flights in closed form: intersections at points computed by hand, and the statuses of waves.
 
 use crate::geometry::closed_form::Placed;
 use crate::geometry::exact::*;
@@ -16,7 +16,7 @@ fn intersect(shape: Node, origin: DVec3, towards: DVec3) -> Option<(f64, DVec3, 
     Some((intersection.t, point, normal))
 }
 
-/// Protects each shape's nearest hit, which is compared with points worked out by hand.
+/// Protects the nearest hit of each shape, by points computed by hand.
 #[test]
 fn lines_intersect_shapes_where_they_should() {
     let size = Vec3::new(2.0, 4.0, 6.0);
@@ -63,7 +63,7 @@ fn lines_intersect_shapes_where_they_should() {
     }
 }
 
-/// Protects against hits behind the start or beside the shape.
+/// Protects against hits behind the start of a line or beside a shape.
 #[test]
 fn lines_pass_shapes_that_are_behind_or_beside() {
     let shapes = [
@@ -96,8 +96,8 @@ fn lines_pass_shapes_that_are_behind_or_beside() {
     assert_eq!(along_the_axis, None);
 }
 
-/// Protects waves that are slightly inside a solid by rounding: they are mirrored on their way in and not stopped on
-/// their way out.
+/// Protects waves that rounding has moved slightly into a solid: a wave that points into the solid is reflected, and a
+/// wave that points out of it is not stopped.
 #[test]
 fn a_start_just_inside_a_box_counts_as_its_surface() {
     let size = Vec3::splat(2.0);
@@ -119,7 +119,7 @@ fn a_start_just_inside_a_box_counts_as_its_surface() {
     assert_eq!(outwards, None);
 }
 
-/// Protects rotations whose `f32` quaternion is not exactly of length 1.
+/// Protects shapes whose `f32` rotation quaternion does not have a length of exactly 1.
 #[test]
 fn a_turned_shape_keeps_its_size() {
     let turn = Quat::from_xyzw(0.1, 0.2, 0.3, 0.9273618) * 1.00005;
@@ -152,7 +152,7 @@ fn floor() -> Surface {
     Surface::new(Node::Plane(Plane)).at(Vec3::NEG_Y)
 }
 
-/// Protects the statuses and the values that go with each status.
+/// Protects each status of a wave, and the values of a wave with this status.
 #[test]
 fn a_wave_is_heard_or_dies_or_goes_on() {
     let exact = scene(vec![floor()]);
@@ -173,7 +173,8 @@ fn a_wave_is_heard_or_dies_or_goes_on() {
     assert_eq!(exact.arrival_side(&bounced), None);
 }
 
-/// Protects waves without a flight: without direction or iterations, in a solid, in the listener.
+/// Protects waves without a flight: those without direction or iterations, and those that start in a solid or in the
+/// listener.
 #[test]
 fn waves_without_a_flight_stay_at_the_start() {
     let exact = scene(vec![floor()]);
@@ -189,7 +190,7 @@ fn waves_without_a_flight_stay_at_the_start() {
     assert_eq!((inside.status, inside.length), (0, 0.0));
 }
 
-/// Protects the count of reflections that multiply errors.
+/// Protects the number of reflections that multiply errors.
 #[test]
 fn curved_reflections_are_counted() {
     let pillar = Surface::new(Node::Cylinder(Cylinder { radius: 1.0 })).at(Vec3::X * -4.0);
@@ -202,8 +203,7 @@ fn curved_reflections_are_counted() {
     assert_eq!(objects, [1, 2]);
 }
 
-/// Protects waves that the listener does not stop: they hit walls in order, without end, and a wave that starts in a
-/// solid hits none.
+/// Protects waves that pass through the listener: they hit wall after wall. A wave that starts in a solid hits no wall.
 #[test]
 fn waves_fly_through_the_listener() {
     let room = Surface::new(Room {
@@ -224,8 +224,8 @@ fn waves_fly_through_the_listener() {
     assert!(inside.is_none());
 }
 
-/// Protects obstacles: they are found up to the given distance and not beyond it, and the wall on which the line starts
-/// is not an obstacle.
+/// Protects obstacles: they are found up to the given distance only. The wall on which the line starts is not an
+/// obstacle.
 #[test]
 fn the_first_surface_is_nearer_than_asked() {
     let room = Surface::new(Room {
@@ -241,12 +241,12 @@ fn the_first_surface_is_nearer_than_asked() {
     let wall = Some((1, DVec3::NEG_X));
     assert_eq!(first(wall, 3.9), None);
     assert_eq!(first(wall, 4.1), Some((1, 4.0)));
-    // Along the wall on which it starts, a line hits only the next wall.
+    // A line along the wall on which it starts hits only the next wall.
     let along = exact.first_surface(DVec3::X * 2.0, DVec3::Y, wall, 9.0);
     assert_eq!(along.map(|hit| hit.t), Some(2.0));
 }
 
-/// Protects the bounds of boxes on the ground: a line that starts in the ground hits no side below the box.
+/// Protects the limits of a box on the ground: a line that starts in the ground does not hit a side of the box.
 #[test]
 fn a_box_does_not_go_on_below_its_covered_face() {
     let size = Vec3::splat(2.0);

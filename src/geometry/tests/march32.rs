@@ -1,13 +1,14 @@
-//! The thesis' algorithm on the CPU, in `f32`.
+//! The thesis' algorithm on the CPU in `f32`.
 //!
-//! The same steps as figures 8 and 9 in the same precision, written independently of the shaders: tests with it show
-//! whether a shader follows the algorithm, not whether the algorithm is right (it is not: see [`super::ExactScene`]).
+//! This module computes the steps of figures 8 and 9 in the same precision as the shaders, with independent code. Tests
+//! with it show whether a shader implements the algorithm. They do not show whether the algorithm is correct (it is
+//! not: see [`super::ExactScene`]).
 //!
-//! Two programs in `f32` can diverge where a decision is close: a distance just below the minimum distance in one is
-//! just above it in the other. Each wave therefore has a [`margin`](MarchedWave::margin): the smallest distance of any
-//! of its decisions from the opposite outcome.
+//! Two implementations in `f32` can diverge at a close decision: a distance just below the minimum distance in one
+//! implementation is just above it in the other. Each wave therefore has a [`margin`](MarchedWave::margin), the
+//! smallest distance of any of its decisions from the opposite outcome.
 //!
-//! For trees, it uses the scene's own value, rounded.
+//! For trees of shapes, this module uses the value of the scene's own CPU code, rounded to `f32`.
 
 use crate::scene::shape::{Cuboid, Cylinder, Room, Sphere};
 use crate::scene::{Nearest, Node, Scene, Shape, Surface};
@@ -24,18 +25,18 @@ pub struct MarchedWave {
     pub position: Vec3,
     /// Direction of flight.
     pub direction: Vec3,
-    /// −1 dead, 0 at the listener, n at surface n.
+    /// −1 if the wave is dead, 0 at the listener, n at surface n.
     pub status: f32,
     /// Number of marches that ended at distance 0.
     pub zero_length_passes: u32,
     /// Number of marches that reached the step limit.
     pub step_limit_reached: u32,
-    /// The least difference, in metres, between two numbers whose comparison decided something: a distance and the
-    /// minimum distance, or the distances to two objects at the point of a hit.
+    /// The smallest difference in metres between two numbers whose comparison decided the path: a distance and the
+    /// minimum distance, or the distances to two objects at a hit.
     pub margin: f32,
 }
 
-/// The initial direction of a wave: `glsl/direction/random.glsl` on the CPU, in `f64`.
+/// The initial direction of a wave: the algorithm of `glsl/direction/random.glsl`, on the CPU in `f64`.
 pub fn start_direction(wave: u32, seed: u32) -> Vec3 {
     let bits = mix_bits(UVec3::new(wave, seed, 0));
     let unit_interval = |bits: u32| f64::from(bits >> 8) / 16_777_216.0;
@@ -45,7 +46,7 @@ pub fn start_direction(wave: u32, seed: u32) -> Vec3 {
     DVec3::new(ring * angle.cos(), height, ring * angle.sin()).as_vec3()
 }
 
-/// Data common to all waves.
+/// Data shared by all waves.
 struct March<'a> {
     scene: &'a Scene,
     options: ThesisOptions,
@@ -53,8 +54,8 @@ struct March<'a> {
     max_distance: f32,
 }
 
-/// Follows waves that leave the scene's source along `directions` (unit vectors). `None` if the settings select another
-/// algorithm.
+/// Traces waves that leave the scene's source along `directions` (unit vectors). `None` if the settings select another
+/// algorithm than the thesis'.
 pub fn march(scene: &Scene, settings: &Settings, directions: &[Vec3]) -> Option<Vec<MarchedWave>> {
     let Algorithm::Thesis(options) = settings.algorithm else {
         return None;
@@ -87,7 +88,7 @@ impl March<'_> {
         wave
     }
 
-    /// One iteration (figure 8).
+    /// Computes one iteration (figure 8).
     fn iterate(&self, wave: &mut MarchedWave) {
         let start = wave.position + wave.direction * self.options.start_offset;
         let flight = self.fly(start, wave.direction);
@@ -107,7 +108,7 @@ impl March<'_> {
         }
     }
 
-    /// One march (figure 9).
+    /// Computes one march (figure 9).
     fn fly(&self, start: Vec3, direction: Vec3) -> Flight {
         let mut t = 0.0;
         let mut margin = f32::INFINITY;
@@ -135,15 +136,16 @@ impl March<'_> {
     }
 }
 
-/// Result of one march.
+/// The result of one march.
 struct Flight {
-    /// The length of the march and the object hit, if any.
+    /// The length of the march and the number of the hit object, if any.
     hit: Option<(f32, u32)>,
     gave_up: bool,
     margin: f32,
 }
 
-/// Difference between the two smallest distances at a point: a measure of how clearly the point belongs to its object.
+/// The difference between the two smallest distances at a point, which shows how clearly the point belongs to one
+/// object.
 fn tie_margin(scene: &Scene, point: Vec3) -> f32 {
     let mut distances: Vec<f32> = {
         let surfaces = scene.surfaces.iter();
@@ -154,7 +156,7 @@ fn tie_margin(scene: &Scene, point: Vec3) -> f32 {
     distances[1] - distances[0]
 }
 
-/// Moves a dead wave to the origin, without a direction.
+/// Moves a dead wave to the origin, and sets its direction to 0.
 fn die(wave: &mut MarchedWave) {
     wave.position = Vec3::ZERO;
     wave.direction = Vec3::ZERO;
@@ -188,7 +190,7 @@ fn mix_bits(v: UVec3) -> UVec3 {
     UVec3::new(x, y, z)
 }
 
-/// Signed distance to the nearest surface or to the listener's sphere (figure 9).
+/// Signed distance to the nearest surface or to the listener's sphere, in metres (figure 9).
 pub(super) fn distance(scene: &Scene, point: Vec3) -> Nearest {
     let mut nearest = Nearest {
         distance: scene.listeners[0].distance(point),

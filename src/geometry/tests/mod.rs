@@ -27,12 +27,12 @@ fn start(scene: &Scene) -> DVec3 {
     scene.sources[0].position.as_dvec3()
 }
 
-/// A listener too far away to be hit.
+/// A listener that is too far away to be hit.
 fn listener_outside() -> Listener {
     Listener::at(Vec3::splat(3e6), 0.5)
 }
 
-/// Every kind of surface, some of them turned, in a turned room.
+/// A rotated room that contains every kind of basic surface, some of them rotated.
 fn furnished() -> Scene {
     let turn = Quat::from_euler(EulerRot::YXZ, 0.4, 0.3, -0.2);
     let size = Vec3::new(14.0, 8.0, 18.0);
@@ -90,7 +90,7 @@ fn shoeboxes() -> Vec<(&'static str, Scene)> {
     ]
 }
 
-/// Protects the two references against each other's mistakes: they share no code and must agree on every wave.
+/// Protects the two references from each other's errors: they share no code, and must agree for every wave.
 #[test]
 fn closed_form_and_image_sources_agree_wave_for_wave() {
     const ITERATIONS: u32 = 24;
@@ -118,8 +118,8 @@ fn closed_form_and_image_sources_agree_wave_for_wave() {
     }
 }
 
-/// Protects the counts from which the project's scenes were reconstructed: the number of waves
-/// heard among 65,536, as counted by a model written independently of this crate.
+/// Protects the counts from which the project's scenes were reconstructed. These are the numbers of heard waves among
+/// 65,536, counted by a model that is independent of this crate.
 #[test]
 fn corner_hits_agree_with_an_independent_count() {
     let scene = Scene::builtin("corner").unwrap();
@@ -129,14 +129,14 @@ fn corner_hits_agree_with_an_independent_count() {
         let waves = exact.trace_all(start(&scene), &directions, iterations);
         let heard = waves.iter().filter(|wave| wave.status == 0).count() as f64;
         println!("corner, {iterations} iterations: {heard} of 1048576 heard");
-        // Both counts are random: ours uses 16 times as many waves.
+        // Both counts are random, and this one uses 16 times as many waves.
         let deviation = f64::sqrt(of_65536 * (1.0 + 1.0 / 16.0));
         assert!((heard / 16.0 - of_65536).abs() < 4.0 * deviation, "{heard}");
     }
 }
 
-/// Protects, by comparison with the `f32` distance functions, against hits that are not on a surface, and against waves
-/// that pass through a surface.
+/// Protects against hits that are not on a surface, and against waves that pass through a surface, by comparison with
+/// the `f32` distance functions.
 #[test]
 fn hits_lie_on_the_nearest_zero_of_the_distance_function() {
     let scene = furnished();
@@ -188,8 +188,7 @@ fn assert_bisection_finds(hit: &Hit, distance: impl Fn(f64) -> f32, direction: D
     assert!((air - hit.t).abs() < 1e-5 / steepness, "{air} != {hit:?}");
 }
 
-/// Protects the law of reflection, the unit length of directions and the walls over
-/// hundreds of reflections.
+/// Protects the law of reflection, the unit length of directions, and the walls, over hundreds of reflections.
 #[test]
 fn waves_stay_mirrored_and_shut_in() {
     let scene = furnished();
@@ -215,8 +214,8 @@ fn waves_stay_mirrored_and_shut_in() {
     }
 }
 
-/// Protects lengths and walls in a room without curved surfaces: after 200 flights the unfolded straight line still
-/// ends at the wave's position.
+/// Protects lengths and walls in a room without curved surfaces. After 200 flights, the end of the unfolded straight
+/// line still agrees with the position of the wave.
 #[test]
 fn two_hundred_reflections_keep_their_place() {
     let size = Vec3::new(12.0, 6.0, 16.0);
@@ -236,14 +235,14 @@ fn two_hundred_reflections_keep_their_place() {
     }
 }
 
-/// Folds a straight line back into a room: each coordinate is a triangle wave.
+/// Folds a straight line back into a room. Each coordinate becomes a triangle wave.
 fn folded(straight: DVec3, half: DVec3) -> DVec3 {
     let turns = (straight / half + 1.0).rem_euclid(DVec3::splat(4.0));
     half * (1.0 - (turns - 2.0).abs())
 }
 
-/// Protects edges and corners, and waves almost along a wall, in turned rooms too: no wave escapes, skips a wall or
-/// becomes NaN.
+/// Protects edges and corners, and waves almost parallel to a wall, also in rotated rooms: no wave escapes, skips a
+/// wall or becomes NaN.
 #[test]
 fn corners_and_edges_do_not_leak() {
     let size = Vec3::new(12.0, 6.0, 16.0);
@@ -276,7 +275,7 @@ fn corners_and_edges_do_not_leak() {
     }
 }
 
-/// Protects solids that are flush with the room, as in `corner`, and lines along their coinciding surfaces.
+/// Protects solids that touch a wall of the room, as in `corner`, and lines along their shared planes.
 #[test]
 fn flush_surfaces_do_not_leak() {
     let scene = Scene::builtin("corner").unwrap();
@@ -289,7 +288,7 @@ fn flush_surfaces_do_not_leak() {
             14.0 * random.unit(),
         );
         let height = [10.0, -10.0, 10.0 * random.signed()][(random.unit() * 3.0) as usize];
-        // The edge between the block and the wall, and an edge of the block itself.
+        // The edge between the block and a wall, or an edge of the block itself.
         let edge = DVec3::new([15.0, 0.0][(random.unit() * 2.0) as usize], height, 0.0);
         let spread = [0.0, 1e-16, 1e-15, 1e-14, 1e-12][(random.unit() * 5.0) as usize];
         let direction = (edge - origin).normalize() + random.direction() * spread;
@@ -299,7 +298,7 @@ fn flush_surfaces_do_not_leak() {
         }
         let met = exact.trace(origin, direction, 3);
         if edge.x == 15.0 && met.status != 0 {
-            // Wall and block both mirror the wave, whichever comes first.
+            // Wall and block both reflect the wave, so the order of the hits does not matter.
             let back = if height.abs() == 10.0 { 3 } else { 2 };
             let back = exact.trace(origin, direction, back).direction;
             assert!(
@@ -335,7 +334,7 @@ fn threads_do_not_change_a_wave() {
     assert_eq!(exact.trace_all(DVec3::ZERO, &[], 12), vec![]);
 }
 
-/// The same shape under an operator, for which the reference must march; planes and rooms are unchanged.
+/// The same shape under an operator, for which the reference must march. Planes and rooms are unchanged.
 fn as_field(shape: &Shape) -> Shape {
     match shape.node {
         Node::Cuboid(_) | Node::Sphere(_) | Node::Cylinder(_) => Shape::union([shape.clone()]),
@@ -343,8 +342,8 @@ fn as_field(shape: &Shape) -> Shape {
     }
 }
 
-/// Protects marched references: a shape is hit at the same points in closed form and by marching, wherever it is in the
-/// scene. So no march ends before its hit, and none passes through a nearer surface.
+/// Protects marched references. A shape is hit at the same points in closed form and by marching, at any position in
+/// the scene. Therefore no march ends before its hit, and none passes through a nearer surface.
 #[test]
 fn marched_shapes_are_met_as_those_in_closed_form() {
     const FLIGHTS: u32 = 3;
@@ -368,7 +367,8 @@ fn marched_shapes_are_met_as_those_in_closed_form() {
             assert_eq!(expected.len(), found.len(), "{direction}");
             for (a, b) in expected.iter().zip(&found) {
                 assert_eq!(a.object, name(b.object), "{direction}");
-                // A march is accurate to about 1e-11 m; a curved mirror increases the error a hundredfold.
+                // A march is accurate to about 1e-11 m. A reflection by a curved surface multiplies the error by about
+                // a hundred.
                 assert!(
                     a.point.distance(b.point) < 1e-6,
                     "{direction}: {a:?}, {b:?}"
@@ -378,8 +378,8 @@ fn marched_shapes_are_met_as_those_in_closed_form() {
     }
 }
 
-/// Protects the normals of marched references, which determine the further flight of waves: those of an ellipsoid,
-/// whose value has a kink exactly at its surface, compared with the normals from its equation.
+/// Protects the normals of marched references, which determine the reflected directions. The normals of an ellipsoid,
+/// whose value has a kink exactly at its surface, are compared with the normals from its equation.
 #[test]
 fn normals_of_marched_shapes_are_those_of_their_equation() {
     let radii = DVec3::new(10.0, 6.0, 4.0);
@@ -402,8 +402,8 @@ fn normals_of_marched_shapes_are_those_of_their_equation() {
     }
 }
 
-/// A planted hit, known because the line was constructed from it: the scene, the line's start and direction, and the
-/// expected hit.
+/// A hit that is known because the line was constructed from it. Returns the scene, the start and direction of the
+/// line, and the expected hit.
 fn plant(random: &mut Random) -> (Scene, DVec3, DVec3, Hit) {
     let size = [random.scale(), random.scale(), random.scale()].map(|size| size as f32);
     let radius = size[0];
@@ -441,7 +441,7 @@ fn plant(random: &mut Random) -> (Scene, DVec3, DVec3, Hit) {
     }
     let away = (away + normal * 0.05).normalize();
     let t = match shape {
-        // No further than the middle of the room.
+        // The start must be inside the room.
         Node::Room(_) => half.min_element() * 0.05 * random.unit(),
         _ => random.scale(),
     };
@@ -464,13 +464,13 @@ proptest! {
         ..ProptestConfig::default()
     })]
 
-    /// Protects nearest hits over seven decades of size, place and distance.
+    /// Protects nearest hits over seven decades of size, position and distance.
     #[test]
     fn planted_hits_are_found(seed: u64) {
         let (scene, origin, direction, planted) = plant(&mut Random(seed));
         let hit = exact(&scene).closest_hit(origin, direction).expect("a hit");
         prop_assert_eq!(hit.object, planted.object);
-        // The line itself is known only to the rounding of its start.
+        // The line itself is known only up to the rounding of its start.
         let size = match scene.surfaces[0].shape.node {
             Node::Cuboid(Cuboid { size }) | Node::Room(Room { size }) => f64::from(size.max_element()),
             Node::Sphere(Sphere { radius }) | Node::Cylinder(Cylinder { radius }) => radius.into(),
