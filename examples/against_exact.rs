@@ -1,4 +1,4 @@
-//! Compares the thesis' algorithm with closed-form tracing of the same waves:
+//! Compares the thesis' algorithm with exact tracing of the same waves:
 //!
 //! ```sh
 //! cargo run --release --example against_exact [WAVES]
@@ -21,7 +21,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("renderer: {}, {waves} waves, seed 1", context.renderer());
     let mut tracer = Tracer::new(&context)?;
 
-    println!("scene      iterations  thesis   exact  ends > 1 m off  median of the offs");
+    println!("scene      iterations  thesis   exact  ends > 1 m off     median error");
     for name in ["corner", "obstacles"] {
         let scene = Scene::builtin(name)?;
         let exact_scene = ExactScene::new(&scene)?;
@@ -31,13 +31,13 @@ fn main() -> Result<(), Box<dyn Error>> {
                 .with_iterations(iterations);
             let (frame, marched) = tracer.frame_with_waves(&scene, &settings)?;
 
-            // The start directions of the GPU, followed in f64.
+            // The initial directions on the GPU, traced in `f64`.
             let starts: Vec<Vec3> = marched.iter().map(|wave| wave.start_direction).collect();
             let source = scene.sources[0].position.as_dvec3();
             let exact = exact_scene.trace_all(source, &starts, iterations);
             let heard = exact.iter().filter(|wave| wave.status == 0).count();
 
-            // The ends of the waves that are not dead (no wave escapes from a closed room).
+            // The errors of the end points of waves that are not dead (no wave leaves a closed room).
             let offs: Vec<f64> = marched
                 .iter()
                 .zip(&exact)

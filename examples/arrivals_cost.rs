@@ -1,4 +1,5 @@
-//! Measures the time of arrivals and of a plain frame, in turns: `arrivals_cost SCENE WAVES ITERATIONS RUNS`.
+//! Measures the time of arrivals and of a frame without arrivals, alternately: `arrivals_cost SCENE WAVES ITERATIONS
+//! RUNS`.
 
 use echomarch::gl::{Context, ContextOptions};
 use echomarch::scene::Material;

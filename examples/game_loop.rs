@@ -1,5 +1,5 @@
-//! A game loop: for each picture the game begins or continues a frame of waves, and never waits for the frame. The
-//! result sets the gains of one voice of the game's own audio engine.
+//! A game loop. For each picture, the game begins or continues a frame of waves, and never waits for the frame. The
+//! result sets the gains of a voice in the game's audio engine.
 //!
 //! ```sh
 //! cargo run --release --example game_loop
@@ -10,16 +10,16 @@ use echomarch::gl::{Context, ContextOptions};
 use echomarch::{Error, Scene, Settings, Tracer};
 use std::time::{Duration, Instant};
 
-/// Duration of one picture at 60 pictures per second.
+/// Duration of a picture at 60 pictures per second.
 const PICTURE: Duration = Duration::from_micros(16_667);
 
-/// Milliseconds of each picture spent on the waves.
+/// Time per picture that is spent on waves, in milliseconds.
 const WAVES_MS: f64 = 4.0;
 
-/// Metres that the source moves per picture.
+/// Distance in metres that the source moves per picture.
 const STEP_M: f32 = 0.05;
 
-/// A placeholder for the voice of an audio engine, which glides to the given gains.
+/// A placeholder for a voice of an audio engine, which would fade to the given gains.
 #[derive(Default)]
 struct Voice {
     gains: Gains,
@@ -44,7 +44,7 @@ fn main() -> Result<(), Error> {
         let began = Instant::now();
         // The game moves its objects.
         scene.sources[0].position.x += STEP_M;
-        // The waves: a new frame when the last one is complete, and a share of this picture's time.
+        // A new frame of waves begins if the last frame is complete. Waves get a share of this picture's time.
         if !tracer.is_frame_pending() {
             tracer.frame_begin(&scene, &settings)?;
         }

@@ -1,5 +1,5 @@
-//! A game loop with two sources and a wall between them: each source is traced at intervals, and its sound is played
-//! through its response, into slices for the game's audio engine.
+//! A game loop with two sources and a wall between them. Each source is traced at intervals. Its sound is convolved
+//! with its response, and divided into slices for the game's audio engine.
 //!
 //! ```sh
 //! cargo run --release --example game_sources [FILE.wav]
@@ -15,11 +15,11 @@ use std::path::PathBuf;
 
 const RATE_HZ: u32 = 48_000;
 
-/// Ticks of the game per second, and samples per tick.
+/// Number of game ticks per second, and number of samples per tick.
 const TICKS_HZ: u32 = 60;
 const SAMPLES: usize = (RATE_HZ / TICKS_HZ) as usize;
 
-/// Ticks between two traces, over which the sound glides to the new response.
+/// Number of ticks between two traces. During this time the sound fades to the new response.
 const TRACE_EVERY: u32 = 4;
 
 const HALL: &str = r#"Scene(
@@ -35,7 +35,7 @@ const HALL: &str = r#"Scene(
     listener: Listener(position: (-3, 0, 3), radius: 0.3),
 )"#;
 
-/// A source's sound, and the auralisation that plays it.
+/// The sound of a source, and the auralisation that plays it.
 struct Playing {
     sound: Sound,
     ears: Auralisation,
@@ -63,13 +63,13 @@ fn main() -> Result<(), Error> {
     let mut writer = WavWriter::create(&file)?;
     let (mut mono, mut stereo) = ([0.0; SAMPLES], [0.0; 2 * SAMPLES]);
     for tick in 0..4 * TICKS_HZ {
-        // The player walks around the wall, to the machine.
+        // The player walks around the wall to the machine.
         scene.listeners[0].position.x = -3.0 + 7.0 * tick as f32 / (4 * TICKS_HZ) as f32;
         let is_traced = tick % TRACE_EVERY == 0;
         stereo.fill(0.0);
         for (number, source) in sources.iter_mut().enumerate() {
             if is_traced {
-                // A game would do this between pictures, and pass `Heard` on to its audio thread.
+                // A game would do this between pictures, and pass `Heard` to its audio thread.
                 let pair = scene.pair(number, 0)?;
                 let response = Response::trace(&mut tracer, pair, &settings)?;
                 let axes = ListenerAxes::of(pair.listener())?;

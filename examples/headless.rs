@@ -1,4 +1,4 @@
-//! Computes one panning value for a built-in scene, without a window:
+//! Computes a panning value for a built-in scene without a window:
 //!
 //! ```sh
 //! cargo run --release --example headless
@@ -8,7 +8,7 @@ use echomarch::gl::{Context, ContextOptions};
 use echomarch::{Error, Scene, Settings, Tracer};
 
 fn main() -> Result<(), Error> {
-    // The first EGL device that works. It may be a software renderer, so say which.
+    // The first EGL device that works. It may be a software renderer, so the program prints its name.
     let context = Context::headless(&ContextOptions::default())?;
     println!("renderer: {}", context.renderer());
 
@@ -25,7 +25,7 @@ fn main() -> Result<(), Error> {
         frame.panning.right,
         frame.panning.pan(),
     );
-    // The first frame of a scene compiles its shader; the next one does not.
+    // The first frame of a scene compiles its shader, the second frame does not.
     let next = tracer.frame(&scene, &settings)?;
     println!(
         "first frame {:.1} ms, second {:.1} ms",

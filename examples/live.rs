@@ -1,4 +1,4 @@
-//! Plays a sound that moves from left to right, through the sound card:
+//! Plays a sound that moves from left to right on a sound device:
 //!
 //! ```sh
 //! cargo run --release --example live -- --sound speech --seconds 10
@@ -14,12 +14,12 @@ usage: live [--sound SOUND] [--seconds N] [--steps N] [--device NAME] [--buffer 
             [--law LAW] [--record FILE.wav] [--list-devices]
 
   --sound SOUND    sine:HERTZ, noise, speech, or a WAV file [default: speech]
-  --seconds N      how long [default: 10]
-  --steps N        stand still at N places instead of moving on and on
-  --device NAME    an output device that --list-devices names
-  --buffer FRAMES  frames that the device asks for at once [default: 1024]
+  --seconds N      duration [default: 10]
+  --steps N        stop at N positions instead of moving continuously
+  --device NAME    an output device from --list-devices
+  --buffer FRAMES  number of frames per request of the device [default: 1024]
   --law LAW        linear or constant-power [default: constant-power]
-  --record FILE    write what is heard";
+  --record FILE    write the played sound to a file";
 
 type Failure = Box<dyn std::error::Error>;
 
@@ -54,7 +54,7 @@ fn play(arguments: Arguments) -> Result<(), Failure> {
             break;
         }
         let along = place(time / arguments.seconds, arguments.steps);
-        // The sums of left and right, as a tracer would return them.
+        // Left and right sums, as a tracer returns them.
         live.set_panning(1.0 - along, along);
         if time >= next_line {
             next_line += 0.25;
@@ -71,7 +71,7 @@ fn play(arguments: Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The position of the sound, 0 for left to 1 for right.
+/// The position of the sound, from 0 (left) to 1 (right).
 fn place(along: f64, steps: Option<u32>) -> f64 {
     match steps {
         Some(steps) if steps > 1 => {
@@ -104,7 +104,7 @@ fn print_line(live: &Live, time: f64, along: f64) {
     );
 }
 
-/// Returns `None` if the program has nothing to play, as after `--help`.
+/// Returns `None` if the program has nothing to play, for example after `--help`.
 fn read_arguments() -> Result<Option<Arguments>, Failure> {
     let mut arguments = Arguments {
         sound: "speech".to_owned(),

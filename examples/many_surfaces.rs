@@ -1,5 +1,5 @@
 //! Measures the cost of a hall with many pillars: the time per wave and iteration for each number of pillars, and the
-//! time that moving one pillar adds to a frame.
+//! additional time of a frame in which a pillar has moved.
 //!
 //! ```sh
 //! cargo run --release --example many_surfaces
@@ -12,10 +12,10 @@ use echomarch::{Error, Listener, Node, Scene, Settings, Source, Surface, Tracer}
 use glam::Vec3;
 use std::time::Instant;
 
-/// Metres between neighbouring pillars.
+/// Distance between neighbouring pillars in metres.
 const SPACING: f32 = 4.0;
 
-/// Numbers of frames per median: with many waves, and with few waves.
+/// Number of frames per median with many waves, and with few waves.
 const FRAMES: usize = 9;
 const SMALL_FRAMES: usize = 101;
 
@@ -30,7 +30,7 @@ fn main() -> Result<(), Error> {
     for settings in &settings {
         println!("\nprofile {}", settings.profile());
         println!(
-            "pillars  compile ms  ns a wave and iteration  times 16  frame of 64 waves, ms  one moves: ms more"
+            "pillars  compile ms  ns per wave, iteration  factor/16  frame of 64 waves, ms  one moves: + ms"
         );
         let mut first = None;
         for side in [4, 8, 16, 32] {
@@ -55,13 +55,14 @@ fn main() -> Result<(), Error> {
     Ok(())
 }
 
-/// Duration of the march in a frame, in milliseconds.
+/// Time of the march in a frame, in milliseconds.
 fn march(tracer: &mut Tracer, scene: &Scene, settings: &Settings) -> Result<f64, Error> {
     let frames = (0..FRAMES).map(|_| Ok(tracer.frame(scene, settings)?.milliseconds.march));
     Ok(median(frames.collect::<Result<Vec<f64>, Error>>()?))
 }
 
-/// Durations of a whole frame without a move and after a pillar has moved, measured in turns, in milliseconds.
+/// Times of a whole frame in milliseconds, without a move and after a pillar has moved. The two are measured
+/// alternately.
 fn still_and_moving(
     tracer: &mut Tracer,
     scene: &Scene,
@@ -78,7 +79,7 @@ fn still_and_moving(
     Ok((median(still), median(moving)))
 }
 
-/// Time that a caller waits for a frame, in milliseconds.
+/// Time in milliseconds that a caller waits for a frame.
 fn whole(tracer: &mut Tracer, scene: &Scene, settings: &Settings) -> Result<f64, Error> {
     let began = Instant::now();
     tracer.frame(scene, settings)?;

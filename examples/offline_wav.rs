@@ -20,15 +20,15 @@ fn main() -> Result<(), Error> {
 
     // The source of this scene passes the listener from left to right in 4 s.
     let scene = Scene::builtin("open-field")?;
-    // A few iterations are enough outdoors: after a reflection at the ground a wave meets no further surface.
+    // Few iterations are sufficient outdoors: after a reflection by the ground, a wave hits no further surface.
     let settings = Settings::default().with_waves(16_384).with_iterations(4);
     let timing = Timing::new(scene.duration(), 30.0);
     let mut tracer = Tracer::new(&context)?;
     let mut sound = Sound::parse("sine:440", Sound::SAMPLE_RATE)?;
     let mut mixer = Mixer::new(PanningLaw::ConstantPower);
 
-    // Every frame delivers its share of the samples, left and right interleaved. This example collects the samples; a
-    // program with a sound card would queue them instead.
+    // Every frame delivers its samples, with left and right interleaved. This example collects the samples; a program
+    // with a sound device would queue them instead.
     let mut samples: Vec<f32> = Vec::new();
     offline::render(
         &mut tracer,

@@ -1,5 +1,5 @@
-//! A scene written in Rust whose parts move from frame to frame. Its three shader programs (start, march, pan) are
-//! compiled only once:
+//! A scene written in Rust whose parts move between frames. Its three shader programs (start, march, pan) are compiled
+//! only once:
 //!
 //! ```sh
 //! cargo run --release --example own_scene
@@ -26,7 +26,7 @@ fn main() -> Result<(), Error> {
             Surface::new(Node::Room(Room {
                 size: Vec3::new(16.0, 6.0, 16.0),
             })),
-            // The door will turn later, although it has no rotation now.
+            // The door will rotate later, although it has no rotation now.
             door.named("door").turning(),
             Surface::new(Node::Cylinder(Cylinder { radius: 0.6 })).at(Vec3::new(4.0, 0.0, -2.0)),
         ],
@@ -36,7 +36,7 @@ fn main() -> Result<(), Error> {
 
     for step in 0..5_u8 {
         let share = f32::from(step) / 4.0;
-        // The source moves from left to right, the door opens, the pillar shrinks.
+        // The source moves from left to right, the door opens, and the pillar shrinks.
         scene.sources[0].position.x = -5.0 + 10.0 * share;
         scene.surfaces[1].rotation = Quat::from_rotation_y(90_f32.to_radians() * share);
         scene.surfaces[2].shape = Node::Cylinder(Cylinder {
@@ -53,7 +53,7 @@ fn main() -> Result<(), Error> {
         );
     }
 
-    // Adding a surface changes the structure, so that the march is compiled again.
+    // A new surface changes the structure, so the march is compiled again.
     let stone = Node::Sphere(Sphere { radius: 1.0 });
     scene
         .surfaces

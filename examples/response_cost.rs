@@ -1,6 +1,6 @@
-//! Measures the cost and error of a response: `response_cost WAVES ORDER SEEDS`. The room (8 × 3 × 5 m, absorption 0.2)
-//! is that of the comparison with pyroomacoustics in docs/acoustics.md; `scripts/peers/compute_rir.py` measures
-//! pyroomacoustics.
+//! Measures the cost and the errors of a response: `response_cost WAVES ORDER SEEDS`. The room (8 × 3 × 5 m, absorption
+//! 0.2) is the room of the comparison with pyroomacoustics in docs/acoustics.md. `scripts/peers/compute_rir.py`
+//! measures pyroomacoustics.
 
 use echomarch::geometry::ShoeboxEnergies;
 use echomarch::gl::{Context, ContextOptions};
@@ -51,7 +51,7 @@ fn scene() -> Scene {
     scene
 }
 
-/// The figures computed from image sources, which are the same in all bands.
+/// The exact figures from image sources, which are equal in all bands.
 fn truth() -> Option<BandFigures> {
     const SECONDS: f64 = 1.0;
     let [size, source, listener] = [SIZE, SOURCE, LISTENER].map(|place| place.as_dvec3());
@@ -60,7 +60,7 @@ fn truth() -> Option<BandFigures> {
     figures.bands.into_iter().next()
 }
 
-/// The errors of T30 in per cent, and of C80 and G in decibels; NaN for missing figures.
+/// The errors of T30 in per cent, and of C80 and G in decibels; NaN if a figure is missing.
 fn off(found: &BandFigures, truth: &BandFigures) -> [f64; 3] {
     let off = |found: Option<f64>, truth: Option<f64>| {
         let both = found.zip(truth);
@@ -74,7 +74,7 @@ fn off(found: &BandFigures, truth: &BandFigures) -> [f64; 3] {
     ]
 }
 
-/// Processor time of this process' live threads in seconds, as counted by Linux; NaN on other systems.
+/// Processor time of the running threads of this process in seconds, as counted by Linux; NaN on other systems.
 fn processor_seconds() -> f64 {
     let of_thread = |thread: std::io::Result<std::fs::DirEntry>| {
         let counts = std::fs::read_to_string(thread.ok()?.path().join("schedstat")).ok()?;

@@ -1,6 +1,6 @@
-//! Compares figures of responses in random rectangular rooms with image sources (docs/acoustics.md):
-//! `response_rooms WAVES ROOMS SEED LEAST MOST`. Each wall absorbs a separate share of each band, from LEAST to MOST,
-//! drawn evenly on a logarithmic scale.
+//! Compares figures of responses in random rectangular rooms with figures from image sources (docs/acoustics.md):
+//! `response_rooms WAVES ROOMS SEED LEAST MOST`. The absorption coefficient of each wall in each band is a random
+//! number from LEAST to MOST whose logarithm is uniformly distributed.
 
 use echomarch::bands::{BAND_COUNT, Bands};
 use echomarch::geometry::ShoeboxEnergies;
@@ -13,11 +13,11 @@ use fastrand::Rng;
 
 const SPEED: f64 = 343.0;
 
-/// Radius of the listener, and minimum distance of source and listener from walls, in metres.
+/// Radius of the listener, and minimum distance of source and listener from the walls, in metres.
 const RADIUS: f32 = 0.3;
 const FROM_WALLS: f32 = 0.5;
 
-/// A figure, the method of its comparison, and its counts.
+/// A figure, the method of its comparison, and the counts of the results.
 struct Tally {
     name: &'static str,
     of: fn(&BandFigures) -> Option<f64>,
@@ -81,7 +81,7 @@ impl Tally {
     }
 }
 
-/// A room of 20 to 4,500 m³, the absorption of its walls, and two positions in the room.
+/// A room of 20 to 4,500 m³, the absorption of its walls, and the positions of source and listener.
 struct Case {
     size: Vec3,
     source: Vec3,

@@ -1,8 +1,8 @@
-//! Draws the pictures of `docs/scene-format.md`: one for every shape and operator, from its notation in a scene file,
-//! and one for each built-in scene that shows them.
+//! Draws the pictures of `docs/scene-format.md`: one for each shape and operator, from its notation in a scene file,
+//! and one for each built-in scene that contains them.
 //!
-//! `cargo run --release --example shape_pictures` writes `docs/images/shapes/*.png`; with names after `--` it writes
-//! only these pictures.
+//! `cargo run --release --example shape_pictures` writes `docs/images/shapes/*.png`. With names after `--` it writes
+//! only the pictures with these names.
 
 use echomarch::gl::{Context, ContextOptions};
 use echomarch::picture::{ViewOptions, first_person, save_png};
@@ -13,7 +13,7 @@ use glam::{UVec2, Vec3};
 use std::path::Path;
 use std::sync::Arc;
 
-/// File name, the text of `shape:`, and the position of the eye.
+/// File name, the text of `shape:`, and the position of the camera.
 type Picture = (&'static str, &'static str, Eye);
 
 /// Camera position of a picture.
@@ -21,7 +21,7 @@ type Picture = (&'static str, &'static str, Eye);
 enum Eye {
     /// In front of a shape that stands on a floor.
     Outside,
-    /// In front of a shape that stands on a floor, from further away.
+    /// In front of a shape that stands on a floor, at a greater distance.
     Far,
     /// In the air inside a shape.
     Inside,
@@ -166,10 +166,10 @@ const SHAPES: &[Picture] = &[
     ),
 ];
 
-/// The eye's position (metres), yaw and pitch (degrees).
+/// Position (metres), yaw and pitch (degrees) of the camera.
 type Gaze = (Vec3, f32, f32);
 
-/// Built-in scenes, and the eye's position if it is not the listener's.
+/// Built-in scenes, and the camera if it differs from the listener.
 const SCENES: &[(&str, Option<Gaze>)] = &[
     (
         "whispering-gallery",
@@ -225,7 +225,7 @@ fn main() -> Result<(), Error> {
     Ok(())
 }
 
-/// A shape, the light, and the floor that an outer shape stands on.
+/// A scene with a shape, a light, and a floor for a shape that is seen from outside.
 fn stage(shape: &str, eye: Eye) -> Result<Scene, SceneError> {
     let (eye, gaze, light, floor) = match eye {
         Outside => (
@@ -247,7 +247,7 @@ fn stage(shape: &str, eye: Eye) -> Result<Scene, SceneError> {
             false,
         ),
     };
-    // A second plane would hide the floor.
+    // The floor is another plane, which would hide a plane.
     let floor = match floor && shape != "Plane" {
         true => ", Surface(shape: Plane, position: (0, -1.3, 0))",
         false => "",
@@ -267,7 +267,7 @@ fn stage(shape: &str, eye: Eye) -> Result<Scene, SceneError> {
     Scene::from_ron(&text, shape)
 }
 
-/// Hills that are a sum of a few sine waves, 65 x 65 heights.
+/// Hills as the sum of a few sine waves, with 65 x 65 heights.
 fn hills() -> HeightImage {
     const SIDE: u32 = 65;
     let heights = (0..SIDE * SIDE).map(|index| {

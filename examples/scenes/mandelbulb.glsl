@@ -1,9 +1,9 @@
-// A Mandelbulb of power 8 with a radius of about 1.2 m. The value is an estimate of the distance:
-// half of r log r over the derivative by the point, once a point has escaped.
+// A Mandelbulb of power 8 with a radius of about 1.2 m. The value is an estimate of the distance,
+// r log r / (2 r'). Here r is the radius of the escaped point, and r' is its derivative by the point.
 
 const int TURNS = 3;
 const float POWER = 8.0;
-const float ESCAPED = 4.0;      // the more, the smaller the steps between numbers of turns
+const float ESCAPED = 4.0;      // larger values reduce the steps where the number of turns changes
 const float DEEPEST = -0.05;    // metres
 
 float field(vec3 p) {
@@ -11,7 +11,7 @@ float field(vec3 p) {
     float r = length(z);
     float derivative = 1.0;
     for (int turn = 0; turn < TURNS && r < ESCAPED; ++turn) {
-        // At the origin and on the axis the angles do not exist: any will do.
+        // At the origin and on the axis the angles are undefined, and any angle is valid.
         float safe = max(r, 1e-6);
         float tilt = POWER * acos(clamp(z.y / safe, -1.0, 1.0));
         float turned = POWER * atan(z.z, abs(z.x) + abs(z.z) > 0.0 ? z.x : 1.0);

@@ -1,17 +1,17 @@
-// Hills: value noise in five octaves, each with half the width and less than half the height of the
-// one before.
+// Hills: value noise in five octaves. Each octave has half the width and 0.4 times the height of the
+// previous octave.
 
 const int OCTAVES = 5;
 
-// A number of a lattice point, 0 to 1. Integers, because the sine of a large number differs from
-// renderer to renderer.
+// A pseudo-random number from 0 to 1 for a lattice point. It is computed with integers, because the
+// sine of a large number differs between renderers.
 float lattice(vec2 at) {
     uint h = uint(int(at.x) + 4096) * 747796405u + uint(int(at.y) + 4096) * 2891336453u;
     h = ((h >> 15u) ^ h) * 277803737u;
     return float((h >> 12u) & 4095u) / 4095.0;
 }
 
-// Smooth in the second derivative too, so that a bend can be stated.
+// The second derivative is continuous too, so that a bend can be stated.
 float noise(vec2 p) {
     vec2 at = floor(p);
     vec2 f = p - at;
@@ -24,11 +24,11 @@ float noise(vec2 p) {
 float field(vec3 p) {
     float height = 0.0;
     float most = 1.6;         // metres
-    vec2 q = 0.25 * p.xz;     // the widest hills are 4 m from one another
+    vec2 q = 0.25 * p.xz;     // the widest hills are 4 m apart
     for (int octave = 0; octave < OCTAVES; ++octave) {
         height += most * noise(q);
         most *= 0.4;
-        q = 2.0 * q + 17.0;   // no two octaves have their lattice points in the same places
+        q = 2.0 * q + 17.0;   // the lattice points of different octaves do not coincide
     }
     return p.y + 1.5 - height;
 }
