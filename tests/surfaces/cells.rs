@@ -1,5 +1,4 @@
-//! Many surfaces in cells: every profile misses no surface, whatever the cells contain and wherever
-//! a wave comes from.
+//! Many surfaces in cells: no profile misses a surface, for any content of the cells and any start of a wave.
 
 use crate::common::tracer;
 use echomarch::scene::shape::{Capsule, Cuboid, Cylinder, Ellipsoid, Plane, Sphere, Torus};
@@ -9,11 +8,11 @@ use echomarch::{Listener, Scene, Settings, Source, Surface, Tracer};
 use glam::{Quat, Vec3};
 use std::f32::consts::FRAC_PI_2;
 
-/// Returns the result of plain sphere tracing on the CPU, over all surfaces and without cells, from
-/// `origin` along `direction`: the object's number, or -1; `None` for a line that grazes.
+/// Returns the number of the object that sphere tracing on the CPU hits from `origin` along `direction`, or -1 for no
+/// hit. All surfaces are evaluated, without cells. `None` for a line that grazes a surface.
 fn truth(scene: &Scene, origin: Vec3, direction: Vec3) -> Option<f32> {
-    /// Distance that counts as a hit, in metres: a few roundings, since a line may pass by closer
-    /// than a tenth of a millimetre. Then the distance below which a line counts as grazing.
+    /// Distance that counts as a hit, in metres. It is only a few rounding errors, because a line may pass a surface at
+    /// less than a tenth of a millimetre. `CLOSE` is the distance below which a line counts as grazing.
     const TOUCH: f32 = 2e-5;
     const CLOSE: f32 = 5e-3;
     const FAR: f32 = 600.0;
@@ -23,7 +22,7 @@ fn truth(scene: &Scene, origin: Vec3, direction: Vec3) -> Option<f32> {
     for _ in 0..20_000 {
         let nearest = pair.distance(origin + t * direction);
         if nearest.distance < TOUCH {
-            // A line that hits must enter the solid; otherwise it may pass by within `TOUCH`.
+            // A line that hits must enter the solid. Otherwise it passes the surface within `TOUCH`.
             let beyond = pair.distance(origin + (t + CLOSE) * direction);
             return (beyond.distance < 0.0).then_some(nearest.object as f32);
         }
@@ -59,7 +58,7 @@ fn profiles() -> Vec<(&'static str, Settings)> {
     ]
 }
 
-/// Traces one segment of each wave, and compares the surface it hits with `truth`.
+/// Traces one flight of each wave, and compares the hit surface with `truth`.
 fn compare(tracer: &mut Tracer, what: &str, scene: &Scene) {
     for (profile, settings) in profiles() {
         let settings = settings.with_waves(1024).with_iterations(1);
@@ -71,14 +70,14 @@ fn compare(tracer: &mut Tracer, what: &str, scene: &Scene) {
                 continue;
             };
             hits += u32::from(object > 0.0);
-            // The thesis counts a line within its minimum distance as a hit.
+            // The thesis' algorithm counts a line within its minimum distance as a hit.
             if profile == "thesis" && object < 0.0 {
                 continue;
             }
             let direction = wave.start_direction;
             assert_eq!(wave.status, object, "{what}, {profile}, along {direction}");
         }
-        assert!(hits > 3, "{what}: only {hits} waves meet anything");
+        assert!(hits > 3, "{what}: only {hits} waves hit anything");
     }
 }
 
@@ -100,8 +99,7 @@ fn scattered(shape: &(impl Into<Shape> + Clone)) -> Vec<Surface> {
         .collect()
 }
 
-/// Protects shapes in cells, basic ones and fields, from being missed, from inside and outside the
-/// grid.
+/// Protects basic shapes and fields in cells from being missed, for waves from inside and outside the grid.
 #[test]
 fn scattered_shapes_are_all_met() {
     let mut tracer = tracer();
@@ -127,7 +125,7 @@ fn scattered_shapes_are_all_met() {
     }
 }
 
-/// Protects columns: infinite pillars, and shapes that end on one side only.
+/// Protects columns of cells: infinite pillars, and shapes that are infinite on one side only.
 #[test]
 fn pillars_are_all_met() {
     let mut tracer = tracer();
@@ -161,8 +159,8 @@ fn pillars_are_all_met() {
     );
 }
 
-/// Protects lists that are kept from frame to frame: after surfaces have moved, also far away and
-/// back, a tracer gives the same results as a new one.
+/// Protects lists of cells that are kept between frames. After surfaces have moved, including far away and back, a
+/// tracer gives the same results as a new tracer.
 #[test]
 fn moved_surfaces_are_met_where_they_are() {
     let mut kept = tracer();
@@ -185,14 +183,14 @@ fn moved_surfaces_are_met_where_they_are() {
                 .iter()
                 .zip(&fresh)
                 .filter(|(a, b)| a.status != b.status);
-            // Lists in another grid have another order, so a tie may be resolved differently.
+            // A list for a different grid has a different order, so a tie may be resolved differently.
             assert!(differ.count() <= 2, "step {step}, {}", settings.profile());
         }
     }
 }
 
-/// Returns a scene whose surfaces are unrolled, and the same scene with each surface twice, enough
-/// surfaces to lie in cells: the distances are the same everywhere.
+/// Returns a scene whose surfaces are unrolled in the shader text, and the same scene with each surface twice. The
+/// second scene has enough surfaces to lie in cells, and the distances are the same everywhere.
 fn alone_and_twice(surfaces: &[Surface]) -> [Scene; 2] {
     let source = Vec3::new(-3.0, 0.1, 0.2);
     let mut alone = scene(surfaces.to_vec(), source);
@@ -202,7 +200,7 @@ fn alone_and_twice(surfaces: &[Surface]) -> [Scene; 2] {
     [alone, twice]
 }
 
-/// Sets of 15 small surfaces, together far smaller than the thesis' minimum distance.
+/// Sets of 15 small surfaces. Each set is much smaller than the minimum distance of the thesis' algorithm.
 fn small_sets() -> Vec<(&'static str, Vec<Surface>)> {
     let mut random = crate::common::Random(11);
     let mut set = |shape: Node, turned: bool| -> Vec<Surface> {
@@ -232,8 +230,8 @@ fn small_sets() -> Vec<(&'static str, Vec<Surface>)> {
     ]
 }
 
-/// Protects the thesis' profile in cells: its waves equal those of unrolled text to the bit,
-/// wherever they start. No bounding box replaces the surfaces.
+/// Protects the thesis' profile in cells: its waves are bit-identical to those of the unrolled shader text, for any
+/// start. No bounding box replaces the surfaces.
 #[test]
 fn the_thesis_sees_the_same_with_cells_and_without() {
     let mut tracer = tracer();

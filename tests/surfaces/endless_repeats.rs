@@ -1,5 +1,5 @@
-//! Infinite repetitions in closed form: every copy is hit, however far away, and a listener far from
-//! the origin hears the same.
+//! Infinite repetitions in closed form: every copy is hit at any distance, and a listener far from the origin receives
+//! the same waves.
 
 use crate::common::{Random, flights, tracer};
 use echomarch::geometry::ExactScene;
@@ -21,7 +21,7 @@ fn degrees(x: f32, y: f32, z: f32) -> Vec3 {
     Vec3::new(x, y, z).map(f32::to_radians)
 }
 
-/// A lattice of rotated boxes in which some waves fly for kilometres between two layers.
+/// A lattice of rotated boxes, in which some waves travel for kilometres between two layers.
 fn turned_boxes() -> Scene {
     let turned = block(Vec3::new(1.0, 0.7, 1.3)).rotate(degrees(25.0, 35.0, 45.0));
     let all = turned.repeat(Vec3::new(3.0, 3.5, 4.0), [0; 3]);
@@ -33,8 +33,8 @@ fn turned_boxes() -> Scene {
     )
 }
 
-/// Protects waves in an endless lattice: 34 of these 4,096 would reach the step limit of a march;
-/// each of them hits a box, the last after 170 km.
+/// Protects waves in an infinite lattice. A march would reach its step limit for 34 of these 4,096 waves. Each of them
+/// hits a box, the last one after 170 km.
 #[test]
 fn no_wave_in_a_lattice_is_given_up() {
     let settings = Settings::hybrid().with_waves(4096).with_iterations(1);
@@ -117,8 +117,8 @@ fn repeated() -> Vec<(&'static str, Shape)> {
     ]
 }
 
-/// Protects every wave from passing a copy or hitting a copy that does not exist: against the exact
-/// reference, from the air and from points on copies, with rotated and moved surfaces.
+/// Protects waves from passing a copy, and from hitting a copy that does not exist. The exact reference is compared for
+/// starts in the air and on copies, with rotated and moved surfaces.
 #[test]
 fn waves_meet_what_the_exact_reference_meets() {
     let mut random = Random(11);
@@ -147,8 +147,7 @@ fn waves_meet_what_the_exact_reference_meets() {
     }
 }
 
-/// Protects reflections among copies: a wave does not hit the copy that it leaves again, and none
-/// enters a solid.
+/// Protects reflections among copies: a wave does not hit the copy that it leaves, and no wave enters a solid.
 #[test]
 fn no_wave_gets_into_a_copy() {
     for (name, field) in repeated() {
@@ -186,8 +185,8 @@ fn relative(waves: &[Wave]) -> Vec<[u32; 4]> {
     waves.iter().map(of).collect()
 }
 
-/// Protects precision far from the origin: a source and a listener moved by a million periods give
-/// the same waves bit for bit, also where the repetition is inside other operators.
+/// Protects precision far from the origin: if source and listener are moved by a million periods, the waves are
+/// bit-identical. This also holds if the repetition is inside other operators.
 #[test]
 fn a_million_periods_away_it_sounds_the_same() {
     let lattice = ball(0.6).repeat(Vec3::new(2.0, 3.0, 4.0), [0; 3]);
@@ -211,7 +210,7 @@ fn a_million_periods_away_it_sounds_the_same() {
     ] {
         let at = |by: Vec3| {
             let source = Source::at(Vec3::new(1.0, 1.5, 2.0) + by);
-            // Not halfway between two copies, where either may count as the nearest.
+            // This position is not halfway between two copies, where either copy may count as the nearest.
             let listener = Listener::at(Vec3::new(-0.75, 1.25, -1.75) + by, 0.5);
             Scene::new(name, vec![Surface::new(field.clone())], source, listener)
         };
@@ -223,11 +222,11 @@ fn a_million_periods_away_it_sounds_the_same() {
     }
 }
 
-/// Protects the result where the step limit is still reached: such waves are counted, and a nearer
-/// surface is hit whatever lies beyond.
+/// Protects waves that still reach the step limit. They are counted, and a nearer surface is hit, regardless of what is
+/// behind it.
 #[test]
 fn a_step_limit_counts_only_where_nothing_nearer_is_met() {
-    // Grains so small that most waves would need more steps than the limit.
+    // Spheres that are so small that most waves need more steps than the limit.
     let sparse = ball(4e-4).repeat(Vec3::splat(1.0), [0; 3]);
     let mut scene = Scene::new(
         "sparse",

@@ -1,4 +1,4 @@
-//! Promises of implicit surfaces: exact curved mirrors, and repetition at no cost.
+//! Properties of implicit surfaces: exact curved mirrors, and repetition without additional cost.
 
 use crate::common::{builtin, tracer};
 use echomarch::scene::shape::{Cylinder, Plane};
@@ -10,22 +10,22 @@ use glam::{DVec3, Vec3};
 /// The two accurate profiles.
 const PROFILES: [Profile; 2] = [Profile::Hybrid, Profile::March];
 
-/// Distance in metres within which a wave must pass the second focus.
+/// Maximum distance in metres of a reflected wave from the second focus.
 const FOCUS: f64 = 1e-3;
 
-/// Distance from a point to the line of a wave reflected at `position`.
+/// Distance of a point from the line of a wave that is reflected at `position`.
 fn miss(wave: &Wave, point: DVec3) -> f64 {
     let (from, along) = (wave.position.as_dvec3(), wave.direction.as_dvec3());
     (point - from).cross(along.normalize()).length()
 }
 
-/// Protects the exactness of curved mirrors: waves from one focus of an ellipsoid are reflected to
-/// the other, in closed form and marched.
+/// Protects the exactness of curved mirrors: waves from one focus of an ellipsoid are reflected to the other focus,
+/// both in closed form and by marching.
 #[test]
 fn waves_from_one_focus_meet_at_the_other() {
     let mut scene = builtin("whispering-gallery");
     let other = scene.listeners[0].position.as_dvec3();
-    // Out of the way, so that every wave is reflected.
+    // The listener is too small to be hit, so that every wave is reflected.
     scene.listeners[0].radius = 1e-4;
     let mut tracer = tracer();
     for profile in PROFILES {
@@ -42,8 +42,8 @@ fn waves_from_one_focus_meet_at_the_other() {
     }
 }
 
-/// Protects the dishes: waves from the focus of one leave it parallel, and meet at the focus of the
-/// other.
+/// Protects the parabolic dishes: waves from the focus of one dish leave it parallel, and meet at the focus of the
+/// other dish.
 #[test]
 fn dishes_send_waves_from_focus_to_focus() {
     let mut tracer = tracer();
@@ -52,7 +52,7 @@ fn dishes_send_waves_from_focus_to_focus() {
         let settings = Settings::new(profile).with_waves(16_384).with_iterations(3);
         let frame = tracer.frame(&scene, &settings).unwrap();
         assert_eq!(frame.counts.step_limit_reached, 0, "{profile}");
-        // About a quarter of all directions hit the dish; almost none would hit by chance.
+        // About a quarter of all directions hit the dish. Almost no waves would reach the listener by chance.
         assert!(
             frame.counts.listener_hits > 4_000,
             "{profile}: {:?}",
@@ -61,7 +61,7 @@ fn dishes_send_waves_from_focus_to_focus() {
     }
 }
 
-/// Pillars along x and z, 4 m apart.
+/// Number of pillars along x and along z, their spacing, and their radius in metres.
 const SIDE: u32 = 100;
 const SPACING: f32 = 4.0;
 const RADIUS: f32 = 0.6;
@@ -91,12 +91,12 @@ fn listed() -> Scene {
     colonnade((0..SIDE * SIDE).map(pillar))
 }
 
-/// Protects repetition and cells: 10,000 pillars by one modulo and the same pillars listed one by
-/// one give the same hits, wave for wave.
+/// Protects repetition and cells: 10,000 pillars by repetition and by a list of surfaces have the same hits for each
+/// wave.
 ///
-/// At 4 iterations, the smaller of the thesis' two counts. Each pillar spreads waves some forty
-/// times further apart, so that at 8 iterations the rounding of `f32` dominates: then 0.1 to 0.2 %
-/// of the waves differ, as many as differ from the exact reference
+/// The test uses 4 iterations, the smaller of the two counts in the thesis. Each pillar increases the distance between
+/// neighbouring waves by a factor of about forty, so that `f32` rounding dominates at 8 iterations. In that case 0.1 to
+/// 0.2 % of the waves differ, the same share as between the waves and the exact reference
 /// (docs/benchmarks/surfaces-llvmpipe.md).
 #[test]
 fn a_repeated_pillar_is_ten_thousand_pillars() {

@@ -1,4 +1,4 @@
-//! Scene content: scene files, shapes and operators, and waves at hard surfaces.
+//! Tests of scene files, shapes and operators, and of waves at hard surfaces.
 
 #[path = "../common/mod.rs"]
 mod common;

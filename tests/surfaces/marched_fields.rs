@@ -1,5 +1,5 @@
-//! Marched fields against the exact reference: no wave passes through a solid, no grazing wave is
-//! given up, and both profiles agree, near the listener and far from it.
+//! Compares marched fields with the exact reference. No wave passes through a solid, no grazing wave reaches the step
+//! limit, and both profiles agree, near the listener and far from it.
 
 use crate::common::{Random, flights};
 use echomarch::scene::shape::{
@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 const PROFILES: [Profile; 2] = [Profile::Hybrid, Profile::March];
 
-/// Returns `count` directions spread evenly within a cone about an axis.
+/// Returns `count` directions, evenly distributed in a cone about an axis.
 fn aims(axis: Vec3, half_angle: f64, count: u32) -> Vec<Vec3> {
     const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
     let axis = axis.as_dvec3().normalize();
@@ -27,7 +27,7 @@ fn aims(axis: Vec3, half_angle: f64, count: u32) -> Vec<Vec3> {
     (0..count).map(direction).collect()
 }
 
-/// Traces one flight in each profile and compares it with the exact flight.
+/// Traces one flight of each wave in each profile, and compares its end with the end of the exact flight.
 fn compare(scene: &Scene, directions: &[Vec3]) {
     flights::compare(scene, directions, &PROFILES);
 }
@@ -45,7 +45,7 @@ fn turned(surface: Surface, degrees: Vec3) -> Surface {
     surface.turned(Quat::from_euler(EulerRot::XYZ, by.x, by.y, by.z))
 }
 
-/// Returns a scene with a field 6 m in front of a slab of 200 m, and the listener.
+/// Returns a scene with a field 6 m in front of a slab with a width of 200 m, and a listener.
 fn before_a_slab(name: &str, field: Shape, scale: f32, listener: Vec3) -> Scene {
     let slab = Shape::from(Node::RoundedBox(RoundedBox {
         size: Vec3::new(200.0, 200.0, 0.5) * scale,
@@ -80,7 +80,7 @@ fn height_field(size: Vec3) -> Shape {
     .into()
 }
 
-/// Returns every kind of field whose march could step past a solid: not convex, blended, cut or thin.
+/// Returns every kind of field whose march could pass a solid: non-convex, blended, cut or thin fields.
 fn kinds() -> Vec<(&'static str, Shape)> {
     let cone = || {
         Shape::from(Node::Cone(Cone {
@@ -142,8 +142,8 @@ fn kinds() -> Vec<(&'static str, Shape)> {
     ]
 }
 
-/// Protects from waves that step through a slab behind a field that they graze, for any field, size
-/// and distance of the listener.
+/// Protects from waves that pass through a slab behind a field that they graze, for every kind of field, several sizes,
+/// and several distances of the listener.
 #[test]
 fn no_wave_passes_a_slab_behind_a_field() {
     for (name, field) in kinds() {
@@ -159,12 +159,12 @@ fn no_wave_passes_a_slab_behind_a_field() {
     }
 }
 
-/// Directions that graze a torus, from within its hole or from outside, within about `off` metres.
+/// Directions that graze a torus from inside or outside its hole, at a distance of about `off` metres.
 fn grazing(off: f64, count: u32) -> Vec<Vec3> {
     let direction = |index: u32| {
         let (sin, cos) = (std::f64::consts::TAU * f64::from(index) / f64::from(count)).sin_cos();
         let side = if index.is_multiple_of(2) { 1.0 } else { -1.0 };
-        // From 6 m away a ray touches the tube's circle where sin = tube / distance.
+        // From a distance of 6 m, a ray touches the circle of the tube if sin = tube / distance.
         let ring = DVec3::new(2.0, 0.0, -6.0);
         let angle = (2f64 / 6.0).atan() + side * ((0.8 + off) / ring.length()).asin();
         DVec3::new(angle.sin() * cos, angle.sin() * sin, -angle.cos()).as_vec3()
@@ -172,8 +172,8 @@ fn grazing(off: f64, count: u32) -> Vec<Vec3> {
     (0..count).map(direction).collect()
 }
 
-/// Protects the end of a grazing march: the bounds along the line lead past the surface, or onto
-/// it, in a few steps; steps as long as the field's value would take thousands.
+/// Protects grazing marches from thousands of steps. The bounds along the line lead past the surface or onto it in a
+/// few steps.
 #[test]
 fn waves_that_graze_a_torus_are_not_given_up() {
     for listener in [Vec3::new(0.0, 0.0, 30.0), Vec3::new(300.0, 0.0, 30.0)] {
@@ -184,8 +184,8 @@ fn waves_that_graze_a_torus_are_not_given_up() {
     }
 }
 
-/// Protects ground from waves that pass through or past it: wide ground seen from within, and steep
-/// ground whose value is far below the distance.
+/// Protects terrain from waves that pass through it: wide terrain seen from inside its box, and steep terrain whose
+/// value is far below the distance.
 #[test]
 fn no_wave_passes_ground() {
     for size in [
@@ -206,8 +206,8 @@ fn no_wave_passes_ground() {
     }
 }
 
-/// Protects `march` where a wave is aimed at an edge, and where it runs parallel to a half space
-/// for ever: no wave is given up, and each hits what the closed form gives.
+/// Protects the profile `march` for waves that are aimed at an edge, or that stay parallel to a half space. No wave
+/// reaches the step limit, and each wave has the hit of the closed form.
 #[test]
 fn edges_and_parallel_planes_take_few_steps() {
     let corners = [Vec2::ZERO, Vec2::new(1.0, 0.4), Vec2::new(1.0, -0.4)];
@@ -251,7 +251,7 @@ fn edges_and_parallel_planes_take_few_steps() {
     compare(&scene, &level);
 }
 
-/// A room with 64 tori and 256 rounded boxes at random places and angles, some of which overlap.
+/// A room with 64 tori and 256 rounded boxes at random positions and angles, some of which overlap.
 fn tori_and_boxes() -> Scene {
     let mut random = Random(7);
     let mut surfaces = vec![Surface::new(Room {
@@ -283,8 +283,8 @@ fn tori_and_boxes() -> Scene {
     )
 }
 
-/// Protects marched surfaces in cells, which are looked for by the boxes around them: overlapping ones, those that lie
-/// in several cells, and the flights of waves that leave a torus and may hit it again.
+/// Protects marched surfaces in cells, which are found by their bounding boxes: surfaces that overlap, surfaces in
+/// several cells, and waves that leave a torus and hit it again.
 #[test]
 fn marched_surfaces_in_cells_are_hit_as_the_reference_hits_them() {
     let scene = tori_and_boxes();
@@ -294,8 +294,8 @@ fn marched_surfaces_in_cells_are_hit_as_the_reference_hits_them() {
     }
 }
 
-/// Protects a room that has few fields of one kind and many of another: the first are marched together, the others one
-/// at a time, and the nearest hit counts.
+/// Protects a room that has few fields of one kind and many of another. The few fields are marched together, the others
+/// are marched one at a time, and the nearest hit counts.
 #[test]
 fn fields_in_cells_and_others_are_hit_in_their_order() {
     let mut scene = tori_and_boxes();
@@ -308,9 +308,9 @@ fn fields_in_cells_and_others_are_hit_in_their_order() {
     flights::compare(&scene, &Random(11).directions(2000), &PROFILES);
 }
 
-/// Protects surfaces in cells from relaxed steps that end just beyond a cell: the list of surfaces
-/// there does not contain what the step has passed. This is one of 65,536 waves in the glasshouse,
-/// after its first reflection; `march` led it through a trunk of 0.26 m.
+/// Protects surfaces in cells from relaxed steps that end just beyond a cell, where the list of surfaces does not
+/// contain the surfaces that the step has passed. The wave is one of 65,536 in the glasshouse, after its first
+/// reflection. The profile `march` led it through a trunk with a diameter of 0.26 m.
 #[test]
 fn a_step_that_leaves_its_cell_passes_nothing() {
     let mut scene = crate::common::builtin("glasshouse");

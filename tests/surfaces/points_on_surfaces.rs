@@ -1,24 +1,24 @@
-//! Hits lie on the surface, and closed rooms lose no wave: each test guards a statement of the
-//! shaders that no other test covers.
+//! Hits lie on the surface, and closed rooms lose no wave. Each test protects a statement of the shaders that no other
+//! test covers.
 
 use crate::common::tracer;
 use echomarch::glam::{Quat, Vec3};
 use echomarch::scene::shape::{Cuboid, Cylinder, Plane, Room, Sphere};
 use echomarch::{Listener, Node, Profile, Scene, Settings, Source, Surface};
 
-/// Metres from the source to its target: far enough that a rounding of the path length is a
-/// thousand roundings of a position.
+/// Distance from the source to its target in metres. It is so large that the rounding error of the path length is a
+/// thousand times that of a position.
 const FAR: f32 = 2000.0;
 
-/// Distance that rounding may leave between a hit on a surface near the origin and that surface:
-/// some units in the last place of coordinates of up to 4 m, in metres.
+/// Maximum distance in metres between a hit on a surface near the origin and this surface due to rounding: some units
+/// in the last place of coordinates of up to 4 m.
 const ON_IT: f32 = 4.0 * 4.0 * f32::EPSILON;
 
 fn listener() -> Listener {
     Listener::at(Vec3::new(0.0, 4.0, 0.0), 0.1)
 }
 
-/// Returns directions from `source` to points around the origin, most of which hit a solid there.
+/// Returns directions from `source` to points around the origin. Most of them hit a solid there.
 fn aimed(source: Vec3) -> Vec<Vec3> {
     let place = |index: u32| {
         let (x, y, z) = (index % 8, index / 8 % 8, index / 64);
@@ -27,8 +27,8 @@ fn aimed(source: Vec3) -> Vec<Vec3> {
     (0..512).map(place).collect()
 }
 
-/// Protects the projection onto every kind of basic shape: from 2 km away the path length alone
-/// places a hit within a millimetre only, and the next flights start from there.
+/// Protects the projection onto every kind of basic shape. From a distance of 2 km, the path length determines a hit
+/// only to a millimetre, and the next flight starts from this hit.
 #[test]
 fn a_point_that_is_met_lies_on_the_surface() {
     let mut tracer = tracer();
@@ -73,8 +73,8 @@ fn a_point_that_is_met_lies_on_the_surface() {
     }
 }
 
-/// Protects waves that rounding puts slightly beyond the wall ahead of them: where positions have a
-/// resolution of a millimetre, that happens in every corner, and such a wave hits the wall at once.
+/// Protects waves that rounding has moved slightly beyond the wall ahead of them. Where positions have a resolution of
+/// a millimetre, this happens in every corner. Such a wave hits the wall at once.
 #[test]
 fn a_closed_room_far_from_the_listener_loses_no_wave() {
     let mut tracer = tracer();
@@ -104,8 +104,8 @@ fn a_closed_room_far_from_the_listener_loses_no_wave() {
     }
 }
 
-/// Protects a wave that flies along a wall, exactly in its plane: it continues to the wall ahead,
-/// and is not put onto another one.
+/// Protects a wave that travels along a wall, exactly in its plane. It continues to the wall ahead, and is not moved to
+/// another wall.
 #[test]
 fn a_wave_in_the_plane_of_a_wall_flies_on() {
     let mut tracer = tracer();
@@ -129,7 +129,7 @@ fn a_wave_in_the_plane_of_a_wall_flies_on() {
                 .clone()
                 .any(|place| place.distance(to_the_wall) < 1e-5)
         );
-        // It stays in the plane of the wall along which it flies.
+        // The wave stays in the plane of the wall along which it travels.
         reached.for_each(|place| assert!((place.x - 2.0).abs() < 1e-5, "{place}"));
     }
 }

@@ -1,7 +1,7 @@
-//! Properties of waves on the GPU, with known answers over seven decades of size.
+//! Properties of waves on the GPU that are known in advance, over seven decades of size.
 //!
-//! Each case is one random surface of random size, position and rotation, and hundreds of waves, so
-//! that a few dozen cases give tens of thousands of waves.
+//! Each case is one surface with random size, position and rotation, and hundreds of waves. A few dozen cases thus give
+//! tens of thousands of waves.
 
 use crate::common::Random;
 use echomarch::geometry::ExactScene;
@@ -13,23 +13,23 @@ use glam::{DQuat, DVec3, Quat, Vec3};
 use proptest::prelude::*;
 use std::cell::RefCell;
 
-/// Rounding of a start, as a share of the scene's extent: eight units in the last place.
+/// Rounding error of a start, as a share of the scene's extent: eight units in the last place.
 const START_ROUNDING: f64 = 8.0 * f32::EPSILON as f64;
 
-/// Further rounding of an end point, as a share of the scene's extent.
+/// Additional rounding error of an end point, as a share of the scene's extent.
 const END_ROUNDING: f64 = 16.0 * f32::EPSILON as f64;
 
-/// Rounding of a direction's length that GLSL allows (GLSL 4.60, section 4.7.1).
+/// Rounding error of the length of a direction that GLSL allows (GLSL 4.60, section 4.7.1).
 const LENGTH_ROUNDING: f64 = 8.0 * f32::EPSILON as f64;
 
-/// The accurate profiles; the thesis' has none of these properties.
+/// The accurate profiles. The thesis' profile has none of these properties.
 const PROFILES: [Profile; 2] = [Profile::Hybrid, Profile::March];
 
-/// Waves of each case.
+/// Number of waves in each case.
 const WAVES: usize = 256;
 
 thread_local! {
-    /// One tracer for all cases of a test: programs are compiled once per structure.
+    /// One tracer for all cases of a test, so that programs are compiled only once per structure.
     static TRACER: RefCell<Option<Tracer>> = const { RefCell::new(None) };
 }
 
@@ -46,7 +46,8 @@ fn trace(scene: &Scene, settings: &Settings, directions: &[Vec3]) -> Vec<Vec<Wav
     })
 }
 
-/// Returns a rotation, or none for every second case: rotated surfaces have their own shader text.
+/// Returns a random rotation for half of the cases, and no rotation for the others. Rotated surfaces have a different
+/// shader text.
 fn rotation(random: &mut Random) -> Quat {
     if random.unit() < 0.5 {
         return Quat::IDENTITY;
@@ -55,14 +56,14 @@ fn rotation(random: &mut Random) -> Quat {
     Quat::from_axis_angle(axis, (3.0 * random.unit()) as f32)
 }
 
-/// A surface with a point on it.
+/// A surface and a point on the surface.
 struct Planted {
     surface: Surface,
-    /// Position on the surface, in world metres.
+    /// Position of the point, in world metres.
     point: DVec3,
-    /// Normal there, out of the solid.
+    /// Normal at the point, which points out of the solid.
     normal: DVec3,
-    /// Its size in metres.
+    /// Size of the surface in metres.
     size: f64,
 }
 
@@ -102,8 +103,8 @@ fn plant(random: &mut Random) -> Planted {
 }
 
 impl Planted {
-    /// Returns a scene of the surface alone. The listener lies behind the point, deep in the solid or
-    /// (behind a thin one) on its far side, so that lines from the point hit the surface first.
+    /// Returns a scene with only this surface. The listener is behind the point: deep in the solid, or on the far side
+    /// of a thin solid. Lines from the point therefore hit the surface first.
     fn scene(&self, source: DVec3) -> Scene {
         let ear = self.point - self.normal * (3.0 * self.size);
         Scene::new(
@@ -114,7 +115,7 @@ impl Planted {
         )
     }
 
-    /// Returns an outward direction, as little as a thousandth of a radian off the surface.
+    /// Returns a direction out of the solid, at an angle of at least a thousandth of a radian to the surface.
     fn outgoing(&self, random: &mut Random) -> Vec3 {
         let mut away = random.direction();
         if away.dot(self.normal) < 0.0 {
@@ -128,21 +129,21 @@ impl Planted {
     }
 }
 
-/// Largest distance from the listener that the scene's coordinates reach.
+/// Largest distance from the listener to a coordinate of the scene, in metres.
 fn extent(planted: &Planted, scene: &Scene) -> f64 {
     let ear = scene.listeners[0].position.as_dvec3();
     let place = planted.surface.position.as_dvec3();
     place.distance(ear) + 1.8 * planted.size + scene.sources[0].position.as_dvec3().distance(ear)
 }
 
-/// Returns a unit in the last place of world coordinates: half of it is lost when a position is
-/// given as `f32`, half when it is read back.
+/// Returns a unit in the last place of world coordinates. Half of it is lost when a position is converted to `f32`, and
+/// half when it is read back.
 fn world_rounding(scene: &Scene, extent: f64) -> f64 {
     let world = scene.listeners[0].position.as_dvec3().abs().max_element() + extent;
     world * f64::from(f32::EPSILON)
 }
 
-/// Checks the properties of every state, whatever a wave hits.
+/// Checks the properties that every state of a wave has, whatever the wave hits.
 fn assert_sane(states: &[Vec<Wave>], scene: &Scene, extent: f64, context: &str) {
     let exact = ExactScene::new(scene).unwrap();
     let ear = scene.listeners[0].position;
@@ -157,7 +158,7 @@ fn assert_sane(states: &[Vec<Wave>], scene: &Scene, extent: f64, context: &str) 
             (length - 1.0).abs() < LENGTH_ROUNDING,
             "{context}: {wave:?}"
         );
-        // Far out, the resolution of a position is that of its own coordinates.
+        // Far from the listener, the resolution of a position is that of its own coordinates.
         let reach = extent.max(wave.position.distance(ear).into());
         let tolerance = END_ROUNDING * reach + world_rounding(scene, reach);
         let depth = -exact.surface_distance(wave.position.as_dvec3());
@@ -172,13 +173,13 @@ proptest! {
         ..ProptestConfig::default()
     })]
 
-    /// Protects waves that leave a surface from hitting it again at once, at any size and position:
-    /// first they hit a planted point, then they leave it.
+    /// Protects waves that leave a surface from hitting it again at once, at any size and position. The waves first hit
+    /// a planted point, and then leave it.
     #[test]
     fn a_wave_that_leaves_a_surface_does_not_meet_it_at_once(seed: u64) {
         let mut random = Random(seed);
         let planted = plant(&mut random);
-        // They start in the air in front of the point and hit it or its surroundings.
+        // The waves start in the air in front of the point, and hit the point or its surroundings.
         let height = planted.size * if planted.is_room() { 0.05 } else { random.unit() };
         let source = planted.point + planted.normal * height;
         let directions: Vec<Vec3> = (0..WAVES).map(|_| -planted.outgoing(&mut random)).collect();
@@ -190,8 +191,8 @@ proptest! {
             let context = format!("{profile}, {:?}", planted.surface);
             assert_sane(&states, &scene, extent, &context);
             if planted.is_room() {
-                // At an edge a wave may hit two walls, but never one wall twice in a row: the
-                // change of direction is along the wall's normal.
+                // At an edge a wave may hit two walls, but never one wall twice in succession: the change of direction
+                // is along the normal of the wall.
                 for states in states.windows(3) {
                     for ((a, b), c) in states[0].iter().zip(&states[1]).zip(&states[2]) {
                         let first = b.direction - a.direction;
@@ -216,7 +217,7 @@ proptest! {
         }
     }
 
-    /// Protects waves that start on a surface: those directed outwards fly off.
+    /// Protects waves that start on a surface and point away from it: they leave it.
     #[test]
     fn a_wave_that_starts_on_a_surface_flies_off(seed: u64) {
         let mut random = Random(seed);
@@ -240,9 +241,8 @@ proptest! {
         }
     }
 
-    /// Protects the positions of hits: on the planted point, within the effect of the start's
-    /// rounding at that slant. The curvature adds an effect of second order, small at slants above
-    /// 0.05.
+    /// Protects the positions of hits. The hit is at the planted point, within the effect of the start's rounding error
+    /// at this slant. The curvature has an effect of second order, which is small at slants above 0.05.
     #[test]
     fn a_wave_aimed_at_a_surface_lands_there(seed: u64) {
         let mut random = Random(seed);
@@ -254,7 +254,7 @@ proptest! {
             }
         };
         let distance = match planted.surface.shape.node {
-            // Inside the room: the point is at least this far from its edges.
+            // In the room, the point is at least this far from all edges.
             Node::Room(_) => planted.size * 0.014 * random.unit(),
             _ => planted.size * 10f64.powf(4.0 * random.unit() - 2.0),
         };
@@ -264,8 +264,8 @@ proptest! {
         let aim = (planted.point - from).normalize();
         let extent = extent(&planted, &scene);
         let slant = -aim.dot(planted.normal);
-        // As for the hard cases: twice the effect of a start off by one rounding, which shifts the
-        // position, and the direction over a path no longer than the extent.
+        // As for the hard cases, the bound is twice the effect of a start that is off by one rounding error. The error
+        // shifts the position, and changes the direction of a path that is no longer than the extent.
         let start = 2.0 * START_ROUNDING * extent;
         let bound = 2.0 * start / slant + world_rounding(&scene, extent);
         for profile in PROFILES {

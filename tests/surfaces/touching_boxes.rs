@@ -1,7 +1,6 @@
-//! Boxes that touch, rotated by any angle, in a closed room: no wave is lost at their seams or
-//! passes through them, and each hit names a surface at that position. Related faults occur where
-//! two, three or many boxes share planes, and where the listener is far away, since the distance to
-//! it determines the rounding of positions.
+//! Boxes that touch, rotated by any angle, in a closed room. No wave is lost at their seams or passes through them, and
+//! each hit names a surface at its position. Faults occurred where two, three or many boxes share planes. They also
+//! occurred far from the listener, because the distance from the listener determines the rounding error of positions.
 
 use crate::common::tracer;
 use echomarch::geometry::ExactScene;
@@ -10,7 +9,7 @@ use echomarch::tracer::Wave;
 use echomarch::{Listener, Node, Scene, Settings, Source, Surface, Tracer};
 use glam::{DVec3, EulerRot, Quat, Vec3};
 
-/// Boxes before their common rotation: size and position in metres.
+/// Size and position of each box in metres, before the common rotation.
 type Blocks = Vec<(Vec3, Vec3)>;
 
 fn stack(count: usize) -> Blocks {
@@ -29,7 +28,7 @@ fn corner() -> Blocks {
     ]
 }
 
-/// Two crossing boxes of the same height, and one on top of both.
+/// Two crossing boxes of equal height, and one box on top of both.
 fn cross() -> Blocks {
     vec![
         (Vec3::new(3.0, 1.2, 0.6), Vec3::ZERO),
@@ -38,7 +37,7 @@ fn cross() -> Blocks {
     ]
 }
 
-/// Enough boxes to lie in cells.
+/// A number of boxes that is large enough for cells.
 fn bricks() -> Blocks {
     let size = Vec3::new(1.0, 0.5, 0.75);
     let place = |i: i32| Vec3::new((i % 4 - 2) as f32, (i / 4 % 4 - 2) as f32, (i / 16) as f32);
@@ -89,8 +88,8 @@ fn scenes() -> Vec<(String, Scene)> {
     all
 }
 
-/// Returns the effect of rounding on a position or a face, in metres: twenty times eight units in
-/// the last place of the largest number in the scene.
+/// Returns the maximum effect of rounding on a position or a face, in metres. It is twenty times eight units in the
+/// last place of the largest number in the scene.
 fn error_bound(scene: &Scene) -> f64 {
     let Node::Room(Room { size }) = scene.surfaces[0].shape.node else {
         panic!("the first surface is the room");
@@ -98,7 +97,7 @@ fn error_bound(scene: &Scene) -> f64 {
     20.0 * 8.0 * f64::from(f32::EPSILON * size.max_element())
 }
 
-/// Returns the boxes made smaller by the rounding on every side: no wave may be inside them.
+/// Returns the boxes with every face moved inwards by the rounding error. No wave may be inside them.
 fn cores(scene: &Scene) -> ExactScene {
     let less = 2.0 * error_bound(scene) as f32;
     let mut cores = scene.clone();
@@ -110,7 +109,7 @@ fn cores(scene: &Scene) -> ExactScene {
     ExactScene::new(&cores).unwrap()
 }
 
-/// Checks one flight: it ends on the surface that it names, and passes through no solid.
+/// Checks one flight: it ends on the surface whose number it has, and passes through no solid.
 fn check(scene: &Scene, cores: &ExactScene, before: &Wave, after: &Wave, what: &str) {
     assert!(after.status >= 0.0, "{what}: {before:?} is lost");
     let (from, to) = (before.position.as_dvec3(), after.position.as_dvec3());
@@ -156,8 +155,8 @@ fn follow(tracer: &mut Tracer, what: &str, scene: &Scene, settings: &Settings) {
     }
 }
 
-/// Protects closed rooms: none of 100 rooms may lose a wave; several per cent of the waves that
-/// left a box between two others were lost.
+/// Protects closed rooms: no wave is lost in 100 rooms. An earlier version lost several per cent of the waves that left
+/// a box between two others.
 #[test]
 fn no_wave_is_lost_at_a_seam_or_goes_through_it() {
     let mut tracer = tracer();
@@ -170,8 +169,8 @@ fn no_wave_is_lost_at_a_seam_or_goes_through_it() {
     }
 }
 
-/// Protects `march` from creeping along planes shared by several faces: a flight takes some tens of
-/// evaluations, not thousands.
+/// Protects the profile `march` from tiny steps along a plane that contains several faces. A flight takes a few tens of
+/// evaluations instead of thousands.
 #[test]
 fn faces_in_one_plane_hold_nothing_up() {
     let mut tracer = tracer();
@@ -186,8 +185,8 @@ fn faces_in_one_plane_hold_nothing_up() {
     }
 }
 
-/// Protects the numbers of hit objects: of two boxes side by side, flush on four sides, a hit names
-/// the box at its position, except for rounding at the seam.
+/// Protects the numbers of hit objects. If the faces of two adjacent boxes are flush on four sides, the number of a hit
+/// is that of the box at its position, except for rounding at the seam.
 #[test]
 fn a_sealed_face_gives_no_hits_away() {
     let size = Vec3::splat(2.0);

@@ -1,4 +1,4 @@
-//! Files referenced by a scene.
+//! Files that a scene names.
 
 use super::text;
 use echomarch::Scene;
@@ -8,8 +8,8 @@ use glam::{UVec2, Vec3};
 use std::path::Path;
 use std::sync::Arc;
 
-/// Protects scenes that refer to files: they are found in the scene's folder, wherever the program
-/// runs, and the error for a missing or corrupt file names it.
+/// Protects scenes that name files. The files are found in the folder of the scene, regardless of the program's current
+/// folder. The error for a missing or corrupt file contains its name.
 #[test]
 fn files_lie_beside_the_scene() {
     let folder = tempfile::tempdir().unwrap();
@@ -106,7 +106,7 @@ fn files_lie_beside_the_scene() {
     }
 }
 
-/// Protects programs that create a scene from text: files are then searched in the current folder.
+/// Protects programs that create a scene from text. The files are then found relative to the current folder.
 #[test]
 fn text_finds_files_from_the_current_folder() {
     let error = Scene::from_ron(

@@ -1,5 +1,5 @@
-//! The grammar of scene files: every shape, operator and driver from text to data, the settings of
-//! sound, and the errors with their positions.
+//! The grammar of scene files: every shape, operator and driver as text and as data, the settings of the sound, and
+//! errors with their positions.
 
 mod files;
 mod motion;
@@ -9,7 +9,7 @@ mod sound;
 
 use echomarch::{Scene, Shape};
 
-/// A scene with one surface, whose fields are `surface`.
+/// A scene with one surface, which has the fields `surface`.
 fn text(surface: &str) -> String {
     format!(
         "Scene(\n    surfaces: [Surface({surface})],\n    source: Source(position: (0, 50, 0)),\n    listener: Listener(position: (0, 60, 0), radius: 1),\n)\n"

@@ -1,11 +1,10 @@
-//! Key frames and named values, from text to drivers.
+//! Key frames and named values in scene files, and the drivers that are read from them.
 
 use super::scene;
 use echomarch::scene::shape::Sphere;
 use echomarch::scene::{Driver, Motion, Node};
 
-/// Protects key frames and named values: every kind of number accepts them, under its name in the
-/// API, and moves.
+/// Protects key frames and named values. Every kind of number accepts them, has the same name in the API, and moves.
 #[test]
 fn numbers_move() {
     let keys = |keys: &[(f64, f32)]| Motion::Keys(keys.to_vec());
@@ -98,7 +97,7 @@ fn numbers_move() {
     );
 }
 
-/// Protects a rotation with one moving angle: the others stay, and the shader receives it.
+/// Protects a rotation with one moving angle: the other angles are constant, and the rotation is passed to the shader.
 #[test]
 fn a_moving_rotation_keeps_its_other_angles() {
     let read = scene("shape: Plane, rotation: (30, Keys([(0, 0), (1, 40)]), 50)");

@@ -2,7 +2,7 @@
 
 use super::{refusal, scene};
 
-/// Protects the author of a scene: an error states the line, the column and the mistake.
+/// Protects the authors of scenes: an error states the line, the column and the mistake.
 #[test]
 fn mistakes_are_refused_at_their_place() {
     let cases = [
@@ -100,8 +100,8 @@ fn mistakes_are_refused_at_their_place() {
     }
 }
 
-/// Protects the author where each number is valid but the resulting shape is not: the error names
-/// the surface, the node, and the time if it occurs only later.
+/// Protects the authors of scenes with valid numbers but an invalid shape. The error contains the surface, the node,
+/// and the time if the shape becomes invalid later.
 #[test]
 fn what_cannot_be_is_refused_by_name() {
     let cases = [
@@ -137,8 +137,8 @@ fn what_cannot_be_is_refused_by_name() {
     }
 }
 
-/// Protects the stack: endlessly nested text is refused at its position, and any depth that a
-/// person would write is accepted.
+/// Protects the stack. Extremely nested text is rejected with its position, and any realistic nesting depth is
+/// accepted.
 #[test]
 fn deep_nesting_is_refused_in_a_sentence() {
     let nested = |depth: usize| {

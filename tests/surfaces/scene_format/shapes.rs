@@ -1,4 +1,4 @@
-//! Shapes and operators, from text to data.
+//! Shapes and operators in scene files, and the fields that are read from them.
 
 use super::shape;
 use echomarch::scene::shape::{
@@ -22,7 +22,7 @@ fn block() -> Shape {
     field(Node::Cuboid(Cuboid { size }))
 }
 
-/// Protects the grammar: each shape and operator, from its text to the field that it describes.
+/// Protects the grammar: the text of each shape and operator gives the field that it describes.
 #[test]
 fn every_node_is_read_from_a_file() {
     const BALL: &str = "Sphere(radius: 1)";
@@ -224,7 +224,7 @@ fn every_node_is_read_from_a_file() {
     }
 }
 
-/// Protects older scenes: the original basic shapes stay basic when they stand alone.
+/// Protects older scenes: the five basic shapes remain basic if they are not operands.
 #[test]
 fn basic_shapes_stay_basic() {
     let size = Vec3::new(1.0, 2.0, 3.0);
@@ -247,8 +247,7 @@ fn basic_shapes_stay_basic() {
     }
 }
 
-/// Protects cylinders with a horizontal axis: along it they are endless, or end at the right
-/// positions.
+/// Protects cylinders with an inclined axis: along the axis they are infinite, or end at the right positions.
 #[test]
 fn cylinders_lie_along_their_axis() {
     let slanted = Vec3::new(1.0, -2.0, 3.0);

@@ -1,4 +1,4 @@
-//! Materials, air, and several sources and listeners in scene files.
+//! Materials, air, sources and listeners in scene files.
 
 use crate::common::Random;
 use echomarch::scene::shape::{Room, Sphere};
@@ -6,7 +6,7 @@ use echomarch::scene::{Air, Key, Material, Path};
 use echomarch::{Listener, Scene, Source, Surface};
 use glam::Vec3;
 
-/// A scene that uses every setting of sound.
+/// A scene with all settings of materials, air, sources and listeners.
 const HALL: &str = r#"Scene(
     surfaces: [
         Surface(shape: Room(size: (9, 4, 7)), material: "brick", walls: (floor: "mat", back: "curtain")),
@@ -32,7 +32,7 @@ fn read(text: &str) -> Scene {
     Scene::from_ron(text, "text").unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
 
-/// Protects the settings of sound in a file: each word sets its number.
+/// Protects the settings of the sound in a file: each field sets its number.
 #[test]
 fn everything_that_is_said_is_in_the_scene() {
     let scene = read(HALL);
@@ -75,7 +75,7 @@ fn everything_that_is_said_is_in_the_scene() {
     assert_eq!(scene.listeners[0].yaw, 30f32.to_radians());
 }
 
-/// Protects the two forms: a list of one source or listener equals the short form.
+/// Protects the two notations: a list of one source or listener is equivalent to a single source or listener.
 #[test]
 fn a_list_of_one_is_the_short_form() {
     let short = "Scene(surfaces: [Surface(shape: Plane)], source: Source(position: (0, 1, 0)), \
@@ -94,11 +94,11 @@ fn a_list_of_one_is_the_short_form() {
     assert!(!read(short).has_materials());
 }
 
-/// Protects the author of a scene: an error states the line, the column and the mistake.
+/// Protects the authors of scenes: an error states the line, the column and the mistake.
 #[test]
 fn bad_sound_is_refused_at_its_place() {
     let cases = [
-        // Shares.
+        // Coefficients.
         (
             "absorption: 0.03",
             "absorption: 1.5",
@@ -219,7 +219,7 @@ fn bad_sound_is_refused_at_its_place() {
     }
 }
 
-/// Protects authors who leave out the source or the listener: the error states what is missing and how to write it.
+/// Protects authors who omit the source or the listener: the error states what is missing, and its notation.
 #[test]
 fn a_scene_needs_a_source_and_a_listener() {
     let surfaces = "surfaces: [Surface(shape: Plane)]";
@@ -247,7 +247,7 @@ fn a_scene_needs_a_source_and_a_listener() {
     }
 }
 
-/// Protects from a file that would keep the program busy, because every pair of source and listener is checked.
+/// Protects from a file that occupies the program for very long, because every pair of source and listener is checked.
 #[test]
 fn a_scene_has_so_many_sources_and_listeners_at_the_most() {
     let read = |count: usize| {
@@ -264,7 +264,8 @@ fn a_scene_has_so_many_sources_and_listeners_at_the_most() {
     assert!(said.ends_with("a scene has at most 256 sources"), "{said}");
 }
 
-/// Protects the rule of a base for sound: named settings change, all others are the base's.
+/// Protects the rule of a base for the sound: the settings in the file replace those of the base, and all others come
+/// from the base.
 #[test]
 fn sound_of_a_base_stays_unless_it_is_named() {
     let folder = tempfile::tempdir().unwrap();
@@ -324,12 +325,12 @@ fn sound_of_a_base_stays_unless_it_is_named() {
     }
 }
 
-/// Draws a number of three decimals from 0 to 1: every reader restores it exactly.
+/// Draws a number from 0 to 1 with three decimals, which every format reproduces exactly.
 fn share(random: &mut Random) -> f64 {
     (1000.0 * random.unit()).round() / 1000.0
 }
 
-/// Draws a random scene of materials, air, sources and listeners.
+/// Draws a random scene with materials, air, sources and listeners.
 fn drawn(random: &mut Random) -> Scene {
     let shares = |random: &mut Random| match random.unit() < 0.3 {
         true => [share(random); 8],
@@ -406,7 +407,8 @@ fn drawn(random: &mut Random) -> Scene {
     scene
 }
 
-/// Returns the scene with angles set to 0: files store them in degrees; everything else is the same to the bit.
+/// Returns the scene with all angles set to 0. Files store angles in degrees, so that only angles are not bit-identical
+/// after reading.
 fn without_angles(mut scene: Scene) -> Scene {
     for listener in &mut scene.listeners {
         (listener.yaw, listener.pitch) = (0.0, 0.0);
@@ -428,7 +430,7 @@ fn without_angles(mut scene: Scene) -> Scene {
     scene
 }
 
-/// Protects saved scenes: random scenes are read as they were written, in RON and in JSON.
+/// Protects saved scenes: random scenes that are written in RON and in JSON are read without changes.
 #[test]
 fn a_scene_is_read_as_it_was_written() {
     for seed in 0..200 {
@@ -438,7 +440,7 @@ fn a_scene_is_read_as_it_was_written() {
         let from_json: Scene =
             serde_json::from_str(&json).unwrap_or_else(|e| panic!("{e}\n{json}"));
         for read in [read(&ron), from_json] {
-            // Within a rounding of degrees: angles are at most 9.
+            // The difference is at most one rounding error of the conversion to degrees. All angles are at most 9.
             let pairs = read.listeners.iter().zip(&scene.listeners);
             let turned = pairs.map(|(a, b)| (a.yaw - b.yaw).abs().max((a.pitch - b.pitch).abs()));
             assert!(

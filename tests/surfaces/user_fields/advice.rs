@@ -1,4 +1,4 @@
-//! The numbers that a refusal asks for: they are accepted.
+//! The values that an error message recommends are accepted.
 
 use super::{refusal, scene, settings};
 use crate::common::for_each_api;
@@ -75,7 +75,7 @@ fn texts() -> Vec<(String, f32)> {
     ];
     all.extend(others.map(|(text, size)| (text.to_owned(), size)));
     if let Ok(menger) = std::fs::read_to_string("examples/scenes/menger.glsl") {
-        // Twice as steep.
+        // A field that is twice as steep.
         let menger = menger.replace("float field(", "float single(");
         let twice = format!("{menger}\nfloat field(vec3 p) {{ return 2.0 * single(p); }}\n");
         all.push((twice, 4.2));
@@ -96,14 +96,13 @@ fn sentence(context: &Context, field: UserField) -> Option<String> {
     checked.err().map(|error| error.to_string())
 }
 
-/// The number behind `state at least`.
+/// The number after `state at least` in a message.
 fn advised(sentence: &str) -> Option<f32> {
     sentence.split("state at least ").nth(1)?.parse().ok()
 }
 
-/// Protects people from a search by trial and error: the refusal of a Mandelbulb with 1 asked for at least 95, and 3 was
-/// accepted. What a refusal asks for is accepted, and nine
-/// tenths of it are not.
+/// Protects users from trial and error: the recommended constant is accepted, and nine tenths of it are rejected. An
+/// earlier version recommended at least 95 for a Mandelbulb for which 3 is sufficient.
 #[test]
 fn the_advised_growth_is_accepted() {
     for_each_api(|context| {
@@ -120,11 +119,11 @@ fn the_advised_growth_is_accepted() {
     });
 }
 
-/// Protects marches by second derivatives from a bend that is too small: it is found, and what the refusal asks for is
-/// accepted and near the truth.
+/// Protects marches that use second derivatives from a stated bend that is too small. The error is found, and the
+/// recommended bend is accepted and close to the true value.
 #[test]
 fn the_advised_bend_is_accepted() {
-    // The greatest -f'' where waves can be: none; a saddle's; along y in the air, at r = 0 of the hollow.
+    // The maximum of -f'' where waves can be: 0 for the sphere, 1.2 for the sine waves, 1 for the hollow sphere.
     let known = [
         ("float field(vec3 p) { return length(p) - 1.0; }", 1.0, 0.0),
         (
@@ -163,8 +162,8 @@ fn the_advised_bend_is_accepted() {
     });
 }
 
-/// Protects waves in the air between two solids, where the value of a union has an edge: no bend describes it. An edge
-/// in the solid is none of theirs.
+/// Protects waves in the air between two solids, where the value of a union has an edge and has no finite bend. An edge
+/// in the solid does not affect waves.
 #[test]
 fn an_edge_in_the_air_has_no_bend() {
     let two = "float field(vec3 p) { return length(vec3(abs(p.x) - 0.8, p.yz)) - 0.4; }";

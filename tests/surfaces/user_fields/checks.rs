@@ -1,4 +1,4 @@
-//! The renderer's checks of a user's field before it accepts a scene, and their results.
+//! The renderer's checks of a user's field before it accepts a scene, and the results of these checks.
 
 use super::{BALL, refusal, scene, settings, user};
 use crate::common::{context, for_each_api};
@@ -8,7 +8,7 @@ use echomarch::scene::{Node, Warning};
 use echomarch::{Profile, Shape, Surface, Tracer};
 use glam::{DVec3, Vec3};
 
-/// Protects authors of a field from having to read a driver's log.
+/// Protects authors of fields from having to read the log of a driver.
 #[test]
 fn what_is_wrong_is_told_with_file_and_line() {
     let broken = [
@@ -17,7 +17,7 @@ fn what_is_wrong_is_told_with_file_and_line() {
             "my.glsl:2: ",
             "foo",
         ),
-        // Line numbers stay correct although these two lines are removed.
+        // Line numbers are correct although these two lines are removed.
         (
             "#version 450\nprecision mediump float;\n// caf\u{e9}\nfloat field(vec3 p) { return lenth(p); }",
             "my.glsl:4: ",
@@ -60,7 +60,7 @@ fn what_is_wrong_is_told_with_file_and_line() {
     });
 }
 
-/// Protects the waves from values that break the march.
+/// Protects waves from values that break the march.
 #[test]
 fn values_that_are_none_or_grow_too_fast_are_told_with_the_place() {
     let odd = [
@@ -80,7 +80,7 @@ fn values_that_are_none_or_grow_too_fast_are_told_with_the_place() {
             "float field(vec3 p) { return 1.2 * dot(p, vec3(0.36, 0.48, 0.8)) - 0.5; }",
             "state at least 1.2",
         ),
-        // Only between the samples: a ripple of 2 cm.
+        // A ripple of 2 cm, which is visible only between the samples.
         (
             "float field(vec3 p) { return 0.01 * sin(300.0 * p.y); }",
             "more than the stated",
@@ -101,7 +101,7 @@ fn values_that_are_none_or_grow_too_fast_are_told_with_the_place() {
     });
 }
 
-/// Protects fields whose value grows exactly as fast as stated from being refused.
+/// Protects fields whose Lipschitz constant equals the stated constant: they are accepted.
 #[test]
 fn fields_that_grow_just_as_fast_as_they_say_are_taken() {
     let menger = std::fs::read_to_string("examples/scenes/menger.glsl").ok();
@@ -138,7 +138,7 @@ fn fields_that_grow_just_as_fast_as_they_say_are_taken() {
     });
 }
 
-/// Protects the CPU's knowledge of a field: whether the source is in a solid.
+/// Protects tests on the CPU that use a field, such as whether the source is in a solid.
 #[test]
 fn a_checked_field_has_its_distance_on_the_cpu() {
     for_each_api(|context| {
@@ -155,7 +155,7 @@ fn a_checked_field_has_its_distance_on_the_cpu() {
                 "{distance}"
             );
         }
-        // The second, identical field uses the samples of the first.
+        // The second field is identical, and uses the samples of the first.
         let second = scene.surfaces[2].position;
         assert!(scene.surface_distance(second).distance < -0.9);
         scene.sources[0].position = second;
@@ -164,7 +164,8 @@ fn a_checked_field_has_its_distance_on_the_cpu() {
     });
 }
 
-/// Protects the value of a field in every profile: a ball as a field sounds like the built-in ball.
+/// Protects the value of a field in every profile: a sphere as a user's field has the same result as the built-in
+/// sphere.
 #[test]
 fn a_ball_of_ones_own_sounds_like_a_ball() {
     for_each_api(|context| {
@@ -185,7 +186,7 @@ fn a_ball_of_ones_own_sounds_like_a_ball() {
     });
 }
 
-/// Protects two fields in one scene whose helpers, constants, macros and types have the same names.
+/// Protects two fields of one scene whose helper functions, constants, macros and types have the same names.
 #[test]
 fn fields_may_use_the_same_names() {
     let text = |radius: &str| {
@@ -199,7 +200,7 @@ fn fields_may_use_the_same_names() {
     };
     for_each_api(|context| {
         let (small, large) = (user(&text("0.25"), 1.0), user(&text("0.6"), 1.0));
-        // The same text again, with a larger stated constant.
+        // The same text, with a larger stated constant.
         let again = user(&text("0.6"), 2.0);
         let scene = scene(&[small, large, again]);
         let mut tracer = Tracer::new(context).unwrap();
@@ -213,7 +214,7 @@ fn fields_may_use_the_same_names() {
     });
 }
 
-/// Protects people from a field with an inverted sign, or with a box that misses its surface.
+/// Protects users from a field with an inverted sign, or with a box that does not contain its surface.
 #[test]
 fn a_field_without_a_surface_is_warned_of() {
     let mut tracer = Tracer::new(&context(Api::Gl)).unwrap();
@@ -237,7 +238,7 @@ fn a_field_without_a_surface_is_warned_of() {
     }
 }
 
-/// Protects frames from the cost of a check that is needed only once, and ensures that it is made.
+/// Protects frames from the cost of a check that needs to run only once, and tests that it runs.
 #[test]
 fn a_stated_growth_is_tried_once() {
     let twisted = Shape {

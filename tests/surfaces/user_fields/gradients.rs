@@ -9,22 +9,22 @@ use echomarch::{Listener, Profile, Scene, Settings, Source, Surface, Tracer};
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
-/// A smooth surface about `centre`, as stated by a user.
+/// A smooth surface about `centre`, as a user's field.
 struct Smooth {
     name: &'static str,
     value: String,
     gradient: String,
     box_size: f32,
     centre: Vec3,
-    /// Length that sets the source's distance.
+    /// Length in metres that determines the distance of the source.
     size: f32,
-    /// Normal at a point relative to the centre.
+    /// Normal at a point relative to `centre`.
     normal: fn(DVec3) -> DVec3,
-    /// Largest error of a reflected direction: by differences, and by a gradient that is derived or stated.
+    /// Maximum error of a reflected direction: with differences, and with a derived or stated gradient.
     most: [f64; 2],
 }
 
-/// The text of a field in which the point passes through its bits, so that it is not differentiated: its gradients are
+/// Converts the point of a field's text to bits and back. The text then has no derivative, and its gradients are
 /// computed by differences.
 fn opaque(text: &str) -> String {
     let start = text.find('{').unwrap() + 1;
@@ -60,7 +60,7 @@ fn smooth_surfaces() -> Vec<Smooth> {
             let ring = DVec3::new(p.x, 0.0, p.z).normalize() * 1.2;
             (p - ring).normalize()
         },
-        // A wave's hit is known to 5e-7 m in each coordinate, and the tube has a radius of 0.4 m.
+        // The hit of a wave has an error of 5e-7 m in each coordinate, and the radius of the tube is 0.4 m.
         most: [4e-5, 4e-6],
     };
     let away = Vec3::new(10.0, -4.0, 8.0);
@@ -69,15 +69,15 @@ fn smooth_surfaces() -> Vec<Smooth> {
         ball("ball, large box", 1.0, 100.0, Vec3::ZERO, [1e-5, 1e-6]),
         ball("small ball", 0.1, 10.0, Vec3::ZERO, [1e-5, 1e-6]),
         ball("large ball", 50.0, 120.0, Vec3::ZERO, [1e-5, 1e-6]),
-        // A position there is known to 1e-6, and so is the direction from the centre.
+        // A position there has an error of 1e-6 m, and so has the direction from the centre.
         ball("ball away", 1.0, 40.0, away, [1e-5, 4e-6]),
         torus("torus", 4.0),
         torus("torus, large box", 100.0),
     ]
 }
 
-/// Protects normals of users' fields from depending on the field's box, the unit of its text or the scale of the
-/// surface; with a stated gradient they are as good as a ball's.
+/// Protects normals of users' fields from depending on the size of the box, the unit of the value or the scale of the
+/// surface. With a stated gradient, they are as accurate as those of a built-in sphere.
 #[test]
 fn normals_do_not_depend_on_the_box() {
     let mut tracer = Tracer::new(&context(Api::Gl)).unwrap();
@@ -99,7 +99,7 @@ fn normals_do_not_depend_on_the_box() {
     }
 }
 
-/// Returns the largest error of the reflected directions in both profiles.
+/// Returns the maximum error of the reflected directions in both profiles.
 fn worst_direction(tracer: &mut Tracer, surface: &Smooth, text: &str) -> f64 {
     let box_size = Vec3::splat(surface.box_size);
     let field = UserField::new("smooth.glsl", text.to_owned(), box_size, 1.0);
@@ -129,8 +129,8 @@ fn worst_direction(tracer: &mut Tracer, surface: &Smooth, text: &str) -> f64 {
     worst
 }
 
-/// Protects the waves from a gradient that does not belong to the value: it is refused with the position and both
-/// gradients.
+/// Protects waves from a stated gradient that is not that of the value. The gradient is rejected, and the message
+/// contains the position and both gradients.
 #[test]
 fn a_stated_gradient_that_is_none_is_refused() {
     let ball = |gradient: &str| {
@@ -144,7 +144,7 @@ fn a_stated_gradient_that_is_none_is_refused() {
         "normalize(p * vec3(1.0, 1.1, 1.0))",
         "p",
         "vec3(0.0)",
-        // Correct except on one side; correct except near one point.
+        // A gradient that is wrong on one side only, and a gradient that is wrong near one point only.
         "p.x > 0.0 ? normalize(p) : vec3(-1.0, 0.0, 0.0)",
         "normalize(p) * (distance(p, vec3(0.6, 0.0, 0.8)) < 0.3 ? 0.9 : 1.0)",
         "normalize(p) / 0.0",
@@ -163,12 +163,12 @@ fn a_stated_gradient_that_is_none_is_refused() {
     assert!(sentence.contains("'gl_FragCoord'"), "{sentence}");
 }
 
-/// Protects correct gradients from being refused where differences cannot decide: at edges and ridges, with coarsely
-/// rounded values, and where the gradient is undefined.
+/// Protects correct gradients from being rejected where differences cannot decide: at edges and ridges, for values with
+/// large rounding errors, and where the gradient is undefined.
 #[test]
 fn a_right_gradient_is_taken() {
     let honest = [
-        // Edges of a cube, inside and outside.
+        // Edges of a cube, seen from the inside and the outside.
         (
             "float field(vec3 p) { vec3 q = abs(p); return max(q.x, max(q.y, q.z)) - 1.0; }
             vec3 fieldGradient(vec3 p) {
@@ -179,7 +179,7 @@ fn a_right_gradient_is_taken() {
             }",
             1.0,
         ),
-        // A cone, without a gradient along its axis.
+        // A cone, whose gradient is undefined on the axis.
         (
             "float field(vec3 p) { return 0.8 * length(p.xz) + 0.6 * (p.y - 1.0); }
             vec3 fieldGradient(vec3 p) {
@@ -193,13 +193,13 @@ fn a_right_gradient_is_taken() {
             vec3 fieldGradient(vec3 p) { return vec3(0.5 * cos(100.0 * p.x), 0.8, 0); }",
             1.0,
         ),
-        // Values rounded to a micrometre.
+        // Values that are rounded to a micrometre.
         (
             "float field(vec3 p) { return (length(p) + 10.0) - 11.0; }
             vec3 fieldGradient(vec3 p) { return normalize(p); }",
             1.01,
         ),
-        // In units of a third of a millimetre.
+        // Values in units of a third of a millimetre.
         (
             "float field(vec3 p) { return 3000.0 * (length(p) - 1.0); }
             vec3 fieldGradient(vec3 p) { return 3000.0 * normalize(p); }",
@@ -213,7 +213,7 @@ fn a_right_gradient_is_taken() {
             let checked = tracer.check(&scene, &settings(Profile::Hybrid));
             assert!(checked.is_ok(), "{text}: {checked:?}");
         }
-        // Two of them in one scene, and one without a stated gradient.
+        // Two of these fields in one scene, together with a field without a stated gradient.
         let fields = honest.map(|(text, lipschitz)| user(text, lipschitz));
         let both = scene(&[fields[0].clone(), fields[1].clone(), user(BALL, 1.0)]);
         for profile in Profile::ALL {
@@ -222,7 +222,7 @@ fn a_right_gradient_is_taken() {
     });
 }
 
-/// Protects a wave aimed at a tip, where the stated gradient divides 0 by 0.
+/// Protects a wave that is aimed at the tip of a cone, where the stated gradient is 0 divided by 0.
 #[test]
 fn a_wave_that_meets_a_tip_is_mirrored() {
     let text = "float field(vec3 p) { return 0.8 * length(p.xz) + 0.6 * (p.y - 1.0); }
@@ -241,7 +241,7 @@ fn a_wave_that_meets_a_tip_is_mirrored() {
         let end = &states[1][0];
         assert_eq!(end.status, 2.0, "{profile}: {end:?}");
         assert!(end.position.distance(Vec3::Y) < 1e-5, "{profile}: {end:?}");
-        // One of the sides reflects the wave, so it does not continue in its old direction.
+        // One of the cone's sides reflects the wave, so its direction changes.
         let expected = -1.0 + 2.0 * 0.6 * 0.6;
         assert!(
             (end.direction.y - expected).abs() < 1e-4,
@@ -250,15 +250,15 @@ fn a_wave_that_meets_a_tip_is_mirrored() {
     }
 }
 
-/// Largest error of a direction reflected by a gyroid's sheets: rounding of its text's numbers over the narrowest step,
-/// next to the faces of its box.
+/// Maximum error of a direction reflected by the sheets of a gyroid, with normals by differences. It is the rounding
+/// error of the text's numbers over the narrowest step, near the faces of the box.
 const GYROID_MOST: f64 = 4e-4;
 
-/// The same for the derivative: the rounding of the hit, whose surface bends.
+/// The same error with normals from the derivative. It is the rounding error of the hit on the curved surface.
 const GYROID_DERIVED_MOST: f64 = 1e-5;
 
-/// Protects normals by differences from steps that agree by accident: next to a face of the box, slopes of one side
-/// alone would send waves 2e-3 rad off.
+/// Protects normals by differences from steps that agree by accident. Near a face of the box, one-sided differences
+/// alone would cause an error of 2e-3 rad.
 #[test]
 fn no_face_of_the_box_spoils_a_normal() {
     let text = "float field(vec3 p) {
@@ -273,7 +273,7 @@ fn no_face_of_the_box_spoils_a_normal() {
     }
 }
 
-/// Compares the reflections at a gyroid's sheets with those of its normals.
+/// Compares the reflections by the sheets of a gyroid with reflections by the exact normals.
 fn no_normal_is_off(text: String, most: f64) {
     const TIMES: f64 = 1.3;
     let size = Vec3::new(12.0, 7.0, 12.0);
@@ -296,7 +296,7 @@ fn no_normal_is_off(text: String, most: f64) {
         "gyroid",
         vec![Surface::new(node)],
         Source::at(Vec3::new(1.2, 0.0, 0.0)),
-        // At the origin, so that coordinates in the dump are those of the field.
+        // The listener is at the origin, so that the coordinates of the waves are those of the field.
         Listener::at(Vec3::ZERO, 0.01),
     );
     let mut tracer = Tracer::new(&context(Api::Gl)).unwrap();
@@ -311,7 +311,7 @@ fn no_normal_is_off(text: String, most: f64) {
         let p = wave.position.as_dvec3();
         let to_face = (half - p.abs()).min_element();
         if to_face < 1e-5 {
-            // A hit on a face of the box itself.
+            // The hit is on a face of the box itself.
             continue;
         }
         near_faces += usize::from(to_face < 0.05);
@@ -327,8 +327,8 @@ fn no_normal_is_off(text: String, most: f64) {
     assert!(worst < most, "{worst:e}, not {most:e}");
 }
 
-/// Protects normals near the edge of two almost parallel planes: at 16/9 of a step from it slopes can agree by
-/// accident, which would give a normal between those of the planes, up to half a metre from the edge.
+/// Protects normals near the edge between two almost parallel planes. At 16/9 of a step from the edge, the slopes can
+/// agree by accident. This would give a normal between those of the planes, up to half a metre from the edge.
 #[test]
 fn no_edge_that_is_far_spoils_a_normal() {
     let mut tracer = Tracer::new(&context(Api::Gl)).unwrap();
@@ -364,7 +364,7 @@ fn no_edge_that_is_far_spoils_a_normal() {
                 continue;
             }
             met += 1;
-            // The solid is the union of both half spaces: the lower value belongs to the plane that is hit.
+            // The solid is the union of both half spaces, so the lower value belongs to the plane that is hit.
             let normal = plane(-p.x.signum());
             let d = wave.start_direction.as_dvec3();
             let mirrored = d - 2.0 * d.dot(normal) * normal;

@@ -1,5 +1,5 @@
-//! Users' GLSL fields: refusals and their messages, the results of the renderer's checks, stated
-//! gradients, and scenes that follow their files.
+//! Users' GLSL fields: rejected texts and their messages, the results of the renderer's checks, stated gradients, and
+//! scenes that are reloaded when their files change.
 
 mod advice;
 mod checks;

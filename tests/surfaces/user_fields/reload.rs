@@ -1,4 +1,4 @@
-//! Scenes that follow the files of their fields.
+//! Scenes that are reloaded when the files of their fields change.
 
 use super::settings;
 use crate::common::field_files::{BALL, SCENE, write};
@@ -6,7 +6,7 @@ use crate::common::for_each_api;
 use echomarch::tracer::Reloading;
 use echomarch::{Error, Profile, Settings, Tracer};
 
-/// Polls the files, and returns the first change.
+/// Polls the files and returns the first change.
 fn settle(
     reloading: &mut Reloading,
     tracer: &mut Tracer,
@@ -21,8 +21,8 @@ fn settle(
     Ok(false)
 }
 
-/// Protects a running program from every broken state of the files: the last good scene stays until
-/// the next good one.
+/// Protects a running program from all invalid states of the files: the last valid scene remains until the next valid
+/// scene.
 #[test]
 fn a_scene_follows_its_files() {
     for_each_api(|context| {
@@ -70,7 +70,7 @@ fn a_scene_follows_its_files() {
         let change = settle(&mut reloading, &mut tracer, &settings);
         assert!(matches!(change, Ok(true)), "{change:?}");
         assert!(*reloading.scene() != first);
-        // The program is compiled before the first frame needs it.
+        // The program is compiled before the first frame that needs it.
         assert_eq!(tracer.programs_compiled(), compiled + 1);
         tracer.frame(reloading.scene(), &settings).unwrap();
         assert_eq!(tracer.programs_compiled(), compiled + 1);

@@ -1,4 +1,4 @@
-//! The page docs/shadertoy.md: its examples are the files, and they run.
+//! Tests of the page docs/shadertoy.md: its examples are identical to the files, and they run.
 
 use crate::common::for_each_api;
 use echomarch::{Profile, Scene, Settings, Tracer};
@@ -11,7 +11,7 @@ fn read(path: &str) -> String {
     std::fs::read_to_string(path).unwrap()
 }
 
-/// Protects readers of the page from texts that are not those of the files.
+/// Protects readers of the page: the texts on the page are identical to those in the files.
 #[test]
 fn the_page_shows_the_files() {
     let page = read("docs/shadertoy.md");
@@ -24,8 +24,8 @@ fn the_page_shows_the_files() {
     }
 }
 
-/// Protects the examples of the page: each is accepted by the checks, and waves reach the listener beside or through
-/// it without a march at the step limit.
+/// Protects the examples of the page. The checks accept each example, and waves reach the listener beside it or through
+/// it. No march reaches the step limit.
 #[test]
 fn the_examples_of_the_page_run() {
     for_each_api(|context| {

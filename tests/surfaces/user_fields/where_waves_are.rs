@@ -1,4 +1,4 @@
-//! Where a field is judged: in the air and next to the surface, and not deep in the solid.
+//! The region in which a field is checked: the air and the solid near the surface, but not deep in the solid.
 
 use super::{refusal, scene, settings, user};
 use crate::common::for_each_api;
@@ -7,7 +7,7 @@ use echomarch::scene::shape::{Complement, Difference, Sphere, User};
 use echomarch::{Profile, Shape, Surface, Tracer};
 use glam::DVec3;
 
-/// A ball of 1 m whose value below a depth of `depth` metres is `inner`, an expression of the radius `r`.
+/// A sphere with a radius of 1 m, whose value deeper than `depth` metres is `inner`, an expression of the radius `r`.
 fn ball_with(depth: f32, inner: &str) -> String {
     format!(
         "float field(vec3 p) {{ float r = length(p), zero = r - r; \
@@ -15,7 +15,7 @@ fn ball_with(depth: f32, inner: &str) -> String {
     )
 }
 
-/// No number, a jump, and a steep place.
+/// Values that are not numbers, a jump, and a steep region.
 const FAULTS: [&str; 4] = [
     "zero / zero",
     "-1.0 / zero",
@@ -23,7 +23,7 @@ const FAULTS: [&str; 4] = [
     "-0.01 * sin(900.0 * r) - 0.2",
 ];
 
-/// Protects fields from the web, whose solids have singular points at their centres and axes: no wave gets there.
+/// Protects published fields whose solids have singular points at their centres or axes. No wave reaches these points.
 #[test]
 fn faults_deep_in_the_solid_refuse_nothing() {
     let at_origin =
@@ -44,19 +44,19 @@ fn faults_deep_in_the_solid_refuse_nothing() {
     });
 }
 
-/// Protects waves and normals from the same faults where they matter: a hundredth of a metre below the surface, which
-/// differences reach, in thin layers in the air, and in small balls in the air.
+/// Protects waves and normals from the same faults where they have an effect: in the solid within a hundredth of a
+/// metre of the surface, which differences reach, and in thin layers and small spheres in the air.
 #[test]
 fn faults_in_the_air_and_next_to_the_surface_are_found() {
     let mut faulty: Vec<String> = FAULTS.map(|inner| ball_with(0.005, inner)).into();
     let in_air = [
-        // A steep layer, 1 cm thick.
+        // A steep layer with a thickness of 1 cm.
         "length(p) - 1.0 + 0.05 * smoothstep(1.30, 1.31, length(p))",
-        // A jump down, 3 cm high.
+        // A jump downwards by 3 cm.
         "length(p) - 1.0 - (length(p) > 1.4 ? 0.03 : 0.0)",
-        // No number in a ball of 10 cm.
+        // Values that are not numbers, in a sphere with a radius of 10 cm.
         "(length(p - vec3(1.2, 1.0, 0.3)) < 0.1 ? (p.x - p.x) / (p.x - p.x) : length(p) - 1.0)",
-        // No number on a plane in the air.
+        // Values that are not numbers, on a plane in the air.
         "length(p) - 1.0 + 1e-3 * (p.y - 1.25) * normalize(vec3(p.y - 1.25, 0.0, 0.0)).x",
     ];
     faulty.extend(in_air.map(|value| format!("float field(vec3 p) {{ return {value}; }}")));
@@ -73,8 +73,8 @@ fn faults_in_the_air_and_next_to_the_surface_are_found() {
     });
 }
 
-/// Protects scenes in which the solid of a field becomes air: there, the whole box is judged, even if the same field
-/// passed elsewhere.
+/// Protects scenes in which the solid of a field becomes air. The whole box of the field is then checked, even if the
+/// same field has passed the checks in another scene.
 #[test]
 fn a_field_turned_inside_out_is_judged_on_both_sides() {
     let text = ball_with(0.2, FAULTS[0]);
@@ -111,8 +111,8 @@ fn a_field_turned_inside_out_is_judged_on_both_sides() {
     });
 }
 
-/// Protects marches whose relaxed steps end deep in the solid, where the value is none: it counts as solid, and the
-/// ball sounds like one whose values are numbers.
+/// Protects marches whose relaxed steps end deep in the solid, where the value is not a number. Such a point counts as
+/// solid, and the results are equal to those of a sphere whose values are all numbers.
 #[test]
 fn a_value_that_is_none_counts_as_solid() {
     for_each_api(|context| {
