@@ -1,11 +1,11 @@
-//! A scene whose field is a file of its own.
+//! A scene with a user's field in a separate file.
 
 use std::path::Path;
 
-/// A ball as a field.
+/// A sphere as a user's field.
 pub const BALL: &str = "float field(vec3 p) {\n    return length(p) - 1.0;\n}\n";
 
-/// A room with a field from the file `my.glsl`.
+/// A room that contains a field from the file `my.glsl`.
 pub const SCENE: &str = "Scene(
     surfaces: [
         Surface(shape: Room(size: (20, 20, 20))),
@@ -15,7 +15,7 @@ pub const SCENE: &str = "Scene(
     listener: Listener(position: (-4, -2, 4), radius: 1),
 )";
 
-/// Writes the file of the field.
+/// Writes `my.glsl`.
 pub fn write(folder: &Path, text: &str) {
     std::fs::write(folder.join("my.glsl"), text).unwrap();
 }

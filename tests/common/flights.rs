@@ -1,4 +1,4 @@
-//! Single flights of waves against the exact reference.
+//! Compares the flights of waves with the exact reference.
 
 use super::tracer;
 use echomarch::geometry::ExactScene;
@@ -6,11 +6,11 @@ use echomarch::tracer::Wave;
 use echomarch::{Profile, Scene, Settings};
 use glam::Vec3;
 
-/// Bound on a ray's offset, in units in the last place of the largest coordinate: the error of
-/// surface positions, flights and hits.
+/// Maximum offset of a ray due to rounding, in units in the last place of the largest coordinate. It covers the errors
+/// of surface positions, flights and hits.
 const ROUNDINGS: f64 = 8.0;
 
-/// Returns the offset of a ray that rounding can cause: a wave may end where a ray with this offset ends.
+/// Returns the maximum offset of a ray due to rounding, in metres. A wave may end where a ray with this offset ends.
 fn rounding(scene: &Scene) -> f64 {
     let far = |place: Vec3| f64::from((place - scene.listeners[0].position).abs().max_element());
     let places = scene.surfaces.iter().map(|surface| {
@@ -24,12 +24,12 @@ fn rounding(scene: &Scene) -> f64 {
     ROUNDINGS * f64::from(f32::EPSILON) * largest
 }
 
-/// Traces one flight in each profile and compares it with the exact flight.
+/// Traces one flight of each wave in each profile, and compares its end with the end of the exact flight.
 pub fn compare(scene: &Scene, directions: &[Vec3], profiles: &[Profile]) {
     compare_paths(scene, directions, profiles, 1);
 }
 
-/// Traces a number of flights of each wave in each profile and compares their end with that of the exact flights.
+/// Traces `count` flights of each wave in each profile, and compares their end with the end of the exact flights.
 pub fn compare_paths(scene: &Scene, directions: &[Vec3], profiles: &[Profile], count: u32) {
     let exact = ExactScene::new(scene).unwrap();
     let start = scene.sources[0].position.as_dvec3();
@@ -57,8 +57,8 @@ pub fn compare_paths(scene: &Scene, directions: &[Vec3], profiles: &[Profile], c
                 assert!(exact.surface_distance(place) > -off, "{}", context(wave));
                 continue;
             }
-            // The outcome depends on rounding, or the hit moves far along the surface: neighbouring
-            // rays then end on either side of it, and the hit still lies on a surface.
+            // Either the hit object depends on rounding, or the hit moves far along the surface. In both cases,
+            // neighbouring rays end on both sides of the exact hit, and the hit of the wave is still on a surface.
             let (one, other) = d.any_orthonormal_pair();
             let aside = [one, -one, other, -other].map(|side| {
                 let twin = exact.trace(start + off * side, d, count);

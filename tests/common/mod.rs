@@ -1,4 +1,4 @@
-//! Helpers shared by the integration tests. Without GL the tests fail: they are never skipped.
+//! Helpers shared by the integration tests. Without OpenGL the tests fail; no test is skipped.
 #![allow(dead_code)] // Each test file uses only some of these.
 
 pub mod field_files;

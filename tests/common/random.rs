@@ -1,10 +1,10 @@
-//! Random numbers that are the same on every machine.
+//! Random numbers that are identical on every machine.
 #![allow(dead_code)] // Each test program uses only some of these.
 
 use glam::{DVec3, Vec3};
 use std::f64::consts::TAU;
 
-/// SplitMix64 (Steele et al. 2014): the same numbers on every machine.
+/// The generator SplitMix64 (Steele et al. 2014).
 pub struct Random(pub u64);
 
 impl Random {
@@ -17,7 +17,7 @@ impl Random {
         bits ^ (bits >> 31)
     }
 
-    /// Uniform in 0 … 1.
+    /// A number uniformly distributed in 0 to 1.
     pub fn unit(&mut self) -> f64 {
         (self.bits() >> 11) as f64 * (-53f64).exp2()
     }
@@ -26,7 +26,7 @@ impl Random {
         2.0 * self.unit() - 1.0
     }
 
-    /// Uniform over the unit sphere (Archimedes: its height is uniform).
+    /// A direction uniformly distributed over the unit sphere. Its height is uniformly distributed (Archimedes).
     pub fn direction(&mut self) -> DVec3 {
         let height = self.signed();
         let (sin, cos) = (TAU * self.unit()).sin_cos();
@@ -38,7 +38,7 @@ impl Random {
         (0..count).map(|_| self.direction().as_vec3()).collect()
     }
 
-    /// Uniform in the logarithm, from 10⁻³ to 10⁴.
+    /// A number from 10⁻³ to 10⁴ whose logarithm is uniformly distributed.
     pub fn scale(&mut self) -> f64 {
         10f64.powf(7.0 * self.unit() - 3.0)
     }

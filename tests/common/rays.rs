@@ -1,13 +1,14 @@
-//! An oracle for rooms with boxes and materials that scatter: rays in `f64`, which share no code with the tracer.
+//! An independent reference for rooms that contain boxes and scattering materials: rays in `f64`, without any code of
+//! the tracer.
 //!
-//! A ray that crosses the listener's sphere on a chord of length s adds its energy × s ÷ (rays × open volume), at the
-//! time of the chord's middle. A share of its reflections is scattered by Lambert's law, the others are specular.
+//! A ray that crosses the listener's sphere along a chord of length s adds its energy × s ÷ (rays × open volume), at
+//! the time of the chord's middle. A share of the reflections is scattered by Lambert's law; the others are specular.
 
 use super::Random;
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// Metres per second.
+/// Speed of sound in metres per second.
 pub const SPEED: f64 = 343.0;
 
 /// Width of a time bin in seconds.
@@ -16,17 +17,17 @@ const BIN_S: f64 = 1e-4;
 /// Number of batches from which errors are estimated.
 const BATCHES: usize = 16;
 
-/// Energy below which a ray ends.
+/// Energy below which a ray is no longer traced.
 const LEAST_ENERGY: f64 = 1e-7;
 
-/// Absorption and scattering of a surface, each 0 … 1.
+/// Absorption and scattering coefficients of a surface, each 0 to 1.
 #[derive(Clone, Copy, Debug)]
 pub struct Wall {
     pub absorption: f64,
     pub scattering: f64,
 }
 
-/// A hollow room around the origin with solid boxes in it, each given by its centre and size in metres.
+/// A room centred on the origin that contains solid boxes, each given by its centre and size in metres.
 #[derive(Clone, Debug)]
 pub struct RoomWithBoxes {
     pub size: DVec3,
@@ -37,13 +38,13 @@ pub struct RoomWithBoxes {
     pub radius: f64,
 }
 
-/// A figure and its standard deviation.
+/// The estimate of a figure, and its standard deviation.
 pub type Estimate = (f64, f64);
 
-/// G, C50 and C80 in decibels, Ts in seconds.
+/// The figures G, C50 and C80 in decibels, and Ts in seconds.
 pub type Sums = [Estimate; 4];
 
-/// Energy of the rays at the listener, by batch and bin.
+/// Energy of the rays at the listener, by batch and time bin.
 pub struct Echoes {
     batches: Vec<Vec<f64>>,
 }
@@ -59,7 +60,7 @@ impl RoomWithBoxes {
         in_box || !inside(DVec3::ZERO, self.size)
     }
 
-    /// Follows `rays` rays for `seconds` seconds.
+    /// Traces `rays` rays for `seconds` seconds.
     pub fn echoes(&self, rays: usize, seconds: f64, seed: u64) -> Echoes {
         let mut random = Random(seed);
         let open = self.open_volume(&mut random);
@@ -117,7 +118,7 @@ impl RoomWithBoxes {
         }
     }
 
-    /// Returns the length of the flight to the next hit, the normal there, and the surface hit.
+    /// Returns the length of the flight to the next hit, the normal at the hit, and the surface.
     fn hit(&self, place: DVec3, direction: DVec3) -> (f64, DVec3, Wall) {
         let half = 0.5 * self.size;
         let mut nearest = (f64::INFINITY, DVec3::ZERO, self.walls);
@@ -155,7 +156,8 @@ impl RoomWithBoxes {
 }
 
 impl Echoes {
-    /// The sums with times counted from `origin_s` seconds, and their errors by the jackknife over batches.
+    /// The figures, with times counted from `origin_s` seconds, and their standard deviations by the jackknife over the
+    /// batches.
     pub fn sums(&self, origin_s: f64) -> Sums {
         let without = |left_out: Option<usize>| {
             let kept = (0..BATCHES).filter(|batch| Some(*batch) != left_out);

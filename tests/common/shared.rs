@@ -6,7 +6,7 @@ use echomarch::tracer::FieldTrial;
 use echomarch::{Scene, Settings, Tracer};
 use std::sync::Once;
 
-/// Runs `test` once for every API, each on a thread of its own.
+/// Runs `test` once for every API, each time on a separate thread.
 pub fn on_a_thread_for_each_api(test: impl Fn(Api) + Sync) {
     for api in Api::ALL {
         let ended = std::thread::scope(|scope| {
@@ -20,12 +20,13 @@ pub fn on_a_thread_for_each_api(test: impl Fn(Api) + Sync) {
     }
 }
 
-/// Runs `test` once with a context of every API, each on a thread of its own.
+/// Runs `test` once with a context of every API, each time on a separate thread.
 pub fn for_each_api(test: impl Fn(&Context) + Sync) {
     on_a_thread_for_each_api(|api| test(&context(api)));
 }
 
-/// Lets this process compile the tests' own fields. Acts only once, so that a test may choose otherwise afterwards.
+/// Lets this process compile users' fields of the tests. Only the first call has an effect, so that a test can choose a
+/// different setting afterwards.
 pub fn trust_fields() {
     static CHOSEN: Once = Once::new();
     CHOSEN.call_once(|| FieldTrial::InThisProcess.set());
@@ -42,7 +43,7 @@ pub fn tracer() -> Tracer {
     Tracer::new(&context(Api::Gl)).unwrap()
 }
 
-/// Returns the thesis' settings with these counts.
+/// Returns the settings of the thesis with these numbers of waves and iterations.
 pub fn thesis(waves: u32, iterations: u32) -> Settings {
     Settings::thesis()
         .with_waves(waves)

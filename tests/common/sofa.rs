@@ -1,9 +1,9 @@
-//! SOFA files, written by the library that reads them.
+//! SOFA files for tests, written with the library that reads them.
 
 use hdf5_pure::{AttrValue, FileBuilder};
 use std::collections::BTreeMap;
 
-/// A variable with its numbers, shape and attributes.
+/// A variable with its values, shape and attributes.
 #[derive(Clone)]
 pub struct Variable {
     pub numbers: Vec<f64>,
@@ -34,8 +34,8 @@ pub struct SofaFile {
 }
 
 impl SofaFile {
-    /// A file of the convention SimpleFreeFieldHRIR: for each direction, azimuth and elevation in
-    /// degrees and the samples of both ears.
+    /// A file of the convention SimpleFreeFieldHRIR. `measured` contains azimuth and elevation in degrees for each
+    /// direction, and the samples of both ears.
     pub fn new(rate_hz: f64, measured: &[([f64; 2], [Vec<f64>; 2])]) -> SofaFile {
         let samples = measured.first().map_or(0, |(_, ears)| ears[0].len());
         let rows = measured.len() as u64;
@@ -80,8 +80,8 @@ impl SofaFile {
         }
     }
 
-    /// A head with a response for each of 26 directions: an impulse in each ear, louder and earlier
-    /// on the side of the source.
+    /// A head with a response for each of 26 directions. Each response is an impulse in each ear, louder and earlier at
+    /// the ear on the side of the source.
     pub fn simple() -> SofaFile {
         let mut measured = vec![([0.0, 90.0], [impulse(24.0), impulse(24.0)])];
         for elevation in [-45.0_f64, 0.0, 45.0] {
@@ -126,7 +126,7 @@ impl SofaFile {
     }
 }
 
-/// Returns 64 samples with an impulse at sample `place`; the earlier it is, the louder.
+/// Returns 64 samples with an impulse at sample `place`. An earlier impulse is louder.
 fn impulse(place: f64) -> Vec<f64> {
     let mut samples = vec![0.0; 64];
     samples[place.round() as usize] = 1.0 - place / 64.0;

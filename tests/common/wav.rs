@@ -1,4 +1,4 @@
-//! WAV files, byte by byte, and their contents.
+//! Writes WAV files byte by byte, and reads WAV files.
 
 use std::path::Path;
 
@@ -19,14 +19,14 @@ pub fn wav_header(tag: u16, rate: u32, bits: u16, data_bytes: u32) -> Vec<u8> {
     file
 }
 
-/// Returns a mono file of these samples at 44,100 Hz.
+/// Returns a mono WAV file of these samples at 44,100 Hz.
 pub fn float_wav(samples: &[f32]) -> Vec<u8> {
     let mut file = wav_header(3, 44_100, 32, 4 * samples.len() as u32);
     file.extend(samples.iter().flat_map(|sample| sample.to_le_bytes()));
     file
 }
 
-/// Reads the left and right channel of a file written by the program: 48 kHz, floats.
+/// Reads the left and right channels of a WAV file written by the program, which has 48 kHz and floats.
 pub fn read_stereo(path: &Path) -> [Vec<f32>; 2] {
     let reader = hound::WavReader::open(path).unwrap();
     let spec = reader.spec();
