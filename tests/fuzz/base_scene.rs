@@ -1,4 +1,4 @@
-//! Scenes with a base: each input is read through two scenes in the same folder.
+//! Scenes with a base. Each input is read as the base of two other scenes in the same folder.
 
 use super::Target;
 use super::scratch::with_file;
@@ -60,7 +60,7 @@ const CORPUS: [&str; 4] = [
      listener: Listener(position: (-5, 0, 0), yaw: 30, radius: 1))",
 ];
 
-/// Returns this module's target for the driver.
+/// Returns the target for scenes with a base.
 pub fn target() -> Target {
     Target {
         name: "base_scene",
@@ -70,7 +70,7 @@ pub fn target() -> Target {
     }
 }
 
-/// Reads scenes based on the file.
+/// Reads the scenes that are based on the file.
 pub fn one(data: &[u8]) {
     let field = b"float field(vec3 p) { return length(p) - 1.0; }";
     with_file("f.glsl", field, |_| ());

@@ -1,18 +1,18 @@
-//! Runs a target on corrupted files. Every test program that includes it reads the environment variables described in
-//! `main.rs`.
+//! Runs a target on corrupted files. Every test program that includes this module reads the environment variables
+//! described in `main.rs`.
 
 use super::mutate::Mutator;
 use super::target::Target;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 
-/// Number of inputs for each target in a run without `ECHOMARCH_FUZZ_RUNS`.
+/// Number of inputs per target in a run without `ECHOMARCH_FUZZ_RUNS`.
 const SHORT_RUN: u64 = 400;
 
-/// Maximum time for an input of a few kilobytes, whatever other load the machine has.
+/// Maximum time for an input of a few kilobytes. It is long enough for a machine with other load.
 const LONGEST: Duration = Duration::from_secs(20);
 
-/// Time between two progress lines in a long run.
+/// Time between progress messages in a long run.
 const BETWEEN_LINES: Duration = Duration::from_secs(10);
 
 fn from_environment(name: &str, otherwise: u64) -> u64 {
@@ -24,7 +24,7 @@ fn from_environment(name: &str, otherwise: u64) -> u64 {
     }
 }
 
-/// Runs a target on corrupted files. A file that causes a failure is written to the temporary folder.
+/// Runs a target on corrupted files. A file that causes a failure is written to the folder for temporary files.
 pub fn fuzz(target: &Target) {
     let seed = from_environment("ECHOMARCH_FUZZ_SEED", 1);
     let first = from_environment("ECHOMARCH_FUZZ_FIRST", 0);
@@ -38,7 +38,7 @@ pub fn fuzz(target: &Target) {
         let began = Instant::now();
         let outcome = catch_unwind(AssertUnwindSafe(|| (target.one)(&data)));
         let (name, took) = (target.name, began.elapsed());
-        // The time is checked only in long runs, which are started by hand on an otherwise idle machine.
+        // The time is checked only in long runs, which are started manually on an otherwise idle machine.
         if outcome.is_err() || (runs > SHORT_RUN && took > LONGEST) {
             let path = std::env::temp_dir().join(format!("echomarch-fuzz-{name}-{seed}-{index}"));
             let kept = std::fs::write(&path, &data);

@@ -1,4 +1,4 @@
-//! Texts of fields: the checks before a graphics driver compiles them.
+//! Texts of users' fields: the checks before a graphics driver compiles the text.
 
 use super::Target;
 use echomarch::scene::UserField;
@@ -66,7 +66,7 @@ const TOKENS: &[&str] = &[
     "\u{0}",
 ];
 
-/// Returns this module's target for the driver.
+/// Returns the target for texts of users' fields.
 pub fn target() -> Target {
     let texts = [
         include_str!("../../examples/scenes/menger.glsl"),
@@ -86,7 +86,7 @@ pub fn target() -> Target {
     }
 }
 
-/// Checks a text; the shader text made from an accepted one must be accepted too.
+/// Checks a text. If the text is accepted, the shader text made from it must be accepted too.
 pub fn one(data: &[u8]) {
     let text = String::from_utf8_lossy(data).into_owned();
     let lines = 2 * text.len() as u32 + 1;
@@ -102,7 +102,7 @@ pub fn one(data: &[u8]) {
             let again = read(field.shader_text());
             assert_eq!(again.check_text(), Ok(()));
             assert_eq!(again.names(), field.names());
-            // Reading the properties differentiates the text as well.
+            // This call also differentiates the text.
             assert_eq!(again.has_loops(), field.has_loops());
             assert!(field.names().iter().any(|name| name == "field"));
         }

@@ -1,4 +1,4 @@
-//! Height images: PNG files of every colour type.
+//! Height images, which are PNG files of every colour type.
 
 use super::Target;
 use super::scratch::with_file;
@@ -18,7 +18,7 @@ fn png(colour: ExtendedColorType, bytes_a_pixel: usize) -> Vec<u8> {
     file
 }
 
-/// A PNG of raw chunks; [`with_sums`] fills in their checksums.
+/// A PNG file of raw chunks. [`with_sums`] computes their checksums.
 fn chunks(chunks: &[(&[u8; 4], &[u8])]) -> Vec<u8> {
     let mut file = b"\x89PNG\r\n\x1a\n".to_vec();
     for (name, data) in chunks {
@@ -30,12 +30,12 @@ fn chunks(chunks: &[(&[u8; 4], &[u8])]) -> Vec<u8> {
     file
 }
 
-/// 2 by 2 pixels with a palette of two colours, stored uncompressed.
+/// An uncompressed image of 2 by 2 pixels with a palette of two colours.
 fn with_palette() -> Vec<u8> {
     let rows = [0, 0, 1, 0, 1, 0];
     let mut stored = vec![0x78, 0x01, 0x01, 6, 0, !6, 0xff];
     stored.extend(rows);
-    // Adler-32 of the rows.
+    // Adler-32 checksum of the rows.
     let (mut a, mut b) = (1_u32, 0_u32);
     for byte in rows {
         a = (a + byte) % 65_521;
@@ -52,8 +52,8 @@ fn with_palette() -> Vec<u8> {
     ]))
 }
 
-/// Corrects the checksums of all chunks, so that their contents are read. Bytes after the last
-/// whole chunk stay unchanged.
+/// Corrects the checksums of all chunks, so that their contents are read. Bytes after the last complete chunk are
+/// unchanged.
 fn with_sums(mut file: Vec<u8>) -> Vec<u8> {
     let mut at = 8;
     while let Some(head) = file.get(at..at + 4) {
@@ -72,7 +72,7 @@ fn with_sums(mut file: Vec<u8>) -> Vec<u8> {
     file
 }
 
-/// CRC-32 as defined by PNG.
+/// CRC-32 checksum as defined by PNG.
 fn crc(bytes: &[u8]) -> u32 {
     let mut sum = u32::MAX;
     for byte in bytes {
@@ -85,7 +85,7 @@ fn crc(bytes: &[u8]) -> u32 {
     !sum
 }
 
-/// Returns this module's target for the driver.
+/// Returns the target for height images.
 pub fn target() -> Target {
     Target {
         name: "height_image",
@@ -104,7 +104,7 @@ pub fn target() -> Target {
     }
 }
 
-/// Reads a height image, unchanged and with corrected checksums.
+/// Reads a height image twice: unchanged, and with corrected checksums.
 pub fn one(data: &[u8]) {
     for data in [data.to_vec(), with_sums(data.to_vec())] {
         with_file("heights.png", &data, |path| {

@@ -1,14 +1,14 @@
-//! Untrusted files: valid ones corrupted by a seeded generator.
+//! Tests with untrusted files, which are valid files corrupted by a seeded generator.
 //!
-//! Each module is a target: `one(data)` reads the bytes as that kind of file. An invalid file must be refused within
-//! the limits on time and memory, without a panic. The tests include a short run. To start a long one by hand:
+//! Each module is a target: `one(data)` reads the bytes as one kind of file. An invalid file must be rejected without a
+//! panic, within the limits on time and memory. The tests include a short run. This command starts a long run:
 //!
 //! ```text
 //! ECHOMARCH_FUZZ_RUNS=100000 ECHOMARCH_FUZZ_SEED=7 cargo test --release --test fuzz -- --nocapture
 //! ```
 //!
-//! Input number i of a seed is the same in every run, so `ECHOMARCH_FUZZ_FIRST=i ECHOMARCH_FUZZ_RUNS=1` reproduces a
-//! finding.
+//! An input with the same seed and number is identical in every run. `ECHOMARCH_FUZZ_FIRST=i ECHOMARCH_FUZZ_RUNS=1`
+//! therefore reproduces a failure at input i.
 
 mod driver;
 mod mutate;
@@ -32,7 +32,7 @@ mod wav;
 use driver::fuzz;
 use target::Target;
 
-/// Protects from untrusted scene files: text, structure and numbers.
+/// Protects from untrusted scene files.
 #[test]
 fn scenes() {
     fuzz(&scene::target());
@@ -69,7 +69,7 @@ fn height_images() {
     fuzz(&height_image::target());
 }
 
-/// Protects from untrusted texts of fields before any driver compiles them.
+/// Protects from untrusted texts of users' fields before a driver compiles them.
 #[test]
 fn field_texts() {
     fuzz(&field_text::target());

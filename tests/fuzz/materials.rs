@@ -1,4 +1,4 @@
-//! Tables of materials, in scenes and in scenes with a base.
+//! Materials, in scenes with and without a base.
 
 use super::Target;
 use super::scratch::with_file;
@@ -43,7 +43,7 @@ const CORPUS: [&str; 3] = [
     "Scene(base: \"corner\", materials: {\"brick\": Material(absorption: 0.5, scattering: 0.99)})",
 ];
 
-/// Returns this module's target for the driver.
+/// Returns the target for materials.
 pub fn target() -> Target {
     Target {
         name: "materials",
@@ -53,7 +53,7 @@ pub fn target() -> Target {
     }
 }
 
-/// Reads a scene with materials: accepted shares are from 0 to 1.
+/// Reads a scene with materials. Accepted coefficients must be from 0 to 1.
 pub fn one(data: &[u8]) {
     with_file("scene.ron", data, |path| match Scene::from_file(path) {
         Err(error) => assert!(!error.to_string().is_empty()),

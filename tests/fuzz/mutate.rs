@@ -1,11 +1,11 @@
-//! Corrupts valid files, always in the same way for the same seed and number.
+//! Corrupts valid files. The corruption depends only on the seed and the number of the input.
 
 use super::random::Random;
 
 /// Maximum length of a corrupted file in bytes.
 const LONGEST: usize = 1 << 16;
 
-/// Numbers that are difficult for formats and shapes.
+/// Numbers that are difficult for file formats and shapes.
 const NUMBERS: [&str; 22] = [
     "0",
     "-0",
@@ -37,14 +37,14 @@ pub struct Mutator {
 }
 
 impl Mutator {
-    /// Creates the generator for input `index` of a seed.
+    /// Creates the generator for the input with this seed and index.
     pub fn new(seed: u64, index: u64) -> Mutator {
         let mut random = Random(seed.wrapping_mul(0xd134_2543_de82_ef95) ^ index);
         random.bits();
         Mutator { random }
     }
 
-    /// Draws a number below `end`; 0 if `end` is 0.
+    /// Draws an integer from 0 to `end` − 1; 0 if `end` is 0.
     fn below(&mut self, end: usize) -> usize {
         (self.random.bits() % end.max(1) as u64) as usize
     }
@@ -125,7 +125,7 @@ impl Mutator {
         data.splice(into, other[from].iter().copied());
     }
 
-    /// Writes a binary number at the limit of its type.
+    /// Overwrites some bytes with an integer at the limit of its type.
     fn extreme_integer(&mut self, data: &mut [u8]) {
         const BORDERS: [u32; 8] = [0, 1, 0x7f, 0xff, 0x7fff, 0xffff, 0x7fff_ffff, 0xffff_ffff];
         let value = BORDERS[self.below(BORDERS.len())];
@@ -158,7 +158,7 @@ impl Mutator {
         }
     }
 
-    /// Returns the first run of bytes for which `is_in` holds, after a random position.
+    /// Returns the first run of bytes that satisfy `is_in`, after a random position.
     fn run(&mut self, data: &[u8], is_in: fn(u8) -> bool) -> Option<std::ops::Range<usize>> {
         let from = self.below(data.len());
         let start = from + data[from..].iter().position(|byte| is_in(*byte))?;

@@ -1,4 +1,4 @@
-//! Scene files: reading them, and the computations before drawing.
+//! Scene files: reading, and the computations before drawing.
 
 use super::Target;
 use super::scratch::with_file;
@@ -85,7 +85,7 @@ const TOKENS: &[&str] = &[
     "X",
 ];
 
-/// One of each shape and operator.
+/// Examples of all shapes and operators.
 const SHAPES: &[&str] = &[
     "HalfSpace(normal: (0, 1, 0), offset: -1)",
     "RoundedBox(size: (2, 2, 2), rounding: 0.2)",
@@ -112,12 +112,12 @@ const SHAPES: &[&str] = &[
     "Morph(from: Sphere(radius: 1), to: Box(size: (1, 1, 1)), amount: Keys([(0, 0), (1, 1)]))",
 ];
 
-/// A base in the same folder as the file that is read.
+/// A base in the folder of the file that is read.
 const BASE: &str = "Scene(surfaces: [Surface(shape: Sphere(radius: Value(\"size\", 1)), rotation: \
                     (0, Value(\"turn\", 30), 0))], source: Source(position: (9, 9, 9)), listener: \
                     Listener(position: (-9, 9, 9), radius: 1))";
 
-/// A scene that uses every setting of sound.
+/// A scene with all settings of materials, air, sources and listeners.
 const SOUND: &str = "Scene(surfaces: [Surface(shape: Room(size: (9, 4, 7)), material: \"brick\", walls: \
                      (floor: \"mat\", back: \"curtain\")), Surface(shape: Sphere(radius: 1), material: \
                      \"mat\")], materials: {\"mat\": Material(absorption: [0.1, 0.2, 0.3, 0.4, 0.5, \
@@ -127,7 +127,7 @@ const SOUND: &str = "Scene(surfaces: [Surface(shape: Room(size: (9, 4, 7)), mate
                      [Listener(name: \"b\", position: (0, 0, 3), radius: 0.1), Listener(radius: 0.2, \
                      position: (0, 1, 3))])";
 
-/// Files with a base: one in the same folder, a built-in one, themselves.
+/// Files whose base is a file in the same folder, a built-in scene, or the file itself.
 const SMALL: [&str; 4] = [
     "Scene(base: \"base.ron\", name: \"small\", source: Source(position: (1, 2, 3)), listener: \
      Listener(position: (4, 5, 6), yaw: 30, pitch: 5, radius: 2), values: [Value(\"size\", 2), \
@@ -160,7 +160,7 @@ fn corpus() -> Vec<Vec<u8>> {
         .collect()
 }
 
-/// Returns this module's target for the driver.
+/// Returns the target for scene files.
 pub fn target() -> Target {
     Target {
         name: "scene",
@@ -170,8 +170,8 @@ pub fn target() -> Target {
     }
 }
 
-/// Reads a scene file and one based on it, moves their contents, computes distances, warnings and
-/// sound, and writes them.
+/// Reads a scene file, and another file that is based on it. Writes the scene, selects pairs, sets named values, and
+/// computes states at several times, warnings and distances.
 pub fn one(data: &[u8]) {
     with_file("base.ron", BASE.as_bytes(), |_| ());
     let small = b"Scene(base: \"scene.ron\", source: Source(position: (1, 2, 3)))";

@@ -1,4 +1,4 @@
-//! A file to read: each thread has its own.
+//! Temporary files. Each thread has its own folder.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ thread_local! {
     static FOLDER: tempfile::TempDir = tempfile::tempdir().expect("a temporary folder");
 }
 
-/// Calls `read` with a file of this name that holds `data`.
+/// Writes `data` to a temporary file with this name, and calls `read` with its path.
 pub fn with_file(name: &str, data: &[u8], read: impl FnOnce(&Path)) {
     FOLDER.with(|folder| {
         let path = folder.path().join(name);

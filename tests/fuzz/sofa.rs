@@ -1,4 +1,4 @@
-//! SOFA files: small ones of several kinds, and corrupted ones.
+//! SOFA files: small files of several kinds.
 
 use super::Target;
 use super::scratch::with_file;
@@ -6,7 +6,7 @@ use super::sofa_file::{SofaFile, Variable};
 use echomarch::hrtf::HrirSet;
 use glam::DVec3;
 
-/// Returns this module's target for the driver.
+/// Returns the target for SOFA files.
 pub fn target() -> Target {
     let ears = || [vec![0.0, 1.0, 0.5, 0.25], vec![0.0, 0.0, 0.5, 0.25]];
     let three = SofaFile::new(
@@ -37,7 +37,7 @@ pub fn target() -> Target {
     }
 }
 
-/// Reads a set and looks up a direction in it.
+/// Reads a set of responses and looks up a direction.
 pub fn one(data: &[u8]) {
     with_file("head.sofa", data, |path| match HrirSet::read_sofa(path) {
         Err(error) => drop(error.to_string()),

@@ -1,11 +1,11 @@
-//! A kind of untrusted file, and the function that reads it.
+//! The description of one kind of untrusted file.
 
-/// One kind of file.
+/// A kind of file, and the function that reads it.
 pub struct Target {
     pub name: &'static str,
-    /// Valid files to start from.
+    /// Valid files that are corrupted.
     pub corpus: Vec<Vec<u8>>,
-    /// Words and symbols with a meaning in such a file.
+    /// Words and symbols that have a meaning in this kind of file.
     pub tokens: &'static [&'static str],
     pub one: fn(&[u8]),
 }

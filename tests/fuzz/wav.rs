@@ -1,10 +1,10 @@
-//! Sounds: WAV files of every supported kind, and of some unsupported kinds.
+//! WAV files of every supported kind, and of some unsupported kinds.
 
 use super::Target;
 use super::scratch::with_file;
 use echomarch::audio::{Sound, SoundSpec};
 
-/// The bytes of an extensible `fmt ` chunk after its first sixteen.
+/// The bytes of an extensible `fmt ` chunk after the first sixteen.
 const EXTENSIBLE_FLOAT: [u8; 24] = [
     22, 0, 32, 0, 3, 0, 0, 0, 3, 0, 0, 0, 0, 0, 0x10, 0, 0x80, 0, 0, 0xaa, 0, 0x38, 0x9b, 0x71,
 ];
@@ -33,7 +33,7 @@ fn wav(tag: u16, channels: u16, rate: u32, bits: u16, frames: u32, more: &[u8]) 
     file
 }
 
-/// Returns this module's target for the driver.
+/// Returns the target for WAV files.
 pub fn target() -> Target {
     Target {
         name: "wav",
@@ -50,7 +50,7 @@ pub fn target() -> Target {
     }
 }
 
-/// Loads a sound and plays from it.
+/// Loads a sound and plays a part of it.
 pub fn one(data: &[u8]) {
     with_file("sound.wav", data, |path| {
         let spec = SoundSpec::Wav { path: path.into() };
