@@ -21,7 +21,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("renderer: {}, {waves} waves, seed 1", context.renderer());
     let mut tracer = Tracer::new(&context)?;
 
-    println!("scene      iterations  thesis   exact  ends > 1 m off     median error");
+    println!("scene      iterations  thesis   exact  ends > 1 m off  median of the offs");
     for name in ["corner", "obstacles"] {
         let scene = Scene::builtin(name)?;
         let exact_scene = ExactScene::new(&scene)?;

@@ -30,7 +30,7 @@ fn main() -> Result<(), Error> {
     for settings in &settings {
         println!("\nprofile {}", settings.profile());
         println!(
-            "pillars  compile ms  ns per wave, iteration  factor/16  frame of 64 waves, ms  one moves: + ms"
+            "pillars  compile ms  ns a wave and iteration  times 16  frame of 64 waves, ms  one moves: ms more"
         );
         let mut first = None;
         for side in [4, 8, 16, 32] {

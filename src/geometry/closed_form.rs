@@ -148,7 +148,7 @@ impl Placed {
         matches!(self.form, Form::Room { .. })
     }
 
-    /// Whether a wave that leaves the shape cannot hit it at its next hit.
+    /// Whether a wave that leaves the shape must hit another object before it can hit the shape again.
     pub fn is_convex(&self) -> bool {
         match &self.form {
             Form::Room { .. } => false,

@@ -18,8 +18,8 @@ use rayon::prelude::*;
 /// Error bound of positions, as a share of the scene's extent: a few hundred units in the last place.
 const ROUNDING: f64 = 1e-13;
 
-/// Margin of the bounding boxes of surfaces, as a share of the scene's extent: a millimetre in a hundred metres. The
-/// tests of surfaces, including marches, decide at much smaller distances.
+/// Margin of the bounding boxes of surfaces, as a share of the scene's extent: a millimetre in a hundred metres. All
+/// intersection tests decide at much smaller distances from a surface.
 const SPARE: f64 = 1e-5;
 
 /// Minimum number of waves per thread. For fewer waves, the start of a thread costs more than it saves.
@@ -41,7 +41,8 @@ const WAVES_WORTH_A_THREAD: usize = 4096;
 #[derive(Clone, Debug)]
 pub struct ExactScene {
     pub(super) surfaces: Vec<Placed>,
-    /// The surfaces with a closed form, followed by the marched surfaces. A march can stop at a hit of the former.
+    /// The surfaces with a closed form, followed by the marched surfaces. A march does not continue beyond a hit of a
+    /// surface with a closed form.
     pub(super) hierarchies: [Hierarchy; 2],
     ear: Ear,
     /// Error bound of positions in metres.
@@ -212,8 +213,8 @@ impl ExactScene {
 
     /// Traces one wave for at most `iterations` flights from `start` (world metres) along `direction` (any length).
     ///
-    /// A wave without a direction or iterations remains at its start with status −1. A wave that starts in a solid does
-    /// so too, because it carries no sound.
+    /// A wave without a direction or iterations remains at its start with status −1. So does a wave that starts in a
+    /// solid, because it carries no sound.
     pub fn trace(&self, start: DVec3, direction: DVec3, iterations: u32) -> ExactWave {
         self.walk(start, direction, iterations, |_| ())
     }

@@ -53,7 +53,7 @@ impl MarchedField {
         }
     }
 
-    /// Whether a wave that leaves the field cannot hit it at its next hit.
+    /// Whether a wave that leaves the field must hit another object before it can hit the field again.
     pub fn is_convex(&self) -> bool {
         self.convex
     }

@@ -31,7 +31,7 @@ impl Surface {
         self
     }
 
-    /// Sets every number for whose driver `value` returns `Some`.
+    /// Sets each driven number for which `value` returns `Some`.
     fn drive(&mut self, value: impl Fn(&Surface, &Driver) -> Option<f32>) {
         let drivers = std::mem::take(&mut self.drivers);
         let mut values: HashMap<&str, f32> = HashMap::with_capacity(drivers.len());

@@ -72,7 +72,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// The unit after a number in a message that uses the units of the code.
+    /// The unit of a number in the code, as text that follows the number in a message.
     pub(super) fn unit(self) -> &'static str {
         match self {
             Quantity::Position | Quantity::Length => " metres",

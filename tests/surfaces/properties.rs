@@ -264,8 +264,8 @@ proptest! {
         let aim = (planted.point - from).normalize();
         let extent = extent(&planted, &scene);
         let slant = -aim.dot(planted.normal);
-        // As for the hard cases, the bound is twice the effect of a start that is off by one rounding error. The error
-        // shifts the position, and changes the direction of a path that is no longer than the extent.
+        // The bound is twice the effect of a start that is off by one rounding error. The error shifts the position,
+        // and changes the direction of a path that is no longer than the extent.
         let start = 2.0 * START_ROUNDING * extent;
         let bound = 2.0 * start / slant + world_rounding(&scene, extent);
         for profile in PROFILES {

@@ -185,8 +185,8 @@ fn faces_in_one_plane_hold_nothing_up() {
     }
 }
 
-/// Protects the numbers of hit objects. If the faces of two adjacent boxes are flush on four sides, the number of a hit
-/// is that of the box at its position, except for rounding at the seam.
+/// Protects the numbers of hit objects. If two adjacent boxes share the planes of four faces, the number of a hit is
+/// that of the box at the hit's position, except for rounding errors at the seam.
 #[test]
 fn a_sealed_face_gives_no_hits_away() {
     let size = Vec3::splat(2.0);

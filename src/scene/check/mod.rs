@@ -18,8 +18,8 @@ use std::ops::RangeInclusive;
 /// node at each time then takes a few seconds.
 const MOST_WORK: usize = 3_000_000;
 
-/// Maximum sum over all surfaces of the same product for the times between key frames. These checks then take less than
-/// a second.
+/// Maximum product of the number of nodes in all moving surfaces and the number of checked times between key frames.
+/// Checking each node at each of these times takes less than a second.
 const MOST_WORK_BETWEEN: usize = 300_000;
 
 /// Maximum number of checked frames between the first and the last key: 90 s at 30 frames per second.

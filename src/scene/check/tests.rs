@@ -190,7 +190,8 @@ fn bad_sound_is_refused_by_its_name() {
     }
 }
 
-/// Protects users from several rooms, which leave no air: the warning names both rooms and the correct notation.
+/// Protects users from scenes with several rooms, in which the space outside each room is solid. The warning names both
+/// rooms and the correct notation.
 #[test]
 fn rooms_that_fill_each_other_are_told() {
     let mut scene = room();

@@ -54,9 +54,7 @@ impl Chain {
             return Err(format!("the base {base} is itself based on this scene"));
         }
         if self.bases == MOST_BASES {
-            return Err(format!(
-                "more than {MOST_BASES} scenes are based on each other"
-            ));
+            return Err(format!("a chain of bases has at most {MOST_BASES} scenes"));
         }
         let files = self.files.iter().cloned().chain(real);
         Ok(Chain {

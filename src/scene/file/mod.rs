@@ -367,7 +367,8 @@ impl SceneWatch {
                 let folders: Vec<PathBuf> = self.own.iter().map(|own| folder(own)).collect();
                 let known = self.files().map(Path::to_owned).collect::<Vec<_>>();
                 self.keep([known, folders].concat());
-                // The error may be unchanged: another file may have appeared in the folder or vanished from it.
+                // The change may concern another file in the folder. The error is then the same as before and is not
+                // reported again.
                 let is_news = self.refused.as_ref() != Some(&sentence);
                 self.refused = Some(sentence);
                 is_news.then_some(Err(error))

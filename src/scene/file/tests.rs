@@ -214,7 +214,7 @@ fn chains_of_bases_have_an_end() {
     assert!(folder.read(&based_on("7.ron")).is_ok());
     assert_eq!(
         folder.refused(&based_on("8.ron")),
-        "1.ron:1:13: more than 8 scenes are based on each other"
+        "1.ron:1:13: a chain of bases has at most 8 scenes"
     );
 }
 
@@ -259,7 +259,7 @@ fn a_shape_is_told_by_its_name_and_how_it_is_written() {
         ),
         ("Union[Plane]", "Union is written Union(of: …)"),
         ("Union", "Union is written Union(of: …)"),
-        ("Plane(1)", "Plane is written Plane, with nothing behind it"),
+        ("Plane(1)", "Plane is written Plane, without parentheses"),
     ] {
         let said = told(shape);
         assert!(said.contains(sentence), "{shape}: {said}");

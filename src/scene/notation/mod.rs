@@ -47,7 +47,7 @@ impl Form {
         match self {
             Form::Fields(fields) => format!("{name}({}: …)", fields.join(": …, ")),
             Form::Value => format!("{name}(…)"),
-            Form::NameAlone => format!("{name}, with nothing behind it"),
+            Form::NameAlone => format!("{name}, without parentheses"),
         }
     }
 }

@@ -274,7 +274,7 @@ impl Shape {
 
     /// All numbers of the tree that can move.
     ///
-    /// A node's own numbers have their names in a scene file (`radius`, `size.x`). The names of the n-th child's
+    /// The names of a node's own numbers are those in a scene file (`radius`, `size.x`). The names of the n-th child's
     /// numbers (from 0) have the prefix `n.` (`0.radius`, `1.0.by.y`).
     pub(crate) fn parameters_mut(&mut self) -> Vec<Parameter<'_>> {
         let mut all = self.node.part_mut().parameters_mut();

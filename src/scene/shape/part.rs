@@ -29,7 +29,8 @@ pub(crate) trait Part: Parameters {
         false
     }
 
-    /// Whether the surface consists of moved and copied surfaces of the children that do not touch each other.
+    /// Whether the surface consists of moved and copied surfaces of the children, and none of these surfaces touch each
+    /// other.
     fn keeps_apart(&self, _children: &[Shape]) -> bool {
         self.surface_kind().moved
     }

@@ -9,7 +9,7 @@ mod sound;
 
 use echomarch::{Scene, Shape};
 
-/// A scene with one surface, which has the fields `surface`.
+/// A scene with one surface. `surface` is the text of the surface's fields.
 fn text(surface: &str) -> String {
     format!(
         "Scene(\n    surfaces: [Surface({surface})],\n    source: Source(position: (0, 50, 0)),\n    listener: Listener(position: (0, 60, 0), radius: 1),\n)\n"

@@ -28,7 +28,7 @@ impl Entry {
         }
     }
 
-    /// Distance in metres from the origin within which the field has features.
+    /// Half the size, in metres, of the cube around the origin that contains the details of the field.
     pub fn reach(&self) -> f64 {
         let bounds = self.field.properties().bounds;
         if bounds.is_finite() && !bounds.is_empty() {
