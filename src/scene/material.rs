@@ -148,7 +148,7 @@ const BUILTIN_MATERIALS: &[BuiltinMaterial] = &[
     ),
     published(
         "curtain",
-        "cotton curtain of 0.5 kg/m², draped to 3/4 of its area, about 130 mm in front of a wall",
+        "cotton curtain of 0.5 kg/m², draped to 3/4 of its area, some 130 mm before a wall",
         [0.30, 0.45, 0.65, 0.56, 0.59, 0.71, 0.71],
     ),
     published(
@@ -173,7 +173,7 @@ const BUILTIN_MATERIALS: &[BuiltinMaterial] = &[
     ),
     published(
         "plaster",
-        "average of hard walls and floors: brick, plaster and similar",
+        "hard walls and floors on average: brick, plaster and the like",
         [0.02, 0.02, 0.03, 0.03, 0.04, 0.05, 0.05],
     ),
     published(
