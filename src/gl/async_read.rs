@@ -1,4 +1,4 @@
-//! Reading texels back without waiting for them.
+//! Asynchronous read-back of texels.
 
 use std::ops::ControlFlow;
 
@@ -8,14 +8,13 @@ use super::texture::{as_floats, of_floats_mut};
 use super::{Context, GpuError, RenderTarget};
 use crate::platform;
 
-/// Longest wait in one call, in nanoseconds; the wait is repeated after checking whether the driver has lost the
-/// context.
+/// Longest wait in one call, in nanoseconds. After each wait the reader checks whether the driver has lost the context.
 const WAIT_NANOSECONDS: i32 = 100_000_000;
 
-/// A pending read-back: a GL buffer receives the texels once the preceding drawing is done, and a fence signals when
-/// that has happened. Holds one read at a time and reuses the buffer.
+/// A reader of texels: a GL buffer receives the texels, and a fence signals when the copy is complete. The reader holds
+/// at most one pending read, and reuses the buffer.
 ///
-/// Dropping it frees the buffer, and drops a read in progress.
+/// Dropping the reader frees the buffer and cancels a pending read.
 #[derive(Debug)]
 pub struct AsyncRead {
     context: Context,
@@ -79,7 +78,7 @@ impl AsyncRead {
     fn copy_to_buffer(&mut self, width: u32, rows: u32, floats: usize) {
         let length = floats * size_of::<f32>();
         let gl = self.context.gl();
-        // SAFETY: the context is current, buffer and bound framebuffer are its own, and the buffer holds the texels.
+        // SAFETY: the context is current and owns the buffer and bound framebuffer, and the buffer holds the texels.
         unsafe {
             gl.bind_buffer(glow::PIXEL_PACK_BUFFER, Some(self.buffer));
             if length > self.capacity {
@@ -136,14 +135,16 @@ impl AsyncRead {
         }
     }
 
-    /// The number of floats of the pending read, on platforms where reading them is the only way to wait for them.
+    /// Cancels the pending read and returns its number of floats. Used on platforms where only reading the texels waits
+    /// for them.
     fn floats_begun(&mut self) -> usize {
         let floats = self.pending.as_ref().map_or(0, |pending| pending.floats);
         self.cancel();
         floats
     }
 
-    /// Returns the number of floats once the texels have arrived, and `Continue` before.
+    /// Waits for the fence, at most for the given time. Returns `Break` with the number of floats once the texels have
+    /// arrived, and `Continue` otherwise.
     fn wait_for(&mut self, nanoseconds: i32) -> Result<ControlFlow<usize>, GpuError> {
         let Some(pending) = &self.pending else {
             return Ok(ControlFlow::Continue(()));
@@ -161,7 +162,7 @@ impl AsyncRead {
                 self.context.check_not_lost()?;
                 Ok(ControlFlow::Break(floats))
             }
-            // Slow or lost: the driver's reset status decides.
+            // The driver is slow or has lost the context: its reset status decides.
             glow::TIMEOUT_EXPIRED => match self.context.check_not_lost() {
                 Ok(()) => Ok(ControlFlow::Continue(())),
                 Err(lost) => {
@@ -189,7 +190,7 @@ impl AsyncRead {
     fn take_copied<T>(&self, floats: usize, read: impl FnOnce(&[f32]) -> T) -> Result<T, GpuError> {
         let mut copied = vec![0.0; floats];
         let gl = self.context.gl();
-        // SAFETY: the context is current and the buffer its own, which holds all the bytes requested.
+        // SAFETY: the context is current and owns the buffer, which holds the requested number of bytes.
         unsafe {
             gl.bind_buffer(glow::PIXEL_PACK_BUFFER, Some(self.buffer));
             let bytes = of_floats_mut(&mut copied);
@@ -204,8 +205,8 @@ impl AsyncRead {
     fn take_mapped<T>(&self, floats: usize, read: impl FnOnce(&[f32]) -> T) -> Result<T, GpuError> {
         let length = floats * size_of::<f32>();
         let gl = self.context.gl();
-        // SAFETY: the context is current and the buffer its own; GL maps the number of bytes requested or returns null,
-        // and they are read before the buffer is unmapped.
+        // SAFETY: the context is current and owns the buffer. GL maps the requested number of bytes or returns null,
+        // and the bytes are read before the buffer is unmapped.
         let result = unsafe {
             gl.bind_buffer(glow::PIXEL_PACK_BUFFER, Some(self.buffer));
             let mapped = gl.map_buffer_range(
@@ -246,7 +247,7 @@ fn until_there(
 impl Drop for AsyncRead {
     fn drop(&mut self) {
         let fence = self.pending.take().map(|pending| pending.fence);
-        // SAFETY: the context is current; fence and buffer are its own and not used again.
+        // SAFETY: the context is current and owns the fence and buffer, which are not used again.
         self.context.free(|gl| unsafe {
             if let Some(fence) = fence {
                 gl.delete_sync(fence);
@@ -299,8 +300,8 @@ mod tests {
         }
     }
 
-    /// Protects from using results of a lost context and from waiting for them forever: the next poll reports a reset,
-    /// whether or not the fence is signalled.
+    /// Protects from using the results of a lost context and from waiting for them forever: the next poll reports the
+    /// reset, whether or not the fence is signalled.
     #[test]
     fn a_reset_is_told() {
         let driver = Rc::new(Resetting(OsMesa::new().unwrap()));
@@ -322,8 +323,8 @@ mod tests {
         RESET_STATUS.set(glow::NO_ERROR);
     }
 
-    /// Protects frames that take minutes: no number of timed-out waits counts as a loss, and a loss is reported at
-    /// once.
+    /// Protects frames that take minutes: timed-out waits are never taken for a lost context, and a lost context is
+    /// reported at once.
     #[test]
     fn slowness_is_no_loss() {
         let mut asked = 0;

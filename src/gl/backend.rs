@@ -1,4 +1,4 @@
-//! The interface of the libraries that make contexts, and its implementation for glutin on any of its platforms.
+//! The trait of the libraries that make GL contexts, and its implementation for glutin.
 
 use std::ffi::{CStr, c_void};
 
@@ -14,9 +14,9 @@ use super::Api;
 #[cfg(any(windows, target_os = "macos"))]
 use super::GpuError;
 
-/// One GL context as seen by the library that made it: EGL or OSMesa without a window, or a window's own library.
+/// One GL context, with the functions of the library that made it: EGL, OSMesa, WGL, CGL or a browser.
 ///
-/// Dropping it destroys the context; `current` ensures that no context is current at that time.
+/// Dropping it destroys the context. The module `current` ensures that the context is not current at that time.
 pub(super) trait Backend {
     /// Makes the context current on this thread. No other context may be current: Mesa's libraries share one slot for
     /// the current context, and each library assumes that this slot still holds the value that the library stored last.
@@ -39,7 +39,7 @@ pub(super) trait Backend {
         false
     }
 
-    /// The parameter that holds the driver's name for the device.
+    /// The GL parameter whose value is the driver's name for the device.
     fn renderer_parameter(&self, _gl: &glow::Context) -> u32 {
         glow::RENDERER
     }
@@ -47,7 +47,7 @@ pub(super) trait Backend {
     /// Address of a GL function, or null if the library lacks it.
     fn proc_address(&self, name: &CStr) -> *const c_void;
 
-    /// The maker of the context: echomarch or the caller, and the one responsible for making it current.
+    /// Who made the context, and who makes it current.
     #[cfg_attr(target_arch = "wasm32", expect(dead_code))]
     fn owner(&self) -> Owner {
         Owner::Echomarch
@@ -66,7 +66,7 @@ pub(super) enum Owner {
 }
 
 #[cfg(not(target_arch = "wasm32"))]
-/// The configuration that passes need: they draw into textures, so the surface needs neither alpha, depth nor stencil.
+/// The configuration for passes. They draw into textures, so the surface needs no alpha, depth or stencil.
 pub(super) fn template(api: Api, surfaces: ConfigSurfaceTypes) -> ConfigTemplateBuilder {
     ConfigTemplateBuilder::new()
         .with_surface_type(surfaces)
@@ -80,7 +80,7 @@ pub(super) fn template(api: Api, surfaces: ConfigSurfaceTypes) -> ConfigTemplate
 }
 
 #[cfg(not(target_arch = "wasm32"))]
-/// The lowest supported version: OpenGL 3.3 core, or OpenGL ES 3.0.
+/// Requests the lowest supported version: OpenGL 3.3 core, or OpenGL ES 3.0.
 pub(super) fn attributes(api: Api) -> ContextAttributesBuilder {
     ContextAttributesBuilder::new()
         .with_profile(GlProfile::Core)
@@ -91,7 +91,8 @@ pub(super) fn attributes(api: Api) -> ContextAttributesBuilder {
 }
 
 #[cfg(not(target_arch = "wasm32"))]
-/// Creates a context, with reset notification if the driver offers it: without it a lost context looks like a slow one.
+/// Creates a context, with reset notification if the driver offers it. Without reset notification a lost context cannot
+/// be distinguished from a slow one.
 ///
 /// # Errors
 /// The library's error for a context without reset notification.
@@ -111,7 +112,7 @@ pub(super) fn new_context<D: GlDisplay>(
 }
 
 #[cfg(not(target_arch = "wasm32"))]
-/// A context made by glutin, and the function that makes it current: without a surface, or with its own.
+/// A context made by glutin, and the function that makes it current, with or without a surface.
 pub(super) struct GlutinContext<C, D, M> {
     // Field order matters: the context is dropped first, then its surface, then the display.
     pub context: C,
@@ -144,7 +145,7 @@ where
     }
 }
 
-/// A device to make contexts on, on a system that chooses the graphics card itself.
+/// The only device on systems that choose the graphics card themselves.
 #[cfg(any(windows, target_os = "macos"))]
 #[derive(Debug)]
 pub(super) struct Place;

@@ -1,4 +1,4 @@
-//! Contexts made by a caller: that of a game's window or of another library.
+//! Contexts made by a caller, such as the context of a game's window or of another library.
 
 use std::cell::Cell;
 use std::ffi::{CStr, c_void};
@@ -25,12 +25,14 @@ pub enum MakeCurrent {
     /// works with the context, and before a [`Tracer`](crate::Tracer) on it or the last reference to the [`Context`] is
     /// dropped.
     ByCaller,
-    /// By these functions of the caller, unless the context is already current. Each call restores the previously
-    /// current context: this one, none, or another EGL context if this crate has made a context through EGL.
+    /// By these functions of the caller, unless the context is already current. Each call restores what was current
+    /// before the call: this context, or no context. A previously current EGL context that is not this one is restored
+    /// only if this crate has made a context through EGL.
     With(Box<dyn SwitchContext>),
 }
 
-/// Makes one context current or not current on this thread, whichever library made it.
+/// Makes one context current, or no longer current, on this thread. The caller implements this trait for the library
+/// that made the context.
 pub trait SwitchContext {
     /// Makes the context current on this thread.
     ///
@@ -73,22 +75,23 @@ impl Context {
     ///
     /// # State
     /// Each call of this crate that works with the context saves the state that the call changes or depends on, sets
-    /// its own, and restores everything before returning, also on errors: the program, the vertex array, both
-    /// framebuffers, the renderbuffer; viewport, scissor, blending, colour masks, culling, tests, polygon mode,
-    /// rasterizer discard, multisampling, clip distances and the like; the bindings of texture units 0 to 3 and 31,
-    /// samplers included; buffers for pixels, texels and queries; pixel storage; transform feedback, which is paused.
-    /// The caller need not set anything before or after a call, but has four obligations:
+    /// its own values, and restores the saved state before it returns, also after an error. The saved state is: the
+    /// program, the vertex array, both framebuffers, the renderbuffer; viewport, scissor, blending, colour masks,
+    /// culling, tests, polygon mode, rasterizer discard, multisampling, clip distances and the like; the bindings of
+    /// texture units 0 to 4 and 31, samplers included; buffers for pixels, texels and queries; pixel storage; transform
+    /// feedback, which is paused. The caller need not set anything before or after a call, within these limits:
     ///
-    /// - A call clears GL errors that were not queried.
-    /// - Bound objects must not be deleted before a call: GL could not bind them again afterwards.
-    /// - Counting queries (samples, primitives, time) would count this crate's drawing too, and conditional rendering
-    ///   might skip it: end both first. The same holds for transform feedback in OpenGL 3.3, which cannot be paused.
+    /// - A call clears the GL errors that the caller has not queried.
+    /// - An object that is bound must not be deleted before a call: GL could not bind it again afterwards.
+    /// - Counting queries (samples, primitives, time) and conditional rendering must end before a call: the queries
+    ///   would count this crate's drawing too, and conditional rendering might skip it. Transform feedback must also
+    ///   end first in OpenGL 3.3, which cannot pause it.
     /// - In the compatibility profile `glPixelTransfer` and pixel maps must have their initial values.
     ///
-    /// Saving and restoring takes about 90 driver queries per call, each of which waits for a driver that runs on its
-    /// own thread. Indexed state that only extensions provide (`ARB_viewport_array` below OpenGL 4.1,
-    /// `EXT_draw_buffers_indexed` below OpenGL ES 3.2) is restored for all indices from index 0. With EGL, the API
-    /// bound while no context is current may differ after a call.
+    /// Saving and restoring takes about 90 driver queries per call. If the driver runs on its own thread, each query
+    /// waits for that thread. Indexed state that only extensions provide (`ARB_viewport_array` below OpenGL 4.1,
+    /// `EXT_draw_buffers_indexed` below OpenGL ES 3.2) is restored for all indices from index 0. With EGL, a call may
+    /// change the API that is bound while no context is current.
     ///
     /// ```no_run
     /// use echomarch::gl::{Context, MakeCurrent};
@@ -140,7 +143,7 @@ impl Context {
     /// Same as [`from_loader`](Context::from_loader).
     ///
     /// # Safety
-    /// Same as [`from_loader`](Context::from_loader), with `gl` in place of its functions.
+    /// Same as [`from_loader`](Context::from_loader), with the functions of `gl` in place of `loader`.
     pub unsafe fn from_glow(
         gl: Arc<glow::Context>,
         current: MakeCurrent,
@@ -153,7 +156,7 @@ impl Context {
     }
 }
 
-/// Describes a caller's context without changing its state.
+/// Creates the [`Context`] of a caller's context without changing its state.
 fn of_caller(
     backend: Rc<CallerBackend>,
     functions: impl FnOnce() -> Result<Arc<glow::Context>, GpuError>,

@@ -25,7 +25,7 @@ pub(super) const SCRATCH_UNIT: u32 = 31;
 /// The texture units whose bindings are restored: those that programs read from, and the scratch unit.
 pub(super) const UNITS: [u32; 6] = [0, 1, 2, 3, 4, SCRATCH_UNIT];
 
-/// Pixel storage parameters of every version, with their initial values, which read-backs and uploads need.
+/// Pixel storage parameters of every version, with the initial values, which read-backs and uploads need.
 const PIXEL_STORE: [(u32, i32); 10] = [
     (glow::PACK_ALIGNMENT, 4),
     (glow::PACK_ROW_LENGTH, 0),
@@ -59,7 +59,7 @@ const CAPABILITIES: [u32; 7] = [
     glow::RASTERIZER_DISCARD,
 ];
 
-/// Such capabilities of OpenGL only.
+/// Capabilities of OpenGL only that would change or discard the result of a pass.
 const CAPABILITIES_OF_GL: [u32; 7] = [
     glow::COLOR_LOGIC_OP,
     glow::POLYGON_SMOOTH,
@@ -70,7 +70,7 @@ const CAPABILITIES_OF_GL: [u32; 7] = [
     glow::DEPTH_CLAMP,
 ];
 
-/// Such capabilities of the compatibility profile only.
+/// Capabilities of the compatibility profile only that would change or discard the result of a pass.
 const CAPABILITIES_OF_COMPATIBILITY: [u32; 2] = [ALPHA_TEST, POLYGON_STIPPLE];
 
 type GetBooleans = unsafe extern "system" fn(u32, u32, *mut u8);
@@ -93,7 +93,7 @@ pub(super) struct Traits {
     clamps: &'static [u32],
     /// Draw buffers with separate blending and colour masks; 0 if all share the same.
     draw_buffers: u32,
-    /// Whether there is an indexed set of viewports and scissors.
+    /// Whether the context has several viewports and scissors, selected by index.
     pub has_viewport_arrays: bool,
     can_pause_feedback: bool,
     get_booleans: Option<GetBooleans>,
@@ -160,7 +160,7 @@ impl Traits {
     }
 }
 
-/// Colour clamps: OpenGL only, vertices and fragments only in the compatibility profile.
+/// Colour clamps. OpenGL ES has none, and only the compatibility profile clamps the colours of vertices and fragments.
 fn clamps_of(is_gl: bool, is_compatible: bool) -> &'static [u32] {
     match (is_gl, is_compatible) {
         (true, true) => &[
@@ -418,7 +418,8 @@ unsafe fn switch(gl: &glow::Context, name: u32, is_on: bool) {
     }
 }
 
-/// Pauses a transform feedback in progress, during which no other program can be used; returns whether there was one.
+/// Pauses a transform feedback in progress, because no other program can be used before the pause. Returns whether a
+/// transform feedback was in progress.
 unsafe fn pause_feedback(gl: &glow::Context, traits: &Traits) -> bool {
     // SAFETY: guaranteed by the caller: the context is current.
     unsafe {

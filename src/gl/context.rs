@@ -266,7 +266,7 @@ impl Context {
     pub fn gl(&self) -> &glow::Context {
         debug_assert!(
             self.caller_part().is_none_or(|part| part.entered.get() > 0),
-            "a context of the caller's is used without keeping its state"
+            "a caller's context is used without saving its state"
         );
         let _ = current::make(&self.inner.backend);
         &self.inner.gl
@@ -321,7 +321,7 @@ impl Context {
     pub(super) fn check_not_lost(&self) -> Result<(), GpuError> {
         current::make(&self.inner.backend).map_err(GpuError::lost)?;
         if self.inner.backend.is_lost() {
-            return Err(GpuError::lost("the browser has taken it away"));
+            return Err(GpuError::lost("the browser reports the loss"));
         }
         // SAFETY: the context is current and has the extension of this function.
         let status = self.inner.driver.reset_status.map(|ask| unsafe { ask() });
@@ -380,7 +380,7 @@ pub(crate) struct Entered {
 /// A caller's context, and the state to restore in it.
 struct CallersEntered {
     context: Context,
-    /// `None` within another call, and if the call does not change the state.
+    /// `None` in a nested call, or if the call does not change the state.
     state: Option<CallerState>,
 }
 
@@ -427,8 +427,8 @@ impl Context {
         Ok(Entered::new(self, self.make_current()?, true))
     }
 
-    /// Frees objects with the context current. They are not bound outside calls, so no state changes. If the context
-    /// cannot be made current, its objects no longer exist.
+    /// Frees objects with the context current. The objects are not bound outside calls, so no state changes. If the
+    /// context cannot be made current, its objects no longer exist.
     pub(super) fn free(&self, delete: impl FnOnce(&glow::Context)) {
         if let Ok(current) = self.make_current() {
             let _entered = Entered::new(self, current, false);

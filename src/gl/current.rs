@@ -4,8 +4,8 @@
 //! receives calls. So a context's own library always releases the context before the other library makes one current;
 //! otherwise EGL would still assume that its context is current, and its calls would silently go to OSMesa's context.
 //!
-//! A program may have contexts unknown to echomarch, so each use queries the library whether its context is still
-//! current, and [`Entered`] restores the previously current context.
+//! A program may have contexts unknown to echomarch, so before each use echomarch checks with the library that its
+//! context is still current. [`Entered`] restores the previously current context.
 
 use std::cell::RefCell;
 use std::rc::{Rc, Weak};
@@ -86,7 +86,8 @@ enum Then {
     Stays,
     /// A caller's context stays current; echomarch no longer manages it.
     StaysCallers,
-    /// A caller's context becomes not current, as before; echomarch's previously current context becomes current again.
+    /// The caller's context is released, because it was not current before. Echomarch's previously current context
+    /// becomes current again.
     Goes {
         entered: Rc<dyn Backend>,
         before: Option<Rc<dyn Backend>>,

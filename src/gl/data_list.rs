@@ -146,7 +146,7 @@ impl TexelBuffer {
         };
         made.set(&[0.0; 4])?;
         made.bind(SCRATCH_UNIT);
-        // SAFETY: the context is current, and texture and buffer are its own.
+        // SAFETY: the context is current and owns the texture and buffer.
         unsafe { gl.tex_buffer(glow::TEXTURE_BUFFER, glow::RGBA32F, Some(buffer)) };
         context.check("a buffer of texels")?;
         Ok(made)
@@ -167,7 +167,7 @@ impl TexelBuffer {
         }
         let gl = self.context.gl();
         let bytes = texture::of_floats(floats);
-        // SAFETY: the context is current, and the buffer its own.
+        // SAFETY: the context is current and owns the buffer.
         unsafe {
             gl.bind_buffer(glow::TEXTURE_BUFFER, Some(self.buffer));
             match vectors > self.capacity {
@@ -188,7 +188,7 @@ impl TexelBuffer {
 
 impl Drop for TexelBuffer {
     fn drop(&mut self) {
-        // SAFETY: the context is current; texture and buffer are its own and not used again.
+        // SAFETY: the context is current and owns the texture and buffer, which are not used again.
         self.context.free(|gl| unsafe {
             gl.delete_texture(self.texture);
             gl.delete_buffer(self.buffer);

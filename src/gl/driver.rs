@@ -1,5 +1,5 @@
-//! The driver's description of a context, whether it renders on the processor, its GL functions, and its logs of
-//! shaders that do not compile.
+//! The driver's description of a context, the detection of software renderers, the lookup of GL functions, and the
+//! errors in shader logs.
 
 use super::backend::Backend;
 use super::{Api, GpuError};
@@ -33,7 +33,7 @@ impl Limits {
     }
 }
 
-/// glGetGraphicsResetStatus, under the driver's name for it.
+/// glGetGraphicsResetStatus, or the function of the same purpose in an extension.
 type ResetStatus = unsafe extern "system" fn() -> u32;
 
 /// A driver's description of one context.
@@ -126,8 +126,8 @@ pub(super) fn load(backend: &dyn Backend) -> Result<glow::Context, GpuError> {
     };
     let find_or_core = |name: &str| {
         let address = find(name);
-        // glow reads a timer query with the extension's function on drivers without glGetQueryBufferObjectiv; the core
-        // function is the same.
+        // On drivers without glGetQueryBufferObjectiv, glow reads timer queries with the function of an extension. The
+        // core function without the suffix EXT does the same.
         if address.is_null() && name == "glGetQueryObjectui64vEXT" {
             find("glGetQueryObjectui64v")
         } else {
@@ -152,7 +152,7 @@ fn check_version(backend: &dyn Backend) -> Result<(), String> {
     // SAFETY: the context is current.
     let version = unsafe { get(glow::VERSION) };
     if version.is_null() {
-        return Err("GL_VERSION has no answer: no context is current".to_owned());
+        return Err("GL_VERSION is null: no context is current".to_owned());
     }
     // SAFETY: GL returns a text that ends in zero.
     let version = unsafe { CStr::from_ptr(version) }.to_string_lossy();
@@ -298,8 +298,8 @@ mod tests {
         assert_eq!(found, expected);
     }
 
-    /// Protects the detection of a software renderer by its name, which decides between wall clock and timer query, and
-    /// between goldens and tolerances.
+    /// Protects the detection of software renderers by name: times on these renderers come from the wall clock instead
+    /// of timer queries, and tests compare their results with golden values instead of tolerances.
     #[test]
     fn software_renderers_are_known_by_name() {
         for software in [

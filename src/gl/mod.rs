@@ -26,7 +26,7 @@
 //! drawing requested before. glGetError is called after each pass in debug builds, or if the environment has
 //! `ECHOMARCH_GL_CHECK=1`; after creation and read-back always.
 //!
-//! All unsafe code of the crate that talks to a driver is in this module.
+//! All unsafe code of the crate that calls a driver is in this module.
 //
 // Private to the crate: programs, textures of four floats per texel, full-screen passes, read-back and timers. A pass
 // reads textures and draws one triangle over a `RenderTarget`, whose texels are the results. A `PingPong` keeps two

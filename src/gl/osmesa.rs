@@ -32,7 +32,7 @@ type MakeCurrent = unsafe extern "C" fn(*mut c_void, *mut c_void, c_uint, c_int,
 type GetCurrentContext = unsafe extern "C" fn() -> *mut c_void;
 type GetProcAddress = unsafe extern "C" fn(*const c_char) -> *const c_void;
 
-/// The functions of the library, which stays loaded: drivers do not survive being unloaded.
+/// The functions of the library, which stays loaded: unloading a driver may crash the program.
 struct Functions {
     create_context: CreateContext,
     destroy_context: DestroyContext,

@@ -71,7 +71,7 @@ impl Picture {
     /// GL errors, in debug builds.
     pub fn show(&self, width: u32, height: u32) -> Result<(), GpuError> {
         let gl = self.context.gl();
-        // SAFETY: the context is current, and the framebuffer its own.
+        // SAFETY: the context is current and owns the framebuffer.
         unsafe {
             gl.disable(glow::SCISSOR_TEST);
             gl.bind_framebuffer(glow::READ_FRAMEBUFFER, Some(self.framebuffer));
@@ -120,7 +120,7 @@ impl Target for Picture {
 
 impl Drop for Picture {
     fn drop(&mut self) {
-        // SAFETY: the context is current, and both objects its own and not used again.
+        // SAFETY: the context is current and owns both objects, which are not used again.
         self.context.free(|gl| unsafe {
             gl.delete_framebuffer(self.framebuffer);
             gl.delete_renderbuffer(self.pixels);

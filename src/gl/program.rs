@@ -27,7 +27,7 @@ pub fn header(api: Api) -> &'static str {
     }
 }
 
-/// A fragment shader combined with the full-screen triangle, and its uniforms.
+/// A program of the full-screen vertex shader and one fragment shader, with its uniforms.
 ///
 /// Setting a uniform that the shader lacks, or that the driver removed as unused, has no effect. Setting a uniform with
 /// a setter of another type is an error, which the next check reports. Dropping the program frees it.
@@ -66,7 +66,7 @@ impl Program {
 
     fn link(&self, shaders: &[&Shader]) -> Result<(), GpuError> {
         let gl = self.context.gl();
-        // SAFETY: the context is current, and program and shaders its own.
+        // SAFETY: the context is current and owns the program and shaders.
         unsafe {
             for shader in shaders {
                 gl.attach_shader(self.program, shader.shader);
@@ -179,7 +179,7 @@ impl Program {
         let location = self.uniforms.get(name);
         if location.is_some() {
             let gl = self.context.gl();
-            // SAFETY: the context is current, and the program its own.
+            // SAFETY: the context is current and owns the program.
             unsafe { gl.use_program(Some(self.program)) };
             assign(gl, location);
         }
@@ -188,7 +188,7 @@ impl Program {
 
 impl Drop for Program {
     fn drop(&mut self) {
-        // SAFETY: the context is current, and the program its own and not used again.
+        // SAFETY: the context is current and owns the program, which is not used again.
         self.context
             .free(|gl| unsafe { gl.delete_program(self.program) });
     }
@@ -234,7 +234,7 @@ impl<'a> Shader<'a> {
         let shader = unsafe { gl.create_shader(kind) }.map_err(failed)?;
         let shader = Shader { context, shader };
         let source = format!("{}{body}", header(context.api()));
-        // SAFETY: the context is current, and the shader its own.
+        // SAFETY: the context is current and owns the shader.
         unsafe {
             gl.shader_source(shader.shader, &source);
             gl.compile_shader(shader.shader);
@@ -256,7 +256,7 @@ impl<'a> Shader<'a> {
 
 impl Drop for Shader<'_> {
     fn drop(&mut self) {
-        // SAFETY: the context is current, and the shader its own and not used again.
+        // SAFETY: the context is current and owns the shader, which is not used again.
         self.context
             .free(|gl| unsafe { gl.delete_shader(self.shader) });
     }
@@ -346,7 +346,7 @@ mod tests {
         assert_eq!(ask("second").1, 4);
     }
 
-    /// Protects cached programs from being dropped for a scene that does not compile.
+    /// Protects cached programs: a program that does not compile removes no other from the cache.
     #[test]
     fn what_does_not_compile_drives_nothing_out() {
         let context = Context::headless(&ContextOptions::default()).unwrap();

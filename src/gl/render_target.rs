@@ -69,7 +69,7 @@ fn prepare(context: &Context, program: &Program, target: &impl Target, width: u3
     context.set_viewport(width, height);
     context.set_scissor_test(false);
     let gl = context.gl();
-    // SAFETY: the context is current, and program, framebuffer and vertex array its own.
+    // SAFETY: the context is current and owns program, framebuffer and vertex array.
     unsafe {
         gl.bind_framebuffer(glow::FRAMEBUFFER, target.framebuffer());
         for test in [
@@ -96,7 +96,8 @@ fn draw(context: &Context, program: &Program) -> Result<(), GpuError> {
 /// A framebuffer over one or more textures of one size (every driver allows four): output 0 of the fragment shader goes
 /// to the first texture, and so on.
 ///
-/// The target does not own the textures; keep them as long as the target is used. Dropping it frees the framebuffer.
+/// The target does not own the textures; keep them as long as the target is used. Dropping the target frees the
+/// framebuffer.
 #[derive(Debug)]
 pub struct RenderTarget {
     context: Context,
@@ -144,7 +145,7 @@ impl RenderTarget {
             height,
         };
         let points: Vec<u32> = (glow::COLOR_ATTACHMENT0..).take(textures.len()).collect();
-        // SAFETY: the context is current, and framebuffer and textures its own.
+        // SAFETY: the context is current and owns the framebuffer and textures.
         unsafe {
             gl.bind_framebuffer(glow::FRAMEBUFFER, Some(framebuffer));
             for (point, texture) in points.iter().zip(textures) {
@@ -234,7 +235,7 @@ impl RenderTarget {
             });
         }
         let gl = self.context.gl();
-        // SAFETY: the context is current, and the framebuffer its own.
+        // SAFETY: the context is current and owns the framebuffer.
         unsafe {
             gl.bind_framebuffer(glow::READ_FRAMEBUFFER, Some(self.framebuffer));
             gl.read_buffer(glow::COLOR_ATTACHMENT0 + attachment as u32);
@@ -251,7 +252,7 @@ impl Target for RenderTarget {
 
 impl Drop for RenderTarget {
     fn drop(&mut self) {
-        // SAFETY: the context is current, and the framebuffer its own and not used again.
+        // SAFETY: the context is current and owns the framebuffer, which is not used again.
         self.context
             .free(|gl| unsafe { gl.delete_framebuffer(self.framebuffer) });
     }
@@ -300,7 +301,7 @@ pub(super) fn check_complete(context: &Context) -> Result<(), GpuError> {
             "GL_FRAMEBUFFER_INCOMPLETE_MISSING_ATTACHMENT".into()
         }
         glow::FRAMEBUFFER_UNSUPPORTED => "GL_FRAMEBUFFER_UNSUPPORTED".into(),
-        // No status: an error, or there is no context.
+        // Zero is no status: GL reported an error, or no context is current.
         0 => {
             context.check("a framebuffer")?;
             "GL gives no status".into()

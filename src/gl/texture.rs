@@ -116,7 +116,7 @@ impl Texture {
 
 impl Drop for Texture {
     fn drop(&mut self) {
-        // SAFETY: the context is current, and the texture its own and not used again.
+        // SAFETY: the context is current and owns the texture, which is not used again.
         self.context
             .free(|gl| unsafe { gl.delete_texture(self.texture) });
     }
@@ -142,7 +142,7 @@ pub(super) fn check_size(context: &Context, width: u32, height: u32) -> Result<(
 pub(super) fn bind(gl: &glow::Context, unit: u32, target: u32, texture: glow::Texture) {
     debug_assert!(
         UNITS.contains(&unit),
-        "unit {unit} of a caller is not put back"
+        "texture unit {unit} of a caller is not restored"
     );
     // SAFETY: the context is current; the texture belongs to it and has that target.
     unsafe {

@@ -80,7 +80,7 @@ impl GpuTimer {
                 .push(query.map_err(GpuError::not_created("a timestamp query"))?);
         }
         let query = self.queries[self.used];
-        // SAFETY: the context is current, and the query its own.
+        // SAFETY: the context is current and owns the query.
         unsafe { self.context.gl().query_counter(query, glow::TIMESTAMP) };
         self.used += 1;
         Ok(())
@@ -108,7 +108,7 @@ impl Drop for GpuTimer {
     fn drop(&mut self) {
         self.context.free(|gl| {
             for query in &self.queries {
-                // SAFETY: the context is current, and the query its own and not used again.
+                // SAFETY: the context is current and owns the query, which is not used again.
                 unsafe { gl.delete_query(*query) };
             }
         });
@@ -120,8 +120,8 @@ mod tests {
     use super::super::ContextOptions;
     use super::*;
 
-    /// Protects graphics cards from wrong use of timestamp queries: each pair of marks has a time, and GL reports no
-    /// error. Software renderers also have queries, with times that are too short, but the timer does not choose them
+    /// Protects the timestamp queries of graphics cards: each pair of marks has a time, and GL reports no error.
+    /// Software renderers also answer such queries, but with times that are too short, so the timer uses the wall clock
     /// there.
     #[test]
     fn timestamp_queries_answer_without_gl_errors() {

@@ -121,7 +121,7 @@ fn create(api: Api) -> Result<impl Backend + use<>, glutin::error::Error> {
     Ok(GlutinContext {
         context,
         make_current: move |context: &PossiblyCurrentContext| {
-            // Captures the whole struct, including the window.
+            // Makes the closure capture the whole struct, including the window.
             let hidden = &hidden;
             context.make_current(&hidden.surface)
         },
@@ -152,7 +152,7 @@ impl Foreign {
     /// Makes the context current again. If its owner has destroyed it in the meantime, Windows refuses and no context
     /// is current.
     pub fn make_current(&self) {
-        // SAFETY: Windows checks the handles against its own.
+        // SAFETY: Windows rejects handles that it does not know.
         unsafe { wglMakeCurrent(self.device, self.context) };
     }
 }

@@ -22,8 +22,8 @@ use super::driver::load;
 use super::render_target::read_rgba8;
 use super::{Api, Context, GpuError, native};
 
-/// OpenGL of a display, and the configuration of windows for it. Field order matters: the connection to the display is
-/// dropped last.
+/// A display opened for OpenGL, and the configuration of its windows. Field order matters: the connection to the
+/// display is dropped last.
 #[derive(Debug)]
 pub struct WindowDisplay {
     /// `None` on Windows, where opening the display requires a window.
@@ -39,7 +39,7 @@ pub struct WindowContext {
     drawing: Rc<Drawing>,
 }
 
-/// A context and a surface that are current together. Field order matters.
+/// A context and a surface that are current together. Field order matters: fields are dropped in this order.
 #[derive(Debug)]
 struct Drawing {
     surface: Surface<WindowSurface>,
@@ -97,13 +97,13 @@ impl WindowDisplay {
         width: u32,
         height: u32,
     ) -> Result<WindowContext, GpuError> {
-        // Boxed like the connection.
+        // Boxed for the same reason as the connection.
         let window = Box::new(window);
         let handle = window.window_handle().map_err(refused)?.as_raw();
         let (display, config) = match self.opened {
             Some(opened) => opened,
-            // SAFETY: as when the display is opened without a window; the window is also kept along with everything
-            // made from it.
+            // SAFETY: the conditions are those of opening the display without a window; the window is also kept along
+            // with everything made from it.
             None => unsafe { open(self.handle, Some(handle)) }.map_err(refused)?,
         };
         let (width, height) = (at_least_one(width), at_least_one(height));

@@ -131,7 +131,7 @@ const NEEDED: [&CStr; 23] = [
     c"eglTerminate",
 ];
 
-/// The functions of the library, which stays loaded: drivers do not survive being unloaded.
+/// The functions of the library, which stays loaded: unloading a driver may crash the program.
 struct Functions {
     egl: Egl,
     _library: Library,
@@ -263,7 +263,7 @@ impl Foreign {
     /// current.
     pub fn make_current(&self) {
         let egl = &self.functions.egl;
-        // SAFETY: EGL checks the handles against its own.
+        // SAFETY: EGL rejects handles that it does not know.
         unsafe {
             egl.BindAPI(self.api);
             egl.MakeCurrent(self.display, self.draw, self.read, self.context);

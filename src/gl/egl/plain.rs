@@ -1,5 +1,5 @@
-//! Contexts without a window if EGL lists no devices: on Mesa's platform without surfaces, or on the default display.
-//! Used for ANGLE and older drivers.
+//! Contexts without a window on systems where EGL lists no devices: on Mesa's platform without surfaces, or on the
+//! default display. ANGLE and older drivers list no devices.
 
 use std::ffi::{CStr, c_void};
 use std::{fmt, ptr};
@@ -182,7 +182,8 @@ impl Opened {
         }
     }
 
-    /// Creates a context, with reset notification if available: without it a lost context looks like a slow one.
+    /// Creates a context, with reset notification if available. Without reset notification a lost context cannot be
+    /// told from a slow one.
     fn new_context(&self, api: Api, config: EGLConfig) -> Result<EGLContext, Refusal> {
         let (minor, profile) = match api {
             Api::Gles => (0, &[][..]),

@@ -96,7 +96,7 @@ impl RawEgl {
         self.context.is_current()
     }
 
-    /// Whether its display offers contexts with reset notification.
+    /// Whether the context's display offers contexts with reset notification.
     pub fn offers_robustness(&self) -> bool {
         let features = self.display.supported_features();
         features.contains(DisplayFeatures::CONTEXT_ROBUSTNESS)
@@ -165,7 +165,7 @@ pub struct ForeignProgram {
 }
 
 impl ForeignProgram {
-    /// Creates a program with a picture, half of which its triangles cover; each draw adds a quarter to the colour.
+    /// Creates a program with a picture. Each draw covers half of the picture and adds a quarter to its colour.
     pub fn new(kind: Kind) -> ForeignProgram {
         let egl = Rc::new(RawEgl::of(kind));
         egl.bind();
@@ -197,7 +197,7 @@ impl ForeignProgram {
 
     /// Draws once more, with the current state.
     pub fn draw(&self) {
-        // SAFETY: the program's own context is current while a test calls this, and the names are its own.
+        // SAFETY: the program's own context is current while a test calls this, and owns the objects.
         unsafe { self.gl.draw_arrays(glow::TRIANGLES, 0, 3) };
     }
 
@@ -205,7 +205,7 @@ impl ForeignProgram {
     pub fn picture(&self) -> Vec<u8> {
         let mut pixels = vec![0; (4 * SIDE * SIDE) as usize];
         let slice = PixelPackData::Slice(Some(&mut pixels));
-        // SAFETY: the program's own context is current while a test calls this, and the names are its own.
+        // SAFETY: the program's own context is current while a test calls this, and owns the objects.
         unsafe {
             let (format, kind) = (glow::RGBA, glow::UNSIGNED_BYTE);
             self.gl.read_pixels(0, 0, SIDE, SIDE, format, kind, slice);
@@ -224,14 +224,14 @@ impl ForeignProgram {
 
     /// Causes a GL error that the program does not query.
     pub fn make_an_error(&self) {
-        // SAFETY: the program's own context is current while a test calls this, and the names are its own.
+        // SAFETY: the program's own context is current while a test calls this, and owns the objects.
         unsafe { self.gl.enable(0xFFFF) };
     }
 
     /// Begins to write the vertex shader's output into a buffer.
     pub fn begin_feedback(&self) {
         let gl = &self.gl;
-        // SAFETY: the program's own context is current while a test calls this, and the names are its own.
+        // SAFETY: the program's own context is current while a test calls this, and owns the objects.
         unsafe {
             gl.bind_buffer(glow::TRANSFORM_FEEDBACK_BUFFER, Some(self.feedback));
             let target = glow::TRANSFORM_FEEDBACK_BUFFER;
@@ -245,7 +245,7 @@ impl ForeignProgram {
     /// Ends the transform feedback, and returns its data: the vertices' numbers.
     pub fn end_feedback(&self) -> Vec<f32> {
         let gl = &self.gl;
-        // SAFETY: the program's own context is current while a test calls this, and the names are its own.
+        // SAFETY: the program's own context is current while a test calls this, and owns the objects.
         unsafe {
             gl.end_transform_feedback();
             let target = glow::TRANSFORM_FEEDBACK_BUFFER;
@@ -261,7 +261,7 @@ impl ForeignProgram {
         let gl = &self.gl;
         let names = || (1..500).map(|name| std::num::NonZeroU32::new(name).unwrap());
         let count = |is: &dyn Fn(std::num::NonZeroU32) -> bool| names().filter(|n| is(*n)).count();
-        // SAFETY: the program's own context is current while a test calls this, and the names are its own.
+        // SAFETY: the program's own context is current while a test calls this, and owns the objects.
         unsafe {
             let is_vertex_array = self.function::<IsObject>("glIsVertexArray");
             [
@@ -276,7 +276,7 @@ impl ForeignProgram {
 
     /// Whether the program's shaders are in use.
     pub fn is_in_use(&self) -> bool {
-        // SAFETY: the program's own context is current while a test calls this, and the names are its own.
+        // SAFETY: the program's own context is current while a test calls this, and owns the objects.
         unsafe { self.gl.get_parameter_program(glow::CURRENT_PROGRAM) == Some(self.program) }
     }
 
@@ -284,7 +284,7 @@ impl ForeignProgram {
     pub fn texels(&self, texture: glow::Texture, width: u32, height: u32) -> Vec<[f32; 4]> {
         let gl = &self.gl;
         let mut bytes = vec![0; 16 * (width * height) as usize];
-        // SAFETY: the program's own context is current while a test calls this, and the names are its own.
+        // SAFETY: the program's own context is current while a test calls this, and owns the objects.
         unsafe {
             let framebuffer = gl.create_framebuffer().unwrap();
             gl.bind_framebuffer(glow::FRAMEBUFFER, Some(framebuffer));

@@ -12,7 +12,7 @@ const ALPHA_TEST: u32 = 0x0BC0;
 const POLYGON_STIPPLE: u32 = 0x0B42;
 const CLAMP_FRAGMENT_COLOR: u32 = 0x891B;
 
-/// Texture units compared.
+/// The texture units that the tests compare.
 const UNITS: [u32; 7] = [0, 1, 2, 3, 4, 7, 31];
 
 /// Parameters of every version, except capabilities.
@@ -138,7 +138,7 @@ impl ForeignProgram {
     /// Sets all state that would spoil a pass, an upload or a read-back.
     pub fn spoil(&self) {
         let gl = &self.gl;
-        // SAFETY: the program's own context is current while a test calls this, and the names are its own.
+        // SAFETY: the program's own context is current while a test calls this, and owns the objects.
         unsafe {
             self.spoil_objects();
             self.spoil_tests();
@@ -165,7 +165,7 @@ impl ForeignProgram {
 
     unsafe fn spoil_objects(&self) {
         let gl = &self.gl;
-        // SAFETY: the program's own context is current while a test calls this, and the names are its own.
+        // SAFETY: the program's own context is current while a test calls this, and owns the objects.
         unsafe {
             gl.bind_framebuffer(glow::READ_FRAMEBUFFER, Some(self.framebuffers[1]));
             gl.bind_renderbuffer(glow::RENDERBUFFER, Some(gl.create_renderbuffer().unwrap()));
@@ -195,7 +195,7 @@ impl ForeignProgram {
 
     unsafe fn spoil_tests(&self) {
         let gl = &self.gl;
-        // SAFETY: the program's own context is current while a test calls this, and the names are its own.
+        // SAFETY: the program's own context is current while a test calls this, and owns the objects.
         unsafe {
             gl.viewport(3, 1, 5, 2);
             gl.scissor(1, 2, 3, 1);
@@ -232,7 +232,7 @@ impl ForeignProgram {
 
     unsafe fn spoil_gl(&self) {
         let gl = &self.gl;
-        // SAFETY: the program's own context is current while a test calls this, and the names are its own.
+        // SAFETY: the program's own context is current while a test calls this, and owns the objects.
         unsafe {
             for name in CAPABILITIES_OF_GL {
                 gl.enable(name);
@@ -269,7 +269,8 @@ impl ForeignProgram {
         }
     }
 
-    /// Resets state that the lowest versions lack: a buffer for query results, viewports between pixels.
+    /// Resets the spoiled state that the lowest versions lack: the buffer for query results, and the viewport with
+    /// fractional coordinates.
     pub fn spoil_no_newer(&self) {
         // SAFETY: the program's own context is current while a test calls this.
         unsafe {
@@ -285,7 +286,7 @@ impl ForeignProgram {
         let gl = &self.gl;
         let mut state = Vec::new();
         let mut tell = |name: String, value: &dyn Debug| state.push(format!("{name}: {value:?}"));
-        // SAFETY: the program's own context is current while a test calls this, and the names are its own.
+        // SAFETY: the program's own context is current while a test calls this, and owns the objects.
         unsafe {
             assert_eq!(gl.get_error(), glow::NO_ERROR);
             let is_gl = self.kind != Kind::Es;

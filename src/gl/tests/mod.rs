@@ -1,5 +1,5 @@
-//! Contexts without a window, of every API, alone and in turn; textures and passes, without acoustics; and contexts of
-//! other programs. These tests fail on a machine without GL.
+//! Tests of contexts without a window on every API, of textures and passes without acoustics, and of contexts of other
+//! programs. These tests fail on a machine without GL.
 
 pub mod foreign_program;
 mod foreign_state;
@@ -62,7 +62,7 @@ fn gpu_contexts_of_all_apis_interleave_on_one_thread() {
     }
 }
 
-/// Protects objects of a context while another API's context draws in between, and when that other context is dropped.
+/// Protects objects of a context while a context of another API draws, and after that other context is dropped.
 #[test]
 fn gpu_objects_survive_other_contexts() {
     for api in [Api::Gl, Api::Gles] {
@@ -179,8 +179,8 @@ fn gpu_impossible_sizes_are_errors() {
     });
 }
 
-/// Protects the context when a texture is within the limit but exceeds memory: an error, after which the context still
-/// works.
+/// Protects the context when a texture is within the size limit but exceeds memory: the result is an error, and the
+/// context still works.
 #[test]
 fn gpu_out_of_memory_is_an_error() {
     on_every_api(|api| {

@@ -152,7 +152,8 @@ const COORDINATES: &str = "
     layout(location = 0) out vec4 result;
     void main() { result = vec4(gl_FragCoord.xy, sqrt(gl_FragCoord.x * gl_FragCoord.y), round); }";
 
-/// Protects drawing in bands of rows: the result is that of one draw, each row once, with nothing outside the viewport.
+/// Protects drawing in bands of rows: the result equals that of one draw, each row is drawn once, and nothing is drawn
+/// outside the viewport.
 #[test]
 fn gpu_bands_cover_what_one_draw_covers() {
     on_every_api(|context| {
@@ -268,7 +269,7 @@ fn gpu_link_errors_name_the_program() {
     });
 }
 
-/// Protects from silently setting a uniform of another type than its setter's.
+/// Protects from silent type errors: setting a uniform with a setter of another type is reported.
 #[test]
 fn gpu_wrong_uniform_type_is_reported() {
     on_every_api(|context| {
