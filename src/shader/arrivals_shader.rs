@@ -1,4 +1,4 @@
-//! The fragment shader that traces waves past a transparent listener and records their crossings.
+//! The fragment shader that traces waves past a transparent listener and records where they pass through it.
 
 use super::materials::Materials;
 use super::pass_texts::{AlgorithmText, Directions, StartOrderText, start};
@@ -11,26 +11,26 @@ use crate::scene::Scene;
 use crate::scene::shape::Room;
 use std::fmt::Write;
 
-/// Bits of a word of events: those that a float can hold without a driver changing them.
+/// Bits of a word of events: the largest word that a float can hold without a driver changing it.
 pub(crate) const WORD_BITS: u32 = 30;
 
-/// Words of events in the additional texture, beside the one in the tally.
+/// Number of words of events in the additional texture. One more word is in the tally.
 const WORDS_IN_TEXTURE: u32 = 4;
 
 /// Parameters of the text in addition to the structure of the scene.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct ArrivalsText {
-    /// How a wave finds the next surface. `thesis` has no such text.
+    /// The algorithm that finds the next surface of a wave. `thesis` has no such shader.
     pub algorithm: AlgorithmText,
-    /// How waves start.
+    /// The choice of the start directions.
     pub directions: Directions,
-    /// Which wave starts at a texel.
+    /// The wave that starts at a texel.
     pub order: StartOrderText,
-    /// Crossings of a wave that a pass records.
+    /// Maximum passages through the listener that one pass records for a wave.
     pub records: u32,
-    /// Bits of an event; 0 where no surface absorbs or scatters.
+    /// Bits of an event; 0 if no surface absorbs or scatters.
     pub event_bits: u32,
-    /// Whether events have an additional texture.
+    /// Whether a texture for further words of events exists.
     pub has_words: bool,
     /// Whether surfaces scatter.
     pub scatters: bool,
@@ -39,12 +39,12 @@ pub(crate) struct ArrivalsText {
 }
 
 impl ArrivalsText {
-    /// The index of the tally's output: it follows the two outputs of the wave's state. The words
-    /// come next, if there are any, and then the records.
+    /// The index of the tally's output, which follows the two outputs of the wave's state. The words of events come
+    /// next, if there are any, and then the records.
     pub const TALLY: u32 = 2;
 
-    /// The parameters for a scene of these materials, with at most `records` records, on a driver that
-    /// allows `outputs` outputs, at least four.
+    /// The parameters for a scene with these materials, with at most `records` records. `outputs` is the number of
+    /// outputs that the driver allows, at least four.
     pub fn new(
         (algorithm, directions, order): (AlgorithmText, Directions, StartOrderText),
         materials: &Materials,
@@ -74,12 +74,12 @@ impl ArrivalsText {
         ArrivalsText::TALLY + 1 + u32::from(self.has_words)
     }
 
-    /// Textures that a pass writes to.
+    /// Number of textures that a pass writes to.
     pub fn outputs(&self) -> u32 {
         self.first_record() + self.records
     }
 
-    /// Words of events.
+    /// Number of words of events of a wave.
     pub fn words(&self) -> u32 {
         match (self.event_bits, self.has_words) {
             (0, _) => 0,
@@ -98,7 +98,7 @@ impl ArrivalsText {
     }
 }
 
-/// The text of the pass, for a scene that should have been [checked](Structure::check).
+/// The text of the pass. The scene should have been [checked](Structure::check).
 pub(crate) fn arrivals_text(scene: &Scene, structure: &Structure, text: &ArrivalsText) -> String {
     let scene = Text::new(scene, structure);
     let (fly, marches, mut library) = flight(&scene, text.algorithm);
@@ -130,8 +130,7 @@ pub(crate) fn arrivals_text(scene: &Scene, structure: &Structure, text: &Arrival
     join(&link(roots, library))
 }
 
-/// The source that finds the next surface, whether that source marches fields, and the parts that
-/// it calls.
+/// Returns the source that finds the next surface, whether this source marches fields, and the parts that it calls.
 fn flight(scene: &Text, algorithm: AlgorithmText) -> (Source, bool, Vec<Part>) {
     let listener = ListenerText::Transparent;
     match algorithm {
@@ -150,7 +149,7 @@ fn flight(scene: &Text, algorithm: AlgorithmText) -> (Source, bool, Vec<Part>) {
     }
 }
 
-/// The outputs of words and records, and the variables that hold them until they are written. (Writing to a
+/// The outputs of words and records, and the variables that hold their values until the end of the pass. (Writing to a
 /// String cannot fail.)
 fn written(text: &ArrivalsText) -> String {
     let (mut outputs, mut keep, mut write) = (String::new(), String::new(), String::new());
@@ -179,7 +178,7 @@ fn written(text: &ArrivalsText) -> String {
     fill(&source!("template/write_outputs.glsl"), &texts)
 }
 
-/// The variables and functions of the words of events.
+/// The variables that hold the words of events, and the functions that access them.
 fn words(text: &ArrivalsText) -> String {
     if text.words() == 0 {
         return "float firstWord() { return 0.0; }\n\n".to_owned();
@@ -200,9 +199,9 @@ fn words(text: &ArrivalsText) -> String {
     fill(&source!("template/keep_word.glsl"), &texts)
 }
 
-/// The parts of `copyMaterials()` and `materialAt(object, turned)`: the number ([`Materials`]) of
-/// the material of the object that changes a wave's direction by `turned`. `rooms` are the rooms
-/// whose walls differ.
+/// The parts of `copyMaterials()` and `materialAt(object, turned)`. The latter returns the material number
+/// ([`Materials`]) of the object that changes a wave's direction by `turned`. `rooms` are the rooms whose walls have
+/// different materials.
 fn materials_parts(text: &Text, rooms: &[usize]) -> Vec<Part> {
     let written = match Materials::fit_uniforms(text.unrolled.len(), rooms.len()) {
         true => by_uniforms(text, rooms),
@@ -213,7 +212,7 @@ fn materials_parts(text: &Text, rooms: &[usize]) -> Vec<Part> {
     parts
 }
 
-/// The shader text for the case that the material numbers of unrolled surfaces are uniforms, and those of other
+/// The shader text for few materials: the material numbers of unrolled surfaces are uniforms, and those of other
 /// surfaces are in the directory.
 fn by_uniforms(text: &Text, rooms: &[usize]) -> String {
     let is_room = |tag: &str| rooms.iter().any(|room| (room + 1).to_string() == tag);
@@ -272,8 +271,8 @@ fn by_uniforms(text: &Text, rooms: &[usize]) -> String {
     fill(&source!("template/material_by_uniforms.glsl"), &texts)
 }
 
-/// The shader text for the case that all material numbers are in a table of the scene's data ([`Materials::table`]).
-/// Without a hit the number that is looked up is not used.
+/// The shader text for many materials: all material numbers are in a table of the scene's data ([`Materials::table`]).
+/// Without a hit the looked-up number is not used.
 fn by_table(text: &Text, rooms: &[usize]) -> String {
     let is_room = |tag: &str| rooms.iter().any(|room| (room + 1).to_string() == tag);
     let mut own_axes = String::new();

@@ -1,20 +1,19 @@
-//! A grid of cells, each with lists of the surfaces that can be hit or be nearest in it.
+//! A uniform grid of cells. Each cell lists the surfaces that can be hit in it or be the nearest to a point in it.
 //!
-//! Each cell has two lists. *Overlapping*: the surfaces whose solid reaches into the cell; a line
-//! through the cell can hit only these. *Nearest candidates*: the surfaces that are the nearest one
-//! to some point of the cell; a distance in the cell depends only on these. With the centre c of a
-//! cell, its half diagonal r, the distance d of a surface, and the least distance u of any surface
-//! from c, the inequalities d(x) ≥ d(c) − r and min d(x) ≤ u + r hold, so only surfaces with d(c) ≤
-//! u + 2 r are candidates.
+//! Each cell has two lists. *Overlapping* lists the surfaces whose solid reaches into the cell: a line through the cell
+//! can hit only these surfaces. *Nearest candidates* lists the surfaces that are the nearest to some point of the cell:
+//! a distance in the cell depends only on these surfaces. Let c be the centre of a cell, r its half diagonal, d the
+//! distance of a surface, and u the least distance of any surface from c. Then d(x) ≥ d(c) − r and min d(x) ≤ u + r
+//! hold for each point x of the cell, so only surfaces with d(c) ≤ u + 2 r are candidates.
 //!
-//! A distance from outside the grid uses *groups* of surfaces instead (`members.rs`).
+//! A distance from a point outside the grid uses *groups* of surfaces instead (`members.rs`).
 //!
-//! Profile `hybrid` looks for the hit of a line in each kind separately (`kinds.rs`).
+//! Profile `hybrid` intersects lines with the surfaces of each kind separately (`kinds.rs`).
 //!
-//! By measurement, uniform cells are faster than a list of all surfaces (the same code with one cell) and than
-//! unrolled text: see docs/benchmarks/surfaces-llvmpipe.md. Lists are kept from frame to frame: moved surfaces are
-//! removed and inserted again, and only the cells near their old or new positions are rebuilt. Lists are built on all
-//! cores; their order is that of the surfaces, regardless of the number of threads.
+//! Measurements show that uniform cells are faster than a list of all surfaces and than unrolled text: see
+//! docs/benchmarks/surfaces-llvmpipe.md. Lists are kept from frame to frame: moved surfaces are removed and inserted
+//! again, and only the cells near their old or new positions are rebuilt. Lists are built on all processor cores. The
+//! order of a list is that of the surfaces, regardless of the number of threads.
 
 mod grid;
 mod kinds;
@@ -30,7 +29,7 @@ use grid::{CELLS_A_BOX, CELLS_A_SURFACE};
 use members::{Member, groups, hull, radius};
 use rayon::prelude::*;
 
-/// Half the length that represents an infinite extent, in metres: its square is finite in `f32`.
+/// Half the length that represents an infinite extent, in metres. Its square is finite in `f32`.
 pub(super) const ENDLESS: f64 = 1e9;
 
 /// The cells of some surfaces of a scene.
@@ -38,19 +37,20 @@ pub(super) const ENDLESS: f64 = 1e9;
 pub struct Cells {
     /// Axes along which cells are infinite.
     unbounded_axes: [bool; 3],
-    /// Whether a cell lists every surface whose box, in the surface's own axes, reaches into it.
+    /// Whether a cell lists the surfaces whose boxes reach into it, instead of the surfaces whose solids do. A box has
+    /// the axes of its surface.
     by_boxes: bool,
     grid: Grid,
-    /// The surfaces in the cells, in their state when the lists were built.
+    /// The surfaces in the cells, as they were when the lists were built.
     known: Vec<Member>,
     overlapping: Vec<Vec<u32>>,
     near: Option<Vec<Candidates>>,
-    /// Built with the lists of nearest candidates.
+    /// Built together with the lists of nearest candidates.
     groups: Vec<Group>,
 }
 
-/// A cell's list of near surfaces (indices into the members), and the distances from which it was
-/// chosen.
+/// A cell's list of nearest candidates (indices into the members), and an upper bound of the least distance of any
+/// surface from the cell's centre.
 #[derive(Clone, Debug, Default)]
 struct Candidates {
     members: Vec<u32>,
@@ -121,7 +121,7 @@ impl Cells {
         if moved.is_empty() {
             return;
         }
-        // If many have moved, rebuilding is equally fast, and fits the grid to the surfaces.
+        // If many surfaces have moved, rebuilding takes no longer, and fits the grid to the surfaces.
         if 4 * moved.len() > self.known.len() {
             return self.renew(scene);
         }
@@ -166,14 +166,14 @@ impl Cells {
         longest
     }
 
-    /// Maximum number of records that a line visits: for each cell that it crosses, the cell's own record and those of
-    /// its list.
+    /// Maximum number of records that a line visits: for each cell that the line crosses, one record and those of the
+    /// cell's list.
     pub fn records_on_line(&self, which: Lists) -> u64 {
         let crossed = u64::from(self.grid.count.element_sum());
         crossed * (1 + self.longest(which) as u64)
     }
 
-    /// Builds the lists that are built only on request.
+    /// Builds the requested lists, if they are built only on request.
     pub fn prepare(&mut self, which: Lists) {
         if which == Lists::NearestCandidates && self.near.is_none() {
             self.make_near();
@@ -259,7 +259,7 @@ impl Cells {
         self.groups = groups(&self.known);
     }
 
-    /// Rebuilds the lists of nearest candidates that a moved surface has left or entered.
+    /// Rebuilds the lists of nearest candidates of cells that moved surfaces have left or entered.
     fn renew_near(&mut self, moved: &[usize]) {
         let Some(near) = &self.near else {
             return;
@@ -355,7 +355,7 @@ mod tests {
         })
     }
 
-    /// Protects lists, and so every result, from depending on the number of threads that built them.
+    /// Protects lists, and therefore all results, from depending on the number of threads that built the lists.
     #[test]
     fn threads_do_not_change_a_list() {
         let alone = lists(1);

@@ -1,7 +1,7 @@
 //! The compiled form of a scene for the GPU.
 //!
-//! A frame, a picture and the arrivals of a response pass their scene to [`CompiledScene::update`],
-//! and take everything that depends on the scene from the result:
+//! Frames, pictures and the arrivals of a response pass their scene to [`CompiledScene::update`], and take everything
+//! that depends on the scene from the result:
 //!
 //! | part | derived from | derived again |
 //! | --- | --- | --- |
@@ -13,9 +13,9 @@
 //! | cells ([`SceneCells`]) | positions, sizes | for the surfaces that moved |
 //! | the rest of the data: directory, records, lists, materials | all of the above | once a frame |
 //!
-//! The text itself is written only if no program has the key (`passes.rs`, `arrivals_shader.rs`); it
-//! is written from the same structure. The structure is derived before the rest, because users' fields
-//! have no known distance until they are checked, and they are checked with the text.
+//! The shader text is written from the same structure, and only if no program has the key (`pass_texts.rs`,
+//! `arrivals_shader.rs`). The structure is derived first, because users' fields are checked with the text, and their
+//! distances are unknown before this check.
 
 use super::cells::SceneCells;
 use super::materials::Materials;
@@ -53,7 +53,7 @@ impl AlgorithmText {
         Structure::of(scene, self.lists())
     }
 
-    /// The coordinates of this algorithm: the thesis' profile gets those of the world.
+    /// The coordinates for this algorithm. The profile `thesis` uses world coordinates.
     pub fn rebasing(self, listener: &Listener) -> OriginRebasing {
         match self {
             AlgorithmText::Thesis => OriginRebasing::world(),
@@ -63,10 +63,10 @@ impl AlgorithmText {
 }
 
 impl CompiledScene {
-    /// Makes it this scene in its current state, in these coordinates, with the numbers of its surfaces'
-    /// materials for shaders that read them. `structure` is the [structure](AlgorithmText::structure) of
-    /// this scene for the algorithm of the shaders. If it is the same as before, turns, heights and the
-    /// cells of surfaces that did not move are kept.
+    /// Replaces the content by a scene in its current state, in these coordinates. The material numbers are included
+    /// for shaders that read them. `structure` is the [structure](AlgorithmText::structure) of the scene for the
+    /// algorithm of the shaders. If its key is unchanged, the turns of the loops, the heights and the cells of surfaces
+    /// that did not move are kept.
     pub fn update(
         &mut self,
         scene: &Scene,
@@ -85,7 +85,7 @@ impl CompiledScene {
         self.place(scene, rebasing, materials);
     }
 
-    /// Derives what depends on positions, sizes and materials.
+    /// Derives the parts that depend on positions, sizes and materials.
     fn place(&mut self, scene: &Scene, rebasing: OriginRebasing, materials: &Materials) {
         let Structure { lists, layout, .. } = &self.structure;
         self.surfaces = rebasing.apply(scene);
@@ -173,8 +173,8 @@ mod tests {
         scene
     }
 
-    /// Protects frames from deriving the layout of their scene more than once: both the first frame,
-    /// which compiles, and every further one with a surface that moves.
+    /// Protects frames from deriving the layout of their scene more than once. This holds for the first frame, which
+    /// compiles, and for every later frame with a surface that moves.
     #[test]
     fn a_frame_derives_one_layout() {
         let context = Context::headless(&ContextOptions::default()).unwrap();
@@ -193,8 +193,7 @@ mod tests {
         }
     }
 
-    /// Protects arrivals, from which responses are made, and pictures from deriving the layout more
-    /// than once.
+    /// Protects the arrivals of responses, and pictures, from deriving the layout more than once.
     #[test]
     fn arrivals_and_pictures_derive_one_layout() {
         let context = Context::headless(&ContextOptions::default()).unwrap();
@@ -218,8 +217,8 @@ mod tests {
         }
     }
 
-    /// Protects frames from parts of an earlier scene: a compiled scene that is updated after surfaces
-    /// moved, turned or were added, and materials changed, equals a newly compiled one.
+    /// Protects frames from remains of an earlier scene. After surfaces moved, turned or were added, and materials
+    /// changed, an updated compiled scene equals a newly compiled one.
     #[test]
     fn an_updated_scene_is_the_same_as_a_new_one() {
         let mut scene = crowd();

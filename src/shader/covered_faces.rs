@@ -1,19 +1,17 @@
 //! Extends the covered faces of boxes into the solids that cover them.
 //!
-//! A block that stands against a wall shares a plane with it. Where block and wall meet, rounding
-//! may let a ray enter the block through the face that lies in the wall, although no wave can reach
-//! that face. Such a face is extended into the solid that covers it: the air keeps its shape, and
-//! the seam disappears.
+//! A block that stands against a wall has a face in the plane of the wall. At the seam between block and wall, rounding
+//! may let a ray enter the block through this face, although no wave can reach the face. Such a face is extended into
+//! the solid that covers it: the shape of the air does not change, and the seam disappears.
 //!
-//! An extension adds a slab between two parallel faces to a box. It is made only if one convex
-//! solid contains all eight corners of the slab, and so the whole slab: no air is lost. The slab
-//! has the cross-section of the box with its earlier extensions. Walls of rooms and planes come
-//! first as covers, so that a box between floor and ceiling has its full height when it is extended
-//! into another such box.
+//! An extension adds a slab to a box. A face is extended only if one convex solid contains all eight corners of the
+//! slab, and therefore the whole slab: no air is lost. The slab has the cross-section of the box with its earlier
+//! extensions. Faces are extended into walls of rooms and planes first, so that a box between floor and ceiling has its
+//! full height when it is extended into another such box.
 //!
-//! If boxes of the same width stand on each other, the slab's sides would lie in the faces of the
-//! cover: waves that hit the cover there would be reported as hits of the box. So a long extension
-//! must end deep inside the cover; any other is only as long as rounding requires.
+//! If boxes of the same width stand on each other, the slab's sides would lie in the faces of the cover, and waves that
+//! hit the cover there would be reported as hits of the box. A long extension must therefore end deep inside the cover.
+//! A short extension is only as long as rounding requires.
 
 use crate::scene::shape::{Cuboid, Room};
 use crate::scene::{Bounds3, Node, Shape, Surface};
@@ -22,7 +20,7 @@ use glam::{DVec3, Vec3};
 /// A face of a box: its axis, and −1 or 1 for the lower and the upper one.
 type Face = (usize, f32);
 
-/// Returns the same surfaces, with the covered faces of boxes extended into the covers.
+/// Returns the surfaces, with the covered faces of boxes extended into the solids that cover them.
 /// `error_bounds` is the rounding error of each surface, in metres.
 pub(super) fn extend_covered_faces(surfaces: &[Surface], error_bounds: &[f32]) -> Vec<Surface> {
     let is_half_space = |shape: &Shape| matches!(shape.node, Node::Plane(_) | Node::Room(_));
@@ -31,7 +29,7 @@ pub(super) fn extend_covered_faces(surfaces: &[Surface], error_bounds: &[f32]) -
     round(&against_walls, error_bounds, is_solid)
 }
 
-/// Extends every box into the surfaces whose shape is `wanted`.
+/// Extends every box into the surfaces whose shape satisfies `wanted`.
 fn round(
     surfaces: &[Surface],
     error_bounds: &[f32],
@@ -58,13 +56,13 @@ fn round(
     grown
 }
 
-/// Finds the covers that touch a box: sorted along x, so that many boxes that stand apart cost no
-/// more than sorting them.
+/// Finds the covers that touch a box. The covers are sorted along x, so that many separate boxes cost no more than the
+/// sorting.
 struct Neighbours {
     bounds: Vec<Bounds3>,
-    /// Covers by their least x.
+    /// Finite covers, sorted by their least x.
     by_start: Vec<usize>,
-    /// Covers without a least x: walls and infinite surfaces.
+    /// Covers without a least x: planes, rooms and infinite surfaces.
     endless: Vec<usize>,
     /// The greatest width of a cover along x.
     widest: f64,
@@ -117,14 +115,14 @@ impl Neighbours {
     }
 }
 
-/// Length in metres by which a face of a box can be extended into one solid: the length of the box,
-/// or this length divided by a power of two, if the solid contains the extension with a margin;
-/// else just past rounding, if the solid contains that; else 0.
+/// Length in metres by which a face of a box can be extended into one solid. A long extension is the length of the box,
+/// divided by the smallest power of two for which the solid contains the extension with a margin. Otherwise the
+/// extension just exceeds rounding, if the solid contains it, or is 0.
 fn extension(surface: &Surface, face: Face, cover: &Surface, error_bound: f32) -> f32 {
-    /// The last try is 2^-12 of the box's length: less is hardly better than a short extension.
+    /// The last attempt is 2^-12 of the box's length. A shorter extension is hardly better than a short one.
     const TRIES: i32 = 13;
-    /// Length of a short extension in error bounds: the face is then out of reach of a wave that
-    /// rounding put on the wrong side of the seam.
+    /// Length of a short extension, in error bounds. A wave that rounding moved to the wrong side of the seam cannot
+    /// reach the face after this extension.
     const SHORT: f32 = 4.0;
     let Node::Cuboid(Cuboid { size }) = surface.shape.node else {
         return 0.0;
@@ -163,7 +161,7 @@ fn extended(surface: &Surface, (axis, side): Face, by: f32) -> Surface {
     }
 }
 
-/// The corners of a face, moved outwards by a length.
+/// The corners of a face after it is moved outwards by a length.
 fn corners(surface: &Surface, size: Vec3, (axis, side): Face, by: f32) -> [Vec3; 4] {
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
     [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)].map(|(along_u, along_v)| {
@@ -175,8 +173,8 @@ fn corners(surface: &Surface, size: Vec3, (axis, side): Face, by: f32) -> [Vec3;
     })
 }
 
-/// Whether one convex solid contains all points: the near ones within `error_bound`, the far ones
-/// with a distance of at most `most`. Each wall of a room is a solid of its own.
+/// Whether one convex solid contains all points. The near points may be outside by at most `error_bound`. The distance
+/// to the solid at the far points must be at most `most`. Each wall of a room counts as a separate solid.
 fn holds_all(solid: &Surface, near: &[Vec3], far: &[Vec3], error_bound: f32, most: f32) -> bool {
     let held_by = |distance: &dyn Fn(Vec3) -> f32| {
         near.iter().all(|&point| distance(point) <= error_bound)
@@ -226,8 +224,8 @@ mod tests {
         assert!(high.x > 20.0 && low.z < -20.0 && low.y < -15.0 && high.y > 15.0);
     }
 
-    /// Protects seams between two boxes: the long wall of obstacles stands against the
-    /// block, and both against floor and ceiling.
+    /// Protects seams between two boxes: the long wall of `obstacles` stands against the block, and both stand between
+    /// floor and ceiling.
     #[test]
     fn a_wall_is_extended_into_the_block_it_stands_at() {
         let obstacles = Scene::builtin("obstacles").unwrap();
@@ -237,8 +235,8 @@ mod tests {
     }
 
     proptest! {
-        /// Protects the air: extending the faces of boxes on a grid, which cover each other in all
-        /// ways, turns no point of air into solid and no point of a solid into air.
+        /// Protects the shape of the air: extending the faces of boxes on a grid, which cover each other in all ways,
+        /// turns no point of air into solid and no point of a solid into air.
         #[test]
         fn extending_keeps_the_shape_of_the_air(
             boxes in prop::collection::vec((0..3i32, 0..3i32, 0..3i32, 1..3i32, 1..3i32, 1..3i32), 1..6),

@@ -1,14 +1,13 @@
-//! The division of a scene's surfaces into those unrolled in the shader's text and those in cells.
+//! The division of a scene's surfaces into unrolled surfaces and surfaces in cells.
 //!
-//! A few surfaces are unrolled: each has its own lines of text. If there are many of a *kind* (a shape,
-//! rotated or not), only the kind is in the text, and its surfaces are data; each cell lists the
-//! surfaces that can be hit in it. An infinite surface cannot lie in a cell, unless most surfaces are
-//! infinite along the same axis (a hall of infinite pillars): then the cells are infinite along that axis,
-//! too.
+//! A few surfaces are unrolled: each has its own lines of text. If there are many surfaces of a *kind* (a shape,
+//! rotated or not), only the kind is in the text, and its surfaces are data. Each cell lists the surfaces that can be
+//! hit in it. An infinite surface is not put into cells, unless most surfaces are infinite along the same axis (a hall
+//! of infinite pillars). Then the cells are infinite along that axis too.
 //!
-//! The choice is made by cost, for each kind. An unrolled surface costs the same in every
-//! evaluation. A kind in cells costs about as much as a certain number of unrolled surfaces,
-//! however many surfaces it has ([`Layout::of`], docs/benchmarks/surfaces-llvmpipe.md).
+//! Each kind is unrolled or put into cells by cost. An unrolled surface costs the same in every evaluation. A kind in
+//! cells costs about as much as a certain number of unrolled surfaces, regardless of the number of its surfaces
+//! ([`Layout::of`], docs/benchmarks/surfaces-llvmpipe.md).
 
 use super::cells::Lists;
 use crate::scene::shape::{Asset, Hyperboloid, MOST_NODES, Mirror, Repeat, User};
@@ -16,22 +15,22 @@ use crate::scene::{Copies, HeightImage, Node, Scene, Shape, Surface, UserField};
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
-/// Least number of surfaces of a kind for which lines find hits faster in cells than unrolled.
+/// Least number of surfaces of a kind for which the intersection with lines is faster in cells than unrolled.
 const LINES_FROM: usize = 10;
 
-/// Least number of surfaces of a kind for which distances are found faster in cells.
+/// Least number of surfaces of a kind for which the evaluation of distances is faster in cells than unrolled.
 const DISTANCES_FROM: usize = 24;
 
-/// Vectors that describe the grid of a kind with its own cells to the shader.
+/// Number of vectors that describe to the shader the grid of a kind with separate cells.
 pub const GRID_VECTORS: usize = 5;
 
-/// Maximum unrolled surfaces out of those that could lie in cells: more take long to compile,
-/// however few there are of each kind.
+/// Maximum unrolled surfaces among those that could be in cells. More surfaces would take long to compile, even if each
+/// kind has few of them.
 const UNROLLED_AT_MOST: usize = 23;
 
-/// Maximum number of unrolled surfaces, kinds, and nodes of their fields. It limits the time of
-/// compiling their text, which grows faster than their number. 500 planes took llvmpipe 8 s and 0.5
-/// GB, 1,000 took more than 30 s and 1.7 GB, and a field of 4,000 nodes more than 7 GB.
+/// Maximum total number of unrolled surfaces, kinds, and nodes of their fields. The limit bounds the time of
+/// compilation, which grows faster than this number. llvmpipe took 8 s and 0.5 GB for 500 planes, more than 30 s and
+/// 1.7 GB for 1,000, and more than 7 GB for a field of 4,000 nodes.
 pub const MOST_UNROLLED: usize = MOST_NODES;
 
 #[cfg(test)]
@@ -48,25 +47,25 @@ pub(super) fn layouts_derived() -> usize {
 /// The division of a scene's surfaces.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Layout {
-    /// Indices of the surfaces that are unrolled.
+    /// Indices of the unrolled surfaces.
     pub unrolled: Vec<usize>,
-    /// For each kind the index of its first surface.
+    /// The index of the first surface of each kind.
     pub instanced: Vec<usize>,
-    /// For each surface in cells, its kind.
+    /// The kind of each surface; `None` for an unrolled surface.
     pub kind_of: Vec<Option<u32>>,
-    /// Axes along which cells have no end.
+    /// Axes along which cells are infinite.
     pub unbounded_axes: [bool; 3],
 }
 
-/// The surfaces of a kind that could lie in cells, in their order.
+/// A kind with the surfaces that could be in cells, in their order.
 struct Kind {
     structure: SurfaceStructure,
     surfaces: Vec<usize>,
 }
 
 impl Layout {
-    /// The layout of surfaces for the readers of these lists. It depends on the same properties of
-    /// the surfaces as their text, and on no position.
+    /// The layout of surfaces for shaders that read these lists. The layout depends on the same properties of the
+    /// surfaces as their text, and on no position.
     pub fn of(surfaces: &[Surface], lists: Lists) -> Layout {
         #[cfg(test)]
         DERIVED.set(DERIVED.get() + 1);
@@ -106,7 +105,7 @@ impl Layout {
         layout
     }
 
-    /// Whether there are cells at all.
+    /// Whether any surface is in cells.
     pub fn has_cells(&self) -> bool {
         !self.instanced.is_empty()
     }
@@ -118,15 +117,14 @@ impl Layout {
         with_text.map(nodes).sum()
     }
 
-    /// The surfaces in cells of the wanted kinds, in their order.
+    /// The surfaces in cells whose kind satisfies `wanted`, in their order.
     pub fn surfaces_of(&self, wanted: impl Fn(usize) -> bool) -> Vec<usize> {
         let of = |index: &usize| self.kind_of[*index].is_some_and(|kind| wanted(kind as usize));
         (0..self.kind_of.len()).filter(of).collect()
     }
 }
 
-/// The axes along which most surfaces are infinite, counting only surfaces that are bounded along
-/// some axis.
+/// The axes along which most surfaces are infinite. Surfaces that are infinite along all axes are not counted.
 fn mostly_endless(endless: &[[bool; 3]]) -> [bool; 3] {
     let candidates = endless.iter().filter(|axes| **axes != [true; 3]);
     let count = candidates.clone().count();
@@ -138,8 +136,7 @@ fn kinds(surfaces: &[Surface], wanted: impl Iterator<Item = usize>) -> Vec<Kind>
     let mut kinds: Vec<Kind> = Vec::new();
     for index in wanted {
         let structure = SurfaceStructure::as_data(&surfaces[index]);
-        // More kinds than the limit allows are rejected, so further kinds need not be
-        // distinguished.
+        // A scene with more kinds than the limit is rejected, so the kinds beyond the limit need not be distinguished.
         let known = match kinds.len() {
             ..=MOST_UNROLLED => kinds.iter().position(|kind| kind.structure == structure),
             _ => None,
@@ -155,8 +152,8 @@ fn kinds(surfaces: &[Surface], wanted: impl Iterator<Item = usize>) -> Vec<Kind>
     kinds
 }
 
-/// The kinds of at least `from` surfaces and, of the other kinds, the largest ones until at most
-/// [`UNROLLED_AT_MOST`] surfaces are left.
+/// The kinds of at least `from` surfaces. If more than [`UNROLLED_AT_MOST`] surfaces are left, the largest other kinds
+/// are added until the rest is within this limit.
 fn in_cells(kinds: Vec<Kind>, from: usize) -> Vec<Kind> {
     let mut sizes: Vec<usize> = kinds.iter().map(|kind| kind.surfaces.len()).collect();
     sizes.sort_unstable_by(|a, b| b.cmp(a));
@@ -173,20 +170,20 @@ fn in_cells(kinds: Vec<Kind>, from: usize) -> Vec<Kind> {
     kinds.into_iter().filter(is_in).collect()
 }
 
-/// The axes along which a surface is infinite on either side.
+/// The axes along which a surface is infinite on at least one side.
 fn endless_axes(surface: &Surface) -> [bool; 3] {
     let bounds = surface.bounds();
     [0, 1, 2].map(|axis| !(bounds.min[axis].is_finite() && bounds.max[axis].is_finite()))
 }
 
-/// The properties of a surface, or of a kind, on which its text depends.
+/// The properties of a surface, or of a kind, that determine its text.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct SurfaceStructure {
     name: &'static str,
     has_rotation: bool,
-    /// Whether the wave that leaves it cannot hit it again: a driven number may change that.
+    /// Whether a wave that leaves the surface cannot hit it again. A driven number may change this property.
     convex: bool,
-    /// Whether a reflection looks for further sheets: a driven number may change that, too.
+    /// Whether a reflection looks for further sheets. A driven number may change this property too.
     hollow_edges: bool,
     field: Option<Signature>,
 }
@@ -197,12 +194,12 @@ impl SurfaceStructure {
         SurfaceStructure::new(surface, moving)
     }
 
-    /// The structure of a surface whose numbers are all data.
+    /// The structure of a surface whose numbers are all in the scene's data.
     pub fn as_data(surface: &Surface) -> SurfaceStructure {
         SurfaceStructure::new(surface, |field| vec![true; field.nodes().len()])
     }
 
-    /// Whether two surfaces have the same text if all their numbers are values, except for a rotation.
+    /// Whether two surfaces have the same text, apart from rotations, if all their numbers are values.
     pub fn have_one_text(a: &Surface, b: &Surface) -> bool {
         let unturned = |surface| SurfaceStructure {
             has_rotation: false,
@@ -223,8 +220,8 @@ impl SurfaceStructure {
     }
 }
 
-/// Two fields with the same signature have the same text: the tree, its literals, and which
-/// nodes move.
+/// The properties of a field that determine its text: the tree, its literals, and the nodes that move. Fields with
+/// equal signatures have the same text.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 struct Signature {
     nodes: Vec<NodeSignature>,
@@ -235,7 +232,7 @@ struct NodeSignature {
     name: &'static str,
     operands: usize,
     choices: [u32; 3],
-    /// Bits of the literals; `None` for a node that moves.
+    /// Bits of the literals; `None` for a node whose numbers move.
     literals: Option<Vec<u32>>,
     asset: Option<OwnAsset>,
 }
@@ -278,7 +275,7 @@ fn of_node(field: &Shape, moves: bool) -> NodeSignature {
     }
 }
 
-/// Parameters in the text that are not numbers of the shape.
+/// Parameters of a node that change the text and are not numbers of the shape.
 fn choices(field: &Shape) -> [u32; 3] {
     match &field.node {
         Node::Mirror(Mirror { axes }) => axes.map(u32::from),
@@ -324,8 +321,8 @@ mod tests {
     use super::*;
     use crate::scene::SceneError;
 
-    /// Protects results from dependence on what was traced before: if moving numbers close an edge between two boxes,
-    /// the shader differs, and as long as none closes, it stays the same.
+    /// Protects results from dependence on earlier frames: if moving numbers close an edge between two boxes, the
+    /// shader differs; while none closes an edge, the shader stays the same.
     #[test]
     fn boxes_that_come_to_touch_have_another_structure() -> Result<(), SceneError> {
         let scene = Scene::from_ron(

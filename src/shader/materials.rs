@@ -1,19 +1,20 @@
-//! The materials of a scene as numbers, for shaders and for replays of waves.
+//! The materials of a scene as numbers, for shaders and for the replay of waves on the CPU.
 //!
-//! A reflection is an *event*: number 0 for one without loss or scattering, then one number for
-//! each distinct material, then one more for each material that scatters. A wave carries no
-//! energies: a shader records its events, and their effects on the energy are multiplied on the
-//! CPU, in `f64`.
+//! A reflection is an *event* with a number. Number 0 is a reflection without loss or scattering. Each distinct
+//! material has one further number for mirrored waves, and each material that scatters has one more for scattered
+//! waves. A wave carries no energies: the shader records the events, and the CPU multiplies their effects on the energy
+//! in `f64`.
 //!
-//! For each surface the shader reads one float: the whole part is the event, and the fraction is half the share that is
-//! scattered, common to all bands that are traced together. If these bands scatter by different shares, the mean share
-//! decides the direction of the wave, and the energy factor of the event compensates for it. With each reflection this
-//! factor spreads the energies in a band: after many reflections few waves would carry nearly all of the band's energy.
-//! Such bands are traced with separate waves ([`band_groups`]).
+//! For each surface the shader reads one float. Its whole part is the event, and its fraction is half the scattered
+//! share, which is common to all bands that are traced together. If these bands scatter by different shares, the mean
+//! share decides the direction of the wave, and the energy factor of the event compensates for the difference. Each
+//! reflection multiplies by such a factor, so the energies of the waves in a band spread: after many reflections few
+//! waves would carry nearly all of the band's energy. Bands with too large a spread are traced with separate waves
+//! ([`band_groups`]).
 //!
-//! A few numbers are uniforms; those of surfaces in cells are in the directory (`data.rs`). More than
-//! [`MOST_IN_UNIFORMS`] numbers are a table in the scene's data: otherwise a scene could have fewer surfaces with
-//! materials than without.
+//! If there are few numbers, those of unrolled surfaces are uniforms, and those of surfaces in cells are in the
+//! directory (`scene_data.rs`). More than [`MOST_IN_UNIFORMS`] numbers are a table in the scene's data. Without the
+//! table the number of uniforms would limit a scene with materials to fewer surfaces than a scene without materials.
 
 use crate::bands::{BAND_COUNT, Bands};
 use crate::scene::shape::Room;
@@ -22,11 +23,11 @@ use glam::Vec4;
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
-/// Maximum bits of an event: whole numbers that a float can represent together with a fraction.
+/// Maximum bits of an event. A float can represent all whole numbers of this size together with a fraction.
 const MOST_BITS: u32 = 14;
 
 /// Maximum numbers in uniforms: 16 vectors of the 224 that OpenGL ES 3.0 guarantees. (A shader compares the object with
-/// one number after another, which takes as long as a table from some dozen numbers on.)
+/// one number after another. From a few dozen numbers on, these comparisons take as long as reading a table.)
 const MOST_IN_UNIFORMS: usize = 64;
 
 /// The distinct materials of a scene's surfaces.
@@ -40,12 +41,12 @@ pub struct Materials {
     scattering: usize,
     /// The number that the shader reads for each surface.
     of_surfaces: Vec<f32>,
-    /// Rooms whose walls differ, by index, and the numbers of their walls.
+    /// The rooms whose walls have different materials, by index, and the numbers of their walls.
     walls: Vec<(usize, [f32; Room::WALL_COUNT])>,
 }
 
 impl Materials {
-    /// The materials of the scene, for waves that carry these bands; empty if no surface absorbs or
+    /// The materials of the scene for waves that carry these bands. The result is empty if no surface absorbs or
     /// scatters.
     pub fn of(scene: &Scene, bands: Range<usize>) -> Materials {
         let mut materials = Materials {
@@ -89,7 +90,7 @@ impl Materials {
         }
     }
 
-    /// The number of each distinct material.
+    /// The number that shaders read for each distinct material.
     fn numbers(&self) -> HashMap<MaterialBits, f32> {
         let all = self.distinct.iter().enumerate();
         let number = |place: usize, material| (place + 1) as f32 + 0.5 * self.share(material);
@@ -107,12 +108,13 @@ impl Materials {
         self.scattering > 0
     }
 
-    /// Number of distinct materials: added to the number of an event if the wave is scattered.
+    /// Number of distinct materials. This count is added to the number of an event if the wave is scattered.
     pub fn count(&self) -> usize {
         self.distinct.len()
     }
 
-    /// Bits of an event; 0 without materials. More than [`Materials::MOST_BITS`] cannot be represented.
+    /// Bits of an event; 0 without materials. A float cannot represent events of more than [`Materials::MOST_BITS`]
+    /// bits.
     pub fn bits(&self) -> u32 {
         let events = self.distinct.len() + self.scattering;
         usize::BITS - events.leading_zeros()
@@ -121,18 +123,19 @@ impl Materials {
     /// Maximum bits of an event.
     pub const MOST_BITS: u32 = MOST_BITS;
 
-    /// The rooms whose walls differ, by index.
+    /// The rooms whose walls have different materials, by index.
     pub fn rooms(&self) -> Vec<usize> {
         self.walls.iter().map(|(room, _)| *room).collect()
     }
 
-    /// The number of each surface.
+    /// The number that shaders read for each surface.
     pub fn of_surfaces(&self) -> &[f32] {
         &self.of_surfaces
     }
 
-    /// The vectors of a table in the scene's data that begins at this index: for each surface its number, and, if the
-    /// numbers of its walls differ, the index of two vectors with these numbers.
+    /// The vectors of a table in the scene's data that begins at index `first`. The table has the number of each
+    /// surface. For a room whose walls differ the table also has the index of two vectors with the numbers of the
+    /// walls.
     pub fn table(&self, first: usize) -> Vec<Vec4> {
         let own = |number: &f32| Vec4::new(*number, 0.0, 0.0, 0.0);
         let mut table: Vec<Vec4> = self.of_surfaces.iter().map(own).collect();
@@ -144,14 +147,14 @@ impl Materials {
         table
     }
 
-    /// Whether the numbers of `unrolled` surfaces fit in uniforms, if `rooms` of these surfaces have walls
-    /// that differ.
+    /// Whether the numbers of `unrolled` surfaces fit in uniforms. `rooms` is the number of these surfaces that are
+    /// rooms whose walls differ.
     pub fn fit_uniforms(unrolled: usize, rooms: usize) -> bool {
         unrolled + (Room::WALL_COUNT - 1) * rooms <= MOST_IN_UNIFORMS
     }
 
-    /// The numbers of some surfaces, or of all their walls where these differ, in vectors of four; empty if there
-    /// are too many.
+    /// The numbers of some surfaces in vectors of four, or of all walls of a room whose walls differ. The result is
+    /// empty if the numbers do not fit in uniforms.
     pub fn uniform_values(&self, surfaces: &[usize]) -> Vec<Vec4> {
         if !Materials::fit_uniforms(surfaces.len(), self.walls.len()) {
             return Vec::new();
@@ -170,8 +173,8 @@ impl Materials {
         numbers.chunks(4).map(four).collect()
     }
 
-    /// The share of the energy that remains after each event, by its number; meaningless for bands that other waves
-    /// carry.
+    /// The share of the energy that remains after each event, by the event's number. The values for bands that other
+    /// waves carry are meaningless.
     pub fn left(&self) -> Vec<Bands> {
         let mirrored = self.distinct.iter().map(|material| {
             self.left_of(material, |scattered, share| match share < 1.0 {
@@ -186,23 +189,23 @@ impl Materials {
         nothing_lost.chain(mirrored).chain(scattered).collect()
     }
 
-    /// The energy that a material reflects in each band, multiplied by the factor of the chosen way,
-    /// mirrored or scattered; `of_way(scattering, share)` averages to 1 over both ways.
+    /// The energy that a material reflects in each band, multiplied by the factor of the chosen way (mirrored or
+    /// scattered). The mean of `of_way(scattering, share)` over both ways is 1.
     fn left_of(&self, material: &Material, of_way: impl Fn(f64, f64) -> f64) -> Bands {
         let share = f64::from(self.share(material));
         let reflectance = material.reflectance();
         std::array::from_fn(|band| reflectance[band] * of_way(material.scattering[band], share))
     }
 
-    /// The share of reflections that are diffuse: the mean over the bands that are traced together, rounded to a step
-    /// such that half the share is exact in a float behind an event of these bits.
+    /// The share of reflections that are diffuse: the mean over the bands that are traced together. The share is
+    /// rounded so that a float holds half the share exactly as the fraction of an event number.
     fn share(&self, material: &Material) -> f32 {
         let steps = f64::from(1u32 << (22 - self.bits().min(MOST_BITS)));
         let mean = mean_scattering(material, &self.bands);
         if mean == 0.0 {
             return 0.0;
         }
-        // Each way that carries energy keeps a probability above 0.
+        // A way that carries energy must keep a probability above 0.
         let most = if mean < 1.0 { steps - 1.0 } else { steps };
         ((mean * steps).round().clamp(1.0, most) / steps) as f32
     }
@@ -217,11 +220,11 @@ impl Materials {
 type MaterialBits = [[u64; BAND_COUNT]; 2];
 
 fn bits_of(material: &Material) -> MaterialBits {
-    // −0 is 0.
+    // The addition turns −0 into 0.
     [&material.absorption, &material.scattering].map(|bands| bands.map(|of| (of + 0.0).to_bits()))
 }
 
-/// The distinct materials, in the order in which surfaces have them, without mirrors.
+/// The distinct materials except perfect mirrors, in the order in which they first occur on surfaces.
 fn distinct(scene: &Scene) -> Vec<Material> {
     let mut known = HashSet::new();
     let met = materials_met(scene).filter(|material| !material.is_mirror());
@@ -230,15 +233,14 @@ fn distinct(scene: &Scene) -> Vec<Material> {
         .collect()
 }
 
-/// The materials of all surfaces and walls, with repetitions; a room's own material is left out if all of its walls
-/// have another.
+/// The materials of all surfaces and walls, with repetitions. For a room these are the materials of its walls.
 pub(super) fn materials_met(scene: &Scene) -> impl Iterator<Item = &Material> {
     let of_surface = |index| walls(scene, index).map(move |wall| (index, wall));
     let all = (0..scene.surfaces.len()).flat_map(of_surface);
     all.map(|(index, wall)| scene.material(index, wall).unwrap_or(&Material::MIRROR))
 }
 
-/// `None` for the surface as a whole, and the walls of a room.
+/// The walls of a room, or `None` for any other surface as a whole.
 fn walls(scene: &Scene, index: usize) -> impl Iterator<Item = Option<usize>> {
     let is_room = matches!(scene.surfaces[index].shape.node, Node::Room(_));
     let walls = (0..Room::WALL_COUNT).filter(move |_| is_room).map(Some);
@@ -246,19 +248,20 @@ fn walls(scene: &Scene, index: usize) -> impl Iterator<Item = Option<usize>> {
     walls.chain(whole)
 }
 
-/// The mean share over some bands.
+/// The mean scattered share over some bands.
 pub(super) fn mean_scattering(material: &Material, bands: &Range<usize>) -> f64 {
     let of_bands = &material.scattering[bands.clone()];
     of_bands.iter().sum::<f64>() / of_bands.len() as f64
 }
 
-/// Evaluated range of a decay, as a share of the energy: 30 dB.
+/// The share of the energy at the end of the evaluated decay: −30 dB.
 const DECAYED: f64 = 1e-3;
 
-/// Maximum growth of the mean square of energies over such a decay: to twice, as if half the waves were left.
+/// Maximum growth of the mean square of the energies over this decay. A factor of 2 has the effect of half the number
+/// of waves.
 const MOST_GROWTH: f64 = 2.0;
 
-/// Groups of bands, each traced by its own waves; a single group if all bands scatter alike.
+/// Groups of bands, each traced by separate waves. All bands are in one group if they scatter alike.
 pub fn band_groups(scene: &Scene) -> Vec<Range<usize>> {
     let materials: Vec<&Material> = materials_met(scene).collect();
     let fit = |bands: &Range<usize>| materials.iter().all(|m| scatters_alike(m, bands));
@@ -273,7 +276,7 @@ pub fn band_groups(scene: &Scene) -> Vec<Range<usize>> {
     groups
 }
 
-/// Whether waves that scatter with the mean scattering of these bands can carry each of them.
+/// Whether waves that scatter with the mean scattering of these bands can represent each of the bands.
 fn scatters_alike(material: &Material, bands: &Range<usize>) -> bool {
     let scattering = &material.scattering;
     if bands
@@ -284,16 +287,15 @@ fn scatters_alike(material: &Material, bands: &Range<usize>) -> bool {
     }
     let share = mean_scattering(material, bands);
     let is_alike = |band: usize| {
-        // The mean over both ways of the squared energies, (1 − s)² / (1 − p) + s² / p, is 1 plus this
-        // growth.
+        // The mean of the squared energies over both ways, (1 − s)² / (1 − p) + s² / p, is 1 plus this growth.
         let growth = (scattering[band] - share).powi(2) / (share * (1.0 - share));
         reflections(&material.absorption, band) * growth.ln_1p() <= MOST_GROWTH.ln()
     };
     bands.clone().all(is_alike)
 }
 
-/// Reflections after which only [`DECAYED`] of the energy is left; infinite if all of it is
-/// reflected.
+/// Number of reflections after which only [`DECAYED`] of the energy is left. It is infinite if the material absorbs
+/// nothing.
 fn reflections(absorption: &Bands, band: usize) -> f64 {
     DECAYED.ln() / (-absorption[band]).ln_1p()
 }
@@ -337,8 +339,8 @@ mod tests {
         scene
     }
 
-    /// Protects energy: averaged over both ways of a reflection, each band keeps exactly the energy
-    /// that the material reflects, however a float rounds the scattered share.
+    /// Protects energy: averaged over both ways of a reflection, each band keeps exactly the energy that the material
+    /// reflects, regardless of the rounding of the scattered share.
     #[test]
     fn both_ways_together_keep_what_is_reflected() {
         let scene = scene();
@@ -361,7 +363,7 @@ mod tests {
         }
     }
 
-    /// Protects the numbers of walls, and that equal materials are the same event.
+    /// Protects the numbers of walls, and that equal materials have the same event number.
     #[test]
     fn walls_that_differ_have_numbers_of_their_own() {
         let materials = Materials::of(&scene(), 0..BAND_COUNT);
@@ -370,13 +372,13 @@ mod tests {
         let numbers: Vec<f32> = values.iter().flat_map(|v| v.to_array()).collect();
         assert_eq!(numbers[0], numbers[5]);
         assert_ne!(numbers[0], numbers[3]);
-        // Surface 1 has m0, which is a mirror; surface 2 has m1, like the walls.
+        // Surface 1 has the material m0, which is a mirror. Surface 2 has m1, as the walls do.
         assert_eq!(numbers[6..], [0.0, numbers[0]]);
         assert!(Materials::of(&Scene::builtin("corner").unwrap(), 0..BAND_COUNT).is_empty());
     }
 
-    /// Protects the table of many materials: it has the number of each surface, and the numbers of differing walls in
-    /// the order of the walls, at the index that the surface states.
+    /// Protects the table of many materials: the table has the number of each surface and, at the index stated for a
+    /// room, the numbers of its walls in the order of the walls.
     #[test]
     fn a_table_has_what_uniforms_have() {
         let materials = Materials::of(&scene(), 0..BAND_COUNT);
@@ -420,8 +422,8 @@ mod tests {
         band_groups(&scene)
     }
 
-    /// Protects bands from waves whose energies spread, and time from being spent where energies do
-    /// not spread.
+    /// Protects bands from waves whose energies spread too much, and protects bands that scatter alike from the cost of
+    /// separate waves.
     #[test]
     fn bands_that_scatter_alike_are_traced_together() {
         let rising: Bands = std::array::from_fn(|band| band as f64 / 7.0);
@@ -432,12 +434,13 @@ mod tests {
         assert_eq!(groups(&[]), whole(0..8));
         assert_eq!(groups(&[(0.1, [0.3; BAND_COUNT])]), whole(0..8));
         assert_eq!(groups(&[(0.1, rising)]).len(), 8);
-        // A material that absorbs everything scatters nothing, and one that absorbs little is hit often.
+        // A material that absorbs everything scatters nothing. A material that absorbs little is hit often.
         assert_eq!(groups(&[(1.0, rising)]), whole(0..8));
         assert_eq!(groups(&[(0.2, slightly)]), whole(0..8));
         assert!(groups(&[(0.0, slightly)]).len() > 1);
         assert_eq!(groups(&[(0.1, stepped)]), [0..3, 3..8]);
-        // A material that no wave hits has no influence: here that of a room whose walls all have another.
+        // A material that no wave hits has no influence. Here it is the material of a room whose walls all have another
+        // material.
         let mut scene = Scene::builtin("shoebox").expect("a built-in scene");
         let rising = Material {
             scattering: rising,

@@ -1,4 +1,4 @@
-//! The input of the GPU: from a scene and settings to shader text, data and keys of programs.
+//! The input of the GPU: shader text, data and program keys, derived from a scene and settings.
 //!
 //! A scene reaches the GPU only through [`CompiledScene`], which has these parts:
 //!
@@ -6,21 +6,20 @@
 //! | --- | --- | --- |
 //! | the shapes and operators of a scene, and which of their numbers move | layout, assets and key of the text | `structure`, `layout` |
 //! | the structure, and the algorithm | the text of a distance, of a march or of closed forms | `text` |
-//! | the text of the scene, and settings | the text of a whole pass | `passes`, `arrivals_shader` |
+//! | the text of the scene, and settings | the text of a whole pass | `pass_texts`, `arrivals_shader` |
 //! | the numbers of a scene, and its listener | uniforms, relative to the listener, with covered faces extended | `origin_rebasing`, `covered_faces` |
-//! | height images, many surfaces, materials | the data that shaders read by index, with cells and their lists | `data`, `cells`, `materials` |
+//! | height images, many surfaces, materials | the data that shaders read by index, with cells and their lists | `scene_data`, `cells`, `materials` |
 //! | the loops of the text, and the lists of cells | iterations of a pass and steps of a march | `turn_budget` |
 //!
 //! This module does not use OpenGL: [`crate::tracer`] compiles the texts and sends the numbers.
 //!
-//! Everything that the shader reads relative to the listener is a uniform, because it changes with
-//! every step of the listener: the positions of surfaces and listener, and also the sizes of basic
-//! shapes, which are in the same vectors and change when covered faces are extended. The numbers of
-//! fields are literals, except those that a driver moves. So the text depends only on the
-//! [`StructureKey`], and moving things never recompiles a shader.
+//! Everything that the shader reads relative to the listener is a uniform, because it changes when the listener moves:
+//! the positions of surfaces and listener, and also the sizes of basic shapes, which share vectors with the positions
+//! and change when covered faces are extended. The numbers of fields are literals, except numbers that are driven. The
+//! text therefore depends only on the [`StructureKey`], and moving objects never recompiles a shader.
 //!
-//! If there are many surfaces, only their kinds are in the text (`layout`). The surfaces are in
-//! cells, and the lists of cells and the values of surfaces are in the scene's data.
+//! If there are many surfaces, the text contains only their kinds (`layout`). The surfaces are then in cells, and the
+//! lists of cells and the values of surfaces are in the scene's data.
 
 mod arrivals_shader;
 mod cells;

@@ -1,9 +1,8 @@
-//! Origin rebasing: the coordinates in which the shader gets positions.
+//! Origin rebasing: the conversion of positions to the coordinates of the shader.
 //!
-//! The thesis' profile gets unchanged world coordinates. The other profiles get coordinates
-//! relative to an origin of their own (the listener), so that a scene far from the world's origin
-//! loses no precision. Box faces that another solid covers are extended into that solid, so that
-//! rounding at the seam cannot open a gap between the two (`covered_faces.rs`).
+//! The profile `thesis` uses world coordinates. The other profiles use coordinates relative to the listener, so that a
+//! scene far from the world's origin loses no precision. Box faces that another solid covers are extended into that
+//! solid, so that rounding at the seam cannot open a gap between box and solid (`covered_faces.rs`).
 
 use super::cells::ENDLESS;
 use super::covered_faces::extend_covered_faces;
@@ -38,7 +37,7 @@ impl OriginRebasing {
         }
     }
 
-    /// Relative to a listener, with covered faces extended.
+    /// Coordinates relative to a listener, with covered faces extended.
     pub fn at(listener: &Listener) -> OriginRebasing {
         OriginRebasing {
             origin: listener.position,
@@ -51,9 +50,9 @@ impl OriginRebasing {
         (point.as_dvec3() - self.origin.as_dvec3()).as_vec3()
     }
 
-    /// The position of a surface in the shader's coordinates. An infinite repetition is moved by
-    /// whole periods, so that positions near the listener are also near the surface's origin and
-    /// lose no precision to its distance; world coordinates are never moved.
+    /// The position of a surface in the shader's coordinates. An infinite repetition is moved by whole periods, so that
+    /// the surface's origin is near the listener and no precision is lost to their distance. In world coordinates no
+    /// surface is moved.
     fn place_surface(&self, surface: &Surface) -> Vec3 {
         let field = surface.shape.field().filter(|_| self.extends_covered_faces);
         let periods = field.map(Shape::periods).unwrap_or_default();
@@ -70,8 +69,7 @@ impl OriginRebasing {
     pub fn apply(&self, scene: &Scene) -> RebasedScene {
         let place = |surface: &Surface| surface.clone().at(self.place_surface(surface));
         let surfaces: Vec<Surface> = scene.surfaces.iter().map(place).collect();
-        // Derived from the surfaces before the extension, which adds size only where no wave can
-        // be.
+        // The error bounds are derived before the extension, which adds size only where no wave can be.
         let error_bounds: Vec<f32> = surfaces.iter().map(error_bound).collect();
         let surfaces = if self.extends_covered_faces {
             extend_covered_faces(&surfaces, &error_bounds)
@@ -87,14 +85,13 @@ impl OriginRebasing {
 }
 
 impl RebasedScene {
-    /// The coordinates of the surfaces.
+    /// The conversion that gave the coordinates of the surfaces.
     pub fn rebasing(&self) -> &OriginRebasing {
         &self.rebasing
     }
 
-    /// The values of `uSurfaces`: for each unrolled surface its position (and radius, or error
-    /// bound), then its half size and error bound, the inverse of its rotation, and the moving
-    /// numbers of its field, if it has these.
+    /// The values of `uSurfaces`. Each unrolled surface has its position (with radius or error bound) and then, if it
+    /// has them, its half size with error bound, the inverse of its rotation, and the moving numbers of its field.
     pub fn uniform_values(&self, layout: &Layout) -> Vec<Vec4> {
         let mut all = Vec::new();
         for &index in &layout.unrolled {
@@ -109,8 +106,7 @@ impl RebasedScene {
         &self.surfaces[index]
     }
 
-    /// Appends the values of one surface (by its index) in the order in which the text of its kind
-    /// reads them.
+    /// Appends the values of one surface, given by its index, in the order in which the text of its kind reads them.
     pub(super) fn push_data(&self, index: usize, values: &mut Vec<Vec4>) {
         push_values(
             &self.surfaces[index],
@@ -120,9 +116,10 @@ impl RebasedScene {
         );
     }
 
-    /// The box around a surface (by its index) in the surface's own axes: its middle in the shader's
-    /// coordinates; half its size, and the rounding error of the distance to the surface. If one end of an
-    /// axis is infinite, both are, about the surface's position.
+    /// The box around a surface, given by its index, in the axes of the surface. The first vector has the centre of the
+    /// box in the shader's coordinates. The second vector has half the size of the box, and the rounding error of the
+    /// distance to the surface. If the box is infinite at one end of an axis, it is made infinite at both ends, with
+    /// the surface's position as its centre.
     pub(super) fn box_around(&self, index: usize) -> [Vec4; 2] {
         let surface = &self.surfaces[index];
         let bounds = surface.shape.properties().bounds;
@@ -150,13 +147,13 @@ impl RebasedScene {
     }
 }
 
-/// Maximum rounding error of a distance computed with a position, in metres.
+/// Maximum rounding error of a distance that is computed from a position, in metres.
 pub(super) fn rounding_of(place: Vec3) -> f32 {
     ROUNDING * place.abs().max_element()
 }
 
-/// Maximum rounding error of the distance to a surface, in metres; limited for a box or a room, so
-/// that a thin one is not smaller than its error bound.
+/// Maximum rounding error of the distance to a surface, in metres. The error of a box or a room is limited to a share
+/// of its thickness, so that a thin box is not smaller than its error bound.
 fn error_bound(surface: &Surface) -> f32 {
     const SHARE_OF_THICKNESS: f32 = 0.25;
     let place = surface.position.abs().max_element();
@@ -178,7 +175,7 @@ pub(super) fn value_count(surface: &Surface, is_data: bool) -> usize {
     values.len()
 }
 
-/// The values of one surface; if a field is data, all of its numbers move.
+/// Appends the values of one surface. If the surface is data, all numbers of its field count as moving.
 pub(super) fn push_values(
     surface: &Surface,
     error_bound: f32,
@@ -221,7 +218,7 @@ fn inverse(rotation: Quat) -> Vec4 {
     Vec4::from(rotation.conjugate())
 }
 
-/// Whether a node of the field may make its value grow faster than the distance.
+/// Whether the field has a node that may make the value grow faster than the distance.
 pub(super) fn divides(field: &Shape) -> bool {
     let turns = |f: &&Shape| matches!(f.node, Node::Twist(_) | Node::Bend(_));
     field.nodes().iter().any(turns)

@@ -9,7 +9,7 @@ use super::text::{
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
 
-/// How the start directions are chosen.
+/// The choice of the start directions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Directions {
@@ -19,19 +19,19 @@ pub enum Directions {
     Fibonacci,
 }
 
-/// Which wave starts at a texel.
+/// The wave that starts at a texel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum StartOrderText {
-    /// The one whose number is that of the texel.
+    /// The wave whose number is that of the texel.
     ByNumber,
-    /// The one that `uOrder` names: neighbouring texels hold waves of neighbouring directions.
+    /// The wave that `uOrder` states for the texel, so that neighbouring texels hold waves of neighbouring directions.
     Sorted,
 }
 
 impl StartOrderText {
-    /// The order for waves of this algorithm in a scene: sorted if waves are marched to a surface, because the numbers
-    /// of steps of waves traced in lockstep should be similar. In `hybrid` without a march all waves take the same
-    /// time, and `thesis` is left as printed.
+    /// The order for waves of this algorithm in a scene. Waves are sorted if they are marched to a surface, because
+    /// waves that are traced in lockstep should take similar numbers of steps. In `hybrid` without a march all waves
+    /// take the same time, so sorting has no benefit. `thesis` keeps the order of the thesis.
     pub fn of(algorithm: AlgorithmText, scene: &Scene) -> StartOrderText {
         let is_sorted = match algorithm {
             AlgorithmText::Thesis => false,
@@ -44,7 +44,8 @@ impl StartOrderText {
         }
     }
 
-    /// A pass over the waves, in which `name` marks one of these two texts, and the parts that it calls.
+    /// Fills one of two texts into the placeholder `name` of a pass over the waves. Returns the pass, and the parts
+    /// that the text calls.
     pub(super) fn fill(
         self,
         pass: &Source,
@@ -58,7 +59,7 @@ impl StartOrderText {
         (Source::new(pass.name.clone(), filled), library)
     }
 
-    /// A pass that starts waves at their texels.
+    /// Fills the placeholder for the number of the wave in a pass that starts waves.
     fn fill_start(self, pass: &Source) -> (Source, Vec<Part>) {
         let sorted = "waveAt(ivec2(gl_FragCoord.xy))";
         self.fill(pass, ("wave", "waveIndex()", sorted))
@@ -69,11 +70,11 @@ impl StartOrderText {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct MarchText {
     pub algorithm: AlgorithmText,
-    /// Whether the counters count evaluations instead of their usual contents.
+    /// Whether the wave's counters count evaluations of surfaces instead of their usual contents.
     pub count_evaluations: bool,
 }
 
-/// How a wave finds its next hit.
+/// The algorithm that finds the next hit of a wave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum AlgorithmText {
     Thesis,
@@ -91,8 +92,8 @@ impl AlgorithmText {
         }
     }
 
-    /// The lists of cells that the text reads. Lists of nearest candidates contain everything that
-    /// lines need, except in cells that lie within a solid.
+    /// The kind of lists of cells that the text reads. Lists of nearest candidates contain everything that lines need,
+    /// except in cells that lie within a solid.
     pub fn lists(self) -> Lists {
         match self {
             AlgorithmText::Hybrid => Lists::Lines,
@@ -121,7 +122,7 @@ pub(super) fn start(directions: Directions) -> [Source; 2] {
     [direction, source!("start.glsl")]
 }
 
-/// The text of the march through a scene, which should have been [checked](Structure::check).
+/// The text of the march through a scene. The scene should have been [checked](Structure::check).
 pub(crate) fn march_text(scene: &Scene, structure: &Structure, text: MarchText) -> String {
     let (mut roots, parts) = iterations(&Text::new(scene, structure), text);
     roots.push(source!("iterate.frag"));
@@ -188,7 +189,7 @@ pub(crate) fn picture_text(
     join(&link(roots, distance_parts(&Text::new(scene, structure))))
 }
 
-/// The sources of a picture of the listener's view, with this shading.
+/// The sources of a picture from the listener's position, with this shading.
 #[cfg(feature = "picture")]
 pub(crate) fn first_person(shading: Source) -> [Source; 3] {
     [
@@ -207,13 +208,13 @@ pub(crate) fn pan_text(order: StartOrderText) -> String {
     join(&link(roots, parts))
 }
 
-/// The text of the pass that puts contributions in the order of the waves.
+/// The text of the pass that rearranges contributions into the order of the waves.
 pub(crate) fn in_order_text() -> String {
     let order = parts(source!("order.glsl"));
     join(&link(vec![source!("in_order.frag")], order))
 }
 
-/// The text of the first pass of the sum on the GPU.
+/// The text of the first pass of the summation on the GPU.
 pub(crate) fn first_sum_text() -> String {
     join(&[
         source!("wave.glsl"),
@@ -222,7 +223,7 @@ pub(crate) fn first_sum_text() -> String {
     ])
 }
 
-/// The text of the further passes of the sum.
+/// The text of the further passes of the summation.
 pub(crate) fn further_sum_text() -> String {
     join(&[source!("sum/further.glsl"), source!("sum/block.frag")])
 }

@@ -1,31 +1,33 @@
 //! The scene's data: everything that is too large for uniforms.
 //!
-//! An array of vectors in this order. First the heights of images, at indices that the text contains. For
-//! surfaces in cells: a directory (a vector for each surface of the scene: its number, its kind, the index of its
-//! values, its material), and the values. For lines: the cells of each kind, with records of its surfaces. For
-//! everything else: the cells (a vector each: index and length of the list), and the lists, whose entries are
-//! those of the directory. For distances: the groups (two vectors each: the least coordinates of a box and the
-//! index of the list, the greatest coordinates and the length of the list), and their lists.
+//! The data are an array of vectors in this order:
+//! - The heights of images, at indices that the text contains.
+//! - For surfaces in cells, a directory with one vector for each surface of the scene (its number, its kind, the index
+//!   of its values, its material), and then the values.
+//! - For lines, the cells of each kind, with records of its surfaces.
+//! - For all other lists, the cells (one vector each: index and length of the list) and the lists, whose entries are
+//!   copies of directory entries.
+//! - For distances, the groups (two vectors each: the least coordinates of a box and the index of the list; the
+//!   greatest coordinates and the length of the list) and their lists.
 //!
 //! # Records
-//! For lines, a cell of a kind is one *record*: all vectors that are needed to test the cell's surface. One
-//! number of its first vector is the *tag*:
+//! For lines, a cell of a kind has one *record*: all vectors that are needed to test a surface. One component of its
+//! first vector is the *tag*:
 //!
 //! | tag | record |
 //! | --- | --- |
-//! | the number of a surface | that surface, the last of its list; the next cell follows |
+//! | the number of a surface | that surface is the last of its list; the line continues with the next cell |
 //! | the number times −1 | that surface; the next record of the list follows |
 //! | 0, and the first component is not 0 | the index of the cell's list of several surfaces |
 //! | 0 | an empty cell, or no cell |
 //!
-//! The values of a surface are in its record in the usual layout, after a vector for the tag (and,
-//! in its first component, the index of a list). This vector is omitted if the first vector of the
-//! values has an unused component: for a box, and for an infinite pillar, whose height has no
-//! meaning.
+//! The values of a surface are in its record in the usual layout, after a vector for the tag and, in the first
+//! component, for the index of a list. This vector is omitted if the first vector of the values has an unused
+//! component. A box has one, and so has an infinite pillar, whose height has no meaning.
 //!
-//! The record of a marched surface begins with its box, in the surface's own axes: the box's middle in the
-//! shader's coordinates, and the tag; half its size, and the rounding error of the distance to the surface. An
-//! infinite box has its middle at the surface's position.
+//! The record of a marched surface begins with its box, in the axes of the surface. The first vector has the centre of
+//! the box in the shader's coordinates, and the tag. The second vector has half the size of the box, and the rounding
+//! error of the distance to the surface. The centre of an infinite box is the surface's position.
 
 use super::cells::{Cells, ENDLESS, Group, Lists, SceneCells};
 use super::layout::{GRID_VECTORS, Layout};
@@ -52,23 +54,21 @@ pub(super) fn heights(assets: &Assets) -> Vec<Vec4> {
 pub struct CellData {
     /// Index of the directory.
     pub directory: i32,
-    /// Corner with the least coordinates of the grid of the cells with lists, in the shader's
-    /// coordinates (metres).
+    /// The corner with the least coordinates of the grid whose cells have lists, in metres in the shader's coordinates.
     pub origin: Vec3,
     /// Width, height and depth of a cell in metres.
     pub cell: Vec3,
     /// Cells along each axis.
     pub count: Vec3,
-    /// Index of the first cell in the scene's data.
+    /// Index of the first cell in the scene's data, for cells with lists.
     pub cells: i32,
     /// Index of the first group; only lists of nearest candidates have groups.
     pub groups: i32,
     /// Number of groups.
     pub group_count: i32,
-    /// The grids of the kinds that have their own cells, [`GRID_VECTORS`] vectors each: origin and
-    /// index of the first record; size of a cell and number of the last cell; the corners of the box
-    /// around all surfaces; the step of the cell number along each axis, and the maximum records on a
-    /// line.
+    /// The grids of the kinds with separate cells, [`GRID_VECTORS`] vectors each: origin and index of the first record;
+    /// size of a cell and number of the last cell; the two corners of the box around all surfaces; the step of the cell
+    /// number along each axis, and the maximum number of records on a line.
     pub grids: Vec<Vec4>,
 }
 
@@ -81,8 +81,8 @@ struct Writer<'a> {
 }
 
 impl CellData {
-    /// Appends the data of the surfaces in cells to the scene's data, with the numbers of their
-    /// materials (`materials.rs`) if the scene has any.
+    /// Appends the data of the surfaces in cells to the scene's data. If the scene has materials, the data include the
+    /// material numbers (`materials.rs`).
     pub fn append(
         data: &mut Vec<Vec4>,
         layout: &Layout,
@@ -120,7 +120,7 @@ impl Writer<'_> {
         (place - self.origin).as_vec3()
     }
 
-    /// Appends the directory, and the values after it.
+    /// Appends the directory, followed by the values.
     fn directory(&mut self, layout: &Layout, materials: &[f32]) {
         let mut values = Vec::new();
         let first = self.directory + layout.kind_of.len();
@@ -170,7 +170,7 @@ impl Writer<'_> {
                 }
             }
         });
-        // The box around all surfaces; the lists reach further, because their margin is wider.
+        // The box around all surfaces. Lists extend further, because their margin is wider.
         let inner = grid.inner.grown(0.01 * grid.cell);
         let (low, high) = (self.local(inner.min), self.local(inner.max));
         let spare = spare(low, high);
@@ -186,7 +186,7 @@ impl Writer<'_> {
         ]
     }
 
-    /// Appends cells with lists of entries of the directory.
+    /// Appends cells whose lists consist of directory entries.
     fn lists(&mut self, cells: &Cells, which: Lists, told: &mut CellData) {
         let grid = cells.grid();
         let first_cell = self.data.len();
@@ -216,7 +216,7 @@ impl Writer<'_> {
         told.group_count = groups.len() as i32;
     }
 
-    /// Appends entries of the directory, by the indices of their surfaces.
+    /// Appends the directory entries of the surfaces with these indices.
     fn entries(&mut self, list: &[u32]) {
         let directory = self.directory;
         for &index in list {
@@ -246,16 +246,16 @@ pub const BOX_VECTORS: usize = 2;
 pub struct Record {
     /// Whether the surface's box precedes the values.
     pub has_box: bool,
-    /// Whether the tag has a vector of its own.
+    /// Whether a separate vector for the tag comes first.
     pub has_head: bool,
-    /// The component of the first vector that is the tag.
+    /// The component of the first vector that holds the tag.
     pub tag: usize,
-    /// Vectors of a record.
+    /// Number of vectors in a record.
     pub vectors: usize,
 }
 
 impl Record {
-    /// The record of a surface's kind.
+    /// The record layout of a surface's kind.
     pub fn of(surface: &Surface) -> Record {
         let has_box = is_marched(surface);
         let free = match surface.shape.node {

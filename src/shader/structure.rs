@@ -1,9 +1,8 @@
-//! The structure of a scene: layout and assets, from which its shader text is written, and the key of its
-//! programs.
+//! The structure of a scene: the layout and assets that determine its shader text, and the key of its programs.
 //!
-//! A [`Structure`] is derived once per frame and passed to all that need it: the checks of the
-//! renderer's limits, the texts, their keys and the [compiled scene](super::CompiledScene). It contains
-//! no position: two scenes with equal [keys](StructureKey) have the same text.
+//! A [`Structure`] is derived once per frame and passed to everything that needs it: the checks of the renderer's
+//! limits, the texts, their keys and the [compiled scene](super::CompiledScene). The structure contains no position:
+//! two scenes with equal [keys](StructureKey) have the same text.
 
 use super::cells::Lists;
 use super::layout::{GRID_VECTORS, Layout, MOST_UNROLLED, SurfaceStructure};
@@ -18,24 +17,24 @@ use std::sync::Arc;
 pub struct Structure {
     /// The lists of cells that the text reads.
     pub lists: Lists,
-    /// The division of the surfaces into those with their own lines of text and those in cells.
+    /// The division of the surfaces into unrolled surfaces and surfaces in cells.
     pub layout: Layout,
     /// Height images and users' fields.
     pub(super) assets: Assets,
-    /// The key by which programs are shared.
+    /// The key of the programs: scenes with equal keys share programs.
     pub key: Rc<StructureKey>,
 }
 
-/// The parameters of the shader text of a scene: for each unrolled surface its shape, whether it
-/// has a rotation, and the fixed part of its field; for surfaces in cells only their kinds, and the
-/// axes along which cells are infinite. Two scenes with equal keys share their programs.
+/// The parameters that determine the shader text of a scene. Each unrolled surface contributes its shape, whether it
+/// has a rotation, and the fixed part of its field. Surfaces in cells contribute only their kinds, and the axes along
+/// which cells are infinite. Two scenes with equal keys share their programs.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub(crate) struct StructureKey {
     /// Unrolled surfaces with their indices.
     unrolled: Vec<(usize, SurfaceStructure)>,
     instanced: Vec<SurfaceStructure>,
     unbounded_axes: [bool; 3],
-    /// Indices of the first heights of the images, in the order of the text.
+    /// Index of the first height of each image, in the order of the text.
     images: Vec<usize>,
 }
 
@@ -67,18 +66,18 @@ impl Structure {
         values.sum::<usize>() + GRID_VECTORS * self.layout.instanced.len()
     }
 
-    /// Checks the scene once before its text is compiled: its fields, and that the text can be
-    /// compiled within seconds.
+    /// Checks the scene once before its text is compiled: its fields must be valid, and the text must be small enough
+    /// to compile within seconds.
     ///
     /// # Errors
-    /// The errors of [`Scene::check`], and [`SceneError::BadNumber`] for more than [`MOST_UNROLLED`]
-    /// surfaces, kinds of them and nodes of their fields.
+    /// The errors of [`Scene::check`]; [`SceneError::BadNumber`] for more than [`MOST_UNROLLED`] unrolled surfaces,
+    /// kinds and nodes of their fields.
     pub fn check(&self, scene: &Scene) -> Result<(), SceneError> {
         scene.check()?;
         if self.layout.pieces(scene) <= MOST_UNROLLED {
             return Ok(());
         }
-        // The limit is that of lines, which need the fewest pieces, so that every profile accepts the
+        // The limit applies to the layout for lines, which has the fewest pieces, so that every profile accepts the
         // same scenes.
         let pieces = Layout::of(&scene.surfaces, Lists::Lines).pieces(scene);
         if pieces <= MOST_UNROLLED {
@@ -95,12 +94,12 @@ impl Structure {
     }
 }
 
-/// Assets of a scene that its text refers to by number, without duplicates.
+/// The assets that the text of a scene refers to by number, without duplicates.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Assets {
-    /// Index of the first height of each image in the scene's data.
+    /// Each image, with the index of its first height in the scene's data.
     pub images: Vec<(Arc<HeightImage>, usize)>,
-    /// Users' fields with different texts, numbered by their index.
+    /// Users' fields with different texts. The number of a field is its index here.
     pub users: Vec<Arc<UserField>>,
 }
 
@@ -129,7 +128,7 @@ impl Assets {
         }
     }
 
-    /// Number of scene data vectors that the images take.
+    /// Number of vectors in the scene's data that the images take.
     pub fn data_length(&self) -> usize {
         self.images
             .last()
@@ -159,8 +158,8 @@ impl Assets {
     }
 
     pub fn user(&self, field: &UserField) -> Option<usize> {
-        // Size and Lipschitz constant are arguments of the field's functions.
-        // The test of a derivative may have different results in two boxes.
+        // Size and Lipschitz constant are arguments of the field's functions, so they need not be equal. The check of a
+        // derivative may have different results in two boxes, so its result must be equal.
         let same = |known: &UserField| {
             known.file == field.file
                 && known.text == field.text

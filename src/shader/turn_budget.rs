@@ -1,15 +1,13 @@
-//! The limits of one pass and one march: turns of loops, counted and limited.
+//! The limits of a pass and of a march, from the number of loop turns that they may take.
 //!
-//! Mesa's llvmpipe leaves a shader's loop without a report once all loops of the shader together
-//! have taken 65,536 turns, nested ones included. So the maximum turns of an iteration in a scene
-//! are counted here, and nowhere else: over the iterations of a pass, the steps of a march, the
-//! lists of cells, the cells that a line crosses, the copies of repetitions and the cells of
-//! copies. If one loop contains another, the turns of both count. The turns of loops in users'
-//! texts are unknown: a call of a text with loops counts as [`USER_TURNS`].
+//! A *turn* is one execution of a loop's body. Mesa's llvmpipe silently ends a shader's loops once all loops together,
+//! nested ones included, have taken 65,536 turns. The maximum turns of one iteration of a wave are therefore counted
+//! here, and nowhere else: over the steps of a march, the lists of cells, the cells that a line crosses, the copies of
+//! repetitions and the cells of copies. If one loop contains another, the turns of both count. The turns of loops in
+//! users' texts are unknown: a call of a text with loops counts as [`USER_TURNS`].
 //!
-//! The [`Budget`] follows from the count: the iterations of a pass and, if a single march could
-//! take more turns than allowed, the steps of a march. Waves that reach the step limit are counted
-//! and reported.
+//! The count determines the [`Budget`]: the number of iterations in a pass and, if a single march could exceed the
+//! limit, the number of steps in a march. Waves that reach the step limit are counted and reported.
 
 use super::cells::{Lists, SceneCells};
 use super::pass_texts::AlgorithmText;
@@ -20,62 +18,62 @@ use crate::scene::{Copies, Node, Shape, UserField};
 
 /// Maximum evaluations of the distance in one march.
 ///
-/// Every step of the thesis' march is at least the minimum distance long, so at its own constants
-/// no wave takes more than 300 / 0.1 = 3000 steps. The limit is above this number, and keeps other
-/// settings from hanging the GPU.
+/// Every step of the march of `thesis` has at least the minimum length, so with the constants of the thesis no wave
+/// takes more than 300 / 0.1 = 3000 steps. The limit is above this number, and prevents other settings from hanging the
+/// GPU.
 pub(crate) const MAX_STEPS: u32 = 4096;
 
-/// Maximum evaluations of the fields in one march. Relaxed steps, and Newton's at the end, take
-/// some tens of evaluations; a march that takes more grazes a surface.
+/// Maximum evaluations of the fields in one march. Relaxed steps, and Newton steps at the end, take some tens of
+/// evaluations. A march that takes far more grazes a surface.
 const MAX_FIELD_STEPS: u32 = 1024;
 
-/// Maximum turns in which `hybrid` traces a line past copies in one flight, for repetitions that
-/// are infinite or have more than 1,024 cells. Two flights of this length fit a pass on llvmpipe.
-/// Among rotated boxes 3 m to 4 m apart, 10 of 524,288 waves reach the limit, and others still hit
-/// a box after hundreds of kilometres, where a float resolves positions to some centimetres.
+/// Maximum turns in which `hybrid` traces a line past copies in one flight, for repetitions that are infinite or have
+/// more than 1,024 cells. Two flights of this length fit in a pass on llvmpipe. Among rotated boxes 3 m to 4 m apart,
+/// 10 of 524,288 waves reach the limit. Other waves still hit a box after hundreds of kilometres, where a float
+/// resolves positions to a few centimetres.
 pub(crate) const MAX_COPY_STEPS: u32 = 32_000;
 
-/// Number of turns for which a call of a user's field with loops counts. Compilers unroll loops of
-/// a few dozen turns if their number is known, so that few texts keep more turns.
+/// Number of turns that is counted for a call of a user's field with loops. Compilers unroll loops of a few dozen turns
+/// if the number of turns is constant, so few texts have loops with more turns.
 const USER_TURNS: u64 = 60;
 
-/// Maximum calls of a user's text in one projection if normals are computed by differences: seven
-/// for the gradient, and for the normal one value and six over each of nine distances
+/// Maximum calls of a user's text in one projection if normals are computed by differences. The gradient takes seven
+/// calls. The normal takes one call for the value, and six for each of nine step lengths
 /// (`glsl/user/differences.glsl`).
 const CALLS_OF_DIFFERENCES: u64 = 62;
 
-/// Turns of the loop over these distances.
+/// Turns of the loop over the step lengths.
 const TURNS_OF_DIFFERENCES: u64 = 7;
 
-/// Maximum calls in one projection if the text states its gradient or is differentiated: value and gradient, twice,
-/// and once more where the gradient is undefined (`glsl/user/gradient.glsl`, `glsl/user/derivative.glsl`).
+/// Maximum calls of a user's text in one projection if the text states its gradient or is differentiated: value and
+/// gradient, twice, and once more where the gradient is undefined (`glsl/user/gradient.glsl`,
+/// `glsl/user/derivative.glsl`).
 const CALLS_OF_GRADIENT: u64 = 6;
 
-/// Maximum turns of the loops in one evaluation, by the evaluated function; 0 without loops.
+/// Maximum turns of the loops in one evaluation, for each evaluated function. The number is 0 without loops.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Loops {
     /// The distance to all objects.
     pub distance: u64,
     /// The distance to the basic shapes ahead.
     pub directed: u64,
-    /// The values of all fields, and the gradient of one; `None` without fields.
+    /// The values of all fields, and the gradient of one field; `None` without fields.
     pub all_fields: Option<u64>,
-    /// The values of the fields without a closed form, and the gradient of one; `None` without such
-    /// fields.
+    /// The values of the fields without a closed form, and the gradient of one of them; `None` without such fields.
     pub other_fields: Option<u64>,
-    /// The value of the surface of a kind that is marched alone; `None` without such kinds.
+    /// The value of one surface of a kind whose surfaces are marched one at a time; `None` without such kinds.
     pub kind_fields: Option<u64>,
-    /// Intersecting a line with closed forms, except traversals with a step limit.
+    /// The intersection of a line with closed forms, except traversals with a step limit.
     pub line: u64,
     /// One step of a traversal that has a step limit.
     pub copy_step: u64,
-    /// Projecting onto a surface: the gradient and the normal of one field.
+    /// The projection onto a surface: the gradient and the normal of one field.
     pub projection: u64,
-    /// Surfaces that have their own lines of text, each evaluated every time.
+    /// Number of unrolled surfaces, which are all evaluated every time.
     pub unrolled: u64,
 }
 
-/// Turns that follow from the structure of a scene alone; the lists of its cells add further turns.
+/// Turns that depend only on the structure of a scene. The lists of its cells add further turns.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct StructureTurns {
     /// The values of all unrolled surfaces.
@@ -85,9 +83,9 @@ pub(super) struct StructureTurns {
     all_fields: Option<FieldTurns>,
     other_fields: Option<FieldTurns>,
     unrolled_hits: u64,
-    /// One intersection of each kind.
+    /// The intersection of a line with one surface of each kind.
     kind_hits: Vec<u64>,
-    /// One step of a march of each kind without a closed form.
+    /// One step of a march to a surface of each kind without a closed form.
     kind_steps: Vec<Option<u64>>,
     copy_step: u64,
     projection: u64,
@@ -98,14 +96,14 @@ pub(super) struct StructureTurns {
 #[derive(Clone, Debug, PartialEq)]
 struct FieldTurns {
     unrolled: u64,
-    /// The most turns of a kind in cells.
+    /// The maximum turns of a kind in cells.
     of_kind: Option<u64>,
     /// The gradient of one field.
     gradient: u64,
 }
 
 impl StructureTurns {
-    /// The turns in the text of a scene.
+    /// The turns of the loops in the text of a scene.
     pub fn of(text: &Text) -> StructureTurns {
         let value = |named: &Named| named.field().map_or(0, of_value);
         let projection = |named: &Named| named.field().map_or(0, of_projection);
@@ -126,7 +124,7 @@ impl StructureTurns {
         }
     }
 
-    /// The turns of the text with the lists of these cells, if the scene has cells.
+    /// The turns of the loops in the text, including those over the lists of these cells, if the scene has cells.
     pub fn loops(&self, cells: Option<&SceneCells>, lists: Lists) -> Loops {
         let listed_cells = cells.and_then(SceneCells::lists);
         let in_list = listed_cells.map_or(0, |cells| cells.longest(lists) as u64);
@@ -138,13 +136,13 @@ impl StructureTurns {
             let surfaces: usize = cells.groups().iter().map(|g| g.surfaces.len()).sum();
             cells.groups().len() as u64 + surfaces as u64 * (1 + self.kind_values)
         });
-        // A turn of the traversal visits a record: of a cell, or of the list that the cell refers
-        // to.
+        // Each turn of the traversal visits one record: the record of a cell, or a record of the list that the cell
+        // refers to.
         let kind_hits = cells
             .map_or(&[][..], SceneCells::kinds)
             .iter()
             .map(|(kind, cells)| {
-                // Each record of a marched kind may end the loop that looks for the next surface.
+                // Each record of a marched kind may end the inner loop, which looks for the next surface.
                 let per_record = match self.kind_steps[*kind] {
                     Some(_) => 2,
                     None => 1 + self.kind_hits[*kind],
@@ -169,13 +167,13 @@ impl StructureTurns {
     }
 }
 
-/// Turns of one step of a march: it evaluates the value or the bound along the line.
+/// Turns of one step of a march, which evaluates the value, or the bound along the line.
 fn of_step(named: &Named) -> u64 {
     let bounds = named.field().filter(|field| is_bounded(field));
     named.field().map_or(0, of_value) + bounds.map_or(0, leaps)
 }
 
-/// Turns of one step of a march of one surface of a kind, if the kind has no closed form.
+/// Turns of one step of a march to one surface of a kind; `None` if the kind has a closed form.
 fn step_alone(named: &Named) -> Option<u64> {
     let is_marched = Marched::Others.takes(named);
     is_marched.then(|| of_step(named) + named.field().map_or(0, of_value))
@@ -208,7 +206,7 @@ fn of_value(field: &Shape) -> u64 {
     of_copies(field, &of_call)
 }
 
-/// Turns of the projection onto a field: of its gradient, and of its normal.
+/// Turns of the projection onto a field, which evaluates its gradient and its normal.
 fn of_projection(field: &Shape) -> u64 {
     of_copies(
         field,
@@ -224,7 +222,7 @@ fn of_call(user: &UserField) -> u64 {
     if user.has_loops() { USER_TURNS } else { 0 }
 }
 
-/// Turns over the copies of repetitions, and the turns that `of_user` returns for users' fields.
+/// Turns of the loops over the copies of repetitions, plus the turns that `of_user` returns for users' fields.
 fn of_copies(field: &Shape, of_user: &dyn Fn(&UserField) -> u64) -> u64 {
     let below: u64 = field
         .children
@@ -247,8 +245,7 @@ fn of_copies(field: &Shape, of_user: &dyn Fn(&UserField) -> u64) -> u64 {
     }
 }
 
-/// Turns of the intersection of a line with a field that has a closed form, except traversals with
-/// a step limit.
+/// Turns of the intersection of a line with a field that has a closed form, except traversals with a step limit.
 fn of_hit(field: &Shape) -> u64 {
     let below: u64 = field.children.iter().map(of_hit).sum();
     match &field.node {
@@ -273,26 +270,25 @@ fn of_copy_step(field: &Shape) -> u64 {
 /// Maximum turns of all loops of a shader together.
 const MOST_TURNS: u64 = 65_535;
 
-/// Turns of the loop in `marchFields` for one step.
+/// Turns of the loop in `marchFields` itself for one step.
 const FIELD_TURNS: u64 = 1;
 
-/// Least step limit of a march, however long the lists of its cells are: a march that takes more
-/// steps grazes a surface. A single march in such a scene may run out of turns.
+/// Minimum step limit of a march, even if the lists of its cells are long. A march that takes more steps grazes a
+/// surface. In a scene with such lists a single march may exceed the maximum turns.
 const LEAST_STEPS: u64 = 128;
 
 /// The settings that limit the loops in a pass.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LoopsAsked {
-    /// How a wave finds its next hit.
+    /// The algorithm that finds the next hit of a wave.
     pub algorithm: AlgorithmText,
-    /// Steps of a march in `thesis`, as required by its distances.
+    /// Steps of a march in `thesis`, as its distances require.
     pub thesis_steps: u32,
     /// Maximum iterations in a pass.
     pub iterations_per_pass: u32,
 }
 
-/// The limits of a frame's passes: the same on every renderer, so that results do not depend on the
-/// renderer.
+/// The limits of a frame's passes. They are the same on every renderer, so that results do not depend on the renderer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Budget {
     /// Iterations in one pass.
@@ -301,9 +297,9 @@ pub struct Budget {
     pub steps: u32,
     /// Maximum steps of one march through the fields.
     pub field_steps: u32,
-    /// Turns of all traversals of long rows of copies in one flight.
+    /// Maximum turns of all traversals of long rows of copies in one flight.
     pub copy_steps: u32,
-    /// Maximum evaluations of a surface by a wave in an iteration.
+    /// Maximum evaluations of surfaces by a wave in an iteration.
     pub evaluations: u64,
 }
 
@@ -318,7 +314,7 @@ impl Budget {
     }
 }
 
-/// Differences from which a normal of the thesis is computed.
+/// Number of differences from which a normal of `thesis` is computed.
 const DIFFERENCES: u64 = 6;
 
 fn thesis(asked: &LoopsAsked, loops: &Loops) -> Budget {
@@ -354,7 +350,7 @@ fn hybrid(loops: &Loops, asked: u32) -> Budget {
         turns => held(MAX_COPY_STEPS, left, turns),
     };
     let traversals = copy_steps * loops.copy_step;
-    // Fields that are marched together, and surfaces that are marched alone, have this number of steps each.
+    // Fields that are marched together, and surfaces that are marched one at a time, each have this step limit.
     let fields = loops.other_fields.into_iter().chain(loops.kind_fields);
     let fields = fields.reduce(|a, b| a + FIELD_TURNS + b);
     let (field_steps, field_turns) = field_steps(fields, left.saturating_sub(traversals));
@@ -366,7 +362,7 @@ fn hybrid(loops: &Loops, asked: u32) -> Budget {
     work.budget(asked, [0, field_steps, copy_steps])
 }
 
-/// Steps of a march of the fields that fit the remaining turns, and the turns of a step; 0 without
+/// The steps of a march of the fields that fit in the remaining turns, and the turns of one step. Both are 0 without
 /// fields.
 fn field_steps(turns: Option<u64>, left: u64) -> (u64, u64) {
     match turns {
@@ -375,7 +371,7 @@ fn field_steps(turns: Option<u64>, left: u64) -> (u64, u64) {
     }
 }
 
-/// Steps of `turns` turns each that fit the remaining turns, at most `most`.
+/// The number of steps of `turns` turns each that fit in the remaining turns, at most `most`.
 fn held(most: u32, left: u64, turns: u64) -> u64 {
     (left / turns).max(LEAST_STEPS).min(most.into())
 }
@@ -388,8 +384,8 @@ struct Work {
 }
 
 impl Work {
-    /// The budget of `asked` iterations in a pass, or of the number that fits, with these step limits: of
-    /// a march, of a march of the fields, of traversals of copies.
+    /// The budget of a pass with at most `asked` iterations. `steps` are the step limits of a march, of a march of the
+    /// fields, and of traversals of copies.
     fn budget(&self, asked: u32, steps: [u64; 3]) -> Budget {
         let [steps, field_steps, copy_steps] = steps.map(|steps| steps as u32);
         // The iteration itself is a turn.
@@ -426,8 +422,7 @@ mod tests {
         scene
     }
 
-    /// Protects the defaults of the built-in rooms: their passes keep their full number of
-    /// iterations.
+    /// Protects the defaults of the built-in rooms: their passes keep the full number of iterations.
     #[test]
     fn the_rooms_of_the_thesis_run_as_they_did() {
         let corner = Scene::builtin("corner").unwrap();
@@ -442,8 +437,8 @@ mod tests {
         assert_eq!(closed.iterations_per_pass, Settings::MAX_ITERATIONS);
     }
 
-    /// Protects slow fields from reaching the step limit early in `march`: they get all turns that
-    /// the few steps of the basic shapes leave, and all loops together still keep to the limit.
+    /// Protects slow fields from reaching the step limit early in `march`: they get all turns that the few steps of the
+    /// basic shapes leave, and the loops together stay within the limit.
     #[test]
     fn fields_have_what_the_basic_shapes_leave() {
         let menger = Scene::builtin("menger").unwrap();
@@ -461,8 +456,8 @@ mod tests {
         assert!(turns + loops.projection < MOST_TURNS, "{turns} turns");
     }
 
-    /// Protects traversals of infinite repetitions from more turns than a driver allows, whatever is
-    /// repeated, and two flights of them in a pass.
+    /// Protects traversals of infinite repetitions from exceeding the turns that a driver allows, for any repeated
+    /// shape. Two flights with such traversals fit in a pass.
     #[test]
     fn traversals_without_end_fit_a_pass() {
         let ball = Shape::from(Sphere { radius: 0.1 });
@@ -482,7 +477,7 @@ mod tests {
         }
     }
 
-    /// Protects the lists of cells from being left out of the count.
+    /// Protects the count from omitting the lists of cells.
     #[test]
     fn lists_make_for_shorter_passes() {
         for profile in Profile::ALL {

@@ -4,27 +4,27 @@ use super::ENDLESS;
 use crate::scene::Bounds3;
 use glam::{DVec3, UVec3};
 
-/// Approximate number of cells per surface, so that most cells hold one surface or none. Between 2
-/// and 5 cells per surface, the rates of `hybrid` differ by less than a tenth; fewer cells have
-/// longer lists, and with more cells a line crosses more of them.
+/// Approximate number of cells per surface. With this number most cells hold at most one surface. Between 2 and 5 cells
+/// per surface, the rates of `hybrid` differ by less than a tenth: with fewer cells their lists are longer, and with
+/// more cells a line crosses more of them.
 pub const CELLS_A_SURFACE: f64 = 2.0;
 
-/// The same where cells list boxes of marched surfaces. A march costs as much as several cells, and with smaller cells
-/// fewer surfaces are marched before the first hit: by a tenth to a third faster than with 2 cells a surface.
+/// Approximate number of cells per surface if cells list the boxes of marched surfaces. A march costs as much as
+/// several cells, and with smaller cells fewer surfaces are marched before the first hit. A frame is a tenth to a third
+/// faster than with 2 cells per surface.
 pub const CELLS_A_BOX: f64 = 4.0;
 
-/// Maximum cells along an axis: rounding then moves a face of the last one by a quarter of [`PAD`].
+/// Maximum cells along an axis. With this number rounding moves a face of the last cell by a quarter of [`PAD`].
 const MOST_CELLS: f64 = 1024.0;
 
-/// Extension of every cell when lists are built, as a share of its size: a point that rounding puts
-/// into the next cell must find the same surfaces there.
+/// Extension of every cell when lists are built, as a share of its size. A point that rounding moves into the next cell
+/// must find the same surfaces there.
 const PAD: f64 = 1e-3;
 
-/// The free border of the grid, as a share of its size: surfaces that move within this border need
-/// no new grid.
+/// The empty border of the grid, as a share of its size. Surfaces that move within this border require no new grid.
 const BORDER: f64 = 0.05;
 
-/// The grid: the position and size of its cells, in world metres.
+/// The position and size of a grid's cells, in world metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
     /// The corner with the lowest coordinates.
@@ -99,7 +99,7 @@ impl Grid {
         Bounds3 { min, max }.grown(PAD * self.cell)
     }
 
-    /// The first and the last cell that a box reaches into.
+    /// The first and the last cell that a box overlaps.
     pub fn range(&self, bounds: Bounds3) -> (UVec3, UVec3) {
         let padded = bounds.grown(PAD * self.cell);
         let last = (self.count - 1).as_dvec3();
@@ -108,7 +108,7 @@ impl Grid {
         (held(padded.min), held(padded.max))
     }
 
-    /// Blocks of neighbouring cells: most surfaces are ruled out for a whole block at once.
+    /// Blocks of neighbouring cells. Most surfaces are excluded for a whole block at once.
     pub fn blocks(&self) -> Vec<Vec<usize>> {
         const SIDE: u32 = 4;
         let blocks = (self.count + (SIDE - 1)) / SIDE;

@@ -1,9 +1,9 @@
-//! All cells of a scene, in the form that a profile's passes read.
+//! All cells of a scene, in the form that the passes of a profile read.
 //!
-//! If lines are intersected with one surface after another, each kind has separate cells: a loop over them
-//! tests only one shape, and the size of the cells suits the density of that kind. A marched kind is listed
-//! by the boxes around its surfaces, which a line enters before it can hit one of them. Where all surfaces are
-//! looked at together, they share cells.
+//! If lines are intersected with one surface after another, each kind has separate cells: the loop over these cells
+//! tests only one shape, and the size of the cells suits the density of the kind. The cells of a marched kind list the
+//! boxes around its surfaces, because a line enters the box before it can hit the surface. If a pass evaluates all
+//! surfaces together, all kinds share cells.
 
 use super::{Cells, Lists};
 use crate::scene::Scene;

@@ -1,9 +1,8 @@
-//! Surfaces in the grid, their distances from a cell, and their groups.
+//! Surfaces in the grid, their distances from the centre of a cell, and their groups.
 //!
-//! Outside the grid any surface can be the nearest. A group whose box is farther away than the
-//! least distance found before is skipped as a whole. About √n groups of √n surfaces each are
-//! tested, and only in few groups every surface. The result is the least distance itself, not a
-//! bound.
+//! For a point outside the grid any surface can be the nearest. A group is skipped as a whole if its box is farther
+//! away than the least distance found so far. There are about √n groups of √n surfaces each, so all √n boxes are
+//! tested, but only the surfaces of few groups. The result is the least distance itself, not a bound.
 
 use super::ENDLESS;
 use crate::scene::{Bounds3, Exactness, Node, Surface};
@@ -16,7 +15,7 @@ pub struct Member {
     pub index: u32,
     pub surface: Surface,
     pub bounds: Bounds3,
-    /// Whether a positive value equals the distance.
+    /// Whether a positive value of its distance function equals the distance.
     pub exact: bool,
 }
 
@@ -31,8 +30,9 @@ impl Member {
         }
     }
 
-    /// Whether its value at the centre of a box is its distance there: always without unbounded
-    /// axes; with one, only for a cylinder that is infinite along this axis.
+    /// Whether the value of the distance function at the centre of a box is the distance of that point. Without
+    /// unbounded axes this is always so. With one unbounded axis it is so only for a cylinder that is infinite along
+    /// this axis.
     fn is_told_by_value(&self, unbounded_axes: [bool; 3]) -> bool {
         let column = (0..3).find(|&axis| unbounded_axes[axis]);
         column.is_none_or(|axis| {
@@ -42,7 +42,7 @@ impl Member {
         })
     }
 
-    /// Whether its solid, or the box around it, reaches into a box, as far as distances from the middle show.
+    /// Whether its solid, or the box around it, may reach into a box. The distance from the centre of that box decides.
     pub fn reaches_into(&self, bounds: Bounds3, unbounded_axes: [bool; 3], by_boxes: bool) -> bool {
         let distance = match by_boxes && unbounded_axes == [false; 3] {
             true => self.box_distance(bounds.middle()),
@@ -58,7 +58,7 @@ impl Member {
         self.surface.shape.properties().bounds.distance(own)
     }
 
-    /// A lower bound of the surface's distance from the centre of a box.
+    /// A lower bound of the distance between the surface and the centre of a box.
     fn least_distance(&self, bounds: Bounds3, unbounded_axes: [bool; 3]) -> f64 {
         let middle = middle(bounds, unbounded_axes);
         if self.is_told_by_value(unbounded_axes) {
@@ -72,8 +72,8 @@ impl Member {
         flat.distance(middle)
     }
 
-    /// A lower bound of the surface's value at the centre of a box: for a bound, the value may be
-    /// less than the distance.
+    /// A lower bound of the surface's value at the centre of a box. If the value is only a bound of the distance, it
+    /// may be less than the distance.
     pub fn least_value(&self, bounds: Bounds3, unbounded_axes: [bool; 3]) -> f64 {
         match self.exact || self.is_told_by_value(unbounded_axes) {
             true => self.least_distance(bounds, unbounded_axes),
@@ -81,7 +81,7 @@ impl Member {
         }
     }
 
-    /// An upper bound of the surface's distance from the centre of a box.
+    /// An upper bound of the distance between the surface and the centre of a box.
     pub fn most_distance(&self, bounds: Bounds3, unbounded_axes: [bool; 3]) -> f64 {
         if !self.is_told_by_value(unbounded_axes) {
             return f64::INFINITY;
@@ -103,7 +103,7 @@ fn middle(bounds: Bounds3, unbounded_axes: [bool; 3]) -> DVec3 {
     DVec3::select(BVec3::from_array(unbounded_axes), DVec3::ZERO, middle)
 }
 
-/// Half the diagonal of a box without unbounded axes, plus the rounding of a distance in `f32`.
+/// Half the diagonal of a box, without its unbounded axes, plus the rounding error of a distance in `f32`.
 pub fn radius(bounds: Bounds3, unbounded_axes: [bool; 3]) -> f64 {
     let flat = |v: DVec3| DVec3::select(BVec3::from_array(unbounded_axes), DVec3::ZERO, v);
     let half = flat(0.5 * (bounds.max - bounds.min));
@@ -111,7 +111,7 @@ pub fn radius(bounds: Bounds3, unbounded_axes: [bool; 3]) -> f64 {
     half.length() + 8.0 * f64::from(f32::EPSILON) * place.max_element()
 }
 
-/// Bounds of all members; infinite along unbounded axes.
+/// Bounds of all members. Along unbounded axes the bounds are infinite.
 pub fn hull(members: &[Member], unbounded_axes: [bool; 3]) -> Bounds3 {
     let all = members.iter().map(|m| m.bounds).reduce(Bounds3::hull);
     let hull = all.unwrap_or(Bounds3::EVERYWHERE);
@@ -133,7 +133,7 @@ pub struct Group {
 
 /// Divides all members into groups.
 pub(super) fn groups(members: &[Member]) -> Vec<Group> {
-    // The value of a bound may be less than the distance to the box around the solid.
+    // A value that is only a bound may be less than the distance to the box around the solid.
     let (exact, bounds): (Vec<&Member>, Vec<&Member>) = members.iter().partition(|m| m.exact);
     let most = (members.len() as f64).sqrt().ceil() as usize;
     let mut all = Vec::new();
@@ -147,7 +147,7 @@ pub(super) fn groups(members: &[Member]) -> Vec<Group> {
     all
 }
 
-/// Halves the members by their centres along the longest axis until a part has at most `most`.
+/// Halves the members by their centres along the longest axis until each part has at most `most` members.
 fn split(mut members: Vec<&Member>, most: usize, all: &mut Vec<Group>) {
     if members.is_empty() {
         return;
@@ -177,7 +177,7 @@ fn group(members: &[&Member]) -> Group {
     }
 }
 
-/// The same bounds, limited to coordinates that `f32` can square.
+/// The same bounds, limited to coordinates whose squares are finite in `f32`.
 fn ended(bounds: Bounds3) -> Bounds3 {
     let end = DVec3::splat(ENDLESS);
     Bounds3 {

@@ -1,5 +1,5 @@
-//! The distance functions of the shaders against their twins on the CPU: both evaluate one list of
-//! surfaces at the same points, on every API.
+//! Compares the distance functions of the shaders with those of the CPU, for the same surfaces at the same points, on
+//! every API.
 
 use super::{parts_of, world_values};
 use crate::gl::{Context, Program, RenderTarget, Texture, full_screen_pass};
@@ -11,19 +11,20 @@ use crate::{Listener, Node, Scene, Source, Surface};
 use glam::{EulerRot, Quat, Vec3};
 use std::rc::Rc;
 
-/// Maximum difference between shader and CPU, in units in the last place of the largest number in
-/// an evaluation. Without a rotation there are about five operations (the offset, squares, a sum, a
-/// root, the radius), each off by half a unit on the CPU and perhaps by more in a shader, because
-/// OpenGL hardly limits the error of its root. (llvmpipe: at most 0.9.)
+/// Maximum difference between shader and CPU, in units in the last place of the largest number in an evaluation.
+/// Without a rotation there are about five operations (the offset, squares, a sum, a root, the radius). Each operation
+/// has an error of half a unit on the CPU, and perhaps a larger one in a shader, because OpenGL hardly limits the error
+/// of a square root. (Measured with llvmpipe: at most 0.9.)
 const PLAIN_ULPS: f32 = 4.0;
 
-/// A rotation adds two cross products, about ten more operations. (llvmpipe: at most 3.3.)
+/// The same for surfaces with a rotation, which adds two cross products with about ten operations. (Measured with
+/// llvmpipe: at most 3.3.)
 const TURNED_ULPS: f32 = 12.0;
 
 const KINDS: usize = 5;
 
-/// The number of a shape's kind. A new variant of [`Node`] does not compile here: give it a number,
-/// raise [`KINDS`], and add it to [`shapes`].
+/// The number of a shape's kind. A new variant of [`Node`] requires an addition here: give the variant a number, raise
+/// [`KINDS`], and add the shape to [`shapes`].
 fn kind(shape: &Node) -> usize {
     match shape {
         Node::Plane(Plane) => 0,
@@ -35,7 +36,7 @@ fn kind(shape: &Node) -> usize {
     }
 }
 
-/// Every kind of shape, in sizes from a pebble's to a hall's.
+/// Every kind of shape, in sizes from a pebble to a hall.
 fn shapes() -> Vec<Node> {
     let cube = |size| {
         Node::Cuboid(Cuboid {
@@ -58,7 +59,8 @@ fn shapes() -> Vec<Node> {
     ]
 }
 
-/// Every shape unchanged, displaced, rotated, and both; and one that is rotated later.
+/// Every shape unchanged, displaced, rotated, and both displaced and rotated; and one shape whose rotation may be
+/// driven.
 fn surfaces() -> Vec<Surface> {
     let place = Vec3::new(3.5, -7.25, 11.125);
     let turn = Quat::from_euler(EulerRot::XYZEx, 0.4, -1.1, 2.3);
@@ -79,8 +81,8 @@ fn surfaces() -> Vec<Surface> {
     shapes().into_iter().flat_map(placed).collect()
 }
 
-/// Points in a surface's own axes, transformed to the world: the origin, a shell of directions at
-/// distances from tiny to 300 m (inside, near and far), and points on the surface itself.
+/// Points in world coordinates: the origin of the surface's own axes, points in many directions at distances from 1 mm
+/// to 300 m (inside, near and far), and points on the surface.
 fn points(surface: &Surface) -> Vec<Vec3> {
     let mut local = vec![Vec3::ZERO];
     for direction in directions() {
@@ -93,7 +95,7 @@ fn points(surface: &Surface) -> Vec<Vec3> {
     local.into_iter().map(to_world).collect()
 }
 
-/// The axes, the diagonals, and directions without any symmetry.
+/// The axes, the diagonals, and asymmetric directions.
 fn directions() -> Vec<Vec3> {
     let mut directions = Vec::new();
     for x in -1..=1 {
@@ -203,9 +205,8 @@ fn unit(surface: &Surface, point: Vec3) -> f32 {
     f32::EPSILON * (point.length() + surface.position.length() + size)
 }
 
-/// Protects the list above: it contains each kind of shape unchanged, displaced, and rotated. The
-/// test fails for a shape that exists only in Rust, or whose two implementations were never
-/// compared.
+/// Protects the list of test surfaces: it contains each kind of shape unchanged, displaced and rotated. The test fails
+/// for a shape that exists only in Rust, or whose two implementations are not compared.
 #[test]
 fn every_shape_is_in_the_list() {
     type Form = fn(&Surface) -> bool;
@@ -230,8 +231,8 @@ fn every_shape_is_in_the_list() {
     }
 }
 
-/// Protects each shape's shader: in the solid, on the surface and in the air, it computes the same
-/// function as the CPU, wherever the surface is placed.
+/// Protects the shader of each shape: in the solid, on the surface and in the air it computes the same function as the
+/// CPU, for every position and rotation.
 #[test]
 fn shaders_and_cpu_agree_on_every_shape() {
     for_each_api(|context| {
@@ -271,8 +272,8 @@ fn shaders_and_cpu_agree_on_every_shape() {
     });
 }
 
-/// Protects the union: among several surfaces and the listener, shader and CPU name the same
-/// nearest one wherever it is nearest by more than rounding.
+/// Protects the nearest object: shader and CPU return the same object, unless two objects are equally near within
+/// rounding.
 #[test]
 fn shaders_and_cpu_name_the_same_nearest_object() {
     for_each_api(|context| {
@@ -305,7 +306,7 @@ fn shaders_and_cpu_name_the_same_nearest_object() {
                     named[cpu.object as usize] = true;
                 }
             }
-            // Every object was the nearest at some point: the union includes all of them.
+            // Every object was the nearest at some point, so the test covers all of them.
             assert!(named.iter().all(|&n| n), "{name}: {named:?}");
         }
     });

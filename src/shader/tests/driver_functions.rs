@@ -1,4 +1,4 @@
-//! Results must not depend on the parts of GLSL that are left to the driver.
+//! Tests that results do not depend on parts of GLSL whose precision the driver chooses.
 
 use crate::gl::{Context, Program, RenderTarget, Texture, full_screen_pass};
 use crate::shader::text::{library, link};
@@ -24,8 +24,8 @@ fn each_file(folder: &Path, visit: &mut dyn FnMut(&Path, &str)) {
     }
 }
 
-/// Protects waves from the driver's sine and similar functions, which on some drivers are 2e-4 off.
-/// Pictures may use them.
+/// Protects waves from the driver's inexact functions such as sine, whose errors reach 2e-4 on some drivers. Pictures
+/// may use these functions.
 #[test]
 fn no_wave_rests_on_an_inexact_function() {
     let glsl = Path::new(env!("CARGO_MANIFEST_DIR")).join("glsl");
@@ -49,7 +49,7 @@ fn no_wave_rests_on_an_inexact_function() {
     assert!(files > 50, "{files}");
 }
 
-/// One texel for each value: the result of `expression`, which contains `float value`.
+/// Evaluates `expression`, which contains `float value`, for each value. Each result is one texel.
 fn asked(context: &Context, expression: &str, values: &[f32]) -> Vec<[f32; 4]> {
     let root = format!(
         "uniform highp sampler2D uValues;\nlayout(location = 0) out vec4 outAnswer;\n\
@@ -69,9 +69,8 @@ fn asked(context: &Context, expression: &str, values: &[f32]) -> Vec<[f32; 4]> {
     target.read(0).unwrap().as_chunks::<4>().0.to_vec()
 }
 
-/// Protects start directions, twists and bends: cosine and sine are correct to three roundings of 1
-/// (of the angle, the polynomial, and its last sum), plus the rounding of the angle itself beyond
-/// one turn.
+/// Protects start directions, twists and bends: the error of cosine and sine is at most three roundings of 1 (of the
+/// angle, the polynomial, and its last sum), plus the rounding of the angle beyond one turn.
 #[test]
 fn cosine_and_sine_are_right_on_every_driver() {
     const ROUNDING: f64 = f32::EPSILON as f64 / 2.0;
@@ -103,12 +102,13 @@ fn cosine_and_sine_are_right_on_every_driver() {
     });
 }
 
-/// Protects reports from waves that a driver made invalid: they are counted, and contribute to
-/// neither ear, whether summed on the GPU or on the CPU.
+/// Protects reports from invalid waves, which a faulty driver may cause: they are counted, and contribute to neither
+/// ear, on the GPU and on the CPU.
 #[test]
 fn waves_that_are_not_finite_are_counted() {
     let nan = f32::NAN;
-    // Origin and status, direction and counters: heard, dead, travelling, and five invalid ones.
+    // Each wave has its origin and status, and its direction and counters. The waves are heard, dead, travelling, and
+    // five invalid ones.
     let waves = [
         ([0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 1.0, 3.0]),
         ([0.0, 0.0, 0.0, -1.0], [0.0, 0.0, 0.0, 0.0]),

@@ -1,4 +1,4 @@
-//! Compares the shaders' values, gradients and hits with those of the CPU.
+//! Compares the values, gradients and hits of the shaders with those of the CPU.
 
 use super::{has_marched_fields, parts_of, world_values};
 use crate::geometry::ExactScene;
@@ -17,10 +17,10 @@ use glam::{DVec3, Vec3};
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::TestRunner;
 
-/// Number of fields in one shader: there are few programs to compile, each of them small.
+/// Number of fields in one shader. With this number there are few programs to compile, and each is small.
 const IN_ONE: usize = 8;
 
-/// Runs a shader with `vec4 answer(int which, vec3 p, vec3 d)` at points.
+/// Runs a shader with the function `vec4 answer(int which, vec3 p, vec3 d)` for many points.
 pub struct Asked {
     context: Context,
     program: Program,
@@ -94,8 +94,8 @@ pub fn unit(entry: &Entry, surface: &Surface, p: Vec3) -> f64 {
     f64::from(f32::EPSILON) * (f64::from(size) + entry.reach()) * awkwardness(entry)
 }
 
-/// The factor by which a node amplifies earlier roundings: a quadric's terms cancel (by the square
-/// of an ellipsoid's stretch), a rotation multiplies an angle's rounding by the radius.
+/// The factor by which a node amplifies earlier rounding errors. The terms of a quadric cancel (by the square of an
+/// ellipsoid's stretch), and a rotation multiplies the rounding error of an angle by the radius.
 fn awkwardness(entry: &Entry) -> f64 {
     let of_node = |node: &Node| match node {
         Node::Ellipsoid(Ellipsoid { radii }) => {
@@ -109,7 +109,7 @@ fn awkwardness(entry: &Entry) -> f64 {
     nodes.iter().map(|f| of_node(&f.node)).fold(1.0, f64::max)
 }
 
-/// Points near, far, on and inside the surface, in its own axes.
+/// Points near the surface, far from it, on it and inside it, in its own axes.
 pub fn points(entry: &Entry, random: &mut Random) -> Vec<DVec3> {
     let reach = entry.reach();
     let mut all = vec![DVec3::ZERO];
@@ -119,7 +119,7 @@ pub fn points(entry: &Entry, random: &mut Random) -> Vec<DVec3> {
         }
     }
     for _ in 0..40 {
-        // Newton's steps towards the surface, with the CPU's value.
+        // Newton steps towards the surface, with the value on the CPU.
         let mut p = 0.9 * reach * random.direction() * random.unit();
         for _ in 0..6 {
             p -= gradient(entry, p) * entry.distance(p);
@@ -139,7 +139,7 @@ pub fn gradient(entry: &Entry, p: DVec3) -> DVec3 {
     DVec3::new(along(DVec3::X), along(DVec3::Y), along(DVec3::Z))
 }
 
-/// Whether the differences to both sides agree along several lines within `within` metres.
+/// Whether the gradient is nearly constant within `within` metres, in twelve random directions.
 fn is_smooth(entry: &Entry, p: DVec3, within: f64) -> bool {
     let here = gradient(entry, p);
     let mut random = Random(1);
@@ -162,7 +162,7 @@ fn field_calls(count: usize) -> String {
     text + "    return vec4(0.0);\n}\n"
 }
 
-/// A shader for values and gradients of one scene's fields.
+/// A shader for the values and gradients of the fields of one scene.
 fn asked(context: &Context, scene: &Scene) -> Asked {
     let mut ask = String::new();
     let mut first = 0;
@@ -228,7 +228,7 @@ fn check_batch(context: &Context, batch: &[(Entry, Surface)], worst: &mut Worst)
             let [x, y, z, _] = gradients[at].map(f64::from);
             let turn = surface.rotation.as_dquat().normalize();
             let there = turn.inverse() * DVec3::new(x, y, z);
-            // A user's gradient is itself computed over a step.
+            // The gradient of a user's field is computed from differences over a step.
             let step = if entry.truth.is_some() { 2e-3 } else { 1e-4 };
             let within = 64.0 * unit + step * entry.reach();
             worst.length = worst.length.max(there.length());
@@ -260,15 +260,15 @@ fn check_batch(context: &Context, batch: &[(Entry, Surface)], worst: &mut Worst)
     failures
 }
 
-/// Maximum difference of values in units: about four operations per node, at most eight nested
-/// nodes, and a rotation of the whole field. (llvmpipe: at most 2.2.)
+/// Maximum difference of values, in units: about four operations per node, at most eight nested nodes, and a rotation
+/// of the whole field. (Measured with llvmpipe: at most 2.2.)
 const VALUE_ULPS: f64 = 16.0;
 
-/// Maximum difference of gradients: a point where the CPU's own differences change by up to 0.01
-/// within rounding does not yet count as an edge. (llvmpipe: at most 1.1e-3; the longest is 1.016.)
+/// Maximum difference of gradients. A point counts as smooth if the gradients on the CPU differ by less than 0.01
+/// within rounding. (Measured with llvmpipe: differences of at most 1.1e-3, and lengths of at most 1.016.)
 const GRADIENT: f64 = 0.03;
 
-/// The same surface with every number of the field in uniforms instead of literals.
+/// The same surface with all numbers of its field in uniforms instead of literals.
 fn driven(surface: Surface) -> Surface {
     let mut named = surface.clone();
     let numbers = named.parameters_mut().into_iter();
@@ -289,9 +289,8 @@ fn pairs(all: Vec<Entry>) -> Vec<(Entry, Surface)> {
     all.into_iter().flat_map(placed).collect()
 }
 
-/// Protects the shaders' values and gradients: they equal those of the CPU for every shape and
-/// operator, unchanged, placed, and with its numbers driven. One API is enough, because the passes
-/// of all APIs are tested elsewhere.
+/// Protects the shaders' values and gradients: they equal those of the CPU for every shape and operator, unchanged,
+/// displaced, and with driven numbers. One API is enough, because other tests cover passes on all APIs.
 #[test]
 fn shaders_and_cpu_agree_on_values_and_gradients() {
     let context = context(Api::Gl);
@@ -307,7 +306,7 @@ fn shaders_and_cpu_agree_on_values_and_gradients() {
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
-/// Protects the shaders' values and gradients for random trees, too.
+/// Protects the shaders' values and gradients of random trees.
 #[test]
 fn shaders_and_cpu_agree_on_random_trees() {
     let context = context(Api::Gl);
@@ -338,13 +337,13 @@ fn shaders_and_cpu_agree_on_random_trees() {
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
-/// Maximum difference of hits in units of the position, divided by the cosine of the incidence: the
-/// error of the value, through a discriminant whose terms cancel. (llvmpipe: at most 26 if the
-/// cosine is above 0.1.)
+/// Maximum difference of hits, in units of the position, divided by the cosine of the angle of incidence. The
+/// difference is the error of the value, amplified by a discriminant whose terms cancel. (Measured with llvmpipe: at
+/// most 26 if the cosine is above 0.1.)
 const HIT_ULPS: f64 = 64.0;
 
-/// Protects closed forms: a line hits a field where the march in f64 hits it, from the air and when
-/// leaving the surface. Lines are left out if slightly shifted lines give another result.
+/// Protects closed forms: a line hits a field at the same point as the march in f64, from the air and when it leaves
+/// the surface. Lines are left out if slightly shifted lines have a different result.
 #[test]
 fn closed_forms_meet_what_a_march_meets() {
     let context = context(Api::Gl);
@@ -376,7 +375,7 @@ fn closed_forms_meet_what_a_march_meets() {
             let direction = (to_world(&surface, aim) - from).normalize_or(Vec3::X);
             if entry.distance(to_local(&surface, from)) > 1e-3 * entry.reach() {
                 lines.push((from, direction));
-                // When leaving the surface.
+                // A line that leaves the surface.
                 if let Some(hit) = exact.closest_hit(from.as_dvec3(), direction.as_dvec3()) {
                     let d = direction.as_dvec3();
                     let mirrored = d - 2.0 * d.dot(hit.normal) * hit.normal;

@@ -1,5 +1,5 @@
-//! Lines: the bounds of fields along them, which let a march take longer steps than values do, and lines exactly
-//! parallel to faces, for which a closed form would divide by 0.
+//! Tests of lines: bounds of fields along lines, with which a march takes longer steps than with values; and lines
+//! exactly parallel to faces, for which a closed form could divide by 0.
 
 use super::field_shaders::{Asked, gradient, points, unit};
 use super::{has_marched_fields, parts_of};
@@ -16,17 +16,17 @@ use crate::shader::text::{ListenerText, closed_form_parts, directed_parts};
 use crate::test_common::{Random, context};
 use glam::{DVec3, Vec2, Vec3};
 
-/// Lines from each point.
+/// Number of lines from each point.
 const LINES: usize = 4;
 
-/// Points on each line at which the field is evaluated, denser towards its end.
+/// Number of points on each line at which the field is evaluated. The points are denser towards the end of the line.
 const PLACES: usize = 64;
 
-/// Maximum depth of a line in the solid, in units of the position: the rounding error of its start and of the
-/// bound.
+/// Maximum depth in the solid on a line that should be free, in units of the position. The depth is due to the rounding
+/// errors of the line's start and of the bound.
 const SOLID_ULPS: f64 = 64.0;
 
-/// Shader for the free length along d from p for all fields, as the march computes it.
+/// A shader for the free length of a line from p along d past all fields, as the march computes it.
 const FREE: &str = "
 vec4 answer(int which, vec3 p, vec3 d) {
     findChords(p, d, ROUNDING * largest(p));
@@ -35,10 +35,11 @@ vec4 answer(int which, vec3 p, vec3 d) {
 }
 ";
 
-/// Distances from the surface at which further lines begin, as shares of its reach: bounds are used next to surfaces.
+/// Distances from the surface at which further lines begin, as shares of the surface's reach. Bounds matter most next
+/// to surfaces.
 const NEAR: [f64; 2] = [1e-4, 1e-2];
 
-/// Lines through the air, from points near and far, in all directions and towards the surface.
+/// Lines through the air, from points near and far. Some have random directions, and some point to the surface.
 fn lines(entry: &Entry, surface: &Surface) -> Vec<(DVec3, DVec3)> {
     let mut random = Random(29);
     let mut all = Vec::new();
@@ -57,7 +58,7 @@ fn lines(entry: &Entry, surface: &Surface) -> Vec<(DVec3, DVec3)> {
     all
 }
 
-/// Newton's steps from p to a point where the field's value equals `value`.
+/// Newton steps from p to a point at which the field has the given value.
 fn towards(entry: &Entry, mut p: DVec3, value: f64) -> DVec3 {
     for _ in 0..6 {
         p += gradient(entry, p) * (value - entry.distance(p));
@@ -65,7 +66,7 @@ fn towards(entry: &Entry, mut p: DVec3, value: f64) -> DVec3 {
     p
 }
 
-/// The first point of a line that is in the solid although the line should be free there.
+/// The distance along a line to the first tested point in the solid, within the length that should be free.
 fn solid_within(
     entry: &Entry,
     (from, direction): (DVec3, DVec3),
@@ -74,7 +75,7 @@ fn solid_within(
 ) -> Option<f64> {
     let place = |index: usize| {
         let share = (index as f64 + 0.5) / PLACES as f64;
-        // Most wrong bounds would first be wrong at their end.
+        // Most wrong bounds are first wrong at the end of the free length.
         free * share * (2.0 - share)
     };
     (0..PLACES)
@@ -82,8 +83,8 @@ fn solid_within(
         .find(|t| entry.distance(from + *t * direction) < -bound)
 }
 
-/// Adds to `worth`, for each line that begins next to the surface, the ratio of the free length to
-/// the value.
+/// Checks the lines of one entry. For each line that begins next to the surface, the ratio of the free length to the
+/// value is added to `worth`.
 fn check(
     context: &Context,
     entry: &Entry,
@@ -108,7 +109,7 @@ fn check(
         if free.is_nan() || free < 0.0 {
             return Err(format!("free for {free} m at {p}: {}", entry.name));
         }
-        // Limited to the extent of the field.
+        // Limits the length to the extent of the field.
         let free = f64::from(free).min(p.length() + 2.0 * entry.reach());
         let bound = SOLID_ULPS * unit(entry, surface, start);
         let value = entry.distance(p);
@@ -126,8 +127,8 @@ fn check(
     Ok(())
 }
 
-/// All entries that the CPU can evaluate, and their complements: bounds in the air and in the solid have separate
-/// texts.
+/// All entries that the CPU can evaluate, and their complements, because bounds in the air and in the solid have
+/// separate texts.
 fn both_sides() -> Vec<Entry> {
     let other = |entry: &Entry| Entry {
         name: format!("complement of {}", entry.name),
@@ -139,8 +140,9 @@ fn both_sides() -> Vec<Entry> {
     entries.into_iter().chain(others).collect()
 }
 
-/// Protects waves from passing through surfaces: no free length reaches into the field. Also protects the usefulness
-/// of bounds: for nearly all fields, half of all lines next to a surface are free for a fifth more than the value.
+/// Protects waves from passing through surfaces: no free length reaches into the solid. Also protects the benefit of
+/// bounds: for nearly all fields, half of the lines next to a surface have a free length that exceeds the value by at
+/// least a fifth.
 #[test]
 fn lines_are_free_as_far_as_bounds_say() {
     let context = context(Api::Gl);
@@ -169,7 +171,7 @@ vec4 answer(int which, vec3 p, vec3 d) {
 }
 ";
 
-/// Maximum distance in metres between a hit and its twin in f64.
+/// Maximum distance in metres between a hit and the reference in f64.
 const CLOSE: f64 = 1e-5;
 
 /// Shapes of 2 m with faces or an axis along the coordinate axes.
@@ -206,7 +208,8 @@ fn shapes() -> Vec<Shape> {
     ]
 }
 
-/// Lines along both directions of every axis, from a grid whose lines neither touch a face nor graze a curved side.
+/// Lines along both directions of every axis. They start on a grid, so that no line touches a face or grazes a curved
+/// side.
 fn parallel_lines() -> Vec<(Vec3, Vec3)> {
     const AT: [f32; 6] = [-2.3, -1.1, -0.4, 0.35, 0.9, 1.7];
     let axes = Vec3::AXES.into_iter().flat_map(|axis| [axis, -axis]);
@@ -221,8 +224,8 @@ fn parallel_lines() -> Vec<(Vec3, Vec3)> {
     all
 }
 
-/// Protects misses: a line beside a face and parallel to it misses, and one within has the same hit as the
-/// reference.
+/// Protects misses: a line parallel to a face and beside it misses, and a line parallel to a face and within it has the
+/// hit of the reference.
 #[test]
 fn lines_parallel_to_faces_meet_what_they_should() {
     let context = context(Api::Gl);

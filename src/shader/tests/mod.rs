@@ -1,4 +1,4 @@
-//! Tests of the texts of scenes, and of the shaders against the CPU.
+//! Tests of the shader texts of scenes, and comparisons of the shaders with the CPU.
 
 mod distance_functions;
 mod driver_functions;
@@ -16,7 +16,7 @@ use glam::{Quat, Vec3, Vec4};
 
 type Parts = fn(&Text) -> Vec<Part>;
 
-/// The functions that a pass calls, the lists of cells that it reads, and its parts.
+/// For each pass, the functions that it calls, the lists of cells that it reads, and the parts that it links.
 const CALLS: [(&str, Lists, Parts); 3] = [
     (
         "distanceFunction()",
@@ -33,7 +33,7 @@ const CALLS: [(&str, Lists, Parts); 3] = [
     }),
 ];
 
-/// The parts of a scene's text.
+/// The parts of the shader text of a scene.
 fn parts_of(scene: &Scene, lists: Lists, parts: Parts) -> Vec<Part> {
     parts(&Text::new(scene, &Structure::of(scene, lists)))
 }
@@ -58,7 +58,7 @@ fn texts(scene: &Scene) -> Vec<String> {
     CALLS.map(linked).to_vec()
 }
 
-/// Protects specialisation: a scene's shader names no shape that is not in it.
+/// Protects specialisation: the shader of a scene contains no shape that the scene lacks.
 #[test]
 fn only_the_shapes_of_the_scene_are_in_its_text() {
     let corner = Scene::builtin("corner").unwrap();
@@ -72,7 +72,7 @@ fn only_the_shapes_of_the_scene_are_in_its_text() {
     }
 }
 
-/// Protects the promise that moving things never recompiles a shader.
+/// Protects programs: moving objects never recompiles a shader.
 #[test]
 fn moving_and_resizing_leaves_the_text_alone() {
     let scene = Scene::builtin("open-pillars").unwrap();

@@ -1,9 +1,8 @@
-//! Intersections of a line with each surface in closed form; only fields without a closed form are
-//! marched.
+//! Intersections of a line with surfaces in closed form. Only fields without a closed form are marched.
 //!
-//! Each unrolled surface has its own lines of text. Each kind in cells has a loop over their records
-//! (`shader/scene_data.rs`). A kind without a closed form is marched, one surface after another: the records
-//! contain the boxes around the surfaces, and only a surface whose box the line enters is marched.
+//! Each unrolled surface has its own lines of text. Each kind in cells has a loop over its records
+//! (`shader/scene_data.rs`). The surfaces of a kind without a closed form are marched one after another. Their records
+//! contain the boxes around the surfaces, and a surface is marched only if the line enters its box.
 
 use super::field::{gradient_text, hit_text, normal_text, value_text};
 use super::fields_ahead::{fields_ahead, functions_alone, march_alone, on_own_line};
@@ -16,9 +15,8 @@ use crate::shader::layout::GRID_VECTORS;
 use crate::shader::scene_data::Record;
 use std::fmt::Write;
 
-/// The parts of `closestHit(p, d, last, limit, object)` and `reflectWave(object, t, p, d)` for a
-/// scene, and of `marchFields(p, d, last, limit, object, limitReached)` for its fields without a
-/// closed form.
+/// The parts of `closestHit(p, d, last, limit, object)` and `reflectWave(object, t, p, d)` for a scene, and of
+/// `marchFields(p, d, last, limit, object, limitReached)` for the fields without a closed form.
 pub fn closed_form_parts(text: &Text, listener: ListenerText) -> Vec<Part> {
     let marched = |named: &Named| Marched::Others.takes(named) && !named.is_data();
     let mut parts = text.parts();
@@ -59,7 +57,7 @@ fn closest_hit(text: &Text, listener: ListenerText) -> String {
         surfaces += &candidate(named);
     }
     surfaces += &kind_calls(text);
-    // A step limit counts only if nothing else is hit before.
+    // A step limit counts only if the line hits nothing nearer.
     for named in limited {
         surfaces += &candidate(named);
     }
@@ -115,14 +113,14 @@ fn grids_text(text: &Text) -> String {
     )
 }
 
-/// The kinds with their numbers: those with a closed form, or the marched ones.
+/// The kinds with their numbers: either the marched kinds or those with a closed form.
 fn kinds<'a>(text: &'a Text, marched: bool) -> impl Iterator<Item = (usize, &'a Named<'a>)> {
     let kinds = text.instanced.iter().enumerate();
     kinds.filter(move |(_, named)| named.has_closed_form() != marched)
 }
 
-/// The calls for all kinds; each call only looks for a hit nearer than those before, and so a march is the
-/// last.
+/// The calls for all kinds. Each call looks only for a hit that is nearer than those found before. Marches come last,
+/// because nearer hits shorten them.
 fn kind_calls(text: &Text) -> String {
     let call = |(kind, _)| format!("    closestOfKind{kind}(p, d, last, nearest, object);\n");
     let mut calls: String = kinds(text, false).map(call).collect();
@@ -177,7 +175,7 @@ fn closest_of_marched_kind(text: &Text, named: &Named, kind: usize) -> String {
         + &march_alone(kind)
 }
 
-/// The condition that the wave does not leave a convex surface.
+/// The condition that excludes the convex surface that the wave leaves.
 fn is_left(named: &Named) -> &'static str {
     match named.surface.shape.is_convex() {
         true => " && number != last",
@@ -204,7 +202,7 @@ fn closest_of_kind(named: &Named, kind: usize) -> String {
     fill(&source!("template/closest_of_kind.glsl"), &texts)
 }
 
-/// The values that are computed once per line, and the intersection of the line with the surface of a
+/// The values that are computed once per line, and the expression that intersects the line with the surface of a
 /// record.
 fn record_candidate(named: &Named) -> (&'static str, String) {
     let turned = named.surface.has_rotation();

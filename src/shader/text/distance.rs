@@ -1,5 +1,5 @@
-//! The distances of a scene: to all objects, for the thesis' march and for pictures; and to the
-//! objects that can be hit ahead, with the gradient, for the march of `march`.
+//! The distance functions of a scene: the distance to all objects, for the march of `thesis` and for pictures; and the
+//! distance to the objects that can be hit ahead, with its gradient, for the march of `march`.
 
 use super::field::{gradient_text, normal_text, value_text};
 use super::fields_ahead::fields_ahead;
@@ -10,8 +10,9 @@ use super::surface_names::{Marched, Named};
 use crate::scene::Node;
 use std::fmt::Write;
 
-/// The parts of the distance functions of a scene: `surfaceDistance(p, object)` over the surfaces
-/// and `distanceFunction(p, object)` over the surfaces and the listener, in world metres.
+/// The parts of the distance functions of a scene: `surfaceDistance(p, object)` over the surfaces, and
+/// `distanceFunction(p, object)` over the surfaces and the listener. Distances are in metres, and points in world
+/// coordinates.
 pub fn distance_parts(text: &Text) -> Vec<Part> {
     let mut parts = text.parts();
     text.add_fields(&mut parts, |_| true, value_text);
@@ -20,7 +21,7 @@ pub fn distance_parts(text: &Text) -> Vec<Part> {
     parts
 }
 
-/// `surfaceDistance(p, object)`, and the functions that it calls for surfaces in cells.
+/// `surfaceDistance(p, object)`, and the functions for surfaces in cells that it calls.
 fn surface_distances(text: &Text) -> String {
     distance_of_kind(text) + &surface_distance(text)
 }
@@ -69,7 +70,7 @@ fn surface_distance(text: &Text) -> String {
     out
 }
 
-/// The thesis' `distanceFunction`: the listener is an object too, number 0.
+/// The function `distanceFunction` of the thesis, in which the listener is object number 0.
 const DISTANCE_FUNCTION: &str = "\
 // Signed distance to the nearest surface or to the listener, whose number is 0.
 float distanceFunction(vec3 p, out float object) {
@@ -94,7 +95,7 @@ pub fn directed_parts(text: &Text, listener: ListenerText) -> Vec<Part> {
     parts
 }
 
-/// The functions of kinds that the functions below call for surfaces in cells.
+/// The functions for kinds, which the functions below call for surfaces in cells.
 fn of_kinds(text: &Text) -> String {
     let basic = |named: &Named| named.field().is_none();
     let distance = of_kind(

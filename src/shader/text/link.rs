@@ -1,13 +1,14 @@
-//! Pieces of shader text, and a linker: a program gets the functions that it calls, and no others.
+//! Pieces of shader text, and a linker that gives each program only the functions that it calls.
 //!
-//! A file under `glsl/` is a list of definitions of functions, constants and uniforms, each with the comment before it:
-//! a [`Part`]. [`link`] includes some sources as a whole, and puts before each of them the parts that it uses, callees
-//! first. GLSL has no recursion, so there is always such an order. [`join`] makes one text of the sources, with the
-//! file and line of each source for the driver's messages.
+//! A file under `glsl/` is a list of definitions of functions, constants and uniforms. Each definition, with the
+//! comment before it, is a [`Part`]. [`link`] includes some sources as a whole, and puts the parts that a source uses
+//! before it, callees first. Such an order always exists, because GLSL has no recursion. [`join`] makes one text of the
+//! sources, and states the file and line of each source for the driver's messages.
 //!
-//! The lines of a function that depend on the scene have places in a *skeleton*, a file under `glsl/template/`: names
-//! between two `@`, a sign that GLSL does not have. [`fill`] fills them. A place that is alone on its line is filled with
-//! whole lines, or with none.
+//! If some lines of a function depend on the scene, the function is written as a *skeleton*, a file under
+//! `glsl/template/` with placeholders. A placeholder is a name between two `@`, a character that GLSL does not use.
+//! [`fill`] replaces placeholders by texts. A placeholder that is alone on its line is replaced by whole lines, or by
+//! none.
 
 use crate::scene::shape::every_part;
 use std::borrow::Cow;
@@ -18,9 +19,9 @@ use std::sync::LazyLock;
 /// A piece of shader text, with its file and the number of its first line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Source {
-    /// The file under the repository's root, or a description of the piece.
+    /// The file's path from the repository's root, or a description of the piece.
     pub name: Cow<'static, str>,
-    /// Number of its first line in that file, from 1.
+    /// Number of the first line of the piece in that file, from 1.
     pub line: usize,
     /// The text itself.
     pub text: Cow<'static, str>,
@@ -58,15 +59,15 @@ pub(crate) fn read_at_run_time(file: &str) -> String {
     std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// Maximum empty lines between two sources before the text states the line number again.
+/// Maximum empty lines that replace a `#line` directive between two sources of one file.
 const MOST_EMPTY_LINES: usize = 2;
 
-/// Joins sources into one text. Driver messages name each file by a number, counted from 1 in the
-/// order in which the files first occur.
+/// Joins sources into one text. Driver messages identify each file by a number, counted from 1 in the order in which
+/// the files first occur.
 pub fn join(sources: &[Source]) -> String {
     let mut files: Vec<&str> = Vec::new();
     let mut text = String::new();
-    // The file of the previous source, and the number of the line after it.
+    // The file of the previous source, and the number of the line after its end.
     let mut before = ("", 0);
     for Source {
         name,
@@ -94,10 +95,10 @@ pub fn join(sources: &[Source]) -> String {
     text
 }
 
-/// The text of a skeleton with its placeholders replaced: each name by its text, in which further placeholders are
-/// not replaced.
+/// The text of a skeleton with its placeholders replaced by the given texts. Placeholders within these texts are not
+/// replaced.
 ///
-/// A name without a text is a mistake of the caller: it stays in the text, and no driver compiles it.
+/// A placeholder without a text stays in the result, and no driver compiles it. This is an error of the caller.
 pub fn fill(skeleton: &Source, texts: &[(&str, &str)]) -> String {
     let mut out = String::with_capacity(skeleton.text.len());
     let mut pieces = skeleton.text.split('@').peekable();
@@ -129,7 +130,7 @@ pub struct Part {
     pub(super) uses: Vec<String>,
 }
 
-/// Words that begin the definition of a function.
+/// Types with which the definition of a function or a variable begins.
 const TYPES: [&str; 11] = [
     "float", "int", "uint", "bool", "void", "vec2", "vec3", "vec4", "uvec3", "mat3", "ivec2",
 ];
@@ -145,7 +146,7 @@ pub fn parts(source: Source) -> Vec<Part> {
         let code = code(line).trim_end();
         let is_outside = braces == 0 && conditions == 0;
         if code.is_empty() && line.is_empty() && is_outside && defines.is_empty() {
-            // A comment without a definition after it.
+            // A comment without a definition after it is dropped.
             lines.clear();
             continue;
         }
@@ -163,7 +164,7 @@ pub fn parts(source: Source) -> Vec<Part> {
         }
         let text = lines.join("\n") + "\n";
         all.push(Part {
-            // Without its own name: functions of the same name keep the order of the file.
+            // The part's own name is left out, so that functions of the same name keep the order of the file.
             uses: words(&text)
                 .filter(|word| !defines.iter().any(|name| name == word))
                 .map(str::to_owned)
@@ -185,7 +186,7 @@ fn code(line: &str) -> &str {
     line.split("//").next().unwrap_or_default()
 }
 
-/// Returns the roots in their order, each after the parts that it uses.
+/// Returns the roots in their order. Before each root are the parts that it uses.
 pub fn link(roots: Vec<Source>, parts: Vec<Part>) -> Vec<Source> {
     let mut defined_in: HashMap<&str, Vec<usize>> = HashMap::new();
     for (index, part) in parts.iter().enumerate() {
@@ -214,7 +215,7 @@ struct Linker<'a> {
 }
 
 impl Linker<'_> {
-    /// Adds the definitions of a name, after the definitions that they use.
+    /// Adds the definitions of a name. Before each of them come the definitions that it uses.
     fn take(&mut self, name: &str) {
         let parts = self.parts;
         for index in self.defined_in.get(name).cloned().unwrap_or_default() {
@@ -227,7 +228,7 @@ impl Linker<'_> {
     }
 }
 
-/// The name that a line defines, if it begins a definition.
+/// The name that a line defines, or `None` if no definition begins on the line.
 fn defined(line: &str) -> Option<String> {
     let mut rest = line.split_whitespace();
     let first = rest.next()?;
@@ -254,8 +255,8 @@ fn defined(line: &str) -> Option<String> {
     words(name).next().map(str::to_owned)
 }
 
-/// The names in a text, without its comments. The name of a function includes the bracket, so that
-/// a variable of the same name is a different word.
+/// The names in a text, without its comments. The name of a function includes the opening bracket, to distinguish it
+/// from a variable of the same name.
 fn words(text: &str) -> impl Iterator<Item = &str> {
     text.lines().map(code).flat_map(|line| {
         let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
@@ -305,13 +306,13 @@ static LIBRARY: LazyLock<Vec<Part>> = LazyLock::new(|| {
     all.into_iter().flat_map(parts).collect()
 });
 
-/// All functions, to be linked where they are called.
+/// All functions of the library, which are linked where they are called.
 pub(in crate::shader) fn library() -> Vec<Part> {
     LIBRARY.clone()
 }
 
-/// Whether the library has a function of this name: the generated text for a shape depends on the
-/// functions in its file.
+/// Whether the library has a function of this name. The generated text for a shape depends on the functions in the
+/// shape's file.
 pub(super) fn has_function(name: &str) -> bool {
     static DEFINED: LazyLock<HashSet<&str>> = LazyLock::new(|| {
         let defined = LIBRARY.iter().flat_map(|part| &part.defines);
@@ -320,8 +321,8 @@ pub(super) fn has_function(name: &str) -> bool {
     DEFINED.contains(format!("{name}(").as_str())
 }
 
-/// Whether a character is not allowed in a comment: GLSL's character set is ASCII, and a backslash
-/// would continue the comment on the next line.
+/// Whether a character is not allowed in a comment. GLSL's character set is ASCII, and a backslash would continue the
+/// comment on the next line.
 pub(super) fn no_comment(character: char) -> bool {
     character == '\\' || !(character.is_ascii_graphic() || character == ' ')
 }
@@ -338,7 +339,7 @@ mod tests {
         sources.iter().map(|source| &*source.text).collect()
     }
 
-    /// Protects the order and the selection: callees come first, uncalled functions are left out,
+    /// Protects the order and the selection of parts: callees come first, functions that are not called are left out,
     /// and a name in a comment does not count as a call.
     #[test]
     fn what_is_called_comes_first_and_nothing_else() {
@@ -353,8 +354,8 @@ mod tests {
         assert_eq!(place("float unused("), None);
     }
 
-    /// Protects the lines in driver messages, and the splitting into definitions: next to each other, with an
-    /// empty line inside, between `#if` and `#endif`.
+    /// Protects the line numbers in driver messages, and the splitting into definitions. The definitions are adjacent,
+    /// contain an empty line, or are between `#if` and `#endif`.
     #[test]
     fn each_part_knows_its_line() {
         let text = "// A file.\n\nuniform float uSize;\nconst float A = 1.0;  // {\n\n// f.\nfloat f() {\n    return \
@@ -366,8 +367,7 @@ mod tests {
         assert_eq!(lines, [3, 4, 6, 11, 16]);
     }
 
-    /// Protects structures, functions that return one, and variables: each is linked where its name
-    /// is used.
+    /// Protects structures, functions that return structures, and variables: each is linked if its name is used.
     #[test]
     fn structures_and_what_gives_them_come_too() {
         let library = "struct Way {\n    float end;\n};\n\nint turns;\n\n\
@@ -381,7 +381,7 @@ mod tests {
         assert_eq!(place("struct Other"), None);
     }
 
-    /// Protects from linking uncalled functions: a variable may have a function's name.
+    /// Protects from linking functions that are not called: a variable may have the name of a function.
     #[test]
     fn a_variable_is_no_call() {
         let library = "float bend(float x) { return x; }\n\nconst float SIZE = 2.0;\n";
@@ -389,7 +389,7 @@ mod tests {
         assert!(text.contains("const float SIZE") && !text.contains("float bend(float x)"));
     }
 
-    /// Protects overloads: a name links all functions of that name.
+    /// Protects overloads: a call links all functions of that name.
     #[test]
     fn functions_of_one_name_come_together() {
         let text = linked(
@@ -400,8 +400,7 @@ mod tests {
         assert!(text.contains("vec4 f("));
     }
 
-    /// Protects the placeholders of skeletons, within a line and alone on one, and texts that contain
-    /// `@`.
+    /// Protects the placeholders of skeletons, within a line and alone on a line, and texts that contain `@`.
     #[test]
     fn places_are_filled_once() {
         let filled = |skeleton: &'static str| {

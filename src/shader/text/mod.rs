@@ -1,10 +1,10 @@
-//! A scene as shader text.
+//! The shader text of a scene.
 //!
-//! Only the shapes and operators that occur in the scene are in the text: one evaluation per
-//! surface if surfaces are unrolled, or one per kind if there are many. There are three texts, by
-//! the information that a wave needs:
+//! The text contains only the shapes and operators that occur in the scene. An evaluation is written once per surface
+//! if surfaces are unrolled, and once per kind if there are many. There are three texts, for the different needs of the
+//! algorithms:
 //!
-//! - [`distance_parts`]: the signed distance to all objects (the thesis' march, pictures);
+//! - [`distance_parts`]: the signed distance to all objects (the march of `thesis`, pictures);
 //! - [`directed_parts`]: the distance to the objects that can be hit ahead, and its gradient;
 //! - [`closed_form_parts`]: the intersection of a line with each surface, without a march.
 

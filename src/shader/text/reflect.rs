@@ -1,9 +1,8 @@
-//! The reflection of a wave at the surface that it hits: the point on the surface, and the mirrored
-//! direction.
+//! The reflection of a wave at the surface that it hits: the point on the surface, and the mirrored direction.
 //!
-//! Surfaces of a kind share one piece of text: it selects the values of the surface that was hit,
-//! then computes one box or one cylinder. Waves that are drawn together hit different surfaces, and
-//! a renderer that draws them in lockstep would compute every branch for all of them.
+//! Surfaces of a kind share one piece of text, which selects the values of the surface that was hit and then computes
+//! the reflection once. Waves that are drawn together hit different surfaces, and a renderer that draws them in
+//! lockstep would compute a separate branch for every surface for all of these waves.
 
 use super::link::{fill, source};
 use super::scene_text::{Text, of_kind};
@@ -18,7 +17,7 @@ enum Group<'a> {
     Faces(Vec<&'a Named<'a>>),
     /// Basic shapes of one kind.
     Kind(Vec<&'a Named<'a>>),
-    /// Fields that differ in numbers that do not move, and in position and rotation.
+    /// Fields that differ only in fixed numbers, position and rotation.
     Fields(Vec<&'a Named<'a>>),
 }
 
@@ -76,10 +75,11 @@ fn groups<'a>(text: &'a Text) -> Vec<Group<'a>> {
     groups
 }
 
-/// Maximum vectors of numbers of a field that are selected: selecting more costs more than the field.
+/// Maximum vectors of a field's numbers that are selected. The selection of more vectors costs more than a separate
+/// field.
 const MOST_SELECTED: usize = 4;
 
-/// Whether two fields differ in numbers, position and rotation alone.
+/// Whether two fields differ only in numbers, position and rotation.
 fn are_alike(one: &Named, other: &Named) -> bool {
     let is_small = |named: &Named| {
         let numbers = named.literal_numbers();
@@ -88,13 +88,13 @@ fn are_alike(one: &Named, other: &Named) -> bool {
     is_small(one) && is_small(other) && SurfaceStructure::have_one_text(one.surface, other.surface)
 }
 
-/// The surface whose text serves all members: one with a rotation, if there is one.
+/// The surface whose text serves all members. If a member has a rotation, it is a member with a rotation.
 fn representative<'a>(members: &[&'a Named<'a>]) -> &'a Named<'a> {
     let turned = members.iter().find(|named| named.surface.has_rotation());
     turned.unwrap_or(&members[0])
 }
 
-/// Fields that share the functions of the group `one`.
+/// The reflection at fields that share the functions of `one`, the field that represents their group.
 fn at_fields(members: &[&Named], one: &Named) -> String {
     let is_turned = one.surface.has_rotation();
     at_alike(members, one, |named| {
@@ -122,7 +122,7 @@ fn is_same_kind(one: &Named, other: &Named) -> bool {
     one.shape() == other.shape() && one.surface.has_rotation() == other.surface.has_rotation()
 }
 
-/// Rooms and boxes along the axes: their mirrored directions are exact.
+/// The reflection at rooms and boxes along the axes. Their mirrored directions are exact.
 fn at_faces(members: &[&Named]) -> String {
     let side = |named: &Named| match named.surface.shape.node {
         Node::Room(_) => "1.0",
@@ -144,7 +144,7 @@ fn at_faces(members: &[&Named]) -> String {
     block(members, &select(members, values), reflection)
 }
 
-/// Basic shapes of one kind.
+/// The reflection at basic shapes of one kind.
 fn at_kind(members: &[&Named]) -> String {
     let count = members[0].value_count();
     at_alike(members, &members[0].selected(), |named| {
@@ -152,7 +152,8 @@ fn at_kind(members: &[&Named]) -> String {
     })
 }
 
-/// Surfaces that share the text of `one`, whose vectors are selected among those that `values` gives for each.
+/// The reflection at surfaces that share the text of `one`. Their vectors, which `values` returns for each surface, are
+/// selected.
 fn at_alike(members: &[&Named], one: &Named, values: impl Fn(&Named) -> Vec<String>) -> String {
     let declared = |named: &Named| {
         let vectors = values(named).into_iter().enumerate();
@@ -167,8 +168,7 @@ fn at_alike(members: &[&Named], one: &Named, values: impl Fn(&Named) -> Vec<Stri
     block(members, &select(members, declared), &reflection)
 }
 
-/// Declares the values of the first of some surfaces, and selects those of the surface that was
-/// hit.
+/// Declares variables with the values of the first member. If another member was hit, its values replace them.
 fn select(members: &[&Named], values: impl Fn(&Named) -> Vec<(String, String)>) -> String {
     let mut out = String::new();
     for (declaration, value) in values(members[0]) {
@@ -184,7 +184,7 @@ fn select(members: &[&Named], values: impl Fn(&Named) -> Vec<(String, String)>) 
     out
 }
 
-/// The reflection of the waves that hit one of some surfaces.
+/// The reflection of the waves that hit one of the members.
 fn block(members: &[&Named], values: &str, reflection: &str) -> String {
     let labels: Vec<&str> = members.iter().map(|named| named.label.as_str()).collect();
     let met: Vec<String> = members.iter().map(|named| named.is_met()).collect();
@@ -212,7 +212,7 @@ fn at_field(named: &Named) -> String {
     fill(&source!("template/reflect_field.glsl"), &texts)
 }
 
-/// Projects the point `p`, hit along `d`, onto a surface, and computes the normal there.
+/// The statements that project the point `p`, hit along `d`, onto a surface, and compute the normal there.
 fn projection(named: &Named, p: &str, d: &str) -> Vec<String> {
     let mut statements = vec![format!("q = {};", named.point(p))];
     let vector = named.vector(d);
@@ -231,8 +231,9 @@ fn projection(named: &Named, p: &str, d: &str) -> Vec<String> {
     statements
 }
 
-/// A Newton step that takes `q` onto a field's surface, and the normal of the sheet that a wave along `vector` hits there;
-/// 0 if it hits none. One gradient serves both, unless sheets meet there.
+/// The statements of a Newton step that moves `q` onto the surface of a field, and of the normal of the sheet that a
+/// wave along `vector` hits there. The normal is 0 if the wave hits no sheet. One gradient gives both, unless sheets
+/// meet at the point.
 fn onto_field(named: &Named, p: &str, vector: &str) -> Vec<String> {
     let shape = &named.surface.shape;
     if !shape.may_have_hollow_edges() {
@@ -242,8 +243,8 @@ fn onto_field(named: &Named, p: &str, vector: &str) -> Vec<String> {
             format!("normal = facing(gradient.xyz, {vector});"),
         ];
     }
-    // At an edge or a corner the gradient is that of one sheet, and the wave may hit another sheet:
-    // this one is the nearest at a small offset from the first.
+    // At an edge or a corner the gradient is that of one sheet, but the wave may hit another sheet. The other sheet is
+    // the nearest at a small offset from the first sheet.
     let apart = format!("APART * roundingAt({p}, {})", named.error_bound());
     let gradient = named.field_normal("at");
     vec![

@@ -1,4 +1,4 @@
-//! The names used in the text of a scene, and the parts of every such text.
+//! The names in the text of a scene, and the parts that every such text may call.
 
 use super::field;
 use super::link::{self, Part, Source, library};
@@ -13,7 +13,7 @@ use std::fmt::Write;
 pub enum ListenerText {
     /// A wave that reaches the listener's sphere has arrived, and stops.
     Solid,
-    /// Waves fly through the listener: no text about the objects ahead contains it.
+    /// Waves pass through the listener. The texts about the objects ahead do not contain it.
     Transparent,
 }
 
@@ -23,13 +23,13 @@ pub(crate) struct Text<'a> {
     pub unrolled: Vec<Named<'a>>,
     /// Kinds of the surfaces in cells.
     pub instanced: Vec<Named<'a>>,
-    /// Axes along which cells have no end.
+    /// Axes along which cells are infinite.
     pub unbounded_axes: [bool; 3],
     assets: &'a Assets,
 }
 
 impl<'a> Text<'a> {
-    /// The names of a scene of this structure.
+    /// The names in a scene with this structure.
     pub fn new(scene: &'a Scene, structure: &'a Structure) -> Text<'a> {
         let layout = &structure.layout;
         let mut first = 0;
@@ -50,12 +50,13 @@ impl<'a> Text<'a> {
         }
     }
 
-    /// Every surface and kind with lines in the text.
+    /// Every surface and kind that has lines in the text.
     pub fn all(&self) -> impl Iterator<Item = &Named<'a>> {
         self.unrolled.iter().chain(&self.instanced)
     }
 
-    /// Whether fields are marched together. The kinds of [`Marched::Others`] are marched one surface at a time.
+    /// Whether fields are marched together. With [`Marched::Others`], the surfaces of kinds are marched one at a time
+    /// instead.
     pub fn marches(&self, marched: Marched) -> bool {
         let unrolled = self.unrolled.iter().any(|named| marched.takes(named));
         unrolled || self.marches_kinds(marched)
@@ -66,7 +67,7 @@ impl<'a> Text<'a> {
         marched == Marched::All && self.instanced.iter().any(|named| marched.takes(named))
     }
 
-    /// The parts that every text may call: the library, the users' fields, the values of the surfaces.
+    /// The parts that every text may call: the library, the users' fields, and the values of the surfaces.
     pub fn parts(&self) -> Vec<Part> {
         let mut parts = library();
         parts.extend(field::user_parts(self.assets));
@@ -74,7 +75,7 @@ impl<'a> Text<'a> {
         parts
     }
 
-    /// Adds functions written for the scene.
+    /// Adds functions that are generated for the scene.
     pub fn add(
         &self,
         parts: &mut Vec<Part>,
@@ -84,7 +85,7 @@ impl<'a> Text<'a> {
         parts.extend(link::parts(Source::new(name, text)));
     }
 
-    /// `&& object != …` for every unrolled surface.
+    /// The text `&& object != …` for every unrolled surface.
     pub fn not_unrolled(&self) -> String {
         let unrolled = self.unrolled.iter();
         unrolled
@@ -92,7 +93,7 @@ impl<'a> Text<'a> {
             .collect()
     }
 
-    /// Adds a function for each wanted field.
+    /// Adds a function for each field that satisfies `wanted`.
     pub fn add_fields(
         &self,
         parts: &mut Vec<Part>,
@@ -106,7 +107,7 @@ impl<'a> Text<'a> {
         self.add(parts, "the surfaces", text);
     }
 
-    /// The functions of a group of fields: gradient and normal.
+    /// The functions of the field that represents a group: gradient and normal.
     pub fn functions_of_group(&self, group: &Named) -> String {
         self.functions_of(group, field::gradient_text)
             + &self.functions_of(group, field::normal_text)
@@ -117,10 +118,9 @@ impl<'a> Text<'a> {
         named.field_functions(write, self.assets)
     }
 
-    /// The declaration of `uSurfaces`, a variable for each of its vectors, and the function
-    /// `copyUniforms`, which every main function calls first.
-    /// Some drivers load a uniform again at each use, which took up to half of the time in loops
-    /// over iterations and steps (docs/cost.md).
+    /// The declaration of `uSurfaces`, a variable for each of its vectors, and the function `copyUniforms`, which every
+    /// main function calls first. The copies are needed because some drivers load a uniform again at each use. These
+    /// loads took up to half of the time in loops over iterations and steps (docs/cost.md).
     fn uniforms(&self) -> String {
         let count: usize = self.unrolled.iter().map(|named| named.value_count()).sum();
         let mut declarations = String::new();
@@ -148,7 +148,7 @@ impl<'a> Text<'a> {
     }
 }
 
-/// A line for each of these surfaces: its statement, executed if the surface is the object.
+/// One line for each surface: a statement that is executed if the surface is the object.
 pub(super) fn by_object<'a>(
     surfaces: impl Iterator<Item = &'a Named<'a>>,
     statement: impl Fn(&Named) -> String,
@@ -160,8 +160,8 @@ pub(super) fn by_object<'a>(
     surfaces.map(line).collect()
 }
 
-/// A function over the wanted kinds: `head` up to its brace, a statement for each kind, and the
-/// result for any other kind.
+/// A function with a statement for each kind that satisfies `wanted`. `head` is the text up to the opening brace, and
+/// `otherwise` is the result for any other kind.
 pub(super) fn of_kind(
     text: &Text,
     head: &str,

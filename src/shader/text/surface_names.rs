@@ -6,12 +6,12 @@ use crate::scene::{Node, Scene, Shape, Surface};
 use crate::shader::origin_rebasing::{number_vectors, value_count};
 use crate::shader::structure::Assets;
 
-/// A surface that is unrolled, or a kind of surfaces that are data.
+/// An unrolled surface, or a kind whose surfaces are in cells.
 pub(in crate::shader) struct Named<'a> {
     pub surface: &'a Surface,
     /// The suffix of the names of its functions: the surface's number, or `Kind` and a number.
     pub tag: String,
-    /// Its name in comments.
+    /// The name of the surface in comments.
     pub label: String,
     values: Values,
 }
@@ -25,7 +25,7 @@ pub(in crate::shader) enum Marched {
     Others,
 }
 
-/// Whether every profile has to march to a surface: whether it is a field without a closed form.
+/// Whether every profile marches to a surface, because its field has no closed form.
 pub fn is_marched(surface: &Surface) -> bool {
     let field = surface.shape.field();
     field.is_some_and(|field| !has_closed_form(field))
@@ -37,16 +37,16 @@ impl Marched {
     }
 }
 
-/// The storage of the values of a surface.
+/// The place where the values of a surface are stored.
 #[derive(Clone, Copy)]
 enum Values {
-    /// In variables that are copies of `uSurfaces`, from this vector on.
+    /// In variables that are copies of `uSurfaces`, starting at this vector.
     Uniforms(usize),
-    /// In the scene's data, from the vector `data` on.
+    /// In the scene's data, starting at the vector `data`.
     Data,
-    /// In variables that hold the values of the surface that a wave hits.
+    /// In variables that hold the values of the hit surface.
     Selected,
-    /// In variables that hold the values of the surface of a kind that is marched alone.
+    /// In variables that hold the values of one surface of a kind whose surfaces are marched one at a time.
     Loaded,
 }
 
@@ -72,7 +72,7 @@ impl<'a> Named<'a> {
         }
     }
 
-    /// A kind, given by one of its surfaces.
+    /// A kind, represented by one of its surfaces.
     pub fn kind(scene: &'a Scene, index: usize, kind: usize) -> Named<'a> {
         let surface = &scene.surfaces[index];
         Named {
@@ -83,7 +83,7 @@ impl<'a> Named<'a> {
         }
     }
 
-    /// The same surface, with the values that are selected among surfaces of its kind.
+    /// The same surface, with values that are selected among the surfaces of its kind.
     pub fn selected(&self) -> Named<'a> {
         self.with(self.tag.clone(), Values::Selected)
     }
@@ -97,12 +97,12 @@ impl<'a> Named<'a> {
         }
     }
 
-    /// A field whose values are selected among those of several surfaces, as the functions of a group of this name.
+    /// A field that represents a group with this tag. Its values are selected among those of the group's surfaces.
     pub fn selected_field(&self, tag: String) -> Named<'a> {
         self.with(tag, Values::Selected)
     }
 
-    /// The vectors of its numbers as literals, for a field whose numbers do not move.
+    /// The vectors of the field's numbers as literals, or `None` if some numbers may move.
     pub fn literal_numbers(&self) -> Option<Vec<String>> {
         let field = self.field()?;
         let is_fixed = !self.is_data() && !self.surface.moving_nodes(field).contains(&true);
@@ -114,7 +114,7 @@ impl<'a> Named<'a> {
         is_fixed.then(|| vectors().into_iter().map(vector).collect())
     }
 
-    /// A surface of the kind, with the values that were loaded from the scene's data.
+    /// A surface of the kind, with values that were loaded from the scene's data.
     pub fn loaded(&self) -> Named<'a> {
         self.with(format!("Loaded{}", self.tag), Values::Loaded)
     }
@@ -128,12 +128,12 @@ impl<'a> Named<'a> {
         self.field().is_none_or(has_closed_form)
     }
 
-    /// Whether this intersection has a step limit.
+    /// Whether the intersection in closed form has a step limit.
     pub fn has_step_limit(&self) -> bool {
         self.has_closed_form() && self.field().is_some_and(field::has_step_limit)
     }
 
-    /// Number of vectors of its values.
+    /// Number of vectors of the surface's values.
     pub fn value_count(&self) -> usize {
         value_count(self.surface, self.has_all_numbers())
     }
@@ -142,13 +142,13 @@ impl<'a> Named<'a> {
         matches!(self.values, Values::Data)
     }
 
-    /// Whether all numbers of its field are among its values.
+    /// Whether the surface's values include all numbers of its field.
     fn has_all_numbers(&self) -> bool {
         !matches!(self.values, Values::Uniforms(_))
     }
 
-    /// The parameters of the functions of a kind in addition to the point: the index of its values; or the selected
-    /// numbers.
+    /// The parameters of a field's functions in addition to the point: the index of the values for a kind, or the
+    /// selected numbers.
     pub fn data_parameter(&self) -> String {
         match self.values {
             Values::Uniforms(_) | Values::Loaded => String::new(),
@@ -172,7 +172,7 @@ impl<'a> Named<'a> {
             .collect()
     }
 
-    /// The n-th vector of its values.
+    /// The n-th vector of the surface's values.
     pub fn value(&self, n: usize) -> String {
         match self.values {
             Values::Uniforms(first) => value_name(first + n),
@@ -211,12 +211,12 @@ impl<'a> Named<'a> {
         self.surface.has_rotation().then(|| self.value(place))
     }
 
-    /// The index of the first vector of a field's moving numbers.
+    /// The index of the first vector with moving numbers of the field.
     pub fn first_number(&self) -> usize {
         1 + usize::from(self.surface.has_rotation())
     }
 
-    /// Whether the numbers of each node of the field move: if they are data, all of them do.
+    /// Whether the numbers of each node of the field move. If the numbers are data, all nodes count as moving.
     pub fn moving_nodes(&self, field: &Shape) -> Vec<bool> {
         match self.has_all_numbers() {
             true => vec![true; field.nodes().len()],
@@ -224,7 +224,7 @@ impl<'a> Named<'a> {
         }
     }
 
-    /// The size, which is the last argument of the shape's functions, with a comma before it.
+    /// The size, with a comma before it. The size is the last argument of the shape's functions.
     pub fn size(&self) -> String {
         match self.surface.shape.node {
             Node::Cuboid(_) | Node::Room(_) => format!(", {}.xyz", self.value(1)),
@@ -233,8 +233,8 @@ impl<'a> Named<'a> {
         }
     }
 
-    /// The square of a sphere's or a cylinder's radius. A product of uniforms within a loop costs
-    /// llvmpipe 15 % of an empty room's march.
+    /// The square of the radius of a sphere or a cylinder. The square is stored, because a product of uniforms within a
+    /// loop adds 15 % to the time of a march in an empty room with llvmpipe.
     fn squared_radius(&self) -> String {
         match self.values {
             Values::Uniforms(first) => squared_radius_name(first),
@@ -268,7 +268,7 @@ impl<'a> Named<'a> {
         self.surface.shape.name()
     }
 
-    /// The signed distance at a world point, or the value of a field.
+    /// The signed distance at a world point. For a field it is the field's value.
     pub fn distance(&self, p: &str) -> String {
         let point = self.point(p);
         match self.field() {
@@ -277,11 +277,11 @@ impl<'a> Named<'a> {
         }
     }
 
-    /// The distance to a basic shape that a wave at `p` along `d` can still hit.
+    /// The distance to a basic shape, if a wave at `p` along `d` can still hit the shape.
     pub fn directed_distance(&self, p: &str, d: &str) -> String {
         let (shape, point, vector) = (self.shape(), self.point(p), self.vector(d));
         let size = match self.surface.shape.node {
-            // With the error bound, within which rounding decides on the side of a face.
+            // The vector includes the error bound, within which rounding decides the side of a face.
             Node::Cuboid(_) => format!(", {}", self.value(1)),
             _ => self.size(),
         };
@@ -293,7 +293,7 @@ impl<'a> Named<'a> {
         format!("gradient{}({q}{})", self.tag, self.data_argument())
     }
 
-    /// The same gradient for callers that need its direction, the normal's.
+    /// The gradient of a field for callers that need only the direction of the normal.
     pub fn field_normal(&self, q: &str) -> String {
         match self.field().is_some_and(field::has_differences) {
             true => format!("normal{}({q}{})", self.tag, self.data_argument()),
@@ -301,8 +301,8 @@ impl<'a> Named<'a> {
         }
     }
 
-    /// The distance to the hit of a wave's line with the surface, if it has a closed form. Hits
-    /// beyond `limit` need not be found.
+    /// The distance to the hit of a line with the surface, if the surface has a closed form. Hits beyond `limit` need
+    /// not be found.
     pub fn hit(&self, p: &str, d: &str, limit: &str) -> String {
         let (point, vector) = (self.point(p), self.vector(d));
         if let Some(field) = self.field() {
@@ -323,7 +323,7 @@ impl<'a> Named<'a> {
         }
     }
 
-    /// A marched field on a line in the surface's own axes.
+    /// The value and slope of a marched field on a line in the surface's own axes.
     pub fn on_line(&self, point: &str, vector: &str) -> String {
         match self.field().is_some_and(field::is_known_on_lines) {
             true => format!(
@@ -339,13 +339,13 @@ impl<'a> Named<'a> {
         }
     }
 
-    /// Whether the chords of a line with a marched field are found once for a flight.
+    /// Whether the chords of a line with a marched field are found once per flight.
     pub fn has_chords(&self) -> bool {
         let has = |field| field::has_chords(field, &self.moving_nodes(field));
         !self.has_all_numbers() && self.field().is_some_and(has)
     }
 
-    /// Whether a lower bound along lines reaches further than the value on the line shows.
+    /// Whether a lower bound along lines reaches further than the value on the line does.
     pub fn needs_bound(&self) -> bool {
         let needs = |field| field::is_bounded(field) && !field::is_smooth_on_lines(field);
         self.field().is_some_and(needs)
@@ -364,7 +364,7 @@ impl<'a> Named<'a> {
         )
     }
 
-    /// The expression, or `none` if the wave leaves this surface and the surface is convex.
+    /// The expression, or `none` if the surface is convex and the wave leaves it.
     pub fn unless_left(&self, left: &str, none: &str, expression: &str) -> String {
         match self.surface.shape.is_convex() {
             true => format!("{left} ? {none} : {expression}"),
