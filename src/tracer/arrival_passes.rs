@@ -1,4 +1,4 @@
-//! Arrivals: the passes that trace waves past a transparent listener.
+//! The passes that trace arrivals: waves that pass a transparent listener.
 
 use super::arrivals::{
     ArrivalCounts, ArrivalSettings, ArrivalTargets, Block, EventTable, Followed, LISTED_AT_MOST,
@@ -21,20 +21,20 @@ use glam::Vec4;
 use std::ops::Range;
 use std::rc::Rc;
 
-/// Relative excess of the distance for which waves are followed over the requested one: the GPU
-/// sums in `f32`, which rounds by 6e-8 in each of at most 4,095 chunks; arrivals beyond the
-/// requested distance are left out on the CPU.
+/// Relative excess of the distance for which waves are followed over the requested distance. The GPU sums distances in
+/// `f32`, which rounds by 6e-8 in each of at most 4,095 chunks. Arrivals beyond the requested distance are left out on
+/// the CPU.
 const FARTHER: f64 = 3e-4;
 
 /// Maximum uniform vectors of the shader besides those of surfaces and materials.
 const OWN_VECTORS: usize = 40;
 
-/// The constants of one call of [`Tracer::arrivals`].
+/// The constant data of one call of [`Tracer::arrivals`].
 struct Run {
     frame: PreparedFrame,
     program: Rc<Program>,
     replay: Replay,
-    /// Which wave starts at a texel.
+    /// The wave that starts at a texel.
     order: StartOrderText,
     /// The values of `uMaterials`.
     materials: Vec<Vec4>,
@@ -46,16 +46,14 @@ struct Run {
     iterations_in_chunk: u32,
     /// Bands that the waves carry.
     bands: Range<usize>,
-    /// The waves of a block are followed while they have more than this share of their initial
-    /// energy.
+    /// A block of waves is followed while its waves have more than this share of their initial energy.
     least_energy: f64,
 }
 
 /// A chunk to be drawn.
 struct Part {
     first_wave: u32,
-    /// Whether the starts of the waves have been uploaded to the textures from which a chunk
-    /// starts.
+    /// Whether the starts of the waves have been uploaded to the textures that the first chunk reads.
     is_uploaded: bool,
     first_iteration: u32,
     iterations: u32,
@@ -78,14 +76,13 @@ impl Part {
 }
 
 impl Tracer {
-    /// Follows waves past the listener, which stops none of them, and passes every crossing of the
-    /// listener's sphere to `take`: in the order of the waves, for 262,144 waves and some iterations at a
-    /// time. The same input gives the same arrivals, bit for bit on one renderer. If bands scatter
-    /// differently, the waves are followed once for each group of bands that scatter alike, with energies
-    /// of 0 in all other bands.
+    /// Follows waves past the listener, which does not stop them, and passes every crossing of the listener's sphere to
+    /// `take`. The crossings are in the order of the waves, for 262,144 waves and a number of iterations at a time. The
+    /// same input gives the same arrivals, bit for bit on one renderer. If bands scatter differently, the waves are
+    /// followed once for each group of bands that scatter alike. The energies of all other bands are then 0.
     ///
-    /// From `settings`, only the algorithm, the waves, the seed, the directions and the maximum
-    /// distance are used; `how` determines how far waves are followed. `take` must not call OpenGL.
+    /// From `settings`, only the algorithm, the waves, the seed, the directions and the maximum distance are used.
+    /// `how` determines the distance for which waves are followed. `take` must not call OpenGL.
     ///
     /// ```
     /// use echomarch::gl::Context;
@@ -104,8 +101,8 @@ impl Tracer {
     /// ```
     ///
     /// # Errors
-    /// As [`Tracer::frame`]; [`TraceError::NoArrivals`] in the profile `thesis`,
-    /// [`TraceError::BadSetting`] for numbers of `how` out of their range.
+    /// The errors of [`Tracer::frame`]; [`TraceError::NoArrivals`] in the profile `thesis`; [`TraceError::BadSetting`]
+    /// for numbers of `how` out of their range.
     pub fn arrivals<'a>(
         &mut self,
         pair: impl IntoPair<'a>,
@@ -124,7 +121,7 @@ impl Tracer {
         Ok(counts)
     }
 
-    /// Follows some of the waves, or waves with given starts, which all carry `how.bands`.
+    /// Follows a part of the waves, or waves with given starts. All of them carry `how.bands`.
     pub(crate) fn arrivals_of(
         &mut self,
         pair: Pair,
@@ -184,7 +181,7 @@ impl Tracer {
         let structure = self.check_input(scene, &settings)?;
         let values = materials.uniform_values(&structure.layout.unrolled);
         check_materials(&self.context, scene, &structure, (&materials, &values))?;
-        // The scene's data now belong to this scene.
+        // Drops a frame in progress, because its scene data are replaced.
         self.give_up_marching();
         let rebasing = asked.algorithm.rebasing(pair.listener);
         self.scene.set(scene, rebasing, structure, &materials)?;
@@ -216,7 +213,7 @@ impl Tracer {
         })
     }
 
-    /// Creates the textures unless matching ones exist for these waves.
+    /// Creates the textures, unless existing ones match these waves.
     fn provide_arrival_targets(
         &mut self,
         settings: &Settings,
@@ -233,8 +230,7 @@ impl Tracer {
         Ok(())
     }
 
-    /// Follows the waves of a block through all their chunks. While a chunk is drawn, the previous
-    /// one is summed.
+    /// Follows the waves of a block through all their chunks. While one chunk is drawn, the previous chunk is summed.
     fn arrivals_of_block(
         &mut self,
         run: &Run,
@@ -328,7 +324,7 @@ impl Tracer {
         )
     }
 
-    /// Draws the listed waves, and reads their records back.
+    /// Draws the listed waves again, and reads their records back.
     fn draw_lists(
         &self,
         run: &Run,
@@ -380,7 +376,7 @@ impl Tracer {
     }
 }
 
-/// The energies of waves at the source; empty if all of them are and stay 1.
+/// The energies of waves at the source. The result is empty if all energies are 1 and no reflection changes them.
 fn start_energies(run: &Run, starts: Option<&[Start]>, waves: usize) -> Vec<Bands> {
     let of_weight = |weight: f64| {
         std::array::from_fn(|band| match run.bands.contains(&band) {
@@ -399,16 +395,15 @@ fn start_energies(run: &Run, starts: Option<&[Start]>, waves: usize) -> Vec<Band
     }
 }
 
-/// Iterations of a chunk. If the turns of loops limit them, the loop over words takes turns as
-/// well: fewer than an iteration does.
+/// Iterations of a chunk. If the maximum number of loop turns determines this number, one iteration is left out to make
+/// room for the loop over words, which takes fewer turns than an iteration does.
 fn iterations_in_chunk(frame: &PreparedFrame, text: &ArrivalsText) -> u32 {
     let fit = frame.budget.iterations_per_pass;
     let is_limited = fit < frame.settings.iterations_per_pass && text.event_bits > 0;
     if is_limited { (fit - 1).max(1) } else { fit }
 }
 
-/// Rejects materials that cannot be distinguished, or do not fit in the uniforms, before anything is
-/// compiled.
+/// Rejects too many different materials, and materials that do not fit in the uniforms, before anything is compiled.
 fn check_materials(
     context: &Context,
     scene: &Scene,

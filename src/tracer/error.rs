@@ -57,7 +57,7 @@ pub enum TraceError {
         file: String,
         /// The line, counted from 1, if known.
         line: Option<u32>,
-        /// The driver's message, or what the text lacks.
+        /// The driver's message, or the part that the text lacks.
         message: String,
     },
     /// A user's field whose value is not finite at some point.
@@ -87,7 +87,7 @@ pub enum TraceError {
         growth: f32,
         /// The stated Lipschitz constant.
         stated: f32,
-        /// The growth to state, which the checks accept; `None` if the value seems to jump.
+        /// The growth to state so that the checks accept the field; `None` if the value seems to jump.
         advice: Option<f32>,
     },
     /// A user's field whose value bends more than stated.
@@ -104,7 +104,7 @@ pub enum TraceError {
         bend: f32,
         /// The stated amount.
         stated: f32,
-        /// The amount to state, which the checks accept; `None` at an edge.
+        /// The amount to state so that the checks accept the field; `None` at an edge.
         advice: Option<f32>,
     },
     /// A user's field whose stated gradient differs from the gradient of its value.
@@ -135,25 +135,25 @@ pub enum TraceError {
         /// The limit of this time, in seconds.
         limit: f64,
     },
-    /// A user's field, while the calling program has not chosen how fields are tried, see
+    /// A user's field, although the calling program has not chosen how fields are tried. See
     /// [`FieldTrial`](super::FieldTrial).
     #[error(
-        "{file}: users' fields are refused, for they are programs that can end or block this process: choose FieldTrial::InThisProcess for trusted texts, or FieldTrial::InChild for others"
+        "{file}: users' fields are refused, because they are programs that can end or block this process: choose FieldTrial::InThisProcess for trusted texts, or FieldTrial::InChild for others"
     )]
     FieldRefused {
         /// The field's file.
         file: String,
     },
-    /// A user's field that ended the process in which it was tried, or took too long there: see
+    /// A user's field that ended the process in which it was tried, or took too long there. See
     /// [`FieldTrial`](super::FieldTrial).
-    #[error("{file}: trying it in a child process {how}")]
+    #[error("{file}: its trial in a child process {how}")]
     FieldDies {
         /// The field's file, or the files of all fields if several were tried.
         file: String,
         /// How the process ended.
         how: String,
     },
-    /// The process that tries users' fields cannot be started, or gave no answer.
+    /// The process that tries users' fields could not be started, or gave no answer.
     #[error("the child process that tries fields {why}")]
     NoFieldTrial {
         /// A clause that describes the failure, with the process as its subject.
@@ -167,7 +167,7 @@ pub enum TraceError {
         /// The name of the profile.
         profile: String,
     },
-    /// A frame was to be advanced that was never begun, or was collected or dropped before.
+    /// A call to advance a frame, although no frame was begun, or the frame was already collected or dropped.
     #[error("there is no frame to advance: begin one first")]
     NoFrameBegun,
     /// Waves were requested before a frame was traced.

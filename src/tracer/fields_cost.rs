@@ -1,7 +1,7 @@
-//! The cost of marched surfaces: their share of a frame's time, and the evaluations in a flight of a wave.
+//! The cost of marched surfaces: their share of a frame's time, and the number of evaluations in a flight of a wave.
 //!
-//! The share is measured in pairs of frames, one of the whole scene and one without its marched surfaces, in turns:
-//! other work on the machine then slows both.
+//! The share is measured with pairs of frames. One frame of a pair has the whole scene, and the other frame has no
+//! marched surfaces. The two kinds of frames alternate, so that other work on the machine slows both.
 
 use super::{Fate, Profile, Settings, Tracer, Wave};
 use crate::error::Error;
@@ -13,36 +13,37 @@ use glam::Vec3;
 use serde::Serialize;
 use std::fmt;
 
-/// Maximum number of states of waves read back to count flights: 64 MB.
+/// Maximum number of states of waves that are read back to count flights: 64 MB.
 const MOST_STATES: u32 = 1 << 20;
 
-/// Maximum number of waves whose flights and evaluations are counted. Their mean differs from that of all waves by
-/// about a percent.
+/// Maximum number of waves whose flights and evaluations are counted. The mean over these waves differs by about a
+/// percent from the mean over all waves.
 const MOST_COUNTED: u32 = 16_384;
 
-/// Side in metres of the empty room that a scene of marched surfaces alone is compared with. Its size has no effect on
-/// its cost.
+/// Side in metres of the empty room with which a scene of only marched surfaces is compared. The size of the room has
+/// no effect on the cost.
 const EMPTY_ROOM_M: f32 = 10.0;
 
-/// The cost of the marched surfaces of a scene: in `hybrid` those without a closed form, in the other profiles all.
+/// The cost of the marched surfaces of a scene. In `hybrid` these are the surfaces without a closed form, in the other
+/// profiles all surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FieldsCost {
     /// Number of marched surfaces.
     pub surfaces: usize,
-    /// Evaluations of the distance in a flight of a wave, without those for normals except in `thesis`.
+    /// Evaluations of the distance in a flight of a wave. The evaluations for normals are included only in `thesis`.
     pub evaluations_per_flight: f64,
-    /// Percent of a frame's time that is saved without these surfaces: the median of the pairs.
+    /// Percent of a frame's time that is saved without these surfaces: the median over the pairs.
     pub percent_of_frame: f64,
-    /// Half the distance between the quartiles of the pairs, in percent of a frame.
+    /// Half the distance between the quartiles over the pairs, in percent of a frame.
     pub spread_percent: f64,
-    /// Milliseconds of a frame of the whole scene: the median.
+    /// Milliseconds of a frame with the whole scene: the median.
     pub frame_ms: f64,
-    /// Waves of these frames.
+    /// Number of waves in these frames.
     pub waves: u32,
 }
 
 impl fmt::Display for FieldsCost {
-    /// As in "fields 62 % of the frame, 4.1 evaluations a flight".
+    /// Example: "fields 62 % of the frame, 4.1 evaluations a flight".
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         write!(
             f,
@@ -54,16 +55,17 @@ impl fmt::Display for FieldsCost {
 }
 
 impl FieldsCost {
-    /// The percent of a frame to show: noise may make the frame without fields the slower one.
+    /// The percent of a frame to show, limited to 0 … 100, because noise may make the frame without fields the slower
+    /// one.
     pub fn shown_percent(&self) -> f64 {
         self.percent_of_frame.clamp(0.0, 100.0)
     }
 
-    /// Measures `runs` pairs of frames (at least 1), each pair with its own seed; `None` for a scene without marched
-    /// surfaces, or if `goes_on` becomes false.
+    /// Measures `runs` pairs of frames (at least 1), each pair with a different seed. Returns `None` for a scene
+    /// without marched surfaces, or if `goes_on` returns false.
     ///
     /// # Errors
-    /// As [`Tracer::frame`].
+    /// The errors of [`Tracer::frame`].
     pub fn measure<'a>(
         tracer: &mut Tracer,
         pair: impl IntoPair<'a>,
@@ -97,12 +99,12 @@ impl FieldsCost {
     }
 }
 
-/// Whether waves reach a surface in steps.
+/// Whether waves are marched to a surface in this profile.
 fn takes_steps(surface: &Surface, profile: Profile) -> bool {
     profile != Profile::Hybrid || is_marched(surface)
 }
 
-/// Milliseconds of frames with and without the marched surfaces, pair by pair; `None` if it was ended.
+/// Milliseconds of frames with and without the marched surfaces, pair by pair; `None` if `goes_on` returned false.
 fn saved(
     tracer: &mut Tracer,
     pair: Pair,
@@ -112,7 +114,7 @@ fn saved(
 ) -> Result<Option<Vec<(f64, f64)>>, Error> {
     let rest = without_marched(pair, settings.profile());
     let mut times = Vec::new();
-    // The first pair compiles and is dropped.
+    // The first pair compiles the programs, and its times are discarded.
     for run in 0..=runs.max(1) {
         if !goes_on() {
             return Ok(None);
@@ -126,7 +128,7 @@ fn saved(
     Ok(Some(times.split_off(1)))
 }
 
-/// The pair's scene without its marched surfaces; an empty room around the source if nothing else is left.
+/// The pair's scene without its marched surfaces, or an empty room around the source if no surface is left.
 fn without_marched(pair: Pair, profile: Profile) -> Scene {
     let source = pair.source().clone();
     let mut rest = pair.scene().clone();
@@ -142,10 +144,10 @@ fn without_marched(pair: Pair, profile: Profile) -> Scene {
     rest
 }
 
-/// Evaluations of the distance in a flight of a wave, of at most 16,384 of the settings' waves.
+/// Mean number of evaluations of the distance in a flight of a wave, from at most 16,384 of the settings' waves.
 ///
 /// # Errors
-/// As [`Tracer::frame`].
+/// The errors of [`Tracer::frame`].
 pub fn evaluations_per_flight<'a>(
     tracer: &mut Tracer,
     pair: impl IntoPair<'a>,
@@ -163,7 +165,7 @@ pub fn evaluations_per_flight<'a>(
 /// Counts the evaluations of the distance in a frame.
 ///
 /// # Errors
-/// As [`Tracer::frame`].
+/// The errors of [`Tracer::frame`].
 pub fn evaluations<'a>(
     tracer: &mut Tracer,
     pair: impl IntoPair<'a>,
@@ -174,8 +176,8 @@ pub fn evaluations<'a>(
     Ok(tracer.frame(pair, &counting)?.counts.evaluations)
 }
 
-/// The number of flights of waves, from their states as [`Tracer::paths`] returns them: a wave makes one an iteration
-/// until it is heard or dead. The thesis goes on marching dead waves; these flights count.
+/// The number of flights of waves, from their states as [`Tracer::paths`] returns them. A wave makes one flight per
+/// iteration until it is heard or dead. `thesis` continues to march dead waves, and these flights count.
 pub fn flights(states: &[Vec<Wave>], profile: Profile) -> u64 {
     let starts = states.iter().rev().skip(1).flatten();
     let flies = |wave: &&Wave| match wave.fate() {
@@ -198,7 +200,8 @@ mod tests {
         FieldsCost::measure(&mut tracer, &scene, settings, 1, &|| true).unwrap()
     }
 
-    /// Protects the number of flights: a heard wave makes none, and a dead one makes them only in the thesis.
+    /// Protects the number of flights: a heard wave makes no more flights, and a dead wave makes more flights only in
+    /// `thesis`.
     #[test]
     fn flights_end_with_their_wave() {
         let wave = |status| Wave {
@@ -213,7 +216,8 @@ mod tests {
         assert_eq!(flights(&states, Profile::Thesis), 3);
     }
 
-    /// Protects the surfaces that count as fields: those without a closed form, and all where all are marched.
+    /// Protects the surfaces that count as fields: in `hybrid` the surfaces without a closed form, in the other
+    /// profiles all.
     #[test]
     fn only_marched_surfaces_cost_evaluations() {
         let few = Settings::hybrid().with_waves(256).with_iterations(2);
@@ -232,7 +236,8 @@ mod tests {
         );
     }
 
-    /// Protects the comparison: the scene without its fields keeps the others, and without any is an empty room.
+    /// Protects the comparison: the scene without marched surfaces keeps all other surfaces, and becomes an empty room
+    /// if no surface is left.
     #[test]
     fn what_is_not_marched_stays() {
         let scene = Scene::builtin("cave").unwrap();
@@ -250,7 +255,7 @@ mod tests {
         );
     }
 
-    /// Protects the sentence that the program and the window share.
+    /// Protects the sentence that the command line and the window show.
     #[test]
     fn the_cost_is_one_phrase() {
         let cost = FieldsCost {
@@ -272,7 +277,7 @@ mod tests {
         assert!(noisy.to_string().starts_with("fields 0 %"));
     }
 
-    /// Protects a window that closes: the measurement ends at the next frame.
+    /// Protects a window that is closed during a measurement: the measurement ends at the next frame.
     #[test]
     fn a_measurement_can_be_ended() {
         let context = Context::headless(&ContextOptions::default()).unwrap();

@@ -30,7 +30,7 @@ pub struct Frame {
     pub milliseconds: Milliseconds,
 }
 
-/// Time of one frame by part, in milliseconds.
+/// Times of the parts of one frame, in milliseconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Deserialize, serde::Serialize)]
 #[non_exhaustive]
 pub struct Milliseconds {
@@ -38,18 +38,18 @@ pub struct Milliseconds {
     pub initialise: f64,
     /// All march passes together, or the single pass of the frame.
     pub march: f64,
-    /// The panning pass. If all passes of the frame are drawn as one, the pass that puts the contributions in the order
-    /// of the waves, and 0 if they are already in this order.
+    /// The panning pass. If all passes of the frame are drawn as one, the time is that of the pass that rearranges the
+    /// contributions into the order of the waves, or 0 if they are already in this order.
     pub pan: f64,
-    /// Reading the panning texture back, and summing it on the CPU.
+    /// The read-back of the panning texture, and its summation on the CPU.
     pub read_back: f64,
-    /// The whole frame in elapsed time, including setup, but without compiling shaders and creating
-    /// textures, which happens only in a first frame.
+    /// The elapsed time of the whole frame, including setup. The compilation of shaders and the creation of textures,
+    /// which happen only in a first frame, are not included.
     pub total: f64,
 }
 
 impl Milliseconds {
-    /// The median of each part over several frames, computed part by part; zeros without frames.
+    /// The median of each part over several frames. The parts are 0 without frames.
     #[doc(hidden)]
     pub fn medians(frames: &[Milliseconds]) -> Milliseconds {
         let part = |of: fn(&Milliseconds) -> f64| crate::sampling::median(frames.iter().map(of));
@@ -63,8 +63,8 @@ impl Milliseconds {
     }
 }
 
-/// The sound at the two ears: the summed contributions of all waves that reached the listener
-/// (thesis, section 3.2.4). Each such wave contributes 1, split between the ears.
+/// The sound at the two ears: the summed contributions of all waves that reached the listener (thesis, section 3.2.4).
+/// Each of these waves contributes 1, divided between the ears.
 ///
 /// ```
 /// use echomarch::Panning;
@@ -87,37 +87,36 @@ pub struct Panning {
 }
 
 impl Panning {
-    /// The panning value: −1 left, 0 the middle, 1 right; 0 when nothing arrived. A sum that is negative or not finite
-    /// counts as 0.
+    /// The panning value: −1 left, 0 the middle, 1 right. The value is 0 if no wave arrived. A sum that is negative or
+    /// not finite counts as 0.
     pub fn pan(&self) -> f64 {
         let or_none = |sum: f64| if sum.is_finite() { sum.max(0.0) } else { 0.0 };
-        // Halves, so that their sum is finite.
+        // Half of each sum is used, so that the total is finite.
         let (left, right) = (0.5 * or_none(self.left), 0.5 * or_none(self.right));
         let sum = left + right;
         if sum > 0.0 { (right - left) / sum } else { 0.0 }
     }
 }
 
-/// Counts of waves by fate, and of events during their march. When summed on the GPU, the counts of
-/// marches and evaluations are exact up to 2^24 and rounded above.
+/// Counts of waves by fate, and of events during their marches. If the counts are summed on the GPU, those of marches
+/// and evaluations are exact up to 2^24 and rounded above.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
 #[non_exhaustive]
 pub struct Counts {
     /// Waves that reached the listener.
     pub listener_hits: u64,
-    /// Dead waves: they hit no surface within the maximum distance, or their march reached the step
-    /// limit.
+    /// Dead waves: they hit no surface within the maximum distance, or one of their marches reached the step limit.
     pub dead: u64,
     /// Waves that are neither heard nor dead after the last iteration.
     pub travelling: u64,
-    /// Waves whose position or direction is not a number, because of an incorrect shader or driver.
-    /// They contribute to neither ear and are in no other count.
+    /// Waves whose position or direction is not finite, because of a faulty shader or driver. They contribute to
+    /// neither ear and are in no other count.
     pub not_finite: u64,
-    /// Marches (of a wave in an iteration) that ended at distance 0.
+    /// Marches (of one wave in one iteration) that ended at distance 0.
     pub zero_length_passes: u64,
     /// Marches that reached the step limit.
     pub step_limit_reached: u64,
-    /// Evaluations of the distance, if they were counted; the two previous counts are then 0.
+    /// Evaluations of the distance, if they are counted. `zero_length_passes` and `step_limit_reached` are then 0.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub evaluations: u64,
 }
@@ -127,7 +126,7 @@ fn is_zero(count: &u64) -> bool {
 }
 
 impl Counts {
-    /// Adds a wave's counters.
+    /// Adds the counters of one wave.
     fn add_counters(&mut self, counters: f32, are_evaluations: bool) {
         if are_evaluations {
             self.evaluations += counters as u64;
@@ -139,15 +138,15 @@ impl Counts {
     }
 }
 
-/// Sums a read-back panning texture: `[left, right, status, counters]` per wave.
+/// Sums a panning texture that was read back: `[left, right, status, counters]` per wave.
 ///
-/// The sum runs in `f64` in the order of the waves: the same for every run.
+/// The sum is computed in `f64` in the order of the waves, so every run has the same result.
 pub(super) fn sum(contributions: &[f32], are_evaluations: bool) -> (Panning, Counts) {
     let mut panning = Panning::default();
     let mut counts = Counts::default();
     for &[left, right, status, counters] in contributions.as_chunks::<4>().0 {
         match Fate::of(status) {
-            // All other waves contribute 0.
+            // Only heard waves contribute to the sums.
             Fate::Listener => {
                 counts.listener_hits += 1;
                 panning.left += f64::from(left);
@@ -168,7 +167,7 @@ pub(super) fn in_milliseconds(duration: Duration) -> f64 {
     duration.as_secs_f64() * 1e3
 }
 
-/// A result, and the time in milliseconds to compute it.
+/// Returns a result, and the time in milliseconds of its computation.
 pub(super) fn timed<T>(work: impl FnOnce() -> Result<T, Error>) -> Result<(T, f64), Error> {
     let began = Instant::now();
     let result = work()?;
@@ -179,7 +178,7 @@ pub(super) fn timed<T>(work: impl FnOnce() -> Result<T, Error>) -> Result<(T, f6
 mod tests {
     use super::*;
 
-    /// Protects sign and range of the panning value, and silence.
+    /// Protects the sign and the range of the panning value, and the value of silence.
     #[test]
     fn pan_runs_from_left_to_right() {
         let pan = |left, right| Panning { left, right }.pan();

@@ -1,12 +1,12 @@
 //! A frame in steps: begin, advance, and poll or wait.
 //!
-//! *Begin* checks the input and draws the waves at the source. *Advance* traces the waves for about
-//! the given time: the rows of each pass that fit, in the order of the passes. After the last pass
-//! it draws the panning pass, and requests a copy of the result in a pixel buffer. *Poll* and
-//! *wait* take the copy, when a fence signals that it is complete, and sum it.
+//! *Begin* checks the input and draws the waves at the source. *Advance* traces the waves for about the given time, by
+//! drawing the rows of the march passes that fit in this time. After the last pass it draws the panning pass, and
+//! requests a copy of the result in a pixel buffer. *Poll* and *wait* read the copy once a fence signals that it is
+//! complete, and sum its values.
 //!
-//! [`Tracer::frame`] runs the three steps in a row. The result is the same, bit for bit, however a
-//! frame was divided and whatever was drawn in between.
+//! [`Tracer::frame`] runs the three steps in a row. The result is the same, bit for bit, for every division of a frame
+//! and for any drawing between the parts.
 
 use super::frame::in_milliseconds;
 use super::prepared::PreparedFrame;
@@ -18,12 +18,12 @@ use crate::gl::glow;
 use crate::platform::Instant;
 use crate::scene::{IntoPair, Pair};
 
-/// A frame that was begun and not yet collected.
+/// A frame that was begun and is not yet collected.
 pub(super) struct FrameUnderWay {
     pub prepared: PreparedFrame,
     pub progress: Progress,
     pub read_back: ReadBack,
-    /// Milliseconds spent on requesting the result; `None` until all passes are drawn.
+    /// Milliseconds spent on the request of the result; `None` until all passes are drawn.
     asking: Option<f64>,
 }
 
@@ -34,36 +34,35 @@ impl FrameUnderWay {
     }
 }
 
-/// The contribution of each wave of a frame to either ear, as a texture: for drawing with the tracer's context, which
-/// is the caller's own if it was made by [`Context::from_glow`](crate::gl::Context::from_glow).
+/// The contribution of each wave of a frame to either ear, in a texture. It can be used for drawing with the tracer's
+/// context. This context is the caller's own if it was made by [`Context::from_glow`](crate::gl::Context::from_glow).
 ///
-/// Wave number n is the texel (n mod `width`, n / `width`) of four floats: the shares to the left and to the right,
-/// whose sum is 1, or which are both 0 if the wave is not heard; and two that only this crate uses. Texels beyond the
-/// last wave must be ignored.
+/// Wave number n is the texel (n mod `width`, n / `width`) of four floats. The first two are the shares to the left and
+/// to the right. Their sum is 1 for a heard wave, and both are 0 for any other wave. The other two floats are used only
+/// by this crate. Texels beyond the last wave must be ignored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct FrameTexture {
     /// GL's name of the texture: `TEXTURE_2D` of `RGBA32F`, with one level, unfiltered, clamped to its edge. The tracer
-    /// owns the texture and draws to it: the texture holds this frame until the next call of the tracer, and is deleted
+    /// owns the texture and draws to it. The texture holds this frame until the next call of the tracer, and is deleted
     /// with the tracer at the latest.
     pub texture: glow::Texture,
     /// Texels per row.
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// Waves.
+    /// Number of waves.
     pub waves: u32,
 }
 
 /// Frames in steps.
 impl Tracer {
-    /// Begins a frame of the pair in its current state. [`frame_advance`](Tracer::frame_advance)
-    /// traces its waves, [`frame_poll`](Tracer::frame_poll) or
-    /// [`frame_wait`](Tracer::frame_wait) gives its result, so that drawing in between is never
-    /// blocked. On a graphics card nothing here waits for the card.
+    /// Begins a frame of the pair in its current state. [`frame_advance`](Tracer::frame_advance) traces its waves, and
+    /// [`frame_poll`](Tracer::frame_poll) or [`frame_wait`](Tracer::frame_wait) returns its result. Other drawing can
+    /// take place between these calls. On a graphics card this function does not wait for the card.
     ///
-    /// Drops a frame that was begun before and not yet collected. Any other frame of this tracer
-    /// drops the new one, unless all of its passes are drawn.
+    /// Drops a frame that was begun before and is not yet collected. Any other frame of this tracer drops the new
+    /// frame, unless all passes of the new frame are drawn.
     ///
     /// ```
     /// use echomarch::gl::Context;
@@ -92,7 +91,7 @@ impl Tracer {
     /// ```
     ///
     /// # Errors
-    /// As [`Tracer::frame`].
+    /// The errors of [`Tracer::frame`].
     pub fn frame_begin<'a>(
         &mut self,
         pair: impl IntoPair<'a>,
@@ -103,14 +102,14 @@ impl Tracer {
         self.begin(pair, settings, Waves::Dropped)
     }
 
-    /// Traces the current frame for about this time in milliseconds, at least one row of waves;
-    /// without a limit for [`f64::INFINITY`]. Returns whether all of the frame is drawn, so that
-    /// [`Tracer::frame_poll`] will return it.
+    /// Traces the current frame for about this time in milliseconds, but at least one row of waves. For
+    /// [`f64::INFINITY`] there is no time limit. Returns whether all passes of the frame are drawn, so that
+    /// [`Tracer::frame_poll`] will return its result.
     ///
     /// # Errors
-    /// [`TraceError::NoFrameBegun`] if no frame was begun, or it was collected or dropped;
-    /// [`TraceError::BadSetting`] for a time that is negative or not a number; [`Error::Gpu`] if the
-    /// renderer fails, which drops the frame.
+    /// [`TraceError::NoFrameBegun`] if no frame was begun, or the frame was already collected or dropped;
+    /// [`TraceError::BadSetting`] for a time that is negative or not a number; [`Error::Gpu`] if the renderer fails,
+    /// which drops the frame.
     pub fn frame_advance(&mut self, milliseconds: f64) -> Result<bool, Error> {
         if milliseconds.is_nan() || milliseconds < 0.0 {
             return Err(Error::from(TraceError::BadSetting {
@@ -126,11 +125,10 @@ impl Tracer {
         self.advance(milliseconds)
     }
 
-    /// Returns the current frame if it is complete; `None` if it is not complete, or if no frame
-    /// was begun.
+    /// Returns the current frame if it is complete, and `None` if it is not complete or no frame was begun.
     ///
-    /// `read_back` in its times is the time of the copy and the sum, `total` the time since the
-    /// frame was begun.
+    /// In its times, `read_back` is the time of the copy and the sum, and `total` the time since the begin of the
+    /// frame.
     ///
     /// # Errors
     /// [`Error::Gpu`] if the renderer fails, which drops the frame.
@@ -139,38 +137,39 @@ impl Tracer {
         self.collect(false)
     }
 
-    /// Traces the rest of the current frame, and waits for it; `None` if no frame was begun.
+    /// Traces the rest of the current frame, and waits for its result; `None` if no frame was begun.
     ///
     /// # Errors
-    /// As [`Tracer::frame_poll`].
+    /// The errors of [`Tracer::frame_poll`].
     pub fn frame_wait(&mut self) -> Result<Option<Frame>, Error> {
         let _entered = self.context.enter()?;
         self.advance(f64::INFINITY)?;
         self.collect(true)
     }
 
-    /// Whether a frame was begun and not yet collected.
+    /// Whether a frame was begun and is not yet collected.
     pub fn is_frame_pending(&self) -> bool {
         self.under_way.is_some()
     }
 
-    /// Milliseconds spent on the march of the current frame; `None` without a frame, or if all of
-    /// it is drawn.
+    /// Milliseconds spent on the march of the current frame; `None` if no frame was begun, or if all passes of the
+    /// frame are drawn.
     pub fn frame_marching_for(&self) -> Option<f64> {
         let marching = self.under_way.as_ref().filter(|frame| !frame.is_drawn());
         marching.map(|frame| frame.progress.spent())
     }
 
-    /// The share of the march of the current frame whose time [`frame_marching_for`](Tracer::frame_marching_for) gives,
-    /// 0 to 1, on a graphics card with the rows of the last call, whose time is not known yet; `None` as there.
+    /// The share of the current frame's march that took the time returned by
+    /// [`frame_marching_for`](Tracer::frame_marching_for), 0 to 1. On a graphics card the share also includes the rows
+    /// of the last call, whose time is not known yet. `None` in the same cases.
     #[doc(hidden)]
     pub fn frame_share_marched(&self) -> Option<f64> {
         let marching = self.under_way.as_ref().filter(|frame| !frame.is_drawn());
         marching.map(|frame| frame.progress.share(frame.prepared.grid.height))
     }
 
-    /// Traces one frame as [`Tracer::frame`] does, and leaves its result on the GPU, without reading it back. On a
-    /// graphics card it does not wait for the card.
+    /// Traces one frame as [`Tracer::frame`] does, and leaves its result on the GPU, without a read-back. On a graphics
+    /// card this function does not wait for the card.
     ///
     /// ```
     /// use echomarch::gl::Context;
@@ -184,7 +183,7 @@ impl Tracer {
     /// ```
     ///
     /// # Errors
-    /// As [`Tracer::frame`].
+    /// The errors of [`Tracer::frame`].
     pub fn frame_to_texture<'a>(
         &mut self,
         pair: impl IntoPair<'a>,
@@ -214,8 +213,8 @@ impl Tracer {
         })
     }
 
-    /// Begins, advances and waits in a row. A frame that was begun before can still be collected
-    /// afterwards if all of it is drawn.
+    /// Begins a frame, traces all of it and waits for the result. A frame that was begun before can still be collected
+    /// afterwards if all of its passes are drawn.
     pub(super) fn frame_at_once(
         &mut self,
         pair: Pair,
@@ -225,13 +224,13 @@ impl Tracer {
         self.frame_to_its_end()
     }
 
-    /// Traces the rest of the current frame.
+    /// Traces the rest of the current frame, and returns its result.
     pub(super) fn frame_to_its_end(&mut self) -> Result<Frame, Error> {
         self.advance(f64::INFINITY)?;
         Ok(self.collect(true)?.ok_or(TraceError::NothingTraced)?)
     }
 
-    /// Draws all passes of the current frame, without requesting its result.
+    /// Draws all passes of the current frame, without a request for the result.
     fn draw_to_its_end(&mut self) -> Result<(), Error> {
         let mut frame = self.under_way.take().ok_or(TraceError::NothingTraced)?;
         self.march_for(&mut frame, f64::INFINITY)?;
@@ -240,7 +239,7 @@ impl Tracer {
         Ok(())
     }
 
-    /// Runs a function that traces its own frames, and preserves a frame that is completely drawn.
+    /// Runs a function that traces other frames. A current frame whose passes are all drawn is preserved.
     pub(super) fn aside<T>(
         &mut self,
         what: impl FnOnce(&mut Tracer) -> Result<T, Error>,
@@ -284,15 +283,15 @@ impl Tracer {
         Ok(())
     }
 
-    /// Drops a frame that is not completely drawn. The result of a completely drawn frame is in
-    /// other textures.
+    /// Drops the current frame unless all of its passes are drawn. The result of a fully drawn frame is in other
+    /// textures.
     pub(super) fn give_up_marching(&mut self) {
         if self.frame_marching_for().is_some() {
             self.give_up();
         }
     }
 
-    /// Drops the frame in progress, but keeps its timer and read-back.
+    /// Drops the current frame, but keeps its timer and read-back.
     pub(super) fn give_up(&mut self) {
         if let Some(frame) = self.under_way.take() {
             self.spare = Some(frame.read_back);
@@ -300,7 +299,7 @@ impl Tracer {
     }
 
     fn advance(&mut self, milliseconds: f64) -> Result<bool, Error> {
-        // After an error there is no frame.
+        // After an error no frame is current.
         let Some(mut frame) = self.under_way.take() else {
             return Ok(true);
         };
@@ -315,8 +314,7 @@ impl Tracer {
         Ok(is_drawn)
     }
 
-    /// Draws rows of waves, at least one, until the time in milliseconds is used up or all passes
-    /// are drawn.
+    /// Draws rows of waves, at least one row, until the time in milliseconds is used up or all passes are drawn.
     pub(super) fn march_for(
         &mut self,
         frame: &mut FrameUnderWay,
@@ -325,7 +323,7 @@ impl Tracer {
         let FrameUnderWay {
             prepared, progress, ..
         } = frame;
-        // Tracers that share the program also set its uniforms.
+        // Other tracers that share the program may have set its uniforms.
         self.set_march_uniforms(prepared);
         progress.last_call_took(self.throughput.take());
         self.throughput.begin_call()?;
@@ -375,12 +373,12 @@ impl Tracer {
     }
 
     fn collect(&mut self, wait: bool) -> Result<Option<Frame>, Error> {
-        // After an error there is no frame.
+        // After an error no frame is current.
         let Some(mut frame) = self.under_way.take_if(|frame| frame.is_drawn()) else {
             return Ok(None);
         };
         if wait {
-            // Waits for the passes, whose time is not part of the read-back's.
+            // Waits for the passes here, because their time is not part of the read-back's time.
             frame.read_back.initialise_and_pan();
         }
         let reading = Instant::now();
@@ -415,9 +413,9 @@ mod tests {
     use crate::Scene;
     use crate::gl::{Context, ContextOptions, GpuTimer};
 
-    /// Protects graphics cards, whose timers do not wait, on machines without one: a frame in one
-    /// call or in many calls is the same, and a call without any time draws one row. Software
-    /// renderers have timestamp queries too, though with wrong times.
+    /// Tests, on machines without a graphics card, the timer of graphics cards, which does not wait. A frame in one
+    /// call equals a frame in many calls, and a call with a time of 0 draws one row. Software renderers have timestamp
+    /// queries too, but with wrong times.
     #[test]
     fn a_timer_that_does_not_wait_changes_no_frame() {
         let context = Context::headless(&ContextOptions::default()).unwrap();

@@ -1,7 +1,7 @@
-//! A compiled scene on the GPU: its data as a list that shaders read by index, its values as uniforms.
+//! A compiled scene on the GPU: its data are a list that shaders read by index, and its values are uniforms.
 //!
-//! Each tracer, and each view in a window, has its own. It is kept from frame to frame: the compiled
-//! scene is updated in place, and its data are sent again only if they have changed.
+//! Each tracer, and each view in a window, has a separate `GpuScene`, which is kept from frame to frame. The compiled
+//! scene is updated in place, and its data are uploaded again only after a change.
 
 use super::TraceError;
 #[cfg(feature = "picture")]
@@ -15,10 +15,10 @@ use crate::scene::Scene;
 use crate::shader::AlgorithmText;
 use crate::shader::{CompiledScene, DATA_WIDTH, Materials, OriginRebasing, Structure};
 
-/// Maximum uniform vectors of any shader besides those of the surfaces.
+/// Maximum uniform vectors of any shader in addition to those of the surfaces.
 pub(super) const OWN_UNIFORM_VECTORS: usize = 16;
 
-/// The algorithm for which pictures compile a scene: the distance to all objects, in world
+/// The algorithm for which the scenes of pictures are compiled. Its texts compute the distance to all objects, in world
 /// coordinates.
 #[cfg(feature = "picture")]
 const OF_PICTURES: AlgorithmText = AlgorithmText::Thesis;
@@ -26,12 +26,12 @@ const OF_PICTURES: AlgorithmText = AlgorithmText::Thesis;
 /// A compiled scene on the GPU.
 pub(crate) struct GpuScene {
     list: DataList,
-    /// The scene that was set last.
+    /// The scene that was set last, in compiled form.
     pub(super) compiled: CompiledScene,
 }
 
 impl GpuScene {
-    /// A value without a scene.
+    /// A `GpuScene` without a scene.
     ///
     /// # Errors
     /// [`Error::Gpu`] when the renderer fails.
@@ -42,7 +42,7 @@ impl GpuScene {
         })
     }
 
-    /// Compiles the scene in its current state, and sends its data. The arguments are those of
+    /// Compiles the scene in its current state, and uploads its data. The arguments are those of
     /// [`CompiledScene::update`].
     ///
     /// # Errors
@@ -58,7 +58,7 @@ impl GpuScene {
         Ok(self.list.set(&self.compiled.data)?)
     }
 
-    /// Sets a program's uniforms of the scene, except the data themselves.
+    /// Sets the scene's uniforms in a program, except the data.
     pub fn set_uniforms(&self, program: &Program) {
         program.set_vec4_array("uSurfaces", &self.compiled.values);
         if let Some(first) = self.compiled.material_table {
@@ -92,11 +92,10 @@ impl GpuScene {
     }
 
     /// Compiles the program of a picture of a scene, after checking the scene and its users' fields. The text is
-    /// written only for a scene that fits in the uniforms.
+    /// written only if the scene fits in the uniforms.
     ///
     /// # Errors
-    /// [`Error::Scene`] and [`Error::Trace`] for a scene that cannot be drawn, [`Error::Gpu`] when the
-    /// renderer fails.
+    /// [`Error::Scene`] and [`Error::Trace`] for a scene that cannot be drawn; [`Error::Gpu`] when the renderer fails.
     pub fn picture_program(
         context: &Context,
         scene: &Scene,
@@ -110,7 +109,7 @@ impl GpuScene {
         compile_with_scene(context, scene, label, &text())
     }
 
-    /// Sets the scene, and all uniforms of the scene in the program of a picture.
+    /// Sets the scene, and the scene's uniforms in the program of a picture.
     ///
     /// # Errors
     /// [`Error::Gpu`] when the renderer fails.
@@ -128,8 +127,8 @@ impl GpuScene {
     }
 }
 
-/// Rejects surfaces that do not fit in the uniforms, before anything is compiled. The shader needs `own`
-/// vectors besides those of the surfaces.
+/// Rejects surfaces that do not fit in the uniforms, before anything is compiled. `own` is the number of uniform
+/// vectors that the shader needs in addition to those of the surfaces.
 pub(super) fn check_uniforms(
     context: &Context,
     scene: &Scene,

@@ -1,23 +1,23 @@
-//! The search for waves that reach the listener, and their paths.
+//! The search for waves that reach the listener, and the paths of these waves.
 
 use super::{Fate, Settings, Tracer, Wave};
 use crate::error::Error;
 use crate::scene::Pair;
 use glam::Vec3;
 
-/// Traces waves with one seed after another, and keeps the start directions of waves that reached
-/// the listener and of some others. Tracing these directions again gives the waves' paths.
+/// Traces waves with one seed after another, and stores the start directions of waves that reached the listener and of
+/// some others. The paths are found by tracing these directions again.
 #[derive(Clone, Debug, Default)]
 pub struct HeardSearch {
     /// Start directions of waves that reached the listener.
     pub heard: Vec<Vec3>,
     /// Start directions of other waves.
     pub others: Vec<Vec3>,
-    /// Number of times that waves were traced.
+    /// Number of seeds with which waves were traced.
     pub searches: u32,
 }
 
-/// Maximum number of kept directions.
+/// Maximum number of stored directions.
 #[derive(Clone, Copy, Debug)]
 pub struct MostKept {
     pub heard: usize,
@@ -25,11 +25,11 @@ pub struct MostKept {
 }
 
 impl HeardSearch {
-    /// Traces the waves of `settings`, each time with the next seed, and keeps the directions of
-    /// the first ones.
+    /// Traces the waves of `settings` once, and stores the first start directions of each kind. Each further call uses
+    /// the next seed.
     ///
     /// # Errors
-    /// As [`Tracer::frame`].
+    /// The errors of [`Tracer::frame`].
     pub fn search(
         &mut self,
         tracer: &mut Tracer,
@@ -56,17 +56,17 @@ impl HeardSearch {
     }
 }
 
-/// Waves traced at a time: some 10 MB are read back for them.
+/// Waves traced at a time. About 10 MB are read back for this number.
 const AT_A_TIME: u32 = 1 << 18;
 
 /// Waves that reached the listener, and their paths.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct HeardPaths {
-    /// States as returned by [`Tracer::paths`], but only of waves that reached the listener; empty
-    /// without such waves.
+    /// States as [`Tracer::paths`] returns them, but only of waves that reached the listener. Empty if no wave reached
+    /// the listener.
     pub paths: Vec<Vec<Wave>>,
-    /// Number of waves traced to find them.
+    /// Number of waves that were traced to find the paths.
     pub traced: u64,
 }
 
@@ -76,7 +76,7 @@ impl HeardPaths {
         self.paths.first().map_or(0, Vec::len)
     }
 
-    /// Adds one wave of the states returned by [`Tracer::paths`].
+    /// Adds one wave, given by the states of all waves as [`Tracer::paths`] returns them.
     fn add(&mut self, states: &[Vec<Wave>], wave: usize) {
         self.paths.resize_with(states.len(), Vec::new);
         for (all, state) in self.paths.iter_mut().zip(states) {
@@ -105,7 +105,7 @@ impl HeardPaths {
             let starts = std::mem::take(&mut search.heard);
             if !starts.is_empty() {
                 let states = tracer.trace_directions(pair, &settings, &starts)?;
-                // Made a unit vector once more a direction may differ by a rounding.
+                // A direction that is normalised again may differ by one rounding, so the wave is checked again.
                 let heard = (0..starts.len()).filter(|&wave| reaches_listener(&states, wave));
                 heard.for_each(|wave| found.add(&states, wave));
             }
@@ -114,7 +114,7 @@ impl HeardPaths {
     }
 }
 
-/// Whether a wave of [`Tracer::paths`] reached the listener before it died.
+/// Whether a wave of [`Tracer::paths`] reached the listener before any other end.
 fn reaches_listener(states: &[Vec<Wave>], wave: usize) -> bool {
     let fates = states.iter().map(|waves| waves[wave].fate());
     fates

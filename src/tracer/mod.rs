@@ -2,14 +2,13 @@
 //!
 //! One frame runs as in figure 6 of the thesis:
 //!
-//! 1. *initialise*: one texel = one wave, at the source, in its own direction;
-//! 2. *march*, once per iteration: traces every wave to the next object, while the two texture
-//!    pairs swap roles;
-//! 3. *pan*: computes the contribution of each wave that reached the listener to either side;
-//! 4. one read-back of this one texture, summed on the CPU to a [`Panning`].
+//! 1. *initialise*: each texel becomes one wave at the source, with its own direction;
+//! 2. *march*, once per iteration: traces every wave to the next object, and swaps the two texture pairs;
+//! 3. *pan*: computes the contribution to the left and the right of each wave that reached the listener;
+//! 4. the texture of contributions is read back once, and summed on the CPU to a [`Panning`].
 //!
-//! The state of a wave never leaves the GPU in between. Departures from the thesis
-//! are documented where they are made, in `glsl/`, and together in `docs/thesis.md`.
+//! The states of the waves stay on the GPU between these steps. Differences from the thesis are documented in the
+//! shader files under `glsl/` and in `docs/thesis.md`.
 
 mod arrival_passes;
 mod arrivals;
@@ -84,13 +83,12 @@ pub use waves::{Fate, Wave};
 pub(crate) use waves::{STATUS_DEAD, STATUS_LISTENER, STATUS_STARTED};
 use waves::{unit_directions, waves};
 
-/// Traces frames. Programs and textures are kept from frame to frame: a frame that only moves
-/// things compiles nothing and allocates nothing on the GPU. If scenes and profiles alternate, the
-/// dozen programs used last are kept.
+/// Traces frames. Programs and textures are kept from frame to frame, so a frame in which objects only move compiles no
+/// program and allocates nothing on the GPU. If scenes and profiles alternate, the twelve programs used last are kept.
 ///
-/// Every call makes the tracer's context current, whatever the caller has made current in the
-/// meantime, and a context of the caller's own (EGL) is current again when the call returns.
-/// [`Context::from_glow`] traces on that context itself.
+/// Every call makes the tracer's context current, regardless of the context that the caller has made current in the
+/// meantime. If that was another EGL context, it is current again when the call returns. A tracer on a context from
+/// [`Context::from_glow`] traces on the caller's context.
 ///
 /// ```
 /// use echomarch::gl::{Context, ContextOptions};
@@ -110,8 +108,8 @@ use waves::{unit_directions, waves};
 /// # Ok::<(), echomarch::Error>(())
 /// ```
 ///
-/// A frame has three steps: begin, advance, and poll or wait ([`frame_begin`](Tracer::frame_begin)
-/// shows them); [`frame`](Tracer::frame) runs all three.
+/// A frame has three steps: begin, advance, and poll or wait. [`frame_begin`](Tracer::frame_begin) has an example.
+/// [`frame`](Tracer::frame) runs all three.
 pub struct Tracer {
     context: Context,
     shared: Rc<RefCell<SharedPrograms>>,
@@ -124,12 +122,12 @@ pub struct Tracer {
     spare: Option<ReadBack>,
 }
 
-/// Whether the waves of a frame are requested, in addition to its panning.
+/// Whether the waves of a frame are requested, in addition to the panning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Waves {
     Kept,
     Dropped,
-    /// The waves are requested, and the caller gives their directions, in this order.
+    /// The waves are requested, and the caller gives their directions. They start in the order of these directions.
     Given,
 }
 
@@ -137,7 +135,7 @@ enum Waves {
 #[derive(Default)]
 struct SharedPrograms {
     programs: Programs,
-    /// The fields that were checked.
+    /// The users' fields that were checked.
     user_fields: UserFields,
 }
 
@@ -150,11 +148,11 @@ impl Tracer {
         Tracer::with(context, Rc::default())
     }
 
-    /// Another tracer on the same context, with its own textures and frame in progress, for another
-    /// number of waves. The two tracers share their programs: each program is compiled only once.
+    /// Another tracer on the same context, for another number of waves. It has separate textures and a separate current
+    /// frame. The two tracers share their programs, so each program is compiled only once.
     ///
     /// # Errors
-    /// As [`Tracer::new`].
+    /// The errors of [`Tracer::new`].
     pub fn with_shared_programs(&self) -> Result<Tracer, Error> {
         Tracer::with(&self.context, Rc::clone(&self.shared))
     }
@@ -173,27 +171,27 @@ impl Tracer {
         })
     }
 
-    /// The context that the frames run on.
+    /// The context on which frames are traced.
     pub fn context(&self) -> &Context {
         &self.context
     }
 
-    /// The name of the clock that times the passes.
+    /// The name of the clock that measures the passes.
     pub fn clock_name(&self) -> &'static str {
         self.throughput.timer_name()
     }
 
-    /// Programs compiled since the tracer was made, by it and by those that
-    /// [share its programs](Tracer::with_shared_programs).
+    /// Number of programs that this tracer, and all tracers that [share its programs](Tracer::with_shared_programs),
+    /// have compiled.
     pub fn programs_compiled(&self) -> usize {
         self.shared.borrow().programs.compiled()
     }
 
-    /// Checks everything that a frame needs, including users' fields, and compiles its programs,
-    /// but traces nothing. A scene that passes can be traced with these settings.
+    /// Checks everything that a frame needs, including users' fields, and compiles its programs, but traces no wave. A
+    /// scene that passes the check can be traced with these settings.
     ///
     /// # Errors
-    /// As [`Tracer::frame`].
+    /// The errors of [`Tracer::frame`].
     pub fn check(&mut self, scene: &Scene, settings: &Settings) -> Result<(), Error> {
         let _entered = self.context.enter()?;
         let structure = self.check_input(scene, settings)?;
@@ -203,14 +201,15 @@ impl Tracer {
         Ok(())
     }
 
-    /// Traces one frame of a source and a listener, or of a scene that has one of each, in their current state.
+    /// Traces one frame of a source and a listener in their current state. A scene with one source and one listener can
+    /// be passed instead.
     ///
-    /// The first frame of a scene's structure compiles its programs, and the first frame with a
-    /// number of waves creates its textures; neither counts in the frame's times.
+    /// The first frame of a scene's structure compiles its programs, and the first frame with a number of waves creates
+    /// its textures. Neither is included in the frame's times.
     ///
     /// # Errors
-    /// [`Error::Scene`] and [`Error::Trace`] for input that cannot be traced, such as a scene with several sources that is
-    /// given without a [choice](Scene::pair); [`Error::Gpu`] when the renderer fails.
+    /// [`Error::Scene`] and [`Error::Trace`] for input that cannot be traced, such as a scene with several sources that
+    /// is passed without a [choice](Scene::pair); [`Error::Gpu`] when the renderer fails.
     pub fn frame<'a>(
         &mut self,
         pair: impl IntoPair<'a>,
@@ -221,11 +220,11 @@ impl Tracer {
         self.aside(|tracer| tracer.frame_at_once(pair, settings))
     }
 
-    /// Traces one frame and reads back every wave, in order. The frame's times do not include
-    /// reading the waves back.
+    /// Traces one frame, and reads back every wave, in order. The frame's times do not include the read-back of the
+    /// waves.
     ///
     /// # Errors
-    /// As [`Tracer::frame`].
+    /// The errors of [`Tracer::frame`].
     pub fn frame_with_waves<'a>(
         &mut self,
         pair: impl IntoPair<'a>,
@@ -253,11 +252,11 @@ impl Tracer {
 
     /// Traces every wave, and returns its state at the start and after each iteration.
     ///
-    /// The outer list has `settings.iterations + 1` entries, the inner lists one wave each. For
-    /// pictures and comparisons.
+    /// The outer list has `settings.iterations + 1` entries, and each inner list has one entry per wave. This function
+    /// is intended for pictures and comparisons.
     ///
     /// # Errors
-    /// As [`Tracer::frame`].
+    /// The errors of [`Tracer::frame`].
     pub fn paths<'a>(
         &mut self,
         pair: impl IntoPair<'a>,
@@ -270,15 +269,14 @@ impl Tracer {
         self.follow(&frame)
     }
 
-    /// Follows one wave for each of `directions`, which leave the source along
-    /// them: as [`Tracer::paths`], except for the start. `settings.waves`, `seed` and
-    /// `directions` do not matter.
+    /// Traces one wave for each of `directions`, which is its start direction. In all other respects the function works
+    /// as [`Tracer::paths`]. `settings.waves`, `seed` and `directions` are ignored.
     ///
-    /// The directions are in world axes, with any length except 0: they are normalised.
+    /// The directions are in world axes. Their lengths may be any except 0, because they are normalised.
     ///
     /// # Errors
-    /// As [`Tracer::frame`]; [`BadSetting`](TraceError::BadSetting) for a direction that
-    /// is 0 or not finite, and for none at all.
+    /// The errors of [`Tracer::frame`]; [`BadSetting`](TraceError::BadSetting) for a direction that is 0 or not finite,
+    /// and for an empty list.
     pub fn trace_directions<'a>(
         &mut self,
         pair: impl IntoPair<'a>,
@@ -304,13 +302,14 @@ impl Tracer {
         self.follow(&frame)
     }
 
-    /// Finds the paths of `wanted` waves that reach the listener: traces the waves of `settings`,
-    /// then those of the next seeds, until `wanted` waves are found or `most` waves were traced.
+    /// Finds the paths of `wanted` waves that reach the listener. Traces the waves of `settings`, and then those of the
+    /// next seeds, until `wanted` waves are found or `most` waves were traced.
     ///
-    /// In the profile `thesis` a wave that died and is marched again does not count.
+    /// In the profile `thesis`, which continues to march dead waves, a wave that died before it reached the listener
+    /// does not count.
     ///
     /// # Errors
-    /// As [`Tracer::frame`].
+    /// The errors of [`Tracer::frame`].
     #[doc(hidden)]
     pub fn heard_paths<'a>(
         &mut self,
@@ -322,11 +321,11 @@ impl Tracer {
         HeardPaths::search(self, pair.chosen()?, settings, wanted, most)
     }
 
-    /// The start directions of the waves, in order: unit vectors in world axes. From `settings`,
-    /// only the waves, the seed and the directions are used.
+    /// The start directions of the waves, in order: unit vectors in world axes. From `settings`, only the waves, the
+    /// seed and the directions are used.
     ///
     /// # Errors
-    /// As [`Tracer::frame`].
+    /// The errors of [`Tracer::frame`].
     pub(crate) fn start_directions(&mut self, settings: &Settings) -> Result<Vec<Vec3>, Error> {
         settings.validate()?;
         let _entered = self.context.enter()?;
@@ -358,7 +357,7 @@ impl Tracer {
     ) -> Result<PreparedFrame, Error> {
         let scene = pair.scene;
         let structure = self.check_input(scene, settings)?;
-        // The textures now belong to this frame.
+        // Drops a frame in progress, because its textures are reused.
         self.give_up_marching();
         let asked = loops_asked(settings);
         let (budget, setup) = timed(|| {
@@ -376,10 +375,10 @@ impl Tracer {
         };
         let targets = self.make_room(settings, !programs.are_one())?;
         targets.provide_unordered(starts.is_some() && programs.are_one())?;
-        // Sorting is part of the first frame with these starts.
+        // Sorting is counted as part of the first frame with these starts.
         let ((), sorting) = timed(|| Ok(targets.sort_starts(starts)?))?;
-        // Compiling and creating textures, which only a first frame does, is not in the frame's
-        // time.
+        // The compilation of programs and the creation of textures, which happen only in a first frame, are not part of
+        // the frame's time.
         let setup = Duration::from_secs_f64((setup + sorting) * 1e-3);
         let now = Instant::now();
         let began = now.checked_sub(setup).unwrap_or(now);
@@ -389,7 +388,7 @@ impl Tracer {
         ))
     }
 
-    /// The programs of a frame, with all passes drawn as one or not, compiled if necessary.
+    /// The programs of a frame, compiled if necessary. `as_one` states whether all passes are drawn as one.
     fn programs(
         &self,
         scene: &Scene,
@@ -418,7 +417,7 @@ impl Tracer {
         })
     }
 
-    /// Creates textures for the waves if there are none yet.
+    /// Creates textures for the waves, unless textures of the right size exist.
     fn make_room(&mut self, settings: &Settings, with_pairs: bool) -> Result<&mut Targets, Error> {
         let grid = Grid::new(settings.waves);
         let targets = match self.targets.take().filter(|targets| targets.grid == grid) {
@@ -437,8 +436,7 @@ impl Tracer {
         Ok(targets)
     }
 
-    /// Checks the input once per frame, and users' fields before the first frame. Returns the
-    /// structure of the scene.
+    /// Checks the input of a frame, and users' fields before the first frame. Returns the structure of the scene.
     fn check_input(&self, scene: &Scene, settings: &Settings) -> Result<Structure, Error> {
         scene.validate()?;
         settings.validate()?;
@@ -455,7 +453,7 @@ impl Tracer {
         self.targets.as_ref().ok_or(TraceError::NothingTraced)
     }
 
-    /// Sets every uniform of the march that is the same for all iterations.
+    /// Sets the uniforms of the march that are the same for all iterations.
     fn set_march_uniforms(&self, frame: &PreparedFrame) {
         frame.set_march_uniforms();
         self.scene.set_uniforms(frame.programs.march());
@@ -468,7 +466,7 @@ impl Tracer {
         }
     }
 
-    /// The current waves, and the waves after each iteration.
+    /// The states of the waves now, and after each iteration.
     fn follow(&mut self, frame: &PreparedFrame) -> Result<Vec<Vec<Wave>>, Error> {
         self.set_march_uniforms(frame);
         let starts = self.targets()?.read_pair()?;
@@ -484,7 +482,7 @@ impl Tracer {
     }
 }
 
-/// The waves of a frame, if they start sorted.
+/// The waves of a frame, or `None` if their starts are not sorted.
 fn starts(scene: &Scene, settings: &Settings) -> Option<Starts> {
     let Settings {
         waves,
@@ -498,9 +496,9 @@ fn starts(scene: &Scene, settings: &Settings) -> Option<Starts> {
     }
 }
 
-/// Whether all passes of a frame are drawn as one. The thesis' passes are not. A scene with users'
-/// fields, whose programs are tried before use, has only the program of the march. The budget is
-/// computed only for other scenes, because it may need the scene's cells.
+/// Whether all passes of a frame are drawn as one. In `thesis` they are not. A scene with users' fields, whose programs
+/// are tried before use, has only the program of the march. The budget is computed only for other scenes, because it
+/// may need the scene's cells.
 fn fits_one_pass(scene: &Scene, settings: &Settings, budget: impl FnOnce() -> Budget) -> bool {
     settings.profile() != Profile::Thesis
         && scene.user_fields().next().is_none()

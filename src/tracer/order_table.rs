@@ -1,4 +1,4 @@
-//! The order of starts on the GPU: a table that shaders look up (`glsl/order.glsl`), kept until the starts change.
+//! The order of starts on the GPU: a table that shaders read (`glsl/order.glsl`), kept until the starts change.
 
 use super::Grid;
 use super::start_order::{StartOrder, Starts};
@@ -6,14 +6,14 @@ use crate::gl::{Context, GpuError, Program, Texture};
 use glam::Vec3;
 use std::rc::Rc;
 
-/// The texture unit of the table, beside those of waves, scene data and lists.
+/// The texture unit of the table. The other units hold waves, scene data and lists.
 const ORDER_UNIT: u32 = 4;
 
 /// The table for textures of one size.
 pub(super) struct OrderTable {
     texture: Texture,
     order: Rc<StartOrder>,
-    /// The starts of the order; `None` if a caller gave the directions.
+    /// The starts whose order the table has; `None` if a caller gave the directions.
     of: Option<Starts>,
 }
 
@@ -34,7 +34,8 @@ impl OrderTable {
         })
     }
 
-    /// The table of these starts in a grid, on textures of `height` rows: `known` if it is of the same starts.
+    /// The table of these starts in a grid, for textures of `height` rows. `known` is returned if it has the same
+    /// starts.
     pub fn of_starts(
         context: &Context,
         known: Option<OrderTable>,
@@ -50,7 +51,7 @@ impl OrderTable {
         }
     }
 
-    /// The table of waves that start in these unit vectors.
+    /// The table of waves whose start directions are these unit vectors.
     pub fn of_directions(
         context: &Context,
         directions: impl Iterator<Item = Vec3>,
@@ -65,7 +66,7 @@ impl OrderTable {
         &self.order
     }
 
-    /// Binds the table for a program that looks it up.
+    /// Binds the table for a program that reads it.
     pub fn bind(&self, program: &Program) {
         program.set_texture("uOrder", ORDER_UNIT, &self.texture);
     }

@@ -9,21 +9,20 @@ use crate::shader::{Budget, CompiledScene};
 use glam::{Vec3, Vec4};
 use std::rc::Rc;
 
-/// Maximum evaluations of one surface in one draw call, if every march in it takes the maximum
-/// number of steps: some 2^38 operations, about a second on the slowest card with OpenGL 3.3.
+/// Maximum evaluations of one surface in one draw call, if every march takes the maximum number of steps. These are
+/// about 2^38 operations, which take about a second on the slowest card with OpenGL 3.3.
 pub(super) const EVALUATIONS_PER_DRAW: u64 = 1 << 33;
 
-/// Rows drawn before their time is known.
+/// Rows that are drawn first, before the time of a row is known.
 const FIRST_ROWS: u32 = 8;
 
-/// Maximum seconds for these rows, if their time can be predicted: no more than one picture takes.
+/// Maximum seconds for the first rows, if their time can be predicted: no more than one picture of a window takes.
 const FIRST_SECONDS: f64 = 0.03;
 
 /// Usual number of steps to the next surface.
 const USUAL_STEPS: f64 = 20.0;
 
-/// One frame's checked input: its programs, and the values of their uniforms for the scene at the
-/// beginning of the frame.
+/// The checked input of one frame: its programs, and the values of their uniforms at the beginning of the frame.
 pub(super) struct PreparedFrame {
     pub settings: Settings,
     pub grid: Grid,
@@ -39,16 +38,16 @@ pub(super) struct PreparedFrame {
 
 /// The programs of a frame.
 pub(super) enum FramePrograms {
-    /// One program per pass, with the waves in texture pairs in between.
+    /// One program per pass. Between passes the waves are in texture pairs.
     Passes {
         initialise: Rc<Program>,
         march: Rc<Program>,
         pan: Rc<Program>,
     },
-    /// All passes in one program: the waves are in no texture.
+    /// All passes in one program. The waves are in no texture.
     WholeFrame {
         frame: Rc<Program>,
-        /// Puts the contributions in the order of the waves, if starts are sorted.
+        /// Rearranges the contributions into the order of the waves, if starts are sorted.
         in_order: Option<Rc<Program>>,
     },
 }
@@ -68,11 +67,11 @@ impl FramePrograms {
     }
 }
 
-/// Source and listener in the shaders' coordinates, as passed to the programs.
+/// Source and listener in the shaders' coordinates, as the programs read them.
 struct Uniforms {
     source: Vec3,
     start_status: f32,
-    /// Position and radius.
+    /// Position, and radius in the last component.
     listener: Vec4,
     listener_right: Vec3,
 }
@@ -113,8 +112,8 @@ impl PreparedFrame {
         program.set_f32("uStartStatus", self.uniforms.start_status);
     }
 
-    /// Sets the uniforms of the march that are the same for all iterations. Uniforms that the
-    /// program does not have are skipped.
+    /// Sets the uniforms of the march that are the same for all iterations. Uniforms that the program lacks are
+    /// skipped.
     pub fn set_march_uniforms(&self) {
         let (program, settings) = (self.programs.march(), &self.settings);
         if self.programs.are_one() {
@@ -143,7 +142,7 @@ impl PreparedFrame {
         program.set_vec3("uListenerRight", self.uniforms.listener_right);
     }
 
-    /// The texel of a wave at its start: position and status.
+    /// The texel of a wave at its start: position, and status in the last component.
     pub fn start(&self) -> [f32; 4] {
         let Uniforms {
             source,
@@ -153,7 +152,7 @@ impl PreparedFrame {
         source.extend(start_status).to_array()
     }
 
-    /// Maximum evaluations of one surface by a wave in these iterations. If a watchdog limits the
+    /// Maximum evaluations of one surface by a wave in these iterations. On a graphics card, whose watchdog limits the
     /// time of a draw, slow evaluations count as several usual ones.
     pub fn evaluations(&self, context: &Context, iterations: u32) -> u64 {
         let evaluations = u64::from(iterations) * self.budget.evaluations;
@@ -163,14 +162,15 @@ impl PreparedFrame {
         }
     }
 
-    /// The time of an evaluation of the scene's slowest surface, as a multiple of a usual evaluation: for
-    /// users' fields it was measured.
+    /// The time of an evaluation of the scene's slowest surface, as a multiple of a usual evaluation. The time is known
+    /// for users' fields, because it was measured.
     fn weight(&self) -> u64 {
         let slowest = self.evaluation_seconds.unwrap_or_default();
         ((slowest * EVALUATIONS_PER_DRAW as f64) as u64).max(1)
     }
 
-    /// Rows drawn before their time is known: fewer if they are predicted to take long.
+    /// Rows that are drawn first, before the time of a row is known. Their number is lower if evaluations are known to
+    /// be slow.
     pub fn first_rows(&self, iterations: u32) -> u32 {
         let Some(seconds) = self.evaluation_seconds else {
             return FIRST_ROWS;
@@ -180,7 +180,7 @@ impl PreparedFrame {
     }
 }
 
-/// In `thesis` waves march even out of a solid; in the other profiles a source inside a solid emits no waves.
+/// In `thesis` waves march even out of a solid. In the other profiles a source inside a solid emits no waves.
 fn start_status(pair: Pair, settings: &Settings, compiled: &CompiledScene) -> f32 {
     if matches!(settings.algorithm, Algorithm::Thesis(_)) {
         return STATUS_STARTED;

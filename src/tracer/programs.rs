@@ -1,5 +1,5 @@
-//! The shader programs of a frame, each compiled once for the key of its text, and the settings on
-//! which texts and loops depend. An error in a user's text is reported for the user's file.
+//! The shader programs of a frame, each compiled once for the key of its text, and the settings that determine texts
+//! and loops. An error in a user's text is reported for the user's file.
 
 use super::{Algorithm, Directions, Settings, TraceError, field_trial};
 use crate::error::Error;
@@ -13,11 +13,11 @@ use std::num::NonZeroUsize;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// Maximum number of kept programs: all three profiles of three scenes, and the passes without a
-/// scene. Mesa's llvmpipe holds some 2 MiB for each program.
+/// Maximum number of programs in the cache. This number holds the programs of all three profiles in three scenes, and
+/// the passes without a scene. Mesa's llvmpipe uses about 2 MiB for each program.
 const PROGRAMS_KEPT: NonZeroUsize = NonZeroUsize::new(12).unwrap();
 
-/// The parameters of the text of a pass: passes with equal keys share their programs.
+/// The parameters that determine the text of a pass. Passes with equal keys share their programs.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 enum Key {
     Waves(WavePass),
@@ -29,11 +29,11 @@ enum Key {
 pub(super) enum WavePass {
     Initialise(Directions, StartOrderText),
     Pan(StartOrderText),
-    /// Puts contributions in the order of the waves.
+    /// Rearranges contributions into the order of the waves.
     InOrder,
-    /// The first pass of the sum on the GPU.
+    /// The first pass of the summation on the GPU.
     FirstSum,
-    /// The further passes of the sum.
+    /// The further passes of the summation.
     FurtherSum,
 }
 
@@ -89,8 +89,8 @@ impl Programs {
         self.cache.compiled()
     }
 
-    /// The program of a pass over a scene of this structure. The scene is checked before the first
-    /// program of its structure is compiled.
+    /// The program of a pass over a scene with this structure. The scene is checked before the first program of its
+    /// structure is compiled.
     pub fn of_scene(
         &mut self,
         context: &Context,
@@ -123,7 +123,7 @@ impl Programs {
     }
 }
 
-/// The settings on which the text of a march depends.
+/// The settings that determine the text of a march.
 pub(super) fn march_options(settings: &Settings) -> MarchText {
     MarchText {
         algorithm: match &settings.algorithm {
@@ -135,12 +135,12 @@ pub(super) fn march_options(settings: &Settings) -> MarchText {
     }
 }
 
-/// Which wave starts at a texel, in a scene with these settings.
+/// The wave that starts at a texel, in a scene with these settings.
 pub(super) fn start_order(scene: &Scene, settings: &Settings) -> StartOrderText {
     StartOrderText::of(march_options(settings).algorithm, scene)
 }
 
-/// The settings on which the loops of a pass depend.
+/// The settings that determine the loops of a pass.
 pub(super) fn loops_asked(settings: &Settings) -> LoopsAsked {
     LoopsAsked {
         algorithm: march_options(settings).algorithm,
@@ -168,13 +168,13 @@ impl Budget {
         let asked = loops_asked(settings);
         let none = Materials::default();
         let mut compiled = CompiledScene::default();
-        // Turns do not depend on the origin.
+        // The number of loop turns does not depend on the origin.
         compiled.update(scene, OriginRebasing::world(), of, &none);
         compiled.budget(&asked)
     }
 }
 
-/// A pass over the waves that is drawn with its own program.
+/// A pass over the waves that has a separate program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Pass {
     /// Puts the waves at the source.
@@ -185,9 +185,8 @@ pub enum Pass {
     Pan,
 }
 
-/// The fragment shader of a pass, as a [`Tracer`](super::Tracer) compiles it after the
-/// driver's own header. Needs no context; the scene should have been
-/// [checked](Scene::check).
+/// The fragment shader of a pass, as a [`Tracer`](super::Tracer) compiles it after the version header. This function
+/// needs no context. The scene should have been [checked](Scene::check).
 pub fn shader_text(scene: &Scene, settings: &Settings, pass: Pass) -> String {
     match pass {
         Pass::Initialise => {
@@ -206,8 +205,8 @@ pub(super) fn march_text(scene: &Scene, structure: &Structure, settings: &Settin
 /// Compiles a program that contains the surfaces of a scene.
 ///
 /// # Errors
-/// [`TraceError::FieldDoesNotCompile`] if the program does not compile and contains a user's text
-/// that compiled alone; otherwise the driver's error.
+/// [`TraceError::FieldDoesNotCompile`] if the program does not compile and contains a user's text that compiled alone;
+/// otherwise the driver's error.
 pub(crate) fn compile_with_scene(
     context: &Context,
     scene: &Scene,
@@ -227,8 +226,8 @@ pub(crate) fn compile_with_scene(
     }
 }
 
-/// The first error of a log as an error of a user's field, if the program contains a field, except
-/// for errors in the program's own text.
+/// The first error of a log, as an error of a user's field. `None` if the program contains no field, or the error is in
+/// the program's own text.
 fn of_field(scene: &Scene, text: &str, log: &str) -> Option<TraceError> {
     let fields: Vec<&Arc<UserField>> = scene.user_fields().filter(|f| !f.is_own()).collect();
     let errors = log_errors(log);
@@ -260,8 +259,7 @@ pub(super) fn first_line(log: &str) -> String {
     without_prefixes(line.unwrap_or("the driver does not say why").trim())
 }
 
-/// A driver's message with the original names of the user's text, without the prefixes that rename
-/// them.
+/// A driver's message with the original names of the user's text: without the prefixes that the program has added.
 pub(super) fn without_prefixes(message: &str) -> String {
     let mut plain = String::with_capacity(message.len());
     let mut rest = message;
@@ -286,8 +284,8 @@ pub(super) fn without_prefixes(message: &str) -> String {
     plain + rest
 }
 
-/// Length in bytes of the prefix `user<number>_` of a text; for `users<number>_`, which precedes
-/// names that begin with `_`, without the underscore, which belongs to the name.
+/// Length in bytes of the prefix `user<number>_` at the start of a text. The prefix `users<number>_` precedes names
+/// that begin with `_`. Its length does not include the underscore, which belongs to the name.
 fn prefix_length(text: &str) -> Option<usize> {
     let after = text.strip_prefix("user")?;
     let number = after.strip_prefix('s').unwrap_or(after);
@@ -316,8 +314,8 @@ mod tests {
         scene
     }
 
-    /// Protects people from a driver's log: an error in a text in the whole shader is reported in
-    /// one sentence with the user's file, line and names.
+    /// Protects users from raw driver logs: an error that a text causes in the whole shader is reported in one sentence
+    /// with the user's file, line and names.
     #[test]
     fn an_error_in_the_whole_shader_is_that_of_the_field() {
         let text = "float _a;\nfloat field(vec3 p) { return p.x + _a; }\n";
@@ -352,7 +350,7 @@ mod tests {
         assert!(of_field(&own, &shader, "1:1(1): error: bad").is_none());
     }
 
-    /// Protects the names in messages: only the prefixes added by the program are removed.
+    /// Protects the names in messages: only the prefixes that the program has added are removed.
     #[test]
     fn only_prefixes_are_taken_off() {
         for (message, expected) in [

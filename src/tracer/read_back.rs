@@ -1,10 +1,10 @@
-//! The read-back of a frame's result: the panning texture summed on the CPU, or on the GPU block by block
-//! until one texel is left.
+//! The read-back of a frame's result. The panning texture is summed on the CPU, or on the GPU block by block until one
+//! texel is left.
 //!
-//! The thesis reads the whole texture back and sums on the CPU. A sum on the GPU returns one texel
-//! per target; it runs in `f32`, by blocks, so its relative error stays below 64 roundings, 4e-6,
-//! per pass (1e-7 was measured: docs/accuracy.md). Counts of waves are exact; counts of passes and
-//! evaluations are exact up to 2^24 and rounded like any `f32` above.
+//! The thesis reads the whole texture back and sums on the CPU. A sum on the GPU returns one texel per target. It is
+//! computed in `f32`, block by block, so its relative error stays below 64 roundings, 4e-6, per pass (1e-7 was
+//! measured: docs/accuracy.md). Counts of waves are exact. Counts of marches and evaluations are exact up to 2^24 and
+//! rounded above.
 
 use super::programs::{Programs, WavePass};
 use super::{Counts, Grid, Panning, Settings, frame};
@@ -15,13 +15,14 @@ use crate::gl::{
 };
 use std::rc::Rc;
 
-/// The timer of a frame, and the read-back of its result; kept from one frame to the next.
+/// The timer of a frame, and the read-back of its result. Both are kept from one frame to the next.
 pub(super) struct ReadBack {
-    /// Four marks: around initialise, and around pan. Others may draw between the two pairs.
+    /// Four marks: before and after *initialise*, and before and after *pan*. Other drawing is possible between the two
+    /// pairs.
     pub timer: GpuTimer,
     /// The contribution of each wave, or the sum.
     heard: AsyncRead,
-    /// The counts of passes, if they are summed on the GPU.
+    /// The counts of marches, if they are summed on the GPU.
     passes: AsyncRead,
 }
 
@@ -39,15 +40,15 @@ impl ReadBack {
         Ok(self.heard.begin(pan, 0, grid.width, grid.height)?)
     }
 
-    /// Requests the result of a sum on the GPU that has been drawn.
+    /// Requests the result of a sum on the GPU whose passes are drawn.
     pub fn ask_sum(&mut self, sum: &GpuSum) -> Result<(), Error> {
-        // The passes are requested first, so that they are complete when the rest is.
+        // The counts of marches are requested first, so that they are complete when the contributions are.
         self.passes.begin(sum.last(), 1, 1, 1)?;
         Ok(self.heard.begin(sum.last(), 0, 1, 1)?)
     }
 
-    /// The sum of all contributions, if it is available, after waiting if requested: computed on the CPU
-    /// or on the GPU, as set in the settings.
+    /// The sum of all contributions, computed on the CPU or on the GPU as the settings state. Waits for the result if
+    /// `wait` is set; otherwise returns `None` if it is not available yet.
     pub fn sum(
         &mut self,
         settings: &Settings,
@@ -67,14 +68,14 @@ impl ReadBack {
             .wait(|passes| totals(&heard, passes, grid, are_evaluations))
     }
 
-    /// Milliseconds of initialise and pan. Waits until both are done.
+    /// Milliseconds of *initialise* and *pan*. Waits until both are complete.
     pub fn initialise_and_pan(&self) -> [f64; 2] {
         let between = self.timer.milliseconds();
         [0, 2].map(|part| between.get(part).copied().unwrap_or_default())
     }
 }
 
-/// The result of a read-back, after waiting if requested.
+/// The result of a read-back. Waits for the result if `wait` is set.
 fn take<T>(
     from: &mut AsyncRead,
     wait: bool,
@@ -87,10 +88,10 @@ fn take<T>(
     }
 }
 
-/// Side of a block in texels: 64 texels are summed to one.
+/// Side of a block in texels: 64 texels are summed to one texel.
 const BLOCK: u32 = 8;
 
-/// The programs of the sum, and the textures of each pass, the last one with one texel.
+/// The programs of the sum, and the textures of each pass. The textures of the last pass have one texel.
 pub(super) struct GpuSum {
     first: Rc<Program>,
     further: Rc<Program>,
@@ -116,7 +117,7 @@ impl GpuSum {
         }
     }
 
-    /// Draws all passes over the panning texture.
+    /// Draws all passes of the sum over the panning texture.
     pub fn draw(
         &self,
         context: &Context,
@@ -142,13 +143,13 @@ impl GpuSum {
         Ok(())
     }
 
-    /// The target of one texel with the sums of contributions and passes.
+    /// The target of one texel with the sums of contributions and counts.
     pub fn last(&self) -> &RenderTarget {
         &self.levels[self.levels.len() - 1].target
     }
 }
 
-/// The sums in the last texel of both textures.
+/// The sums, from the last texel of both textures.
 fn totals(heard: &[f32], passes: &[f32], grid: Grid, are_evaluations: bool) -> (Panning, Counts) {
     let panning = Panning {
         left: f64::from(heard[0]),

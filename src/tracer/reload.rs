@@ -6,15 +6,15 @@ use super::{Settings, Tracer};
 use crate::error::Error;
 use crate::scene::{Scene, SceneError, SceneWatch};
 
-/// A scene that is read again when its files change. A new scene replaces the last one only if it
-/// can be traced: until then, and after an error, the last good scene stays. It is replaced as a
-/// whole, so that no frame sees half a change.
+/// A scene that is read again when its files change. A new scene replaces the current one only if it can be traced.
+/// Until then, and after an error, the current scene stays. The scene is replaced as a whole, so that no frame has a
+/// part of a change.
 pub struct Reloading {
     watch: SceneWatch,
     scene: Scene,
     /// A new scene, while its fields are tried.
     trying: Option<(Scene, Trial)>,
-    /// Programs that are drawn with the scene in addition to the tracer's.
+    /// Programs that are drawn with the scene in addition to the tracer's own programs.
     others: Vec<ProgramOf>,
 }
 
@@ -22,10 +22,10 @@ pub struct Reloading {
 type ProgramOf = fn(&Scene) -> String;
 
 impl Reloading {
-    /// Reads a scene, checks it with the tracer, and follows its files from now on.
+    /// Reads a scene, checks it with the tracer, and watches its files from now on.
     ///
     /// # Errors
-    /// As [`Scene::load`] and [`Tracer::check`]: there is no earlier scene to keep.
+    /// The errors of [`Scene::load`] and [`Tracer::check`], because there is no earlier scene to keep.
     pub fn open(
         name_or_file: &str,
         tracer: &mut Tracer,
@@ -35,11 +35,10 @@ impl Reloading {
         Reloading::new(watch, scene, tracer, settings)
     }
 
-    /// As [`Reloading::open`], for a scene that `load` reads from the file and the files that it
-    /// names.
+    /// Like [`Reloading::open`], but `load` reads the scene from the file and from the files that it names.
     ///
     /// # Errors
-    /// The errors of `load`, and as [`Tracer::check`].
+    /// The errors of `load` and of [`Tracer::check`].
     pub fn open_with(
         name_or_file: &str,
         load: impl Fn() -> Result<Scene, SceneError> + 'static,
@@ -65,15 +64,15 @@ impl Reloading {
         })
     }
 
-    /// Looks at the files; to be called between frames, as often as one likes. A new scene
-    /// is checked and its programs are compiled here, so that the next frame does not wait;
-    /// while its fields are tried in a [child](super::FieldTrial), nothing waits either, and
-    /// nothing has changed.
+    /// Looks for changes of the files. Call this function between frames, as often as wanted. A new scene is checked
+    /// and its programs are compiled here, so that the next frame does not wait. While the fields of the new scene are
+    /// tried in a [child process](super::FieldTrial), the call does not wait, and the current scene stays.
     ///
-    /// Returns whether there is a new scene.
+    /// Returns whether a new scene has replaced the current one.
     ///
     /// # Errors
-    /// As [`Reloading::open`], once after each change that leaves no scene that can be traced; the last scene is kept.
+    /// The errors of [`Reloading::open`], once after each change that leads to no scene that can be traced. The current
+    /// scene is then kept.
     pub fn poll(&mut self, tracer: &mut Tracer, settings: &Settings) -> Result<bool, Error> {
         let Some(scene) = self.tried(settings)? else {
             return Ok(false);
@@ -83,7 +82,7 @@ impl Reloading {
         Ok(true)
     }
 
-    /// A new scene whose fields have been tried.
+    /// A new scene whose fields have been tried, if there is one.
     fn tried(&mut self, settings: &Settings) -> Result<Option<Scene>, Error> {
         if let Some(read) = self.watch.poll() {
             // The scene that was being tried is outdated.
@@ -106,18 +105,18 @@ impl Reloading {
         }
     }
 
-    /// The last good scene.
+    /// The current scene: the last one that can be traced.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
 
-    /// The files that are followed; none for a built-in scene.
+    /// The files that are watched; none for a built-in scene.
     pub fn files(&self) -> impl Iterator<Item = &std::path::Path> {
         self.watch.files()
     }
 }
 
-/// Begins to try a scene's fields, together with the tracer's program and others.
+/// Begins a trial of a scene's fields in the tracer's program and in `others`.
 fn begin_trial(
     scene: &Scene,
     settings: &Settings,
@@ -132,17 +131,17 @@ fn begin_trial(
     Trial::begin(scene, &programs)
 }
 
-/// A scene that is opened while another one continues: the trial of its fields does not block.
+/// A scene that is opened while another scene is in use. The trial of its fields does not block.
 pub struct Opening {
     reloading: Reloading,
     trial: Option<Trial>,
 }
 
 impl Opening {
-    /// Reads a scene and begins to try its fields, in the tracer's program and in `others`.
+    /// Reads a scene, and begins a trial of its fields in the tracer's program and in `others`.
     ///
     /// # Errors
-    /// As [`Scene::load`], and [`Error::Trace`] for a field that is rejected at once.
+    /// The errors of [`Scene::load`]; [`Error::Trace`] for a field that is rejected without a trial.
     pub fn begin(
         name_or_file: &str,
         settings: &Settings,
@@ -165,12 +164,13 @@ impl Opening {
         self.reloading.scene()
     }
 
-    /// Whether its fields are being tried.
+    /// Whether the trial of its fields is in progress.
     pub fn is_tried(&self) -> bool {
         self.trial.is_some()
     }
 
-    /// Whether the fields can be used, once known; known immediately if there are no fields to try.
+    /// Whether the fields can be used; `None` while this is unknown. It is known immediately if there are no fields to
+    /// try.
     pub fn poll(&mut self) -> Option<Result<(), Error>> {
         let Some(trial) = &mut self.trial else {
             return Some(Ok(()));
@@ -188,7 +188,7 @@ impl Opening {
         self.trial.take().map_or(Ok(()), Trial::wait)
     }
 
-    /// Follows the scene's files from now on. The tracer has not checked it yet.
+    /// Watches the scene's files from now on. The tracer has not yet checked the scene.
     pub fn follow(self) -> Reloading {
         self.reloading
     }

@@ -1,12 +1,13 @@
-//! The order of starts: which wave starts at which texel.
+//! The order of starts: the texel at which each wave starts.
 //!
-//! A renderer traces neighbouring texels in lockstep (llvmpipe 8, a graphics card 32 or 64), so that the slowest
-//! wave of such a group determines its time. Waves with consecutive numbers start in different directions, also
-//! those of a Fibonacci lattice. If waves are marched, they therefore start sorted: neighbouring texels hold waves
-//! of neighbouring directions, whose numbers of steps are mostly similar.
+//! A renderer traces neighbouring texels in lockstep (8 texels in llvmpipe, 32 or 64 on a graphics card), so the
+//! slowest wave of such a group determines the group's time. Waves with consecutive numbers start in different
+//! directions, in a Fibonacci lattice too. If waves are marched, their starts are therefore sorted: neighbouring texels
+//! hold waves of neighbouring directions, which mostly take similar numbers of steps.
 //!
-//! Directions are sorted along a Hilbert curve over the sphere, and texels by tiles. Numbers, directions and sums of
-//! the waves do not depend on the order: everything that is read back is in the order of the waves.
+//! Directions are sorted along a Hilbert curve over the sphere, and texels by tiles. The numbers, directions and sums
+//! of the waves do not depend on the order of starts, because everything that is read back is rearranged into the order
+//! of the waves.
 
 use super::Grid;
 use crate::shader::Directions;
@@ -14,24 +15,25 @@ use glam::{UVec3, Vec2, Vec2Swizzles, Vec3};
 use std::f32::consts::TAU;
 use std::ops::Range;
 
-/// Side in texels of a tile, whose waves start in neighbouring directions: 64 waves, as many as a graphics card
-/// traces in lockstep at most. Its quarters and their quarters are neighbours, too, down to 2 x 2 texels.
+/// Side in texels of a tile, whose waves start in neighbouring directions. A tile has 64 waves, the most that a
+/// graphics card traces in lockstep. The waves of each quarter of a tile are also neighbours, as are those of each
+/// quarter of a quarter, down to 2 × 2 texels.
 const TILE: u32 = 8;
 
 /// The waves of a grid, and their directions.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Starts {
     directions: Directions,
-    /// Number of waves of the settings.
+    /// Number of waves in the settings.
     of: u32,
-    /// Waves of the grid.
+    /// Numbers of the waves in the grid.
     numbers: Range<u32>,
-    /// Seed; 0 for a lattice, which a seed only rotates as a whole.
+    /// The seed; 0 for a lattice, because a seed only rotates a lattice as a whole.
     seed: u32,
 }
 
 impl Starts {
-    /// The waves `numbers` out of `of` waves, in the directions for a seed.
+    /// The waves with these numbers, out of a total of `of` waves, in the directions for a seed.
     pub fn new(directions: Directions, seed: u32, of: u32, numbers: Range<u32>) -> Starts {
         let seed = match directions {
             Directions::Random => seed,
@@ -45,7 +47,7 @@ impl Starts {
         }
     }
 
-    /// The place of each direction on the square of [`place`]. A lattice is not rotated.
+    /// The point of each direction in the square of [`place`]. A lattice is not rotated.
     fn places(&self) -> impl Iterator<Item = Vec2> {
         self.numbers.clone().map(|wave| match self.directions {
             Directions::Random => {
@@ -73,7 +75,7 @@ pub(super) struct StartOrder {
 }
 
 impl StartOrder {
-    /// The order of waves that start in these unit vectors.
+    /// The order of waves whose start directions are these unit vectors.
     pub fn of_directions(directions: impl Iterator<Item = Vec3>, grid: Grid) -> StartOrder {
         let of = |direction: Vec3| {
             let turns = direction.z.atan2(direction.x) / TAU;
@@ -82,7 +84,7 @@ impl StartOrder {
         StartOrder::new(directions.map(of), grid)
     }
 
-    /// The order of waves with these places on the square, one for each wave of the grid.
+    /// The order of waves whose directions have these points in the square, one for each wave of the grid.
     fn new(places: impl Iterator<Item = Vec2>, grid: Grid) -> StartOrder {
         let mut texels = vec![0; grid.waves as usize];
         let waves = sorted_along_curve(places, grid.waves);
@@ -92,20 +94,20 @@ impl StartOrder {
         StartOrder { grid, texels }
     }
 
-    /// The number of the texel at which a wave starts; waves are counted from the first one in the grid.
+    /// The number of the texel at which a wave starts. Waves are counted from the first wave of the grid.
     pub fn texel(&self, wave: u32) -> u32 {
         self.texels[wave as usize]
     }
 
-    /// Read-back texels of the grid, four floats each, in the order of the waves.
+    /// Rearranges texels of the grid that were read back, four floats each, into the order of the waves.
     pub fn in_order_of_waves(&self, read: &[f32]) -> Vec<f32> {
         let read = read.as_chunks::<4>().0;
         let texels = self.texels.iter().map(|texel| read[*texel as usize]);
         texels.collect::<Vec<_>>().into_flattened()
     }
 
-    /// The texels of `uOrder` (`glsl/order.glsl`), for a texture of this height. Texels without a wave are numbered
-    /// like in any grid, beyond the last wave.
+    /// The texels of `uOrder` (`glsl/order.glsl`), for a texture of this height. Texels without a wave have their own
+    /// number, which is beyond the last wave.
     pub fn table(&self, height: u32) -> Vec<[f32; 4]> {
         let width = self.grid.width;
         let of = |texel: u32| [(texel % width) as f32, (texel / width) as f32];
@@ -123,8 +125,8 @@ impl StartOrder {
     }
 }
 
-/// The numbers of the waves with these places, sorted along a Hilbert curve that visits cells with one to four waves
-/// on average; waves of a cell are in their order.
+/// The numbers of the waves, sorted by their points along a Hilbert curve. The curve visits cells that contain one to
+/// four waves on average. Waves in one cell are in the order of their numbers.
 fn sorted_along_curve(places: impl Iterator<Item = Vec2>, waves: u32) -> Vec<u32> {
     let levels = waves.max(1).ilog2() / 2;
     let along = (1_u32 << levels) as f32;
@@ -151,8 +153,8 @@ fn sorted_along_curve(places: impl Iterator<Item = Vec2>, waves: u32) -> Vec<u32
     sorted
 }
 
-/// The texels of a grid that have a wave, tile by tile. Tiles follow each other down a column, so that each strip
-/// of rows holds waves from all over the sphere, and the time of one predicts that of the next.
+/// The texels of a grid that have a wave, tile by tile. Tiles follow each other down a column, so that each strip of
+/// rows holds waves from all parts of the sphere. The time of one strip therefore predicts that of the next.
 fn texels_by_tile(grid: Grid) -> impl Iterator<Item = u32> {
     let rows = grid.waves.div_ceil(grid.width);
     let tiles = move |side: u32| (0..side.div_ceil(TILE)).map(|tile| tile * TILE);
@@ -166,7 +168,7 @@ fn texels_by_tile(grid: Grid) -> impl Iterator<Item = u32> {
         .filter(move |texel| *texel < grid.waves)
 }
 
-/// Bits 0, 2 and 4, moved together: a coordinate within a tile in Morton order.
+/// Bits 0, 2 and 4, moved together. They are a coordinate within a tile in Morton order.
 fn even_bits(place: u32) -> u32 {
     place & 1 | place >> 1 & 2 | place >> 2 & 4
 }
@@ -188,11 +190,12 @@ fn place_on_curve(mut x: u32, mut y: u32, levels: u32) -> u32 {
     number
 }
 
-/// The place of a direction on a square of side 1 that shows the sphere unfolded as an octahedron, with equal areas
-/// (P. Clarberg, *Fast equal-area mapping of the (hemi)sphere using SIMD*, Journal of Graphics Tools 13 (3), 2008).
-/// The direction is given by the share of the sphere's area above it, and its azimuth in turns, 0 … 1.
+/// The point of a direction in a square of side 1, which is the sphere unfolded as an octahedron with equal areas (P.
+/// Clarberg, *Fast equal-area mapping of the (hemi)sphere using SIMD*, Journal of Graphics Tools 13 (3), 2008). `share`
+/// is the share of the sphere's area above the direction, and `turns` its azimuth in turns, 0 … 1.
 fn place(share: f32, turns: f32) -> Vec2 {
-    // Distance from the nearer pole in the square, 1 at the equator, and its division within a quarter of a turn.
+    // The distance from the nearer pole in the square, which is 1 at the equator, and its division within a quarter
+    // turn.
     let ring = (2.0 * share.min(1.0 - share)).max(0.0).sqrt();
     let quarter = (4.0 * turns).floor();
     let across = ring * (4.0 * turns - quarter);
@@ -209,7 +212,7 @@ fn place(share: f32, turns: f32) -> Vec2 {
     0.5 + 0.5 * turned
 }
 
-/// 2^32 times the golden ratio less 1 (`glsl/direction/fibonacci.glsl`).
+/// 2^32 times the fractional part of the golden ratio (`glsl/direction/fibonacci.glsl`).
 const GOLDEN_RATIO: u32 = 2_654_435_769;
 
 /// The hash of `glsl/common/hash.glsl`.
@@ -227,7 +230,7 @@ fn mix_bits(v: UVec3) -> UVec3 {
     UVec3::new(x, y, z)
 }
 
-/// The upper 24 bits as a number in 0 … 1, excluding 1.
+/// The upper 24 bits as a number from 0 to 1, excluding 1.
 fn unit_interval(bits: u32) -> f32 {
     (bits >> 8) as f32 / (1 << 24) as f32
 }
@@ -238,7 +241,7 @@ mod tests {
     use crate::sampling::lattice;
     use std::collections::BTreeSet;
 
-    /// Grids of odd counts of waves: the squarest ones, and blocks in wider textures.
+    /// Grids with many numbers of waves: grids that are as square as possible, and the same waves in wider textures.
     fn grids() -> impl Iterator<Item = Grid> {
         let counts = (1..=200).chain([1000, 1023, 4095, 4099, 65_537]);
         counts.flat_map(|waves| {
@@ -252,8 +255,8 @@ mod tests {
         })
     }
 
-    /// Protects every wave: in any grid, each wave has one texel and each texel one wave, texels beyond the last wave
-    /// stay empty, and the two halves of the table are inverses.
+    /// Protects every wave: in any grid each wave has one texel and each texel at most one wave. Texels beyond the last
+    /// wave stay empty, and the two halves of the table are inverses of each other.
     #[test]
     fn every_wave_starts_once() {
         for grid in grids() {
@@ -277,7 +280,8 @@ mod tests {
         }
     }
 
-    /// Protects what is read back: it is in the order of the waves, without the texels beyond the last wave.
+    /// Protects results that are read back: they are in the order of the waves, without the texels beyond the last
+    /// wave.
     #[test]
     fn texels_are_put_in_the_order_of_waves() {
         let grid = Grid::new(1001);
@@ -289,8 +293,8 @@ mod tests {
         assert!(numbers.eq((0..1001).map(|wave| wave as f32)));
     }
 
-    /// Protects frames drawn in parts, whose time is predicted from earlier rows: every strip of eight rows holds waves
-    /// of all eight octants.
+    /// Protects frames that are drawn in parts, whose times are predicted from earlier rows: every strip of eight rows
+    /// holds waves of all eight octants.
     #[test]
     fn strips_of_rows_hold_waves_from_all_over_the_sphere() {
         let (waves, strips) = (65_536, 32);
@@ -305,7 +309,7 @@ mod tests {
         assert!(met.iter().all(|octants| octants.len() == 8));
     }
 
-    /// Protects the curve: it visits every cell once, and each next cell shares a side with the previous one.
+    /// Protects the Hilbert curve: it visits every cell once, and consecutive cells share a side.
     #[test]
     fn the_curve_goes_from_cell_to_neighbouring_cell() {
         let levels = 5;
@@ -323,7 +327,7 @@ mod tests {
         }
     }
 
-    /// Protects the square of directions: equal areas hold equal numbers of a lattice's directions, and directions that
+    /// Protects the square of directions: equal areas contain equal numbers of lattice directions, and directions that
     /// are close to each other in the square are close on the sphere.
     #[test]
     fn the_square_has_equal_areas_and_no_gaps() {
@@ -339,12 +343,12 @@ mod tests {
             cells[cell.y as usize * SIDE + cell.x as usize].push(direction);
         }
         for directions in &cells {
-            // The lattice's directions along the edge of a cell fall to either side.
+            // Lattice directions at the edge of a cell may be in either cell.
             let off = directions.len().abs_diff(count as usize / cells.len());
             assert!(off < 60, "{off}");
             let mean = directions.iter().sum::<Vec3>() / directions.len() as f32;
             let far = directions.iter().map(|direction| direction.distance(mean));
-            // A cap of a 64th of the sphere has a radius of 0.25.
+            // A spherical cap with a 64th of the sphere's area has a radius of 0.25.
             assert!(far.fold(0.0, f32::max) < 0.5);
         }
     }

@@ -1,5 +1,4 @@
-//! The textures of a frame, and the passes that draw to them. No pass waits for the GPU; the callers
-//! measure the times.
+//! The textures of a frame, and the passes that draw to them. No pass waits for the GPU. The callers measure the times.
 
 use super::gpu_scene::GpuScene;
 use super::order_table::OrderTable;
@@ -15,23 +14,23 @@ use crate::gl::{
 use glam::Vec3;
 use std::ops::Range;
 
-/// Maximum waves in one draw call: a larger frame is drawn in bands of rows, so that a graphics
-/// card's watchdog does not mistake a long pass for a hang.
+/// Maximum waves in one draw call. A larger frame is drawn in bands of rows, so that a graphics card's watchdog does
+/// not mistake a long pass for a hang.
 const WAVES_PER_DRAW: u64 = 1 << 20;
 
 /// The textures for one number of waves.
 pub(super) struct Targets {
     context: Context,
     pub grid: Grid,
-    /// Created for the first frame with several passes.
+    /// The texture pairs, created for the first frame with several passes.
     pairs: Option<PingPong>,
     /// The contributions of the waves, in their order.
     pub contributions: Texture,
     pub pan: RenderTarget,
-    /// The contributions in the order of starts, where a frame is one pass; created for the first such frame whose
-    /// starts are sorted.
+    /// The contributions in the order of starts, for frames that are drawn as one pass. Created for the first such
+    /// frame whose starts are sorted.
     unordered: Option<(Texture, RenderTarget)>,
-    /// The last order of starts, kept for the next frame.
+    /// The order of starts of the last frame with sorted starts, kept for the next frame.
     order: Option<OrderTable>,
     /// Whether the starts of the current waves are sorted.
     are_sorted: bool,
@@ -55,7 +54,7 @@ impl Targets {
         })
     }
 
-    /// Creates the texture pairs if there are none yet.
+    /// Creates the texture pairs, unless they exist.
     pub fn provide_pairs(&mut self) -> Result<(), GpuError> {
         if self.pairs.is_none() {
             let Grid { width, height, .. } = self.grid;
@@ -64,8 +63,8 @@ impl Targets {
         Ok(())
     }
 
-    /// Creates the texture for contributions that are not in the order of the waves, if it is needed and there is none
-    /// yet.
+    /// Creates the texture for contributions in the order of starts, if `is_needed` is set and the texture does not
+    /// exist.
     pub fn provide_unordered(&mut self, is_needed: bool) -> Result<(), GpuError> {
         if is_needed && self.unordered.is_none() {
             let texture = Texture::new(&self.context, self.grid.width, self.grid.height)?;
@@ -75,7 +74,7 @@ impl Targets {
         Ok(())
     }
 
-    /// Sorts the starts of the next waves; without an order, waves start in the order of their numbers.
+    /// Sorts the starts of the next waves. With `None`, waves start in the order of their numbers.
     pub fn sort_starts(&mut self, starts: Option<Starts>) -> Result<(), GpuError> {
         self.are_sorted = starts.is_some();
         if let Some(starts) = starts {
@@ -91,7 +90,7 @@ impl Targets {
         self.order.as_ref().filter(|_| self.are_sorted)
     }
 
-    /// Binds the order of the starts, if they are sorted, for a program that looks it up.
+    /// Binds the order of the starts, if they are sorted, for a program that reads it.
     fn bind_order(&self, program: &Program) {
         if let Some(order) = self.order() {
             order.bind(program);
@@ -102,7 +101,7 @@ impl Targets {
         self.pairs.as_ref().ok_or(TraceError::NothingTraced)
     }
 
-    /// Puts every wave at the source, if this is a separate pass.
+    /// Draws every wave at the source, if this is a separate pass.
     pub fn initialise(&self, frame: &PreparedFrame) -> Result<(), Error> {
         let FramePrograms::Passes { initialise, .. } = &frame.programs else {
             return Ok(());
@@ -111,14 +110,14 @@ impl Targets {
         self.start(initialise)
     }
 
-    /// Draws the waves at their start.
+    /// Draws the waves at their start with a program.
     pub fn start(&self, program: &Program) -> Result<(), Error> {
         let target = self.pairs()?.current();
         self.bind_order(program);
         self.draw(program, target, 1, 0..self.grid.height)
     }
 
-    /// Puts every wave at the source, with given directions.
+    /// Uploads every wave at the source, with the given directions.
     pub fn upload_starts(&self, frame: &PreparedFrame, directions: &[Vec3]) -> Result<(), Error> {
         let texels = (self.grid.width * self.grid.height) as usize;
         let [origins, headings] = start_texels(frame.start(), directions.iter().copied(), texels);
@@ -128,7 +127,7 @@ impl Targets {
         Ok(())
     }
 
-    /// Draws some rows of a march pass; when all rows are drawn, the pairs must be
+    /// Draws some rows of a march pass. When all rows of the pass are drawn, the pairs must be
     /// [flipped](Targets::flip).
     pub fn march_rows(
         &self,
@@ -162,8 +161,8 @@ impl Targets {
         }
     }
 
-    /// Draws the contribution of each wave to either side in the order of the waves, as far as the pass of a whole frame
-    /// has not done so.
+    /// Draws the contribution of each wave to the left and the right, in the order of the waves. If the frame is drawn
+    /// as one pass, only the rearrangement of the contributions may be left to do.
     pub fn pan(&self, frame: &PreparedFrame) -> Result<(), Error> {
         let program = match &frame.programs {
             FramePrograms::Passes { pan, .. } => pan,
@@ -179,7 +178,7 @@ impl Targets {
         self.draw(program, &self.pan, 1, 0..self.grid.height)
     }
 
-    /// Puts the contributions of a whole frame in the order of the waves, if its starts are sorted.
+    /// Rearranges the contributions of a frame drawn as one pass into the order of the waves, if its starts are sorted.
     fn put_in_order(&self, program: Option<&Program>) -> Result<(), Error> {
         let (Some(program), Some((texture, _))) = (program, &self.unordered) else {
             return Ok(());
@@ -189,7 +188,7 @@ impl Targets {
         self.draw(program, &self.pan, 1, 0..self.grid.height)
     }
 
-    /// Requests the result of a frame after all of its passes are drawn.
+    /// Requests the result of a frame, after all of its passes are drawn.
     pub fn ask(&self, read_back: &mut ReadBack, on_gpu: bool) -> Result<(), Error> {
         if !on_gpu {
             return read_back.ask(&self.pan, self.grid);
@@ -199,7 +198,8 @@ impl Targets {
         read_back.ask_sum(sum)
     }
 
-    /// Both textures of the current pair in the order of the waves, without the texels beyond the last wave.
+    /// Reads both textures of the current pair. The texels are in the order of the waves, without the texels beyond the
+    /// last wave.
     pub fn read_pair(&self) -> Result<[Vec<f32>; 2], Error> {
         let length = 4 * self.grid.waves as usize;
         let target = &self.pairs()?.current().target;
@@ -224,7 +224,7 @@ impl Targets {
     }
 }
 
-/// Draws some rows of one pass in bands; a wave evaluates a surface at most `evaluations` times.
+/// Draws some rows of one pass, in bands. `evaluations` is the maximum number of evaluations of a surface by one wave.
 pub(super) fn draw(
     context: &Context,
     program: &Program,
@@ -242,7 +242,7 @@ pub(super) fn draw(
     Ok(())
 }
 
-/// Rejects waves that do not fit in a texture, before anything is allocated.
+/// Rejects a number of waves that does not fit in a texture, before anything is allocated.
 pub(super) fn check_waves(context: &Context, grid: Grid) -> Result<(), TraceError> {
     let limit = context.limits().max_texture_size;
     if grid.width <= limit {

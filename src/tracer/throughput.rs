@@ -1,32 +1,31 @@
 //! The number of rows of waves that can be drawn in a given time.
 //!
-//! The number is predicted from the previous rows. The CPU waits for software renderers, so their
-//! time is measured at once; on a graphics card, the time of all rows of a call is requested in the
-//! next call, one picture later, when the rows should long be complete.
+//! The number is predicted from the previous rows. The CPU waits for software renderers, so the time of their rows is
+//! known at once. On a graphics card, the time of all rows of a call is queried in the next call, one picture later,
+//! when the rows are normally complete.
 
 use super::{Grid, Settings};
 use crate::gl::{GpuError, GpuTimer, Program};
 use std::rc::Rc;
 
-/// Maximum apparent increase of the throughput from one part to the next: a part that was quick by
-/// chance must not be followed by a part that takes far too long.
+/// Maximum increase of the throughput from one part to the next. It prevents that a part that was fast by chance is
+/// followed by a part that takes far too long.
 const MOST_FASTER: f64 = 4.0;
 
-/// Least time of rows in milliseconds: prevents a division by zero if the clock did not advance.
+/// Minimum time of rows in milliseconds. It prevents a division by zero if the clock did not advance.
 const LEAST_MILLISECONDS: f64 = 1e-6;
 
-/// Progress of the march of a frame.
+/// The progress of a frame's march.
 pub(super) struct Progress {
     /// Iterations of all passes.
     iterations: u32,
     /// Iterations not yet assigned to a pass.
     left: u32,
-    /// Iterations of the pass in progress; 0 when all passes are done.
+    /// Iterations of the current pass; 0 when all passes are drawn.
     pub iterations_in_pass: u32,
-    /// Rows of this pass that are drawn.
+    /// Rows of the current pass that are drawn.
     pub rows: u32,
-    /// Milliseconds spent on all calls, on a graphics card without the last one; `None` before the
-    /// first call.
+    /// Milliseconds spent on all calls. On a graphics card the last call is not included. `None` before the first call.
     spent: Option<f64>,
     iterations_per_pass: u32,
 }
@@ -56,7 +55,8 @@ impl Progress {
         self.left -= self.iterations_in_pass;
     }
 
-    /// The share of the frame's rows times iterations that is drawn, 0 to 1, of `height` rows.
+    /// The share of the march that is drawn, 0 to 1: drawn rows times iterations, divided by all rows times iterations.
+    /// `height` is the number of rows.
     pub fn share(&self, height: u32) -> f64 {
         let in_pass = f64::from(self.iterations_in_pass);
         let rows_to_do = f64::from(height.saturating_sub(self.rows));
@@ -65,7 +65,7 @@ impl Progress {
         1.0 - to_do / all.max(1.0)
     }
 
-    /// Milliseconds spent.
+    /// Milliseconds spent on the march.
     pub fn spent(&self) -> f64 {
         self.spent.unwrap_or_default()
     }
@@ -74,8 +74,8 @@ impl Progress {
         *self.spent.get_or_insert_default() += milliseconds;
     }
 
-    /// Adds the time of the previous call; before the first call of a frame, the previous call
-    /// belonged to another frame.
+    /// Adds the time of the previous call. Before the first call of a frame this time is ignored, because the previous
+    /// call belonged to another frame.
     pub fn last_call_took(&mut self, milliseconds: f64) {
         self.spent = Some(self.spent.map_or(0.0, |spent| spent + milliseconds));
     }
@@ -106,7 +106,7 @@ impl Throughput {
         self.timer.name()
     }
 
-    /// Forgets the rate of another program, or of rows of another length.
+    /// Discards the measured rate if it is that of another program or another grid.
     pub fn select(&mut self, program: &Rc<Program>, grid: Grid) {
         let is_same = |(known, of): &(Rc<Program>, Grid)| Rc::ptr_eq(known, program) && *of == grid;
         if !self.of.as_ref().is_some_and(is_same) {
@@ -115,8 +115,8 @@ impl Throughput {
         }
     }
 
-    /// Rows of `iterations` that fit a time: `None` before the first measurement, and all rows for
-    /// an infinite time.
+    /// The number of rows of `iterations` that fit in a time. `None` before the first measurement. For an infinite
+    /// time, the number covers all rows.
     pub fn rows(&self, iterations: u32, milliseconds: f64) -> Option<u32> {
         if milliseconds == f64::INFINITY {
             return Some(u32::MAX);
@@ -130,8 +130,8 @@ impl Throughput {
         self.milliseconds = Some((took / work).max(least));
     }
 
-    /// Milliseconds of the last call on a graphics card, if its time was not queried before. Waits
-    /// for the call, unless it has ended.
+    /// Milliseconds of the last call on a graphics card, or 0 if its time was already queried. Waits for the call to
+    /// end.
     pub fn take(&mut self) -> f64 {
         let Some(work) = self.untaken.take() else {
             return 0.0;
@@ -146,8 +146,8 @@ impl Throughput {
         self.timer.restart()
     }
 
-    /// Ends a part of `work` rows times iterations. Returns its milliseconds, or `None` if the timer does
-    /// not wait.
+    /// Ends a part of `work` rows times iterations. Returns its time in milliseconds, or `None` if the timer does not
+    /// wait.
     pub fn end_part(&mut self, work: f64) -> Result<Option<f64>, GpuError> {
         if !self.timer.waits() {
             return Ok(None);
@@ -178,7 +178,7 @@ impl Throughput {
 mod tests {
     use super::*;
 
-    /// Protects the prediction of a frame's time: the share drawn grows evenly with rows, from pass to pass.
+    /// Protects the prediction of a frame's time: the drawn share grows evenly with the rows, from pass to pass.
     #[test]
     fn the_share_counts_rows_of_all_passes() {
         const HEIGHT: u32 = 10;

@@ -1,29 +1,29 @@
-//! Users' fields, checked before they are used.
+//! Users' fields, which are checked before they are used.
 //!
-//! Each field is compiled separately, so that errors are reported with its own file and line. Its
-//! values are sampled on a grid of 65 points a side, from which the CPU knows where the solid is,
-//! at 16,384 stars of nine points spread over the box (`stars.rs`), and at 8,192 stars on the
-//! surface. The field is tested for values that are not numbers (`finite.rs`) and for growth beyond
-//! the stated limit (`growth.rs`), and for its stated bend (`bend.rs`). Only growth measured between
-//! two points counts, because it is a proof. (At a ridge, the length of a gradient by differences
-//! proves nothing.) Details narrower than a step between points can still be missed. A gradient
-//! stated by the text is compared with differences (`gradient.rs`), and so is the derivative of a text that states none;
-//! if this derivative deviates, gradients are computed by differences.
+//! Each field is compiled separately, so that errors are reported for its own file and line. Its values are sampled on
+//! a grid of 65 points per side, from which the CPU knows the solid. They are also sampled at 16,384 stars of nine
+//! points in the box (`stars.rs`) and at 8,192 stars on the surface. The samples are tested for values that are not
+//! finite (`finite.rs`), for growth beyond the stated limit (`growth.rs`), and for more than the stated bend
+//! (`bend.rs`). Only growth between two points counts, because it proves that the limit is exceeded. (The length of a
+//! gradient from differences proves nothing at a ridge.) Details narrower than the distance between points may still be
+//! missed. A gradient that the text states is compared with differences (`gradient.rs`). For a text without a stated
+//! gradient the derivative is compared with differences. If the derivative deviates, gradients are computed from
+//! differences.
 //!
-//! # Where
-//! Waves are in the air, where the value is positive. A march passes no surface by a step that is
-//! proven; a relaxed step may end in the solid, and is taken back there, whatever the negative value
-//! is (a value that is none counts as solid, see `glsl/user/value.glsl`). Gradients by differences
-//! reach a little into the solid, by at most [`DEPTH`]. So the field is judged in the air and at that
-//! depth; a steep place, a jump, or values that are none deeper in the solid refuse nothing. Under an
-//! operator whose air is also in the solid of the field ([`WaveDomain::BothSides`]), the whole box is
-//! judged.
+//! # Region that is checked
+//! Waves are in the air, where the value is positive. A step of a march that is proven to be free never passes a
+//! surface. A relaxed step may end in the solid and is then taken back, for every negative value (a value that is not
+//! finite counts as solid, see `glsl/user/value.glsl`). Gradients from differences reach a little into the solid, by at
+//! most [`DEPTH`]. The field is therefore checked in the air and in the solid to that depth. A steep place, a jump, or
+//! a value that is not finite is no reason for rejection deeper in the solid. If the field is under an operator whose
+//! air includes solid of the field ([`WaveDomain::BothSides`]), the whole box is checked.
 //!
 //! # Cost
-//! Once for each context and field: one short program, and some 500,000 evaluations; a field that takes
-//! too long in the first pass is rejected. With Mesa's llvmpipe on two cores, this takes a tenth of a second for a
-//! Menger sponge of five levels, and on a graphics card a few milliseconds; a gradient takes another program or
-//! none, and another 100,000 evaluations. If the fields of a frame are already checked, the frame only compares pointers.
+//! The check runs once for each context and field. It takes one short program and about 500,000 evaluations. A field
+//! that takes too long in the first pass is rejected. The check of a Menger sponge of five levels takes a tenth of a
+//! second with Mesa's llvmpipe on two cores, and a few milliseconds on a graphics card. The check of a gradient takes
+//! at most one more program, and another 100,000 evaluations. If the fields of a frame are already checked, the frame
+//! only compares pointers.
 
 mod bend;
 #[cfg(test)]
@@ -49,12 +49,12 @@ use std::sync::Arc;
 /// Samples along each side of the box.
 const SIDE: usize = 65;
 
-/// Depth of the solid next to the surface that is checked like the air, as a share of the box's
-/// longest side: the differences for a gradient (`glsl/user/differences.glsl`) reach 4/1024 of a
-/// power of 2 next to the largest coordinate, which is at most √2 · 1/2 of that side.
+/// Depth of the solid that is checked like the air, as a share of the box's longest side. The differences for a
+/// gradient (`glsl/user/differences.glsl`) reach 4/1024 of a power of 2 next to the largest coordinate, which is at
+/// most √2 · 1/2 of that side.
 const DEPTH: f32 = 1.0 / 256.0;
 
-/// The rounding error of a value, as a share of the largest value that its box allows.
+/// The rounding error of a value, as a share of the largest value that is possible in its box.
 const ROUNDING: f32 = 1e-6;
 
 /// Points in a row of a texture.
@@ -63,42 +63,40 @@ const ROW: usize = 1024;
 /// Rows in one draw call.
 const ROWS_PER_DRAW: u32 = 64;
 
-/// Number of points in the timing of an evaluation: a row.
+/// Number of points for which an evaluation is timed: one row.
 const TIMED: usize = ROW;
 
-/// Steps of regula falsi that bring points to the surface: within a micrometre of it if the value
-/// is nearly that of a plane.
+/// Steps of regula falsi that move points to the surface. The points are then within a micrometre of the surface if the
+/// value is nearly that of a plane.
 const CLOSER_TO_SURFACE: usize = 3;
 
-/// Minimum number of timings. The shortest one counts, because other work on the machine lengthens
-/// the rest.
+/// Minimum number of timings. The shortest time counts, because other work on the machine can only lengthen a time.
 const TIMINGS: u32 = 8;
 
-/// Seconds that the timing may take; a field that seems too slow is timed for the whole time.
+/// Maximum seconds for the timings. A field that seems too slow is timed during this whole time.
 const TIMING: f64 = 1.0;
 
-/// Maximum seconds per evaluation, with many evaluations in parallel: at twenty times the time of a
-/// Menger sponge, a frame of 65,536 waves and eight iterations takes a minute.
+/// Maximum seconds per evaluation, with many evaluations in parallel. This is twenty times the time of a Menger sponge.
+/// At this limit a frame of 65,536 waves and eight iterations takes a minute.
 const SLOWEST: f64 = 5e-6;
 
-/// Number of remembered fields in addition to those of the scene: an editor makes a new field with
-/// each change, and each text has a MiB of samples.
+/// Number of remembered fields in addition to those of the scene. The number is limited because an editor makes a new
+/// field with each change, and the samples of each text take one MiB.
 const KNOWN: usize = 16;
 
-/// The fields that a context has checked, and where.
+/// The fields that a context has checked, each with the region in which it was checked.
 #[derive(Default)]
 pub struct UserFields {
     checked: Vec<(Arc<UserField>, WaveDomain)>,
 }
 
 impl UserFields {
-    /// Checks the fields of the scene that are not known yet, and provides the samples of all its
-    /// fields. Before that, the fields, together with the `program` that will contain them, are
-    /// tried as set by [`FieldTrial`](super::FieldTrial).
+    /// Checks the fields of the scene that are not known yet, and provides the samples of all its fields. Before the
+    /// check, the fields and the `program` that will contain them are tried, as [`FieldTrial`](super::FieldTrial)
+    /// states.
     ///
     /// # Errors
-    /// [`Error::Trace`] for a field that cannot be used, [`Error::Gpu`] when the renderer
-    /// fails.
+    /// [`Error::Trace`] for a field that cannot be used; [`Error::Gpu`] when the renderer fails.
     pub fn check(
         &mut self,
         context: &Context,
@@ -121,7 +119,7 @@ impl UserFields {
         let known = self.checked.len();
         let checked = self.check_new(context, &fields);
         if checked.is_ok() {
-            // The same program as before, unless a derivative was found to be wrong.
+            // The program is the same as before, unless a derivative deviates from the values.
             field_trial::ensure(scene, &[&program()])?;
         }
         if self.checked.len() > known {
@@ -147,7 +145,7 @@ impl UserFields {
             let alike =
                 |(known, where_): &&(Arc<UserField>, _)| **known == **field && *where_ == waves;
             match self.checked.iter().find(alike) {
-                // The same text in a scene that was read again: one set of samples is enough.
+                // A scene that was read again has the same text, and one set of samples is enough.
                 Some((known, _)) => {
                     if let (Some(samples), Some(seconds)) =
                         (known.samples(), known.evaluation_seconds())
@@ -158,7 +156,7 @@ impl UserFields {
                         field.set_derivative_agrees(agrees);
                     }
                 }
-                // The samples come from a child: the field's own program is not used again.
+                // A child process has supplied the samples, so the field's own program is not needed.
                 None if field.has_passed(waves) && field_trial::has_passed(field, waves) => (),
                 None => check(context, field, waves)?,
             }
@@ -229,7 +227,7 @@ pub(super) fn check(context: &Context, field: &UserField, waves: WaveDomain) -> 
     Ok(())
 }
 
-/// Whether the derivative of the text compiles, and is that of the values.
+/// Whether the derivative of the text compiles, and agrees with differences of the values.
 fn derivative_agrees(
     context: &Context,
     field: &UserField,
@@ -252,10 +250,10 @@ fn derivative_agrees(
     Ok(probe.worst_gradient(surface)?.is_none())
 }
 
-/// Line and message of the first error in the user's text, from a compiler log.
+/// The line and the message of the first error in the user's text, from a compiler log.
 fn first_error(log: &str) -> (Option<u32>, String) {
     let errors = log_errors(log);
-    // Mesa loses the file number in the expansion of a macro, and keeps the line.
+    // In the expansion of a macro, Mesa loses the file number but keeps the line number.
     let is_users = |file: u32| file == USER_FILE || file == 0;
     if let Some(error) = errors.iter().find(|error| is_users(error.file)) {
         return (Some(error.line), without_prefixes(&error.message));
@@ -291,30 +289,29 @@ impl Probe<'_> {
         Ok(Grid { points, values })
     }
 
-    /// The length in metres next to the surface in which the solid is checked like the air.
+    /// The depth in metres to which the solid is checked like the air.
     fn depth(&self) -> f32 {
         DEPTH * self.field.size.max_element()
     }
 
-    /// The difference of two equal values by rounding, for a field with this Lipschitz constant.
+    /// The difference that rounding can cause between two equal values, for a field with this Lipschitz constant.
     fn rounding(&self, lipschitz: f32) -> f32 {
         ROUNDING * lipschitz * self.field.size.max_element()
     }
 
-    /// Typical seconds per evaluation at points in the whole box; a field that is too slow is
-    /// rejected before many evaluations are requested.
+    /// Typical seconds per evaluation at points in the whole box. A field that is too slow is rejected here, before
+    /// many evaluations are requested.
     fn time_anywhere(&self) -> Result<f64, Error> {
         let half = 0.5 * self.field.size;
         let points: Vec<Vec3> = (1..=TIMED)
             .map(|index| half * (2.0 * halton(index).as_vec3() - 1.0))
             .collect();
-        // A driver compiles the rest of a program only in its first pass.
+        // A first pass is not timed, because a driver may complete the compilation only then.
         self.values(&points[..1])?;
         self.time_at(&points)
     }
 
-    /// Seconds per evaluation at the surface, where waves take most of their steps; 0 without a
-    /// surface.
+    /// Seconds per evaluation at the surface, where waves take most of their steps. The result is 0 without a surface.
     fn time_at_surface(&self, surface: &[Vec3]) -> Result<f64, Error> {
         if surface.is_empty() {
             return Ok(0.0);
@@ -323,7 +320,7 @@ impl Probe<'_> {
         self.time_at(&points)
     }
 
-    /// Points on or next to the surface and spread over it, at most [`TIMED`].
+    /// At most [`TIMED`] points on or next to the surface, distributed over the surface.
     fn surface_points(&self, grid: &Grid) -> Result<Vec<Vec3>, Error> {
         let Grid { points, values } = grid;
         let crosses = |&(from, to): &(usize, usize)| (values[from] > 0.0) != (values[to] > 0.0);
@@ -366,7 +363,7 @@ impl Probe<'_> {
             whole += took;
             taken += 1;
         }
-        // Fields of built-in scenes are known to be fast: if one seems slow, the machine was busy.
+        // Fields of built-in scenes are known to be fast. If such a field seems slow, the machine is busy.
         if least <= SLOWEST || self.field.is_own() {
             return Ok(least.min(SLOWEST));
         }
@@ -385,13 +382,13 @@ impl Probe<'_> {
         self.field.size * (share - 0.5)
     }
 
-    /// The values at some points; one in the solid may be none.
+    /// The values at these points. A value in the solid may be not finite.
     fn values(&self, points: &[Vec3]) -> Result<Vec<f32>, Error> {
         let texels = self.texels(points)?;
         Ok(texels.chunks(4).take(points.len()).map(|t| t[0]).collect())
     }
 
-    /// Value and gradient at each point, and arbitrary values in the rest of the last row.
+    /// Value and gradient at each point. The rest of the last row has arbitrary values.
     fn texels(&self, points: &[Vec3]) -> Result<Vec<f32>, Error> {
         if points.is_empty() {
             return Ok(Vec::new());
@@ -412,7 +409,7 @@ impl Probe<'_> {
     }
 }
 
-/// Pairs of samples that are neighbours along an axis.
+/// Pairs of neighbouring samples along each axis.
 fn neighbours() -> impl Iterator<Item = (usize, usize)> {
     let along = |stride: usize| {
         // The last sample of a row has no neighbour.
@@ -429,8 +426,8 @@ mod tests {
     use crate::gl::ContextOptions;
     use crate::shader::Lists;
 
-    /// Protects long runs and edits: a field that is read again shares its samples, old fields are
-    /// forgotten, and all fields of the scene stay, however many there are.
+    /// Protects long runs and edits: a field that is read again shares its samples, old fields are forgotten, and all
+    /// fields of the scene are kept, regardless of their number.
     #[test]
     fn fields_of_old_scenes_are_forgotten() {
         let context = Context::headless(&ContextOptions::default()).unwrap();

@@ -1,4 +1,4 @@
-//! Waves in texels: their layout, start directions given by the CPU, and the waves that are read back.
+//! Waves in texels: their layout, start directions that the CPU gives, and waves that are read back.
 
 use super::TraceError;
 use crate::sampling::{hash, unit_interval};
@@ -15,28 +15,27 @@ pub const STATUS_LISTENER: f32 = 0.0;
 /// Status of a wave before its first march.
 pub(crate) const STATUS_STARTED: f32 = 0.5;
 
-/// In a wave's counters, marches that reached the step limit count in multiples of this number
-/// (`glsl/wave.glsl`).
+/// Factor of the marches that reached the step limit in a wave's counters, which are one float (`glsl/wave.glsl`).
 const LIMIT_REACHED: u32 = 4096;
 
-/// The largest square of a position in metres² and of a direction that a wave can have
-/// (`glsl/contribution.glsl`).
+/// The largest squares of a position, in metres², and of a direction that a wave can have (`glsl/contribution.glsl`).
 const MOST_SQUARED_PLACE: f32 = 1e30;
 const MOST_SQUARED_DIRECTION: f32 = 2.0;
 
-/// The size of the texture that holds a number of waves, in rows of `width`, wave by wave.
+/// The size of the texture that holds a number of waves in rows of `width` texels, wave by wave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Grid {
-    /// Waves.
+    /// Number of waves.
     pub waves: u32,
     /// Texels per row.
     pub width: u32,
-    /// Rows; texels beyond the last wave are empty.
+    /// Number of rows. Texels beyond the last wave are empty.
     pub height: u32,
 }
 
 impl Grid {
-    /// The squarest texture for `waves` (the thesis' counts are squares: 64 = 8 x 8).
+    /// The texture for `waves` that is as square as possible. (The numbers of waves in the thesis are squares: 64 = 8 ×
+    /// 8.)
     pub fn new(waves: u32) -> Grid {
         let width = f64::from(waves).sqrt().ceil().max(1.0) as u32;
         Grid {
@@ -50,19 +49,19 @@ impl Grid {
 /// The state of a wave after the last iteration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fate {
-    /// The wave hit no surface within the maximum distance, or its march reached the step limit.
+    /// The wave hit no surface within the maximum distance, or one of its marches reached the step limit.
     Dead,
     /// The wave reached the listener.
     Listener,
     /// The wave is neither heard nor dead after the last iteration.
     Travelling,
-    /// The wave's position or direction is not a number, or is impossible: a shader or driver is incorrect, and the
-    /// wave contributes to neither ear.
+    /// The wave's position or direction is not finite or impossible, because of a faulty shader or driver. The wave
+    /// contributes to neither ear.
     NotFinite,
 }
 
 impl Fate {
-    /// The fate that a status encodes, with the margin of figure 8.
+    /// The fate that a status represents, with the margin of figure 8.
     #[doc(hidden)]
     pub fn of(status: f32) -> Fate {
         match status {
@@ -80,11 +79,11 @@ impl Fate {
 pub struct Wave {
     /// Unit vector of the direction in which the wave left the source.
     pub start_direction: Vec3,
-    /// Current position in world metres. A dead wave keeps its last position; in the profile
-    /// `thesis` it is at the origin.
+    /// Current position in world metres. A dead wave keeps its last position, except in the profile `thesis`, where it
+    /// is at the origin.
     pub position: Vec3,
-    /// Current direction, mirrored at the last surface hit. In the profile `thesis`, the direction
-    /// is 0 for a dead wave, and is mirrored at the listener, too.
+    /// Current direction, mirrored at the last surface hit. In the profile `thesis`, a dead wave has the direction 0,
+    /// and the listener mirrors waves too.
     pub direction: Vec3,
     /// −1 dead, 0 at the listener, n at the n-th surface.
     pub status: f32,
@@ -97,7 +96,7 @@ pub struct Wave {
 impl Wave {
     /// The wave's state after the last iteration.
     pub fn fate(&self) -> Fate {
-        // Comparisons with NaN are false.
+        // Comparisons with NaN are false, so NaN counts as not finite.
         let is_finite = self.position.length_squared() < MOST_SQUARED_PLACE
             && self.direction.length_squared() < MOST_SQUARED_DIRECTION;
         match is_finite {
@@ -107,8 +106,8 @@ impl Wave {
     }
 }
 
-/// Combines the texels of both textures, read back at the start and at the end, into waves;
-/// `shader_origin` is the world position of the march's origin.
+/// Combines the texels of both textures, read back at the start and at the end, into waves. `shader_origin` is the
+/// world position of the march's origin.
 pub(super) fn waves(
     starts: &[Vec<f32>; 2],
     ends: &[Vec<f32>; 2],
@@ -135,15 +134,14 @@ fn xyz(texel: [f32; 4]) -> Vec3 {
     Vec3::new(texel[0], texel[1], texel[2])
 }
 
-/// Unpacks the zero-length passes and the marches that reached the step limit from a texel's
-/// counters.
+/// Unpacks a texel's counters: the marches of length zero, and the marches that reached the step limit.
 pub(super) fn unpack_counters(counters: f32) -> (u32, u32) {
     let counters = counters as u32;
     (counters % LIMIT_REACHED, counters / LIMIT_REACHED)
 }
 
-/// A rotation drawn uniformly from all rotations, one for each seed (Shoemake, *Uniform random
-/// rotations*, Graphics Gems III, 1992).
+/// A rotation drawn uniformly from all rotations, one rotation for each seed (Shoemake, *Uniform random rotations*,
+/// Graphics Gems III, 1992).
 pub(super) fn random_turn(seed: u32) -> Quat {
     let [share, first, second] =
         [0, 1, 2].map(|counter| unit_interval(hash(u64::from(seed) << 32 | counter)));
@@ -170,7 +168,7 @@ pub(super) fn unit_directions(directions: &[Vec3]) -> Result<Vec<Vec3>, TraceErr
     directions.iter().map(unit).collect()
 }
 
-/// The texels of both textures for waves that start in these directions, from one position with one status; texels
+/// The texels of both textures for waves that start in these directions, with a common position and status. Texels
 /// beyond the last wave are empty.
 pub(super) fn start_texels(
     start: [f32; 4],
@@ -188,7 +186,7 @@ pub(super) fn start_texels(
 mod tests {
     use super::*;
 
-    /// Protects odd counts: every wave has a texel, and every row has a wave.
+    /// Protects numbers of waves that are not squares: every wave has a texel, and every row has a wave.
     #[test]
     fn a_grid_holds_its_waves_and_no_empty_row() {
         for waves in [1, 2, 3, 64, 1000, 1023, 65_536, 1_048_576, 16_777_216] {
@@ -208,7 +206,7 @@ mod tests {
         assert_eq!(unpack_counters(4095.0 + 4096.0 * 4095.0), (4095, 4095));
     }
 
-    /// Protects the shaders from invalid directions, and accepts directions of any length.
+    /// Protects the shaders from invalid directions. Valid directions may have any length.
     #[test]
     fn directions_become_unit_vectors() {
         let given = [Vec3::X * 1e-30, Vec3::NEG_Z * 1e30];
@@ -220,10 +218,9 @@ mod tests {
         }
     }
 
-    /// Protects the lattice from rotations that favour some directions. Over many seeds the mean of
-    /// one rotated axis is 0 and the mean of its squares 1/3 in each coordinate, within five
-    /// standard errors: √(1/3N) for the coordinates of a uniform direction, and √(4/45N) for their
-    /// squares.
+    /// Protects the lattice from rotations that prefer some directions. Over many seeds the mean of one rotated axis is
+    /// 0 in each coordinate, and the mean of its squares is 1/3, within five standard errors. These are √(1/3N) for the
+    /// coordinates of a uniform direction, and √(4/45N) for their squares.
     #[test]
     fn turns_are_uniform() {
         let seeds = 20_000;

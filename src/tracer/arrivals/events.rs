@@ -6,7 +6,8 @@ use crate::shader::{Materials, WORD_BITS};
 /// Maximum words of events of a wave: one in its tally, four in a texture.
 const WORDS: usize = 5;
 
-/// Bits of the events looked up at once: a table of 64 KiB, or five events of two bits each.
+/// Bits of the events that are looked up at once. With this number the table takes 64 KiB, and an entry covers, for
+/// example, five events of two bits each.
 const GROUP_BITS: u32 = 10;
 
 /// The share of the energy that remains after events, looked up for several events at once.
@@ -22,12 +23,12 @@ pub struct EventTable {
     materials: Materials,
 }
 
-/// The events of one wave in a chunk; some of them may already be applied.
+/// The events of one wave in a chunk. Some of them may already be applied.
 #[derive(Debug)]
 pub struct Events<'a> {
     table: &'a EventTable,
     words: [u32; WORDS],
-    /// The word in progress, without the events already applied.
+    /// The current word, without the events already applied.
     word: u32,
     next_word: usize,
     in_word: u32,
@@ -46,12 +47,12 @@ impl EventTable {
         let mut is_scattered = vec![false];
         let of_one = materials.left();
         for _ in 0..in_group {
-            // The earlier events are the lower bits.
+            // Earlier events are in the lower bits.
             let (before, scattered) = (left.clone(), is_scattered.clone());
             left.clear();
             is_scattered.clear();
             for event in 0..1 << bits {
-                // Shaders write no other numbers.
+                // Shaders write no event beyond the known ones.
                 let one = of_one.get(event).unwrap_or(&[0.0; BAND_COUNT]);
                 left.extend(before.iter().map(|before| product(before, one)));
                 let here = materials.is_scattered(event);
@@ -91,12 +92,12 @@ impl EventTable {
 }
 
 impl Events<'_> {
-    /// Applies the events before an iteration to a wave.
+    /// Applies the events before iteration `until` to a wave.
     pub fn suffer(&mut self, until: u32, energy: &mut Bands, is_mirrored: &mut bool) {
         let EventTable { bits, in_group, .. } = *self.table;
         while self.iteration < until {
             if self.in_word == 0 {
-                // Beyond the last word there are only zeros.
+                // Words beyond the last one count as zeros.
                 self.word = self.words.get(self.next_word).copied().unwrap_or_default();
                 self.next_word += 1;
                 self.in_word = WORD_BITS / bits;
@@ -146,8 +147,8 @@ mod tests {
         Materials::of(&scene, 0..BAND_COUNT)
     }
 
-    /// Protects events from being lost between groups and words: looked up in groups of any size,
-    /// they leave the same energy as when applied one by one.
+    /// Protects events from being lost between groups and words: events that are looked up in groups of any size leave
+    /// the same energy as events that are applied one by one.
     #[test]
     fn groups_leave_what_single_events_leave() {
         for count in [1, 2, 5, 9, 20, 40] {

@@ -1,19 +1,19 @@
 //! Arrivals: every crossing of the listener's sphere by every wave, with its energy.
 //! [`Tracer::arrivals`](super::Tracer::arrivals) returns them.
 //!
-//! The listener is transparent here. A pass (`glsl/arrivals/`) traces the waves of a *block* through a
-//! *chunk* of iterations and writes a record for each crossing, up to a maximum number for each wave.
-//! These outputs are read back and processed here in `f64` while the next chunk is drawn. A wave that
-//! crosses more often than there are records is drawn again from the chunk's start, as an entry of a
-//! list, and its earlier crossings are skipped. Blending is off: the same input gives the same bits.
+//! The listener is transparent here. A pass (`glsl/arrivals/`) traces the waves of a *block* through a *chunk* of
+//! iterations, and writes a record for each crossing, up to a maximum number of records per wave. The records are read
+//! back and processed here in `f64` while the next chunk is drawn. If a wave has more crossings than records, it is
+//! entered in a list and drawn again from the start of the chunk, and the crossings already recorded are skipped.
+//! Blending is off, so the same input gives the same bits.
 //!
 //! | file | contents |
 //! | --- | --- |
-//! | `events.rs` | what reflections leave of a wave's energy |
-//! | `settings.rs` | settings, which waves are followed and how they start, counts |
+//! | `events.rs` | the energy that a wave keeps after reflections |
+//! | `settings.rs` | settings, the waves to follow and their starts, and counts |
 //! | `volume.rs` | the open volume of the listener's sphere |
 //! | `targets.rs` | textures, and their read-back |
-//! | `replay.rs` | from records to arrivals |
+//! | `replay.rs` | the computation of arrivals from records |
 //! | `../tracer/arrival_passes.rs` | the passes |
 
 mod events;
@@ -29,15 +29,14 @@ pub(crate) use settings::{Followed, Start, WavesToFollow};
 pub(super) use targets::{ArrivalTargets, LISTED_AT_MOST, listed_rows};
 pub(super) use volume::open_volume;
 
-/// Waves followed at once, through all their chunks: 60 MB of textures, and enough for every core
-/// of a large graphics card.
+/// Number of waves in a block. They are followed together through all their chunks. Their textures take 60 MB, and they
+/// occupy every core of a large graphics card.
 pub(super) const WAVES_IN_BLOCK: u32 = 1 << 18;
 
-/// Iterations in a chunk if loops and records allow it: writing a chunk's results costs about as
-/// much as ten iterations in an empty room.
+/// Iterations in a chunk, if loops and records allow this number. Writing the results of a chunk costs about as much as
+/// ten iterations in an empty room.
 pub(super) const ITERATIONS_IN_CHUNK: u32 = 64;
 
-/// Maximum recorded crossings of a wave in a chunk, if the driver has enough outputs. A wave
-/// crosses a listener of common size about once in 64 iterations, and five times or more in one of
-/// two hundred chunks.
+/// Maximum recorded crossings of a wave in a chunk, if the driver has enough outputs. A wave crosses a listener of
+/// common size about once in 64 iterations. In one of two hundred chunks it has five crossings or more.
 pub(super) const RECORDS: u32 = 4;

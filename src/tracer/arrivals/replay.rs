@@ -1,4 +1,4 @@
-//! Computes arrivals from records: for the waves of a block, chunk by chunk, in `f64`.
+//! Computes arrivals from the records of the waves of a block, chunk by chunk, in `f64`.
 
 use super::super::Grid;
 use super::super::start_order::StartOrder;
@@ -10,7 +10,8 @@ use glam::DVec3;
 use std::ops::Range;
 use std::rc::Rc;
 
-/// A tally is the number of crossings plus this factor times the fate (`glsl/arrivals/chunk.frag`).
+/// The factor of the fate in a tally, which is the number of crossings plus this factor times the fate
+/// (`glsl/arrivals/chunk.frag`).
 const CROSSINGS: u32 = 1024;
 
 /// The constants from which arrivals are computed.
@@ -28,7 +29,7 @@ pub struct Replay {
     pub events: Option<EventTable>,
 }
 
-/// A wave that is drawn again because it crosses the listener more often than the records allow.
+/// A wave that is drawn again because it has more crossings than records.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Listed {
     /// Number of its texel in the block.
@@ -71,16 +72,16 @@ struct WaveSoFar {
 pub struct Block {
     first: u32,
     grid: Grid,
-    /// The texels of the waves; `None` if they are those of their numbers.
+    /// The texels of the waves; `None` if each wave is at the texel of its number.
     order: Option<Rc<StartOrder>>,
     waves: Vec<WaveSoFar>,
-    /// The initial energy of each wave, in each band that it carries.
+    /// The sum over all waves of the initial energy, in the band in which a wave has the most.
     energy_at_start: f64,
-    /// Remaining energies of the waves, unless they are always 1.
+    /// The remaining energies of the waves; empty if all energies stay 1.
     energies: Vec<Bands>,
     /// Rows with waves that are still followed.
     pub rows: Range<u32>,
-    /// Iterations before the chunk.
+    /// Iterations before the current chunk.
     pub iterations: u32,
 }
 
@@ -91,15 +92,15 @@ pub struct Chunk<'a> {
     /// Further words of events, if there is a texture for them.
     pub words: Option<&'a [f32]>,
     pub records: &'a [Vec<f32>],
-    /// The records of the waves that were drawn again, in the order of their list.
+    /// The records of the waves that were drawn again, in the order of the list.
     pub listed: &'a [Vec<f32>],
-    /// Iterations.
+    /// Iterations of the chunk.
     pub iterations: u32,
 }
 
 impl Block {
-    /// Waves at the source: those of the grid in this order, numbered from `first`, with their initial energies; empty
-    /// if all start with 1 and lose nothing.
+    /// Waves at the source: the waves of the grid in this order, numbered from `first`, with their initial energies.
+    /// The energies are empty if all waves start with 1 and lose nothing.
     pub fn new(
         first: u32,
         (grid, order): (Grid, Option<Rc<StartOrder>>),
@@ -128,13 +129,13 @@ impl Block {
         }
     }
 
-    /// The texels with waves in the rows that are followed.
+    /// The texels with waves in the rows that are still followed.
     fn texels(&self) -> Range<u32> {
         let Range { start, end } = self.rows;
         start * self.grid.width..(end * self.grid.width).min(self.grid.waves)
     }
 
-    /// The waves in these rows in their order, each with its texel.
+    /// The waves in the rows that are still followed, in their order, each with its texel.
     fn waves_in_rows(&self) -> impl Iterator<Item = (u32, u32)> + use<> {
         let (texels, order) = (self.texels(), self.order.clone());
         let numbers = match order {
@@ -149,8 +150,7 @@ impl Block {
         waves.filter(move |(_, texel)| texels.contains(texel))
     }
 
-    /// The waves that cross the listener more often than `records`, once for each further `records`
-    /// crossings.
+    /// The waves that have more than `records` crossings. A wave is listed once for each further `records` crossings.
     pub fn list(&self, tally: &[f32], records: u32) -> Vec<Listed> {
         let mut list = Vec::new();
         for (_, texel) in self.waves_in_rows() {
@@ -174,8 +174,8 @@ impl Block {
         }
     }
 
-    /// Takes the waves through a chunk, and passes their arrivals to `take`: wave by wave, in the
-    /// order of their flight. Returns the number of arrivals.
+    /// Replays the waves through a chunk, and passes their arrivals to `take`: wave by wave, and for each wave in the
+    /// order of its flight. Returns the number of arrivals.
     pub fn replay(&mut self, with: &Replay, chunk: &Chunk, take: &mut dyn FnMut(Arrival)) -> u64 {
         let records = chunk.records.len();
         let mut listed = 0;
@@ -215,7 +215,7 @@ impl Block {
         taken
     }
 
-    /// Applies the reflections before an iteration of the chunk to a wave.
+    /// Applies the reflections before iteration `until` of the chunk to a wave.
     fn suffer(&mut self, wave: u32, events: Option<&mut Events>, until: u32) {
         let Some(events) = events else {
             return;
@@ -225,7 +225,7 @@ impl Block {
         events.suffer(until, energy, is_mirrored);
     }
 
-    /// The recorded arrival; `None` beyond the limit or without energy.
+    /// The recorded arrival; `None` if it is beyond the distance limit or has no energy.
     fn arrival(&self, with: &Replay, wave: u32, iteration: u32, record: &[f32]) -> Option<Arrival> {
         let so_far = &self.waves[wave as usize];
         let length_m = so_far.length + f64::from(record[0]);
@@ -257,7 +257,8 @@ impl Block {
         left.unwrap_or([1.0; BAND_COUNT])
     }
 
-    /// Whether the travelling waves have more than this share of the initial energy of all waves, in some band.
+    /// Whether, in at least one band, the travelling waves have more than this share of the initial energy of all
+    /// waves.
     pub fn has_energy(&self, share: f64) -> bool {
         if self.energies.is_empty() || share == 0.0 {
             return true;
@@ -272,7 +273,7 @@ impl Block {
         all.iter().any(|energy| *energy > least)
     }
 
-    /// Stops tracing all waves because their remaining energy is negligible: they count as waves that have flown the
+    /// Stops tracing all waves, because their remaining energy is negligible. They count as waves that have flown the
     /// requested distance.
     pub fn end_flights(&mut self) {
         for wave in &mut self.waves {
@@ -312,9 +313,8 @@ fn tally_of(texels: &[f32], texel: u32) -> u32 {
 
 /// The unit vector of a record, from x, y and the sign of z.
 ///
-/// The length of the vector is 1 within 2e-7, and the length of (x, y) equals the original's within
-/// the same amount: the angle is off by 2e-7 / |z|, and by at most √(4e-7) = 6e-4 (0.04°), where z
-/// is 0.
+/// The recorded vector has length 1 within 2e-7, and the length of (x, y) has an error of the same amount. The error of
+/// the angle is therefore 2e-7 / |z|, and at most √(4e-7) = 6e-4 (0.04°) where z is 0.
 fn direction(record: &[f32]) -> DVec3 {
     let (x, y) = (f64::from(record[2]), f64::from(record[3]));
     let z = (1.0 - x * x - y * y).max(0.0).sqrt();

@@ -7,8 +7,8 @@ use crate::bands::{self, BAND_COUNT, Bands};
 use glam::Vec3;
 use std::ops::Range;
 
-/// Settings of arrivals in addition to [`Settings`](crate::Settings), from which the waves, their
-/// directions and the algorithm are used.
+/// Settings of arrivals in addition to [`Settings`](crate::Settings). From the latter, the waves, their directions and
+/// the algorithm are used.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ArrivalSettings {
@@ -17,13 +17,13 @@ pub struct ArrivalSettings {
     pub seconds: f64,
     /// Maximum reflections of an early arrival: 3 by default.
     pub early_order: u32,
-    /// Maximum iterations of a wave, 1 … [`Settings::MAX_ITERATIONS`], after which a wave ends even if it has not flown
-    /// for the whole time; the upper limit by default.
+    /// Maximum iterations of a wave, 1 … [`Settings::MAX_ITERATIONS`]; the upper limit by default. A wave ends after
+    /// this number even if it has not flown for the whole time.
     pub iterations: u32,
-    /// Numbers of the octave bands that are traced: all by default. The energies of the others are 0.
+    /// Numbers of the octave bands that are traced: all by default. The energies of the other bands are 0.
     pub(crate) bands: Range<usize>,
-    /// The waves of a block are followed while together they have more than this share of their initial energy in
-    /// some band: 0 by default.
+    /// The waves of a block are followed while together they have more than this share of their initial energy in at
+    /// least one band. The share is 0 by default.
     pub(crate) least_energy: f64,
     /// Maximum iterations in a chunk.
     pub(crate) iterations_in_chunk: u32,
@@ -49,7 +49,7 @@ impl ArrivalSettings {
     }
 
     setters! {
-        /// Sets the order up to which arrivals are early.
+        /// Sets the maximum reflections of an early arrival.
         pub fn with_early_order(order: u32) => early_order;
 
         /// Sets the limit of iterations.
@@ -58,7 +58,7 @@ impl ArrivalSettings {
         /// Sets the bands that the waves carry.
         pub(crate) fn with_bands(bands: Range<usize>) => bands;
 
-        /// Sets the share of their energy down to which waves are followed.
+        /// Sets the share of their initial energy at which waves are no longer followed.
         pub(crate) fn with_least_energy(share: f64) => least_energy;
     }
 
@@ -90,31 +90,30 @@ const MOST_SECONDS: f64 = 1000.0;
 
 /// The waves whose arrivals are traced.
 pub(crate) enum WavesToFollow<'a> {
-    /// The waves with these numbers, in the directions given by the settings, each with 1/N of the energy, where N is
-    /// the number of waves in the settings.
+    /// The waves with these numbers, in the directions that the settings determine. Each wave carries 1/N of the
+    /// energy, where N is the number of waves in the settings.
     Numbers(Range<u32>),
-    /// Waves numbered from 0, whose starts are given by a function of a range of numbers.
+    /// Waves numbered from 0. A function returns the starts of a range of numbers.
     Starts {
         /// Number of waves.
         waves: u32,
-        /// The starts of the waves with these numbers. The number of waves in the settings is
-        /// ignored.
+        /// Returns the starts of the waves with these numbers. The number of waves in the settings is ignored.
         of: &'a dyn Fn(Range<u32>) -> Vec<Start>,
     },
 }
 
-/// How a wave starts from the source.
+/// The start of a wave at the source.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Start {
     /// Direction of the wave: a unit vector in world axes.
     pub direction: Vec3,
-    /// Importance weight: the density of uniform directions divided by the density with which this direction was
-    /// drawn; on average 1, or a factor common to all waves.
+    /// Importance weight: the density of uniform directions divided by the density with which this direction was drawn.
+    /// The mean weight is 1, or a factor common to all waves.
     pub weight: f32,
 }
 
 impl WavesToFollow<'_> {
-    /// The numbers of the waves, in blocks of `waves`.
+    /// The numbers of the waves, divided into blocks of `waves` numbers.
     pub(in crate::tracer) fn blocks(&self, waves: u32) -> impl Iterator<Item = Range<u32>> {
         let Range { start, end } = match self {
             WavesToFollow::Numbers(numbers) => numbers.clone(),
@@ -124,7 +123,7 @@ impl WavesToFollow<'_> {
         first.map(move |first| first..first.saturating_add(waves).min(end))
     }
 
-    /// The starts of these waves, if starts are given.
+    /// The starts of these waves; `None` if the settings determine them.
     pub(in crate::tracer) fn starts(&self, numbers: &Range<u32>) -> Option<Vec<Start>> {
         match self {
             WavesToFollow::Numbers(_) => None,
@@ -137,23 +136,23 @@ impl WavesToFollow<'_> {
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Deserialize, serde::Serialize)]
 #[non_exhaustive]
 pub struct ArrivalCounts {
-    /// Number of followed waves: if bands scatter differently, the sum over the groups of bands.
+    /// Number of followed waves. If bands scatter differently, the waves of all groups of bands are added.
     pub waves: u64,
     /// Number of returned arrivals.
     pub arrivals: u64,
     /// Waves that flew into the open, or never started because the source lies in a solid.
     pub gone: u64,
-    /// Waves that were followed no further because a march reached the step limit.
+    /// Waves that were no longer followed because a march reached the step limit.
     pub step_limit_reached: u64,
-    /// Waves that flew the requested distance or, in a response, until their energy was inaudible.
+    /// Waves that flew the requested distance. In a response, also waves whose energy became inaudible.
     pub flown: u64,
     /// Waves that were cut off after [`ArrivalSettings::iterations`].
     pub cut_off: u64,
-    /// Distance from the source in metres within which at most one in a thousand waves was cut off;
-    /// ∞, serialised as nothing, if at most that many were cut off in total.
+    /// Distance from the source in metres within which at most one in a thousand waves was cut off. It is ∞, serialised
+    /// as nothing, if at most one in a thousand waves was cut off in total.
     #[serde(with = "crate::serialised::infinite")]
     pub followed_m: f64,
-    /// Traced iterations; waves of a later block may have needed more than those of earlier blocks.
+    /// Maximum number of traced iterations over all blocks of waves.
     pub iterations: u32,
     /// Remaining energy of the waves that were cut off, by band, as a share of the source's energy.
     pub energy_under_way: Bands,
@@ -170,7 +169,7 @@ impl ArrivalCounts {
         }
     }
 
-    /// Adds counts of other bands or other waves past the same listener.
+    /// Adds the counts of other bands, or of other waves, with the same listener.
     pub(crate) fn and(mut self, others: ArrivalCounts) -> ArrivalCounts {
         self.waves += others.waves;
         self.arrivals += others.arrivals;
@@ -194,12 +193,12 @@ pub(crate) struct Followed {
     pub cut_off_m: Vec<f64>,
 }
 
-/// One wave in this number may be cut off without a report: then at most a thousandth of the energy is missing from the
-/// distance at which they ended (three thousandths where importance weights are up to 2.9).
+/// One wave in this number may be cut off without a report. Beyond the distance at which these waves ended, at most a
+/// thousandth of the energy is then missing (three thousandths with importance weights of up to 2.9).
 const CUT_OFF_UNTOLD: usize = 1000;
 
 impl Followed {
-    /// Adds other waves of the same settings.
+    /// Adds other waves with the same settings.
     pub fn and(mut self, others: Followed) -> Followed {
         self.counts = self.counts.and(others.counts);
         self.cut_off_m.extend(others.cut_off_m);

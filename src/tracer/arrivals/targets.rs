@@ -1,4 +1,4 @@
-//! The textures that the passes of arrivals draw to, and their read-back.
+//! The textures that the passes of arrivals draw to, and the read-back of these textures.
 
 use super::super::Grid;
 use super::super::order_table::OrderTable;
@@ -20,10 +20,10 @@ const LIST_HEIGHT: u32 = 64;
 /// Maximum waves drawn as one list.
 pub const LISTED_AT_MOST: usize = (LIST_WIDTH * LIST_HEIGHT) as usize;
 
-/// An entry of a list without a wave.
+/// A list entry that holds no wave.
 const NO_WAVE: [f32; 4] = [-1.0, 0.0, 0.0, 0.0];
 
-/// Rows of a list of waves.
+/// Number of rows of a list with `waves` waves.
 pub fn listed_rows(waves: usize) -> u32 {
     (waves as u32).div_ceil(LIST_WIDTH)
 }
@@ -38,7 +38,7 @@ pub struct ArrivalTargets {
     /// The target of each pair, with the tally and the records, which both targets share.
     chunks: [RenderTarget; 2],
     current: usize,
-    /// Tally, words and records.
+    /// Read-backs of tally, words and records.
     reads: Vec<AsyncRead>,
     /// The texels that were read.
     texels: Vec<Vec<f32>>,
@@ -91,8 +91,8 @@ impl ArrivalTargets {
         outputs(&self.text) == outputs(text)
     }
 
-    /// Sorts the starts of a block: those of the settings, or given ones. Returns `None` if waves start in the order of
-    /// their numbers.
+    /// Sorts the starts of a block, which are those of the settings or given starts. Returns `None` if waves start in
+    /// the order of their numbers.
     pub fn sort_starts(
         &mut self,
         context: &Context,
@@ -122,7 +122,7 @@ impl ArrivalTargets {
         }
     }
 
-    /// Puts waves at their start, with a common position and status and individual directions.
+    /// Writes the starts of the waves: a common position and status, and a separate direction for each wave.
     pub fn upload_starts(&self, start: [f32; 4], starts: &[Start]) -> Result<(), GpuError> {
         let texels = (self.grid.width * self.grid.height) as usize;
         let mut directions: Vec<Vec3> = starts.iter().map(|start| start.direction).collect();
@@ -137,12 +137,12 @@ impl ArrivalTargets {
         second.upload(directions.as_flattened())
     }
 
-    /// The waves at the start of a chunk.
+    /// The textures with the waves at the start of the chunk.
     pub fn current(&self) -> &[Texture; 2] {
         &self.states[self.current]
     }
 
-    /// The target of a chunk.
+    /// The target with the waves at the end of the chunk.
     pub fn next(&self) -> &RenderTarget {
         &self.chunks[1 - self.current]
     }
@@ -168,12 +168,12 @@ impl ArrivalTargets {
         Ok(())
     }
 
-    /// The tally read back.
+    /// The tally, as read back.
     pub fn tally(&self) -> &[f32] {
         &self.texels[0]
     }
 
-    /// The texels that were read, with the records of a list.
+    /// The texels that were read back, with the records of a list.
     pub fn chunk<'a>(&'a self, listed: &'a [Vec<f32>], iterations: u32) -> Chunk<'a> {
         let first_record = (self.text.first_record() - ArrivalsText::TALLY) as usize;
         Chunk {
@@ -212,7 +212,7 @@ impl ListTargets {
         self.waves.upload(entries.as_flattened())
     }
 
-    /// Appends the records of a list of `waves`, record by record.
+    /// Appends the records of a list with `waves` waves to `records`.
     pub fn read(&self, waves: usize, records: &mut [Vec<f32>]) -> Result<(), GpuError> {
         let mut texels = Vec::new();
         for (index, record) in records.iter_mut().enumerate() {

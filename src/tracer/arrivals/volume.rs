@@ -7,25 +7,25 @@ use std::f64::consts::PI;
 
 /// Number of points that estimate the volume if a surface reaches into the sphere.
 ///
-/// A sequence of low discrepancy in three dimensions has an error of about N^(−2/3) of the cube for
-/// a volume bounded by a smooth surface (L. Kuipers and H. Niederreiter, *Uniform Distribution of
-/// Sequences*, 1974, ch. 2.1: N^(−1/3) is the bound, and half a face's worth of cells fall either
-/// way by chance): 1.5e-3 here, 0.007 dB. A test compares caps with their closed form.
+/// A sequence of low discrepancy in three dimensions estimates the volume of a body with a smooth surface. The error is
+/// about N^(−2/3) of the cube: 1.5e-3 here, or 0.007 dB. The proven bound is N^(−1/3) (L. Kuipers and H. Niederreiter,
+/// *Uniform Distribution of Sequences*, 1974, ch. 2.1), but the errors of the cells at the surface partly cancel each
+/// other by chance. A test compares spherical caps with their closed form.
 const POINTS: usize = 16_384;
 
-/// Cells along each axis of the cube around the sphere: if a thousand surfaces reach into the sphere, only a few dozen
-/// are tested for a point.
+/// Cells along each axis of the cube around the sphere. With cells, only a few dozen surfaces are tested for a point
+/// even if a thousand surfaces reach into the sphere.
 const CELLS: usize = 4;
 
-/// The rounding error of a distance in `f32`, as a share of the largest coordinate: some ten units in the last place.
+/// The rounding error of a distance in `f32`, as a share of the largest coordinate: about ten units in the last place.
 const SPARE: f32 = 1e-6;
 
-/// Cubic metres of the listener's sphere outside solids.
+/// Volume in m³ of the part of the listener's sphere that is outside solids.
 pub fn open_volume(pair: Pair) -> f64 {
     let (centre, radius) = (pair.listener.position, pair.listener.radius);
     let sphere = 4.0 / 3.0 * PI * f64::from(radius).powi(3);
-    // The value is at most the distance to a surface: a surface whose value exceeds the radius does
-    // not reach into the sphere.
+    // The value is at most the distance to a surface, so a surface whose value exceeds the radius does not reach into
+    // the sphere.
     let reaches = |surface: &&Surface| surface.distance(centre) < radius;
     let near: Vec<&Surface> = pair.scene.surfaces.iter().filter(reaches).collect();
     if near.is_empty() {
@@ -41,8 +41,8 @@ pub fn open_volume(pair: Pair) -> f64 {
     sphere * open as f64 / POINTS as f64
 }
 
-/// The surfaces that may reach into each cell of the cube around the sphere, chosen from those that reach into the
-/// sphere.
+/// The surfaces that may reach into each cell of the cube around the sphere. `near` are the surfaces that reach into
+/// the sphere.
 fn near_cells<'a>(near: &[&'a Surface], centre: Vec3, radius: f32) -> Vec<Vec<&'a Surface>> {
     let half = radius / CELLS as f32;
     let half_diagonal = 3f32.sqrt() * half;
@@ -59,14 +59,14 @@ fn near_cells<'a>(near: &[&'a Surface], centre: Vec3, radius: f32) -> Vec<Vec<&'
     (0..CELLS.pow(3)).map(of_cell).collect()
 }
 
-/// The cell of a point of the unit ball.
+/// The cell of a point in the unit ball.
 fn cell_of(unit: DVec3) -> usize {
     let place = |at: f64| (((at + 1.0) * 0.5 * CELLS as f64) as usize).min(CELLS - 1);
     place(unit.x) + CELLS * (place(unit.y) + CELLS * place(unit.z))
 }
 
-/// Points spread evenly over the unit ball: radii by the cube root, directions by Archimedes'
-/// theorem.
+/// Points that are evenly distributed in the unit ball: the cube root gives their radii, and Archimedes' theorem their
+/// directions.
 fn points_in_ball() -> impl Iterator<Item = DVec3> {
     (1..=POINTS).map(|index| {
         let share = halton(index);
@@ -98,8 +98,8 @@ mod tests {
         plane.at(Vec3::new(1.0, 2.0, 3.0) - normal * below)
     }
 
-    /// Protects the exact volume in the open, and the volume cut off by a plane: a cap of height h
-    /// has π h² (r − h/3). Within the 1.5e-3 derived at [`POINTS`].
+    /// Protects the exact volume in the open, and the volume that a plane cuts off: a cap of height h has the volume π
+    /// h² (r − h/3). The tolerance is the 1.5e-3 derived at [`POINTS`].
     #[test]
     fn planes_cut_off_caps() {
         let sphere = |r: f64| 4.0 / 3.0 * PI * r.powi(3);
@@ -116,7 +116,7 @@ mod tests {
         }
     }
 
-    /// Protects a listener with an object in its centre, and one within a solid.
+    /// Protects the volume of a listener that contains a solid, and of a listener inside a solid.
     #[test]
     fn solids_within_count() {
         let ball = Surface::new(Node::Sphere(Sphere { radius: 0.5 })).at(Vec3::new(1.0, 2.0, 3.0));
@@ -125,8 +125,8 @@ mod tests {
         assert_eq!(volume(vec![ball], 0.25), 0.0);
     }
 
-    /// Protects the volume among many surfaces from errors of the cells: the share of the points is the same as when
-    /// every surface is tested.
+    /// Protects the volume among many surfaces from errors of the cells: the share of open points is the same as if
+    /// every surface is tested for every point.
     #[test]
     fn cells_leave_no_surface_out() {
         let centre = Vec3::new(1.0, 2.0, 3.0);

@@ -1,4 +1,4 @@
-//! The child's side: compiles and tries the requested texts, within limits.
+//! The child process: compiles and tries the requested texts, within limits.
 
 use super::STACK;
 use super::protocol::{self, Answer, Request, RequestedField, TriedField};
@@ -14,16 +14,16 @@ use glam::Vec3;
 use std::io::{Read, Write};
 use std::process::ExitCode;
 
-/// Maximum bytes of a request: many fields of maximum length, in many programs.
+/// Maximum bytes of a request. The limit allows many fields of maximum length in many programs.
 const LONGEST_REQUEST: u64 = 1 << 26;
 
-/// Size in pixels of the pass that tries a program: a driver compiles the rest of a program only
-/// when it is drawn.
+/// Size in pixels of the pass that tries a program. A pass is drawn because a driver may complete the compilation only
+/// then.
 const TRIED: [u32; 2] = [8, 1];
 
-/// Answers a request of another process of this program by [`FieldTrial`](super::FieldTrial): reads the texts to try
-/// from standard input, tries them on a renderer, and writes the results to standard output. Call it at the beginning
-/// of a process that does nothing else: it limits the time and memory of this process.
+/// Answers a request that another process of this program makes through [`FieldTrial`](super::FieldTrial). Reads the
+/// texts to try from standard input, tries them on a renderer, and writes the results to standard output. Call this
+/// function at the beginning of a process that does nothing else, because it limits the time and memory of the process.
 pub fn answer_field_trial(options: &ContextOptions) -> ExitCode {
     limit_process();
     let mut text = String::new();
@@ -92,8 +92,8 @@ fn tried(
     Ok(fields)
 }
 
-/// Compiles a program, and draws it once. The parent reports texts that do not compile, because its
-/// own compiler fails at the same place.
+/// Compiles a program, and draws it once. A text that does not compile is not an error here: the parent reports it,
+/// because its own compiler fails too.
 fn try_program(context: &Context, text: &str) -> Result<(), GpuError> {
     let program = match Program::fragment(context, "a trial", text) {
         Ok(program) => program,
@@ -112,15 +112,15 @@ fn try_program(context: &Context, text: &str) -> Result<(), GpuError> {
 #[cfg(target_os = "linux")]
 fn limit_process() {
     use rustix::process::{Resource, Signal, set_parent_process_death_signal};
-    // The parent limits the time; these limits apply if the parent has ended.
+    // The parent limits the time. The limits here apply if the parent has ended.
     let _ = set_parent_process_death_signal(Some(Signal::KILL));
     let cores = std::thread::available_parallelism().map_or(1, |cores| cores.get() as u64);
     limit(Resource::Cpu, LONGEST.as_secs() * cores);
     limit(Resource::Core, 0);
 }
 
-/// Limits the memory allocated from now on: a driver has already reserved some, in an amount that
-/// differs from driver to driver.
+/// Limits the memory that is allocated from now on. Memory that the driver has already reserved does not count, because
+/// its amount differs between drivers.
 #[cfg(target_os = "linux")]
 fn limit_memory() {
     let taken = std::fs::read_to_string("/proc/self/status").ok();
@@ -138,7 +138,7 @@ fn limit_memory() {
     }
 }
 
-/// If a limit cannot be set, the system already has a lower limit.
+/// Sets a limit. If this fails, the system already has a lower limit.
 #[cfg(target_os = "linux")]
 fn limit(what: rustix::process::Resource, most: u64) {
     let both = rustix::process::Rlimit {

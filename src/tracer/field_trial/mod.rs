@@ -1,15 +1,15 @@
 //! Tries users' fields in a child process, so that they cannot harm the calling process.
 //!
-//! A field's text is a program, and the driver, which compiles it, runs within the calling process:
-//! a division that the compiler folds, a sum of twenty thousand terms or a loop of a billion
-//! iterations can end or block that process. So the texts of a scene are compiled and tried first
-//! in a child process, with limits on time, memory and stack; a text that crashes the child or
-//! takes too long is rejected here. Accepted texts are remembered as long as the process lives.
+//! A field's text is a program, and the driver that compiles it runs within the calling process. A division that the
+//! compiler folds, a sum of twenty thousand terms or a loop of a billion iterations can end or block that process. The
+//! texts of a scene are therefore first compiled and tried in a child process, with limits on time, memory and stack. A
+//! text that crashes the child or takes too long is rejected. Accepted texts are remembered as long as the calling
+//! process lives.
 //!
-//! A library cannot start itself as a process. The user of this crate chooses with
-//! [`FieldTrial::set`]; until then users' fields are refused. The command line starts a child process.
+//! A library cannot start itself as a process. The user of this crate therefore chooses with [`FieldTrial::set`]. Until
+//! then users' fields are refused. The command line starts a child process.
 
-// A page in a browser cannot start processes: fields can only be tried in this process.
+// A page in a browser cannot start processes, so fields can only be tried in this process.
 #[cfg(not(target_arch = "wasm32"))]
 mod child;
 mod parent;
@@ -27,24 +27,23 @@ use std::path::PathBuf;
 use std::sync::{PoisonError, RwLock};
 use std::time::Duration;
 
-/// Time limit of a trial: many times longer than the slowest acceptable fields take, and short
-/// enough that a text that compiles just within the limit can be compiled twice within 20 s.
+/// Time limit of a trial. The limit is many times the time of the slowest acceptable fields. A text that compiles just
+/// within the limit can be compiled twice within 20 s.
 const LONGEST: Duration = Duration::from_secs(9);
 
-/// Time limit on a busy machine, where the child gets less than half of one core.
+/// Time limit on a busy machine, on which the child gets less than half of one core.
 const LONGEST_BESIDE_OTHERS: Duration = Duration::from_secs(18);
 
-/// Maximum bytes that a trial may allocate in addition to what the renderer has allocated before it.
+/// Maximum bytes that a trial may allocate in addition to what the renderer has allocated before the trial.
 const MOST_MEMORY: u64 = 1 << 30;
 
-/// Bytes of a trial's stack: half of the usual stack of a main thread, so that accepted texts have
-/// a margin.
+/// Bytes of a trial's stack: half the usual stack of a main thread, so that accepted texts have a margin.
 #[cfg(not(target_arch = "wasm32"))]
 const STACK: usize = 4 << 20;
 
 /// The way to try users' fields before this process compiles them.
 ///
-/// A program that takes fields chooses one before it traces or draws a scene:
+/// A program that accepts fields makes its choice before it traces or draws a scene:
 ///
 /// ```
 /// use echomarch::gl::{Context, ContextOptions};
@@ -70,15 +69,14 @@ const STACK: usize = 4 << 20;
 #[derive(Clone, Debug, Default)]
 #[non_exhaustive]
 pub enum FieldTrial {
-    /// They are refused: [`TraceError::FieldRefused`](super::TraceError::FieldRefused). For programs that have made no
-    /// choice.
+    /// Fields are refused: [`TraceError::FieldRefused`](super::TraceError::FieldRefused). This is the value for
+    /// programs that have made no choice.
     #[default]
     Refused,
-    /// Not at all: this process compiles and samples them at once. A text that the driver cannot
-    /// handle ends this process by a signal, takes gigabytes of memory, or never returns. For
-    /// trusted texts.
+    /// Fields are not tried before use: this process compiles and samples them directly. A text that the driver cannot
+    /// handle may end this process by a signal, take gigabytes of memory, or never return. For trusted texts.
     InThisProcess,
-    /// In a child process started by this command, once for each text. For untrusted texts.
+    /// Fields are tried in a child process that this command starts, once for each text. For untrusted texts.
     InChild(TrialCommand),
 }
 
@@ -87,8 +85,7 @@ pub enum FieldTrial {
 pub struct TrialCommand {
     /// The program: usually the running program, see [`TrialCommand::this_program`].
     pub program: PathBuf,
-    /// The arguments. The program must call [`answer_field_trial`] with them, and select the
-    /// renderer.
+    /// The arguments. With these arguments, the program must call [`answer_field_trial`] and select the renderer.
     pub arguments: Vec<OsString>,
 }
 
@@ -100,8 +97,7 @@ impl TrialCommand {
     pub fn this_program(
         arguments: impl IntoIterator<Item = impl Into<OsString>>,
     ) -> std::io::Result<TrialCommand> {
-        // This path remains the running program even if the program's file is replaced by a newer
-        // one.
+        // This path refers to the running program even if a newer version replaces the program's file.
         let own = PathBuf::from("/proc/self/exe");
         let program = if own.exists() {
             own
@@ -118,8 +114,8 @@ impl TrialCommand {
 static CHOSEN: RwLock<FieldTrial> = RwLock::new(FieldTrial::Refused);
 
 impl FieldTrial {
-    /// Sets the choice for the whole process from now on, since a text can end the process as a
-    /// whole. A tracer keeps fields that it has accepted before.
+    /// Sets the choice for the whole process, because a text can end the whole process. The choice applies from now on.
+    /// A tracer keeps the fields that it has accepted before.
     pub fn set(self) {
         *CHOSEN.write().unwrap_or_else(PoisonError::into_inner) = self;
     }
@@ -130,8 +126,8 @@ impl FieldTrial {
     }
 }
 
-/// Tries the scene's fields, and programs that contain them, as set by [`FieldTrial::set`], and
-/// waits for the result. Fields that were tried before are not tried again.
+/// Tries the scene's fields, and programs that contain them, as [`FieldTrial::set`] has chosen, and waits for the
+/// result. Fields that were tried before are not tried again.
 ///
 /// # Errors
 /// [`Error::Trace`] for a field that cannot be used.

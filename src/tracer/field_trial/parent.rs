@@ -1,4 +1,4 @@
-//! The parent's side: starts the child, and polls it or waits for it.
+//! The parent process: starts the child, and polls it or waits for it.
 
 use super::protocol::{self, Answer, Request, RequestedField};
 use super::{FieldTrial, LONGEST, LONGEST_BESIDE_OTHERS, MOST_MEMORY, TrialCommand};
@@ -16,13 +16,13 @@ use std::time::{Duration, Instant};
 /// Interval between two checks of the child while waiting for it.
 const BETWEEN_LOOKS: Duration = Duration::from_millis(2);
 
-/// Maximum number of remembered texts and refusals; beyond this number all are forgotten.
+/// Maximum number of remembered texts and refusals. If more would be remembered, all are forgotten.
 const MOST_KNOWN: usize = 1024;
 
-/// A child process that tries fields. Dropping it ends it.
+/// A child process that tries fields. Dropping this value ends the process.
 pub(crate) struct Trial {
     child: Child,
-    /// The child's output: an unnamed file, so that neither process waits for the other.
+    /// The child's output, an unnamed file. With a file neither process waits for the other.
     answer: File,
     began: Instant,
     fields: Vec<(Arc<UserField>, WaveDomain)>,
@@ -31,7 +31,7 @@ pub(crate) struct Trial {
     files: String,
 }
 
-/// The results of this process' children.
+/// The results of the children of this process.
 #[derive(Default)]
 struct Known {
     passed: HashSet<u64>,
@@ -40,7 +40,8 @@ struct Known {
 
 static KNOWN: LazyLock<Mutex<Known>> = LazyLock::new(Mutex::default);
 
-/// Random keys, which differ from process to process, so that hash collisions cannot be prepared.
+/// Random keys of the hashes. They differ between processes, so that no text can be prepared whose hash collides with
+/// that of an accepted text.
 static KEYS: LazyLock<RandomState> = LazyLock::new(RandomState::new);
 
 fn known() -> MutexGuard<'static, Known> {
@@ -57,20 +58,19 @@ fn key_of_field(field: &UserField, waves: WaveDomain) -> u64 {
     key_of((&field.file, &field.text, numbers, waves))
 }
 
-/// Whether a child process has compiled and tried a field on its own, so that this process need not
-/// repeat it.
+/// Whether a child process has compiled and tried a field alone, so that this process need not repeat the trial.
 pub(crate) fn has_passed(field: &UserField, waves: WaveDomain) -> bool {
     let is_in_child = matches!(FieldTrial::chosen(), FieldTrial::InChild(_));
     is_in_child && known().passed.contains(&key_of_field(field, waves))
 }
 
 impl Trial {
-    /// Starts a trial of the fields of a scene and of the programs that contain them; returns
-    /// `None` if all of them were tried before or fields are trusted.
+    /// Starts a trial of the fields of a scene, and of the programs that contain them. Returns `None` if all of them
+    /// were tried before, or if fields are trusted.
     ///
     /// # Errors
-    /// [`Error::Trace`] for a text that is rejected without being compiled, for a text that was
-    /// tried and rejected before, if no child can be started, and for any text if fields are refused.
+    /// [`Error::Trace`] for a text that is rejected without compilation, for a text that was tried and rejected before,
+    /// for any text if fields are refused, and if no child can be started.
     pub fn begin(scene: &Scene, programs: &[&str]) -> Result<Option<Trial>, Error> {
         let mut all = scene.user_domains();
         all.retain(|(field, _)| !field.is_own());
@@ -133,13 +133,13 @@ impl Trial {
         }))
     }
 
-    /// The result of the trial, or `None` while it runs. Does not block.
+    /// The result of the trial, or `None` while the trial runs. Does not block.
     pub fn poll(&mut self) -> Option<Result<(), Error>> {
         let longest = self.longest();
         let ended = match self.child.try_wait() {
             Ok(Some(status)) => self.judge(status),
             Ok(None) if self.began.elapsed() < longest => return None,
-            // Not remembered: on a busy machine an acceptable field may take long, too.
+            // This result is not remembered, because on a busy machine an acceptable field may also take long.
             Ok(None) => {
                 let how = format!("took longer than {} s", longest.as_secs());
                 return Some(Err(self.dies(how).into()));
@@ -162,7 +162,7 @@ impl Trial {
         }
     }
 
-    /// The time limit of the child: longer if other programs leave it little processor time.
+    /// The time limit of the child, which is longer if other programs leave the child little processor time.
     fn longest(&self) -> Duration {
         let waited = self.began.elapsed();
         if waited < LONGEST {
@@ -181,7 +181,7 @@ impl Trial {
         }
         match ended {
             Ok(()) => known.passed.extend(&self.keys),
-            // The next trial may have another result.
+            // This result is not remembered, because the next trial may have another result.
             Err(TraceError::NoFieldTrial { .. }) => (),
             Err(error) => {
                 known.refused.insert(self.keys.clone(), error.clone());
@@ -220,7 +220,7 @@ impl Trial {
                 for ((field, waves), tried) in self.fields.iter().zip(tried) {
                     let count = tried.side.saturating_pow(3);
                     let Some((own, rest)) = values.split_at_checked(count) else {
-                        return Err(failed("gave half an answer".to_owned()));
+                        return Err(failed("gave an incomplete answer".to_owned()));
                     };
                     let samples = UserSamples {
                         side: tried.side,
@@ -260,10 +260,10 @@ fn requested((field, waves): &(Arc<UserField>, WaveDomain)) -> RequestedField {
 /// The processor time that a process has used; `None` if unknown.
 #[cfg(target_os = "linux")]
 fn processor_time(process: u32) -> Option<Duration> {
-    // Clock ticks, reported to programs as 100 per second on every architecture.
+    // A clock tick. Linux reports 100 ticks per second to programs on every architecture.
     const TICK: Duration = Duration::from_millis(10);
     let status = std::fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
-    // After the name, which may contain anything, fields 14 and 15 of proc(5): user and system.
+    // The name may contain any character. After it, fields 14 and 15 of proc(5) are the user time and the system time.
     let (_, fields) = status.rsplit_once(')')?;
     let mut ticks = fields.split_whitespace().skip(11).map(str::parse::<u32>);
     let [user, system] = [ticks.next()?.ok()?, ticks.next()?.ok()?];
@@ -329,8 +329,7 @@ fn signal(_: ExitStatus) -> Option<String> {
 mod tests {
     use super::*;
 
-    /// Protects good fields on a busy machine: the time that counts is the processor time of the
-    /// process, not the elapsed time.
+    /// Protects good fields on a busy machine: the processor time of the process counts, not the elapsed time.
     #[test]
     fn a_process_that_waits_uses_no_time() {
         let mut sleeper = Command::new("sleep").arg("60").spawn().unwrap();

@@ -1,11 +1,11 @@
-//! The messages between parent and child: the parent sends a line of RON; the child a mark, a line
-//! of RON, and the samples as they are in memory.
+//! The messages between parent and child. The parent sends one line of RON. The child sends a mark, one line of RON,
+//! and the samples in binary form.
 
 use super::super::TraceError;
 use crate::scene::WaveDomain;
 use serde::{Deserialize, Serialize};
 
-/// Precedes the answer, because drivers may write to standard output as well.
+/// The mark before the answer. The mark is needed because drivers may write to standard output too.
 const MARK: &[u8] = b"\nechomarch field trial\n";
 
 /// The texts to try.
@@ -27,10 +27,10 @@ pub struct RequestedField {
     pub waves: WaveDomain,
 }
 
-/// The result.
+/// The result of a trial.
 #[derive(Debug, Serialize, Deserialize)]
 pub enum Answer {
-    /// All fields can be used; the results are in the order of the fields.
+    /// All fields can be used. The results are in the order of the fields.
     Passed(Vec<TriedField>),
     /// A field cannot be used, for this reason.
     Refused(TraceError),
@@ -43,11 +43,11 @@ pub struct TriedField {
     pub evaluation_seconds: f64,
     /// Samples along each side.
     pub side: usize,
-    /// Whether the derivative of the text is that of its values, if tested.
+    /// Whether the derivative of the text agrees with the values of the text; `None` if not tested.
     pub derivative_agrees: Option<bool>,
 }
 
-/// An answer as bytes, with the values of all fields' samples.
+/// An answer as bytes, followed by the values of all fields' samples.
 pub fn written(answer: &Answer, values: &[f32]) -> Result<Vec<u8>, ron::Error> {
     let mut bytes = MARK.to_vec();
     bytes.extend(ron::to_string(answer)?.into_bytes());

@@ -1,4 +1,4 @@
-//! The algorithms, each with its own options.
+//! The algorithms, each with its options.
 
 use super::{TraceError, bad, positive};
 use crate::shader::MAX_STEPS;
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Profile {
-    /// Closed form for each surface that has one. Recommended.
+    /// Intersects a wave with each surface in closed form, if the surface has one. Recommended.
     Hybrid,
     /// Accurate sphere tracing, for any distance function with a Lipschitz bound.
     March,
@@ -16,7 +16,7 @@ pub enum Profile {
     Thesis,
 }
 
-/// The algorithm that follows a wave, with its own options.
+/// The algorithm that traces a wave, with its options.
 ///
 /// Serialised as the options next to `"profile": NAME`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -40,19 +40,19 @@ pub struct HybridOptions {}
 #[non_exhaustive]
 pub struct MarchOptions {}
 
-/// Options of `thesis`: its constants, in metres. The defaults are the thesis' own (section 4.2.3,
-/// figure 8); it states no step for its normals, and the reconstruction of its scenes was fitted
-/// with 0.01 m.
+/// Options of `thesis`: its constants, in metres. The defaults are the constants of the thesis (section 4.2.3, figure
+/// 8). The thesis states no step for its normals. With the default of 0.01 m, the reconstruction of its scenes was
+/// fitted.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct ThesisOptions {
-    /// A surface is hit below this distance, in metres: 0.1 by default. Greater than 0 and less
-    /// than the maximum distance.
+    /// Distance below which a surface is hit, in metres: 0.1 by default. It must be greater than 0 and less than the
+    /// maximum distance.
     pub min_distance: f32,
-    /// Offset of the start of each march along the direction, in metres: 0.04 by default. Not
-    /// negative.
+    /// Offset of the start of each march along the direction, in metres: 0.04 by default. It must not be negative.
     pub start_offset: f32,
-    /// Step to either side for normals by differences, in metres: 0.01 by default. Greater than 0.
+    /// Step to either side for normals that are computed from differences, in metres: 0.01 by default. It must be
+    /// greater than 0.
     pub normal_step: f32,
 }
 
@@ -78,7 +78,7 @@ impl ThesisOptions {
         pub fn with_normal_step(metres: f32) => normal_step;
     }
 
-    /// Evaluations of the distance after which a march ends: derived from the distances, at most
+    /// Maximum evaluations of the distance in a march. The number is derived from the distances, and is at most
     /// [`MAX_STEPS`].
     pub(crate) fn step_limit(&self, max_distance: f32) -> u32 {
         let needed = (max_distance / self.min_distance).ceil() + 1.0;

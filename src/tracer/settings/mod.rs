@@ -1,7 +1,7 @@
-//! Settings of traces: the thesis' constants, and the user's numbers.
+//! Settings of traces: the constants of the thesis, and the numbers that the user chooses.
 //!
-//! An option without meaning in an algorithm cannot be set for it: [`Settings`] holds the options common
-//! to all algorithms, [`Algorithm`] those of one algorithm (`algorithm.rs`).
+//! An option cannot be set for an algorithm in which it has no meaning: [`Settings`] holds the options common to all
+//! algorithms, and [`Algorithm`] those of one algorithm (`algorithm.rs`).
 
 mod algorithm;
 
@@ -13,22 +13,21 @@ pub use algorithm::{Algorithm, HybridOptions, MarchOptions, Profile, ThesisOptio
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// The largest distance that may be requested, in metres: its square, and the square of a wave's
-/// position after that distance, are still finite in `f32`.
+/// The largest maximum distance that may be requested, in metres. Its square, and the square of a wave's position after
+/// that distance, are still finite in `f32`.
 const MAX_DISTANCE: f32 = 1e15;
 
-/// The distance beyond which a wave of `march` and `hybrid` counts as gone, in metres: much farther
-/// than a listener hears, and small enough to be squared in `f32`.
+/// The distance beyond which a wave of `march` and `hybrid` counts as dead, in metres. It is much greater than the
+/// distance at which sound is audible, and its square is finite in `f32`.
 const FAR: f32 = 1e9;
 
-/// Default iterations in one pass of `march`: more save no measurable time.
+/// Default iterations in one pass of `march`. More iterations save no measurable time.
 pub const MARCHES_PER_PASS: u32 = 8;
 
-/// Distance beyond which a wave of `thesis` counts as gone, in metres (section 4.2.3).
+/// Distance beyond which a wave of `thesis` counts as dead, in metres (section 4.2.3).
 const THESIS_MAX_DISTANCE: f32 = 300.0;
 
-/// Everything about a frame except the scene: options shared by all algorithms, and the
-/// [`Algorithm`] with its own options.
+/// All input of a frame except the scene: the options common to all algorithms, and the [`Algorithm`] with its options.
 ///
 /// ```
 /// use echomarch::tracer::{Settings, ThesisOptions};
@@ -38,37 +37,37 @@ const THESIS_MAX_DISTANCE: f32 = 300.0;
 /// assert!(settings.validate().is_ok());
 /// ```
 ///
-/// Serialised flat: the algorithm's options are next to its name as `profile`; lengths are in metres. A field that is left
-/// out has its default; unknown ones, the options of another algorithm and numbers out of range are refused.
+/// Serialised flat: the algorithm's options are next to its name, which is the field `profile`. Lengths are in metres.
+/// A field that is left out has its default. Unknown fields, options of another algorithm and numbers out of range are
+/// refused.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(try_from = "SettingsFile")]
 #[non_exhaustive]
 pub struct Settings {
-    /// The algorithm and its own options. To change to another algorithm, begin with
-    /// [`Settings::new`] or [`Settings::with_profile`], because the defaults of the maximum
-    /// distance and of the iterations in a pass depend on the algorithm.
+    /// The algorithm and its options. To change to another algorithm, begin with [`Settings::new`] or
+    /// [`Settings::with_profile`], because the defaults of the maximum distance and of the iterations in a pass depend
+    /// on the algorithm.
     #[serde(flatten)]
     pub algorithm: Algorithm,
     /// Number of waves, 1 … [`Settings::MAX_WAVES`].
     pub waves: u32,
-    /// Marches of each wave, 1 … [`Settings::MAX_ITERATIONS`].
+    /// Maximum number of marches of each wave, 1 … [`Settings::MAX_ITERATIONS`].
     pub iterations: u32,
-    /// A wave is dead beyond this distance in one iteration, in metres. By default 300 in `thesis`
-    /// (section 4.2.3), 10^9 in the other algorithms.
+    /// A wave that flies farther than this distance in one iteration is dead, in metres. The default is 300 in `thesis`
+    /// (section 4.2.3) and 10^9 in the other algorithms.
     pub max_distance: f32,
     /// Seed of the random directions.
     pub seed: u32,
     /// The distribution of the start directions.
     pub directions: Directions,
-    /// Maximum iterations in one pass: 1 as in the thesis, while more iterations save texture
-    /// traffic. The loops of a scene may reduce the number, because drivers silently leave loops
-    /// after a number of turns. By default 1 in `thesis`, 8 in `march`,
-    /// [`Settings::MAX_ITERATIONS`] in `hybrid`.
+    /// Maximum iterations in one pass. The thesis has 1, and more iterations save texture traffic. The number may be
+    /// lower for a scene with long loops, because drivers silently leave loops after a maximum number of turns. The
+    /// default is 1 in `thesis`, 8 in `march` and [`Settings::MAX_ITERATIONS`] in `hybrid`.
     pub iterations_per_pass: u32,
     /// Whether the panning texture is summed on the GPU and read back as one texel.
     pub sum_on_gpu: bool,
-    /// Whether to count evaluations of the distance, instead of zero-length passes and marches that
-    /// reached the step limit.
+    /// Whether to count evaluations of the distance, instead of marches of length zero and marches that reached the
+    /// step limit.
     pub count_evaluations: bool,
 }
 
@@ -79,10 +78,10 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// The maximum number of waves in one frame: 2^24, a 4096 x 4096 texture pair.
+    /// The maximum number of waves in one frame: 2^24, which take a pair of textures of 4096 × 4096 texels.
     pub const MAX_WAVES: u32 = 1 << 24;
 
-    /// The maximum number of iterations. A wave's two counters share one float of 24 bits, 12 each.
+    /// The maximum number of iterations. The two counters of a wave share the 24 bits of one float, 12 bits each.
     pub const MAX_ITERATIONS: u32 = 4095;
 
     /// The defaults of an algorithm: 65,536 waves and 8 iterations in random directions.
@@ -106,18 +105,18 @@ impl Settings {
         }
     }
 
-    /// Closed form for each surface that has one; all iterations in one pass.
+    /// The settings of `hybrid`: a closed form for each surface that has one, and all iterations in one pass.
     pub fn hybrid() -> Settings {
         Settings::new(Profile::Hybrid)
     }
 
-    /// Accurate sphere tracing: Newton's steps everywhere, projection, exact normals, no limit at
-    /// 300 m, eight iterations in a pass.
+    /// The settings of `march`: accurate sphere tracing with Newton steps, projection onto surfaces, exact normals, no
+    /// limit at 300 m, and eight iterations in a pass.
     pub fn march() -> Settings {
         Settings::new(Profile::March)
     }
 
-    /// The thesis' algorithm with its own constants ([`ThesisOptions`]).
+    /// The settings of `thesis`: the algorithm of the thesis with its constants ([`ThesisOptions`]).
     pub fn thesis() -> Settings {
         Settings::new(Profile::Thesis)
     }
@@ -127,7 +126,7 @@ impl Settings {
         self.algorithm.profile()
     }
 
-    /// Changes the algorithm, with all of its defaults, and keeps the waves.
+    /// Changes the algorithm and sets all of its defaults. The settings of the waves are kept.
     #[must_use]
     pub fn with_profile(self, profile: Profile) -> Settings {
         Settings {
@@ -207,7 +206,7 @@ fn bad(what: &'static str, must: String, value: impl fmt::Display) -> TraceError
     }
 }
 
-/// The fields of [`Settings`], each of which may be left out.
+/// The fields of [`Settings`]. Each field may be left out.
 #[derive(Deserialize)]
 #[serde(default, deny_unknown_fields)]
 #[derive(Default)]
@@ -293,7 +292,7 @@ impl TryFrom<SettingsFile> for Settings {
 mod tests {
     use super::*;
 
-    /// Protects the thesis' results from the step limit: its own constants never reach it.
+    /// Protects the results of `thesis` from the step limit: with the constants of the thesis no march reaches it.
     #[test]
     fn the_step_limit_leaves_the_thesis_alone() {
         let thesis = ThesisOptions::default();
@@ -332,7 +331,7 @@ mod tests {
         }
     }
 
-    /// Protects a change of algorithm: it also sets the defaults that depend on the algorithm.
+    /// Protects a change of the algorithm: the defaults that depend on the algorithm change too.
     #[test]
     fn another_profile_brings_its_own_defaults() {
         let asked = Settings::hybrid()
@@ -346,8 +345,7 @@ mod tests {
         assert_eq!(asked.with_profile(Profile::Thesis), expected);
     }
 
-    /// Protects reports: the options of an algorithm are next to its name, and those of other
-    /// algorithms are absent.
+    /// Protects reports: the options of the algorithm are next to its name, and options of other algorithms are absent.
     #[test]
     fn settings_are_serialised_with_the_options_of_their_algorithm() {
         let json = |settings: &Settings| serde_json::to_value(settings).unwrap();
@@ -361,7 +359,7 @@ mod tests {
         assert!(hybrid.get("min_distance").is_none());
     }
 
-    /// Protects settings that are kept in files: each is read as it was written, bit for bit.
+    /// Protects settings in files: settings that are written and read again are equal bit for bit.
     #[test]
     fn settings_round_trip() {
         let thesis = ThesisOptions::default().with_min_distance(0.1 + 1e-7);
@@ -380,7 +378,7 @@ mod tests {
         );
     }
 
-    /// Protects settings from mistakes in a file: none is ignored, and the range is the same as in code.
+    /// Protects from mistakes in a settings file: no mistake is ignored, and the ranges are the same as in code.
     #[test]
     fn wrong_settings_are_refused() {
         for (text, part) in [

@@ -1,5 +1,5 @@
-//! Arrivals against exact waves, and against other divisions of the work into blocks, chunks and
-//! records, which must not change them.
+//! Compares arrivals with exact waves, and with other divisions of the work into blocks, chunks and records, which must
+//! not change the arrivals.
 
 use crate::geometry::ExactScene;
 use crate::gl::{Api, Context};
@@ -12,7 +12,7 @@ use crate::tracer::{ArrivalCounts, ArrivalSettings, Start, WavesToFollow};
 use crate::{Listener, Node, Scene, Settings, Shape, Source, Surface, Tracer};
 use glam::{DVec3, Vec3};
 
-/// A crossing in the exact reference.
+/// A crossing of the listener's sphere in the exact reference.
 #[derive(Clone, Copy, Debug)]
 struct Crossing {
     length: f64,
@@ -34,12 +34,12 @@ pub fn arrivals(
         .arrivals(scene, settings, how, &mut |arrival| all.push(arrival))
         .unwrap();
     assert_eq!(all.len() as u64, counts.arrivals);
-    // Arrivals come chunk by chunk, and wave by wave within each chunk.
+    // Arrivals are in the order of the chunks, and within a chunk in the order of the waves.
     all.sort_by_key(|arrival| arrival.wave);
     (all, counts)
 }
 
-/// The scene with the listener at a point that waves never reach.
+/// The scene with the listener at a point that no wave reaches.
 pub fn without_listener(scene: &Scene, nowhere: Vec3) -> ExactScene {
     let mut scene = scene.clone();
     scene.listeners[0] = Listener::at(nowhere, 1e-3);
@@ -98,13 +98,13 @@ pub fn start_directions(tracer: &mut Tracer, scene: &Scene, settings: &Settings)
 
 /// Allowed differences from exact arrivals.
 struct Allowed {
-    /// Allowed error of a wave's path in metres, by the number of reflections.
+    /// Allowed error of the length of a wave's path in metres, as a function of the number of reflections.
     off: fn(u32) -> f64,
-    /// Allowed share of waves with one different crossing.
+    /// Allowed share of waves in which one crossing differs.
     parted: f64,
 }
 
-/// A chord 2 √(2 r e) changes by at most √(8 r) (√(e + off) − √e) if its depth e changes by `off`.
+/// The maximum error of a chord 2 √(2 r e) whose depth e has an error of `off`: √(8 r) (√(e + off) − √e).
 fn chord_error(radius: f64, depth: f64, off: f64) -> f64 {
     let depth = depth.max(0.0);
     (8.0 * radius).sqrt() * ((depth + 2.0 * off).sqrt() - (depth - 2.0 * off).max(0.0).sqrt())
@@ -120,7 +120,7 @@ fn is_same(
 ) -> bool {
     let off = (allowed.off)(exact.reflections);
     let chord = arrival.energy[0] / unit;
-    // A record rounds the chord to 2^-16 of four radii at 64 iterations.
+    // A record rounds the chord to 2^-16 of four radii if a chunk has 64 iterations.
     let radius = f64::from(scene.listeners[0].radius);
     let chord_off = chord_error(radius, exact.depth, off) + radius * 2f64.powi(-14);
     (arrival.length_m - exact.length).abs() <= off + chord_off
@@ -128,8 +128,8 @@ fn is_same(
         && arrival.direction.distance(exact.direction) <= 7e-4 + off
 }
 
-/// Compares every crossing of every wave, in both directions; crossings that only graze the sphere may be
-/// missing.
+/// Compares every crossing of every wave with the reference, and every crossing of the reference with the waves.
+/// Crossings that only graze the sphere may be missing.
 fn compare(
     context: &Context,
     scene: &Scene,
@@ -172,13 +172,13 @@ fn compare(
     assert!(seen > 100);
 }
 
-/// Positions of 15 m are rounded by 5e-7 m, sums and products of them a few times; at flat walls
-/// errors add up. (Seen in shoebox: 1.4e-5 m after 100 reflections.)
+/// Error of a path between flat walls, in metres. Positions of 15 m are rounded by 5e-7 m, as are a few sums and
+/// products of them. At flat walls errors add up. (Measured in `shoebox`: 1.4e-5 m after 100 reflections.)
 fn flat(reflections: u32) -> f64 {
     2e-6 * f64::from(1 + reflections)
 }
 
-/// Protects crossings, path lengths and chords over 100 reflections.
+/// Protects crossings, path lengths and chords over 100 reflections at flat walls.
 #[test]
 fn crossings_between_flat_walls_are_exact() {
     let allowed = Allowed {
@@ -187,8 +187,8 @@ fn crossings_between_flat_walls_are_exact() {
     };
     let corner = Allowed {
         off: flat,
-        // At the block's edges a rounding decides which side a wave hits: with 10 m of edges, waves
-        // come within 1e-4 m of one once in 1e5 flights.
+        // At the block's edges rounding decides which side a wave hits. With 10 m of edges, one flight in 1e5 passes an
+        // edge within 1e-4 m.
         parted: 0.01,
     };
     for_each_api(|context| {
@@ -244,8 +244,8 @@ fn curved() -> Vec<Scene> {
     ]
 }
 
-/// Protects every other kind of surface: curved surfaces multiply errors, by about 2 × 10 m ÷ 0.3 m
-/// per reflection.
+/// Protects arrivals among all other kinds of surfaces. Curved surfaces multiply errors by about 2 × 10 m ÷ 0.3 m per
+/// reflection.
 #[test]
 fn crossings_among_curved_surfaces_are_exact() {
     let allowed = Allowed {
@@ -262,9 +262,8 @@ fn crossings_among_curved_surfaces_are_exact() {
     }
 }
 
-/// Protects the division of the work: chunks of any length and any number of records give the same
-/// arrivals, except for the last bits of lengths, which are summed from other parts. In
-/// `march` starts are sorted.
+/// Protects the division of the work: chunks of any length and any number of records give the same arrivals, except for
+/// the last bits of lengths, which are summed from different parts. In `march` starts are sorted.
 #[test]
 fn records_and_chunks_change_nothing() {
     for_each_api(|context| {
@@ -276,7 +275,7 @@ fn records_and_chunks_change_nothing() {
 
 fn any_division_is_the_same(context: &Context, settings: &Settings) {
     let mut tracer = Tracer::new(context).unwrap();
-    // Two walls between which waves return again and again.
+    // The walls of the shoebox reflect waves past the listener many times.
     let scene = builtin("shoebox");
     let mut traced = |records: u32, chunk: u32| {
         let how = ArrivalSettings {
@@ -313,8 +312,9 @@ fn any_division_is_the_same(context: &Context, settings: &Settings) {
     }
 }
 
-/// Protects waves followed in parts, and waves with given starts: both are the same as all waves together. A weight is
-/// the initial energy of a wave. In `march` starts are sorted block by block, and scattering depends on the number of a wave.
+/// Protects waves that are followed in parts, and waves with given starts: both give the same arrivals as all waves
+/// together. A weight is the initial energy of a wave. In `march` starts are sorted block by block, and scattering
+/// depends on the number of a wave.
 #[test]
 fn parts_and_given_starts_are_the_same_waves() {
     for_each_api(|context| {
@@ -377,7 +377,7 @@ fn parts_are_the_same(context: &Context, settings: &Settings) {
     }
 }
 
-/// Protects runs with more waves than are followed at once: each block gets the starts of its own waves.
+/// Protects runs of several blocks: each block gets the starts of its waves.
 #[test]
 fn given_starts_go_on_from_block_to_block() {
     let context = context(Api::Gl);
@@ -419,14 +419,14 @@ fn blocks_go_on(context: &Context, settings: &Settings) {
     assert_eq!(given, all);
 }
 
-/// Protects sums over arrivals, whose last bits depend on their order: also if starts are sorted, arrivals of a chunk
-/// come wave by wave in the order of their numbers, with those of waves that are drawn again.
+/// Protects sums over arrivals, whose last bits depend on the order of the arrivals. With sorted starts too, the
+/// arrivals of a chunk are in the order of the waves' numbers, including the arrivals of waves that are drawn again.
 #[test]
 fn sorted_waves_arrive_in_the_order_of_their_numbers() {
     for_each_api(|context| {
         let mut tracer = Tracer::new(context).unwrap();
         let scene = builtin("shoebox");
-        // The textures of the first run are larger than the second run needs.
+        // The textures of the first run are larger than those that the second run needs.
         for waves in [3001, 1999] {
             let settings = Settings::march().with_waves(waves);
             let how = ArrivalSettings {
@@ -442,8 +442,8 @@ fn sorted_waves_arrive_in_the_order_of_their_numbers() {
     });
 }
 
-/// Protects the estimate of a decay: tracing waves until their energy is gone gives the same arrivals as tracing them
-/// to the end, except those without energy.
+/// Protects the estimate of a decay: waves that are traced until their energy is gone give the same arrivals as waves
+/// that are traced to the end, except for arrivals without energy.
 #[test]
 fn waves_are_followed_until_their_energy_is_gone() {
     let context = context(Api::Gl);
@@ -455,7 +455,7 @@ fn waves_are_followed_until_their_energy_is_gone() {
         ..ArrivalSettings::new(10.0)
     };
     let until = to_the_end.clone().with_least_energy(1e-6);
-    // Without absorption, waves are followed to the end.
+    // Without absorption both settings trace waves to the end.
     let (all, counts) = arrivals(&mut tracer, &scene, &settings, &to_the_end);
     assert_eq!(
         arrivals(&mut tracer, &scene, &settings, &until),
@@ -479,13 +479,13 @@ fn waves_are_followed_until_their_energy_is_gone() {
     assert_eq!(fewer.followed_m, f64::INFINITY);
     let energy = |of: &[Arrival]| of.iter().map(|arrival| arrival.energy[4]).sum::<f64>();
     assert!(energy(&most) < energy(&all), "waves have something left");
-    // The listener's share of the remaining energy varies: few of 2,000 waves cross it.
+    // The listener's share of the remaining energy varies, because few of the 2,000 waves cross it.
     let left = (energy(&all) - energy(&most)) / energy(&all);
     assert!(left < 1e-5, "{left}");
 }
 
-/// Protects the report of waves that were cut off: if bands have separate waves, the band whose waves get least far
-/// decides.
+/// Protects the report of waves that were cut off. If bands have separate waves, the band whose waves get least far
+/// determines the report.
 #[test]
 fn the_band_that_comes_least_far_decides() {
     let followed = |waves: u64, cut_off_m: Vec<f64>| {
@@ -503,7 +503,7 @@ fn the_band_that_comes_least_far_decides() {
         (both.waves, both.cut_off, both.followed_m),
         (20_000, 80, 7.0)
     );
-    // Reports of waves with the same bands are combined.
+    // Reports of waves with the same bands are combined before they are evaluated.
     let together = followed(10_000, Vec::new()).and(followed(70_000, vec![7.0; 80]));
     assert_eq!(together.counts().followed_m, f64::INFINITY);
 }

@@ -1,4 +1,4 @@
-//! The energies of arrivals: absorption by materials, scattering, and conservation.
+//! Tests of the energies of arrivals: absorption by materials, scattering, and conservation.
 
 use super::arrivals::{arrivals, start_directions, without_listener};
 use crate::bands::{BAND_COUNT, Bands};
@@ -11,7 +11,7 @@ use crate::tracer::{ArrivalSettings, TraceError, WavesToFollow};
 use crate::{Error, Listener, Node, Scene, Settings, Source, Surface};
 use glam::{DVec3, Quat, Vec3};
 
-/// Absorption that differs by band and by number.
+/// Absorption that differs between bands and between numbers.
 fn absorption(number: usize) -> Bands {
     std::array::from_fn(|band| ((7 * number + 3 * band) % 11) as f64 / 20.0)
 }
@@ -27,7 +27,8 @@ fn with_materials(mut scene: Scene, count: usize) -> Scene {
     scene
 }
 
-/// A rotated room with different walls, containing a box and balls in cells, each with its own material.
+/// A rotated room with different walls. It contains a box, and balls in cells. Each wall and each object has its own
+/// material.
 fn furnished() -> Scene {
     let size = Vec3::new(12.0, 6.0, 10.0);
     let turn = Quat::from_rotation_y(0.3) * Quat::from_rotation_x(0.1);
@@ -48,8 +49,8 @@ fn furnished() -> Scene {
     with_materials(Scene::new("furnished", surfaces, source, listener), 10)
 }
 
-/// Nested rooms, each rotated a little more, with walls that all differ: more numbers than fit in uniforms. Sound stays
-/// in their intersection, so that it hits walls of all rooms.
+/// Nested rooms, each rotated a little more, whose walls all have different materials. They have more material numbers
+/// than fit in uniforms. Sound stays in the intersection of the rooms, so it hits walls of all of them.
 fn rooms_in_rooms() -> Scene {
     let size = Vec3::new(12.0, 6.0, 10.0);
     let room = |number: usize| {
@@ -69,17 +70,17 @@ fn rooms_in_rooms() -> Scene {
     with_materials(Scene::new("rooms", surfaces, source, listener), 23)
 }
 
-/// The wall of a room to which a normal belongs.
+/// The number of the wall of a room that has this normal.
 fn wall(room: &Surface, normal: DVec3) -> usize {
     let inward = room.rotation.as_dquat().inverse() * normal;
     let axis = inward.abs().max_position();
     2 * axis + usize::from(inward[axis] < 0.0)
 }
 
-/// Protects every way in which a shader finds a material: for a wall of a rotated room, for a surface in the text, for
-/// a surface in cells, and for surfaces whose numbers need a table; and each band from the others. Compared with the
-/// same waves without materials, each energy is the one that remains after the previous reflections, to 1e-4 m of
-/// chord.
+/// Protects each method by which a shader finds a material: for a wall of a rotated room, for an unrolled surface, for
+/// a surface in cells, and for surfaces whose numbers are in a table. Also protects bands from being exchanged.
+/// Compared with the same waves without materials, each arrival has the energy that remains after the previous
+/// reflections, within an error of 1e-4 m of chord.
 #[test]
 fn each_reflection_takes_what_its_material_takes() {
     for_each_api(|context| {
@@ -116,7 +117,7 @@ fn reflections_take(context: &Context, scene: &Scene) {
             for vertex in &path {
                 length += vertex.point.distance(place);
                 place = vertex.point;
-                // The chord's middle is within a radius of either end of a flight in the sphere.
+                // The middle of the chord is within a radius of either end of a flight in the sphere.
                 if length > arrival.length_m {
                     break;
                 }
@@ -128,11 +129,11 @@ fn reflections_take(context: &Context, scene: &Scene) {
                 let reflectance = material.reflectance();
                 expected = std::array::from_fn(|band| expected[band] * reflectance[band]);
             }
-            // Two programs may round a chord differently.
+            // The two programs may round a chord differently.
             let off = (0..BAND_COUNT).map(|band| {
                 (arrival.energy[band] - bare.energy[band] * expected[band]).abs() / unit
             });
-            // Balls multiply errors: a wave that hits one may deviate from the exact one.
+            // Balls multiply errors, so a wave that hits a ball may deviate from the exact wave.
             let is_same = off.fold(0.0, f64::max) < 1e-4;
             let is_ball = |object: u32| {
                 let surface = &scene.surfaces[object as usize - 1];
@@ -150,8 +151,8 @@ fn reflections_take(context: &Context, scene: &Scene) {
     }
 }
 
-/// Protects drivers with four outputs, and the division into chunks: neither changes an energy,
-/// except for the rounding of the chord.
+/// Protects drivers with four outputs, and the division into chunks: neither changes an energy, except for the rounding
+/// of the chord.
 #[test]
 fn few_outputs_and_short_chunks_take_the_same() {
     let mut tracer = tracer();
@@ -205,8 +206,8 @@ fn what_takes_all_silences() {
         // The middle of the chord is on the sphere whose diameter is the line from source to listener.
         assert!(arrival.is_early && arrival.length_m <= apart);
     }
-    // 1 / 4π r², a mean over the sphere: 1 + r²/5d² times that at its centre (the Laplacian of 1/r²
-    // is 2/r⁴). Fewer than 1 in 200 waves are heard: 5 standard errors are 5 · √(200 / 20,000).
+    // The mean of 1 / 4π r² over the sphere is 1 + r²/5d² times the value at its centre (the Laplacian of 1/r² is
+    // 2/r⁴). Fewer than 1 in 200 waves are heard, so five standard errors are 5 · √(200 / 20,000).
     let sum: f64 = all.iter().map(|arrival| arrival.energy[0]).sum();
     let expected = (1.0 + radius * radius / (5.0 * apart * apart))
         / (4.0 * std::f64::consts::PI * apart * apart);
@@ -221,15 +222,15 @@ fn room(material: Material) -> Scene {
     scene
 }
 
-/// Protects energy: without absorption all energy is kept, whether mirrored or scattered.
+/// Protects energy: without absorption no energy is lost, whether waves are mirrored or scattered.
 ///
-/// In a room without absorption energy spreads evenly: of L metres that a wave flies, L V / V_room
-/// lie in the listener's sphere V, and each metre counts 1 / (V N): the sum over all waves is L /
-/// V_room. A wave crosses the sphere π r² L / V_room times, by chords of 4/3 r ± 35 %: five
-/// standard errors of the sum are 5 · 1.06 / √crossings, if crossings are independent.
+/// In a room without absorption energy is evenly distributed. Of the L metres that a wave flies, L V / V_room lie in
+/// the listener's sphere of volume V, and each metre counts 1 / (V N). The sum over all waves is therefore L / V_room.
+/// A wave crosses the sphere π r² L / V_room times, with chords of 4/3 r ± 35 %. If crossings are independent, five
+/// standard errors of the sum are 5 · 1.06 / √crossings.
 #[test]
 fn a_room_that_takes_nothing_keeps_all() {
-    // Bands with different scattering have separate waves.
+    // Bands with different scattering are traced with separate waves.
     let differently: Bands = std::array::from_fn(|band| [0.0, 0.4, 1.0][band / 3]);
     let evenly = [0.0, 0.4, 1.0].map(|share| ([share; BAND_COUNT], 1));
     for (scattering, groups) in evenly.into_iter().chain([(differently, 3)]) {
@@ -240,7 +241,7 @@ fn a_room_that_takes_nothing_keeps_all() {
         let settings = Settings::hybrid().with_waves(16_384);
         let (all, counts) = arrivals(&mut tracer(), &scene, &settings, &ArrivalSettings::new(1.2));
         assert_eq!(counts.flown, groups * 16_384);
-        // Shares of scattered waves are accurate to 1e-6, and the remainder makes up for it.
+        // The shares of scattered waves are accurate to 1e-6, and the energy factors compensate for the rounding.
         assert!(
             counts
                 .energy_under_way
@@ -266,13 +267,12 @@ fn a_room_that_takes_nothing_keeps_all() {
     }
 }
 
-/// Length in metres between the direct path and all other paths in the shoebox: the direct path is 9.76 m long; the
-/// shortest one into the sphere by the floor or the ceiling is 11.4 m − 1.2 m.
+/// Length in metres between that of the direct path and those of all other paths in the shoebox. The direct path is
+/// 9.76 m long. The shortest path into the sphere over the floor or the ceiling is 11.4 m − 1.2 m long.
 const DIRECT_M: f64 = 10.0;
 
-/// Protects the share of scattered energy, even if bands scatter differently: the mean of mirrored
-/// and scattered energy follows the material in each band, and mirrored and scattered waves each
-/// carry their part.
+/// Protects the share of scattered energy, even if bands scatter differently. In each band, the mean of mirrored and
+/// scattered energy is that of the material, and mirrored and scattered waves each carry their part.
 #[test]
 fn scattering_takes_its_share() {
     let scattering: Bands = std::array::from_fn(|band| band as f64 / 8.0);
@@ -283,15 +283,14 @@ fn scattering_takes_its_share() {
     let settings = Settings::hybrid().with_waves(16_384);
     let how = ArrivalSettings::new(1.0).with_iterations(2);
     let (all, counts) = arrivals(&mut tracer(), &room(material), &settings, &how);
-    // After two reflections. With 16,384 waves and two choices between energies of at most 1 ± 1 each, five standard
-    // errors are less than 5 · √(2 / 16,384).
+    // The energy after two reflections. With 16,384 waves, and two choices between energies of at most 1 ± 1 each, five
+    // standard errors are less than 5 · √(2 / 16,384).
     for left in counts.energy_under_way {
         assert!((left / 0.75f64.powi(2) - 1.0).abs() < 0.055, "{left}");
     }
     let early = all.iter().filter(|arrival| arrival.is_early).count();
     assert!(early > 0 && early < all.len());
-    // All bands with the same waves: after one reflection, each wave has its mirrored or its scattered
-    // energy.
+    // If all bands have the same waves, each wave has either its mirrored or its scattered energy after one reflection.
     let together = WavesToFollow::Numbers(0..settings.waves);
     let (mut mirrored, mut scattered) = (0, 0);
     let mut is_part = |arrival: Arrival| {
@@ -329,8 +328,8 @@ fn scattering_takes_its_share() {
     assert!(all.iter().all(|a| a.is_early == (a.length_m < DIRECT_M)));
 }
 
-/// Protects Lambert's law, against the integral over a fully scattering floor: each floor element
-/// receives cos θ / 4π a² of the power and sends cos θ' / π b² of it to the listener.
+/// Protects Lambert's law, by comparison with the integral over a fully scattering floor. Each floor element receives
+/// cos θ / 4π a² of the power, and sends cos θ' / π b² of this power to the listener.
 #[test]
 fn a_floor_scatters_by_lamberts_law() {
     let source = Vec3::new(0.0, 2.0, 0.0);
@@ -370,8 +369,8 @@ fn a_floor_scatters_by_lamberts_law() {
             expected += side * side * density * (b.y / b2.sqrt()) / (std::f64::consts::PI * b2);
         }
     }
-    // The mean over the sphere differs from the value at its centre by about r²/10 of the second
-    // derivatives: (0.4 / 1)² / 10 · 2.
+    // The mean over the sphere differs from the value at its centre by about r²/10 of the second derivatives: (0.4 /
+    // 1)² / 10 · 2.
     let error = 5.0 * 1.06 / crossings.sqrt() + 0.032;
     assert!(error < 0.12, "{crossings}");
     assert!(
@@ -380,7 +379,7 @@ fn a_floor_scatters_by_lamberts_law() {
     );
 }
 
-/// Protects arrivals from invalid requests.
+/// Protects from invalid requests of arrivals: they are refused.
 #[test]
 fn what_cannot_be_traced_is_refused() {
     let scene = builtin("shoebox");

@@ -1,4 +1,4 @@
-//! Frames on contexts that another program created.
+//! Tests of frames on contexts that another program created.
 
 use crate::gl::tests::foreign_program::{ForeignProgram, Kind, RawEgl, Switch};
 use crate::gl::{Api, Context, GpuError, MakeCurrent, SwitchContext};
@@ -10,7 +10,7 @@ use std::ffi::{CStr, c_char, c_void};
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// The context of the program, which the program makes current itself or through callbacks.
+/// The context of the program. Either the program makes it current itself, or callbacks do.
 fn context_of(egl: &Rc<RawEgl>, is_switched: bool) -> Context {
     let loader = egl.clone();
     let loader = move |name: &CStr| loader.address(name);
@@ -53,7 +53,7 @@ fn frame(tracer: &mut Tracer, (scene, settings): &(Scene, Settings)) -> (Panning
     (frame.panning, frame.counts)
 }
 
-/// Protects both programs that share a context, in the worst possible state: the frame is the same to the bit as on
+/// Protects both programs that share a context, with all of its state spoiled: the frame is bit for bit the same as on
 /// echomarch's own context, and every call restores all state, including transform feedback.
 #[test]
 fn gpu_a_callers_context_is_left_as_it_was() {
@@ -132,8 +132,8 @@ extern "system" fn of_es_3_0(name: u32) -> *const c_char {
     }
 }
 
-/// Protects programs on drivers of the lowest versions, which have one viewport, one scissor, one blending state, and
-/// feedback that cannot be paused: all state of such a version is restored.
+/// Protects programs on drivers of the lowest versions, which have one viewport, one scissor and one blending state,
+/// and cannot pause transform feedback: all state that such a version has is restored.
 #[test]
 fn gpu_a_callers_context_of_the_least_version_is_left_as_it_was() {
     for (kind, version) in [(Kind::Core, of_gl_3_3 as GetString), (Kind::Es, of_es_3_0)] {
@@ -152,7 +152,7 @@ fn gpu_a_callers_context_of_the_least_version_is_left_as_it_was() {
             true => version as *const c_void,
             false => egl.address(name),
         };
-        // SAFETY: the context is current, and has everything that the claimed version requires.
+        // SAFETY: the context is current, and has everything that the reported version requires.
         let context = unsafe { Context::from_loader(older, MakeCurrent::ByCaller) }.unwrap();
         let mut tracer = Tracer::new(&context).unwrap();
         for input in inputs() {
@@ -165,11 +165,11 @@ fn gpu_a_callers_context_of_the_least_version_is_left_as_it_was() {
     }
 }
 
-/// `glGetString`.
+/// The type of `glGetString`.
 type GetString = extern "system" fn(u32) -> *const c_char;
 
-/// The transform feedback of two draws in this state without echomarch in between: `[0, 1, 2, 0, 1, 2]`, and zeros on
-/// zink of Mesa 22.3 in the compatibility profile.
+/// The transform feedback of two draws in this state, without calls of echomarch in between. It is `[0, 1, 2, 0, 1,
+/// 2]`, but zeros with zink of Mesa 22.3 in the compatibility profile.
 fn feedback_alone(kind: Kind) -> Vec<f32> {
     let program = ForeignProgram::new(kind);
     program.spoil();
@@ -179,8 +179,8 @@ fn feedback_alone(kind: Kind) -> Vec<f32> {
     program.end_feedback()
 }
 
-/// Protects the other program's drawing, which sets its state once and then only draws, and the program's
-/// memory: all of echomarch's objects are freed.
+/// Protects the drawing of another program, which sets its state once and then only draws. Also protects the program's
+/// memory: all objects of echomarch are freed.
 #[test]
 fn gpu_a_caller_draws_between_the_parts_of_a_frame() {
     for kind in Kind::ALL {
@@ -255,8 +255,8 @@ fn gpu_a_callers_context_is_current_only_when_it_was() {
     }
 }
 
-/// Protects results that never leave the GPU: the texture returned to the program holds each wave's value and belongs
-/// to the program's context.
+/// Protects results that stay on the GPU: the texture that the program receives holds the value of each wave, and
+/// belongs to the program's context.
 #[test]
 fn gpu_a_frame_stays_in_a_texture() {
     let program = ForeignProgram::new(Kind::Core);
@@ -276,14 +276,13 @@ fn gpu_a_frame_stays_in_a_texture() {
             (right - expected.panning.right).abs() < 1e-6 * right,
             "{right}"
         );
-        // The frame drawn before is still collected.
+        // The earlier frame, whose passes are all drawn, can still be collected.
         let drawn = tracer.frame_wait().unwrap().unwrap();
         assert_eq!(drawn.counts, expected.counts);
     }
 }
 
-/// Protects from contexts that cannot trace: contexts of an old version, or contexts that no longer
-/// exist.
+/// Protects from contexts on which nothing can be traced, because their version is too old or they no longer exist.
 #[test]
 fn gpu_a_callers_context_that_cannot_trace_is_an_error() {
     extern "system" fn of_2006(_: u32) -> *const c_char {
@@ -322,7 +321,7 @@ fn gpu_a_callers_context_that_cannot_trace_is_an_error() {
     assert!(error.contains("the window was closed"), "{error}");
 }
 
-/// The functions of a context that may disappear, after which it cannot be made current.
+/// The functions of a context that can no longer be made current once `is_gone` is set.
 struct Going {
     switch: Switch,
     is_gone: Rc<Cell<bool>>,
@@ -346,7 +345,7 @@ impl SwitchContext for Going {
     }
 }
 
-/// Protects a program whose window closes before the tracer is dropped: frames are errors, dropping calls no GL
+/// Protects a program whose window closes before the tracer is dropped: frames return errors, dropping calls no GL
 /// function, and another context of the program stays current.
 #[test]
 fn gpu_a_callers_context_that_goes_is_an_error_and_no_panic() {

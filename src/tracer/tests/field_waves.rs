@@ -1,4 +1,4 @@
-//! Whole waves in a room with each field, against the exact reference.
+//! Tests of waves in a room with each field, compared with the exact reference.
 
 use crate::geometry::{ExactScene, ExactWave};
 use crate::gl::Api;
@@ -11,18 +11,17 @@ use glam::{DVec3, Vec3};
 
 const WAVES: u32 = 200;
 
-/// Maximum distance in metres between the ends of a wave here and in the reference, if no twin
-/// deviates: positions are accurate to about 1e-6 m, and a ball of a centimetre magnifies that to a
-/// few millimetres over the next ten metres. (llvmpipe: at most 1.04e-3 for waves that need no
-/// SHARE, and no close call among 29,600 waves.)
+/// Maximum distance in metres between the end of a wave and its end in the reference, if the ends of the twins do not
+/// differ. Positions are accurate to about 1e-6 m, and a ball of a centimetre magnifies this error to a few millimetres
+/// over the next ten metres. (Measured with llvmpipe: at most 1.04e-3 for waves that need no `SHARE`, and no close call
+/// among 29,600 waves.)
 const SAME_PLACE: f64 = 2e-3;
 
-/// Additional tolerance, as a share of the distance between the ends of the wave's twins: a
-/// rotation of 2e-6 at the source, which curved surfaces magnify as they magnify the twins'
-/// rotation.
+/// Additional tolerance, as a share of the distance between the end of the wave and the ends of its twins. It covers a
+/// rotation of the wave by 2e-6 at the source, which curved surfaces magnify as much as the rotation of the twins.
 const SHARE: f64 = 0.02;
 
-/// Difference between the direction of a twin and that of the wave.
+/// Difference between the directions of a wave and of its twins.
 const HAIR: f64 = 1e-4;
 
 /// A room around the field, with source and listener in the air.
@@ -56,8 +55,8 @@ fn is_same(wave: &Wave, exact: &ExactWave, more: f64) -> bool {
     wave.status == exact.status as f32 && (gap < SAME_PLACE + more || wave.fate() == Fate::Dead)
 }
 
-/// Distance in metres between the ends of the wave and of its twins; `None` if a rounding decides
-/// where the wave ends, so that a twin ends otherwise.
+/// Maximum distance in metres between the end of the wave and the ends of its twins, waves with slightly different
+/// directions. `None` if rounding decides where the wave ends, because a twin ends differently.
 fn spread(exact: &ExactScene, start: DVec3, direction: DVec3) -> Option<f64> {
     let here = exact.trace(start, direction, 2);
     let (one, other) = direction.any_orthonormal_pair();
@@ -71,8 +70,8 @@ fn spread(exact: &ExactScene, start: DVec3, direction: DVec3) -> Option<f64> {
     apart.iter().fold(Some(0.0), most)
 }
 
-/// Protects the march and the closed forms as used by waves: in both profiles waves end as in the
-/// exact reference, never in a solid, never with NaN, and every march completes.
+/// Protects the march and the closed forms in the way that waves use them. In both profiles waves end as in the exact
+/// reference, never in a solid and never with NaN, and every march completes.
 #[test]
 fn waves_in_a_room_with_each_field_end_as_in_the_reference() {
     let mut tracer = Tracer::new(&context(Api::Gl)).unwrap();

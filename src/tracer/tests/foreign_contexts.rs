@@ -1,12 +1,12 @@
-//! Tracers, together with contexts that another program made current.
+//! Tests of tracers together with contexts that another program has made current.
 
 use crate::gl::tests::foreign_program::RawEgl;
 use crate::gl::{Api, AsyncRead, GpuTimer, Picture, Program, RenderTarget, Texture};
 use crate::test_common::context;
 use crate::{Scene, Settings, Tracer};
 
-/// Protects frames from contexts that a program makes current in between: a frame shows its own scene, runs on the
-/// tracer's context, and leaves the program's own context current.
+/// Protects frames from contexts that a program makes current between calls: each frame has the result of its own
+/// scene, runs on the tracer's context, and leaves the program's own context current.
 #[test]
 fn gpu_frames_do_not_mind_what_others_make_current() {
     for api in Api::ALL {
@@ -43,8 +43,8 @@ fn gpu_frames_do_not_mind_what_others_make_current() {
     }
 }
 
-/// Drops an object of an echomarch context while the program's own context is current. The program's context
-/// must still be current afterwards: EGL must report it, and GL calls must go to it.
+/// Drops an object of an echomarch context while the program's own context is current. Afterwards the program's context
+/// must still be current: EGL must report it, and GL calls must reach it.
 fn drop_beside<T>(raw: &RawEgl, what: &str, dropped: T) {
     const VIEWPORT: [i32; 4] = [1, 2, 3, 4];
     raw.bind();
@@ -54,8 +54,9 @@ fn drop_beside<T>(raw: &RawEgl, what: &str, dropped: T) {
     assert_eq!(raw.viewport(), VIEWPORT, "{what} was dropped");
 }
 
-/// Protects a program's own context when it drops objects of echomarch: freeing an object makes its context current,
-/// and then the program's again. Each kind of object is dropped alone, the context with the last of them.
+/// Protects a program's own context when the program drops objects of echomarch: echomarch makes its context current to
+/// free an object, and then restores the program's context. Each kind of object is dropped separately, and the context
+/// with the last of them.
 #[test]
 fn gpu_drops_leave_the_context_of_others_current() {
     const BODY: &str = "layout(location = 0) out vec4 result; void main() { result = vec4(1.0); }";
@@ -72,7 +73,7 @@ fn gpu_drops_leave_the_context_of_others_current() {
         let program = Program::fragment(&context, "constant", BODY).unwrap();
         drop_beside(&raw, "a program", program);
         drop_beside(&raw, "a picture", Picture::new(&context, 2, 2).unwrap());
-        // Two marks have a query between them, if queries are available.
+        // There is a query between two marks, if queries are available.
         let mut timer = GpuTimer::new(&context);
         timer.restart().unwrap();
         timer.mark().unwrap();

@@ -1,8 +1,8 @@
-//! The thesis' algorithm on the GPU against the same algorithm on the CPU, on every API.
+//! Compares the algorithm of the thesis on the GPU with the same algorithm on the CPU, on every API.
 //!
-//! Both compute in `f32`, but not in the same order: a GPU may fuse or regroup operations, and its
-//! sine, square root and division may be off by some units in the last place. A wave stays the same
-//! until a decision depends on such a difference; only such waves may deviate.
+//! Both compute in `f32`, but in different orders: a GPU may fuse or regroup operations, and its sine, square root and
+//! division may have errors of a few units in the last place. A wave is the same on both until a decision depends on
+//! such a difference. Only waves with such a decision may deviate.
 
 use crate::geometry::tests::march32::{self, MarchedWave};
 use crate::gl::{Api, Context};
@@ -15,16 +15,15 @@ use glam::Vec3;
 
 const WAVES: u32 = 65_536;
 
-/// Maximum distance in metres between two ends of a wave that count as the same. A distance near 15
-/// m is rounded by up to 1e-6 m; a difference normal divides that by twice its step of 0.01 m,
-/// which turns the next direction by up to 5e-5, and most flights are shorter than 20 m. (Seen with
-/// llvmpipe, of 1,048,576 waves in 8 iterations: at most 2.6e-4, 3e-8 for most waves.)
+/// Maximum distance in metres between two ends of a wave that count as equal. A distance near 15 m is rounded by up to
+/// 1e-6 m. A normal from differences divides this error by twice its step of 0.01 m, which turns the next direction by
+/// up to 5e-5, and most flights are shorter than 20 m. (Measured with llvmpipe for 1,048,576 waves in 8 iterations: at
+/// most 2.6e-4, and 3e-8 for most waves.)
 const SAME_PLACE: f32 = 1e-3;
 
-/// A decision may fall either way if two distances differ by less than this, in metres: a hundred
-/// roundings of 1e-6 m, all of one sign, in the distance and along the march before it. One in a
-/// hundred waves has a margin this small, so a wave that deviates for another reason goes unnoticed
-/// with a probability of one in a hundred.
+/// A decision may differ if two distances differ by less than this margin, in metres. The margin is a hundred roundings
+/// of 1e-6 m with the same sign, in the distance and along the march before it. One in a hundred waves has a smaller
+/// margin. A wave that deviates for another reason is therefore not detected with a probability of one in a hundred.
 const FLIP_MARGIN: f32 = 1e-4;
 
 struct Pair {
@@ -39,7 +38,7 @@ impl Pair {
     }
 }
 
-/// Traces on the GPU, and on the CPU from the same directions that the GPU started with.
+/// Traces the same start directions on the GPU and on the CPU.
 fn trace_both(context: &Context, scene: &Scene, settings: &Settings) -> (Frame, Vec<Pair>) {
     let (frame, waves) = trace(context, scene, settings);
     let starts: Vec<Vec3> = waves.iter().map(|wave| wave.start_direction).collect();
@@ -54,7 +53,7 @@ fn trace(context: &Context, scene: &Scene, settings: &Settings) -> (Frame, Vec<W
     tracer.frame_with_waves(scene, settings).unwrap()
 }
 
-/// Every float of a wave as bits: 0 and −0 differ, and a NaN equals itself.
+/// Every float of a wave as bits. With bits 0 and −0 differ, and a NaN equals itself.
 fn bits(wave: &Wave) -> [u32; 12] {
     let [s, p, d] = [wave.start_direction, wave.position, wave.direction]
         .map(|v| v.to_array().map(f32::to_bits));
@@ -78,8 +77,8 @@ fn all_bits(waves: &[Wave]) -> Vec<[u32; 12]> {
     waves.iter().map(bits).collect()
 }
 
-/// Protects the whole march on the GPU, passes, textures and shaders: at least 99.5 % of the waves
-/// end as on the CPU, the others depend on a rounding, and the counts differ only by these.
+/// Protects the whole march on the GPU: passes, textures and shaders. At least 99.5 % of the waves end as on the CPU.
+/// The other waves depend on a rounding, and the counts differ only by these waves.
 #[test]
 fn waves_end_on_the_gpu_as_on_the_cpu() {
     for_each_api(|context| {
@@ -106,7 +105,7 @@ fn check_waves(case: &str, pairs: &[Pair]) {
             "{case}: no close call parted\n{gpu:?} from\n{cpu:?}"
         );
     }
-    // The bound above is only meaningful if most waves are far from it.
+    // The margin is only meaningful if the decisions of most waves are far from it.
     let usual = median(pairs.iter().map(|pair| f64::from(pair.cpu.margin)));
     assert!(
         usual > 10.0 * f64::from(FLIP_MARGIN),
@@ -122,11 +121,11 @@ fn check_counts(frame: &Frame, pairs: &[Pair]) {
     };
     let hits = sum(|wave| u32::from(Fate::of(wave.status) == Fate::Listener));
     let gap = counts.listener_hits.abs_diff(hits);
-    // Half a per cent of a few hits is less than one wave; a single flip must not fail.
+    // 0.5 % of few hits is less than one wave, but one deviating wave must be allowed.
     let allowed = (0.005 * hits as f64).max(1.0);
     assert!(gap as f64 <= allowed, "{counts:?}, {hits} on the CPU");
 
-    // A wave that deviates can differ in each of its passes; other waves do not differ.
+    // A wave that deviates may differ in each of its passes. All other waves are equal.
     let of_flips = |count: fn(&Pair) -> u32| {
         let differ = pairs.iter().filter(|pair| !pair.is_same());
         differ.map(|pair| u64::from(count(pair))).sum::<u64>()
@@ -141,9 +140,9 @@ fn check_counts(frame: &Frame, pairs: &[Pair]) {
     );
 }
 
-/// Protects the margin itself, by which the test above accepts deviating waves: if the minimum
-/// distance is changed by 1e-5 m, exactly those waves deviate whose margin was below that (and a
-/// rounding of 1e-6 m). If every wave had a small margin, the test above would accept everything.
+/// Protects the margin with which the test above accepts deviating waves. If the minimum distance is changed by 1e-5 m,
+/// only waves deviate whose margin is below that change (and a rounding of 1e-6 m). If every wave had a small margin,
+/// the test above would accept every deviation.
 #[test]
 fn a_margin_tells_which_waves_a_nudge_parts() {
     const NUDGE: f32 = 1e-5;
@@ -164,13 +163,12 @@ fn a_margin_tells_which_waves_a_nudge_parts() {
     }
     let close = before.iter().filter(|w| w.margin < NUDGE + 1e-6).count();
     assert!(parted > 0 && parted <= close, "{parted} of {close}");
-    // A change in one direction only affects margins on that side of the threshold: about half of them.
+    // A change in one direction affects only margins on one side of the threshold, which are about half of them.
     assert!(4 * parted > close, "{parted} of {close}");
 }
 
-/// Protects the start directions: they equal those of the CPU, and are unit vectors. They are
-/// products of a sine or cosine, a root and the normalisation; each may be off by some units in the
-/// last place, 1.2e-7 at 1.
+/// Protects the start directions: they are unit vectors and equal those of the CPU. They are products of a sine or
+/// cosine, a root and the normalisation. Each of these may have an error of a few units in the last place, 1.2e-7 at 1.
 #[test]
 fn start_directions_are_those_of_the_cpu() {
     let few_ulps = 4.0 * f32::EPSILON;
@@ -189,8 +187,8 @@ fn start_directions_are_those_of_the_cpu() {
     });
 }
 
-/// Protects `thesis` from the driver's result of `normalize(0)`: in the middle of a room smaller than the minimum
-/// distance all differences are 0, and waves without a normal die there. A listener there is still reached.
+/// Protects `thesis` from the driver's result of `normalize(0)`. In the middle of a room that is smaller than the
+/// minimum distance all differences are 0, and waves without a normal die there. Waves still reach a listener there.
 #[test]
 fn waves_without_a_normal_die() {
     let room = Surface::new(Node::Room(Room {
@@ -217,10 +215,10 @@ fn waves_without_a_normal_die() {
     });
 }
 
-/// Protects the uniformity of the start directions, which every count of the thesis relies on. A
-/// component of a uniform direction has variance 1/3: its mean over n waves has the standard
-/// deviation √(1/3n), and five of them are exceeded once in 1.7 million draws. The octants' chi
-/// square has 7 degrees of freedom: 40 is exceeded once in 1.7 million draws as well.
+/// Protects the uniformity of the start directions, on which all counts of the thesis rely. A component of a uniform
+/// direction has the variance 1/3. Its mean over n waves has the standard deviation √(1/3n), and five standard
+/// deviations are exceeded once in 1.7 million draws. The chi square of the octants has 7 degrees of freedom, and
+/// exceeds 40 once in 1.7 million draws too.
 #[test]
 fn start_directions_are_uniform() {
     let context = context(Api::Gl);
@@ -245,8 +243,8 @@ fn start_directions_are_uniform() {
     }
 }
 
-/// Protects reproducibility: one seed gives the same bits in a second frame and on a second
-/// context; another seed gives other waves.
+/// Protects reproducibility: one seed gives the same bits in a second frame and on a second context. Another seed gives
+/// other waves.
 #[test]
 fn a_seed_decides_every_bit() {
     for_each_api(|first| {
@@ -265,7 +263,7 @@ fn a_seed_decides_every_bit() {
         let (_, second_waves) = trace(&second_context, &scene, &settings);
         assert_eq!(all_bits(&waves), all_bits(&second_waves));
 
-        // By chance, two directions out of 2^48 are never the same.
+        // Two random directions out of 2^48 are practically never equal.
         let kept = waves.iter().zip(&other_waves);
         let kept = kept.filter(|(a, b)| a.start_direction == b.start_direction);
         assert_eq!(kept.count(), 0);
@@ -273,8 +271,8 @@ fn a_seed_decides_every_bit() {
     });
 }
 
-/// Protects counts if the waves do not fill a square: each wave is counted once, and the texels
-/// beyond the last one are ignored.
+/// Protects counts if the waves do not fill a square texture: each wave is counted once, and texels beyond the last
+/// wave are ignored.
 #[test]
 fn every_wave_is_counted_once() {
     for_each_api(|context| {
@@ -290,7 +288,7 @@ fn every_wave_is_counted_once() {
             assert_eq!(counts.dead, of(Fate::Dead));
             let zero = ends.iter().map(|w| u64::from(w.zero_length_passes));
             assert_eq!(counts.zero_length_passes, zero.sum::<u64>());
-            // Every wave adds 1, split in two: the halves add up except for rounding in `f32`.
+            // Every heard wave contributes 1, divided into two parts, whose sum is 1 within rounding in `f32`.
             let given = frame.panning.left + frame.panning.right;
             let hits = counts.listener_hits as f64;
             assert!((given - hits).abs() <= 1e-7 * hits, "{given} of {hits}");
@@ -298,8 +296,8 @@ fn every_wave_is_counted_once() {
     });
 }
 
-/// Protects a wave from its neighbours: the wave depends only on its number and the seed, not on
-/// the size of the texture.
+/// Protects a wave from its neighbours: a wave depends only on its number and the seed, and not on the size of the
+/// texture.
 #[test]
 fn a_wave_is_the_same_in_a_larger_frame() {
     for_each_api(|context| {

@@ -1,6 +1,6 @@
-//! The number of iterations in a pass must not change a bit of the result: drivers silently leave
-//! loops after a number of turns (Mesa's llvmpipe after 65,536, all loops of a shader together), so
-//! every kind of loop has to be counted.
+//! Tests that the number of iterations in a pass does not change a bit of the result. Drivers silently leave loops
+//! after a maximum number of turns (Mesa's llvmpipe after 65,536 turns of all loops of a shader together), so every
+//! kind of loop has to be counted.
 
 use crate::scene::shape::{Room, Sphere, Torus};
 use crate::scene::{Node, Shape};
@@ -36,7 +36,7 @@ fn scenes() -> Vec<(&'static str, Scene)> {
     let lattice =
         |of: &Shape, period: f32, count: u32| of.clone().repeat(Vec3::splat(period), [count; 3]);
     let nested = lattice(&lattice(&ball, 0.5, 3), 3.0, 5);
-    // Copies that extend beyond their cells: several are evaluated each time.
+    // Copies that extend beyond their cells, so that several copies are evaluated each time.
     let crossing = lattice(&torus.translate(Vec3::X * 0.6), 1.5, 5);
     let endless = |of: &Shape, period: f32| lattice(of, period, 0);
     let field = |field: Shape| room([Surface::new(field)]);
@@ -83,7 +83,7 @@ fn bits(waves: &[Wave]) -> Vec<[u32; 9]> {
     waves.iter().map(of).collect()
 }
 
-/// Protects the promise of `Settings::iterations_per_pass`.
+/// Protects what `Settings::iterations_per_pass` documents: every number gives the same result.
 #[test]
 fn passes_of_any_length_give_the_same_bits() {
     let mut tracer = tracer();
@@ -111,16 +111,15 @@ fn passes_of_any_length_give_the_same_bits() {
     }
 }
 
-/// Protects the rule from an uncounted loop: each of these scenes allows fewer iterations in a pass
-/// than the room alone.
+/// Protects the count of turns from omitting a loop: each of these scenes allows fewer iterations in a pass than the
+/// empty room.
 #[test]
 fn every_loop_shortens_the_passes() {
     for profile in Profile::ALL {
         let settings = Settings::new(profile).with_iterations_per_pass(Settings::MAX_ITERATIONS);
         let alone = Budget::of(&room([]), &settings).iterations_per_pass;
         for (what, scene) in scenes() {
-            // Among repeated copies that stay within their cells, only one is evaluated, without a
-            // loop.
+            // Of repeated copies that stay within their cells, only one is evaluated, without a loop.
             let loops = profile == Profile::Hybrid || !what.contains("repeat");
             let budget = Budget::of(&scene, &settings).iterations_per_pass;
             assert!(!loops || budget < alone, "{what}, {profile}: {budget}");

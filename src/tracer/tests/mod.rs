@@ -1,4 +1,4 @@
-//! Tests of frames and of the text of passes that need more than the public interface.
+//! Tests of frames, and of the texts of passes, that need more than the public interface.
 
 mod arrivals;
 mod arrivals_energy;

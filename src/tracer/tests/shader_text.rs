@@ -1,7 +1,7 @@
-//! The shader text of scenes, against golden files, and rules for its contents.
+//! Compares the shader texts of scenes with golden files, and tests rules for their contents.
 //!
-//! `ECHOMARCH_UPDATE_GOLDEN=1` writes `tests/golden/shaders/` again. The golden files contain only
-//! the text generated for the scene; included files under `glsl/` are only named.
+//! `ECHOMARCH_UPDATE_GOLDEN=1` rewrites `tests/golden/shaders/`. The golden files contain the text that is generated
+//! for the scene, but only the names of included files under `glsl/`.
 
 use crate::scene::shape::{
     CappedCylinder, Capsule, Cone, Cuboid, Cylinder, Ellipsoid, GeneralQuadric, HalfSpace,
@@ -102,7 +102,7 @@ fn written(text: &str) -> String {
             && number.parse::<u32>().is_ok()
         {
             is_file = name.starts_with("glsl/");
-            // Numbers change with every file that is added or removed before them.
+            // The numbers are left out, because they change with every file that is added or removed before them.
             out += &format!("// {name}\n");
         } else if !is_file && !line.starts_with("#line") {
             out += line;
@@ -137,7 +137,7 @@ fn texts_match_the_golden_ones() {
     }
 }
 
-/// Protects the shader in the documents: it is the shader of the scene.
+/// Protects the shader in the documents: it equals the shader of the scene `corner`.
 #[test]
 fn the_documented_shader_is_that_of_corner() {
     let page = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("docs/shader-of-corner.md");
@@ -214,10 +214,10 @@ fn shapes() -> Vec<Shape> {
     shapes
 }
 
-/// Shapes that another shape is made of.
+/// The shapes that another shape uses.
 fn building_blocks(name: &str) -> &'static [&'static str] {
     match name {
-        // Their bounds are boxes.
+        // The bounds of these shapes are boxes.
         "RoundedBox" | "HeightField" | "Field" => &["Box"],
         // A capsule has balls as its ends.
         "Capsule" => &["Sphere"],
@@ -226,7 +226,7 @@ fn building_blocks(name: &str) -> &'static [&'static str] {
     }
 }
 
-/// Protects specialisation: a scene's shader contains only functions of the shapes in it.
+/// Protects specialisation: the shader of a scene contains only functions of the shapes in the scene.
 #[test]
 fn a_scene_of_one_shape_names_no_other() {
     let all = shapes();
@@ -248,8 +248,8 @@ fn a_scene_of_one_shape_names_no_other() {
     }
 }
 
-/// Protects against a printed text that differs from the compiled one: of the scene's numbers, both contain
-/// only the literals of fields.
+/// Protects the printed text from differing from the compiled text. Both contain only those numbers of the scene that
+/// are literals of fields.
 #[test]
 fn the_text_needs_no_renderer_and_tells_its_files() {
     let scene = scene(vec![Surface::new(user())]);

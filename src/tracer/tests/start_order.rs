@@ -1,4 +1,5 @@
-//! Sorted starts: numbers, directions and sums of the waves do not depend on the texels at which they start.
+//! Tests of sorted starts: numbers, directions and sums of the waves do not depend on the texels at which the waves
+//! start.
 
 use crate::scene::shape::{Room, Torus};
 use crate::test_common::{builtin, context, for_each_api};
@@ -22,14 +23,14 @@ fn torus_in_room() -> Scene {
     )
 }
 
-/// The contributions of the last frame to the left and right, as they are on the GPU.
+/// The contributions of the last frame to the left and the right, as they are on the GPU.
 fn contributions(tracer: &Tracer, waves: u32) -> Vec<[f32; 2]> {
     let texels = tracer.targets.as_ref().unwrap().pan.read(0).unwrap();
     let texels = texels.as_chunks::<4>().0[..waves as usize].iter();
     texels.map(|[left, right, ..]| [*left, *right]).collect()
 }
 
-/// The contribution of a wave, in `f64`.
+/// The contribution of a wave to the left and the right, computed in `f64`.
 fn contribution(scene: &Scene, wave: &Wave) -> [f64; 2] {
     if wave.fate() != Fate::Listener {
         return [0.0; 2];
@@ -40,8 +41,8 @@ fn contribution(scene: &Scene, wave: &Wave) -> [f64; 2] {
     [0.5 - 0.5 * side, 0.5 + 0.5 * side]
 }
 
-/// Protects the numbering of sorted waves: read back at any time, wave n is the wave that leaves in direction n, and its
-/// contribution is that of texel n; sums are in that order. The last row of 1,001 and 4,099 waves is not full.
+/// Protects the numbers of sorted waves: wave n always has start direction n when it is read back, its contribution is
+/// in texel n, and sums are in this order. The last rows for 1,001 and 4,099 waves are not full.
 #[test]
 fn sorted_waves_keep_their_numbers() {
     for_each_api(|context| {
@@ -62,7 +63,7 @@ fn sorted_waves_keep_their_numbers() {
 
 fn same_waves(tracer: &mut Tracer, scene: &Scene, settings: &Settings) {
     let what = format!("{}, {} waves", settings.profile(), settings.waves);
-    // These directions are neither sorted when they are read nor when they are traced.
+    // The directions are read and traced without sorting.
     let starts = tracer.start_directions(settings).unwrap();
     let pair = scene.only_pair().unwrap();
     let expected = tracer.trace_units(pair, settings, &starts).unwrap();
@@ -101,12 +102,12 @@ fn same_waves(tracer: &mut Tracer, scene: &Scene, settings: &Settings) {
 }
 
 /// Protects the purpose of sorting, and the copy of the hash on the CPU: the waves of a tile start within a few degrees
-/// of each other, in both kinds of directions.
+/// of each other, for both kinds of directions.
 #[test]
 fn waves_of_a_tile_start_in_neighbouring_directions() {
     const WAVES: u32 = 10_000;
-    /// Radius of the cap that holds 64 of 10,000 directions: sqrt(4 * 64 / WAVES), four times over for the shape of a
-    /// tile's share of the sphere and for chance. Unsorted directions are 1.4 from their mean.
+    /// Four times the radius of the cap that holds 64 of 10,000 directions, √(4 · 64 / `WAVES`). The factor allows for
+    /// the shape of a tile's part of the sphere, and for chance. Unsorted directions are 1.4 from their mean.
     const NEAR: f32 = 4.0 * 0.16;
     let mut tracer = Tracer::new(&context(crate::gl::Api::Gl)).unwrap();
     for (directions, seed) in [(Directions::Random, 7), (Directions::Fibonacci, 3)] {
@@ -132,7 +133,8 @@ fn waves_of_a_tile_start_in_neighbouring_directions() {
     }
 }
 
-/// Protects texts where sorting gains nothing: `hybrid` without marched fields, and `thesis`, start waves by number.
+/// Protects texts in which sorting has no benefit: `hybrid` without marched fields, and `thesis`, start waves by
+/// number.
 #[test]
 fn only_marched_waves_start_sorted() {
     let corner = builtin("corner");

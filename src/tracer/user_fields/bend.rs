@@ -1,5 +1,4 @@
-//! Whether a value bends more than stated: second differences of three values in a row, where waves
-//! can be.
+//! Checks whether a value bends more than stated, from second differences of three values in a row, where waves can be.
 
 use super::growth::rounded_up;
 use super::stars::{PAIRS, Scope, Star, Stars};
@@ -9,34 +8,35 @@ use glam::Vec3;
 /// Tolerated relative excess over the stated bend.
 const TOLERANCE: f32 = 0.01;
 
-/// The number to state, as a multiple of the greatest bend that was found. Greater than the margin
-/// of a growth, because a second derivative varies more between samples.
+/// The number that the error advises to state, as a multiple of the greatest bend that was found. The factor is greater
+/// than for a growth, because a second derivative varies more between samples.
 const MARGIN: f32 = 1.05;
 
-/// The rounding of a second difference, in multiples of that of a difference: it has the weights
+/// The rounding error of a second difference, in multiples of that of a difference. A second difference has the weights
 /// 1, 2 and 1.
 const WEIGHT: f32 = 2.0;
 
-/// Intervals along a line on which an edge is looked for.
+/// Intervals on a line on which the check looks for an edge.
 const CLOSER: usize = 128;
 
-/// Intervals between the values of a second difference on that line: an eighth of the first width.
+/// Intervals between the values of a second difference on that line, which are an eighth of the first width.
 const NARROWER: usize = CLOSER / 16;
 
-/// An edge has a bend without limit: over an eighth of the width it seems eight times as great.
+/// The bend of an edge has no limit. Over an eighth of the width it appears eight times as great. This factor detects
+/// it.
 const EDGE: f32 = 4.0;
 
 /// The greatest bend that was found, per metre.
 struct Greatest {
     bend: f32,
     centre: Vec3,
-    /// To either end, in metres.
+    /// The vector from the centre to an end, in metres.
     way: Vec3,
 }
 
 impl Probe<'_> {
-    /// Rejects a field whose stated bend is too small where waves can be. The error states a bend
-    /// that this check accepts.
+    /// Rejects a field whose stated bend is too small where waves can be. The error advises a bend that this check
+    /// accepts.
     pub(super) fn check_bend(&self, stars: &Stars) -> Result<(), Error> {
         let Some(stated) = self.field.bend else {
             return Ok(());
@@ -73,7 +73,7 @@ impl Probe<'_> {
                 let way = 0.5 * (star.points[other] - star.points[one]);
                 let [one, other] = [star.values[one], star.values[other]];
                 let bend = self.bend_of([one, star.values[0], other], way.length());
-                // A gradient of 0 gives no step.
+                // A gradient of 0 has no direction, so its two ends coincide.
                 if bend.is_finite() && bend > greatest.bend {
                     let centre = star.points[0];
                     greatest = Greatest { bend, centre, way };
@@ -83,13 +83,13 @@ impl Probe<'_> {
         greatest
     }
 
-    /// The bend of three values at this distance from each other, less its rounding.
+    /// The bend of three values with this distance between neighbours, minus its rounding error.
     fn bend_of(&self, [one, middle, other]: [f32; 3], way: f32) -> f32 {
         let rounding = WEIGHT * self.rounding(self.field.lipschitz);
         ((middle - one) + (middle - other) - rounding) / (way * way)
     }
 
-    /// The greatest bend over narrower distances on the same line.
+    /// The greatest bend on the same line over shorter distances.
     fn bend_closer(&self, greatest: &Greatest) -> Result<f32, Error> {
         let Greatest { centre, way, .. } = *greatest;
         let share = |step: usize| 2.0 * step as f32 / CLOSER as f32 - 1.0;
@@ -103,7 +103,7 @@ impl Probe<'_> {
     }
 }
 
-/// Whether a star's centre and these two ends are where waves can be.
+/// Whether waves can be at a star's centre and at these two ends.
 fn counts(star: Star, ends: [usize; 2], scope: Scope) -> bool {
     match scope {
         Scope::Whole => true,

@@ -1,4 +1,5 @@
-//! Derivatives of texts on the renderer, compared with differences in `f64` of the same functions written in Rust.
+//! Compares derivatives of texts on the renderer with differences of the same functions, written in Rust and computed
+//! in `f64`.
 
 use super::*;
 use crate::gl::ContextOptions;
@@ -6,22 +7,23 @@ use glam::{DVec2, DVec3};
 
 type Function = fn(DVec3) -> f64;
 
-/// A call in GLSL, and the same function of one number.
+/// A call in GLSL of a function of one number, and the same function in Rust.
 type OfOne = (&'static str, fn(f64) -> f64);
 
-/// Points at which each text is compared.
+/// Number of points at which each text is compared.
 const POINTS: usize = 4096;
 
-/// Half of the step of the differences, in metres: with values of 1 their rounding is 1e-11 and the next term 1e-10.
+/// Half the step of the differences, in metres. For values of 1 the rounding error is then 1e-11, and the next term of
+/// the series 1e-10.
 const STEP: f64 = 1e-5;
 
-/// Moves the points off halves and wholes, where a function may jump to both sides.
+/// Offset of the points from halves and whole numbers, at which a function may jump.
 const OFF_GRID: f64 = 0.0123;
 
-/// Points are left out where the slopes on both sides differ by more than this: within a step of an edge.
+/// Points are left out if the slopes on both sides differ by more than this, because they are within a step of an edge.
 const EDGE: f64 = 1e-3;
 
-/// Tolerated error of a component, as a share of it or of 1: the rounding of a text's single precision.
+/// Tolerated error of a component, as a share of the component or of 1, due to rounding in the text's single precision.
 const TOLERANCE: f64 = 2e-5;
 
 /// The largest error of the derivative, and the number of components compared.
@@ -154,8 +156,8 @@ fn repeated(p: DVec3) -> f64 {
     mix(b, a, h) - k * h * (1.0 - h)
 }
 
-/// Protects every gradient of a user's text without a stated one: for texts of the kinds that people write, the
-/// derivative on the renderer is that of the function, computed in double precision by another program.
+/// Protects the gradients of users' texts that state none. For typical texts, the derivative on the renderer equals
+/// that of the function, which Rust computes in double precision.
 #[test]
 fn derivatives_of_texts_are_those_of_their_functions() {
     let context = Context::headless(&ContextOptions::default()).unwrap();
@@ -255,7 +257,7 @@ fn derivatives_of_texts_are_those_of_their_functions() {
     }
 }
 
-/// Functions of GLSL of one number, where they are smooth: between −1 and 1.
+/// Functions of GLSL of one number, which are smooth between −1 and 1.
 const OF_ONE: [OfOne; 30] = [
     ("radians(90.0 * x)", |x| (90.0 * x).to_radians()),
     ("degrees(0.02 * x)", |x| (0.02 * x).to_degrees()),
@@ -302,7 +304,7 @@ const OF_ONE: [OfOne; 30] = [
     }),
 ];
 
-/// Functions of GLSL of vectors and matrices, within 1 m of the origin.
+/// Functions of GLSL of vectors and matrices, evaluated within 1 m of the origin.
 const OF_MORE: [(&str, Function); 26] = [
     ("min(p.x, 0.3) + min(p.y, p.z) + min(0.1, p.z)", |p| {
         p.x.min(0.3) + p.y.min(p.z) + p.z.min(0.1)
@@ -403,7 +405,8 @@ const OF_MORE: [(&str, Function); 26] = [
     ),
 ];
 
-/// Protects the rule of every function and operator of GLSL that a text can use: its derivative is that of the function.
+/// Protects the differentiation rule of every function and operator of GLSL that a text can use: the derivative agrees
+/// with that of the function.
 #[test]
 fn every_function_of_glsl_has_its_derivative() {
     let context = Context::headless(&ContextOptions::default()).unwrap();
@@ -414,7 +417,7 @@ fn every_function_of_glsl_has_its_derivative() {
         let (worst, count) = compared_with(&context, &text, &|p| function(along(p)), 1.0);
         println!("{call}: at most {worst:.1e} at {count}");
         assert!(count > 2 * POINTS, "{call}: {count}");
-        // The same by component of a vector, where all arguments are vectors.
+        // The same function of a vector, compared in one component, if all arguments are vectors.
         let vector = call.replace('x', "v").replace("evp", "exp");
         if !vector.contains(',') {
             let text = field(&format!("vec3 v = p.zxy; return ({vector}).y;"));
@@ -429,7 +432,7 @@ fn every_function_of_glsl_has_its_derivative() {
     }
 }
 
-/// Protects tips and edges: where a text has no derivative, its own is finite and that of one side.
+/// Protects tips and edges. Where a text has no derivative, the computed derivative is finite and is that of one side.
 #[test]
 fn poles_have_the_derivative_of_a_side() {
     let context = Context::headless(&ContextOptions::default()).unwrap();
@@ -440,7 +443,7 @@ fn poles_have_the_derivative_of_a_side() {
         ("0.8 * length(p.xz) + 0.6 * p.y", 0.99, 1.01),
         ("abs(p.x)", 1.0, 1.0),
         ("max(p.x, 0.0) + min(p.x, 0.0)", 1.0, 1.0),
-        // On a face of a cube: once, not as the outside and the inside together.
+        // On a face of a cube the derivative counts once, and not for the outside and the inside together.
         (
             "length(max(vec3(p.x, -1.0, -1.0), 0.0)) + min(p.x, 0.0)",
             1.0,
@@ -455,7 +458,7 @@ fn poles_have_the_derivative_of_a_side() {
         let text = format!("float field(vec3 p) {{ return {value}; }}");
         let field = UserField::new("pole.glsl", text, Vec3::splat(2.0), 1.0);
         let text = shader::join(&shader::user_sources(&field, CheckedGradient::Derived));
-        // Without the comparison of the values: that of normalize(0) is not a number.
+        // The comparison of the values is removed, because the value of normalize(0) is not a number.
         let text = text.replace("abs(off) <= ", "true || abs(off) <= ");
         let program = Program::fragment(&context, "a pole", &text).unwrap();
         let probe = Probe {
@@ -469,8 +472,8 @@ fn poles_have_the_derivative_of_a_side() {
     }
 }
 
-/// Protects waves from a wrong gradient: a text whose values grow in steps of whole numbers has a derivative of 0, which
-/// the comparison with differences finds, and gradients are computed by differences.
+/// Protects waves from a wrong gradient. A text whose values grow in steps has a derivative of 0. The comparison with
+/// differences finds this, and gradients are then computed from differences.
 #[test]
 fn a_derivative_that_is_none_is_not_used() {
     let context = Context::headless(&ContextOptions::default()).unwrap();

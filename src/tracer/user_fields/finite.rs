@@ -1,7 +1,7 @@
-//! Whether a value is a number where waves can be.
+//! Checks whether a value is finite where waves can be.
 //!
-//! Between a sample that is not a number and one beside it that is, bisection locates the boundary. The field is
-//! rejected if the boundary is in the air, or within the depth that is judged.
+//! Bisection between a finite sample and a neighbouring sample that is not finite locates their boundary. The field is
+//! rejected if the boundary is in the air, or in the solid within the depth that is checked.
 
 use super::stars::Stars;
 use super::{Error, Grid, Probe, SIDE, TraceError, WaveDomain, neighbours};
@@ -11,20 +11,20 @@ use glam::Vec3;
 /// Maximum number of boundaries that are located in one pass.
 const BOUNDARIES: usize = 1024;
 
-/// Bisections of a boundary: within a rounding of a step of the grid.
+/// Bisections of a boundary. They locate it within a rounding error of a step of the grid.
 const BISECTIONS: usize = 20;
 
-/// Distances at which the air is looked for around a boundary, as shares of the depth.
+/// Distances from a boundary at which the check looks for air, as shares of the depth.
 const DISTANCES: [f32; 4] = [1.0, 0.5, 0.25, 0.0625];
 
-/// Directions in which it is looked for.
+/// Number of directions in which the check looks for air.
 const DIRECTIONS: usize = 16;
 
-/// Offset, as a share of the box, of the point whose value stands for a sample that is none: off
+/// Offset, as a share of the box, of the point whose value replaces a sample that is not finite. The offset is off
 /// every line that a text is likely to treat specially, and less than a step of the grid.
 const ASIDE: Vec3 = Vec3::new(5.3e-5, -6.2e-5, 5.8e-5);
 
-/// A point whose value is a number, and one whose value is none.
+/// A point whose value is finite, and a point whose value is not finite.
 type Boundary = (Vec3, Vec3);
 
 impl Probe<'_> {
@@ -55,12 +55,12 @@ impl Probe<'_> {
         if let (Some((place, value)), WaveDomain::BothSides) = (none.peek(), self.waves) {
             return Err(self.not_finite(**place, **value));
         }
-        // If the nearest sample of the grid is not a number either, the grid's own boundaries have been checked.
+        // If the nearest sample of the grid is not finite either, the boundaries of the grid have already been checked.
         let boundaries = none.map(|(place, _)| (grid.points[self.nearest(*place)], *place));
         self.check_boundaries(boundaries.collect())
     }
 
-    /// Replaces samples deep in the solid that are not numbers by the values beside them.
+    /// Replaces samples deep in the solid that are not finite by values at points beside them.
     pub(super) fn fill(&self, grid: &mut Grid) -> Result<(), Error> {
         let none: Vec<usize> = (0..grid.values.len())
             .filter(|&index| !grid.values[index].is_finite())
@@ -77,7 +77,7 @@ impl Probe<'_> {
         Ok(())
     }
 
-    /// The sample of the grid next to a point.
+    /// The index of the sample of the grid that is nearest to a point.
     fn nearest(&self, place: Vec3) -> usize {
         let share = place / self.field.size + 0.5;
         let along = (share * (SIDE - 1) as f32).round();
@@ -85,7 +85,7 @@ impl Probe<'_> {
         (z * SIDE + y) * SIDE + x
     }
 
-    /// Rejects a field with air at one of these boundaries, or next to it.
+    /// Rejects a field that has air at one of these boundaries or next to it.
     fn check_boundaries(&self, mut boundaries: Vec<Boundary>) -> Result<(), Error> {
         let every = boundaries.len().div_ceil(BOUNDARIES).max(1);
         boundaries = boundaries.into_iter().step_by(every).collect();
@@ -118,7 +118,7 @@ impl Probe<'_> {
         Err(self.not_finite(place, value))
     }
 
-    /// The end of a boundary that is a number, and points around the other end.
+    /// The finite end of a boundary, and points around the other end.
     fn around_boundary(&self, (known, none): &Boundary) -> impl Iterator<Item = Vec3> {
         let half = 0.5 * self.field.size;
         let (depth, none) = (self.depth(), *none);

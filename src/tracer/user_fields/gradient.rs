@@ -1,55 +1,53 @@
-//! Whether the gradient that a text states, or its derivative, is the gradient of its value.
+//! Checks whether the gradient that a text states, or the derivative of the text, is the gradient of its value.
 //!
-//! The gradient is compared with differences at points on the surface, where normals are
-//! needed, and at points in the air (or, with waves on both sides, in the whole box). Along each axis five values in a row give four slopes.
-//! Where the value is smooth, these slopes nearly agree, and the gradient must agree with them;
-//! where they differ because of curvature, an edge or rounding, the gradient may differ by the same
-//! amount. The comparison uses four distances between values, and the most precise one counts. No
-//! two of the distances have a common measure, so that no ripple looks flat at all of them.
+//! The gradient is compared with differences at points on the surface, where normals are needed, and at points in the
+//! air (in the whole box if waves can be on both sides). Five values in a row along each axis give four slopes. Where
+//! the value is smooth, these slopes nearly agree, and the gradient must agree with them. Where they differ because of
+//! curvature, an edge or rounding, the gradient may differ by the same amount. The comparison uses four distances
+//! between values, and the most precise one counts. No two of the distances have a common divisor, so that no ripple
+//! looks flat at all of them.
 
 use super::{Probe, TraceError, WaveDomain};
 use crate::error::Error;
 use crate::scene::halton;
 use glam::Vec3;
 
-/// Points in the box at which the gradient is tested, besides those on the surface.
+/// Number of points in the box at which the gradient is checked, in addition to those on the surface.
 const SPREAD: usize = 1024;
 
 /// Distances of neighbouring values, as shares of the largest coordinate.
 const DISTANCES: [f32; 4] = [1.0 / 16.0, 1.0 / 61.0, 1.0 / 251.0, 1.0 / 1021.0];
 
-/// Least coordinate for these distances, as a share of the box, so that they are not 0 at the
-/// origin.
+/// Minimum coordinate for these distances, as a share of the box, so that the distances are not 0 at the origin.
 const LEAST_SCALE: f32 = 1.0 / 1024.0;
 
-/// Offsets of neighbours along an axis, in multiples of the distance.
+/// Offsets of the neighbours along an axis, in multiples of the distance.
 const NEIGHBOURS: [f32; 4] = [-2.0, -1.0, 1.0, 2.0];
 
-/// Values around a point.
+/// Number of values around a point.
 const AROUND: usize = DISTANCES.len() * 3 * NEIGHBOURS.len();
 
-/// Tolerated error of a component in addition to that of the differences, as a share of the
-/// gradient's length: a hundredth of a radian is not visible in a picture.
+/// Tolerated error of a component in addition to that of the differences, as a share of the gradient's length. An angle
+/// of a hundredth of a radian is not visible in a picture.
 const TOLERANCE: f64 = 0.01;
 
-/// The size of a rounding of a coordinate: the shader evaluates the gradient at this offset if it
-/// is not a number. As in `glsl/common/rounding.glsl`.
+/// The rounding error of a coordinate, as in `glsl/common/rounding.glsl`. If the gradient is not finite at a point, the
+/// shader evaluates it at an offset of this size.
 const ROUNDING: f32 = 8.0 * f32::EPSILON;
 
-/// A direction off every line that a text is likely to treat specially, as in
-/// `glsl/user/gradient.glsl`.
+/// A direction that is off every line that a text is likely to treat specially, as in `glsl/user/gradient.glsl`.
 const ASIDE: Vec3 = Vec3::new(0.53, -0.62, 0.58);
 
-/// The estimate of a component by differences at one distance.
+/// The estimate of a component from differences at one distance.
 #[derive(Clone, Copy)]
 struct Slope {
     slope: f64,
-    /// Difference between the neighbouring slopes.
+    /// Difference between the smallest and the largest of the neighbouring slopes.
     doubt: f64,
 }
 
 impl Probe<'_> {
-    /// Rejects a stated gradient with a greater error than the differences allow.
+    /// Rejects a stated gradient whose error is greater than the differences allow.
     pub(super) fn check_gradient(&self, surface: &[Vec3]) -> Result<(), Error> {
         if !self.field.states_gradient() {
             return Ok(());
@@ -58,7 +56,7 @@ impl Probe<'_> {
             .map_or(Ok(()), |error| Err(error.into()))
     }
 
-    /// The place with the greatest error beyond what the differences allow, if any.
+    /// The point with the greatest error, if an error is greater than the differences allow.
     pub(super) fn worst_gradient(&self, surface: &[Vec3]) -> Result<Option<TraceError>, Error> {
         let half = 0.5 * self.field.size;
         let spread = (1..=SPREAD).map(|index| half * (2.0 * halton(index).as_vec3() - 1.0));
@@ -92,7 +90,7 @@ impl Probe<'_> {
         Ok(worst.map(|(_, error)| error))
     }
 
-    /// The stated gradients as used by a shader: evaluated a little aside if undefined.
+    /// The stated gradients as a shader uses them: evaluated at a small offset where they are undefined.
     fn stated(&self, places: &[Vec3]) -> Result<Vec<Vec3>, Error> {
         let mut stated = self.gradients(places)?;
         let none: Vec<usize> = (0..places.len())
@@ -120,7 +118,7 @@ impl Probe<'_> {
         Ok(texels.chunks(4).take(points.len()).map(gradient).collect())
     }
 
-    /// The neighbours of a point, clamped to the box: by distance, then by axis.
+    /// The neighbours of a point, limited to the box: by distance, then by axis.
     fn neighbours_of(&self, place: Vec3) -> impl Iterator<Item = Vec3> {
         let half = 0.5 * self.field.size;
         let scale = place.abs().max(LEAST_SCALE * half).max_element();
@@ -131,7 +129,7 @@ impl Probe<'_> {
         offsets.map(move |offset| (place + offset).clamp(-half, half))
     }
 
-    /// The slopes of each component, for every distance at which all neighbours are within the box.
+    /// The slopes of each component, for all distances at which all neighbours are in the box.
     fn slopes(&self, place: Vec3, middle: f32, points: &[Vec3], values: &[f32]) -> [Vec<Slope>; 3] {
         let mut known = [const { Vec::new() }; 3];
         let rows = points
@@ -142,7 +140,7 @@ impl Probe<'_> {
             let ends = [0, 1, 2, 3].map(|i| (f64::from(points[i][axis]), f64::from(values[i])));
             let own = (f64::from(place[axis]), f64::from(middle));
             let line = [ends[0], ends[1], own, ends[2], ends[3]];
-            // Deep in the solid a value may be none.
+            // Deep in the solid a value may be not finite.
             if !line.iter().all(|(_, value)| value.is_finite()) {
                 continue;
             }
@@ -154,7 +152,7 @@ impl Probe<'_> {
                     (least.min(*s), most.max(*s))
                 });
             let doubt = most - least;
-            // Two neighbours clamped to the box may be the same point.
+            // If two neighbours are limited to the box, they may be the same point.
             if doubt.is_finite() {
                 let slope = slope(line[1], line[3]);
                 known[axis].push(Slope { slope, doubt });
@@ -164,8 +162,8 @@ impl Probe<'_> {
     }
 }
 
-/// The error of a gradient as a multiple of the allowed error, or 0 if the error is allowed; and
-/// the gradient by differences.
+/// The error of a gradient as a multiple of the allowed error, or 0 if the error is allowed. Also returns the gradient
+/// from differences.
 fn compared(stated: Vec3, known: &[Vec<Slope>; 3]) -> (f64, Vec3) {
     let told = [0, 1, 2].map(|axis| best(&known[axis]));
     let found = Vec3::from(told.map(|told| told.slope as f32));
@@ -173,7 +171,7 @@ fn compared(stated: Vec3, known: &[Vec<Slope>; 3]) -> (f64, Vec3) {
     let excess = |axis: usize| {
         let off = (f64::from(stated[axis]) - told[axis].slope).abs();
         let allowed = told[axis].doubt + TOLERANCE * length;
-        // A value that is not a number is an error, whatever error is allowed.
+        // A gradient that is not a number is an error for every allowed error.
         if off <= allowed {
             0.0
         } else {
@@ -184,10 +182,10 @@ fn compared(stated: Vec3, known: &[Vec<Slope>; 3]) -> (f64, Vec3) {
     (most, found)
 }
 
-/// The most precise of the slopes at all distances, which are sorted from the widest. A ripple may
-/// look flat at a wide distance, and rounding at a narrow one. So the doubt of a slope includes its
-/// difference from any narrower slope plus that slope's doubt, and its difference from any wider
-/// slope minus that slope's doubt.
+/// The most precise of the slopes at all distances. The slopes are sorted from the widest distance to the narrowest. A
+/// ripple may look flat at a wide distance, and rounding may disturb a narrow one. The doubt of a slope therefore
+/// includes two differences: its difference from any narrower slope plus the doubt of that slope, and its difference
+/// from any wider slope minus the doubt of that slope.
 fn best(slopes: &[Slope]) -> Slope {
     let nothing = Slope {
         slope: 0.0,

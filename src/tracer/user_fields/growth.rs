@@ -1,31 +1,31 @@
-//! Whether a value grows faster than stated.
+//! Checks whether a value grows faster than stated.
 //!
-//! In the air the positive part of the value is judged, max(f, 0): it grows by at most the stated
-//! constant exactly if the value does so wherever it is positive, and its growth between a point in
-//! the air and one in the solid is a proof too, since the surface is between them. Stars no wider
-//! than the depth that is judged count whole if a point of theirs is in the air.
+//! In the air the positive part of the value, max(f, 0), is checked. Its growth is within the stated constant exactly
+//! if the growth of the value is wherever the value is positive. Growth between a point in the air and a point in the
+//! solid counts too, because the surface is between the points. A star that is no wider than the checked depth is
+//! checked as a whole if one of its points is in the air.
 
 use super::stars::{POINTS, Scope, Stars};
 use super::{Error, Grid, Probe, TraceError, WaveDomain, neighbours};
 use glam::Vec3;
 
-/// Tolerated relative excess of the growth over the stated one: an excess this small does no harm
-/// to a march, whose last steps are Newton's.
+/// Tolerated relative excess of the growth over the stated growth. So small an excess does not affect a march, because
+/// its last steps are Newton steps.
 const TOLERANCE: f32 = 0.01;
 
-/// The number to state, as a multiple of the steepest growth that was found.
+/// The number that the error advises to state, as a multiple of the steepest growth that was found.
 const MARGIN: f32 = 1.01;
 
-/// Steps between two points with an excessive growth.
+/// Number of steps between two points with excessive growth, in which the check looks for the steepest one.
 const CLOSER: usize = 256;
 
-/// A value may jump if its growth is more than this multiple of the growth between points
-/// [`CLOSER`] times as far apart: at a jump the ratio of the two is about [`CLOSER`], on a slope about 1.
+/// A value may jump if its growth is more than this multiple of the growth between points [`CLOSER`] times as far
+/// apart. At a jump the ratio of the two is about [`CLOSER`], on a slope about 1.
 const NARROWER: f32 = 32.0;
 
-/// It seems to jump if, in addition, the growth is more than this multiple of the stated one. The
-/// estimates of a fractal's distance have steps too, where the number of iterations changes, that
-/// are small enough for a greater constant.
+/// A value seems to jump if, in addition, its growth is more than this multiple of the stated growth. Estimates of a
+/// fractal's distance also have steps, where the number of iterations changes. These steps are so small that a greater
+/// constant allows for them.
 const JUMP: f32 = 100.0;
 
 /// The greatest constant that can be stated.
@@ -37,7 +37,7 @@ struct Steepest {
     ends: [Vec3; 2],
     /// Whether only the positive part of the value counts.
     in_air: bool,
-    /// The possible rounding difference between two equal values: it is subtracted.
+    /// The rounding difference that is possible between two equal values. It is subtracted from their difference.
     rounding: f32,
 }
 
@@ -49,7 +49,7 @@ impl Steepest {
         };
         let way = ends[0].distance(ends[1]);
         let growth = ((to - from).abs() - self.rounding) / way;
-        // A gradient of 0 gives no step, and values that are not numbers are judged elsewhere.
+        // A gradient of 0 has no direction, so its ends coincide. Values that are not finite are checked elsewhere.
         if way > 0.0 && growth.is_finite() && growth > self.growth {
             self.growth = growth;
             self.ends = ends;
@@ -59,8 +59,8 @@ impl Steepest {
 }
 
 impl Probe<'_> {
-    /// Rejects a field that grows too fast where waves can be. The error states a constant that
-    /// these checks accept: they subtract no less rounding from the growth for a greater constant.
+    /// Rejects a field that grows too fast where waves can be. The error advises a constant that these checks accept,
+    /// because for a greater constant they subtract at least as much rounding from the growth.
     pub(super) fn check_growth(&self, grid: &Grid, stars: &Stars) -> Result<(), Error> {
         let stated = self.field.lipschitz;
         let steepest = self.steepest(grid, stars);
@@ -114,7 +114,7 @@ impl Probe<'_> {
         steepest
     }
 
-    /// The steepest place between two points, from more values between them.
+    /// The steepest growth between the two points, from more values between them.
     fn closer(&self, steepest: &Steepest) -> Result<Steepest, Error> {
         let [from, to] = steepest.ends;
         let along = (0..=CLOSER).map(|step| from.lerp(to, step as f32 / CLOSER as f32));
@@ -128,12 +128,12 @@ impl Probe<'_> {
     }
 }
 
-/// The least number of three significant digits that is not less.
+/// The smallest number with three significant digits that is not less than `number`.
 pub(super) fn rounded_up(number: f32) -> f32 {
     const DIGITS: i32 = 3;
     let number = f64::from(number);
     let unit = 10f64.powi(number.log10().floor() as i32 + 1 - DIGITS);
-    // By division, as a decimal is read: the quotient by a power of 10 has no rounding of its own.
+    // A division rounds as the reading of a decimal does, because the divisor, a power of 10, is exact.
     let steps = (number / unit).ceil();
     let rounded = match unit < 1.0 {
         true => steps / (1.0 / unit).round(),
@@ -146,7 +146,7 @@ pub(super) fn rounded_up(number: f32) -> f32 {
 mod tests {
     use super::*;
 
-    /// Protects the numbers that an error asks for: short, and never less than needed.
+    /// Protects the numbers that an error advises: they are short, and never too small.
     #[test]
     fn numbers_are_rounded_up_to_three_digits() {
         for (number, rounded) in [

@@ -6,10 +6,10 @@ use super::{Error, Probe, WaveDomain};
 use crate::scene::halton;
 use glam::Vec3;
 
-/// Stars spread over the box.
+/// Number of stars in the whole box.
 const SPREAD: usize = 16_384;
 
-/// Stars on the surface, if there is one.
+/// Number of stars on the surface, if there is one.
 const ON_SURFACE: usize = 8192;
 
 /// Width of the narrowest star, as a share of the box's shortest side.
@@ -18,31 +18,32 @@ const NARROWEST: f32 = 1e-4;
 /// Width of the widest star, in multiples of the narrowest.
 const WIDEST: f32 = 100.0;
 
-/// Width of the narrowest star on the surface, as a share of the box's shortest side. The surface of
-/// a fractal is steep over any shorter distance; as few of the stars of the box as before see that.
+/// Width of the narrowest star on the surface, as a share of the box's shortest side. Over any shorter distance the
+/// surface of a fractal is steep. Only few stars of the box are so narrow and so near the surface that they detect
+/// this.
 const NARROWEST_ON_SURFACE: f32 = 1e-3;
 
 /// Number of different widths.
 const WIDTHS: usize = 64;
 
-/// Points of a star: its centre, and its ends in pairs.
+/// Number of points of a star: its centre, and its ends in pairs.
 pub(super) const POINTS: usize = 9;
 
-/// Pairs of ends.
+/// Number of pairs of ends.
 pub(super) const PAIRS: usize = POINTS / 2;
 
-/// The values of a star that count.
+/// The values of a star that are checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Scope {
-    /// Everywhere: in the whole box, or because all of the star is next to the air.
+    /// All values: waves can be in the whole box, or the whole star is next to the air.
     Whole,
     /// Only positive values.
     Air,
-    /// Nowhere: no point of the star is in the air.
+    /// No value, because no point of the star is in the air.
     Nowhere,
 }
 
-/// The points and values of stars, one star after the other.
+/// The points and values of stars, star by star.
 #[derive(Default)]
 pub(super) struct Stars {
     pub points: Vec<Vec3>,
@@ -65,14 +66,14 @@ impl Stars {
 }
 
 impl Star<'_> {
-    /// Length between the ends of the first pair, in metres.
+    /// Distance between the ends of the first pair, in metres.
     fn length(self) -> f32 {
         self.points[1].distance(self.points[2])
     }
 }
 
 impl Probe<'_> {
-    /// The stars of the box, and those on the surface at the given points.
+    /// The stars of the box, and the stars at these points on the surface.
     pub(super) fn stars(&self, surface: &[Vec3]) -> Result<Stars, Error> {
         let half = 0.5 * self.field.size;
         let least = self.field.size.min_element();
@@ -90,7 +91,7 @@ impl Probe<'_> {
         });
         let on_surface = surface.iter().cycle().enumerate().take(ON_SURFACE);
         let on_surface = on_surface.map(|(index, &place)| {
-            // The same point again, with another width.
+            // If points are used again, their stars have another width.
             let width = width_from(narrowest, widest, index + index / surface.len());
             let aside = width * (2.0 * halton(index + 1).as_vec3() - 1.0);
             let inside = half - 2.0 * width;
@@ -132,7 +133,7 @@ impl Probe<'_> {
         Ok(stars)
     }
 
-    /// The values of a star that count.
+    /// The values of a star that are checked.
     pub(super) fn scope(&self, star: Star) -> Scope {
         if self.waves == WaveDomain::BothSides {
             return Scope::Whole;
