@@ -1,4 +1,4 @@
-//! Frames in steps: begun, advanced, and collected later.
+//! Tests of frames in steps, which are begun, advanced, and collected later.
 
 use crate::common::{builtin, for_each_api};
 use echomarch::{Profile, Scene, Settings, Tracer};
@@ -9,15 +9,15 @@ fn begin_and_draw(tracer: &mut Tracer, scene: &Scene, settings: &Settings) {
     assert!(tracer.frame_advance(f64::INFINITY).unwrap());
 }
 
-/// Protects the read-back through a pixel buffer: it equals a blocking frame bit for bit, summed on the CPU or the GPU,
-/// and a frame begun before does not disturb a blocking one.
+/// Protects the read-back through a pixel buffer: the result equals that of a blocking frame bit for bit, summed on the
+/// CPU or on the GPU. A frame that was begun before does not disturb a blocking frame.
 #[test]
 fn a_frame_begun_is_the_frame_that_waits() {
     for_each_api(|context| {
         let mut tracer = Tracer::new(context).unwrap();
         let scene = builtin("corner");
         for sum_on_gpu in [false, true] {
-            // Odd counts leave texels without a wave; the second count is larger than the first.
+            // With these numbers some texels hold no wave. The second number is larger than the first.
             for waves in [1000, 4099, 64] {
                 let mut settings = Settings::default().with_waves(waves).with_iterations(6);
                 settings.sum_on_gpu = sum_on_gpu;
@@ -28,7 +28,7 @@ fn a_frame_begun_is_the_frame_that_waits() {
                 assert_eq!((late.panning, late.counts), (now.panning, now.counts));
                 let begun = tracer.frame_wait().unwrap().unwrap();
                 assert_eq!((begun.panning, begun.counts), (now.panning, now.counts));
-                // A pending frame of another size does not disturb it either.
+                // A pending frame with another number of waves does not disturb the frame either.
                 begin_and_draw(&mut tracer, &scene, &settings);
                 let other = settings.clone().with_waves(2 * waves);
                 assert!(tracer.frame(&scene, &other).unwrap().panning != now.panning);
@@ -41,7 +41,7 @@ fn a_frame_begun_is_the_frame_that_waits() {
     });
 }
 
-/// Protects callers that poll: a frame is returned only once, and only after one was begun.
+/// Protects callers that poll: a frame is returned only once, and only after a frame was begun.
 #[test]
 fn a_frame_is_collected_once() {
     for_each_api(|context| {
@@ -62,8 +62,8 @@ fn a_frame_is_collected_once() {
     });
 }
 
-/// Protects frames spread over many pictures: they equal the frame in one piece bit for bit, whatever is drawn between
-/// the parts, and use the scene of the beginning.
+/// Protects frames that are divided among many pictures: they equal a frame in one call bit for bit, for any drawing
+/// between the parts. They use the scene in its state at the begin.
 #[test]
 fn a_frame_in_parts_is_the_frame_in_one_piece() {
     for_each_api(|context| {
@@ -81,12 +81,12 @@ fn a_frame_in_parts_is_the_frame_in_one_piece() {
                 loop {
                     assert!(tracer.is_frame_pending() && tracer.frame_marching_for().is_some());
                     assert!(tracer.frame_poll().unwrap().is_none());
-                    // With the same programs, but other uniforms.
+                    // This tracer has the same programs, but other uniforms.
                     other
                         .frame(&scene, &settings.clone().with_waves(64))
                         .unwrap();
                     parts += 1;
-                    // No time budget: one row per call.
+                    // Without time, each call draws one row.
                     if tracer.frame_advance(0.0).unwrap() {
                         break;
                     }
@@ -101,14 +101,14 @@ fn a_frame_in_parts_is_the_frame_in_one_piece() {
     });
 }
 
-/// Protects callers that cannot wait for all parts, or no longer want them: waiting traces the rest, and any other
-/// frame discards them.
+/// Protects callers that cannot wait for all parts, or no longer need the frame: a wait traces the rest, and another
+/// frame discards the parts.
 #[test]
 fn a_frame_in_parts_may_be_waited_for_or_given_up() {
     for_each_api(|context| {
         let mut tracer = Tracer::new(context).unwrap();
         let (scene, settings) = (builtin("corner"), Settings::default().with_waves(4099));
-        // Without a frame there is nothing to advance, so the call fails.
+        // If no frame was begun, there is nothing to advance, so the call fails.
         let refused = tracer.frame_advance(1.0).unwrap_err().to_string();
         assert!(refused.contains("no frame to advance"), "{refused}");
         let whole = tracer.frame(&scene, &settings).unwrap();

@@ -1,4 +1,4 @@
-//! Responses at curved mirrors against closed forms and brute force, from the scene to the levels.
+//! Compares responses at curved mirrors with closed forms and with brute force, from the scene to the levels.
 
 use echomarch::glam::{DVec3, Vec3};
 use echomarch::response::{HeardPath, Response, ResponseSettings};
@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 
 use crate::common::tracer;
 
-/// Largest error of a level, in decibels.
+/// Maximum error of a level, in decibels.
 const DECIBELS: f64 = 0.05;
 
 fn response(scene: &Scene, waves: u32) -> Response {
@@ -33,14 +33,14 @@ fn assert_level(energy: f64, expected: f64) {
     assert!(off_db.abs() < DECIBELS, "{off_db} dB");
 }
 
-/// Protects the gain of the parabolic mirrors. The rim of a dish is as high above its vertex as its focus, so it
-/// catches half of all waves; all of these pass through the listener's centre at the other focus, where a chord of two
-/// radii in the sphere's volume is a density of 3 / (2π r²).
+/// Protects the gain of the parabolic mirrors. The rim of each dish is as high above its vertex as its focus, so the
+/// dish catches half of all waves. All of these waves pass through the listener's centre at the other focus. A chord of
+/// two radii in the sphere's volume is a density of 3 / (2π r²) there.
 #[test]
 fn parabolic_mirrors_gather_one_half_of_all_waves() {
     let scene = Scene::builtin("parabolic-mirrors").unwrap();
     let response = response(&scene, 1 << 18);
-    // Along the axis: 2 m back to the vertex, 30 m to the other one, 2 m to the focus.
+    // The path along the axis: 2 m back to the vertex, 30 m to the other vertex, 2 m to the focus.
     let focus = path(&response, &[2, 3], 34.0);
     assert!(focus.path.is_focus);
     let radius = f64::from(scene.listeners[0].radius);
@@ -51,8 +51,8 @@ fn parabolic_mirrors_gather_one_half_of_all_waves() {
     }
 }
 
-/// Protects the gain of a hollow ball: on its axis a wave front that starts d metres in front of the wall has, e metres
-/// after the reflection, the radius d + e − 2 d e / R.
+/// Protects the gain of a hollow ball. On its axis, a wave front that starts d metres in front of the wall has the
+/// radius d + e − 2 d e / R at e metres after the reflection.
 #[test]
 fn a_hollow_ball_gathers_as_its_curvature_says() {
     let radius = 5.0;
@@ -74,7 +74,7 @@ fn a_hollow_ball_gathers_as_its_curvature_says() {
     }
 }
 
-/// Returns the first hit of a line on the cylinder of this radius about y, and the reflected direction.
+/// The first hit of a line on the cylinder of this radius about y, and the reflected direction.
 fn mirrored(from: DVec3, towards: DVec3, radius: f64) -> (DVec3, DVec3) {
     let flat = |v: DVec3| DVec3::new(v.x, 0.0, v.z);
     let (o, d) = (flat(from), flat(towards));
@@ -85,8 +85,8 @@ fn mirrored(from: DVec3, towards: DVec3, radius: f64) -> (DVec3, DVec3) {
     (point, towards - 2.0 * towards.dot(normal) * normal)
 }
 
-/// Protects the level of an echo off a pillar against a bundle of rays about it, and its delay against a search over
-/// the pillar.
+/// Protects the level of an echo from a pillar, by comparison with a bundle of rays around it, and its delay, by
+/// comparison with a search over the pillar.
 #[test]
 fn a_pillar_answers_as_a_bundle_of_rays_does() {
     const RADIUS: f64 = 0.75;
@@ -98,7 +98,8 @@ fn a_pillar_answers_as_a_bundle_of_rays_does() {
         Source::at(source.as_vec3()),
         Listener::at(listener.as_vec3(), 0.3),
     );
-    // Seen from above it is the shortest path by way of the circle; the height changes linearly along it.
+    // Seen from above, the echo's path is the shortest path that touches the circle. Its height changes linearly along
+    // the path.
     let flat = |angle: f64| {
         let at = DVec3::new(angle.cos(), 0.0, angle.sin()) * RADIUS;
         let from = |end: DVec3| at.distance(DVec3::new(end.x, 0.0, end.z));
@@ -121,8 +122,9 @@ fn a_pillar_answers_as_a_bundle_of_rays_does() {
     assert_level(echo.energy[0], 1.0 / (4.0 * PI * area));
 }
 
-/// Protects errors where exact paths, which lead to the listener's centre, have other energy than its sphere catches:
-/// in a hollow ellipsoid, and where a pier hides a part of the sphere. Figures of any order agree within their errors.
+/// Protects errors where the energies of exact paths, which end at the listener's centre, differ from those that the
+/// listener's sphere catches. These cases are a hollow ellipsoid, and a pier that hides a part of the sphere. Figures
+/// with exact paths of any order agree within their errors.
 #[test]
 fn figures_of_different_orders_agree_within_their_errors() {
     let mut tracer = tracer();
@@ -164,7 +166,7 @@ fn figures_of_different_orders_agree_within_their_errors() {
         for (of_waves, of_paths) in of_orders[0].iter().zip(of_orders[1]) {
             let off = (of_waves.0 - of_paths.0).abs();
             assert!(off < 2.5 * of_waves.1.hypot(of_paths.1), "{of_orders:?}");
-            // The difference between the two when this was first measured, and some noise.
+            // The limits are the differences at the first measurement, plus some noise.
             assert!(of_waves.1 < 0.5 && of_paths.1 < 1.2, "{of_orders:?}");
         }
     }

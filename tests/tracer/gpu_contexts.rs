@@ -1,9 +1,9 @@
-//! Contexts and devices as a caller sees them. `src/gl/tests` tests the objects created with them.
+//! Tests of contexts and devices through the public interface. `src/gl/tests` tests the objects that contexts create.
 
 use crate::common::on_a_thread_for_each_api;
 use echomarch::gl::{Context, ContextOptions, GpuError, list_gpus};
 
-/// The list shows at least one working device, under the number that selects it.
+/// Protects the list of devices: it has at least one working device, under the number that selects this device.
 #[test]
 fn gpu_list_numbers_devices_as_options_do() {
     on_a_thread_for_each_api(|api| {
@@ -20,7 +20,7 @@ fn gpu_list_numbers_devices_as_options_do() {
     });
 }
 
-/// A missing device is an error that states the number of devices; no other device is used.
+/// Protects from the use of another device: a missing device is an error that states the number of devices.
 #[test]
 fn gpu_missing_device_is_an_error() {
     on_a_thread_for_each_api(|api| {

@@ -1,13 +1,13 @@
-//! Options that must not change the results, or only by a stated amount: fused passes, the sum on the GPU, other start
-//! directions; and the profiles on every API.
+//! Tests of options that must not change the results, or only by a stated amount: fused passes, the sum on the GPU,
+//! other start directions. Also compares the profiles on every API.
 
 use crate::common::{builtin, for_each_api, tracer};
 use echomarch::tracer::Directions;
 use echomarch::{Profile, Settings};
 use std::collections::HashSet;
 
-/// Protects fused passes: every wave ends with the same bits for any number of iterations per pass. The state between
-/// two iterations has 32 bits per number, in a texture as in a register.
+/// Protects fused passes: for any number of iterations per pass, every wave ends with the same bits. A number of the
+/// state between two iterations has 32 bits, in a texture and in a register.
 #[test]
 fn fused_passes_change_no_bit() {
     let mut tracer = tracer();
@@ -28,8 +28,8 @@ fn fused_passes_change_no_bit() {
     }
 }
 
-/// Protects a whole frame in one pass, on every API: without a request for the waves, the sums and counts have the bits
-/// of a frame with one pass per iteration.
+/// Protects a whole frame in one pass, on every API: if the waves are not requested, the sums and counts have the same
+/// bits as those of a frame with one pass per iteration.
 #[test]
 fn a_frame_in_one_pass_is_the_frame_of_its_passes() {
     for_each_api(|context| {
@@ -37,7 +37,7 @@ fn a_frame_in_one_pass_is_the_frame_of_its_passes() {
         for name in ["corner", "obstacles", "open-pillars", "glasshouse"] {
             for directions in [Directions::Random, Directions::Fibonacci] {
                 for profile in [Profile::Hybrid, Profile::March] {
-                    // A row that is not full, so that some texels contain no wave.
+                    // The last row is not full, so some texels contain no wave.
                     let whole = Settings::new(profile)
                         .with_waves(9_999)
                         .with_directions(directions);
@@ -59,15 +59,16 @@ fn a_frame_in_one_pass_is_the_frame_of_its_passes() {
     });
 }
 
-/// Protects the sum on the GPU. Counts are whole numbers below 2^24, hence exact. Contributions are added by blocks of
-/// 64 in `f32`: at most 64 roundings per level, relative 64 × 2^-24 = 4e-6 each, and four levels for a million waves.
+/// Protects the sum on the GPU. Counts are whole numbers below 2^24, and therefore exact. Contributions are added in
+/// `f32` in blocks of 64. Each level has at most 64 roundings, a relative error of 64 × 2^-24 = 4e-6, and a million
+/// waves have four levels.
 #[test]
 fn the_sum_on_the_gpu_is_that_on_the_cpu() {
     for_each_api(|context| {
         let mut tracer = echomarch::Tracer::new(context).unwrap();
         for waves in [1, 63, 64, 65, 1000, 65_537, 1 << 20] {
             for profile in [Profile::Thesis, Profile::Hybrid] {
-                // Waves die in the second scene.
+                // Waves die only in the second scene.
                 for scene in ["corner", "open-pillars"].map(builtin) {
                     let on_cpu = Settings::new(profile).with_waves(waves).with_iterations(4);
                     let on_gpu = on_cpu.clone().with_sum_on_gpu(true);
@@ -89,8 +90,8 @@ fn the_sum_on_the_gpu_is_that_on_the_cpu() {
     });
 }
 
-/// Protects the lattice: unit vectors that spread evenly. A part of the sphere holds its share of N waves with an error
-/// far below the √N of random ones.
+/// Protects the lattice: its directions are evenly distributed unit vectors. The number of directions in a part of the
+/// sphere has an error far below √N, the error of N random directions.
 #[test]
 fn fibonacci_directions_are_even() {
     let mut tracer = tracer();
@@ -109,18 +110,18 @@ fn fibonacci_directions_are_even() {
         glam::Vec3::new(0.6, 0.0, -0.8),
     ] {
         for height in [0.9_f32, 0.5, 0.0, -0.7] {
-            // Archimedes: the cap above a height holds (1 - height) / 2 of the sphere.
+            // By Archimedes' theorem, the cap above a height has (1 − height) / 2 of the sphere's area.
             let expected = 65_536.0 * 0.5 * (1.0 - height);
             let found = directions.iter().filter(|d| d.dot(axis) > height).count() as f32;
-            // Along a cap's rim of 2πr the lattice is off by a few of the points that the rim passes: of the order of
-            // N^(1/4) = 16; random directions by √N / 2 = 128.
+            // Along the rim of a cap the number of lattice points in the cap has an error of the order of N^(1/4) = 16.
+            // For random directions the error is √N / 2 = 128.
             assert!((found - expected).abs() < 40.0, "{axis}, {height}: {found}");
         }
     }
 }
 
-/// Protects the lattice at high counts: a phase computed in floats would put the last of four million waves on a few
-/// azimuths.
+/// Protects the lattice with many waves: if the phase were computed in floats, the last of four million waves would
+/// have only a few azimuths.
 #[test]
 fn fibonacci_azimuths_do_not_collapse() {
     let mut tracer = tracer();
@@ -138,7 +139,7 @@ fn fibonacci_azimuths_do_not_collapse() {
     assert_eq!(distinct.len(), last.len());
 }
 
-/// Protects seeds: another seed rotates the lattice, the same seed gives the same bits.
+/// Protects seeds: another seed rotates the lattice, and the same seed gives the same bits.
 #[test]
 fn seeds_turn_the_lattice() {
     let mut tracer = tracer();
@@ -154,8 +155,8 @@ fn seeds_turn_the_lattice() {
     assert!(first(1).distance(first(2)) > 0.01);
 }
 
-/// Protects the profiles on every API: the same waves reach the listener, except those that drivers may round
-/// differently (one renderer here: none).
+/// Protects the profiles on every API: the same waves reach the listener, except for those that drivers round
+/// differently (none between APIs of one renderer).
 #[test]
 fn profiles_agree_on_every_api() {
     let mut first = tracer();
@@ -169,8 +170,8 @@ fn profiles_agree_on_every_api() {
             return;
         }
         for (ours, reference) in ours.iter().zip(&reference) {
-            // Late hits of two renderers are two samples of one experiment: four standard deviations of their
-            // difference.
+            // Late hits on two renderers are two samples of one experiment. The limit is four standard deviations of
+            // their difference.
             let chance = 4.0 * (2.0 * *reference as f64).sqrt();
             assert!(
                 ours.abs_diff(*reference) as f64 <= 1.0 + chance,

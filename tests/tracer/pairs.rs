@@ -1,4 +1,4 @@
-//! A scene with several sources and listeners: each pair is traced, heard and drawn as if it were alone.
+//! Tests of scenes with several sources and listeners: each pair is traced, heard and drawn as if it were alone.
 
 use crate::common::tracer;
 use echomarch::audio::Sound;
@@ -24,7 +24,7 @@ fn furnished() -> Scene {
     scene
 }
 
-/// Returns the scene with one of its sources and one of its listeners alone.
+/// The scene with only one of its sources and one of its listeners.
 fn alone(scene: &Scene, source: usize, listener: usize) -> Scene {
     let mut alone = scene.clone();
     alone.sources = vec![scene.sources[source].clone()];
@@ -34,7 +34,8 @@ fn alone(scene: &Scene, source: usize, listener: usize) -> Scene {
 
 const PAIRS: [(usize, usize); 3] = [(1, 0), (0, 1), (1, 1)];
 
-/// Protects frames, waves, paths and arrivals of every pair: to the bit those of a scene that has only this pair.
+/// Protects frames, waves, paths and arrivals of every pair: they equal, bit for bit, those of a scene that has only
+/// this pair.
 #[test]
 fn a_pair_is_traced_as_if_it_were_alone() {
     let (scene, mut tracer) = (furnished(), tracer());
@@ -58,7 +59,7 @@ fn a_pair_is_traced_as_if_it_were_alone() {
     }
 }
 
-/// Protects responses of every pair, with their exact paths and late parts, and its exact references.
+/// Protects the responses of every pair, with exact paths and late parts, and the exact references of every pair.
 #[test]
 fn a_pair_is_heard_as_if_it_were_alone() {
     let (scene, mut tracer) = (furnished(), tracer());
@@ -83,8 +84,8 @@ fn a_pair_is_heard_as_if_it_were_alone() {
     }
 }
 
-/// Protects callers from a silent choice of source or listener: in a scene with several, every trace needs an explicit
-/// choice.
+/// Protects callers from a silent choice of source or listener: a trace of a scene with several of them requires an
+/// explicit choice.
 #[test]
 fn without_a_choice_nothing_is_traced() {
     fn assert_refused<T>(of: Result<T, Error>, counts: (usize, usize)) {
@@ -122,7 +123,7 @@ fn without_a_choice_nothing_is_traced() {
     }
 }
 
-/// Renders half a second of a scene in full; returns the sources' figures and the samples.
+/// Renders half a second of a scene with all its sources. Returns the figures of the sources, and the samples.
 fn rendered(tracer: &mut Tracer, scene: &Scene, listener: usize) -> (Vec<u64>, Vec<f32>) {
     let response = ResponseSettings::default()
         .with_trace(Settings::default().with_waves(1024))
@@ -141,7 +142,7 @@ fn rendered(tracer: &mut Tracer, scene: &Scene, listener: usize) -> (Vec<u64>, V
     (paths, samples)
 }
 
-/// Protects sound in full: two sources sound like the sum of both alone, at the requested listener.
+/// Protects the rendering of all sources: two sources sound like the sum of both alone, at the requested listener.
 #[test]
 fn sources_together_sound_as_each_alone() {
     let (scene, mut tracer) = (furnished(), tracer());

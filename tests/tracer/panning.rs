@@ -1,7 +1,7 @@
-//! Panning: the side on which the listener hears a source.
+//! Tests of panning: the side on which the listener hears a source.
 //!
-//! Signs: pan −1 is left, 1 is right; a listener that is not rotated looks along −z, with +x at the
-//! right ear; a positive yaw rotates it to the right.
+//! Signs: pan −1 is left, and 1 is right. A listener that is not rotated looks along −z, and +x is at its right ear. A
+//! positive yaw rotates it to the right.
 
 use crate::common::{builtin, for_each_api, mirrored, thesis, tracer};
 use echomarch::scene::shape::Plane;
@@ -13,7 +13,7 @@ const AHEAD: Vec3 = Vec3::new(0.0, 0.0, -5.0);
 const TO_THE_LEFT: Vec3 = Vec3::new(-5.0, 0.0, 0.0);
 const TO_THE_RIGHT: Vec3 = Vec3::new(5.0, 0.0, 0.0);
 
-/// The listener's position in [`field`]: away from the world's origin, see
+/// The listener's position in [`field`]. It is away from the world's origin, see
 /// [`a_listener_at_the_origin_hears_dead_waves`].
 const STAND: Vec3 = Vec3::new(20.0, 0.0, 30.0);
 
@@ -27,16 +27,16 @@ fn field(source: Vec3) -> Scene {
     )
 }
 
-/// Enough waves that the smallest number of hits in the field, some 3,000, leaves a standard error
-/// of 0.5 / √3000 = 0.009: see [`standard_error`].
+/// The number of waves is large enough: the smallest number of hits in [`field`], about 3,000, has a standard error of
+/// 0.5 / √3000 = 0.009, see [`standard_error`].
 fn settings() -> Settings {
     thesis(65_536, 4)
 }
 
-/// Standard error of the pan of one frame. Waves from one side of the listener arrive spread evenly
-/// over the disc of its sphere; across it, the side of an arrival has the variance of one
-/// coordinate in the unit disc, 1/4. So a wave's standard deviation is at most 0.5, and less along
-/// it.
+/// Standard error of the pan of one frame. Waves from one direction arrive evenly distributed over the disc of the
+/// listener's sphere. If the direction is perpendicular to the ear axis, the pan of a wave has the variance of one
+/// coordinate in the unit disc, 1/4. The standard deviation of a wave's pan is therefore 0.5, and less for all other
+/// directions.
 fn standard_error(frame: &Frame) -> f64 {
     0.5 / (frame.counts.listener_hits as f64).sqrt()
 }
@@ -47,10 +47,10 @@ fn pan(tracer: &mut Tracer, scene: &Scene) -> f64 {
     frame.panning.pan()
 }
 
-/// Protects the meaning of the panning value on every API: ahead is the middle, and a source is
-/// heard on the side where it is. ±0.02 ahead is twice the standard error of the hits. At the side,
-/// waves spread evenly over the disc pan to 2/3 of the way, the mean of √(1 − r²); 0.5 leaves room
-/// for reflections off the ground, which come from below.
+/// Protects the meaning of the panning value on every API: a source ahead is in the middle, and any other source is
+/// heard on its own side. The tolerance of ±0.02 ahead is twice the standard error. At the side, waves that are evenly
+/// distributed over the disc have a mean pan of 2/3, the mean of √(1 − r²). The limit of 0.5 leaves room for
+/// reflections from the ground.
 #[test]
 fn a_source_is_heard_where_it_stands() {
     for_each_api(|context| {
@@ -67,7 +67,7 @@ fn a_source_is_heard_where_it_stands() {
     });
 }
 
-/// Protects the sign of yaw: what was ahead is at the left after a turn to the right.
+/// Protects the sign of yaw: after a turn to the right, a source that was ahead is at the left.
 #[test]
 fn turning_the_listener_turns_what_it_hears() {
     let mut tracer = tracer();
@@ -82,9 +82,9 @@ fn turning_the_listener_turns_what_it_hears() {
     assert!(turned(2.0 * FRAC_PI_2, TO_THE_RIGHT) < -0.5);
 }
 
-/// Protects the whole chain from a handedness of its own: a mirrored scene is heard mirrored, also
-/// among boxes, pillars and rotated walls. The start directions are not mirrored with it, so the
-/// two are independent samples: five standard errors of their sum.
+/// Protects all steps from a preferred side: a mirrored scene is heard mirrored, also among boxes, pillars and rotated
+/// walls. The start directions are not mirrored, so the two results are independent samples. The tolerance is five
+/// standard errors of their sum.
 #[test]
 fn mirrored_scenes_are_heard_mirrored() {
     let mut tracer = tracer();
@@ -102,13 +102,13 @@ fn mirrored_scenes_are_heard_mirrored() {
             (pan + mirror_pan).abs() < 5.0 * error,
             "{name}: {pan}, mirrored {mirror_pan}, standard error {error}"
         );
-        // A pan of 0 would be its own mirror image and prove nothing.
+        // A pan of 0 would equal its mirror image, so the test would prove nothing.
         assert!(pan.abs() > 10.0 * error, "{name}: {pan} ± {error}");
     }
 }
 
-/// Protects the panning pass from a division by 0: a source at the exact centre of the listener is
-/// heard in the middle, in equal parts, by every wave.
+/// Protects the panning pass from a division by 0: every wave of a source at the exact centre of the listener is heard
+/// in the middle, in equal parts.
 #[test]
 fn a_source_at_the_centre_is_heard_in_the_middle() {
     for_each_api(|context| {
@@ -120,9 +120,9 @@ fn a_source_at_the_centre_is_heard_in_the_middle() {
     });
 }
 
-/// A known fault, kept by the thesis profile: figure 8 puts a dead wave at (0, 0, 0) with direction
-/// 0, marches it again, and hits whatever is there. A listener there hears every dead wave, in
-/// equal parts. This test fails if the profile is repaired, which must not happen.
+/// Protects a known fault that the profile `thesis` keeps. Figure 8 puts a dead wave at (0, 0, 0) with direction 0 and
+/// marches it again, so that the wave hits any object that is there. A listener there hears every dead wave, in equal
+/// parts. This test fails if the profile is repaired, which must not happen.
 #[test]
 fn a_listener_at_the_origin_hears_dead_waves() {
     let mut scene = field(TO_THE_LEFT);
@@ -135,7 +135,7 @@ fn a_listener_at_the_origin_hears_dead_waves() {
     // Waves that died in the last iteration are not marched again.
     let dead = apart.counts.dead - here.counts.dead;
     let heard = apart.counts.listener_hits + dead;
-    // The moved scene's coordinates are rounded differently: a few waves may flip.
+    // The coordinates of the moved scene are rounded differently, so a few waves may deviate.
     assert!(
         here.counts.listener_hits.abs_diff(heard) <= 4,
         "{here:?}, {apart:?}"
@@ -143,7 +143,7 @@ fn a_listener_at_the_origin_hears_dead_waves() {
     assert!(here.panning.pan().abs() < 0.5 * apart.panning.pan().abs());
 }
 
-/// Protects silence: when no wave arrives, the sums are 0 and the pan is the middle, not NaN.
+/// Protects silence: if no wave arrives, the sums are 0, and the pan is the middle and not NaN.
 #[test]
 fn nothing_arriving_is_the_middle() {
     let frame = tracer().frame(&builtin("obstacles"), &thesis(1000, 1));

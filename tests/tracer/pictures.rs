@@ -1,9 +1,9 @@
-//! Pictures on every GL API, against golden ones and against the CPU's distance function. Without GL these tests fail.
+//! Compares pictures on every GL API with golden pictures, and with the CPU's distance function. Without GL these tests
+//! fail.
 //!
-//! The golden pictures in `tests/golden/` come from Mesa's llvmpipe. Another renderer may
-//! round differently, so a picture matches when the mean difference of its channels is
-//! below 1/255 and fewer than 0.5 % of its pixels differ by more than 8/255 in any channel.
-//! `ECHOMARCH_UPDATE_GOLDEN=1` rewrites them, drawn with the first API.
+//! The golden pictures in `tests/golden/` were drawn by Mesa's llvmpipe. Another renderer may round differently, so a
+//! picture matches if the mean difference of its channels is below 1/255, and fewer than 0.5 % of its pixels differ by
+//! more than 8/255 in any channel. `ECHOMARCH_UPDATE_GOLDEN=1` rewrites the golden pictures, drawn with the first API.
 
 #![cfg(feature = "picture")]
 
@@ -34,7 +34,7 @@ const GOLDEN: [Golden; 8] = [
     ("open-pillars-slice-paths", |t| plan(t, "open-pillars", 40)),
 ];
 
-/// Protects every picture from unnoticed changes, and the APIs from drawing differently.
+/// Protects every picture from unnoticed changes and from differences between APIs.
 #[test]
 fn pictures_match_the_golden_ones_on_every_api() {
     if std::env::var_os("ECHOMARCH_UPDATE_GOLDEN").is_some() {
@@ -56,8 +56,8 @@ fn pictures_match_the_golden_ones_on_every_api() {
     }
 }
 
-/// Protects the claim that a picture shows what the waves hit: a block that hides the source from the waves hides it
-/// from the eye, and without the block it is visible.
+/// Protects pictures: they show the surfaces that waves hit. A block that hides the source from the waves hides it from
+/// the eye, and without the block the source is visible.
 #[test]
 fn the_source_is_seen_only_where_nothing_is_before_it() {
     let context = tracer(Api::Gl).context().clone();
@@ -83,8 +83,8 @@ fn the_source_is_seen_only_where_nothing_is_before_it() {
     assert!(!glows(&scene));
 }
 
-/// Protects the plan: points that the CPU's distance function calls solid are filled, those in the air are not, and
-/// every pixel lies where the bounds state.
+/// Protects plans: points that are solid by the CPU's distance function are filled, points in the air are not, and
+/// every pixel has the position that the bounds state.
 #[test]
 fn a_slice_is_filled_where_the_scene_is_solid() {
     let mut tracer = tracer(Api::Gl);
@@ -116,8 +116,8 @@ fn a_slice_is_filled_where_the_scene_is_solid() {
     }
 }
 
-/// Protects x and yaw from a wrong sign anywhere: the plan of a mirrored scene is the mirrored plan, including marks
-/// and key-framed paths.
+/// Protects x and yaw from a wrong sign: the plan of a mirrored scene is the mirrored plan, including marks and
+/// key-framed paths.
 #[test]
 fn a_mirrored_scene_gives_a_mirrored_slice() {
     let mut tracer = tracer(Api::Gl);
@@ -135,8 +135,8 @@ fn a_mirrored_scene_gives_a_mirrored_slice() {
     assert_alike(&drawn, &expected, "mirrored-slice");
 }
 
-/// Protects plans of several sources and listeners: all are shown and named, those without a drawn wave in a paler
-/// colour.
+/// Protects plans of several sources and listeners: all of them are shown and named. Those without a drawn wave have a
+/// paler colour.
 #[test]
 fn a_slice_shows_all_sources_and_listeners() {
     let mut tracer = tracer(Api::Gl);
@@ -172,14 +172,14 @@ fn a_slice_shows_all_sources_and_listeners() {
     let (x, y) = pixel(source);
     let [red, green, blue, _] = all.get_pixel(x as u32, y as u32).0;
     assert!(red > green && green > blue, "a source is orange");
-    // Without bounds, they are in the picture as well.
+    // Without given bounds, all sources are in the picture too.
     scene.sources[1].position.x = 40.0;
     let shown = Bounds::of(&scene, scene.listeners[0].position.y);
     assert!(shown.max.x > 40.0, "{shown:?}");
 }
 
-/// Protects pictures from needless requirements: without a source, a view and a plan can be drawn; without a listener,
-/// a plan at a given height; of several, the caller chooses.
+/// Protects pictures from unnecessary requirements. Without a source, a view and a plan can be drawn. Without a
+/// listener, a plan at a given height can be drawn. If there are several listeners, the caller chooses one.
 #[test]
 fn a_picture_needs_no_source() {
     let mut tracer = tracer(Api::Gl);
@@ -230,7 +230,7 @@ fn pictures_that_cannot_be_are_refused_as_bad_input() {
     let mut tracer = tracer(Api::Gl);
     let context = tracer.context().clone();
     let scene = Scene::builtin("corner").unwrap();
-    // No renderer has textures with sides of this many texels.
+    // No renderer allows textures with sides of this length in texels.
     let too_wide = 1 << 20;
     for (width, height, field_of_view) in [
         (0, 10, 1.0),
@@ -262,7 +262,7 @@ fn pictures_that_cannot_be_are_refused_as_bad_input() {
     }
 }
 
-/// Protects files: the picture read is the one that was drawn, and a missing folder is reported.
+/// Protects picture files: a picture that is read equals the one that was written, and a missing folder is reported.
 #[test]
 fn a_saved_picture_reads_back() {
     let folder = tempfile::tempdir().unwrap();
@@ -353,7 +353,7 @@ fn golden_file(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/golden/{name}.png"))
 }
 
-/// Compares with the tolerance above; a picture that does not match is kept for inspection.
+/// Compares pictures within the tolerance above. A picture that does not match is saved for inspection.
 fn assert_alike(drawn: &RgbaImage, expected: &RgbaImage, name: &str) {
     let verdict = difference(drawn, expected);
     if let Err(difference) = verdict {

@@ -1,4 +1,4 @@
-//! Responses of scenes against image sources and closed forms.
+//! Compares responses of scenes with image sources and closed forms.
 
 use echomarch::bands::{BAND_COUNT, Bands};
 use echomarch::geometry::ShoeboxEnergies;
@@ -13,7 +13,7 @@ use crate::common::tracer;
 
 const SPEED: f64 = 343.0;
 
-/// A room whose walls absorb differently, more at higher bands.
+/// A room whose walls absorb differently, and more in higher bands.
 struct Shoebox {
     size: Vec3,
     source: Vec3,
@@ -22,7 +22,7 @@ struct Shoebox {
 }
 
 impl Shoebox {
-    /// Each wall absorbs its own multiple of `mean`, and each band more than the one below.
+    /// Each wall absorbs a different multiple of `mean`, and more in each band than in the band below.
     fn new(size: Vec3, source: Vec3, listener: Vec3, mean: f64) -> Shoebox {
         let of_wall = [0.6, 1.3, 1.5, 0.7, 1.1, 0.8];
         let of_band = |band: usize| 0.8 + 0.06 * band as f64;
@@ -50,7 +50,8 @@ impl Shoebox {
     }
 }
 
-/// Largest error of a figure over all bands, relative or in its unit; at least half of the bands must have the figure.
+/// The largest error of a figure over all bands, relative or in the unit of the figure. At least half of the bands must
+/// have the figure.
 fn worst(
     truth: &Figures,
     found: &Figures,
@@ -67,8 +68,8 @@ fn worst(
     all.into_iter().fold(0.0, f64::max)
 }
 
-/// Protects the documented accuracy with 262,144 waves, from the scene to the figures: T30 and EDT within 3 %, C80
-/// within 0.3 dB, G within 0.15 dB of image sources, in a live and in a dry room.
+/// Protects the documented accuracy with 262,144 waves, from the scene to the figures. T30 and EDT are within 3 % of
+/// those of image sources, C80 is within 0.3 dB and G within 0.15 dB, in a live and in a dry room.
 #[test]
 fn a_shoebox_answers_as_its_image_sources_do() {
     let mut tracer = tracer();
@@ -111,8 +112,8 @@ fn a_shoebox_answers_as_its_image_sources_do() {
     }
 }
 
-/// Protects the end of an uneven decay, where sound goes to and fro between two hard walls when the others have
-/// absorbed the rest: each band's T30 is reported, and is correct.
+/// Protects the end of an uneven decay, in which sound is reflected between two hard walls after the other walls have
+/// absorbed the rest. Each band's T30 is reported and correct.
 #[test]
 fn the_end_of_an_uneven_decay_is_told() {
     let mut tracer = tracer();
@@ -143,7 +144,7 @@ fn the_end_of_an_uneven_decay_is_told() {
     }
 }
 
-/// Protects early paths: all images of up to three reflections of a room, with their delays, levels by
+/// Protects early paths: all image sources of up to three reflections in a room are found, with their delays, levels by
 /// band and directions.
 #[test]
 fn early_paths_are_the_image_sources() {
@@ -165,7 +166,7 @@ fn early_paths_are_the_image_sources() {
         .images(3)
         .unwrap();
     assert_eq!(response.paths.len(), 63);
-    // The additional search directions find the paths that few waves find.
+    // The additional search directions find the paths that only few waves find.
     let missed = response.missed.energy_share().unwrap();
     assert!(missed < 0.01, "{missed}");
     assert_eq!(images.len(), 63);
@@ -182,8 +183,8 @@ fn early_paths_are_the_image_sources() {
     }
 }
 
-/// Protects the energy of paths that waves miss: so few waves miss most paths of up to 16 reflections, and other paths
-/// supply their energy.
+/// Protects the energy of paths that waves miss: a small number of waves misses most paths of up to 16 reflections, and
+/// other paths supply their energy.
 #[test]
 fn paths_that_few_waves_find_take_no_energy_away() {
     let mut tracer = tracer();
@@ -213,8 +214,8 @@ fn paths_that_few_waves_find_take_no_energy_away() {
     }
 }
 
-/// Protects bands from one another: bands that walls reflect without scattering agree with image sources, however much
-/// of the others is scattered.
+/// Protects bands from each other: bands without scattering agree with image sources, for any scattering in the other
+/// bands.
 #[test]
 fn mirrored_bands_are_exact_beside_bands_that_scatter() {
     let room = Shoebox::new(
@@ -239,7 +240,7 @@ fn mirrored_bands_are_exact_beside_bands_that_scatter() {
     }
 }
 
-/// Protects a source in an edge or corner of a hollow box: each wall reflects the waves that fly against it, and no
+/// Protects a source in an edge or corner of a hollow box: each wall reflects the waves that fly towards it, and no
 /// wave is lost.
 #[test]
 fn a_source_in_the_edge_of_a_hollow_box_loses_nothing() {
@@ -272,7 +273,7 @@ fn a_source_in_the_edge_of_a_hollow_box_loses_nothing() {
     }
 }
 
-/// Protects a source on an edge and at a corner of a box: its level does not depend on the order of exact paths.
+/// Protects a source on an edge or at a corner of a box: its level does not depend on the order of exact paths.
 #[test]
 fn a_source_on_an_edge_of_a_box_is_as_loud_with_any_order() {
     let mut tracer = tracer();
@@ -309,7 +310,7 @@ fn a_source_on_an_edge_of_a_box_is_as_loud_with_any_order() {
     }
 }
 
-/// Protects live sound with time for only few late waves: exact paths stay the same to the bit, and the level stays
+/// Protects live sound with time for only few late waves: exact paths stay the same bit for bit, and the level stays
 /// correct, also in a hollow ball, which focuses sound.
 #[test]
 fn fewer_late_waves_bring_the_same_energy() {
@@ -347,17 +348,18 @@ fn fewer_late_waves_bring_the_same_energy() {
                 off_db < 4.0 * errors[0].hypot(errors[1]),
                 "{band}: {off_db} dB, {errors:?}"
             );
-            // In the ball both include the difference between exact paths and their waves, 0.4 dB.
+            // In the ball both errors include the difference between exact paths and the waves that they replace, 0.4
+            // dB.
             assert!(errors[1] < errors[0] + 0.2 && errors[0] < 0.6, "{errors:?}");
         }
     }
 }
 
-/// Protects the open field: only the direct sound, 1/r², and silence behind a wall that absorbs everything.
+/// Protects the open field: there is only the direct sound, 1/r², and silence behind a wall that absorbs everything.
 #[test]
 fn in_the_open_there_is_the_direct_sound_alone() {
     let mut tracer = tracer();
-    // A scene needs a surface: no wave hits this one.
+    // A scene needs a surface. No wave hits this one.
     let speck = Surface::new(Sphere { radius: 1e-3 }).at(Vec3::Y * -1000.0);
     let scene = Scene::new(
         "open",

@@ -1,4 +1,5 @@
-//! Figures and their errors against rays in `f64`, in rooms that scatter, have doors, or contain close pairs.
+//! Compares figures and their errors with rays in `f64`, in rooms that scatter, have doors, or contain close pairs of
+//! source and listener.
 //!
 //! `ROOMS=40 RAYS=1000000 cargo test --release --test tracer -- --nocapture random_rooms` prints the table for more
 //! rooms.
@@ -14,10 +15,10 @@ use echomarch::{Listener, Scene, Settings, Source, Surface, Tracer};
 /// Index of the 1 kHz band.
 const BAND: usize = 4;
 
-/// At least twice the largest error of G in the rooms below.
+/// Maximum error of G: at least twice the largest one in the rooms below.
 const MOST_ERROR_DB: f64 = 0.5;
 
-/// Maximum time for which rays are followed, in seconds.
+/// Maximum time for which rays are traced, in seconds.
 const LONGEST_S: f64 = 3.0;
 
 fn scene(room: &RoomWithBoxes) -> Scene {
@@ -51,7 +52,7 @@ fn respond(tracer: &mut Tracer, room: &RoomWithBoxes, waves: u32, seed: u32) -> 
     Response::trace(tracer, &scene(room), &settings).expect("a response")
 }
 
-/// Returns G, C50, C80 and Ts of a response, with their errors, and the time origin.
+/// G, C50, C80 and Ts of a response, with their errors, and the time origin.
 fn found(response: &Response) -> ([Option<Estimate>; 4], f64) {
     let (figures, errors) = (
         &response.figures.bands[BAND],
@@ -66,7 +67,8 @@ fn found(response: &Response) -> ([Option<Estimate>; 4], f64) {
     (list, response.figures.begins_s.expect("sound arrives"))
 }
 
-/// Returns the deviations of the figures, in standard deviations of both; `None` where a figure is missing.
+/// The deviations of the figures, in multiples of the combined standard deviation of response and rays; `None` if a
+/// figure is missing.
 fn deviations(found: &[Option<Estimate>; 4], truth: &Sums) -> [Option<f64>; 4] {
     std::array::from_fn(|figure| {
         let ((value, error), (exact, of_rays)) = (found[figure]?, truth[figure]);
@@ -81,7 +83,7 @@ fn wall(absorption: f64, scattering: f64) -> Wall {
     }
 }
 
-/// An empty room with walls of one material.
+/// An empty room whose walls have one material.
 fn empty(
     size: [f64; 3],
     walls: Wall,
@@ -99,7 +101,7 @@ fn empty(
     }
 }
 
-/// Source and listener in a corner half a metre wide, whose walls scatter nine tenths.
+/// Source and listener within half a metre of a corner, whose walls scatter nine tenths.
 fn corner() -> RoomWithBoxes {
     let walls = wall(0.5, 0.9);
     empty(
@@ -130,7 +132,7 @@ fn l_shaped() -> RoomWithBoxes {
     }
 }
 
-/// A wall with an opening between source and listener, which hides one from the other.
+/// A wall with an opening between source and listener. The wall hides the source from the listener.
 fn door() -> RoomWithBoxes {
     let part = |z: f64, depth: f64| {
         let (middle, size) = (DVec3::new(0.0, 0.0, z), DVec3::new(0.3, 4.0, depth));
@@ -148,7 +150,8 @@ fn door() -> RoomWithBoxes {
     }
 }
 
-/// A room of random size and materials: empty with a close pair near its walls, with a door, or with a box.
+/// A room of random size and materials. It is empty with source and listener close to each other and to the walls, or
+/// has a door, or contains a box.
 fn random_room(random: &mut Random) -> RoomWithBoxes {
     let between = |random: &mut Random, low: f64, high: f64| low + (high - low) * random.unit();
     let size = DVec3::new(
@@ -209,8 +212,8 @@ fn number(name: &str, default: usize) -> usize {
     given.and_then(|text| text.parse().ok()).unwrap_or(default)
 }
 
-/// Protects the errors of figures: 95 % of the sums in random rooms should be within two standard deviations of the
-/// rays' sums. The test requires nine tenths, which 24 figures should not miss by chance.
+/// Protects the errors of figures: in random rooms 95 % of the figures should be within two standard deviations of
+/// those of the rays. The test requires nine tenths, which 24 figures are unlikely to miss by chance.
 #[test]
 fn errors_hold_the_rays_of_random_rooms() {
     let (rooms, rays) = (number("ROOMS", 6), number("RAYS", 100_000));
@@ -256,8 +259,8 @@ fn assert_holds(response: &Response, echoes: &Echoes) {
     assert!(error_db < MOST_ERROR_DB, "{error_db} dB");
 }
 
-/// Protects G next to walls that scatter: the order of exact paths does not change it, and rays agree. It was 0.5 dB
-/// too low with an error of 0.004 dB when scattered sound was counted in a sphere of 0.8 m.
+/// Protects G next to walls that scatter: G does not depend on the order of exact paths, and agrees with rays. When
+/// scattered sound was counted in a sphere of 0.8 m, G was 0.5 dB too low, with an error of 0.004 dB.
 #[test]
 fn sound_scattered_nearby_is_counted_at_the_listener() {
     let mut tracer = tracer();
@@ -266,8 +269,8 @@ fn sound_scattered_nearby_is_counted_at_the_listener() {
     assert_holds(&response, &room.echoes(300_000, 0.5, 5));
 }
 
-/// Protects the time origin of a hidden source: it does not depend on the number of waves, and the figures do not
-/// beyond their errors.
+/// Protects the time origin of a hidden source: it does not depend on the number of waves, and the figures differ only
+/// within their errors.
 #[test]
 fn the_time_origin_does_not_depend_on_the_number_of_waves() {
     let mut tracer = tracer();
@@ -306,7 +309,7 @@ fn the_error_of_a_partly_hidden_listener_is_steady() {
     assert_holds(&response, &room.echoes(200_000, response.seconds, 7));
 }
 
-/// Protects a listener that hardly any wave hits: its error is neither 0 nor a jump of the noise, and the exact paths
+/// Protects a listener that hardly any wave hits: its error is neither 0 nor dominated by noise, and the exact paths
 /// count.
 #[test]
 fn a_tiny_listener_has_honest_errors() {

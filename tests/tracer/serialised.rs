@@ -1,4 +1,4 @@
-//! Settings and results as JSON: what is written is read back bit for bit, or refused.
+//! Tests of settings and results as JSON: a written value is read back bit for bit, or refused.
 
 use crate::common::tracer;
 use echomarch::response::{Echogram, Format, ImpulseSettings, Response, ResponseSettings};
@@ -18,8 +18,8 @@ fn refusal<T: DeserializeOwned + Debug>(text: &str) -> String {
     serde_json::from_str::<T>(text).expect_err(text).to_string()
 }
 
-/// Protects stored results: the whole response, its figures, its level and a frame are read back unchanged, also the
-/// infinite distance when all waves were followed.
+/// Protects stored results: the whole response, its figures, its level and a frame are read back unchanged, and so is
+/// the infinite distance that is stored if all waves were followed.
 #[test]
 fn results_round_trip() {
     let mut tracer = tracer();
@@ -38,7 +38,7 @@ fn results_round_trip() {
     read_back(&frame);
 }
 
-/// Protects results from numbers that JSON cannot hold: they are refused, not lost.
+/// Protects results from numbers that JSON cannot hold: such numbers are refused and not lost.
 #[test]
 fn numbers_that_are_not_finite_are_refused() {
     let mut figures = Response::trace(
@@ -58,7 +58,7 @@ fn numbers_that_are_not_finite_are_refused() {
     assert!(serde_json::from_value::<Frame>(frame).is_err());
 }
 
-/// Protects files of settings: they are read as they were written, and mistakes in them are refused as in code.
+/// Protects files of settings: they are read back as they were written, and mistakes in them are refused as in code.
 #[test]
 fn settings_of_responses_round_trip_or_are_refused() {
     let settings = ResponseSettings::default();
