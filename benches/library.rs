@@ -18,7 +18,7 @@ use echomarch::{Error, Listener, Scene, Settings, Source, Surface, Tracer};
 
 /// Waves per frame, as in README's table.
 const WAVES: u32 = 65_536;
-/// Waves per frame in the benchmark of programs: tracing them takes almost no time.
+/// Waves per frame in the benchmark of programs. With this number tracing takes almost no time.
 const FEW_WAVES: u32 = 64;
 /// Waves per response: a quarter of the default, so that a sample takes less than a second in software.
 const RESPONSE_WAVES: u32 = 16_384;
