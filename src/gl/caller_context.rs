@@ -140,7 +140,7 @@ impl Context {
     /// reported.
     ///
     /// # Errors
-    /// Same as [`from_loader`](Context::from_loader).
+    /// The errors of [`from_loader`](Context::from_loader).
     ///
     /// # Safety
     /// Same as [`from_loader`](Context::from_loader), with the functions of `gl` in place of `loader`.

@@ -1,4 +1,5 @@
-//! The fragment shader that traces waves past a transparent listener and records where they pass through it.
+//! The fragment shader that traces waves past a transparent listener and records their crossings of the listener's
+//! sphere.
 
 use super::materials::Materials;
 use super::pass_texts::{AlgorithmText, Directions, StartOrderText, start};
@@ -26,7 +27,7 @@ pub(crate) struct ArrivalsText {
     pub directions: Directions,
     /// The wave that starts at a texel.
     pub order: StartOrderText,
-    /// Maximum passages through the listener that one pass records for a wave.
+    /// Maximum crossings of the listener's sphere that one pass records for a wave.
     pub records: u32,
     /// Bits of an event; 0 if no surface absorbs or scatters.
     pub event_bits: u32,
