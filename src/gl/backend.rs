@@ -30,11 +30,11 @@ pub(super) trait Backend {
     #[cfg_attr(target_arch = "wasm32", expect(dead_code))]
     fn is_current(&self) -> bool;
 
-    /// Makes no context current on this thread. Requires that this context is current.
+    /// Leaves this thread without a current context. Requires that this context is current.
     fn release(&self);
 
-    /// Whether the library itself reports that the context is lost. Only a browser does: its GL calls then do nothing
-    /// and report no error.
+    /// Whether the library itself reports that the context is lost. Only a browser reports a loss in this way, because
+    /// its GL calls then do nothing and report no error.
     fn is_lost(&self) -> bool {
         false
     }

@@ -43,7 +43,7 @@ pub trait SwitchContext {
     /// Whether the library reports that the context is current on this thread.
     fn is_current(&self) -> bool;
 
-    /// Makes no context current on this thread. Called only while this context is current.
+    /// Leaves this thread without a current context. Called only while this context is current.
     fn release(&self);
 }
 

@@ -341,8 +341,8 @@ impl CallerState {
         };
         // SAFETY: as in `put_back`; the indexed functions exist if there are several draw buffers.
         unsafe {
-            // The call without an index comes first: Mesa's glthread answers glIsEnabled(GL_BLEND) from the last such
-            // call.
+            // The call without an index comes first, because Mesa's glthread derives the result of
+            // glIsEnabled(GL_BLEND) from the last such call.
             switch(gl, glow::BLEND, first.is_blended);
             let [red, green, blue, alpha] = first.mask;
             gl.color_mask(red, green, blue, alpha);
@@ -418,7 +418,7 @@ unsafe fn switch(gl: &glow::Context, name: u32, is_on: bool) {
     }
 }
 
-/// Pauses a transform feedback in progress, because no other program can be used before the pause. Returns whether a
+/// Pauses a transform feedback in progress, because no other program can be used while it is active. Returns whether a
 /// transform feedback was in progress.
 unsafe fn pause_feedback(gl: &glow::Context, traits: &Traits) -> bool {
     // SAFETY: guaranteed by the caller: the context is current.

@@ -66,7 +66,7 @@ impl Foreign {
         (!context.is_null()).then(|| Foreign(unsafe { CGLRetainContext(context) }))
     }
 
-    /// Makes no context current on this thread.
+    /// Leaves this thread without a current context.
     pub fn release(&self) {
         // SAFETY: null means none.
         unsafe { CGLSetCurrentContext(ptr::null_mut()) };

@@ -53,7 +53,7 @@ pub(super) fn make(context: &Rc<dyn Backend>) -> Result<(), String> {
         .unwrap_or_else(|_| context.make_current())
 }
 
-/// Makes no context current on this thread. Must also be called before a context is destroyed: the driver may switch to
+/// Leaves this thread without a current context. Must also be called before a context is destroyed: the driver may switch to
 /// the destroyed context and back again, and OSMesa cannot switch back to an EGL context.
 pub(super) fn release() {
     // Without a slot the thread is ending, and the current context ends with it.

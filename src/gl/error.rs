@@ -73,7 +73,7 @@ pub enum GpuError {
         reason: String,
     },
     /// The requested device index is out of range.
-    #[error("there is no GPU {asked}: {found} found, counted from 0")]
+    #[error("there is no GPU {asked}: {found} found, numbered from 0")]
     NoSuchGpu {
         /// The requested index, from 0.
         asked: usize,
@@ -165,7 +165,7 @@ pub enum GpuError {
         height: u32,
     },
     /// The number of floats does not match the size of the texture.
-    #[error("the texture takes {expected} floats, {found} were given")]
+    #[error("the texture requires {expected} floats, but {found} were given")]
     DataSize {
         /// 4 × width × height.
         expected: usize,
@@ -191,7 +191,7 @@ pub enum GpuError {
         target_height: u32,
     },
     /// The driver ran out of memory.
-    #[error("the GPU has no memory for {what}: ask for less at a time")]
+    #[error("the GPU has no memory for {what}: request less at a time")]
     OutOfMemory {
         /// The operation that failed.
         what: String,

@@ -110,7 +110,7 @@ impl OsMesa {
         // SAFETY: the list ends in zero, and no context is shared.
         let context = unsafe { (functions.create_context)(attributes.as_ptr(), ptr::null_mut()) };
         if context.is_null() {
-            let reason = "OSMesa makes no context of OpenGL 3.3 core";
+            let reason = "OSMesa cannot create a context of OpenGL 3.3 core";
             return Err(GpuError::no_context(Api::OsMesa, reason));
         }
         Ok(OsMesa {

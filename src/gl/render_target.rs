@@ -63,7 +63,7 @@ pub fn full_screen_pass_rows(
 fn prepare(context: &Context, program: &Program, target: &impl Target, width: u32, height: u32) {
     debug_assert!(
         context.is_same(program.context()),
-        "program \"{}\" is of another context",
+        "program \"{}\" belongs to another context",
         program.label()
     );
     context.set_viewport(width, height);

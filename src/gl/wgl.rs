@@ -69,7 +69,7 @@ impl HiddenWindow {
             )
         };
         match window.is_null() {
-            true => Err(ErrorKind::NotSupported("Windows makes no hidden window").into()),
+            true => Err(ErrorKind::NotSupported("Windows cannot create a hidden window").into()),
             false => Ok(HiddenWindow(window)),
         }
     }
@@ -143,7 +143,7 @@ impl Foreign {
         (!context.is_null()).then_some(Foreign { device, context })
     }
 
-    /// Makes no context current on this thread.
+    /// Leaves this thread without a current context.
     pub fn release(&self) {
         // SAFETY: null means none.
         unsafe { wglMakeCurrent(ptr::null_mut(), ptr::null_mut()) };

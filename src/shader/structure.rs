@@ -85,9 +85,8 @@ impl Structure {
         }
         Err(SceneError::BadNumber {
             scene: scene.name.clone(),
-            what:
-                "what its shader holds one by one (surfaces, and shapes and operators within them)"
-                    .to_owned(),
+            what: "the number of unrolled surfaces, kinds, shapes and operators in its shader"
+                .to_owned(),
             must: "at most 512",
             value: pieces.to_string(),
         })

@@ -24,7 +24,7 @@ use crate::scene::{Copies, Node, Shape, UserField};
 pub(crate) const MAX_STEPS: u32 = 4096;
 
 /// Maximum evaluations of the fields in one march. Relaxed steps, and Newton steps at the end, take some tens of
-/// evaluations. A march that takes far more grazes a surface.
+/// evaluations. A march that takes far more evaluations grazes a surface.
 const MAX_FIELD_STEPS: u32 = 1024;
 
 /// Maximum turns in which `hybrid` traces a line past copies in one flight, for repetitions that are infinite or have

@@ -256,7 +256,7 @@ fn of_field(scene: &Scene, text: &str, log: &str) -> Option<TraceError> {
 /// The first line of a log that is not empty.
 pub(super) fn first_line(log: &str) -> String {
     let line = log.lines().find(|line| !line.trim().is_empty());
-    without_prefixes(line.unwrap_or("the driver does not say why").trim())
+    without_prefixes(line.unwrap_or("the driver gives no reason").trim())
 }
 
 /// A driver's message with the original names of the user's text: without the prefixes that the program has added.

@@ -71,7 +71,7 @@ impl Reloading {
     /// Returns whether a new scene has replaced the current one.
     ///
     /// # Errors
-    /// The errors of [`Reloading::open`], once after each change that leads to no scene that can be traced. The current
+    /// The errors of [`Reloading::open`], once after each change after which the scene cannot be traced. The current
     /// scene is then kept.
     pub fn poll(&mut self, tracer: &mut Tracer, settings: &Settings) -> Result<bool, Error> {
         let Some(scene) = self.tried(settings)? else {

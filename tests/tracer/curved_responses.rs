@@ -122,9 +122,9 @@ fn a_pillar_answers_as_a_bundle_of_rays_does() {
     assert_level(echo.energy[0], 1.0 / (4.0 * PI * area));
 }
 
-/// Protects errors where the energies of exact paths, which end at the listener's centre, differ from those that the
-/// listener's sphere catches. These cases are a hollow ellipsoid, and a pier that hides a part of the sphere. Figures
-/// with exact paths of any order agree within their errors.
+/// Protects the stated errors of figures if the energies of exact paths, which end at the listener's centre, differ
+/// from the energies that the listener's sphere catches. Such paths occur in a hollow ellipsoid, and behind a pier that
+/// hides a part of the sphere. Figures with exact paths of any order agree within their errors.
 #[test]
 fn figures_of_different_orders_agree_within_their_errors() {
     let mut tracer = tracer();

@@ -248,7 +248,7 @@ impl Foreign {
         }
     }
 
-    /// Makes no context current on this thread.
+    /// Leaves this thread without a current context.
     pub fn release(&self) {
         let none = std::ptr::null();
         // SAFETY: the display is the current one; null surfaces and no context mean that none is current.

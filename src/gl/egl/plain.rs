@@ -183,7 +183,7 @@ impl Opened {
     }
 
     /// Creates a context, with reset notification if available. Without reset notification a lost context cannot be
-    /// told from a slow one.
+    /// distinguished from a slow one.
     fn new_context(&self, api: Api, config: EGLConfig) -> Result<EGLContext, Refusal> {
         let (minor, profile) = match api {
             Api::Gles => (0, &[][..]),

@@ -83,7 +83,7 @@ impl RawEgl {
         self.context.make_current_surfaceless().unwrap();
     }
 
-    /// Makes no context current.
+    /// Leaves the thread without a current context.
     pub fn unbind(&self) {
         let RawDisplay::Egl(display) = self.display.raw_display();
         let none = std::ptr::null();

@@ -280,7 +280,7 @@ fn gpu_wrong_uniform_type_is_reported() {
     });
 }
 
-/// Protects pictures read back with the top row first.
+/// Protects the row order of pictures: the top row is read back first.
 #[test]
 fn gpu_pictures_have_the_top_row_first() {
     on_every_api(|context| {

@@ -186,7 +186,7 @@ fn code(line: &str) -> &str {
     line.split("//").next().unwrap_or_default()
 }
 
-/// Returns the roots in their order. Before each root are the parts that it uses.
+/// Returns the roots in their order. The parts that a root uses come before the root.
 pub fn link(roots: Vec<Source>, parts: Vec<Part>) -> Vec<Source> {
     let mut defined_in: HashMap<&str, Vec<usize>> = HashMap::new();
     for (index, part) in parts.iter().enumerate() {

@@ -41,8 +41,8 @@ pub struct HybridOptions {}
 pub struct MarchOptions {}
 
 /// Options of `thesis`: its constants, in metres. The defaults are the constants of the thesis (section 4.2.3, figure
-/// 8). The thesis states no step for its normals. With the default of 0.01 m, the reconstruction of its scenes was
-/// fitted.
+/// 8). The thesis states no step for its normals. The default of 0.01 m is the step with which the reconstruction of
+/// its scenes was fitted.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct ThesisOptions {

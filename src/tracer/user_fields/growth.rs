@@ -24,8 +24,8 @@ const CLOSER: usize = 256;
 const NARROWER: f32 = 32.0;
 
 /// A value seems to jump if, in addition, its growth is more than this multiple of the stated growth. Estimates of a
-/// fractal's distance also have steps, where the number of iterations changes. These steps are so small that a greater
-/// constant allows for them.
+/// fractal's distance also have steps, where the number of iterations changes. These steps are so small that the user
+/// can state a greater constant instead.
 const JUMP: f32 = 100.0;
 
 /// The greatest constant that can be stated.
