@@ -228,8 +228,8 @@ impl GpuError {
         }
     }
 
-    /// Whether the cause is the user's request rather than the machine or the program: a GPU or an API that does not exist, or a
-    /// texture of an impossible size.
+    /// Whether the user's request is the cause, and not the machine or the program: a GPU or an API that does not
+    /// exist, or a texture of an impossible size.
     pub fn is_bad_input(&self) -> bool {
         matches!(
             self,
