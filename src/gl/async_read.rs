@@ -201,7 +201,7 @@ impl AsyncRead {
         Ok(read(&copied))
     }
 
-    /// Passes the texels to `read` in mapped memory: copying a large texture would take as long as summing it.
+    /// Passes the texels to `read` in mapped memory, because copying a large texture would take as long as summing it.
     fn take_mapped<T>(&self, floats: usize, read: impl FnOnce(&[f32]) -> T) -> Result<T, GpuError> {
         let length = floats * size_of::<f32>();
         let gl = self.context.gl();

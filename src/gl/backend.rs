@@ -59,7 +59,7 @@ pub(super) trait Backend {
 pub(super) enum Owner {
     /// Made by echomarch; may stay current.
     Echomarch,
-    /// Made by the caller, whose functions make it current and not current.
+    /// Made by the caller, whose functions make it current and release it.
     Caller,
     /// Made by the caller, who keeps it current: echomarch does not change that.
     KeptCurrentByCaller,

@@ -22,8 +22,8 @@ use std::sync::{Arc, OnceLock};
 pub struct ContextOptions {
     /// The OpenGL interface to use.
     pub api: Api,
-    /// Index of the device, from 0, in the order of [`list_gpus`](super::list_gpus); `None` takes the first device that
-    /// can make a context of the API. OSMesa has only device 0.
+    /// Index of the device, from 0, in the order of [`list_gpus`](super::list_gpus); `None` selects the first device
+    /// that can make a context of the API. OSMesa has only device 0.
     pub gpu: Option<usize>,
 }
 
@@ -69,7 +69,7 @@ impl Drop for Inner {
             current::release();
             return;
         }
-        // A context that cannot be made current is gone, and so is its vertex array.
+        // A context that cannot be made current no longer exists, and neither does its vertex array.
         let Ok(_entered) = current::enter(&self.backend) else {
             return;
         };
@@ -120,8 +120,8 @@ impl Context {
         Err(GpuError::no_context(options.api, reasons.join("; ")))
     }
 
-    /// Devices that were tried before this one and the reason why each was not used, for a context requested without a
-    /// device index. Report them to the user, who may have wanted one of them.
+    /// The devices that were tried before the device of this context, each with the reason why it was not used. Empty
+    /// if a device was selected by its index. Report them to the user, who may have wanted one of them.
     pub fn passed_over(&self) -> &[String] {
         &self.passed_over
     }
@@ -334,7 +334,7 @@ impl Context {
     }
 
     /// Calls [`check`](Context::check) in debug builds, or if the environment has `ECHOMARCH_GL_CHECK=1`; otherwise
-    /// does nothing, since a query can stall a driver that works on another thread.
+    /// does nothing, because a query can stall a driver that works on another thread.
     ///
     /// # Errors
     /// The errors of [`check`](Context::check).
@@ -373,7 +373,7 @@ impl fmt::Debug for Context {
 #[must_use]
 pub(crate) struct Entered {
     _callers: Option<CallersEntered>,
-    // Dropped after the state, which can only be restored while the context is current.
+    // This field is dropped after the state, which can only be restored while the context is current.
     _current: current::Entered,
 }
 

@@ -1,8 +1,9 @@
 //! The context that is current on this thread.
 //!
 //! EGL and OSMesa each remember the context that they made current last, but share Mesa's slot for the context that
-//! receives calls. So a context's own library always releases the context before the other library makes one current;
-//! otherwise EGL would still assume that its context is current, and its calls would silently go to OSMesa's context.
+//! receives calls. The library of a context therefore always releases the context before the other library makes a
+//! context current. Otherwise EGL would still assume that its context is current, and its calls would silently go to
+//! OSMesa's context.
 //!
 //! A program may have contexts unknown to echomarch, so before each use echomarch checks with the library that its
 //! context is still current. [`Entered`] restores the previously current context.
@@ -53,10 +54,10 @@ pub(super) fn make(context: &Rc<dyn Backend>) -> Result<(), String> {
         .unwrap_or_else(|_| context.make_current())
 }
 
-/// Leaves this thread without a current context. Must also be called before a context is destroyed: the driver may switch to
-/// the destroyed context and back again, and OSMesa cannot switch back to an EGL context.
+/// Leaves this thread without a current context. Must also be called before a context is destroyed: the driver may
+/// switch to the destroyed context and back again, and OSMesa cannot switch back to an EGL context.
 pub(super) fn release() {
-    // Without a slot the thread is ending, and the current context ends with it.
+    // If there is no slot, the thread is ending, and its current context ends too.
     let _ = CURRENT.try_with(release_in);
 }
 

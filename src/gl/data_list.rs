@@ -8,8 +8,8 @@ use super::caller_state::SCRATCH_UNIT;
 use super::{Api, Context, GpuError, Program, Texture, texture};
 
 /// A list of vectors: a buffer in OpenGL (`samplerBuffer`), or rows of a texture (`sampler2D`) in ES, which has no
-/// texture buffers. Buffers are faster to read since they have neither rows nor levels. The list grows as needed and is
-/// uploaded again only after a change.
+/// texture buffers. Buffers are faster to read because they have neither rows nor levels. The list grows as needed and
+/// is uploaded again only after a change.
 #[derive(Debug)]
 pub struct DataList {
     store: Store,

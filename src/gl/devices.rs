@@ -1,4 +1,4 @@
-//! The devices that contexts can be made on.
+//! The devices on which contexts can be made.
 
 use std::fmt;
 

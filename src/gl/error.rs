@@ -41,7 +41,7 @@ impl FromStr for Api {
     }
 }
 
-/// Error of the graphics driver or in its use. Sizes are in texels unless stated otherwise.
+/// An error of the graphics driver, or an error in its use. Sizes are in texels unless stated otherwise.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum GpuError {

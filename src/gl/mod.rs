@@ -23,8 +23,8 @@
 //! # Cost
 //! Making the current context current again costs one query to its library. Switching between contexts flushes the
 //! previous context. Making a context takes some milliseconds with Mesa's llvmpipe. Reading texels back waits for all
-//! drawing requested before. glGetError is called after each pass in debug builds, or if the environment has
-//! `ECHOMARCH_GL_CHECK=1`; after creation and read-back always.
+//! drawing requested before. glGetError is always called after creation and read-back. It is called after each pass
+//! only in debug builds, or if the environment has `ECHOMARCH_GL_CHECK=1`.
 //!
 //! All unsafe code of the crate that calls a driver is in this module.
 //

@@ -266,7 +266,8 @@ impl Drop for Shader<'_> {
 /// number of programs when many scenes are rendered in turn.
 #[derive(Debug)]
 pub struct ProgramCache<K: Eq> {
-    /// The most recently used program last: with so few programs, a linear search costs less than a map.
+    /// The cached programs, the most recently used one last. With so few programs, a linear search costs less than a
+    /// map.
     kept: Vec<(K, Rc<Program>)>,
     most: usize,
     compiled: usize,

@@ -9,8 +9,8 @@ use crate::platform::{self, Instant};
 ///
 /// On a graphics card a mark is a timestamp query, whose result is fetched later, so setting a mark does not wait.
 /// Software renderers return wrong results for queries (llvmpipe's times are far too short), and OpenGL ES may lack
-/// queries: there each mark calls `glFinish`, which waits, and reads the wall clock. In a browser, where `glFinish`
-/// does not wait, the times are those of the calls.
+/// queries. In these cases each mark calls `glFinish`, which waits, and reads the wall clock. In a browser, where
+/// `glFinish` does not wait, the times are those of the calls.
 #[derive(Debug)]
 pub struct GpuTimer {
     context: Context,

@@ -75,7 +75,7 @@ pub(super) fn make(context: &Rc<dyn Backend>) -> Result<(), String> {
 /// Does nothing: there is nothing to release.
 pub(super) fn release() {}
 
-/// Guard without effect: there is nothing to restore.
+/// A guard without effect, because there is nothing to restore.
 #[must_use]
 pub(crate) struct Entered;
 

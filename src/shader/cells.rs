@@ -337,7 +337,7 @@ mod tests {
         )
     }
 
-    /// Every list of the scene's cells, built by `threads` threads, some after a surface has moved.
+    /// All lists of the scene's cells, built by `threads` threads. Some lists are rebuilt after a surface has moved.
     fn lists(threads: usize) -> Vec<Vec<u32>> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
         pool.build().unwrap().install(|| {

@@ -388,7 +388,7 @@ impl Work {
     /// fields, and of traversals of copies.
     fn budget(&self, asked: u32, steps: [u64; 3]) -> Budget {
         let [steps, field_steps, copy_steps] = steps.map(|steps| steps as u32);
-        // The iteration itself is a turn.
+        // The iteration itself counts as a turn.
         let fit = (MOST_TURNS / (1 + self.turns)).max(1);
         Budget {
             iterations_per_pass: u64::from(asked).min(fit) as u32,

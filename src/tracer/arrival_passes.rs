@@ -61,7 +61,7 @@ struct Part {
 }
 
 impl Part {
-    /// The next chunk, if waves in some rows must be followed further.
+    /// The next chunk, if waves in some rows must still be followed.
     fn next(&self, run: &Run, rows: Range<u32>) -> Option<Part> {
         let first_iteration = self.first_iteration + self.iterations;
         let left = run.iterations - first_iteration;

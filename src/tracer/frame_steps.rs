@@ -159,9 +159,9 @@ impl Tracer {
         marching.map(|frame| frame.progress.spent())
     }
 
-    /// The share of the current frame's march that took the time returned by
-    /// [`frame_marching_for`](Tracer::frame_marching_for), 0 to 1. On a graphics card the share also includes the rows
-    /// of the last call, whose time is not known yet. `None` in the same cases.
+    /// The share of the current frame's march that is drawn, 0 to 1. [`frame_marching_for`](Tracer::frame_marching_for)
+    /// returns its time, but on a graphics card this time does not yet include the rows of the last call. The share is
+    /// `None` if the time is.
     #[doc(hidden)]
     pub fn frame_share_marched(&self) -> Option<f64> {
         let marching = self.under_way.as_ref().filter(|frame| !frame.is_drawn());

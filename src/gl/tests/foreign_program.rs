@@ -280,7 +280,7 @@ impl ForeignProgram {
         unsafe { self.gl.get_parameter_program(glow::CURRENT_PROGRAM) == Some(self.program) }
     }
 
-    /// The texels of a texture of four floats per texel that the program did not make.
+    /// The texels of a texture that the program did not make. The texture has four floats per texel.
     pub fn texels(&self, texture: glow::Texture, width: u32, height: u32) -> Vec<[f32; 4]> {
         let gl = &self.gl;
         let mut bytes = vec![0; 16 * (width * height) as usize];

@@ -4,7 +4,7 @@ use super::foreign_program::{ForeignProgram, Kind};
 use glow::HasContext;
 use std::fmt::Debug;
 
-/// Maximum count of numbers per parameter.
+/// Maximum numbers per parameter.
 const MOST_NUMBERS: usize = 16;
 
 // Constants that glow does not define.

@@ -83,7 +83,8 @@ fn gpu_objects_survive_other_contexts() {
     }
 }
 
-/// Protects dropping contexts in any order, the current one or another, and before the objects made with them.
+/// Protects the dropping of contexts: it is possible in any order, for current and other contexts, and before the
+/// objects made with them are dropped.
 #[test]
 fn gpu_contexts_drop_in_any_order() {
     let apis = [Api::Gl, Api::OsMesa, Api::Gles];
@@ -153,7 +154,7 @@ fn gpu_context_lives_as_long_as_its_last_clone() {
     });
 }
 
-/// Protects error reporting: impossible sizes give errors with numbers, not driver failures later.
+/// Protects error reporting: impossible sizes cause errors that state the numbers, and no later driver failures.
 #[test]
 fn gpu_impossible_sizes_are_errors() {
     on_every_api(|api| {
@@ -194,7 +195,7 @@ fn gpu_out_of_memory_is_an_error() {
     });
 }
 
-/// Protects error reporting: a GL error is reported with its name, once.
+/// Protects error reporting: a GL error is reported once, with its name.
 #[test]
 fn gpu_check_names_the_error() {
     on_every_api(|api| {

@@ -255,7 +255,8 @@ fn gpu_compile_errors_name_shader_and_line() {
     });
 }
 
-/// Protects link errors: a missing function is an error, found when linking or, by some drivers, before.
+/// Protects link errors: a missing function is an error, which some drivers report when compiling and others when
+/// linking.
 #[test]
 fn gpu_link_errors_name_the_program() {
     on_every_api(|context| {

@@ -294,7 +294,7 @@ macro_rules! files_of_parts {
     };
 }
 
-/// All functions of the files, split into parts once.
+/// All functions of the files, which are split into parts only once.
 static LIBRARY: LazyLock<Vec<Part>> = LazyLock::new(|| {
     let shared = files!(
         "common": ahead ball beyond_turning bound chord corner cosine_sine exit_distance hash least_component listener march_fields mirror_direction

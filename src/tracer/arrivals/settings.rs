@@ -140,7 +140,7 @@ pub struct ArrivalCounts {
     pub waves: u64,
     /// Number of returned arrivals.
     pub arrivals: u64,
-    /// Waves that flew into the open, or never started because the source lies in a solid.
+    /// Waves that hit no further surface, or never started because the source is in a solid.
     pub gone: u64,
     /// Waves that were no longer followed because a march reached the step limit.
     pub step_limit_reached: u64,

@@ -115,7 +115,7 @@ impl ArrivalTargets {
         Ok(Some(Rc::clone(table.order())))
     }
 
-    /// Binds the order of the starts, if they are sorted, for a program that looks it up.
+    /// Binds the order of the starts, if they are sorted, for a program that reads it.
     pub fn bind_order(&self, program: &Program) {
         if let Some(order) = &self.order {
             order.bind(program);
