@@ -135,8 +135,8 @@ impl AsyncRead {
         }
     }
 
-    /// Cancels the pending read and returns its number of floats. Used on platforms where only reading the texels waits
-    /// for them.
+    /// Cancels the pending read and returns its number of floats. Used on platforms where reading the texels is the
+    /// only way to wait for them.
     fn floats_begun(&mut self) -> usize {
         let floats = self.pending.as_ref().map_or(0, |pending| pending.floats);
         self.cancel();

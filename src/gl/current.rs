@@ -54,8 +54,9 @@ pub(super) fn make(context: &Rc<dyn Backend>) -> Result<(), String> {
         .unwrap_or_else(|_| context.make_current())
 }
 
-/// Leaves this thread without a current context. Must also be called before a context is destroyed: the driver may
-/// switch to the destroyed context and back again, and OSMesa cannot switch back to an EGL context.
+/// Leaves this thread without a current context. This function must also be called before a context is destroyed,
+/// because the driver may switch to the destroyed context and back again, and OSMesa cannot switch back to an EGL
+/// context.
 pub(super) fn release() {
     // If there is no slot, the thread is ending, and its current context ends too.
     let _ = CURRENT.try_with(release_in);
