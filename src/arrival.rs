@@ -12,19 +12,19 @@ use glam::DVec3;
 pub struct Arrival {
     /// The wave's number.
     pub wave: u32,
-    /// Whether the wave was only mirrored, and at most as often as exact paths are: an exact path then replaces it.
+    /// Whether the wave was never scattered and has at most as many reflections as exact paths may have. An exact path
+    /// replaces such a wave.
     pub is_early: bool,
     /// Number of reflections before the crossing, mirrored and scattered.
     pub reflections: u32,
-    /// Length in metres from the source to the middle of the chord through the sphere. The middle is the point nearest
-    /// to the sphere's centre, so that for mirrored waves this is the length of the path to the centre, except for b² /
-    /// 2 l (b: distance at which the wave passes the centre, l: metres from the source's image).
+    /// Length in metres from the source to the middle of the chord through the sphere. The middle is the chord's
+    /// closest point to the sphere's centre. For mirrored waves this length equals the length of the path to the centre
+    /// up to an error of b² / 2 l (b: distance at which the wave passes the centre, l: metres from the source's image).
     pub length_m: f64,
     /// Direction of flight: a unit vector, world axes.
     pub direction: DVec3,
-    /// The contribution of this crossing to the energy density for a source of unit power, times
-    /// the speed of sound, in 1/m²: reflectances × chord ÷ (open volume of the sphere × waves).
-    /// Without the loss in the air.
+    /// The contribution of this crossing to the energy density for a source of unit power, times the speed of sound, in
+    /// 1/m²: reflectances × chord ÷ (open volume of the sphere × waves). The attenuation in air is not included.
     pub energy: Bands,
 }
 

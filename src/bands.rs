@@ -66,7 +66,8 @@ pub fn mean(bands: &Bands) -> f64 {
 /// Energies after `length_m` metres of air: each is multiplied by exp(−`air_per_m` × length) (ISO 9613-1 gives the
 /// attenuation in decibels: m = α ln 10 / 10).
 pub(crate) fn through_air(energy: &Bands, air_per_m: &Bands, length_m: f64) -> Bands {
-    // Without air the factor is 1; a response has about a million arrivals, so the shortcut pays.
+    // Without attenuation the factor is 1. A response has about a million arrivals, so skipping the exponentials saves
+    // time.
     if *air_per_m == [0.0; BAND_COUNT] {
         return *energy;
     }

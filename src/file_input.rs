@@ -1,8 +1,8 @@
 //! Reads regular files up to a size limit for each kind, and records each as an input so that no output replaces it.
 //!
-//! A scene may be untrusted, and it names other files. Reading a pipe would block, a device is endless, and a file may
-//! exceed the memory: all are rejected before a byte is read. In a folder that others can write to, only a plain file
-//! with exactly the given name is opened.
+//! A scene may be untrusted, and it names other files. Reading a pipe would block, reading a device may never end, and
+//! a file may be larger than the memory. All three are rejected before a byte is read. In a folder that others can
+//! write to, only a plain file with exactly the given name is opened.
 
 use crate::platform;
 use std::collections::BTreeSet;
@@ -46,7 +46,7 @@ pub enum InputError {
     /// The program runs in a browser, which has no files.
     #[error("there are no files in a browser")]
     NoFiles,
-    /// The system's error, or the file should be text but is not.
+    /// An error of the system, or a text file that is not UTF-8.
     #[error(transparent)]
     Io(#[from] io::Error),
     /// The path does not lead to a regular file.
@@ -56,7 +56,7 @@ pub enum InputError {
         found: &'static str,
     },
     /// The file exceeds the size limit of its kind.
-    #[error("it is larger than {limit_bytes} bytes, the most that is read")]
+    #[error("it is larger than {limit_bytes} bytes, the size limit")]
     TooLarge {
         /// The limit in bytes.
         limit_bytes: u64,
@@ -174,8 +174,8 @@ pub fn read_text(path: &Path, limit_bytes: u64) -> Result<String, InputError> {
     InputFile::open(path, limit_bytes)?.text()
 }
 
-/// Opens a file whose metadata pass a check. The check runs before opening, since merely opening some devices makes
-/// them act, and afterwards, since the path may by then lead to another file.
+/// Opens a file whose metadata pass a check. The check runs before opening, because opening some devices triggers an
+/// action. It runs again after opening, because the path may lead to a different file by then.
 fn open_checked<E: From<io::Error>>(
     path: &Path,
     options: &OpenOptions,
@@ -189,7 +189,7 @@ fn open_checked<E: From<io::Error>>(
     Ok((file, about))
 }
 
-/// Sets flags so that opening does not wait for a pipe, and does not follow a link unless `follows`.
+/// Sets flags so that opening does not wait for a pipe, and follows a link only if `follows` is true.
 #[cfg(unix)]
 fn set_flags(options: &mut OpenOptions, follows: bool) {
     use std::os::unix::fs::OpenOptionsExt;
@@ -200,7 +200,7 @@ fn set_flags(options: &mut OpenOptions, follows: bool) {
 #[cfg(windows)]
 fn set_flags(options: &mut OpenOptions, follows: bool) {
     use std::os::windows::fs::OpenOptionsExt;
-    /// Opens a link itself: `FILE_FLAG_OPEN_REPARSE_POINT` of `CreateFileW`.
+    /// Opens the link itself instead of its target: `FILE_FLAG_OPEN_REPARSE_POINT` of `CreateFileW`.
     const OPEN_REPARSE_POINT: u32 = 0x0020_0000;
     if !follows {
         options.custom_flags(OPEN_REPARSE_POINT);
@@ -362,7 +362,7 @@ fn identity(path: &Path) -> Option<(u64, u64)> {
 
 #[cfg(windows)]
 fn identity(path: &Path) -> Option<same_file::Handle> {
-    // By now an input's name may lead to another file, and opening a pipe would wait.
+    // The path of an input may lead to a different file by now, and opening a pipe would block.
     let is_regular = std::fs::metadata(path).is_ok_and(|about| about.is_file());
     is_regular.then(|| same_file::Handle::from_path(path).ok())?
 }

@@ -47,12 +47,12 @@ impl OutputError {
 fn reason(error: &io::Error) -> String {
     let is_of_system = error.raw_os_error().is_some();
     if !is_of_system && error.to_string() != error.kind().to_string() {
-        // The message is already one of this crate's.
+        // The error already has a message of this crate.
         return error.to_string();
     }
     match error.kind() {
         io::ErrorKind::AlreadyExists | io::ErrorKind::NotADirectory => {
-            "a folder is needed here, and there is a file".to_owned()
+            "a folder is needed here, but this is a file".to_owned()
         }
         io::ErrorKind::NotFound => "there is no such folder".to_owned(),
         io::ErrorKind::PermissionDenied => "permission denied".to_owned(),
@@ -90,7 +90,7 @@ pub fn write_whole(
     write_at(&followed(path), path, fill)
 }
 
-/// Like [`write_whole`], for a file in a folder whose name the program itself chose: a link is rejected.
+/// Like [`write_whole`], for a file that the program itself named, in a folder that the user named: a link is rejected.
 ///
 /// # Errors
 /// The errors of [`write_whole`].
@@ -121,7 +121,7 @@ fn write_at(
     Ok(())
 }
 
-/// The file that a user's path leads to: a link stays, and its target is replaced.
+/// The file that a user's path leads to. A link is kept, and its target is replaced.
 pub fn followed(path: &Path) -> PathBuf {
     std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned())
 }
@@ -168,13 +168,13 @@ impl PartFile {
         })
     }
 
-    /// Another handle to the created file, whatever file has its name by now.
+    /// A second handle to the created file, even if the path leads to a different file by now.
     pub fn writer(&self) -> io::Result<File> {
         let file = self.file.as_ref().ok_or(io::ErrorKind::NotFound)?;
         file.as_file().try_clone()
     }
 
-    /// Renames the file after it is on the disk, replacing an older file that is not an input.
+    /// Renames the file once its data are on the disk. An older file is replaced unless it is an input.
     pub fn persist(mut self, target: &Path) -> io::Result<()> {
         check_place(target)?;
         let Some(file) = self.file.take() else {
@@ -238,7 +238,7 @@ fn temporary_named(target: &Path, begin: &OsStr, end: &str) -> io::Result<NamedT
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    // Only the error of the call: tempfile's error names the temporary file, which the user does not know.
+    // Keeps only the system's error, because tempfile's error names the temporary file, which the user does not know.
     builder
         .tempfile_in(folder_of(target))
         .map_err(|error| refused_in(folder_of(target), error.kind()))
@@ -246,7 +246,7 @@ fn temporary_named(target: &Path, begin: &OsStr, end: &str) -> io::Result<NamedT
 
 /// Rejects a path whose content must not be replaced: anything except a plain file, and inputs.
 fn check_place(target: &Path) -> io::Result<()> {
-    // Checked first, through any link: this is the most important error for the user.
+    // Inputs are checked first, also behind links, because this error matters most to the user.
     refuse_inputs(target)?;
     match std::fs::symlink_metadata(target) {
         Ok(found) => check_plain(target, &found)?,
@@ -257,7 +257,7 @@ fn check_place(target: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// The error if no file can be created in a folder; a missing folder is named.
+/// The error if no file can be created in a folder. It names a missing folder.
 fn refused_in(folder: &Path, kind: io::ErrorKind) -> io::Error {
     if kind == io::ErrorKind::NotFound && !folder.exists() {
         let text = format!("there is no folder {}", folder.display());
@@ -281,8 +281,8 @@ pub fn prepare_folder(folder: &Path) -> Result<(), OutputError> {
     Ok(())
 }
 
-/// Like [`prepare_folder`], for a folder in an existing folder whose name the program itself chose: a link is rejected,
-/// since its contents would lie elsewhere.
+/// Like [`prepare_folder`], for a subfolder that the program itself named: a link is rejected, because its contents
+/// would lie elsewhere.
 ///
 /// # Errors
 /// [`OutputError`] with the folder.
@@ -305,7 +305,7 @@ pub fn check_file(path: &Path) -> Result<(), OutputError> {
     check_at(&followed(path), path)
 }
 
-/// Like [`check_file`], for a file in a folder whose name the program itself chose: a link is rejected.
+/// Like [`check_file`], for a file that the program itself named, in a folder that the user named: a link is rejected.
 ///
 /// # Errors
 /// [`OutputError`] with the file.
@@ -396,7 +396,7 @@ mod tests {
         part.writer().unwrap().write_all(b"new").unwrap();
         drop(part);
         assert_eq!(std::fs::read(&real).unwrap(), b"old");
-        // Another name of a file keeps its bytes.
+        // A hard link to the replaced file keeps the older bytes.
         let other = folder.path().join("other");
         std::fs::hard_link(&real, &other).unwrap();
         write(&other).unwrap();

@@ -1,7 +1,7 @@
 //! Sound for worlds made of implicit surfaces.
 //!
-//! Echomarch follows sound waves through a scene given as a signed distance function, by sphere tracing in fragment
-//! shaders, and turns the waves that reach a listener into one panning value per frame. It is a faithful port of P.
+//! Echomarch traces sound waves through a scene given as a signed distance function, by sphere tracing in fragment
+//! shaders. It computes one panning value per frame from the waves that reach a listener. It is a faithful port of P.
 //! Sjöberg, *Real-Time Audio Simulation with Implicit Surfaces using Sphere Tracing on the GPU* (University of Skövde,
 //! 2011), to OpenGL 3.3 and OpenGL ES 3.0. It needs no window: contexts come from EGL or OSMesa, on a graphics card or
 //! on Mesa's software renderer.
@@ -36,18 +36,17 @@
 //! | [`response`] | the [`Response`](response::Response) of a scene: exact specular paths, echogram, the figures of ISO 3382-1, impulse responses |
 //! | [`hrtf`] | head-related impulse responses |
 //! | [`audio`] | sounds, panning laws, mixer, WAV files; live sound (feature `audio`) |
-//! | [`auralisation`] | a source as a listener hears it, as sound |
+//! | [`auralisation`] | the sound of a source as a listener hears it |
 //! | [`offline`] | sound of a moving scene, without a sound card |
 //! | [`gl`] | contexts without a window, and the available renderers |
-//! | [`geometry`] | exact waves on the CPU, to check against |
+//! | [`geometry`] | reference tracing of waves in `f64` on the CPU |
 //! | `picture` | the listener's view, and the plan with paths (feature `picture`) |
 //! | [`error`] | the error type |
 //!
 //! # Untrusted scenes
-//! A scene may contain its own GLSL, which the driver compiles within this process, and which can
-//! end the process, fill its memory or never return. Such scenes are refused until the program chooses
-//! how their fields are tried: in this process for trusted texts, in a child process first for others; see
-//! [`tracer::FieldTrial`].
+//! A scene may contain its own GLSL. The driver compiles it within this process, where it can end the process, fill its
+//! memory or never return. Such scenes are refused until the program chooses where their fields are tested: trusted
+//! GLSL in this process, other GLSL in a child process first. See [`tracer::FieldTrial`].
 //!
 //! # Features
 //! No feature is on by default.

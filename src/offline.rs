@@ -29,8 +29,8 @@ impl Timing {
 
     /// Number of frames; the last one is cut at the end of the duration.
     pub fn frames(&self) -> u64 {
-        // A fraction of a frame below this is due to rounding: at 1000 frames per second it is far
-        // below one sample.
+        // Smaller fractions of a frame are rounding errors: at 1000 frames per second this fraction is far below one
+        // sample.
         const ROUNDING: f64 = 1e-6;
         (self.seconds * self.fps - ROUNDING).ceil().max(0.0) as u64
     }
@@ -83,8 +83,8 @@ pub struct Block<'a, Of: ?Sized> {
 /// block to `take`.
 ///
 /// # Errors
-/// [`Error::Trace`] for seconds that are not finite, [`Error::Audio`] for an invalid frame rate,
-/// those of [`Tracer::frame`], and any error that `take` returns.
+/// [`Error::Trace`] for seconds that are not finite, [`Error::Audio`] for an invalid frame rate, the errors of
+/// [`Tracer::frame`], and any error that `take` returns.
 pub fn render<'a, E: From<Error>>(
     tracer: &mut Tracer,
     pair: impl IntoPair<'a>,
@@ -119,12 +119,12 @@ pub fn render<'a, E: From<Error>>(
     Ok(())
 }
 
-/// Seconds between two late parts. Reverberation changes more slowly than echoes, and computing its kernel costs as
-/// much as several frames.
+/// Seconds between two updates of the late part. Reverberation changes more slowly than echoes, and the computation of
+/// its kernel takes as long as several frames.
 const LATE_S: f64 = 0.25;
 
-/// Samples between the end of a fade and the next late part: blocks of the convolution do not end
-/// at frame borders.
+/// Samples between the end of a fade and the next update of the late part, because blocks of the convolution do not end
+/// at frame boundaries.
 const FADE_MARGIN: u32 = 2048;
 
 /// Number of times, from the start to the end of the scene's paths, at which the length of the responses is estimated.
@@ -148,7 +148,7 @@ pub struct FullSettings {
 
 impl FullSettings {
     /// Settings for a listener, by its index. If `response` sets no length, responses last at most 3 seconds, or at
-    /// most its own limit if that is shorter.
+    /// most `response.longest_s` if that is shorter.
     pub fn new(response: ResponseSettings, listener: usize) -> FullSettings {
         let longest_s = response.longest_s.min(LONGEST_S);
         FullSettings {
@@ -168,7 +168,7 @@ impl FullSettings {
     /// The length of the responses, in seconds.
     ///
     /// # Errors
-    /// As [`Response::trace`].
+    /// The errors of [`Response::trace`].
     pub fn tail_s(&self, tracer: &mut Tracer, scene: &Scene) -> Result<f64, Error> {
         if let Some(seconds) = self.response.seconds {
             return Ok(seconds);
@@ -197,14 +197,15 @@ struct Playing<'a> {
     heard: HeardSource,
 }
 
-/// Traces and plays `timing.seconds` of a moving scene, with one of `sounds` for each source, and passes each frame's
-/// block to `take`, with each source as the listener hears it, in the scene's order. Echoes are updated with each
-/// frame, the late part every quarter of a second. A scene that stands still is not traced again.
+/// Traces and plays `timing.seconds` of a moving scene, with one of `sounds` for each source. Each frame's block is
+/// passed to `take`, with each source as the listener hears it, in the scene's order. Echoes are updated with each
+/// frame, the late part every quarter of a second. A source is traced again only when the source, the listener or a
+/// surface has changed.
 ///
 /// # Errors
-/// [`Error::Trace`] for settings out of range, [`Error::Audio`] for an invalid frame rate, those of
+/// [`Error::Trace`] for settings out of range, [`Error::Audio`] for an invalid frame rate, the errors of
 /// [`Response::trace`], and any error that `take` returns; [`Error::Scene`] if there is no such listener,
-/// [`Error::Audio`] if the number of sounds differs from that of sources.
+/// [`Error::Audio`] if the number of sounds differs from the number of sources.
 pub fn render_full<E: From<Error>>(
     tracer: &mut Tracer,
     scene: &Scene,

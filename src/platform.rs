@@ -1,8 +1,7 @@
 //! Abilities of the platform: a native program can use files and block; a page in a browser can do neither.
-//! waiting.
 //!
-//! All differences in a browser (`wasm32-unknown-unknown`) depend on these constants, and on the modules that `gl`
-//! leaves out there. `rayon` runs on the only thread.
+//! All differences in a browser (`wasm32-unknown-unknown`) follow from these constants and from the modules that `gl`
+//! omits there. In a browser, `rayon` runs on the only thread.
 
 #[cfg(not(target_arch = "wasm32"))]
 pub use std::time::Instant;

@@ -6,7 +6,7 @@
 use crate::text::{there_is_no, which_there_are};
 use ron::error::{Error, Position, SpannedError};
 
-/// Fields that are lengths in metres: the message for a missing one states the unit.
+/// Fields that are lengths in metres: the message for a missing field states the unit.
 const METRES: [&str; 3] = ["radius", "size", "radii"];
 
 /// A kind of file in RON.
@@ -28,7 +28,7 @@ pub const STUDY: FileKind = FileKind {
     what: "study",
 };
 
-/// The message for an error in this text, which is a file of this kind.
+/// The message for `error` in `text`, the content of a file of this kind.
 pub fn sentence(text: &str, error: &SpannedError, kind: FileKind) -> String {
     if text.trim().is_empty() {
         return format!("the file is empty: {}", begins(kind));
@@ -57,14 +57,14 @@ fn ends(kind: FileKind) -> String {
     format!("the file ends before {}(…) is closed", kind.outermost)
 }
 
-/// The message for an error at the end of a text: the text is cut off, whatever else is missing.
+/// The message for an error at the end of a text: the text is truncated.
 fn of_end(text: &str, error: &SpannedError, kind: FileKind) -> Option<String> {
     let is_of_value = matches!(error.code, Error::Message(_));
     let at = offset(text, error.span.end)?;
     (!is_of_value && text[at..].trim().is_empty()).then(|| ends(kind))
 }
 
-/// The message for another name than the expected one.
+/// The message for an unexpected struct name.
 fn other_name(kind: FileKind, expected: &str, found: &str) -> String {
     match (expected == kind.outermost, found) {
         (true, "Scene") => {
@@ -72,11 +72,11 @@ fn other_name(kind: FileKind, expected: &str, found: &str) -> String {
         }
         (true, "Study") => "this is a study: echomarch study FILE.ron runs it".to_owned(),
         (true, _) => format!("{}, not with {found}", begins(kind)),
-        (false, _) => format!("{expected}(…) must stand here, not {found}"),
+        (false, _) => format!("expected {expected}(…) here, not {found}"),
     }
 }
 
-/// The message for an error that concerns a name of the notation.
+/// The message for an unknown, missing or repeated name.
 fn of_name(code: &Error) -> Option<String> {
     let within = |outer: &Option<String>| {
         outer
@@ -150,7 +150,7 @@ impl<'a> Around<'a> {
     fn must_be(self, what: &str, example: &str) -> String {
         match self.field {
             Some(field) => format!("{field} must be {what}: {field}: {example}"),
-            None => format!("{what} must stand here: {example}"),
+            None => format!("expected {what} here: {example}"),
         }
     }
 }
@@ -169,7 +169,7 @@ fn of_form(code: &Error, around: Around) -> Option<String> {
         Error::ExpectedStructLike => {
             around.must_be("in parentheses", "(…), as three numbers are: (x, y, z)")
         }
-        Error::ExpectedNamedStructLike(name) => format!("{name}(…) must stand here"),
+        Error::ExpectedNamedStructLike(name) => format!("expected {name}(…) here"),
         Error::ExpectedMap => around.must_be("names and values in braces", "{\"name\": …}"),
         Error::ExpectedString => match around.found {
             "" => around.must_be("a text in quotes", "\"…\""),
@@ -184,13 +184,13 @@ fn of_form(code: &Error, around: Around) -> Option<String> {
         }
         Error::InvalidIdentifier(_)
         | Error::SuggestRawIdentifier(_)
-        | Error::ExpectedIdentifier => "a name must stand here".to_owned(),
+        | Error::ExpectedIdentifier => "expected a name here".to_owned(),
         Error::ExpectedDifferentLength { expected, found } => {
             let wanted: String = expected.chars().filter(char::is_ascii_digit).collect();
             if wanted.is_empty() {
                 return None;
             }
-            format!("{wanted} values must stand here, not {found}")
+            format!("expected {wanted} values here, not {found}")
         }
         _ => return None,
     })
@@ -200,16 +200,16 @@ fn of_form(code: &Error, around: Around) -> Option<String> {
 fn of_sign(code: &Error) -> Option<String> {
     let told = match code {
         Error::ExpectedInteger | Error::InvalidIntegerDigit { .. } => {
-            "a whole number must stand here, such as 65536 or 65_536"
+            "expected a whole number here, such as 65536 or 65_536"
         }
         Error::IntegerOutOfBounds => "this whole number is too large, or below 0",
-        Error::ExpectedFloat => "a number must stand here",
-        Error::ExpectedBoolean => "true or false must stand here",
-        Error::ExpectedComma => "a comma or a closing bracket must stand here",
-        Error::ExpectedArrayEnd => "a comma or a closing ] must stand here",
-        Error::ExpectedMapColon => "a colon must stand here",
-        Error::ExpectedMapEnd => "a comma or a closing } must stand here",
-        Error::ExpectedStructLikeEnd | Error::ExpectedOptionEnd => "a closing ) must stand here",
+        Error::ExpectedFloat => "expected a number here",
+        Error::ExpectedBoolean => "expected true or false here",
+        Error::ExpectedComma => "expected a comma or a closing bracket here",
+        Error::ExpectedArrayEnd => "expected a comma or a closing ] here",
+        Error::ExpectedMapColon => "expected a colon here",
+        Error::ExpectedMapEnd => "expected a comma or a closing } here",
+        Error::ExpectedStructLikeEnd | Error::ExpectedOptionEnd => "expected a closing ) here",
         Error::ExpectedStringEnd => "a text has no closing quote",
         Error::UnclosedBlockComment => "a comment /* has no */",
         _ => return None,
@@ -272,7 +272,7 @@ mod tests {
             ),
             (
                 "source: Source(position: (0, 0))",
-                "3 values must stand here, not 2",
+                "expected 3 values here, not 2",
             ),
             (
                 "sources: Source()",

@@ -1,10 +1,10 @@
-//! Numbers of settings and results in text: those that a format such as JSON cannot hold are refused or have a meaning of
-//! their own, and never become others.
+//! Serialisation of numbers in settings and results. Numbers that a format such as JSON cannot represent are refused,
+//! or have a defined representation. No number is read back as a different number.
 
 use serde::de::{Deserialize, Deserializer};
 use serde::ser::{Error, Serialize, Serializer};
 
-/// Reads a field that may be left out. `null` is a value of it only if the type has one.
+/// Reads an optional field. `null` is accepted only if the field's own type accepts it.
 pub(crate) fn given<'de, D, T>(deserializer: D) -> Result<Option<T>, D::Error>
 where
     D: Deserializer<'de>,
@@ -23,7 +23,7 @@ pub(crate) fn finite<S: Serializer>(value: &Option<f64>, to: S) -> Result<S::Ok,
     }
 }
 
-/// A number that may be ∞, which is written as nothing.
+/// A number that may be ∞. ∞ is written as `null`.
 pub(crate) mod infinite {
     use super::*;
 

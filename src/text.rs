@@ -5,8 +5,8 @@ use std::borrow::Cow;
 /// Maximum number of characters of a name in a scene or in answers.
 pub const LONGEST_NAME: usize = 200;
 
-/// The known word that is most similar to a mistyped word, if there is one: apart from case, spaces and underscores at
-/// most a third of the word may be mistyped.
+/// The known word that is most similar to a mistyped word, if at most a third of its characters differ. Case is
+/// ignored, and spaces and underscores count as hyphens.
 pub fn nearest<'a>(
     typed: &str,
     known: impl IntoIterator<Item = impl Into<&'a str>>,
@@ -19,8 +19,8 @@ pub fn nearest<'a>(
     (3 * wrong <= nearest.len()).then_some(nearest)
 }
 
-/// States that `typed` does not exist, the known names, and the most similar one; `what` is its kind, such as
-/// `profile`.
+/// The message for an unknown name: all known names, and the name most similar to `typed`. `what` is the kind of name,
+/// such as `profile`.
 pub fn there_is_no(what: &str, typed: &str, known: &[&str]) -> String {
     which_there_are(&format!("there is no {what} {typed:?}"), typed, known)
 }

@@ -255,7 +255,7 @@ impl Visitor<'_> for CountVisitor {
     fn visit_i64<E: Error>(self, said: i64) -> Result<Count, E> {
         let refused = |_| {
             E::custom(format!(
-                "a whole number of 0 or more must stand here, not {said}"
+                "expected a whole number of 0 or more here, not {said}"
             ))
         };
         u64::try_from(said)
@@ -268,7 +268,7 @@ impl Visitor<'_> for CountVisitor {
             return Ok(Count(said as u32));
         }
         Err(E::custom(format!(
-            "a whole number from 0 to {} must stand here, such as 65536, 65_536 or 1e6, not {said}",
+            "expected a whole number from 0 to {} here, such as 65536, 65_536 or 1e6, not {said}",
             u32::MAX
         )))
     }

@@ -198,7 +198,7 @@ fn a_study_is_refused_in_its_own_words() {
         ),
         (
             "Study(scenes: [Scene(of: \"corner\", values: {\"door\": 3})])",
-            "a list of numbers must stand here: List([3])",
+            "expected a list of numbers here: List([3])",
         ),
         (
             &with("settings: All(profiles: [hybird])"),
