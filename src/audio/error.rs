@@ -184,7 +184,7 @@ pub enum AudioError {
     },
     /// Slices for one and for two channels whose lengths do not match.
     #[error(
-        "{stereo} samples of two channels for {mono} samples of one: there must be twice as many"
+        "{stereo} stereo samples for {mono} mono samples: there must be two stereo samples for each mono sample"
     )]
     BadStereoLength {
         /// Samples of one channel.

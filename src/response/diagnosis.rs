@@ -9,7 +9,8 @@ use crate::scene::shape::Room;
 use crate::scene::{Material, Node, Scene};
 use std::f64::consts::LN_10;
 
-/// Share of the energy beyond the response's end above which the loss is reported: a tenth of the limit for figures.
+/// The loss beyond the response's end is reported if it exceeds this share of the energy: a tenth of the limit for
+/// figures.
 const TOLD_CUT_OFF: f64 = 0.001;
 
 /// Reason why figures of a band are missing.
@@ -80,7 +81,8 @@ impl Gap {
     }
 }
 
-/// A T30 above this multiple of Eyring's time is reported: uneven absorption alone lengthens T30 by some ten per cent.
+/// A T30 above this multiple of Eyring's time is reported: uneven absorption alone lengthens T30 by only about ten per
+/// cent.
 const MOST_TIMES_EYRING: f64 = 1.5;
 
 /// ln of 60 dB as a ratio of energies.
@@ -121,7 +123,7 @@ pub fn flutters(scene: &Scene, t30_s: [Option<f64>; BAND_COUNT]) -> Vec<Flutter>
         };
         let limit_s = MOST_TIMES_EYRING * room.eyring_s(band);
         let (axis, lasts_s) = room.longest_flutter(band);
-        // Between walls with more absorption the echo would not last as long as T30: the long decay has another cause.
+        // A flutter echo that lasts no longer than the limit does not explain a long T30.
         if t30_s <= limit_s || lasts_s <= limit_s {
             continue;
         }
@@ -225,7 +227,7 @@ mod tests {
     use crate::scene::{Listener, Source, Surface};
     use glam::Vec3;
 
-    /// Protects the advice: it follows from the missing figures, and there is none if all are present.
+    /// Protects the reasons: each follows from the missing figures, and complete figures have none.
     #[test]
     fn each_missing_figure_has_its_reason() {
         let whole = BandFigures {
@@ -287,7 +289,8 @@ mod tests {
         scene
     }
 
-    /// Protects the note from a wrong formula: Eyring's time and the time between the hard walls, calculated by hand.
+    /// Protects the detection of flutter echoes from a wrong formula: Eyring's time and the time between the hard
+    /// walls, calculated by hand.
     #[test]
     fn times_are_those_of_the_formulas() {
         let scene = room(0.0);
@@ -301,7 +304,7 @@ mod tests {
         assert!((seconds / 11.96 - 1.0).abs() < 1e-3, "{seconds}");
     }
 
-    /// Protects from a wrong note: only a long decay with walls that explain it is a flutter echo.
+    /// Protects from wrong detections: only a long decay with walls that explain it is a flutter echo.
     #[test]
     fn only_a_long_decay_between_hard_walls_is_a_flutter() {
         let scene = room(0.0);

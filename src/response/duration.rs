@@ -8,12 +8,12 @@ use crate::response::ImpulseSettings;
 use crate::scene::Pair;
 use crate::tracer::{ArrivalCounts, ArrivalSettings, Settings, Tracer};
 
-/// Number of waves for the estimate of the decay: their energies determine its end, and a thousand of them give the
-/// time to within some per cent.
+/// Number of waves for the estimate of the decay. Their energies determine the end of the decay, and a thousand waves
+/// give its time to within some per cent.
 const WAVES: u32 = 4096;
 
-/// Number of waves if most leave the scene and few waves arrive late, as outdoors. A wave that leaves costs almost
-/// nothing.
+/// Number of waves if most waves leave the scene and few arrive late, as outdoors. A wave that leaves the scene takes
+/// almost no time.
 const WAVES_OUTDOORS: u32 = 64 * WAVES;
 
 /// Number of waves if few arrive late and most stay in the scene, as between two infinite walls.
@@ -25,17 +25,17 @@ const SHORTEST_S: f64 = 0.1;
 /// Share of the energy that may remain after the end: −60 dB, the definition of the reverberation time.
 const LEFT: f64 = 1e-6;
 
-/// Share of its energy down to which a wave is followed. The energy that this ignores is at most a thousandth of the
-/// share that may remain, if the listener receives a proportional part of it.
+/// Share of its energy down to which a wave is followed. The ignored energy is at most a thousandth of the share that
+/// may remain, if the listener receives a proportional part of it.
 const LEAST_ENERGY: f64 = 1e-3 * LEFT;
 
-/// The end of a decay counts as known if at least [`LEAST_LATE`] waves arrive after all but this share of the energy
-/// (−40 dB) has arrived: the time of the last 20 dB is then accurate to about 20 per cent.
+/// The end of a decay counts as known if at least [`LEAST_LATE`] waves arrive during the last part of the decay, which
+/// holds this share of the energy (−40 dB). The time of the last 20 dB is then accurate to about 20 per cent.
 const LATE: f64 = 1e-4;
 const LEAST_LATE: usize = 16;
 
-/// With fewer late arrivals, this share of the record is the time in which waves arrived: a longer record also holds
-/// later sound that these waves missed. Figures need a record whose second half is weaker than the first.
+/// With fewer late arrivals, the record is extended until the time in which waves arrived is this share of it, because
+/// these waves missed later sound. Figures need a record whose second half is weaker than the first.
 const SEEN: f64 = 1.0 / 3.0;
 
 /// The length in seconds after the direct sound for a scene that neither absorbs sound nor lets waves leave: its decay
@@ -63,7 +63,7 @@ pub(super) fn needed(
             .min(longest_s.max(medium.direct_s + SHORTEST_S))
             .min(ImpulseSettings::MAX_SECONDS));
     }
-    // More waves are useless if the record is already as long as allowed.
+    // If the record already has the maximum length, more waves change nothing.
     if !decay.is_end_known() && decay.end_s() + BIN_S < longest_s {
         let more = match most_leave(&counts) {
             true => WAVES_OUTDOORS,
@@ -153,8 +153,8 @@ impl Decay {
         (self.bins_until(LEFT) as f64 * BIN_S).max(SHORTEST_S)
     }
 
-    /// The end in seconds of a record with too few late arrivals: the observed time after the direct sound becomes its
-    /// first [`SEEN`].
+    /// The end in seconds of a record with too few late arrivals: the time in which waves arrived after the direct
+    /// sound is the share [`SEEN`] of the record.
     fn end_unseen_s(&self, direct_s: f64) -> f64 {
         let seen_s = (self.bins.len() as f64 * BIN_S - direct_s).max(0.0);
         direct_s + seen_s / SEEN
@@ -202,8 +202,8 @@ mod tests {
         assert_eq!(Decay::default().end_unseen_s(0.1), 0.1);
     }
 
-    /// Protects the computing time of a scene without a decay: its record is short, while the record of a scene that
-    /// sound leaves is not cut.
+    /// Protects the computing time of a scene without a decay: its record is short. The record of a scene from which
+    /// sound escapes is not shortened.
     #[test]
     fn what_never_decays_is_not_recorded_for_long() {
         let mut tracer =

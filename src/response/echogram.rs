@@ -256,8 +256,9 @@ impl Echogram {
         self.energies.resize(bins * self.batches, [0.0; BAND_COUNT]);
     }
 
-    /// Adds a wave's crossing of the listener: its batch is the wave's number modulo the number of batches, its time
-    /// the path length divided by the speed of sound. The air leaves exp(−`air_per_m` × length) of its energy.
+    /// Adds a wave's crossing of the listener. Its batch is the wave's number modulo the number of batches, its time
+    /// the path length divided by the speed of sound. The air attenuates its energy by the factor exp(−`air_per_m` ×
+    /// length).
     ///
     /// # Errors
     /// [`ResponseError::BadNumber`] for a speed that is not above 0, and the errors of [`add`](Self::add).
@@ -279,7 +280,7 @@ impl Echogram {
         self.bin_s
     }
 
-    /// Beginning of the first bin in seconds: 0 or later, by less than a bin.
+    /// Beginning of the first bin in seconds: at least 0, and less than the length of a bin.
     pub fn first_s(&self) -> f64 {
         self.first_s
     }
@@ -321,9 +322,9 @@ impl Echogram {
         bands::sum(&self.energies)
     }
 
-    /// Number of arrivals of equal energy that would be as noisy as those of a band in bins that begin at `from_s`
-    /// seconds or later: (Σ e)² / Σ e² (L. Kish, *Survey Sampling*, 1965, section 11.7). 0 without arrivals, and for a
-    /// band number out of range.
+    /// Number of arrivals of equal energy whose sum would be as noisy as the arrivals of a band in bins that begin at
+    /// `from_s` seconds or later: (Σ e)² / Σ e² (L. Kish, *Survey Sampling*, 1965, section 11.7). 0 without arrivals,
+    /// and for a band number out of range.
     pub fn effective_arrivals(&self, band: usize, from_s: f64) -> f64 {
         if band >= BAND_COUNT {
             return 0.0;
@@ -502,7 +503,7 @@ mod tests {
         assert_eq!(echogram, Echogram::new(1e-3, 4).expect("a good bin"));
     }
 
-    /// Protects tables from times before the source's impulse, whatever the direct sound's distance.
+    /// Protects tables from times before the source's impulse, for direct sounds of any distance.
     #[test]
     fn no_row_has_a_negative_time() {
         for edge_s in [0.0, 0.2e-3, 8.949e-3, 0.0123, -0.4e-3, 1e-3] {

@@ -20,7 +20,7 @@ pub enum ResponseError {
     },
     /// A number of batches outside [`Echogram::BATCHES`](super::Echogram::BATCHES), or not a power of two.
     #[error(
-        "{batches} batches of waves: there must be a power of two, {} to {}",
+        "{batches} batches of waves: the number must be a power of two, {} to {}",
         super::Echogram::BATCHES.start(),
         super::Echogram::BATCHES.end()
     )]
@@ -71,7 +71,7 @@ pub enum ResponseError {
         value: f64,
     },
     /// A batch number out of range.
-    #[error("batch {batch} of an echogram of {batches}: they are counted from 0")]
+    #[error("batch {batch} of an echogram with {batches} batches, counted from 0")]
     NoSuchBatch {
         /// The requested batch, from 0.
         batch: usize,
@@ -80,7 +80,7 @@ pub enum ResponseError {
     },
     /// Slices for one channel and for two with lengths that do not match.
     #[error(
-        "{stereo} samples of two channels for {mono} samples of one: there must be twice as many"
+        "{stereo} stereo samples for {mono} mono samples: there must be two stereo samples for each mono sample"
     )]
     BadStereoLength {
         /// Samples of one channel.
@@ -103,7 +103,7 @@ pub enum ResponseError {
         played_s: f64,
     },
     /// A source number out of range.
-    #[error("source {source_number} of a player of {sources}: they are counted from 0")]
+    #[error("source {source_number} of a player with {sources} sources, counted from 0")]
     NoSuchSource {
         /// The requested source, from 0.
         source_number: usize,
@@ -112,8 +112,8 @@ pub enum ResponseError {
     },
     /// A listener's directions that do not define axes: one has length zero, or both are parallel.
     #[error(
-        "a listener that looks along {forward:?} with {up:?} above: the two must have lengths \
-         and must not be parallel"
+        "a listener with the viewing direction {forward:?} and the upward direction {up:?}: neither may \
+         be zero, and they must not be parallel"
     )]
     BadAxes {
         /// Viewing direction of the listener, world axes.

@@ -15,8 +15,8 @@
 //! # Units
 //! The source has power 1. Energies are energy densities at the listener times the speed of sound, in 1/m²: 1 / (4π r²)
 //! for the direct sound at r metres. Times are seconds from the source's impulse, except in figures, whose times count
-//! from the direct sound. Directions are directions of flight in world axes: they point away from where the sound comes
-//! from.
+//! from the direct sound. Directions are directions of flight in world axes: they point away from the origin of the
+//! sound.
 //!
 //! ```
 //! use echomarch::response::{Echogram, Figures, Tap};
@@ -105,8 +105,8 @@ pub struct Response {
     pub left_out: u64,
     /// The share of all energy in the `left_out` arrivals, 0 … 1, averaged over the bands.
     pub left_out_share: f64,
-    /// The share, 0 … 1, of the 16,384 directions that were not searched for paths over planes, because too many
-    /// surfaces obstruct one another. In these directions such a path is known only if waves find it.
+    /// The share, 0 … 1, of the 16,384 directions that the search for paths over planes left out, because the scene has
+    /// too many surfaces in these directions. A path over planes in these directions is known only if waves find it.
     pub search_left_out_share: f64,
     /// Everything outside the exact paths: energy densities in 1/m² for a source of power 1, by
     /// time and band, including the source's level and the loss in the air.
@@ -115,8 +115,8 @@ pub struct Response {
     pub figures: Figures,
     /// End of the record, in seconds after the source's impulse.
     pub seconds: f64,
-    /// Time in seconds until which the waves were followed, if more than one in a thousand was given up before the
-    /// record's end: the figures hold until then.
+    /// Time in seconds until which the waves were followed. Present if more than one in a thousand waves was given up
+    /// before the record's end: the figures are then valid until this time.
     #[serde(serialize_with = "finite")]
     pub followed_s: Option<f64>,
     /// Fates of the waves. If late arrivals are counted in a sphere larger than the listener, or with fewer waves,

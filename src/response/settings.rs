@@ -10,29 +10,29 @@ use serde::{Deserialize, Serialize};
 
 /// Settings of a [`Response`](super::Response).
 ///
-/// Serialised with each field by its name. A field that is left out has its default; unknown ones and numbers out of
-/// range are refused.
+/// Each field is serialised by its name. A missing field has its default. Unknown fields and numbers out of range are
+/// refused.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(try_from = "SettingsFile")]
 #[non_exhaustive]
 pub struct ResponseSettings {
-    /// Waves, start directions, seed and algorithm. The number of iterations follows from the length, so any
-    /// number but the default is rejected.
+    /// Waves, start directions, seed and algorithm. The number of iterations follows from the length, so any number
+    /// other than the default is rejected.
     pub trace: Settings,
     /// Length of the record; `None` to follow the waves until the energy of every band has fallen
     /// by 60 dB, as estimated by a few waves.
     #[serde(serialize_with = "finite")]
     pub seconds: Option<f64>,
-    /// Maximum length of the record if `seconds` is `None`, in seconds: 10 by default, as sound in few halls is audible
-    /// for longer. A record never ends before the direct sound arrives.
+    /// Maximum length of the record if `seconds` is `None`, in seconds: 10 by default, because sound is audible for
+    /// longer in only a few halls. A record never ends before the direct sound arrives.
     pub longest_s: f64,
     /// Number of waves whose late arrivals are counted; all waves if `None`, or if larger than the number of waves.
     /// Exact paths are searched for with all waves.
     pub late_waves: Option<u32>,
     /// Maximum number of reflections of an exact path, 0 to [`ResponseSettings::MAX_ORDER`]. `None` stands for 8 if all
     /// surfaces are flat, otherwise 3. If walls absorb half of the sound, a decay of 35 dB consists of some dozen
-    /// echoes of up to six reflections, and few waves find each. In an empty room all paths of up to eight reflections
-    /// are found. At curved surfaces the search starts from up to 512 waves of each sequence of surfaces.
+    /// echoes of up to six reflections, and few waves find each echo. In an empty room all paths of up to eight
+    /// reflections are found. At curved surfaces the search starts from up to 512 waves of each sequence of surfaces.
     pub order: Option<u32>,
     /// Length of a time bin of the echogram in seconds: 1 ms by default, less than sound needs to cross a listener of
     /// common size.
@@ -41,7 +41,7 @@ pub struct ResponseSettings {
     pub batches: usize,
 }
 
-/// The fields of [`ResponseSettings`], each of which may be left out.
+/// The fields of [`ResponseSettings`], all of them optional.
 #[derive(Deserialize)]
 #[serde(default, deny_unknown_fields)]
 struct SettingsFile {
@@ -118,11 +118,12 @@ impl Default for ResponseSettings {
 }
 
 impl ResponseSettings {
-    /// Upper limit of the order of exact paths: the number of paths grows with the cube of the order, and waves find an
-    /// ever smaller share of them.
+    /// Upper limit of the order of exact paths: the number of paths grows with the cube of the order, and waves find a
+    /// decreasing share of them.
     pub const MAX_ORDER: u32 = 16;
 
-    /// Sets the waves, directions and algorithm. Tracing rejects settings with their own iterations.
+    /// Sets the waves, directions and algorithm. [`Response::trace`](super::Response::trace) rejects settings with a
+    /// number of iterations other than the default.
     #[must_use]
     pub fn with_trace(mut self, trace: Settings) -> ResponseSettings {
         self.trace = trace;
@@ -165,12 +166,12 @@ impl ResponseSettings {
         self
     }
 
-    /// The length of the response of this pair: `seconds`, or if that is `None`, the time until the energy of every
-    /// band has fallen by 60 dB as estimated with a few waves, but at most `longest_s`. The length is never less than
-    /// the time of the direct sound.
+    /// The length of the response of this pair: `seconds` if present. Otherwise it is the time until the energy of
+    /// every band has fallen by 60 dB, as estimated with a few waves, but at most `longest_s`. The length is never less
+    /// than the time of the direct sound.
     ///
     /// # Errors
-    /// As [`Response::trace`](super::Response::trace).
+    /// The errors of [`Response::trace`](super::Response::trace).
     pub fn seconds_needed<'a>(
         &self,
         tracer: &mut Tracer,
@@ -291,15 +292,15 @@ mod tests {
         ] {
             assert!(bad.validate().is_err(), "{bad:?}");
         }
-        // A number above that of all waves stands for all.
+        // A number larger than the number of waves means all waves.
         assert_eq!(
             settings.clone().with_late_waves(1 << 30).late_trace(),
             settings.trace
         );
     }
 
-    /// Protects the default order of exact paths: eight reflections if all surfaces are flat, however they are
-    /// combined, and three if a surface is curved.
+    /// Protects the default order of exact paths: eight reflections if all surfaces are flat, for any combination of
+    /// flat shapes, and three if a surface is curved.
     #[test]
     fn paths_among_planes_have_more_reflections() {
         let size = Vec3::splat(4.0);

@@ -119,9 +119,10 @@ pub struct HeardPath {
     /// Energy density at the listener by band, in 1/m² for a source of power 1, including the
     /// losses at the surfaces and in the air, and the source's level.
     pub energy: Bands,
-    /// Direction of arrival, to the right of the listener's gaze, in radians from −π to π.
+    /// Azimuth of the direction that the sound comes from, to the right of the listener's viewing direction, in radians
+    /// from −π to π.
     pub azimuth: f64,
-    /// Direction of arrival, above the plane of the listener's ears, in radians.
+    /// Elevation of the direction that the sound comes from, above the plane of the listener's ears, in radians.
     pub elevation: f64,
 }
 
@@ -141,7 +142,8 @@ impl HeardPath {
     }
 }
 
-/// Azimuth to the right of the gaze and elevation of a direction, in radians; 0 for the zero vector.
+/// Azimuth and elevation of a direction in radians: azimuth to the right of the viewing direction. 0 for the zero
+/// vector.
 pub(super) fn comes_from(listener: &Listener, towards: DVec3) -> (f64, f64) {
     let along = |axis: Vec3| axis.as_dvec3().dot(towards);
     let (right, up, ahead) = (
@@ -175,18 +177,18 @@ impl HeardSource {
     }
 }
 
-/// A source's sound at the listener, in few numbers.
+/// A summary of a source's sound at the listener: level, delay and mean direction.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[non_exhaustive]
 pub struct Level {
-    /// Strength *G* of all energy, averaged over the bands: decibels relative to the same source without its `level_db`
-    /// at 10 m in the open.
+    /// Strength *G* of all energy, averaged over the bands, in decibels relative to the same source at 10 m in the
+    /// open, without its `level_db`.
     pub g_db: f64,
     /// Arrival time of the first sound, in seconds after the source's impulse: exact if it arrives along an exact path,
-    /// otherwise to a bin of the echogram.
+    /// otherwise accurate to a bin of the echogram.
     pub delay_s: f64,
-    /// Azimuth of the mean direction that the energy comes from, to the right of the listener's gaze, in radians from
-    /// −π to π. The mean direction is the sum of energy × direction over all arrivals.
+    /// Azimuth of the mean direction that the energy comes from, to the right of the listener's viewing direction, in
+    /// radians from −π to π. The mean direction is the sum of energy × direction over all arrivals.
     pub azimuth: f64,
     /// Elevation of the mean direction above the plane of the listener's ears, in radians.
     pub elevation: f64,

@@ -25,7 +25,7 @@ struct Room {
     absorption: [Bands; 6],
 }
 
-/// A straight line through the copies of the room.
+/// A straight line through the mirrored copies of the room.
 struct Line {
     direction: DVec3,
     crossed: [u32; 3],
@@ -163,21 +163,21 @@ fn random_direction(seed: u64, wave: u32) -> DVec3 {
 /// Speed of sound in metres per second.
 const SPEED: f64 = 343.0;
 
-/// Ratio of the record's length to the reverberation time by Sabine's formula: the reverberation time of an uneven room
-/// is longer, and T30 needs 45 dB of decay.
+/// Ratio of the record's length to the reverberation time by Sabine's formula. The reverberation time of an uneven room
+/// is longer than Sabine's, and T30 needs 45 dB of decay.
 const RECORD: f64 = 1.3;
 
 /// No absorption by the air.
 const AIRLESS: Bands = [0.0; BAND_COUNT];
 
-/// Radius in metres of a listener of usual size, and of the sphere for late arrivals.
+/// Radius in metres of the listener, and of the sphere for late arrivals.
 const RADIUS_M: f64 = 0.3;
 const LATE_RADIUS_M: f64 = 0.9;
 
 /// Mean absorption of the walls by band, from a live to a dead room.
 const ABSORPTION: Bands = [0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.7];
 
-/// Maximum C80 in decibels that is compared: above it the late sound is a hundredth of the early sound, is inaudible,
+/// Maximum C80 in decibels that is compared. Above it the late sound is a hundredth of the early sound, is inaudible,
 /// and consists of a few echoes of the highest orders, which random waves seldom find.
 const WORST_CLARITY_DB: f64 = 20.0;
 
@@ -198,7 +198,7 @@ impl Draw {
     }
 }
 
-/// A room of 30 m³ to 350 m³ whose walls each absorb 0.5 to 1.5 of [`ABSORPTION`].
+/// A room of 30 m³ to 350 m³. The absorption of each wall is 0.5 to 1.5 times [`ABSORPTION`].
 fn random_room(seed: u64, radius: f64) -> Room {
     let mut draw = Draw(hash(seed));
     let size = DVec3::new(
@@ -282,7 +282,7 @@ fn found(exact: &ShoeboxEnergies, early_order: u32, seconds: f64, trace: &Trace)
     Figures::new(&taps, &echogram, Some(direct_s), seconds)
 }
 
-/// A figure by band: exact value, found value, and error; without the bands in which one of them is missing.
+/// A figure by band: exact value, found value, and error. Bands in which one of these is missing are left out.
 fn compared(case: &Case, figure: impl Fn(&BandFigures) -> Option<f64>) -> Vec<[f64; 3]> {
     let of_band = |band: usize| {
         let truth = figure(&case.truth.bands[band])?;
@@ -312,10 +312,10 @@ fn audible_c80_db(figures: &BandFigures) -> Option<f64> {
     figures.c80_db.filter(|c80_db| *c80_db < WORST_CLARITY_DB)
 }
 
-/// Protects the documented accuracy with 262,144 waves and taps of up to 3 reflections: compared with image sources,
+/// Protects the documented accuracy with 262,144 waves and taps of up to 3 reflections, compared with image sources.
 /// C80 is within 0.3 dB and G within 0.15 dB in every band, and T30 and EDT are within 3 %, three errors, in bands with
-/// small enough errors. The bands with the most absorption have larger errors: their decay to −35 dB is about a dozen
-/// echoes of 4 to 8 reflections, each found by few waves.
+/// small enough errors. The bands with the most absorption have larger errors: their decay to −35 dB consists of about
+/// a dozen echoes of 4 to 8 reflections, and few waves find each echo.
 #[test]
 fn figures_are_those_of_image_sources() {
     (0..3_u64).into_par_iter().for_each(|seed| {
@@ -340,8 +340,8 @@ fn figures_are_those_of_image_sources() {
 
 /// Protects the errors: over 40 rooms and 8 bands twice the error contains the truth in 95 % of cases. The bands of a
 /// room share its waves. If they were equivalent to three independent bands, the share would have a standard deviation
-/// of 2 %: the test allows three of these. Errors that are too large would contain the truth too often: the ratio of
-/// the true squared errors to the stated ones is 1 on average.
+/// of 2 %, and the test allows three standard deviations. Errors that are too large would contain the truth too often:
+/// the ratio of the true squared errors to the stated ones is 1 on average.
 #[test]
 fn errors_are_honest() {
     type Figure = fn(&BandFigures) -> Option<f64>;
@@ -368,7 +368,7 @@ fn errors_are_honest() {
     }
 }
 
-/// Protects a room that other programs were also tested with: with 100,000 waves and late arrivals counted in a large
+/// Protects a room that other programs are also tested with: with 100,000 waves and late arrivals counted in a large
 /// sphere, T30 is within 1 % and C80 within 0.1 dB of image sources.
 #[test]
 fn a_known_room_has_its_figures() {
@@ -388,8 +388,8 @@ fn a_known_room_has_its_figures() {
     assert!(t30 < 0.01 && c80_db < 0.1, "T30 {t30} C80 {c80_db}");
 }
 
-/// Protects directions and energies of arrivals: without exact paths, the strongest bins point away
-/// from their images, and the total is that of all images.
+/// Protects directions and energies of arrivals: without exact paths, the strongest bins point away from their images,
+/// and the total energy is that of all images.
 #[test]
 fn arrivals_fly_away_from_images() {
     let room = random_room(7, RADIUS_M);
@@ -402,7 +402,8 @@ fn arrivals_fly_away_from_images() {
     };
     room.trace(262_144, direct.length_m + 0.01, None, 3, &mut take);
     let flow = (0..echogram.bins()).fold(DVec3::ZERO, |sum, bin| sum + echogram.flow(bin)[0]);
-    // Waves of other images arrive equally early only if these images are as near, which does not occur in this room.
+    // Waves of other images arrive equally early only if these images are at the same distance, which does not occur in
+    // this room.
     let angle = flow.angle_between(direct.direction);
     assert!(angle < 0.02, "{angle}");
     let energy = echogram.total()[0] / direct.energy[0];

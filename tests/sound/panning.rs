@@ -180,7 +180,10 @@ fn a_stereo_slice_of_the_wrong_length_is_refused() {
     for stereo in [0, 4, 7, 9] {
         let refused = mixer.mix(&[0.5; 4], 0.0, &mut vec![0.0; stereo]);
         let error = refused.unwrap_err().to_string();
-        assert!(error.contains("must be twice as many"), "{error}");
+        assert!(
+            error.contains("two stereo samples for each mono sample"),
+            "{error}"
+        );
         assert_eq!(mixer.current(), None);
     }
 }

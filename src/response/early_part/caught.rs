@@ -1,10 +1,10 @@
 //! Compares exact paths with the waves of these paths that hit the listener's sphere.
 //!
 //! Exact paths lead to the listener's centre, while waves give a mean over its sphere. The difference between the
-//! figures of the paths and those of the paths' mean over the sphere (`sphere_mean.rs`) is part of the figures' error.
-//! For paths over surfaces that focus sound, near whose caustics the sound differs most from point to point, the mean
-//! is taken from the waves. If the energy of the waves of all paths differs from this mean by more than three standard
-//! deviations, the excess is also part of the error.
+//! figures of the paths and the figures of the paths' mean over the sphere (`sphere_mean.rs`) is part of the figures'
+//! error. If a surface on a path focuses sound, the mean is taken from the waves, because the energy varies strongly
+//! between points near a caustic. If the energy of the waves of all paths differs from the mean by more than three
+//! standard deviations, the excess is also part of the error.
 
 use super::EarlyPart;
 use crate::bands::{self, BAND_COUNT, Bands};
@@ -29,8 +29,8 @@ pub(in crate::response) struct Caught<'a> {
 }
 
 impl Caught<'_> {
-    /// The figures of the exact paths and the echogram, with the differences above added to their errors. The record
-    /// ends at `ends_s` seconds.
+    /// The figures of the exact paths and the echogram. Their errors include the differences described at the top of
+    /// this module. The record ends at `ends_s` seconds.
     pub fn in_errors(&self, figures: Figures, echogram: &Echogram, ends_s: f64) -> Figures {
         let gather = self.gathering_surfaces();
         let is_gathered =
@@ -84,8 +84,9 @@ impl Caught<'_> {
             .collect()
     }
 
-    /// The difference between the paths' mean energy and that of their waves, for arrivals before the record's end, as
-    /// the share in each band that exceeds the noise. The means leave out paths for which `is_left_out` holds.
+    /// The difference between the paths' mean energy and the energy of their waves, for arrivals before the record's
+    /// end. Returned is the share of the difference that exceeds the noise, in each band. `means` and the result
+    /// exclude paths for which `is_left_out` holds.
     fn excess(
         &self,
         means: &[Tap],

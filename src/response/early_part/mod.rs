@@ -51,13 +51,14 @@ pub(super) struct EarlyPart {
     search_left_out_share: f64,
 }
 
-/// Minimum expected number of waves for a path found only by waves to replace them: fewer than 1 % of such paths are
-/// missed. If paths found by chance replaced their waves, the energy of missed paths would be lost.
+/// A path found only by waves replaces them if at least this number of waves is expected to find it. Fewer than 1 % of
+/// such paths are missed. If paths with fewer expected waves also replaced their waves, the energy of the missed paths
+/// would be lost.
 const EXPECTED_WAVES: f64 = 5.0;
 
 impl EarlyPart {
-    /// Finds the paths of `arrivals`, which are in the order of their waves; `starts` are these waves, each once, out
-    /// of `waves` in total.
+    /// Finds the paths of `arrivals`, which are in the order of their waves. `starts` has the number and the direction
+    /// of each of these waves once; `waves` is the number of all waves.
     pub fn find(
         pair: Pair,
         starts: &[(u32, Vec3)],
@@ -167,8 +168,8 @@ impl EarlyPart {
         self.search_left_out_share
     }
 
-    /// The arrivals that no exact path replaces: their surfaces are known only from samples, or the listener is partly
-    /// visible but its centre is not, or their path was not searched for. They remain statistical.
+    /// The arrivals that no exact path replaces, and which therefore remain statistical: their surfaces are known only
+    /// from samples, or the listener is partly visible but its centre is hidden, or their path was not searched for.
     pub fn left_over(&self) -> impl Iterator<Item = &Arrival> {
         self.arrivals_of(Outcome::Itself).chain(self.left_out())
     }
@@ -258,12 +259,12 @@ fn nearest(lengths: &[(u32, f64)], wave: u32, length_m: f64, radius_m: f64) -> O
     nearest.filter(|index| off(index) <= radius_m)
 }
 
-/// Whether an arrival without a path is kept: if the listener's centre is hidden, if the centre or the source is in a
-/// solid, if the path begins or ends in an edge that points into the air, and at curved or sampled surfaces. Beyond the
-/// edge of a plane the arrival is dropped: next to the edge between two walls, a wave that passes beside the centre
-/// hits the walls in the opposite order, and the path with that order already has the whole energy, if it is known
-/// ([`Known::has_image`]). (An arrival without a candidate, whose wave misses the listener in `f64`, is kept: that
-/// happens often at users' fields and after many curved surfaces.)
+/// Whether an arrival without a path is kept. It is kept if the listener's centre is hidden, if the centre or the
+/// source is in a solid, if the path begins or ends in an edge that points into the air, and at curved or sampled
+/// surfaces. It is dropped beyond the edge of a plane: next to the edge between two walls, a wave that passes beside
+/// the centre hits the walls in the opposite order, and the path with this order already has the whole energy, if that
+/// path is known ([`Known::has_image`]). An arrival without a candidate is also kept: its wave misses the listener in
+/// `f64`, which happens often at users' fields and after many curved surfaces.
 fn stands_for_itself(paths: &EarlyPaths, vertices: &[Vertex], why: NoPath) -> bool {
     let is_kept = matches!(
         why,
@@ -289,8 +290,8 @@ struct Known<'a> {
 }
 
 impl Known<'_> {
-    /// Whether the source's image in these planes, in any order, has a path: without one, all waves from the image that
-    /// pass beside the listener's centre would be lost.
+    /// Whether the source's image in these planes, mirrored in any order, has a path. Without such a path, all waves
+    /// from the image that pass beside the listener's centre would be lost.
     fn has_image(&self, ends: &Ends, vertices: &[Vertex]) -> bool {
         let is_flat = |vertex: &Vertex| self.have_planes[vertex.surface as usize - 1];
         if vertices.len() <= self.complete as usize && vertices.iter().all(is_flat) {
@@ -325,17 +326,18 @@ fn retain<T>(all: Vec<T>, is_kept: impl Fn(&T) -> bool) -> (Vec<T>, Vec<Option<u
     (kept, index)
 }
 
-/// Directions of the search for paths over planes, in addition to those of the waves that arrived: any wave with the
-/// same sequence of planes gives the path, wherever it passes, so few waves find paths that many would miss.
+/// Number of directions in which paths over planes are searched for, in addition to the directions of the waves that
+/// arrived. Any wave over the same sequence of planes gives the path, even if the wave passes far from the listener. A
+/// few waves therefore find paths that many arriving waves miss.
 const FLAT_SEARCH: u64 = 1 << 14;
 
-/// Maximum number of surfaces and bounding boxes tested when arrived waves are followed, and again in the search: one
-/// or two seconds on one core. Among 50,000 separate boxes the search tests a tenth of this number, among 500 planes
-/// two thirds.
+/// Maximum number of surfaces and bounding boxes tested while arrived waves are followed. The search has a second
+/// budget of this size. Each budget takes one or two seconds on one core. Among 50,000 separate boxes the search tests
+/// a tenth of this number, among 500 planes two thirds.
 const MOST_ASKED: u64 = 1 << 27;
 
-/// Whether to search all directions for paths over planes: only if the scene has planes and all else has a closed form.
-/// Marching a field in `f64` takes a thousand times as long.
+/// Whether to search all directions for paths over planes: only if the scene has planes and every other surface has a
+/// closed form. Marching a field in `f64` takes a thousand times as long as a closed form.
 fn flat_search_pays(scene: &Scene) -> bool {
     let mut shapes = scene.surfaces.iter().map(|surface| &surface.shape);
     shapes.clone().all(Shape::is_basic) && shapes.any(Shape::is_flat)

@@ -44,8 +44,8 @@ const MOST_ASKED: u64 = 1 << 22;
 /// image with round coordinates never lies between two cells of this size.
 const SAME_IMAGE_M: f64 = 1.00431e-5;
 
-/// Maximum distance in metres at which a line followed back passes the source: directions are rounded to `f32`, 1e-7 of
-/// the line's length.
+/// Maximum distance in metres at which a line followed back passes the source. Directions are rounded to `f32`, which
+/// moves the end of a line by 1e-7 of its length.
 const BESIDE_SOURCE_M: f64 = 1e-3;
 
 /// An image of the source in planes.
@@ -57,7 +57,7 @@ struct Image {
     path: Option<usize>,
 }
 
-/// The exact paths, evaluated at other points of the listener's sphere than its centre, and the images that only reach
+/// The exact paths, evaluated at points of the listener's sphere away from its centre, and the images that reach only
 /// such points.
 pub(super) struct Replaced {
     early: EarlyPaths,
@@ -73,9 +73,9 @@ pub(super) struct Replaced {
 }
 
 impl Replaced {
-    /// Selects from these paths, which are sorted by length; `vertices` returns the reflection points of a wave that
-    /// found the path with this index. `beside` are the vertices of waves that passed beside the centre and whose sound
-    /// is in no statistic.
+    /// Selects from `paths`, which are sorted by length. `vertices` returns the reflection points of a wave that found
+    /// the path with this index. `beside` has the vertices of waves that passed beside the centre and whose sound is in
+    /// no statistic.
     pub fn new<'a>(
         scene: &Scene,
         early: EarlyPaths,

@@ -262,14 +262,15 @@ fn passes(from: DVec3, to: DVec3, point: DVec3, reach: f64) -> bool {
     (from + along * share).distance_squared(point) <= reach * reach
 }
 
-/// Maximum number of images, a few tens of milliseconds: all images of a room up to order 8.
+/// Maximum number of images, which take a few tens of milliseconds. All images of a room up to order 8 are fewer.
 const MOST_IMAGES: usize = 1 << 17;
 
-/// Maximum number of a field's nodes for which all these images are tried; with more nodes fewer images are tried, as
-/// each needs the field's value.
+/// Maximum number of nodes of a field for which [`MOST_IMAGES`] are tried. With more nodes fewer images are tried,
+/// because each image needs the field's value.
 const NODES: usize = 16;
 
-/// Maximum product of images and planes in a level: also a few tens of milliseconds, with thousands of planes.
+/// Maximum product of the numbers of images and planes in one level of images: a few tens of milliseconds with
+/// thousands of planes.
 const MOST_TRIED: usize = 1 << 24;
 
 /// An image of the source: the image of its parent in a plane.
@@ -280,9 +281,9 @@ struct Image {
     parent: Option<usize>,
 }
 
-/// Adds each sequence of at most `order` planes of `surfaces` over which sound could go from the source to the listener
-/// without obstacles; the path of such a sequence counts as searched for. Returns the number of reflections up to which
-/// all sequences were tried.
+/// Adds each sequence of at most `order` planes of `surfaces` over which sound could travel from the source to the
+/// listener if nothing obstructed it. The path of such a sequence counts as searched for. Returns the number of
+/// reflections up to which all sequences were tried.
 pub(super) fn add_plane_sequences(
     surfaces: &Surfaces,
     ends: &Ends,
@@ -320,9 +321,9 @@ pub(super) fn add_plane_sequences(
     order
 }
 
-/// Adds the images of a point (the source, or its image with this index) in all planes that have the point on their air
-/// side, except the plane that made this image. If the source, or an image that coincides with it, lies on planes, it
-/// also counts as on their air side, except for planes that have already mirrored it.
+/// Adds the images of a point (the source, or its image with this index) in all planes on whose air side the point
+/// lies, except in the plane that made this image. A source on planes, or an image that coincides with it, also counts
+/// as on their air side, except for planes that have already mirrored it.
 fn mirror(
     tree: &mut Vec<Image>,
     planes: &[(u32, Sheet)],

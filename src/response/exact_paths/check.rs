@@ -1,17 +1,18 @@
 //! Checks whether sound takes a stationary path.
 //!
-//! Rules for cases that arithmetic cannot decide, with *touch* = 10⁴ roundings of the scene, about
-//! 10⁻⁹ of its extent:
+//! Rules for cases that rounded arithmetic cannot decide. *Touch* is 10⁴ times the rounding error of the scene's
+//! coordinates, about 10⁻⁹ of the scene's extent.
 //! - A point up to *touch* beyond the edge of a face is on the face.
-//! - A reflection with a cosine below [`GRAZING`] does not count: the path cannot be distinguished from the path
-//!   straight on. But a source on a surface has an image there, also for a listener on that surface.
-//! - A segment is free if it is shorter than 20 *touches*, or if it hits no surface until *touch* before its end; the
-//!   surface at its end may be hit earlier by *touch* ÷ cosine, as the distance is measured along the segment.
-//! - Two points closer than *touch* lie in an edge, or are an end on a surface: the direction of the wave between them
-//!   follows from mirroring ([`flight_directions`]). At an end on a surface that direction must come from the solid, or
-//!   lead into it: otherwise, as before an edge of a box, the wave flies on in the air. In an edge that points into the
-//!   air, a wave that reaches several faces is mirrored by one of them, and the choice is ambiguous: there is no exact
-//!   path, and its waves remain statistical.
+//! - A reflection with a cosine below [`GRAZING`] does not count: the path cannot be distinguished from a straight
+//!   path. A source on a surface is an exception: its image in that surface counts, also for a listener on the same
+//!   surface.
+//! - A segment is free if it is shorter than 20 *touches*, or if it hits no surface until *touch* before its end. The
+//!   surface at its end may be hit earlier by *touch* ÷ cosine, because the distance is measured along the segment.
+//! - Two points closer than *touch* lie in an edge, or one of them is an end on a surface. The direction of the wave
+//!   between the two points follows from mirroring ([`flight_directions`]). At an end on a surface that direction must
+//!   come from the solid or lead into it. Otherwise the wave flies on in the air, as before an edge of a box. In an
+//!   edge that points into the air, one of several faces mirrors a wave that reaches all of them, and the choice of the
+//!   face is ambiguous: there is no exact path, and the waves remain statistical.
 
 use super::NoPath;
 use super::paths::Draft;
@@ -39,8 +40,10 @@ pub(super) struct Checked<'a> {
 }
 
 impl Checked<'_> {
+    /// Checks that sound takes the path.
+    ///
     /// # Errors
-    /// Checks the path; the error states why sound does not take it.
+    /// The reason why sound does not take the path.
     pub fn is_taken(&self) -> Result<(), NoPath> {
         let Draft {
             points,
@@ -58,7 +61,7 @@ impl Checked<'_> {
         let at_source = short(points.windows(2), self.surfaces.touch);
         for (i, normal) in normals.iter().enumerate() {
             let (to, from) = (directions[i].dot(*normal), directions[i + 1].dot(*normal));
-            // A source on a surface has an image there, also for directions along it.
+            // A source on a surface has an image in it, also for directions along the surface.
             let least = if i < at_source { -GRAZING } else { GRAZING };
             if to > -least || from < least {
                 return Err(NoPath::NotFromTheAir);
@@ -72,9 +75,9 @@ impl Checked<'_> {
         }
     }
 
-    /// Checks that each reflection in an edge, where two reflections away from the ends are at one point, comes from
-    /// the air, at an edge that points into the solid: at an edge that points into the air a wave hits only one of the
-    /// faces, and a face inside another solid does not reflect.
+    /// Checks each reflection in an edge, where two reflections away from the ends are at one point: the wave must come
+    /// from the air, and the edge must point into the solid. At an edge that points into the air a wave hits only one
+    /// of the faces. A face inside another solid does not reflect.
     fn edges_mirror(&self) -> Result<(), NoPath> {
         let touch = self.surfaces.touch;
         for (i, pair) in self.path.normals.windows(2).enumerate() {
@@ -149,9 +152,10 @@ impl Checked<'_> {
     ) -> Result<(), NoPath> {
         let (touch, surface) = (self.surfaces.touch, self.path.surfaces[reflection]);
         let normal = self.path.normals[reflection];
-        // A face that ends at the point mirrors waves that leave over the face, but not those that leave next to it.
+        // A face that ends at the point mirrors waves that leave over the face. It does not mirror waves that leave
+        // beyond its border.
         let over = point + leaves.reject_from_normalized(normal) * (PROBE_IN_TOUCHES * touch);
-        // A wave along a surface counts as on it.
+        // A wave along a surface counts as a wave on the surface.
         if self.value(point, direction) > touch || !self.surfaces.has(surface, over) {
             return Err(NoPath::NotFromTheAir);
         }
@@ -178,7 +182,7 @@ impl Checked<'_> {
     }
 }
 
-/// Normals with a smaller difference belong to one face.
+/// Maximum difference between normals of one face.
 const SAME_NORMAL: f64 = 1e-6;
 
 /// Number of segments of length 0 at the beginning of these segments.
@@ -251,8 +255,8 @@ impl EdgeStart<'_> {
 mod tests {
     use super::*;
 
-    /// Protects the direction of sound from a source or to a listener on a wall or in an edge: it leaves the surface
-    /// there as it would next to it.
+    /// Protects the direction of sound from a source or to a listener on a wall or in an edge: the direction is that of
+    /// a source or listener next to the surface.
     #[test]
     fn short_segments_are_flown_as_mirrors_say() {
         let (wall, floor) = (DVec3::X, DVec3::Y);

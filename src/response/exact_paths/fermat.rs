@@ -20,12 +20,13 @@
 use super::sheet::{Osculation, Sheet, outer};
 use glam::{DMat3, DVec3};
 
-/// Maximum tangential difference in radians of the unit vectors before and after a specular reflection; one more step
-/// then squares it. A thousand times the rounding of directions between points that are a thousandth of the scene
-/// apart.
+/// Maximum tangential difference in radians of the unit vectors before and after a specular reflection. One more step
+/// of Newton's method squares the difference. The limit is a thousand times the rounding of directions between points
+/// whose distance is a thousandth of the scene.
 const SPECULAR: f64 = 1e-10;
 
-/// The same for a sheet whose derivatives are finite differences, with normals accurate to about 10⁻¹⁰.
+/// The limit of [`SPECULAR`] for a sheet whose derivatives are finite differences, with normals accurate to about
+/// 10⁻¹⁰.
 const SPECULAR_BY_DIFFERENCES: f64 = 1e-8;
 
 /// Maximum number of steps. Starting from a wave that passes close by, three to six are needed; at a focus about
@@ -36,10 +37,10 @@ const STEPS: usize = 60;
 const TRIES: usize = 12;
 
 /// Maximum length of a step, as a share of the shorter of the two segments at its point, and maximum turn of the normal
-/// in radians: beyond, second derivatives are not valid.
+/// in radians. The second derivatives are not valid beyond these limits.
 const TRUST: f64 = 0.5;
 
-/// Least distance of two consecutive points, as a share of the path: closer points are a corner, not a path.
+/// Least distance of two consecutive points, as a share of the path's length: closer points lie in a corner.
 const SHORTEST_SEGMENT: f64 = 1e-13;
 
 /// Maximum number of Newton steps that project a point onto its sheet, and the error at which they
@@ -270,9 +271,9 @@ pub(super) fn image(place: DVec3, normal: DVec3, offset: f64) -> DVec3 {
     place - normal * (2.0 * (place.dot(normal) - offset))
 }
 
-/// The points at which the line from source to listener is mirrored at all sheets, in order; a line that is closer to a
-/// plane than `touch` metres at both ends counts as within the plane. `None` if a sheet is not a plane, or the line to
-/// an image does not cross its plane.
+/// The points at which the line from source to listener is mirrored at all sheets, in order. A line that is closer to a
+/// plane than `touch` metres at both ends counts as within the plane. `None` if a sheet is not a plane, or if the line
+/// to an image does not cross its plane.
 pub(super) fn points_by_images<'a>(
     source: DVec3,
     listener: DVec3,
@@ -291,8 +292,8 @@ pub(super) fn points_by_images<'a>(
         let image = images[i + 1];
         let here = seen_from.dot(*normal) - offset;
         let there = image.dot(*normal) - offset;
-        // The rest of the path is a single point, with the source in an edge; or the path lies in the plane, and is
-        // mirrored at its start.
+        // The remaining path is a single point if the source is in an edge. A path within the plane is mirrored at its
+        // start.
         let is_point = seen_from.distance(image) <= touch;
         if is_point || here.abs().max(there.abs()) <= touch {
             seen_from = image;
@@ -313,7 +314,7 @@ pub(super) fn points_by_images<'a>(
 #[derive(Clone, Debug)]
 struct Matrix(Vec<Vec<f64>>);
 
-/// Least pivot, as a share of the matrix' largest element: smaller pivots are rounding.
+/// Least pivot, as a share of the matrix' largest element: smaller pivots are rounding errors.
 const LEAST_PIVOT: f64 = 1e-14;
 
 impl Matrix {

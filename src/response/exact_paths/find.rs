@@ -3,13 +3,14 @@
 //! # Limits of the search
 //! Newton's method does not start from every wave.
 //!
-//! A sequence of planes has one path. A sequence with curved surfaces may have many paths, and each is found from a
-//! wave that passes close by; but near a focus every wave passes the listener repeatedly, and starting from all of them
-//! takes minutes. So the search starts from at most [`SOLVED_OF_A_SEQUENCE`] waves of a sequence, spread evenly over
-//! its waves, and each other wave gets the result of the starting wave whose reflection points are nearest. A path
-//! found by fewer than one in this number of its sequence's waves may be missed. In total the search starts from at
-//! most [`SOLVED_AT_CURVES`] waves, first those of the sequences with the fewest reflections, then of those with the
-//! most waves; the waves of all other sequences remain statistical.
+//! A sequence of planes has one path. A sequence with curved surfaces may have many paths, and each path is found from
+//! a wave that passes close by. Near a focus every wave passes the listener repeatedly, and a search from all of these
+//! waves takes minutes. The search therefore starts from at most [`SOLVED_OF_A_SEQUENCE`] waves of a sequence, spread
+//! evenly over its waves. Each other wave gets the result of the starting wave whose reflection points are nearest. A
+//! path found by fewer than one in [`SOLVED_OF_A_SEQUENCE`] of its sequence's waves may be missed.
+//!
+//! In total the search starts from at most [`SOLVED_AT_CURVES`] waves. Sequences with fewer reflections come first, and
+//! among these the sequences with more waves. The waves of all other sequences remain statistical.
 
 use super::candidates::Candidates;
 use super::check::{Checked, flight_directions};
@@ -48,7 +49,7 @@ impl Found {
 /// Maximum number of times that a path which leaves the sheet of a candidate may continue on the neighbouring sheet.
 const MOST_CROSSINGS: usize = 6;
 
-/// Surfaces, and walls of rooms.
+/// The surfaces and walls of a path's reflections, in order.
 type Sequence = (Vec<u32>, Vec<Option<u8>>);
 
 pub(super) fn find(
@@ -327,8 +328,8 @@ impl<'a> Jobs<'a> {
     }
 }
 
-/// The index of the wave whose reflection points are nearest to these vertices, by the sum of squared distances; the
-/// first of several.
+/// The index of the wave whose reflection points are nearest to these vertices, by the sum of squared distances. The
+/// first index wins if several waves are equally near.
 fn nearest(waves: &[&[Vertex]], vertices: &[Vertex]) -> usize {
     let apart = |wave: &[Vertex]| -> f64 {
         let pairs = wave.iter().zip(vertices);
@@ -349,7 +350,7 @@ mod tests {
     use glam::Vec3;
 
     /// Protects the time spent at a focus: if all waves arrive after each of three reflections, the number of solved
-    /// waves keeps the limits, and each represents at least one wave.
+    /// waves stays within the limits, and each solved wave represents at least one wave.
     #[test]
     fn a_focus_has_few_jobs() {
         let radii = Vec3::new(10.0, 6.0, 6.0);

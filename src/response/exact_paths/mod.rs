@@ -62,7 +62,7 @@ use check::EdgeStart;
 use glam::{DVec3, Vec3};
 use surfaces::Surfaces;
 
-/// The surfaces of a scene as mirrors, to find paths among.
+/// The surfaces of a scene as mirrors, for the search for paths.
 #[derive(Clone, Debug)]
 pub struct EarlyPaths {
     exact: ExactScene,
@@ -97,9 +97,9 @@ pub enum NoPath {
     /// The source or the listener's centre is in a solid.
     EndInSolid,
     /// The path begins or ends in an edge or at a corner that points into the air, and flies against more than one of
-    /// the faces there, so that it is ambiguous which face mirrors it.
+    /// the faces there. It is then ambiguous which face mirrors the path.
     AtEdge,
-    /// The search did not start from this wave, because there are too many waves at curved surfaces. Its waves remain
+    /// The search did not start from this wave, because there are too many waves at curved surfaces. The wave remains
     /// statistical.
     LeftOut,
 }
@@ -178,10 +178,10 @@ impl EarlyPaths {
         follow.all(directions, most_asked)
     }
 
-    /// Adds each sequence of at most `order` planes over which sound could go from the source to the listener without
-    /// obstacles. It considers surfaces made only of shapes with planes ([`Room`](crate::scene::shape::Room), `Cuboid`,
-    /// `Plane`, `HalfSpace`, `Prism`), moved, turned, scaled, inverted, united and cut. Like directions that are
-    /// searched in addition to the waves, the sequences give paths, and do not count among the waves that found them.
+    /// Adds each sequence of at most `order` planes over which sound could travel from the source to the listener if
+    /// nothing obstructed it. It considers surfaces made only of shapes with planes
+    /// ([`Room`](crate::scene::shape::Room), `Cuboid`, `Plane`, `HalfSpace`, `Prism`), moved, turned, scaled, inverted,
+    /// united and cut. The sequences give paths, but they do not count among the waves that found these paths.
     ///
     /// Returns the number of reflections up to which all sequences were tried: `order`, or less if there are more than
     /// 131,072 images of the source; all sequences of one reflection are always tried.

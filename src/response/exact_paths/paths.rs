@@ -12,14 +12,14 @@
 //! A path is found if one of the waves that pass the listener belongs to it. Each such wave belongs to the path with a
 //! probability p proportional to the energy that the path brings without absorption. Good (*The population frequencies
 //! of species*, Biometrika 40, 1953, after Turing): if n waves found paths, and f₁ of these found a path that no other
-//! wave found, then all paths that no wave found together have a probability of about f₁/n. Chao (*Nonparametric
-//! estimation of the number of classes in a population*, 1984, in its bias-corrected form): the number of missed paths
-//! is at least about f₁ (f₁ − 1) / (2 (f₂ + 1)), where f₂ is the number of paths found by two waves. If most paths are
-//! weak, as with balls and pillars, many more paths are missed than this bound says; the first estimate, of the missed
+//! wave found, then the missed paths have a total probability of about f₁/n. Chao (*Nonparametric estimation of the
+//! number of classes in a population*, 1984, in its bias-corrected form): the number of missed paths is at least about
+//! f₁ (f₁ − 1) / (2 (f₂ + 1)), where f₂ is the number of paths found by two waves. If most paths are weak, as with
+//! balls and pillars, the number of missed paths is much larger than this bound. The first estimate, of the missed
 //! energy, remains valid.
 //!
-//! A path that the search also looks for is known whether waves find it or not: its waves count among the n waves, but
-//! the path does not count as found by only one wave.
+//! A path that the search also looks for is known even if no wave finds it. Its waves count among the n waves, but the
+//! path does not count as found by only one wave.
 //!
 //! The estimate does not include paths that no wave can find: paths over users' fields, and paths beyond the maximum
 //! order of the waves.
@@ -97,11 +97,12 @@ pub(super) struct Draft {
 /// length: the error of Newton's method is smaller, and paths with a smaller difference sound the same.
 const SAME: f64 = 1e-6;
 
-/// Maximum difference in radians between normals that count as equal, and between directions at the ends: equal ones
-/// may differ this much at curved surfaces, and along segments that are hardly longer than the rounding error.
+/// Maximum difference in radians between normals that count as equal, and between directions at the ends. Equal paths
+/// may differ this much at curved surfaces, and along segments hardly longer than the rounding error.
 const SAME_DIRECTION: f64 = 1e-3;
 
-/// Maximum difference in metres of lengths that count as equal for sorting: then the surfaces decide.
+/// Maximum difference in metres of lengths that count as equal for sorting. Paths of equal length are sorted by
+/// surfaces.
 const SAME_LENGTH: f64 = 1e-9;
 
 /// Maximum energy density in a sphere, times the square of its radius, reached if all waves pass through its centre:

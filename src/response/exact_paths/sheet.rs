@@ -6,13 +6,13 @@
 //!
 //! # Differences
 //! Values are rounded: for coordinates up to X the error of a value is about ε X. With features of length ℓ the n-th
-//! derivative of a value is about ℓ^(1−n). A difference quotient over steps h has an error from each; this h makes the
-//! two errors equal:
+//! derivative of a value is about ℓ^(1−n). A difference quotient over steps h has a rounding error and a truncation
+//! error. The step h makes both errors equal:
 //! - gradient, of fourth order: rounding ε X / h, truncation h⁴ / ℓ⁴ (÷ 30): h⁵ = ε X ℓ⁴;
 //! - second derivatives, of second order: ε X / h² and h² / ℓ³ (÷ 12): h⁴ = 12 ε X ℓ³, extrapolated
 //!   from two steps to a step of 0 (Richardson).
 //!
-//! X = 50 m and ℓ = 0.1 m give a gradient to 4·10⁻¹¹ and second derivatives to 10⁻⁶/m.
+//! X = 50 m and ℓ = 0.1 m give an error of 4·10⁻¹¹ in the gradient and of 10⁻⁶/m in the second derivatives.
 
 use crate::sampling::{FNV_EMPTY, fnv_with};
 use crate::scene::Shape;
@@ -131,7 +131,8 @@ pub(super) fn outer(a: DVec3, b: DVec3) -> DMat3 {
 }
 
 impl Sheet<'_> {
-    /// A key that is, in most cases despite rounding, equal for sheets in one plane with the air on the same side.
+    /// A key of a plane and its air side. Despite rounding, the keys of sheets in one plane with the air on the same
+    /// side are equal in most cases.
     pub fn rounded_plane(&self, touch: f64) -> Option<[i64; 4]> {
         /// Resolution of normals: one part in this number, coarser than the rounding of turned axes.
         const PARTS: f64 = 1e11;

@@ -29,8 +29,8 @@ pub(super) struct Surfaces {
 }
 
 /// Maximum distance at which a point counts as on a surface, in units of the scene's rounding. Solutions of Newton's
-/// method and hits of marched fields are off by some tens of units, and a point closer to an edge cannot be
-/// distinguished from the edge anyway. In a scene of 100 m it is 0.1 µm.
+/// method and hits of marched fields are off by some tens of units. A point closer to an edge than this distance cannot
+/// be distinguished from the edge. In a scene of 100 m the distance is 0.1 µm.
 const TOUCH_IN_ROUNDINGS: f64 = 1e4;
 
 /// Maximum number of solids that a point is moved out of: a point in a corner lies in three solids by rounding, and
@@ -149,8 +149,8 @@ impl Surfaces {
         None
     }
 
-    /// Moves a world point out of solids in which it lies only because coordinates are rounded to `f32`, as a point on
-    /// a turned wall does. Returns the point itself if it lies in no solid, or deeper in one.
+    /// Moves a world point out of solids in which it lies only because coordinates are rounded to `f32`, such as a
+    /// point on a turned wall. Returns the point itself if it lies in no solid, or deeper in a solid.
     pub fn out_of_rounding(&self, point: DVec3) -> DVec3 {
         let most_m = f64::from(ROUNDING) * self.largest;
         let value = |(shape, frame): &(Shape, Frame), p: DVec3| shape.value(frame.place(p));
@@ -163,7 +163,7 @@ impl Surfaces {
             match deepest(place) {
                 Some((surface, value)) if value < 0.0 && value >= -most_m => {
                     match self.onto(surface, place) {
-                        // The point is then in the air, whatever error the value has.
+                        // The point is then in the air, even if the value is slightly wrong.
                         Some(on) => place = on.point + on.normal * (2.0 * SETTLED * self.touch),
                         None => return point,
                     }

@@ -6,8 +6,8 @@ use super::pieces::Piece;
 /// The last decay in decibels of the record from which the tail is extrapolated, by ISO 3382-1:2009, 5.3.3.
 const TAIL_DECAY_DB: f64 = 10.0;
 
-/// Factor by which the tail's window shrinks in each step of the search. Its effect is small compared with the noise of
-/// the energies, and about 200 steps lead from a whole record to a bin.
+/// Factor by which the tail's window shrinks in each step of the search. The resulting rounding of the window is small
+/// compared with the noise of the energies, and about 200 steps lead from a whole record to a bin.
 const WINDOW_STEP: f64 = 0.97;
 
 /// Decibels by which the record must end below the lower limit of a decay: ISO 3382-1:2009 requires this distance
@@ -63,8 +63,8 @@ const NO_TAIL: Tail = Tail {
 };
 
 impl<'a> Decay<'a> {
-    /// Creates the decay of a band; `None` without energy, or if the tail cannot be estimated: unless the energy of the
-    /// record's second half is 5 dB below that of the first, the record does not decay by 10 dB.
+    /// Creates the decay of a band. `None` without energy, or if the tail cannot be estimated: if the energy of the
+    /// record's second half is not 5 dB below that of the first half, the record does not decay by 10 dB.
     pub(super) fn new(pieces: &'a [Piece], band: usize, bin_s: f64) -> Option<Decay<'a>> {
         let mut remaining = vec![0.0; pieces.len() + 1];
         for (index, piece) in pieces.iter().enumerate().rev() {
@@ -93,8 +93,8 @@ impl<'a> Decay<'a> {
     }
 
     /// Estimates the energy after the record. As in ISO 3382-1, it decays at the rate of the last 10 dB of the record.
-    /// That rate is found from two adjacent windows of equal length, of which the second ends with the record: their
-    /// length is chosen so that their energies differ by 5 dB.
+    /// That rate is found from two adjacent windows of equal length at the end of the record. The length of the windows
+    /// is chosen so that their energies differ by 5 dB.
     fn find_tail(&self) -> Option<Tail> {
         let ratio = 10_f64.powf(TAIL_DECAY_DB / 2.0 / 10.0);
         let ends_s = self.length_s();
@@ -123,7 +123,7 @@ impl<'a> Decay<'a> {
         })
     }
 
-    /// Energy in 1/m² from a time within the record on.
+    /// Energy in 1/m² that arrives after a time within the record.
     pub(super) fn from(&self, seconds: f64) -> f64 {
         let after = self.pieces.partition_point(|piece| piece.ends_s < seconds);
         let Some(piece) = self.pieces.get(after) else {
@@ -132,7 +132,7 @@ impl<'a> Decay<'a> {
         self.within(after, piece, seconds)
     }
 
-    /// Energy in 1/m² from a time within a piece on.
+    /// Energy in 1/m² that arrives after a time within a piece.
     fn within(&self, index: usize, piece: &Piece, seconds: f64) -> f64 {
         let length_s = piece.ends_s - piece.begins_s;
         if length_s <= 0.0 || seconds <= piece.begins_s {

@@ -31,9 +31,9 @@ fn decibels(ratio: f64) -> f64 {
 }
 
 /// Minimum number of arrivals of equal energy ([`Echogram::effective_arrivals`]) after the end of a reported decay.
-/// With fewer, a wave that returns repeatedly, or a single strong wave, may cause a larger error than the batches show:
-/// with 50, T30 was 5 % off at a stated error of 1.3 % in an uneven room. With none, the decay would be known only from
-/// exact paths, which end at their maximum order.
+/// With fewer arrivals, a wave that returns repeatedly, or a single strong wave, may cause a larger error than the
+/// batches show: with 50 arrivals, T30 was 5 % off at a stated error of 1.3 % in an uneven room. Without arrivals, the
+/// decay would be known only from exact paths, which end at their maximum order.
 const LEAST_ARRIVALS: f64 = 500.0;
 
 /// The figures of a band, by ISO 3382-1. `None` if the decay is too short or too noisy, or if the figure is not
@@ -70,34 +70,35 @@ pub struct BandFigures {
 /// The figures of all bands, with their errors.
 ///
 /// # Method
-/// - The time counts from the direct sound. If there is none, it counts from the first tap that is less than 20 dB
-///   below the strongest tap or bin (ISO 3382-1 takes a response to start 20 dB below its maximum), or, if 10 % of the
-///   energy arrive before that or there are no taps, from the time when 1 % of all energy has arrived. The energy of a
-///   bin arrives evenly over the bin, that of a tap at one instant.
+/// - The time counts from the direct sound. Without direct sound, it counts from the first tap that is less than 20 dB
+///   below the strongest tap or bin (ISO 3382-1 takes a response to start 20 dB below its maximum). If 10 % of the
+///   energy arrives before this tap, or there are no taps, it counts from the time when 1 % of all energy has arrived.
+///   The energy of a bin is spread evenly over the bin, the energy of a tap arrives at one instant.
 /// - The decay curve is the backward integral of the energy (M. R. Schroeder, JASA 37, 1965). The energy after the
-///   record's end is added as an exponential decay at the rate of the record's last 10 dB (ISO 3382-1, 5.3.3); without
-///   it the decay would look too fast. Since it is an estimate, a decay counts only if the record ends at least 10 dB
-///   below the decay's lower limit (EDT −20 dB, T20 −35 dB, T30 −45 dB), and a sum of energies only if at most 1 % of
-///   it lies beyond the record. If the second half of the record is not 5 dB below the first, the tail cannot be
-///   estimated, and there are no figures.
+///   record's end is added as an exponential decay at the rate of the record's last 10 dB (ISO 3382-1, 5.3.3). Without
+///   this tail the decay would look too fast. Because the tail is an estimate, a decay counts only if the record ends
+///   at least 10 dB below the decay's lower limit (EDT −20 dB, T20 −35 dB, T30 −45 dB), and a sum of energies counts
+///   only if at most 1 % of it lies beyond the record. If the second half of the record is not 5 dB below the first,
+///   the tail cannot be estimated, and there are no figures.
 /// - Decay times are least-squares fits to the curve in decibels, with equal weight at every instant.
 ///
 /// # Errors
-/// Figures are not linear in the energies, and decay times jump when a limit moves from one echo to the next. So a
-/// figure is computed from all batches, and again from orthogonal halves of the batches and the halves' complements (P.
-/// J. McCarthy, *Pseudo-replication: half samples*, Review of the International Statistical Institute 37, 1969): with n
-/// batches, from 2 (n − 1) halves. The variance of a figure is the mean square difference between the halves' values
-/// and the value from all batches. For a sum of energies this is the variance of the batches' mean; for other figures
-/// it includes the curvature and the bias too, since a half differs from all waves as much as all waves differ from the
-/// truth. Exact taps are in each half, and have no error. The variance has n − 1 degrees of freedom: Student's t widens
-/// the error by t(97.5 %)/2, so that twice the error contains the truth in 95 % of cases (16 batches: by 6.6 %). If the
-/// number of arrived waves, counted as waves of equal energy, is below the number of batches, it determines the degrees
-/// of freedom; a single arrival counts as two. A figure that is missing in some half is not reported: its decay is too
-/// noisy.
+/// Figures are not linear in the energies, and decay times jump when a limit moves from one echo to the next. A figure
+/// is therefore computed from all batches, and again from orthogonal halves of the batches and the halves' complements
+/// (P. J. McCarthy, *Pseudo-replication: half samples*, Review of the International Statistical Institute 37, 1969):
+/// with n batches, from 2 (n − 1) halves. The variance of a figure is the mean square difference between the halves'
+/// values and the value from all batches. For a sum of energies this is the variance of the batches' mean. For other
+/// figures it also includes the curvature and the bias, because a half differs from all waves as much as all waves
+/// differ from the truth. Exact taps are in each half, and have no error.
 ///
-/// A decay time is reported if its error from the noise of the waves alone is at most 1.5 % of it and, if there are
-/// batches, if at least 500 waves of equal energy arrive after the end of its decay (a few strong waves count for
-/// less). EDT is not reported if it is longer than the record.
+/// The variance has n − 1 degrees of freedom: Student's t widens the error by t(97.5 %)/2, so that twice the error
+/// contains the truth in 95 % of cases (16 batches: by 6.6 %). If the number of arrived waves, counted as waves of
+/// equal energy, is below the number of batches, it determines the degrees of freedom; a single arrival counts as two.
+/// A figure that is missing in one of the halves is not reported, because its decay is too noisy.
+///
+/// A decay time is reported if its error from the noise of the waves alone is at most 1.5 % of the decay time. If there
+/// are batches, at least 500 waves of equal energy must also arrive after the end of its decay (a few strong waves
+/// count for less). EDT is not reported if it is longer than the record.
 ///
 /// The error does not include errors common to all waves, such as paths that a wave cannot take. A
 /// [`Response`](crate::response::Response) adds the known effects of the listener's size and the effect of one further
@@ -223,7 +224,7 @@ impl Figures {
     }
 }
 
-/// Ends of the evaluated decays of a band in seconds after the direct sound.
+/// Ends of the evaluated decays of a band, in seconds after the direct sound.
 type DecayEnds = [f64; DECAY_TIMES];
 
 /// The figures of each band, the ends of their decays, and the share of the energy beyond the record.
@@ -270,11 +271,11 @@ fn list(decay: &Decay) -> (List, DecayEnds) {
     (list, lines.map(|line| line.map_or(0.0, |line| line.ends_s)))
 }
 
-/// Maximum number of reflections of image sources that become taps; the decay of the others is smooth.
+/// Maximum number of reflections of image sources that become taps. The decay of all further image sources is smooth.
 const TAPS_ORDER: u32 = 12;
 
-/// Cell lengths in seconds for all further image sources; the shortest is used with which the record fits into an
-/// echogram. Each divides 10 ms, so that the limits of clarity are edges.
+/// Cell lengths in seconds for all further image sources. The shortest length with which the record fits into an
+/// echogram is used. Each length divides 10 ms, so that the limits of clarity are edges.
 const CELLS_S: [f64; 4] = [1e-4, 2e-4, 5e-4, 1e-3];
 
 impl Figures {

@@ -1,9 +1,9 @@
-//! Energy over time as pieces, exact taps and bins, in order; and the time origin of figures.
+//! Energy over time as ordered pieces, which are exact taps and bins; and the time origin of figures.
 //!
 //! ISO 3382-1 counts from the direct sound, and takes the response to start where it is less than 20 dB below its
 //! maximum. Without a direct sound, waves that cross the rim of the listener's sphere may arrive long before the sound
-//! at its centre, and the time of the first such wave depends on the number of waves. So the origin is determined by
-//! exact paths, and without paths by a share of the energy.
+//! at its centre, and the time of the first of these waves depends on the number of waves. Exact paths therefore
+//! determine the origin. Without paths a share of the energy determines it.
 
 use crate::bands::{self, BAND_COUNT, Bands};
 use crate::response::{Echogram, Tap};
@@ -36,8 +36,8 @@ impl<'a> Record<'a> {
         }
     }
 
-    /// All energy that arrives from `begins_s` on, without gaps, in order of time. Earlier energy is added at the
-    /// beginning. A tap within a bin splits the bin.
+    /// All energy that arrives after `begins_s`, as pieces without gaps, in order of time. Earlier energy is added at
+    /// the beginning. A tap within a bin splits the bin.
     ///
     /// `energy` returns the energy of a bin.
     pub(super) fn pieces(&self, begins_s: f64, energy: impl Fn(usize) -> Bands) -> Vec<Piece> {
@@ -83,9 +83,9 @@ impl<'a> Record<'a> {
         found
     }
 
-    /// The time origin: the direct sound; otherwise the first exact path that is less than 20 dB below the strongest
-    /// path or bin, unless 10 % of all energy arrived before that path; otherwise the time when 1 % of all energy has
-    /// arrived. `None` if nothing arrives.
+    /// The time origin: the direct sound. Without direct sound, it is the first exact path that is less than 20 dB
+    /// below the strongest path or bin. Without such a path, or if 10 % of all energy arrives before it, it is the time
+    /// when 1 % of all energy has arrived. `None` if nothing arrives.
     ///
     /// `energy` returns the energy of a bin. Energies are compared as means over the bands.
     pub(super) fn origin(
@@ -147,8 +147,8 @@ fn parted(piece: Piece, at_s: f64) -> (Piece, Piece) {
 /// a path it starts when this share of all energy has arrived.
 const START_SHARE: f64 = 0.01;
 
-/// Maximum share of all energy (10 dB below the total) that may arrive before the path that is the origin: if waves
-/// bring more before that path, the sound starts with them.
+/// Maximum share of all energy (10 dB below the total) that may arrive before the path that is the origin. If more
+/// energy arrives before that path, the sound starts earlier.
 const SHARE_BEFORE_PATH: f64 = 0.1;
 
 /// The time origin of a response.
@@ -164,8 +164,8 @@ fn is_instant(piece: &Piece) -> bool {
     piece.begins_s == piece.ends_s
 }
 
-/// The time at which the energy of these pieces, in order of time, exceeds `least`, within a bin of `bin_s` seconds.
-/// `None` if the energy never exceeds it, or is 0.
+/// The time at which the sum of the energies of these pieces, in order of time, reaches `least`, within a bin of
+/// `bin_s` seconds. `None` if the sum never reaches `least`, or is 0.
 fn passes(pieces: &[Piece], least: f64, bin_s: f64) -> Option<Origin> {
     let mut arrived = 0.0;
     for piece in pieces {

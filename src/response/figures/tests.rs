@@ -46,8 +46,8 @@ fn assert_near(found: Option<f64>, expected: f64, tolerance: f64) {
 }
 
 /// Protects each figure of a pure decay, and the tail of a record that ends at −46 dB: without the tail T30 would be
-/// 0.5 % too short. A bin is a hundredth of the time in which the energy falls by a factor of e; distributing its
-/// energy evenly causes an error of the square of that over 12: 10⁻⁵.
+/// 0.5 % too short. A bin is a hundredth of the time in which the energy falls by a factor of e. Spreading its energy
+/// evenly causes an error of the square of this ratio over 12: 10⁻⁵.
 #[test]
 fn a_pure_decay_has_its_figures() {
     let time_s = 0.1;
@@ -67,7 +67,7 @@ fn a_pure_decay_has_its_figures() {
     assert_eq!(figures.errors[3], BandFigures::default());
 }
 
-/// Protects the margins: a record that ends too early does not give the figures that need its tail.
+/// Protects from figures of a record that ends too early: figures that need its tail are missing.
 #[test]
 fn a_record_that_is_too_short_tells_less() {
     let time_s = 0.1;
@@ -78,7 +78,7 @@ fn a_record_that_is_too_short_tells_less() {
     let (at_44, at_34, at_19, at_9) = (until(44.0), until(34.0), until(19.0), until(9.0));
     assert!(at_44.t30_s.is_none() && at_44.t20_s.is_some());
     assert!(at_34.t20_s.is_none());
-    // EDT, six times the decay by 10 dB, is longer than a record of less than 60 dB.
+    // EDT, six times the decay by 10 dB, is longer than a record that decays by less than 60 dB.
     let (at_61, at_59) = (until(61.0), until(59.0));
     assert_near(at_61.edt_s, SIXTY_DB * time_s, 1e-4);
     assert!(at_59.edt_s.is_none() && at_59.t30_s.is_some());
@@ -87,8 +87,8 @@ fn a_record_that_is_too_short_tells_less() {
     assert_eq!(at_9, BandFigures::default());
 }
 
-/// Decay times are not reported from exact paths alone, or from a few waves: a row of taps decays by 60 dB, followed by
-/// no waves, by few, or by many that continue the decay.
+/// Protects from decay times that come from exact paths alone or from a few waves. A row of taps decays by 60 dB; after
+/// it come no waves, a few waves, or many waves that continue the decay.
 #[test]
 fn decay_times_need_waves_behind_the_decay() {
     let falls = |seconds: f64| 10_f64.powf(-6.0 * seconds);
@@ -147,7 +147,7 @@ fn the_direct_sound_alone_has_strength_and_no_decay() {
     assert_eq!((nothing.begins_s, nothing.bands[0].g_db), (None, None));
 }
 
-/// Protects the time origin, and taps that split bins: there are echoes 60 ms and 90 ms after the direct sound, one of
+/// Protects the time origin, and taps that split bins: echoes arrive 60 ms and 90 ms after the direct sound, one of
 /// them in a filled bin.
 #[test]
 fn times_count_from_the_direct_sound() {
@@ -175,7 +175,7 @@ fn student_s_t_is_that_of_the_table() {
 }
 
 /// Random waves with two decays, half of the waves in each: in 16 batches, each wave heard 20 times at evenly
-/// distributed random times over 2 s. With `only`, just the waves of that batch.
+/// distributed random times over 2 s. `only` restricts the waves to one batch.
 fn draw(seed: u64, waves: usize, only: Option<usize>) -> Echogram {
     let batches = if only.is_some() { 1 } else { 16 };
     let mut echogram = Echogram::new(BIN_S, batches).expect("a good bin");
@@ -192,7 +192,7 @@ fn draw(seed: u64, waves: usize, only: Option<usize>) -> Echogram {
     echogram
 }
 
-/// Energies that are 0 except in the lowest band: the other bands have no figures, and cost no time.
+/// Energies that are 0 except in the lowest band. The other bands have no figures, and take no time.
 fn lowest(energy: f64) -> Bands {
     std::array::from_fn(|band| if band == 0 { energy } else { 0.0 })
 }
@@ -249,8 +249,8 @@ fn two_errors_hold_the_truth_in_95_of_100_draws() {
     }
 }
 
-/// Protects the reason for halves: with few waves the mean of figures computed from single batches is biased, here by
-/// 0.2 dB, while the bias of the figure from all waves together is at most a sixteenth of that.
+/// Protects the use of halves: with few waves the mean of figures computed from single batches is biased, here by 0.2
+/// dB, while the bias of the figure from all waves together is at most a sixteenth of that.
 #[test]
 fn figures_of_single_batches_are_biased() {
     const DRAWS: u64 = 200;

@@ -1,10 +1,10 @@
 //! Errors of the figures: the spread over halves of the batches, errors common to all waves, and differences between
-//! two ways of counting.
+//! two records of the same sound.
 //!
 //! # Few waves
 //! The spread over batches is unreliable for a few dozen arrivals in a band, and is not defined without arrivals. In
-//! such a band the energy that the waves may have missed is estimated from the number of arrivals: √n for n arrivals,
-//! and one if there are none.
+//! such a band the missed energy is estimated from the number of arrivals: as the energy of √n arrivals for n arrivals,
+//! and as one arrival if there are none.
 
 use super::pieces::{Origin, Record};
 use super::{BandFigures, DECAY_TIMES, FIGURE_COUNT, Figures, List, lists};
@@ -12,8 +12,8 @@ use crate::bands::{self, BAND_COUNT, Bands};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Maximum error of a reported decay time, as a share of the time: with a larger error its decay is too noisy. Two
-/// errors are 3 %, less than the just noticeable difference in reverberation (5 %, ISO 3382-1, annex A).
+/// Maximum error of a reported decay time, as a share of the time: a decay with a larger error is too noisy. Two errors
+/// are 3 %, less than the just noticeable difference in reverberation (5 %, ISO 3382-1, annex A).
 const WORST_TIME_ERROR: f64 = 0.015;
 
 const NO_FIGURES: [List; BAND_COUNT] = [[None; FIGURE_COUNT]; BAND_COUNT];
@@ -42,7 +42,7 @@ impl CommonErrors {
 }
 
 impl Figures {
-    /// Adds the differences from the figures of another record as errors, each times the weight of its band.
+    /// Adds the differences from the figures of another record to the errors, each times the weight of its band.
     pub(crate) fn with_differences(self, record: Record, weights: &Bands) -> Figures {
         self.differing(self.begins_s, &record, weights)
     }
@@ -55,8 +55,8 @@ impl Figures {
         self.differing(later, record, &[EVEN; BAND_COUNT])
     }
 
-    /// Adds the weighted differences from the figures of a record as errors, if the record has figures with times from
-    /// `begins_s` on.
+    /// Adds the weighted differences from the figures of a record to the errors, if the record has figures with times
+    /// from `begins_s` on.
     fn differing(self, begins_s: Option<f64>, record: &Record, weights: &Bands) -> Figures {
         match begins_s.and_then(|begins_s| others(record, begins_s)) {
             Some(others) => self.differing_from(&others, weights),
@@ -64,7 +64,7 @@ impl Figures {
         }
     }
 
-    /// Adds the weighted differences from other figures as errors.
+    /// Adds the weighted differences from other figures to the errors.
     fn differing_from(mut self, others: &[List; BAND_COUNT], weights: &Bands) -> Figures {
         for band in 0..BAND_COUNT {
             let pairs = self.bands[band].list().into_iter().zip(others[band]);
@@ -190,9 +190,10 @@ impl Halves {
         (told, errors)
     }
 
-    /// Factor by which Student's t widens an error. Its degrees of freedom are those of the batches, or of the arrivals
-    /// if there are fewer: most batches are then empty, and their spread is meaningless. Without arrivals the spread is
-    /// 0; a single arrival counts as two, as nothing is known of the energies of others that might have arrived.
+    /// Factor by which Student's t widens an error. The degrees of freedom are those of the batches, or those of the
+    /// arrivals if there are fewer arrivals: most batches are then empty, and their spread is meaningless. Without
+    /// arrivals the spread is 0. A single arrival counts as two, because it says nothing about the energies of other
+    /// possible arrivals.
     fn widening(&self, arrivals: f64) -> f64 {
         let of_batches = self.batches - 1;
         let degrees = match arrivals > 0.0 {
@@ -238,7 +239,7 @@ pub(super) fn student_975(degrees: usize) -> f64 {
 /// Number of arrivals of equal energy in a band below which the spread over batches alone does not give the error.
 const FEW: f64 = 64.0;
 
-/// Time in seconds over which a further arrival is spread, from the time origin on: half of it arrives before 80 ms.
+/// Time in seconds after the time origin over which a further arrival is spread: half of it arrives before 80 ms.
 const FURTHER_S: f64 = 0.16;
 
 /// Maximum errors of figures reported from few arrivals: just noticeable differences (ISO 3382-1, annex A) of C50, C80,
@@ -254,9 +255,9 @@ const WORST_ERRORS: List = [
     Some(1.0),
 ];
 
-/// Error of the sum of a number of arrivals' energies that the spread over batches does not include: about √n times
-/// their mean if there are few arrivals. With more arrivals the spread includes more of the error: the factor is √(1 +
-/// n (1 − n / 64)), and 1 from 64 on. 0 without arrivals.
+/// Error of a sum of arrivals' energies that the spread over batches does not include. For few arrivals it is about √n
+/// times their mean energy. With more arrivals the spread includes more of the error: the factor is √(1 + n (1 − n /
+/// 64)), and 1 from 64 on. 0 without arrivals.
 pub(crate) fn uncertain_energy(sum: f64, arrivals: f64) -> f64 {
     if arrivals == 0.0 {
         return 0.0;
@@ -298,7 +299,8 @@ impl Figures {
         figures
     }
 
-    /// Keeps the figures of a band that have small errors and also exist in `others`, which has one more arrival.
+    /// Keeps the figures of a band that have small errors and are also present in `others`, the figures with one more
+    /// arrival.
     fn leave_certain(&mut self, band: usize, others: &List) {
         let (mut list, mut errors) = (self.bands[band].list(), self.errors[band].list());
         for figure in 0..FIGURE_COUNT {
@@ -320,8 +322,8 @@ mod tests {
     use super::*;
     use crate::response::{Echogram, Tap};
 
-    /// The figures of a direct sound of energy 1 and some arrivals of 0.001 each, with the effect of one more such
-    /// arrival as their error.
+    /// The figures of a direct sound of energy 1 and of arrivals of 0.001 each. Their errors include the effect of one
+    /// more such arrival.
     fn figures(arrivals: usize, energy: f64) -> Figures {
         let direct = Tap {
             seconds: 0.01,
@@ -347,8 +349,8 @@ mod tests {
         )
     }
 
-    /// Protects against errors estimated from a few dozen waves, and errors of 0: if one arrival changes G by more than
-    /// 1 dB, G is not reported; otherwise its error is at least that of one arrival.
+    /// Protects against errors that are estimated from a few dozen waves or are 0: if one arrival changes G by more
+    /// than 1 dB, G is not reported; otherwise its error is at least that of one arrival.
     #[test]
     fn few_arrivals_give_no_certain_figures() {
         for arrivals in [0, 8] {

@@ -12,8 +12,8 @@ use glam::DVec3;
 const EARS: usize = 2;
 
 /// Number of directions of the late part's noise. In a diffuse field the levels and the coherence at a rigid sphere's
-/// ears are then within 0.01 dB and 0.001 of those with 1,500 directions in each octave from 250 Hz to 8 kHz; each
-/// further direction costs eight transforms of the response's length.
+/// ears are then within 0.01 dB and 0.001 of the values with 1,500 directions in each octave from 250 Hz to 8 kHz. Each
+/// further direction takes eight transforms of the response's length.
 const FIELD_DIRECTIONS: usize = 32;
 
 /// Returns the channels of both ears; `hrirs` must be at the response's rate.
@@ -283,10 +283,10 @@ mod tests {
         sums.map(|sum| sum / (from.len() * bins.len()) as f64)
     }
 
-    /// Protects the late part's levels at both ears and their coherence: from all around, and from one side. An octave
-    /// of 1 kHz has about 700 independent values in a second: its energy is within 4 %, and the test allows four times
-    /// that. From one side 1.6 dB are allowed, because that direction is represented by three directions, and these
-    /// differ in the head's shadow.
+    /// Protects the late part's levels at both ears and their coherence, for sound from all around and from one side.
+    /// An octave of 1 kHz has about 700 independent values in a second. Its energy is within 4 %, and the test allows
+    /// four times that. From one side 1.6 dB are allowed, because three directions represent that direction, and the
+    /// head's shadow differs between them.
     #[test]
     fn noise_goes_through_the_head() {
         let around: Vec<DVec3> = lattice(200).collect();
@@ -313,7 +313,8 @@ mod tests {
                     let ratio = found / expected;
                     assert!((ratio - 1.0).abs() < limit, "{band}: {ratio}");
                 }
-                // From one side the product's phase changes with the frequency, and with each of three directions.
+                // From one side the product's phase changes with the frequency, and differs between the three
+                // directions.
                 if !is_diffuse {
                     continue;
                 }

@@ -17,11 +17,11 @@ const REFERENCE_BAND: f64 = 4.0;
 /// Width of the transition between two bands, in octaves about the edge between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Crossing {
-    /// From centre to centre, by amplitude: cos² and sin², whose sum is 1. Equal bands leave a sound unchanged, and the
-    /// filters are as short as possible. Used for taps.
+    /// From centre to centre, by amplitude: cos² and sin², whose sum is 1. Used for taps: a tap with equal energies in
+    /// all bands stays unchanged, and the filters are as short as possible.
     Amplitude,
-    /// Over a third of an octave, by power: cos and sin, whose squares add up to 1. The noise of each band stays within
-    /// the band. Used for noise.
+    /// Over a third of an octave, by power: cos and sin, whose squares add up to 1. Used for noise: the noise of each
+    /// band stays within the band.
     Power,
 }
 
@@ -105,7 +105,7 @@ impl Spectra {
         }
     }
 
-    /// Adds the single channel of `other` to each of these, filtered by filters of the transform's length
+    /// Adds the single channel of `other` to each of these channels, filtered by filters of the transform's length
     /// ([`silence`](Self::silence)), and overwrites it with silence.
     pub(super) fn add_filtered(&mut self, other: &mut Spectra, mut filters: Vec<Vec<f64>>) {
         for (filter, sums) in filters.iter_mut().zip(&mut self.sums) {
@@ -241,8 +241,8 @@ impl Noises {
     }
 }
 
-/// Adds the unfiltered noise of a band to the samples of each channel: in each bin with the energy of the echogram,
-/// which is spread over half the sampling rate.
+/// Adds the unfiltered noise of a band to the samples of each channel. Its energy in each bin is that of the echogram,
+/// spread over half the sampling rate.
 pub(super) fn add_noise(channels: &mut [Vec<f64>], sound: &Sound, band: usize, encoding: Encoding) {
     let echogram = sound.echogram;
     let mut noises = Noises::new(sound.seed, band);
@@ -290,7 +290,7 @@ mod tests {
         }
     }
 
-    /// Protects the centres of the bands, and the ends.
+    /// Protects the bands' centre frequencies and the ends of the frequency range.
     #[test]
     fn a_band_is_alone_at_its_centre() {
         for (band, centre_hz) in BANDS_HZ.into_iter().enumerate() {

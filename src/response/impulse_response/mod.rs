@@ -22,9 +22,9 @@ const DEFAULT_RATE_HZ: u32 = 48_000;
 
 /// Settings of an impulse response.
 ///
-/// Serialised with each field by its name; the format is `"mono"`, `"stereo"` or `"ambix"`, and `binaural` is refused: it
-/// has a set of measurements. A field that is left out has its default, except the seconds; unknown ones and numbers out
-/// of range are refused.
+/// Each field is serialised by its name. The format is `"mono"`, `"stereo"` or `"ambix"`. `binaural` is refused,
+/// because it contains a set of measurements. A missing field has its default, except the seconds, which are required.
+/// Unknown fields and numbers out of range are refused.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(try_from = "SettingsFile")]
 #[non_exhaustive]
@@ -112,16 +112,16 @@ impl TryFrom<SettingsFile> for ImpulseSettings {
 /// # Method
 /// - **Taps** are at their exact time, also between samples (windowed sinc). Zero-phase filters give each tap the
 ///   energies of its bands: at a band's centre its amplitude is exactly √(4π E), with a smooth transition between
-///   centres. So the peak of a tap is at its time, whatever its bands. Taps at the same time add their amplitudes,
-///   while figures add their energies.
+///   centres. The peak of a tap is therefore at its time for all energies of its bands. Taps at the same time add their
+///   amplitudes, while figures add their energies.
 /// - **The echogram** becomes Gaussian noise, independent for each band and with zero mean, with the energy of each
 ///   bin. The noise is then filtered to its octave; the filters' powers add up to 1. A filter spreads the energy of a
 ///   bin in time, by about 20 ms at 63 Hz and less than 1 ms from 2 kHz on, in both directions: no filter is sharp both
 ///   in time and in frequency.
-/// - **Binaural**: each tap is convolved with the HRIRs of its direction, at its exact time. The noise comes from 32
-///   directions around the listener, with independent noise for each, through their HRIRs. If the mean direction of a
-///   bin and band has the length m (0 diffuse, 1 one wave), the share 1 − m comes evenly from all directions, and the
-///   share m from the three around the mean direction.
+/// - **Binaural**: each tap is convolved with the HRIRs of its direction, at its exact time. The noise consists of
+///   independent signals from 32 directions around the listener, each filtered by the HRIRs of its direction. If the
+///   mean direction of a bin and band has the length m (0 diffuse, 1 one wave), the share 1 − m comes evenly from all
+///   directions, and the share m from the three directions around the mean direction.
 /// - Below 63 Hz the energy is that of 63 Hz, above 8 kHz that of 8 kHz.
 ///
 /// ```
@@ -264,8 +264,8 @@ impl Sound<'_> {
     }
 }
 
-/// Least length of a vector, and least sine of the angle between forward and up: below it the direction is lost in the
-/// rounding of the vectors to `f32`.
+/// Least length of a vector, and least sine of the angle between forward and up. Below it, the rounding of the vectors
+/// to `f32` hides the direction.
 const LEAST_LENGTH: f64 = 1e-6;
 
 /// A listener's axes in the world: orthogonal unit vectors.
@@ -277,8 +277,8 @@ pub struct ListenerAxes {
 }
 
 impl ListenerAxes {
-    /// The axes of a listener that looks along `forward`, with `up` as the upward direction (world axes, any length):
-    /// `up` is made perpendicular to `forward`.
+    /// The axes of a listener with the viewing direction `forward` and the upward direction `up` (world axes, any
+    /// length): `up` is made perpendicular to `forward`.
     ///
     /// # Errors
     /// [`ResponseError::BadAxes`] if a vector has length zero or is not finite, or both are parallel.
@@ -369,7 +369,8 @@ pub(crate) enum Encoding {
     AmbiX,
 }
 
-/// Amplitudes of the noise in each channel: of the noise common to all channels, and of the channel's own noise.
+/// Amplitudes of the noise in each channel: of the noise common to all channels, and of the noise of this channel
+/// alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Noise {
     common: [f64; MOST_CHANNELS],
@@ -416,9 +417,9 @@ impl Encoding {
     /// Noise of power 1 from all directions, weighted by a mean direction: `mean` is the energy-weighted mean of the
     /// unit vectors towards the sources, of length 0 (diffuse) to 1.
     ///
-    /// AmbiX: the share |mean| of the energy is one wave from the mean direction, the rest is diffuse; so both the
-    /// energy and the intensity are correct. Stereo: independent noise in each channel with the power of one wave at
-    /// that lateral position; equal powers if the sound is diffuse.
+    /// AmbiX: the share |mean| of the energy is one wave from the mean direction, and the rest is diffuse. Energy and
+    /// intensity are both correct. Stereo: independent noise in each channel with the power of one wave at that lateral
+    /// position; the powers are equal if the sound is diffuse.
     fn noise(self, axes: &ListenerAxes, mean: DVec3) -> Noise {
         let none = [0.0; MOST_CHANNELS];
         match self {

@@ -55,7 +55,7 @@ fn at(samples: &[f32], place: f64) -> f64 {
         .sum()
 }
 
-/// Protects times and amplitudes: a source at 1 m gives amplitude 1, at its exact time; differences between bands do
+/// Protects times and amplitudes: a source at 1 m gives amplitude 1 at its exact time, and differences between bands do
 /// not move the peak.
 #[test]
 fn a_tap_is_where_it_belongs() {
@@ -213,7 +213,7 @@ fn noise_follows_the_echogram() {
 }
 
 /// Protects the late part's time structure: the energy of single bins at high frequencies, where a filter is shorter
-/// than a bin. Every tenth bin has sound; a millisecond at 8 kHz has B T = 11 over the octave, and so 300 bins together
+/// than a bin. Every tenth bin has sound. A millisecond at 8 kHz has B T = 11 over the octave, so 300 bins together
 /// have a deviation of 2 %.
 #[test]
 fn noise_stays_in_its_bins() {
@@ -256,8 +256,8 @@ fn share(response: &ImpulseResponse, a: usize, b: usize) -> f64 {
 }
 
 /// Protects the directions of the late part: a single direction, and two opposite directions, which first order cannot
-/// distinguish from a diffuse field. The decaying noise has about 2000 independent values: the standard deviation is 2
-/// %, and the test allows four of them.
+/// distinguish from a diffuse field. The decaying noise has about 2000 independent values. The standard deviation is 2
+/// %, and the test allows four standard deviations.
 #[test]
 fn noise_comes_from_where_the_energy_came() {
     let left = response(&[], &decaying(&[DVec3::NEG_X]), Format::AmbiX, 5);
@@ -272,7 +272,7 @@ fn noise_comes_from_where_the_energy_came() {
         assert!(share(&diffuse, 0, channel).abs() < 0.08);
         assert!((share(&diffuse, channel, channel) - 1.0 / 3.0).abs() < 0.08);
     }
-    // Three quarters from ahead, one from behind: half of the energy is directed.
+    // Three quarters of the energy come from ahead, one quarter from behind: half of the energy is directed.
     let ahead = [DVec3::NEG_Z, DVec3::NEG_Z, DVec3::NEG_Z, DVec3::Z];
     let half = response(&[], &decaying(&ahead), Format::AmbiX, 5);
     assert!((share(&half, 0, 3) - 0.5).abs() < 0.08);
@@ -373,7 +373,7 @@ fn taps_that_no_sound_has_are_refused() {
         let is_told = matches!(refused, Err(ResponseError::BadTap { index: 1, .. }));
         assert!(is_told, "{bad:?}: {refused:?}");
     }
-    // Samples after the end are dropped, however late.
+    // Samples after the end are dropped, even for very late taps.
     let late = Tap {
         seconds: 1e300,
         ..good

@@ -1,14 +1,16 @@
 //! Importance sampling of start directions: more waves start in directions that contribute to the end of the decay.
 //!
 //! Between two hard walls a flutter echo remains long after all other sound has been absorbed, and the end of the decay
-//! comes from a few waves in ten thousand. So the first waves of a response, the pilot waves, estimate the energy from
-//! each direction after each moment ([`Pilot`]). The first half of the pilot waves starts evenly. All other waves start
-//! evenly, too, if this half shows that at least [`ENOUGH_WAVES`] effective waves carry each part of the decay, or if
-//! two subsets of it disagree about the directions. Otherwise the second half of the pilot waves is drawn by
-//! importance, to refine the estimate in the important directions; then most of the other waves are drawn by importance
-//! and some evenly, each with a weight that compensates for this. The pilot waves are then dropped, because they have
-//! influenced the starts of the others; so sums have no bias. (If the others start evenly, the pilot waves count
-//! although they led to this decision: the resulting bias is small.)
+//! comes from a few waves in ten thousand. The first waves of a response, the pilot waves, therefore estimate the
+//! energy from each direction after each moment ([`Pilot`]). The first half of the pilot waves starts evenly. All other
+//! waves also start evenly if this half shows that at least [`ENOUGH_WAVES`] effective waves carry each part of the
+//! decay, or if two subsets of this half disagree about the directions.
+//!
+//! Otherwise the second half of the pilot waves is drawn by importance, to refine the estimate in the important
+//! directions. Then most of the other waves are drawn by importance and some evenly. The weight of each wave
+//! compensates for the uneven starts. The pilot waves are then dropped, because they have influenced the starts of the
+//! other waves, and sums have no bias. (If the other waves start evenly, the pilot waves count although they led to
+//! this decision: the resulting bias is small.)
 
 use super::pilot::Pilot;
 use crate::sampling::{hash, unit_interval};
@@ -19,11 +21,11 @@ use glam::{DVec3, Vec3};
 use std::f64::consts::{FRAC_PI_4, PI};
 use std::ops::{Range, RangeInclusive};
 
-/// Number of all waves per pilot wave of the first half; the second half is equally large.
+/// Number of all waves per pilot wave, both halves of the pilot waves together.
 const ONE_OF: u32 = 4;
 
-/// The minimum and the maximum number of pilot waves, both halves together: fewer give no estimate, and more are not
-/// needed.
+/// The minimum and the maximum number of pilot waves, both halves together. Fewer waves give no estimate, and more
+/// waves are not needed.
 const PILOT_WAVES: RangeInclusive<u32> = 2048..=65_536;
 
 /// Sufficient number of waves of equal energy after each moment: the error is then 0.06 dB for a level, and 0.3 % for a
@@ -35,20 +37,20 @@ const ENOUGH_WAVES: f64 = 5000.0;
 const EVEN_SHARE: f64 = 0.35;
 
 /// Minimum unevenness of the directions for importance sampling: the mean square of the importance over the square of
-/// its mean, which is the factor by which the variance could fall. With 2, the drawn waves, half of all, make up for
-/// those that start evenly and for the pilot waves.
+/// its mean, which is the factor by which the variance could fall. With 2, the waves drawn by importance, half of all
+/// waves, compensate for the evenly started waves and for the dropped pilot waves.
 const LEAST_UNEVENNESS: f64 = 2.0;
 
 /// Mean number of pilot waves in a cell: an estimate is blurred over a cell and its neighbours.
 const WAVES_IN_CELL: f64 = 2.0;
 
 /// Divisions of a cell along each axis after pilot waves have been drawn by importance: half of an estimate then comes
-/// from such a small cell and its neighbours. The longest lasting waves between two hard walls start within some
+/// from the smaller cell and its neighbours. The longest lasting waves between two hard walls start within some
 /// hundredths of a radian.
 const DIVIDED: usize = 4;
 
-/// Number of pilot waves; 0 if there are too few waves, if their directions are a lattice, which is even only as a
-/// whole, or if a surface scatters in these bands: then the start direction has little influence.
+/// Number of pilot waves. 0 if there are too few waves, if their directions are a lattice, which is even only as a
+/// whole, or if a surface scatters in these bands, because the start direction then has little influence.
 pub(super) fn pilot_waves(scene: &Scene, bands: &Range<usize>, trace: &Settings) -> u32 {
     let waves = (trace.waves / ONE_OF).min(*PILOT_WAVES.end());
     let is_random = trace.directions == Directions::Random;
@@ -231,8 +233,8 @@ impl Cells {
         (side * self.along + place(1)) * self.along + place(2)
     }
 
-    /// The direction at a position in a cell, 0 … 1 along each axis, and the solid angle in steradians that the cell
-    /// would have if its width were everywhere as at that position.
+    /// The direction at a position in a cell, 0 … 1 along each axis, and the solid angle of the cell in steradians,
+    /// approximated by its value at this position.
     pub fn direction(self, cell: usize, place: [f64; 2]) -> (DVec3, f64) {
         let along = self.along;
         let side = cell / (along * along);
@@ -293,7 +295,7 @@ mod tests {
         Importance::of(&pilot, &directions, WAVES).expect("few waves bring the end")
     }
 
-    /// Within 0.08 of the z axis: 0.32 % of all directions.
+    /// Whether a direction is within 0.08 of the z axis, as 0.32 % of all directions are.
     fn is_important(direction: DVec3) -> bool {
         direction.truncate().length() < 0.08
     }
@@ -335,7 +337,7 @@ mod tests {
         }
         // With even starts a batch would have 6 or 7.
         assert!(found.iter().all(|found| *found > 100), "{found:?}");
-        // By chance, sixteen counts of 300 would vary over a range of a fifth.
+        // By chance, sixteen counts of 300 would have a range of a fifth of their mean.
         let most = found.iter().max().zip(found.iter().min());
         assert!(
             most.is_some_and(|(most, least)| most - least < most / 6),
@@ -359,7 +361,8 @@ mod tests {
         assert!(Importance::of(&pilot, &directions, WAVES).is_none());
     }
 
-    /// Protects lattices, which are even only as a whole, runs with few waves, and scenes that scatter.
+    /// Protects starts without pilot waves: of lattices, which are even only as a whole, of runs with few waves, and of
+    /// scenes that scatter.
     #[test]
     fn some_waves_tell_nothing_of_others() {
         let mut scene = Scene::builtin("shoebox").expect("a built-in scene");
@@ -381,7 +384,7 @@ mod tests {
         assert_eq!(mirrored, 1 << 16);
     }
 
-    /// Protects the weights of waves: positions lie in their cells, and the cells add up to the sphere.
+    /// Protects the weights of waves: positions lie in their cells, and the cells together cover the sphere.
     #[test]
     fn cells_are_the_sphere() {
         for cells in [Cells::about(1.0), Cells::about(1000.0)] {
@@ -405,7 +408,7 @@ mod tests {
         }
     }
 
-    /// Protects directions from using the estimate of another direction.
+    /// Protects the estimate of a direction from the estimates of other directions.
     #[test]
     fn directions_have_cells_and_neighbours() {
         let cells = Cells::about(5000.0);

@@ -4,7 +4,7 @@
 //! Sound scattered within the maximum number of reflections of exact paths is counted in both spheres
 //! ([`NearScattering`]).
 //!
-//! Late arrivals may come from fewer waves than the search for exact paths uses: fewer waves only add noise to late
+//! Late arrivals may come from fewer waves than the search for exact paths uses. Fewer waves only add noise to late
 //! sound, while a path that no wave finds is missing.
 
 mod importance;
@@ -29,13 +29,13 @@ use std::cmp::Ordering;
 use std::f64::consts::PI;
 use std::ops::Range;
 
-/// The share of the energy of all waves down to which waves are followed, −120 dB: a decay is audible over 60 dB, and
-/// if the listener is in another room than the source the decay may begin that much lower. In bands that decay fast and
-/// have their own waves, this saves time.
+/// The share of the energy of all waves down to which waves are followed, −120 dB. A decay is audible over 60 dB, and
+/// if the listener is in another room than the source, the decay may begin 60 dB lower. The limit saves time in bands
+/// that decay fast and have their own waves.
 const LEAST_ENERGY: f64 = 1e-12;
 
-/// Mean number of crossings of a wave in a chunk. A chunk costs as much as ten iterations, and a wave that crosses more
-/// often than can be recorded (four times) is drawn again: in a room of 8 × 3 × 5 m a response of 65,536 waves takes
+/// Mean number of crossings of a wave in a chunk. A chunk takes as long as ten iterations, and a wave with more
+/// crossings than can be recorded (four) is drawn again. In a room of 8 × 3 × 5 m a response of 65,536 waves takes
 /// 0.39, 0.37, 0.35, 0.33 and 0.33 s with 8, 12, 16, 24 and 32 iterations per chunk, which correspond to 0.6 to 2.6
 /// crossings.
 const CROSSINGS_IN_CHUNK: f64 = 2.0;
@@ -78,7 +78,7 @@ pub(super) fn arrivals(
             .with_least_energy(LEAST_ENERGY);
         let counts = add_arrivals(&mut found, tracer, heard_in, settings, &how)?;
         found.counts = found.counts.and(counts);
-        // The arrivals come in chunks of iterations, band group after band group.
+        // The arrivals come in chunks of iterations for each band group in turn.
         found.early.sort_by(in_order);
         found
             .early
@@ -145,7 +145,7 @@ fn add_arrivals(
         echogram,
         near: &mut near.wide,
     };
-    // Surfaces that focus sound spread waves of one direction, so pilot waves predict little there.
+    // Surfaces that focus sound spread waves of one direction, so pilot waves predict little in such scenes.
     let pilot_waves = match share < 1.0 {
         true => importance::pilot_waves(pair.scene, &how.bands, &trace),
         false => 0,
@@ -169,7 +169,7 @@ struct LateWaves<'a> {
 }
 
 impl LateWaves<'_> {
-    /// Traces all waves. The first waves, the pilot waves, decide whether the others start evenly.
+    /// Traces all waves. The first waves, the pilot waves, decide whether the other waves start evenly.
     fn follow_all(
         mut self,
         trace: &Settings,
@@ -199,7 +199,8 @@ impl LateWaves<'_> {
         self.follow(trace, &WavesToFollow::Starts { waves, of: &of }, None)
     }
 
-    /// Follows the second half of the pilot waves, equal in number to the first half, which started in `directions`.
+    /// Follows the second half of the pilot waves. It has as many waves as the first half, which started in
+    /// `directions`.
     fn refined(
         &mut self,
         trace: &Settings,
@@ -209,8 +210,7 @@ impl LateWaves<'_> {
     ) -> Result<Importance, Error> {
         let half = directions.len() as u32;
         let mut starts = importance.starts(0..half, half, batches, !trace.seed);
-        // The energies of the first half are shares of the energy of all waves; the second half is scaled in the same
-        // way.
+        // The energies of the first half are shares of the energy of all waves. The second half uses the same scale.
         let share = half as f32 / trace.waves as f32;
         starts.iter_mut().for_each(|start| start.weight *= share);
         directions.extend(starts.iter().map(|start| start.direction));
@@ -262,12 +262,12 @@ fn iterations_in_chunk(crossings: f64, most: u32) -> u32 {
     (fit as u32).max(LEAST_ITERATIONS).min(most)
 }
 
-/// Number of waves below which there is no estimate of missed sound, however often each wave arrived.
+/// Number of waves below which the missed energy of a band is at least the energy of one wave without losses.
 const FEW_WAVES: u32 = 64;
 
 /// The energy that the waves may have missed, by band, in 1/m², estimated from the number of arrivals. In a band
-/// without arrivals, and with few waves, it is the energy of a wave without losses if any wave could still arrive,
-/// otherwise 0. `travel_on` is [`Arrivals::travel_on`]; if it is unknown, waves are traced again.
+/// without arrivals, or with fewer than [`FEW_WAVES`] waves, it is at least the energy of a wave without losses, if any
+/// wave could still arrive. `travel_on` is [`Arrivals::travel_on`]; if it is `None`, waves are traced again.
 pub(super) fn further_arrival(
     tracer: &mut Tracer,
     (pair, medium): (Pair, &Medium),
@@ -325,7 +325,8 @@ fn may_arrive(
 mod tests {
     use super::*;
 
-    /// Protects the time that late arrivals take: a chunk has several crossings, and is neither endless nor empty.
+    /// Protects the time that late arrivals take: a chunk has several crossings, at least one iteration and at most the
+    /// limit.
     #[test]
     fn chunks_are_short_where_waves_cross_often() {
         for (crossings, iterations) in [(0.0, 64), (0.01, 64), (0.1, 20), (0.25, 8), (3.0, 8)] {

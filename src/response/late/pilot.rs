@@ -3,20 +3,20 @@
 use crate::bands::{BAND_COUNT, Bands};
 use rayon::prelude::*;
 
-/// Number of moments at which a decay is evaluated: each is 1.26 times as late as the previous one, to cover fast and
-/// slow bands alike. For an exponential decay that ends at one of these moments, the last step covers a fifth of its
-/// decibels.
+/// Number of moments at which a decay is evaluated. Each moment is 1.26 times as late as the previous one, to cover
+/// fast and slow bands alike. For an exponential decay that ends at one of these moments, the last step covers a fifth
+/// of its decibels.
 const MOMENTS: usize = 20;
 
 /// The first moment, as a share of the response's length.
 const FIRST_MOMENT: f64 = 0.01;
 
-/// The decay is evaluated until this share of the energy remains: T30 needs a decay of 35 dB, and the energy after that
-/// decides when it ends.
+/// The decay is evaluated until this share of the energy remains: T30 needs a decay of 35 dB, and the remaining energy
+/// determines the time at which this level is reached.
 const LEAST_LEFT: f64 = 3e-5;
 
-/// Number of iterations that equalise the noise of the sums: in six very uneven rooms with 262,144 waves the worst
-/// error of T30 was on average 1.00 % with none, 0.91 % with one, 0.84 % with two and 0.82 % with four.
+/// Number of iterations that equalise the noise of the sums. In six very uneven rooms with 262,144 waves the worst
+/// error of T30 was on average 1.00 % with no iteration, 0.91 % with one, 0.84 % with two and 0.82 % with four.
 const EVENED_OUT: usize = 2;
 
 /// A number for each moment and band.
@@ -26,7 +26,7 @@ type Moments<T> = [[T; BAND_COUNT]; MOMENTS];
 pub struct Pilot {
     seconds: f64,
     waves: Vec<Moments<f32>>,
-    /// The first of the waves added last.
+    /// Index of the first wave of the last call of [`begin`](Self::begin).
     first: usize,
 }
 
@@ -95,9 +95,9 @@ impl Pilot {
     }
 
     /// The importance of each wave: the root of the sum of squares of the wave's shares in the energy after each moment
-    /// in each band. Drawing waves by it minimises the total variance of these sums (H. Kahn and A. W. Marshall,
-    /// *Methods of reducing sample size in Monte Carlo computations*, 1953). The weights of sums that would still be
-    /// noisier than others are then increased, since every band is reported.
+    /// in each band. Drawing waves by this importance minimises the total variance of these sums (H. Kahn and A. W.
+    /// Marshall, *Methods of reducing sample size in Monte Carlo computations*, 1953). The weights of sums that would
+    /// still be noisier than other sums are then increased, because every band is reported.
     pub fn importance(&self, sums: &Sums) -> Vec<f64> {
         let squared = |moment: usize, band: usize| sums.energies[moment][band].powi(2);
         let mut weights = [[0.0; BAND_COUNT]; MOMENTS];

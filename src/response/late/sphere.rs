@@ -1,34 +1,34 @@
-//! The sphere in which late arrivals are counted. It is larger than the listener if this changes little except the
-//! noise, which falls with 1/radius.
+//! The sphere in which late arrivals are counted. It is larger than the listener if the larger size only reduces the
+//! noise, which falls with 1/radius, and changes little else.
 //!
-//! Beyond the exact paths, the energy at a point hardly differs from that a metre away if no surface focuses sound and
-//! no object is in between. So if all surfaces are flat or convex, late arrivals are counted in a sphere of
-//! [`RADIUS_M`], or of [`RADIUS_IN_SHADOWS_M`]. The sphere ends before any surface, since there may be another room
-//! behind the surface. The walls of a `Room` are an exception, as there is nothing behind them: the sphere reaches at
-//! most as far behind such a wall as the listener is in front of it. The energy is the mean over the unobstructed part
-//! of the sphere, and the times are those of paths to its centre, as in the listener itself.
+//! Beyond the exact paths, the energy at a point hardly differs from the energy a metre away if no surface focuses
+//! sound and no object is in between. If all surfaces are flat or convex, late arrivals are therefore counted in a
+//! sphere of [`RADIUS_M`], or of [`RADIUS_IN_SHADOWS_M`]. The sphere ends before any surface, because there may be
+//! another room behind the surface. The walls of a `Room` are an exception, because nothing is behind them: the sphere
+//! reaches at most as far behind such a wall as the listener is in front of it. The energy is the mean over the
+//! unobstructed part of the sphere. The times are those of paths to its centre, as in the listener's own sphere.
 //!
 //! # Near scattering surfaces
 //! This concerns sound scattered within the maximum number of reflections of exact paths.
 //!
 //! Next to a scattering wall that is close to a source, the energy density changes within a few decimetres, and its
-//! mean over the sphere of late arrivals differs from that at the listener: with source and listener half a metre from
-//! a corner whose walls scatter 0.9, G was 0.5 dB too low in a sphere of 0.8 m. The listener's own sphere has no such
-//! bias, but more noise. So this part is counted in both spheres, and averaged with the weights that minimise the mean
-//! square error. The remaining bias counts as an error of the figures.
+//! mean over the sphere of late arrivals differs from its value at the listener. With source and listener half a metre
+//! from a corner whose walls scatter 0.9, G was 0.5 dB too low in a sphere of 0.8 m. The listener's own sphere has no
+//! such bias, but more noise. This sound is therefore counted in both spheres, and averaged with the weights that
+//! minimise the mean square error. The remaining bias counts as an error of the figures.
 
 use crate::bands::{BAND_COUNT, Bands};
 use crate::response::{CommonErrors, Echogram};
 use crate::scene::shape::Room;
 use crate::scene::{Listener, Node, Pair, Scene, Surface};
 
-/// Radius in metres. In random rooms (docs/acoustics.md) T30 is 2.5 times as accurate as with 0.3 m, and the bias of
-/// the mean over the sphere is still below the noise; with 1.5 m it is not.
+/// Radius in metres. In random rooms (docs/acoustics.md) T30 is 2.5 times as accurate as with 0.3 m. The bias of the
+/// mean over the sphere is still below the noise; with 1.5 m the bias exceeds the noise.
 const RADIUS_M: f32 = 1.0;
 
-/// Errors of figures from the mean over the sphere, one standard deviation: T30 was 0.2 to 0.4 % off in all bands in a
-/// room of 4.4 × 3 × 4.3 m, C80 0.02 to 0.03 dB in one of 3.1 × 8.5 × 6.4 m, EDT up to 0.8 % and C80 up to 0.04 dB in
-/// one of 24.8 × 2.5 × 3.8 m.
+/// Errors of figures from the mean over the sphere, one standard deviation. T30 was 0.2 to 0.4 % off in all bands in a
+/// room of 4.4 × 3 × 4.3 m; C80 0.02 to 0.03 dB in a room of 3.1 × 8.5 × 6.4 m; EDT up to 0.8 % and C80 up to 0.04 dB
+/// in a room of 24.8 × 2.5 × 3.8 m.
 const ERRORS: CommonErrors = CommonErrors {
     decay_share: 0.003,
     early_decay_share: 0.005,
@@ -38,12 +38,13 @@ const ERRORS: CommonErrors = CommonErrors {
 };
 
 /// Radius in metres if an object is in the room: the object hides part of the flutter echo between walls, and a large
-/// sphere extends beyond that shadow. In 14 random rooms with a ball or a box T30 differed from that in the listener's
-/// own sphere of 0.3 m by 1.1 % (rms of all bands, without noise) with 1 m, 0.6 % with 0.7 m and 0.4 % with 0.5 m; in
-/// the worst of these rooms by 4.4, 2.8 and 1.8 %; by 2.2 and 1.7 % with 1 and 0.5 m if all surfaces scatter 0.1.
+/// sphere extends beyond that shadow. In 14 random rooms with a ball or a box, T30 differed from T30 in the listener's
+/// own sphere of 0.3 m by 1.1 % (rms of all bands, without noise) with 1 m, 0.6 % with 0.7 m and 0.4 % with 0.5 m. In
+/// the worst of these rooms the difference was 4.4, 2.8 and 1.8 %. If all surfaces scatter 0.1, the worst difference
+/// was 2.2 % with 1 m and 1.7 % with 0.5 m.
 const RADIUS_IN_SHADOWS_M: f32 = 0.5;
 
-/// The corresponding errors for that radius.
+/// The errors with [`RADIUS_IN_SHADOWS_M`].
 const ERRORS_IN_SHADOWS: CommonErrors = CommonErrors {
     decay_share: 0.005,
     early_decay_share: 0.005,
@@ -52,10 +53,10 @@ const ERRORS_IN_SHADOWS: CommonErrors = CommonErrors {
     centre_s: 0.0,
 };
 
-/// Additional error of a sphere of 1 m in a room that scatters: sound from a nearby point that passes beside the
-/// sphere's centre is timed like sound from far away, which is too early by b²/2l (b: distance from the centre, l:
-/// distance from the point of scattering). In two random rooms Ts was 0.03 to 0.35 ms too early, and C50 0.03 to 0.10
-/// dB too high.
+/// Additional error of a sphere of 1 m in a room that scatters. Sound from a nearby point of scattering that passes
+/// beside the sphere's centre is timed like sound from far away, which is too early by b²/2l (b: distance from the
+/// centre, l: distance from the point of scattering). In two random rooms Ts was 0.03 to 0.35 ms too early, and C50
+/// 0.03 to 0.10 dB too high.
 const SCATTERED_CLARITY_DB: f64 = 0.06;
 const SCATTERED_CENTRE_S: f64 = 2e-4;
 
@@ -71,8 +72,8 @@ pub(in crate::response) struct LateSphere {
     pub errors: Option<CommonErrors>,
 }
 
-/// Minimum order of exact paths for the larger sphere. With a lower order, early echoes count as late, and these differ
-/// over the sphere: next to a source on the floor, G with `--order 0` was 0.67 dB off.
+/// Minimum order of exact paths for the larger sphere. With a lower order, early echoes count as late, and their energy
+/// varies over the sphere: next to a source on the floor, G with `--order 0` was 0.67 dB off.
 pub(in crate::response) const LEAST_ORDER: u32 = 3;
 
 impl LateSphere {
@@ -139,8 +140,8 @@ fn reach_m(pair: Pair) -> f32 {
 }
 
 /// The relative bias of a mean over a sphere of radius R, in units of (R / h)², where h is the distance of the source's
-/// nearest image. The mean of 1/r² over a small sphere is higher than its value at the centre by R² / 5 h². In a corner
-/// there are three images and their reflections; the factor is doubled for these.
+/// nearest image. The mean of 1/r² over a small sphere is higher than its value at the centre by R² / 5 h². A corner
+/// has three such images and the images of these images, so the factor is doubled.
 const BIAS: f64 = 0.4;
 
 /// The same arrivals in two spheres.
@@ -236,7 +237,7 @@ mod tests {
         })
     }
 
-    /// Protects the sphere from other rooms, from foci, and from being smaller than the listener.
+    /// Protects the sphere from reaching into other rooms and foci, and from being smaller than the listener.
     #[test]
     fn the_sphere_is_large_where_nothing_is_near() {
         let wall = Surface::new(Cuboid {
@@ -318,7 +319,7 @@ mod tests {
     }
 
     /// Protects figures next to scattering walls: the larger sphere gets no weight if its bias exceeds the noise of the
-    /// listener's own sphere, and almost all weight without bias.
+    /// listener's own sphere, and gets almost all weight without bias.
     #[test]
     fn the_larger_sphere_counts_as_its_bias_allows() {
         let of = |bias: f64| {

@@ -35,7 +35,7 @@ fn alhazen(source: DVec3, listener: DVec3, radius: f64) -> Vec<f64> {
     all
 }
 
-/// Protects Alhazen's problem at a convex mirror, with length and spreading compared with a search.
+/// Protects paths at a convex mirror (Alhazen's problem): length and spreading agree with a search.
 #[test]
 fn a_ball_mirrors_as_a_search_says() {
     let ends = [
@@ -56,7 +56,7 @@ fn a_ball_mirrors_as_a_search_says() {
     }
 }
 
-/// Protects concave mirrors, where one sequence has up to four paths: all of Alhazen's are found.
+/// Protects concave mirrors, where one sequence has up to four paths: all solutions of Alhazen's problem are found.
 #[test]
 fn a_hollow_ball_has_all_of_alhazens_paths() {
     let source = Vec3::new(2.0, 0.2, 0.0);
@@ -76,7 +76,8 @@ fn a_hollow_ball_has_all_of_alhazens_paths() {
             assert!((path.length_m - length).abs() < 1e-9);
             assert_specular(&scene, path, SPECULAR);
             let error = area(path) / traced_area(&scene, path, 1e-3) - 1.0;
-            // Normals of marched fields are accurate to 1e-9, and differences to the square of the angle.
+            // Normals of marched fields are accurate to 1e-9, and differences have errors of the order of the angle
+            // squared.
             assert!(error.abs() < 1e-4, "{error} at {path:?}");
         }
     }
@@ -116,7 +117,7 @@ fn a_ball_mirrors_the_energy_that_it_intercepts() {
             listener,
             ..Ends::of(scene.only_pair().unwrap())
         };
-        // Halfway between both ends, seen from the ball.
+        // The normal halves the angle between the directions to both ends.
         let normal = (listener.normalize() + DVec3::X + DVec3::Y * 1e-9).normalize();
         let mut candidates = Candidates::new(1);
         candidates.add(0, &[vertex(1, normal * radius, normal)]);

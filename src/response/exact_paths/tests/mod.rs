@@ -26,7 +26,7 @@ pub fn scene(surfaces: Vec<Surface>, source: Vec3, listener: Vec3) -> Scene {
     )
 }
 
-/// Directions on a spiral over the unit sphere (Vogel 1979), even to a few per cent.
+/// Directions on a spiral over the unit sphere (Vogel 1979), evenly spaced to within a few per cent.
 pub fn directions(count: usize) -> Vec<Vec3> {
     let golden_angle = PI * (3.0 - 5f64.sqrt());
     let direction = |index: usize| {
@@ -52,13 +52,13 @@ pub fn by_way_of<'a>(found: &'a Found, surfaces: &[u32]) -> Vec<&'a SpecularPath
     paths.filter(|path| path.surfaces == surfaces).collect()
 }
 
-/// The area of the front per solid angle that corresponds to the path's spreading.
+/// The area of the wave front per solid angle that corresponds to the path's spreading.
 pub fn area(path: &SpecularPath) -> f64 {
     1.0 / (4.0 * PI * path.spreading)
 }
 
-/// The area of the front from eight rays around the path's departure, by differences of fourth order, without using
-/// curvatures. The rays are `angle` radians off, and twice that.
+/// The area of the wave front from eight rays around the path's departure, by differences of fourth order, without
+/// using curvatures. Four rays deviate by `angle` radians, four by twice that angle.
 pub fn traced_area(scene: &Scene, path: &SpecularPath, angle: f64) -> f64 {
     let exact = ExactScene::new(scene).expect("a valid scene");
     let ends = Ends::of(scene.only_pair().unwrap());
@@ -77,7 +77,7 @@ pub fn traced_area(scene: &Scene, path: &SpecularPath, angle: f64) -> f64 {
     slope(a).cross(slope(b)).length()
 }
 
-/// Roots of a function of an angle over a full turn, between `steps` samples, by bisection.
+/// Roots of a function of an angle over a full turn, found by bisection between `steps` samples.
 pub fn roots(steps: usize, value: impl Fn(f64) -> f64) -> Vec<f64> {
     let angle = |step: usize| TAU * step as f64 / steps as f64;
     let has_root = |step: &usize| value(angle(*step)).signum() != value(angle(step + 1)).signum();
@@ -210,7 +210,7 @@ fn a_turned_shoebox_has_them_too() {
     }
 }
 
-/// Protects walls of other kinds: six half spaces and six planes form a room as well.
+/// Protects rooms made of other surfaces: six half spaces, or six planes, have all paths of a room.
 #[test]
 fn rooms_of_half_spaces_and_planes_are_rooms() {
     let axes = Vec3::AXES.into_iter().flat_map(|axis| [axis, -axis]);
@@ -240,7 +240,7 @@ fn rooms_of_half_spaces_and_planes_are_rooms() {
     }
 }
 
-/// Protects the numbers of walls: the first echo of each.
+/// Protects the numbers of walls, by the first echo of each wall.
 #[test]
 fn walls_are_numbered_by_axis_and_side() {
     let room = Surface::new(Room { size: SIZE });
@@ -254,7 +254,7 @@ fn walls_are_numbered_by_axis_and_side() {
     assert_eq!(by_way_of(&found, &[1]).len(), 6);
 }
 
-/// Protects a path exactly through an edge of a room: there is one path, though either wall may come first.
+/// Protects a path exactly through an edge of a room: it counts as one path, although either wall may come first.
 #[test]
 fn an_edge_is_one_path() {
     let room = Surface::new(Room {

@@ -75,7 +75,7 @@ fn paths_among_boxes_are_all_known() {
 }
 
 /// Protects paths in fields of planes: a hollow box with a block in it, as one field with a material of its own, has
-/// the paths of a room with a box, also from its corner.
+/// the paths of a room with a box, also for a source in its corner.
 #[test]
 fn fields_of_planes_have_the_paths_of_basic_shapes() {
     let size = Vec3::new(8.0, 3.0, 5.0);
@@ -105,7 +105,7 @@ fn fields_of_planes_have_the_paths_of_basic_shapes() {
     }
 }
 
-/// Protects the number of images tried: faces of a field's parts in one plane count as one.
+/// Protects the number of images tried: coplanar faces of a field's parts count as one plane.
 #[test]
 fn flush_parts_of_a_field_are_one_plane() {
     let size = Vec3::new(5.0, 3.0, 5.0);
@@ -159,7 +159,7 @@ fn a_source_in_a_corner_has_all_its_images() {
     let size = Vec3::new(8.0, 3.0, 5.0);
     let hollow = Shape::from(Cuboid { size }).complement();
     for room in [Shape::from(Room { size }), hollow] {
-        // Except for rounding, the second listener has paths through edges.
+        // Without rounding errors, the paths to the second listener pass through edges.
         for listener in [Vec3::new(3.0, -0.3, 1.2), Vec3::new(2.0, -0.3, 1.5)] {
             let scene = scene(vec![Surface::new(room.clone())], size / -2.0, listener);
             let (paths, known) = by_planes(&scene, 8);
@@ -207,9 +207,9 @@ fn edges_of_a_box_mirror_nothing_into_the_air_before_them() {
     }
 }
 
-/// Protects the loudness of a source on an edge and at a corner of a box: each wave into the solid is mirrored by one
-/// of its faces, and does not have an image in each face. (Three quarters, or seven eighths, of the sound do not enter
-/// the solid.)
+/// Protects the loudness of a source on an edge and at a corner of a box: one of its faces mirrors each wave into the
+/// solid, and the wave does not have an image in each face. (Three quarters, or seven eighths, of the sound do not
+/// enter the solid.)
 #[test]
 fn edges_of_a_box_mirror_no_sound_twice() {
     let block = Surface::new(Cuboid { size: Vec3::ONE });

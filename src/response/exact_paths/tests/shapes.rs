@@ -121,9 +121,9 @@ fn trees() -> Vec<Shape> {
 /// Number of waves that hit a shape in the test below.
 const TRIED: usize = 40;
 
-/// Protects every kind of sheet with its derivatives, moved and turned: for any listener that a reflected wave passes
-/// there is a path, it is specular, and its front has the area found by traced rays. The listener is 3 m along a
-/// reflected wave, and the path is solved for from another wave 0.01 rad away, which may miss next to edges, seams and
+/// Protects every kind of sheet with its derivatives, moved and turned. Any listener that a reflected wave passes has a
+/// path, the path is specular, and its wave front has the area found by traced rays. The listener is 3 m along a
+/// reflected wave. The path is solved for from another wave 0.01 rad away, which may miss next to edges, seams and
 /// outlines.
 #[test]
 fn shapes_mirror_as_rays_do() {
@@ -140,8 +140,8 @@ fn shapes_mirror_as_rays_do() {
             let Some(path) = path_along(&mut scene, unit, unit + 0.01 * random.direction()) else {
                 continue;
             };
-            // Within 1e-8 m of the border of a blend, points have the sheet on one side of the border; normals turn by
-            // the square root of that distance.
+            // Points within 1e-8 m of the border of a blend get the sheet on one side of the border. Their normals
+            // deviate by the square root of the distance to the border.
             assert_specular(&scene, &path, 1e-4);
             // For a bundle over the seam of two sheets the area depends on the bundle's width.
             let [traced, wider] = [1e-4, 2e-4].map(|angle| traced_area(&scene, &path, angle));
@@ -150,7 +150,8 @@ fn shapes_mirror_as_rays_do() {
             }
             met += 1;
             let error = area(&path) / traced - 1.0;
-            // Normals of marched fields are accurate to 1e-9, and so differences to 1e-5; 1e-3 corresponds to 0.004 dB.
+            // Normals of marched fields are accurate to 1e-9, so differences are accurate to 1e-5; 1e-3 corresponds to
+            // 0.004 dB.
             assert!(error.abs() < 1e-3, "{name}: {error} at {path:?}");
         }
         assert!(met >= TRIED * 4 / 5, "{name}: {met} paths");
@@ -232,7 +233,7 @@ fn reversed(path: &SpecularPath, ends: &Ends) -> Vec<Vertex> {
 }
 
 /// Protects reciprocity among all kinds of surfaces: every path also leads from the listener to the source, with the
-/// same length and spreading. In reverse, other surfaces hide and other points come first.
+/// same length and spreading. The reversed search meets other obstacles and other points first.
 #[test]
 fn every_path_goes_back() {
     let there = furnished();
@@ -255,7 +256,7 @@ fn every_path_goes_back() {
         let other = &again.paths[index];
         assert!((path.length_m - other.length_m).abs() < 1e-9);
         assert!((path.departure + other.arrival_direction).length() < 1e-8);
-        // The front next to a marched torus has the error of its normals.
+        // Next to a marched torus, the spreading has the error of the normals.
         let error = (path.spreading / other.spreading - 1.0).abs();
         assert!(error < 1e-7, "{error} at {path:?}");
     }
@@ -294,7 +295,7 @@ fn what_more_waves_find_was_estimated() {
 }
 
 /// Protects spreading, which is compared with counts of waves: of N waves, N reach² / (4 A) come within `reach` of the
-/// listener along a path, with a standard deviation of the square root of that.
+/// listener along a path. The standard deviation is the square root of this number.
 #[test]
 fn as_many_waves_arrive_as_the_spreading_says() {
     let (waves, reach) = (400_000, 0.3);
