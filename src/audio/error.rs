@@ -50,7 +50,7 @@ pub enum AudioError {
         source: hound::Error,
     },
     /// A WAV file without samples.
-    #[error("{} holds no samples: give a file with some sound in it", path.display())]
+    #[error("{} holds no samples: use a file that contains sound", path.display())]
     EmptyWav {
         /// The file that was read.
         path: PathBuf,
@@ -58,7 +58,7 @@ pub enum AudioError {
     /// A float WAV file holds a NaN or an infinity.
     #[error(
         "{} holds a sample that is not a finite number, sample {sample} over all channels: \
-         export the file anew",
+         export the file again",
         path.display()
     )]
     NonFiniteSample {
@@ -70,7 +70,7 @@ pub enum AudioError {
     /// A sound too long to be read into memory.
     #[error(
         "{} holds {frames} samples in {channels} channels at {rate_hz} Hz, which are {needed} \
-         at {to_hz} Hz: at most {limit} are read, 11 minutes at 48000 Hz, so cut it",
+         at {to_hz} Hz: at most {limit} are read (11 minutes at 48000 Hz), so shorten the file",
         path.display()
     )]
     LongWav {
@@ -91,8 +91,8 @@ pub enum AudioError {
     },
     /// A float WAV file to be resampled contains a sample far beyond full scale.
     #[error(
-        "{} holds a sample of {value:e}, sample {sample} over all channels: at most {limit:e} \
-         either way can be resampled, and 1 is full scale, so export the file anew",
+        "{} holds a sample of {value:e}, sample {sample} over all channels: samples of a magnitude above \
+         {limit:e} cannot be resampled, where 1 is full scale: export the file again",
         path.display()
     )]
     LoudSample {
@@ -151,13 +151,13 @@ pub enum AudioError {
         name: String,
     },
     /// A frame rate outside 0.001 to 1,000,000.
-    #[error("a rate of {fps} frames a second cannot be used: choose 0.001 to 1000000")]
+    #[error("a rate of {fps} frames per second cannot be used: choose 0.001 to 1000000")]
     BadFrameRate {
         /// The requested frame rate, in frames per second.
         fps: f64,
     },
     /// A sound too long for a WAV file.
-    #[error("{} would pass {limit_s} s, the longest a WAV file can be: write a shorter one", path.display())]
+    #[error("{} would be longer than {limit_s} s, the limit of WAV files: write a shorter file", path.display())]
     WavTooLong {
         /// The file to be written.
         path: PathBuf,

@@ -11,10 +11,10 @@
 //! sum to one, which keeps the loudness constant for a listener whose ears receive the channels incoherently.
 //!
 //! # Differences from the thesis
-//! The thesis applies a new pan at once, so the gains step at each frame border and click. Here the gains *glide*: they
-//! run linearly from the last frame's gains to this frame's gains over the block, so that the output is continuous and
-//! a pan is reached on the last sample of its frame. In return a pan takes effect up to one frame late. The
-//! constant-power law is an addition; the thesis has only the linear law.
+//! The thesis applies a new pan at once, so the gains step at each frame boundary, which is audible as a click. Here
+//! the gains *glide*: they run linearly from the last frame's gains to this frame's gains over the block, so that the
+//! output is continuous and the pan is reached on the last sample of its frame. The disadvantage is that a pan takes
+//! effect up to one frame late. The constant-power law is an addition; the thesis has only the linear law.
 //!
 //! # Cost
 //! [`Sound::fill`] and [`Mixer`] do not allocate and take constant time per sample, so an audio thread may call them. A

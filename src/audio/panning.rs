@@ -32,9 +32,9 @@ impl Gains {
 /// | linear | 0 dB, silent | −6.02 dB each | silent, 0 dB | sum of the gains, 1 |
 /// | constant power | 0 dB, silent | −3.01 dB each | silent, 0 dB | sum of their squares, 1 |
 ///
-/// Sounds from two loudspeakers add up in a room by their power, not by their amplitude: with the linear law a source
-/// in front is 3 dB quieter than one at the side, with constant power both are equally loud. So constant power is the
-/// default, except for the thesis' own profile ([`for_profile`](Self::for_profile)).
+/// Sounds from two loudspeakers add up in a room by their power, not by their amplitude. With the linear law a source
+/// in front is therefore 3 dB quieter than a source at the side; with constant power both are equally loud. Constant
+/// power is the default, except for the thesis' own profile ([`for_profile`](Self::for_profile)).
 ///
 /// Names, for `FromStr` and `Display`: `linear`, `constant-power`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -58,7 +58,8 @@ impl PanningLaw {
 
     /// The gains for `pan`, −1 (left) to 1 (right); each is between 0 and 1.
     ///
-    /// A pan outside the range is clamped to it; NaN counts as the centre. Mirrored pans give exactly mirrored gains.
+    /// A pan outside the range is clamped to the range; NaN counts as the centre. Mirrored pans give exactly mirrored
+    /// gains.
     pub fn gains(self, pan: f32) -> Gains {
         let pan = if pan.is_nan() {
             0.0
@@ -106,9 +107,9 @@ impl fmt::Display for PanningLaw {
 
 /// Mixes one mono sound to two channels, block by block, with gliding gains.
 ///
-/// A block's gains run linearly from the previous block's gains to its own target, which its last sample reaches; the
-/// first block starts at its target. Between successive samples, also across block borders, a gain changes by at most
-/// the block's gain change divided by its length.
+/// A block's gains run linearly from the previous block's gains to its own target, which its last sample reaches. The
+/// first block starts at its target. Between successive samples, also across block boundaries, a gain changes by at
+/// most the block's gain change divided by its length.
 ///
 /// ```
 /// use echomarch::audio::{Mixer, PanningLaw};
@@ -207,7 +208,7 @@ fn finite(gains: Gains) -> Gains {
 
 /// Divides audio samples among video frames, without gaps, overlaps or drift.
 ///
-/// Frame `i` starts at the sample nearest to `i · rate / fps`. Each border is rounded separately, so frames differ by
+/// Frame `i` starts at the sample nearest to `i · rate / fps`. Each boundary is rounded separately, so frames differ by
 /// at most one sample in length, and picture and sound are always less than a sample apart (up to 2⁵³ samples,
 /// thousands of years).
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -31,8 +31,8 @@ pub(crate) fn to_rate(samples: Vec<f32>, from_hz: u32, to_hz: u32) -> Result<Vec
     Ok(resampled)
 }
 
-/// The filter's length: an even number of whole periods of the two rates. The delay of an odd filter would lie between
-/// two samples and could not be removed exactly.
+/// The filter's length: an even number of whole periods of the two rates. The delay of a filter of odd length would lie
+/// between two samples and could not be removed exactly.
 fn block_for(from_hz: u32, to_hz: u32) -> u32 {
     let period = from_hz / greatest_common_divisor(from_hz, to_hz);
     2 * period * LEAST_BLOCK.div_ceil(2 * period)
@@ -56,8 +56,8 @@ pub(super) fn length_after(count: usize, from_hz: u32, to_hz: u32) -> usize {
 mod tests {
     use super::*;
 
-    /// Protects the sharpness of the filter, the removal of its delay, and the cost: its length is the smallest even
-    /// number of whole periods with at least the required number of samples.
+    /// Protects the sharpness of the filter, the removal of its delay, and the computing time: its length is the
+    /// smallest even number of whole periods with at least the required number of samples.
     #[test]
     fn the_filter_has_the_least_even_number_of_periods_that_suffices() {
         for (from_hz, to_hz, period) in [

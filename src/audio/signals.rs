@@ -145,19 +145,19 @@ fn noise_at(seed: u64, index: u64) -> f32 {
     NOISE_AMPLITUDE * signed as f32 / (1 << 23) as f32
 }
 
-/// Length of the cross-fade from a loop's end into its start, in seconds: much longer than a click, and too short to be
-/// audible as a separate change.
+/// Length in seconds of the cross-fade from a loop's end into its start: long enough to avoid a click, and too short to
+/// be audible as a separate change.
 const SEAM_S: f64 = 0.005;
 
-/// A clip shorter than this number of seams loops at more than 50 Hz: its seam is part of its tone and is not
+/// A clip shorter than this number of seams loops at more than 50 Hz. Its seam is part of its tone and is not
 /// cross-faded.
 const SEAMS_AT_LEAST: usize = 4;
 
 /// Mono samples with a read position.
 ///
 /// If the end of a looping clip does not match its start, every restart is cross-faded: the clip's end, played
-/// backwards so that the sound continues without a step, fades into its start. The first start is played unchanged, and
-/// the loop is as long as the clip.
+/// backwards so that the sound continues without a step, fades into its start. The first pass starts without a
+/// cross-fade, and the loop is as long as the clip.
 #[derive(Debug, Clone)]
 pub(super) struct Clip {
     /// Never empty.
@@ -183,12 +183,12 @@ impl Clip {
         }
     }
 
-    /// Cross-fades the part of `out` that lies in the seam; `out` holds the samples from the current position on.
+    /// Cross-fades the part of `out` that lies in the seam. `out` begins at the sample of the current position.
     fn cross_fade(&self, out: &mut [f32]) {
         let last = self.samples.len() - 1;
         for (i, sample) in (self.next..self.seam).zip(out) {
             let share = i as f64 / self.seam as f64;
-            // In `f64`, where the difference of two samples cannot overflow.
+            // Computed in `f64`, where the difference of two samples cannot overflow.
             let end = f64::from(self.samples[last - i]);
             *sample = (end + (f64::from(*sample) - end) * share) as f32;
         }
@@ -242,8 +242,8 @@ impl Signal for Clip {
     }
 }
 
-/// Number of samples to cross-fade when a clip restarts: zero if the step from its end to its start is not larger than
-/// nearby steps in the sound itself, as in a clip made to loop.
+/// Number of samples to cross-fade when a clip restarts. It is zero if the step from the clip's end to its start is not
+/// larger than nearby steps in the sound itself, as in a clip made to loop.
 fn seam(samples: &[f32], rate_hz: u32) -> usize {
     let length = (f64::from(rate_hz) * SEAM_S) as usize;
     if length == 0 || samples.len() < SEAMS_AT_LEAST * length {
@@ -319,7 +319,7 @@ mod tests {
         }
     }
 
-    /// Protects seeking in a clip: the samples from there on are those of uninterrupted playing.
+    /// Protects seeking in a clip: the samples after a seek are those of uninterrupted playback.
     #[test]
     fn seeking_finds_what_playing_comes_to() {
         let ramp: Vec<f32> = (0..LENGTH).map(|n| n as f32 / LENGTH as f32).collect();

@@ -2,11 +2,11 @@
 //!
 //! # Theory
 //! A voice is a train of glottal pulses at a gliding pitch, shaped by the resonances of the mouth, the *formants*, and
-//! cut into syllables. The pulse train is a sum of harmonics of the pitch. Each harmonic is a cosine; its complex
+//! cut into syllables. The pulse train is a sum of harmonics of the pitch. Each harmonic is a cosine. Its complex
 //! amplitude is the response of three formants (two-pole low-passes in cascade) at its frequency, times a source
 //! spectrum that falls a little with the frequency. Time is divided into slots of one syllable each, and ten slots form
 //! a phrase that ends in a pause. The vowel, length, accent and hissed consonant of a slot are hashed from the seed and
-//! the slot's number, and formants glide between the vowels.
+//! the slot's number. Formants glide between the vowels.
 //!
 //! A sample depends only on its number, the rate and the seed: the phase is the pitch's integral in
 //! closed form, counted from the start of the phrase, where the voice is silent. The amplitudes are
@@ -73,7 +73,7 @@ pub(super) struct Speech {
     at: Option<u64>,
     from: Harmonics,
     to: Harmonics,
-    /// The pitch of the slot played last.
+    /// The pitch of the most recent slot.
     pitch: SlotPitch,
 }
 
@@ -81,7 +81,7 @@ pub(super) struct Speech {
 #[derive(Debug, Clone, Copy)]
 struct SlotPitch {
     slot: u64,
-    /// In hertz, at the slot's start and end.
+    /// Pitch in hertz at the slot's start (`here`) and end (`next`).
     here: f64,
     next: f64,
     /// The pitch's integral from the phrase's start to the slot's start, in hertz times slots.
@@ -366,8 +366,8 @@ mod tests {
         }
     }
 
-    /// Protects the consonants: two of five syllables begin with a hiss at full level, which is over after 70 ms;
-    /// pauses have none, and neither does a voice at too low a sample rate.
+    /// Protects the consonants: two of five syllables begin with a hiss at full level, which is over after 70 ms.
+    /// Pauses have no hiss, and a voice at too low a sample rate has none either.
     #[test]
     fn two_syllables_of_five_begin_with_a_hiss() {
         let (mut spoken, mut hissed) = (0, 0);
@@ -468,7 +468,7 @@ mod tests {
         }
     }
 
-    /// Protects the vowels: the middle of a syllable has its own vowel, and at the border of two syllables both are
+    /// Protects the vowels: the middle of a syllable has its own vowel, and at the boundary of two syllables both are
     /// halfway between their vowels.
     #[test]
     fn formants_stand_in_the_middle_and_meet_at_the_ends() {

@@ -16,8 +16,9 @@ const LARGEST_FILE: u64 = 2 * 4 * MOST_SAMPLES;
 /// kHz.
 const MOST_SAMPLES: u64 = 1 << 25;
 
-/// The largest magnitude of a sample to be resampled, where 1 is full scale: float files made from 32-bit integers
-/// contain it. The sums over the filter stay far below overflow; the resampler panics if they are not finite.
+/// The largest magnitude of a sample to be resampled, where 1 is full scale. Float files made from 32-bit integers
+/// contain samples of this magnitude. The sums over the filter stay far below overflow; the resampler panics if they
+/// are not finite.
 const LOUDEST: f32 = 2_147_483_648.0;
 
 /// A WAV file's sound at its own rate; never empty, always finite.
@@ -63,7 +64,7 @@ fn open(path: &Path) -> Result<(Reader, u64), AudioError> {
         hound::Error::Unsupported => unsupported(path, "an encoding that is not plain PCM".into()),
         // The reader recognises a WAV file, but does not support this sample width.
         hound::Error::FormatError(reason) if reason.starts_with("bits per sample") => {
-            unsupported(path, format!("samples of an unread width ({reason})"))
+            unsupported(path, format!("samples of an unsupported width ({reason})"))
         }
         source => AudioError::NotWav {
             path: path.into(),
@@ -81,8 +82,8 @@ fn check_length(
     to_hz: u32,
 ) -> Result<(), AudioError> {
     let spec = reader.spec();
-    // A header may state more data than the file contains; reading ends at the file's end. A sample takes at least one
-    // byte.
+    // A header may state more data than the file contains. Reading then ends at the file's end. A sample takes at least
+    // one byte.
     let channels = u64::from(spec.channels);
     let frames = u64::from(reader.duration()).min(file_bytes / channels);
     let after = length_after(frames as usize, spec.sample_rate, to_hz) as u64;
@@ -166,7 +167,7 @@ fn mean_of_channels<S>(
 
 fn damaged(path: &Path, sample: u64, source: hound::Error) -> AudioError {
     match source {
-        hound::Error::Unsupported => unsupported(path, "an uncommon packing of samples".into()),
+        hound::Error::Unsupported => unsupported(path, "an unsupported packing of samples".into()),
         source => AudioError::DamagedWav {
             path: path.into(),
             sample,

@@ -3,8 +3,9 @@
 //! The header is for 32-bit float samples (Microsoft, *New Multimedia Data Types and Data Techniques*, 1994).
 //!
 //! Samples other than PCM need a `fmt` chunk with the length of its extension, and a `fact` chunk with the number of
-//! frames; without these, readers call a file incomplete. `WAVE_FORMAT_EXTENSIBLE` would add the loudspeaker positions
-//! of the channels, which ambisonic channels lack, and SoX calls such a file with float samples incomplete.
+//! frames; without these, other programs report a file as incomplete. `WAVE_FORMAT_EXTENSIBLE` is not used: it would
+//! add the loudspeaker positions of the channels, which ambisonic channels lack, and SoX reports such a file with float
+//! samples as incomplete.
 
 use super::{AudioError, Sound, check_rate};
 #[cfg(feature = "audio")]
@@ -60,7 +61,7 @@ impl WavWriter {
         Self::start(target.into(), rate_hz, STEREO, temporary_beside)
     }
 
-    /// Like [`create_at`](Self::create_at), with `channels` channels: 1, 2, or the 4 of first-order ambisonics.
+    /// Like [`create_at`](Self::create_at), with `channels` channels: 1, 2, or 4 for first-order ambisonics.
     ///
     /// # Errors
     /// The errors of [`create_at`](Self::create_at); [`AudioError::BadChannels`] for 0 channels, and for more than 64.
@@ -235,14 +236,14 @@ fn format(channels: u16, rate_hz: u32, frame_bytes: u32) -> Vec<u8> {
 mod tests {
     use super::*;
 
-    /// Protects long files: the file contains every frame up to the last that a header can count, and none beyond,
-    /// whether the limit is exceeded by one frame or by more.
+    /// Protects long files: the file contains every frame up to the last that a header can count, and no frame beyond,
+    /// after a write that exceeds the limit by one frame or by more.
     #[test]
     fn a_file_is_full_at_the_last_frame_that_its_header_can_count() {
         let folder = tempfile::tempdir().unwrap();
         let mut writer = WavWriter::create(folder.path().join("long.wav")).unwrap();
         let limit = MAX_BYTES / u64::from(2 * SAMPLE_BYTES);
-        // Simulates that number of frames.
+        // Sets the number of frames close to the limit.
         writer.frames = limit - 2;
         for too_long in [6, 8] {
             let refused = writer.write(&vec![0.0; too_long]);

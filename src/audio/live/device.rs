@@ -1,4 +1,4 @@
-//! Output devices: listing, choosing and opening them, and waiting for a sound system that may never answer.
+//! Output devices: their list, choice and opening, and requests to a sound system that may never answer.
 
 #[cfg(target_os = "linux")]
 use std::ffi::c_char;
@@ -43,7 +43,7 @@ pub(super) struct Found {
     config: SupportedStreamConfig,
 }
 
-/// The PulseAudio server found last. A connection to it stays open until the program ends, and the server limits the
+/// The most recent connection to PulseAudio. A connection stays open until the program ends, and the server limits the
 /// number of connections, so the connection is reused while the server answers.
 static HOST: Mutex<Option<Arc<Host>>> = Mutex::new(None);
 
@@ -61,14 +61,15 @@ fn host() -> Arc<Host> {
         return host;
     }
     let host = Arc::new(cpal::default_host());
-    // Other sound systems are looked up each time: this costs nothing, and PulseAudio may start later.
+    // Other sound systems are looked up each time: the lookup takes almost no time, and PulseAudio may start later.
     let is_kept = host.id().name() == "PulseAudio";
     *kept_host() = is_kept.then(|| Arc::clone(&host));
     host
 }
 
-/// Makes the next call look for the sound system again if its client broke down. A sound system that does not answer is
-/// kept: it answers when the server does, and another client would have to wait as well.
+/// Makes the next call look for the sound system again if the client of the sound system failed. The connection to a
+/// sound system that does not answer is kept: it works again when the server does, and another client would have to
+/// wait as well.
 pub(super) fn forget_broken(error: &LiveError) {
     if matches!(error, LiveError::BrokenDown) {
         *kept_host() = None;
@@ -124,8 +125,8 @@ pub(super) fn find(wanted: Option<&str>) -> Result<Found, LiveError> {
     let host = host();
     let no_device = |error: cpal::Error| LiveError::NoDevice {
         reason: match error.kind() {
-            // cpal's text refers to a requested device, but the request was for the default.
-            cpal::ErrorKind::DeviceNotAvailable => "the sound system offers none".to_owned(),
+            // The text of cpal refers to a requested device, but the request was for the default device.
+            cpal::ErrorKind::DeviceNotAvailable => "the sound system has no device".to_owned(),
             _ => error.to_string(),
         },
     };
@@ -133,7 +134,7 @@ pub(super) fn find(wanted: Option<&str>) -> Result<Found, LiveError> {
         None => host
             .default_output_device()
             .ok_or_else(|| LiveError::NoDevice {
-                reason: "the sound system names no default".to_owned(),
+                reason: "the sound system has no default device".to_owned(),
             })?,
         Some(wanted) => {
             let devices: Vec<_> = host.output_devices().map_err(no_device)?.collect();
@@ -213,8 +214,8 @@ impl Found {
         self.config.sample_rate()
     }
 
-    /// Opens and starts the device with a buffer of `buffer_frames`, or with the device's own buffer length if it
-    /// rejects that one.
+    /// Opens and starts the device with a buffer of `buffer_frames`. If the device rejects this length, its own buffer
+    /// length is used.
     pub(super) fn open(&self, buffer_frames: u32, link: &Link) -> Result<Stream, LiveError> {
         hush();
         let frames = match *self.config.buffer_size() {
@@ -276,16 +277,15 @@ extern "C" fn forget(_: *const c_char) {}
 
 /// Discards the messages of JACK's client library, if that library is installed. ALSA still returns
 /// errors.
-///
-/// ALSA has a plugin that plays to JACK. When ALSA's devices are listed, the plugin looks for a server, and without one
-/// the library writes an error of about six lines to the standard error stream each time. The library offers two
-/// functions to redirect its messages.
+/// ALSA has a plugin that plays to JACK. When ALSA's devices are listed, the plugin looks for a JACK server. Without a
+/// server, JACK's client library writes an error of about six lines to the standard error stream each time. The library
+/// has two functions to redirect its messages.
 #[cfg(target_os = "linux")]
 fn hush_jack() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
-        // SAFETY: this is the library that ALSA's plugin would load, by the same name; its initialisers would run then,
-        // too.
+        // SAFETY: this is the library that ALSA's plugin would load by the same name, which would also run its
+        // initialisers.
         let Ok(library) = (unsafe { libloading::Library::new("libjack.so.0") }) else {
             return;
         };
@@ -312,8 +312,8 @@ pub(super) const ANSWER_LIMIT: Duration = Duration::from_secs(5);
 /// Interval at which a waiting thread checks whether to give up.
 const GLANCE: Duration = Duration::from_millis(20);
 
-/// Whether a request is in progress. Only one request runs at a time, so that a sound system that hangs occupies one
-/// thread and one connection, however many requests follow.
+/// Whether a request is in progress. Only one request runs at a time, so that a sound system that hangs occupies only
+/// one thread and one connection, even after many requests.
 static IS_PENDING: AtomicBool = AtomicBool::new(false);
 
 /// Ends the request when its thread ends, even by a panic.
@@ -335,7 +335,7 @@ impl Drop for PendingRequest {
 /// Runs `work`, which calls the sound system, on a separate thread and waits for it up to a limit,
 /// or until `is_off`.
 ///
-/// If the answer comes later, that thread drops it; until then no other request starts.
+/// If the answer comes after the limit, that thread drops it. Until then no other request starts.
 pub(super) fn within<T: Send + 'static>(
     limit: Duration,
     is_off: impl Fn() -> bool,
@@ -370,7 +370,7 @@ pub(super) fn within<T: Send + 'static>(
     }
 }
 
-/// Drops a value on a separate thread, since dropping it may take long.
+/// Drops a value on a separate thread, because dropping it may take long.
 pub(super) fn drop_elsewhere<T: Send + 'static>(value: T) {
     // If the thread cannot start, the closure and the value are dropped here.
     let _ = spawn("echomarch-close", move || drop(value));
@@ -386,8 +386,8 @@ fn spawn(name: &str, work: impl FnOnce() + Send + 'static) -> Result<(), LiveErr
 mod tests {
     use super::*;
 
-    /// Protects a hanging sound system from repeated requests, each from another thread; and a panic from being
-    /// reported as a time-out. Both are in one test because all requests share one lock.
+    /// Protects a hanging sound system from repeated requests, each from another thread, and protects a panic from
+    /// being reported as a time-out. Both checks are in one test because all requests share one lock.
     #[test]
     fn one_request_at_a_time_and_a_panic_is_told() {
         let (answer, hangs) = mpsc::channel::<()>();

@@ -46,7 +46,7 @@ pub enum LiveError {
         seconds: u64,
     },
     /// The sound system's client panicked.
-    #[error("the sound system's client has failed: it is started again")]
+    #[error("the sound system's client has failed and is started again")]
     BrokenDown,
     /// The connection to the device was lost.
     #[error("the sound device {device} is lost: {reason}")]
@@ -57,7 +57,7 @@ pub enum LiveError {
         reason: String,
     },
     /// A recording is in progress already.
-    #[error("a recording is under way: stop it first")]
+    #[error("a recording is already in progress: stop it first")]
     AlreadyRecording,
     /// A request to stop a recording while none is in progress.
     #[error("nothing is being recorded")]

@@ -31,7 +31,7 @@ pub(super) enum Command {
     Stop,
 }
 
-/// Holds the renderer while nothing plays; it outlives streams. Taking the renderer and putting it back swap one
+/// Holds the renderer while nothing plays. It outlives streams. The renderer is taken and put back by swapping one
 /// pointer.
 pub(super) type Slot = AtomicCell<Option<Box<Renderer>>>;
 
@@ -79,8 +79,8 @@ impl Link {
         self.put_back(renderer);
     }
 
-    /// Puts the renderer back. If a callback hung and the supervisor made another renderer in the meantime, the slot
-    /// keeps the newer one.
+    /// Puts the renderer back. If a callback hung and the supervisor made a new renderer in the meantime, the slot
+    /// keeps the new renderer.
     fn put_back(&self, renderer: Box<Renderer>) {
         let mut mine = renderer;
         loop {
@@ -93,11 +93,11 @@ impl Link {
         }
     }
 
-    /// Hands a renderer to the supervisor, which frees it; frees nothing here.
+    /// Hands a renderer to the supervisor, which frees it. This function frees nothing.
     fn retire(&self, renderer: Box<Renderer>) {
         if let Some(another) = self.drop_queue.swap(Some(renderer)) {
-            // Two retired renderers between two checks of the supervisor have never been observed: the second is
-            // leaked.
+            // Two retired renderers between two checks of the supervisor have never been observed. The second renderer
+            // is leaked.
             std::mem::forget(another);
         }
     }
@@ -127,8 +127,8 @@ impl Link {
         self.shared.callbacks.fetch_add(1, Relaxed);
     }
 
-    /// The callback for errors: counts under-runs; reports only the first error that ends the stream, because there may
-    /// be hundreds.
+    /// The callback for errors. It counts under-runs, and reports only the first error that ends the stream, because
+    /// hundreds may follow.
     pub(super) fn error_callback(&self) -> impl FnMut(cpal::Error) + Send + 'static {
         let link = self.clone();
         let mut is_told = false;
@@ -161,8 +161,8 @@ mod tests {
         Box::new(renderer)
     }
 
-    /// Protects the renderer that belongs to the supervisor's remote: when a hung callback puts back its renderer, the
-    /// newer renderer stays in the slot, whichever comes first, and the supervisor, not the callback, frees the other.
+    /// Protects the renderer that the supervisor controls: when a hung callback puts back its renderer, the newer
+    /// renderer stays in the slot, in either order, and the supervisor, not the callback, frees the older renderer.
     #[test]
     fn the_newer_renderer_stays_and_the_older_is_retired() {
         for (there, back) in [(2, 1), (1, 2)] {

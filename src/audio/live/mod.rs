@@ -1,11 +1,11 @@
-//! Live output: plays a sound while its panning changes.
+//! Live output: plays a sound whose panning changes during playback.
 //!
 //! # Theory
 //! A sound system requests blocks of samples from a *callback*, on a thread that must never be late: a late block is an
-//! audible gap. So the callback here never allocates, locks or waits ([`Renderer`]). Pan, volume and law reach it as
-//! single atomic values, sounds and recordings through lock-free rings. A *supervisor* thread frees the objects that
-//! the callback has finished with, opens the device, and reopens it when it is lost. `docs/audio.md` describes how the
-//! threads work together.
+//! audible gap. The callback here therefore never allocates, locks or waits ([`Renderer`]). It receives pan, volume and
+//! law as single atomic values, and sounds and recordings through lock-free rings. A *supervisor* thread frees the
+//! objects that the callback no longer needs, opens the device, and reopens it when it is lost. `docs/audio.md`
+//! describes how the threads work together.
 //!
 //! ```no_run
 //! use echomarch::audio::live::{Live, LiveOptions};
@@ -51,8 +51,8 @@ use crate::tracer::Panning;
 pub struct LiveOptions {
     /// Name or id of the output device; `None` for the system's default.
     pub device: Option<String>,
-    /// Number of frames per request of the device; 1024 by default. With fewer, changes are heard sooner, but a busy
-    /// machine may be late.
+    /// Number of frames per request of the device; 1024 by default. With fewer frames, changes are audible sooner, but
+    /// blocks may be late on a busy machine.
     pub buffer_frames: u32,
     /// The panning law.
     pub law: PanningLaw,
@@ -81,13 +81,13 @@ pub struct LiveStatus {
     /// Latency in milliseconds from computing a sample to hearing it, as the sound system reports it for the first
     /// sample of a block; `None` if the sound system does not report it.
     pub latency_ms: Option<f64>,
-    /// Milliseconds from setting a pan until a block is computed with it, smoothed over the last pans; `None` before
-    /// the first pan.
+    /// Milliseconds from setting a pan until a block is computed with it, smoothed over the most recent pans; `None`
+    /// before the first pan.
     pub pan_waited_ms: Option<f64>,
     /// Under-runs reported by the sound system. PulseAudio reports none.
     pub under_runs: u64,
-    /// Number of blocks requested more than two block lengths after the previous one: a device with a buffer of two
-    /// blocks has then run dry.
+    /// Number of blocks requested more than two block lengths after the previous block: a device with a buffer of two
+    /// blocks has then run out of samples.
     pub late_callbacks: u64,
     /// Number of times that a device was opened after the first one.
     pub restarts: u64,
@@ -106,9 +106,9 @@ pub struct LiveStatus {
     pub notice: Option<String>,
 }
 
-/// A sound playing on a device until this is dropped.
+/// A sound that plays on a device until this value is dropped.
 ///
-/// All methods may be called from any thread. None waits for the callback; setters return at once.
+/// All methods may be called from any thread. No method waits for the callback, and setters return at once.
 #[derive(Debug)]
 pub struct Live {
     common: Common,
@@ -118,9 +118,9 @@ pub struct Live {
 impl Live {
     /// Starts to play `sound`, panned to the centre and at full volume.
     ///
-    /// This never fails: if there is no device, or opening it fails, the sound pauses, the output is silent, and
-    /// [`status`](Self::status) contains the reason; the device is retried from time to time. The same applies if
-    /// loading the sound fails.
+    /// This function never fails. Without a device, or if opening it fails, the sound pauses, the output is silent, and
+    /// [`status`](Self::status) contains the reason; the device is retried from time to time. If loading the sound
+    /// fails, the output is silent as well.
     pub fn start(sound: SoundSource, options: LiveOptions) -> Self {
         let (commands, receiver) = mpsc::channel();
         let common = Common {
@@ -219,12 +219,12 @@ impl Live {
 
     /// Starts to write the output to a WAV file of 32-bit float samples, at the device's rate.
     ///
-    /// The recording pauses while there is no device. It ends if the device comes back at another rate than that of the
-    /// written samples, if the disk is full, or after 4 GiB; [`status`](Self::status) reports that. The next recording
-    /// may then begin.
+    /// The recording pauses while there is no device. It ends if the device comes back at another rate than the written
+    /// samples have, if the disk is full, or after 4 GiB. [`status`](Self::status) reports the reason, and a new
+    /// recording may then begin.
     ///
-    /// Until the file is complete, its name is `path` followed by `-`, six letters and `.part.wav`;
-    /// it is playable up to the last second.
+    /// Until the file is complete, its name is `path` followed by `-`, six letters and `.part.wav`. Except for the last
+    /// second, it is playable at any time.
     ///
     /// # Errors
     /// [`LiveError::AlreadyRecording`], or the errors of [`WavWriter::create_at`](super::WavWriter::create_at).
@@ -261,7 +261,7 @@ impl Live {
     }
 
     fn send(&self, command: Command) {
-        // Without a supervisor the output is already silent, and the status says so.
+        // Without a supervisor the output is already silent, and the status contains the reason.
         let _ = self.common.commands.send(command);
     }
 }

@@ -135,7 +135,7 @@ fn tell(commands: &Sender<Command>, error: &dyn std::error::Error) {
     let _ = commands.send(Command::Notice(error.to_string()));
 }
 
-/// Like [`write`]; an error that ends the recording before it is stopped is reported when it happens.
+/// Like [`write`]. An error that ends the recording is reported when it occurs.
 fn write_or_tell(
     file: WavWriter,
     ring: Consumer<f32>,
@@ -160,10 +160,10 @@ fn write(
     let mut frames = 0;
     let mut flushed = Instant::now();
     loop {
-        // Read before emptying the ring, so that all frames queued until then are still written.
+        // The flag is read before the ring is emptied, so that all frames queued until then are still written.
         let is_last = is_over.load(Relaxed);
         if is_last {
-            // Writing the current block takes much less time than this.
+            // The callback finishes writing its current block within this time.
             thread::sleep(PERIOD);
         }
         match empty(&mut file, &mut ring) {

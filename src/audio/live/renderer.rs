@@ -1,8 +1,8 @@
 //! The callback's work, independent of a device: sounds in, interleaved stereo out.
 //!
 //! A [`Renderer`] never allocates, frees, locks or waits while it fills a block. Values that change often (pan, volume,
-//! law) are atomics. Objects that own memory (a sound, the ring of a recording) enter through one ring and, when no
-//! longer needed, leave through another, to be freed on another thread.
+//! law) are atomics. Objects that own memory (a sound, the ring of a recording) enter through one ring. When no longer
+//! needed, they leave through another ring, to be freed on another thread.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
@@ -48,7 +48,7 @@ pub(super) struct Tap {
 
 /// Plays one mono sound to two channels, with gliding gains and cross-fades between sounds.
 ///
-/// Both take 20 ms. The first samples fade in from silence.
+/// Glides and cross-fades take 20 ms. The first samples fade in from silence.
 #[derive(Debug)]
 pub struct Renderer {
     /// Its number among the supervisor's renderers.
@@ -78,7 +78,7 @@ pub struct Renderer {
     scratch: [[f32; 2 * BLOCK]; 2],
 }
 
-/// The other end of a [`Renderer`], which controls it from any thread.
+/// The control side of a [`Renderer`], usable from any thread.
 #[derive(Debug)]
 pub struct Remote {
     pub(super) shared: Arc<Shared>,
@@ -140,7 +140,8 @@ impl Renderer {
         newest as f64 / f64::from(self.rate_hz)
     }
 
-    /// Switches to another rate with a sound made for it. Frees the old objects, so the callback must not call this.
+    /// Switches to another rate with a sound made for it. Frees the old objects, so the callback must not call this
+    /// function.
     pub(super) fn change_rate(&mut self, rate_hz: u32, sound: Option<Sound>) {
         self.settle();
         let position = (self.position_s() * f64::from(rate_hz)).round() as u64;
@@ -153,7 +154,8 @@ impl Renderer {
         self.meter = Meter::new(rate_hz);
     }
 
-    /// Applies all queued messages at once, without a fade. Frees the old objects, so the callback must not call this.
+    /// Applies all queued messages at once, without a fade. Frees the old objects, so the callback must not call this
+    /// function.
     fn settle(&mut self) {
         if let Some((sound, played)) = self.next.take() {
             self.sound = Some(sound);
@@ -174,8 +176,8 @@ impl Renderer {
         }
     }
 
-    /// Starts from silence, as after a gap, with the start of another sound if there is one: the last one queued in the
-    /// meantime. Frees the old objects, so the callback must not call this.
+    /// Starts from silence, as after a gap. A new sound starts from its beginning: `newest` if present, otherwise the
+    /// last sound queued in the meantime. Frees the old objects, so the callback must not call this function.
     pub(super) fn begin(&mut self, newest: Option<Sound>) {
         self.settle();
         if newest.is_some() {
@@ -188,7 +190,7 @@ impl Renderer {
         self.mixer = silent_mixer();
     }
 
-    /// Switches to another program at once. Frees the old objects, so the callback must not call this.
+    /// Switches to another program at once. Frees the old objects, so the callback must not call this function.
     pub(super) fn set_program(&mut self, program: Program) {
         self.programs.set(program);
     }
@@ -208,8 +210,8 @@ impl Renderer {
         }
     }
 
-    /// Overwrites `out` with the next samples for a device of `channels` channels. One channel gets the mean of left
-    /// and right; with several, the first two get left and right, and the others silence.
+    /// Overwrites `out` with the next samples for a device of `channels` channels. A single channel gets the mean of
+    /// left and right. With several channels, the first two get left and right, and the other channels get silence.
     pub fn fill_device<T: Sample + FromSample<f32>>(&mut self, out: &mut [T], channels: usize) {
         let mut stereo = [0.0; 2 * BLOCK];
         for block in out.chunks_mut(BLOCK * channels.max(1)) {
@@ -223,13 +225,13 @@ impl Renderer {
     }
 
     fn take_messages(&mut self) {
-        // A fade is finished before the next begins.
+        // A fade is finished before the next fade begins.
         while self.next.is_none() && !self.programs.is_fading() && self.outbox.slots() >= MESSAGES {
             match self.inbox.pop() {
                 Ok(Message::Sound { sound, rate_hz }) if rate_hz == self.rate_hz => {
                     self.next = Some((sound, 0));
                 }
-                // Made for the previous device: opening the current device supplied its own sound.
+                // The sound was made for the previous device. Opening the current device supplied a sound of its own.
                 Ok(stale @ Message::Sound { .. }) => self.hand_out(stale),
                 Ok(Message::Program(program)) if program.fits(self.rate_hz) => {
                     self.programs.fade_to(program);
@@ -428,8 +430,8 @@ mod tests {
     use super::*;
     use crate::audio::Sound;
 
-    /// Protects a sound sent after the last callback: it plays as soon as playback resumes, but not if it was made for
-    /// another rate.
+    /// Protects a sound sent after the last callback: it plays as soon as playback resumes. A sound made for another
+    /// rate does not play.
     #[test]
     fn a_sound_that_waited_is_heard_at_its_own_rate_alone() {
         for (made_hz, is_heard) in [(Sound::SAMPLE_RATE, true), (44_100, false)] {

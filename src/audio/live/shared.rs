@@ -12,14 +12,14 @@ const NO_LATENCY: u64 = u64::MAX;
 /// The weight of the newest waiting time in the reported value.
 const FRESH: f64 = 0.15;
 
-/// Atomic values of one live output. They are independent, so the order in which they are seen does not matter.
+/// Atomic values of one live output. They are independent of each other, so the order of their changes does not matter.
 #[derive(Debug)]
 pub(super) struct Shared {
     /// −1 to 1, as the bits of an `f32`.
     pan: AtomicU32,
     /// Origin of the times at which pans are set.
     epoch: Instant,
-    /// Time at which the oldest pan was set that no callback has applied yet, in microseconds; 0 if there is none.
+    /// Time in microseconds at which the oldest pan not yet applied by a callback was set; 0 if there is none.
     pan_set_us: AtomicU64,
     /// Microseconds until a callback applied a pan, smoothed.
     pan_waited_us: AtomicU64,
@@ -30,7 +30,7 @@ pub(super) struct Shared {
     pub(super) is_open: AtomicBool,
     /// Whether the output fades to silence, before a stream is closed.
     pub(super) is_muted: AtomicBool,
-    /// Whether that fade is complete, up to the block with its end.
+    /// Whether that fade is complete, including the block in which it ends.
     pub(super) has_faded: AtomicBool,
     /// The stream whose callback may play; the callbacks of other streams output silence.
     pub(super) generation: AtomicU64,
@@ -74,7 +74,7 @@ impl Shared {
 
     pub(super) fn set_pan(&self, pan: f32) {
         self.pan.store(pan.to_bits(), Relaxed);
-        // A new pan does not reset the time of an earlier one that no callback has applied yet: the oldest counts.
+        // A new pan does not reset the time of an earlier pan that no callback has applied yet: the oldest time counts.
         let now = self.now_us();
         let _ = self.pan_set_us.compare_exchange(0, now, Relaxed, Relaxed);
     }
@@ -141,7 +141,7 @@ impl Shared {
         }
     }
 
-    /// The current factor on both channels of a stereo sound.
+    /// The current gain of both channels of a stereo sound.
     pub(super) fn volume_target(&self) -> Gains {
         if self.is_muted.load(Relaxed) {
             return Gains::SILENT;

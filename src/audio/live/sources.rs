@@ -1,4 +1,4 @@
-//! Sounds that live output makes at the device's rate, and again when that changes.
+//! Sounds that live output creates at the device's rate, and again when the rate changes.
 
 use crate::audio::{AudioError, Sound, SoundSpec, StereoSignal};
 use std::fmt;
@@ -8,9 +8,9 @@ use std::sync::Arc;
 /// A function from a sample rate in hertz to a sound at its start.
 type Maker<T> = Arc<dyn Fn(u32) -> T + Send + Sync>;
 
-/// Makes one sound at any sample rate: live output calls it again when the device's rate changes.
+/// Creates one sound at any sample rate: live output calls it again when the device's rate changes.
 ///
-/// It is made from a [`SoundSpec`], from its text, or from a caller's own function:
+/// A source is made from a [`SoundSpec`], from the text of a [`SoundSpec`], or from a caller's own function:
 ///
 /// ```
 /// use echomarch::audio::live::SoundSource;
@@ -44,7 +44,7 @@ impl SoundSource {
     /// Returns the sound at `rate_hz` samples per second, at its start.
     ///
     /// # Errors
-    /// As [`Sound::load`], or what the caller's own function answers.
+    /// The errors of [`Sound::load`], or the error that the caller's own function returns.
     pub fn sound(&self, rate_hz: u32) -> Result<Sound, AudioError> {
         (self.make)(rate_hz)
     }
@@ -59,7 +59,7 @@ impl From<SoundSpec> for SoundSource {
 impl FromStr for SoundSource {
     type Err = AudioError;
 
-    /// Parses the text of a [`SoundSpec`]; opens no file.
+    /// Parses the text of a [`SoundSpec`] without opening a file.
     fn from_str(text: &str) -> Result<Self, AudioError> {
         text.parse::<SoundSpec>().map(Self::from)
     }
@@ -71,7 +71,7 @@ impl fmt::Debug for SoundSource {
     }
 }
 
-/// Makes a [`StereoSignal`] at any sample rate: live output calls it again when the device's rate changes.
+/// Creates a [`StereoSignal`] at any sample rate: live output calls it again when the device's rate changes.
 #[derive(Clone)]
 pub struct StereoSource {
     make: Maker<Box<dyn StereoSignal>>,

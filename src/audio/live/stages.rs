@@ -86,7 +86,7 @@ impl Program {
         }
     }
 
-    /// Whether it was made for the rate `at_hz`.
+    /// Whether the program was made for the rate `at_hz`.
     pub(super) fn fits(&self, at_hz: u32) -> bool {
         match self {
             Program::Balance => true,
@@ -104,7 +104,7 @@ impl fmt::Debug for Program {
     }
 }
 
-/// The current program, and the one that it fades to.
+/// The current program, and the program that it fades to.
 #[derive(Debug, Default)]
 pub(super) struct Programs {
     current: Program,

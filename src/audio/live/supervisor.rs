@@ -27,10 +27,10 @@ const FIRST_CALLBACK: Duration = Duration::from_secs(3);
 const RETRY: (Duration, Duration) = (Duration::from_millis(100), Duration::from_secs(5));
 /// A stream that has run for this time does not count as a failed attempt.
 const PROVEN: Duration = Duration::from_secs(2);
-/// Duration of a fade-out before closing in addition to the buffers: the glide, and a small margin.
+/// Duration of a fade-out before closing, in addition to the buffers: the glide and a small margin.
 const FADE_OUT: Duration = Duration::from_millis(25);
 /// Limit of the wait in addition to two buffers, one until the callback has faded and one until its output has been
-/// heard: a hanging stream must not delay the end.
+/// heard. A stream that hangs must not delay the end.
 const FADE_OUT_LIMIT: Duration = Duration::from_millis(100);
 /// Interval at which the fade-out is checked.
 const FADE_OUT_GLANCE: Duration = Duration::from_millis(2);
@@ -91,7 +91,7 @@ pub(super) struct Supervisor {
     buffer_frames: u32,
     stream: Option<OpenStream>,
     generation: u64,
-    /// The sound loaded last, until a stream is open and the queue has room.
+    /// The sound loaded last. It waits until a stream is open and the queue has room.
     waiting: Option<Sound>,
     /// The program that replaces the sound, waiting in the same way.
     program: Option<Program>,
@@ -182,12 +182,13 @@ impl Supervisor {
             Command::Lost { generation, reason } if generation == self.generation => {
                 self.lose(reason);
             }
-            // From a stream that is already closed, or handled shortly.
+            // The loss of a stream that is already closed needs no action. `deliver` starts recordings, and `run`
+            // handles `Stop`.
             Command::Lost { .. } | Command::Record | Command::Stop => {}
         }
     }
 
-    /// Loads a sound and sends it to the callback; if several are waiting, only the last is kept.
+    /// Loads a sound and sends it to the callback. If several sounds are waiting, only the last sound is kept.
     fn change_sound(&mut self, source: SoundSource) {
         match source.sound(self.rate_hz) {
             Ok(sound) => {
@@ -224,7 +225,7 @@ impl Supervisor {
         lock(&self.common.state).last_error = Some(error.to_string());
     }
 
-    /// Sends waiting objects to the callback, if there is one, and frees returned objects.
+    /// Sends waiting objects to the callback of an open stream, and frees returned objects.
     fn deliver(&mut self) {
         self.remote.collect();
         drop(self.drop_queue.take());
@@ -325,7 +326,7 @@ impl Supervisor {
     }
 
     fn close(&mut self) {
-        // From now on the stream's callback outputs silence, whenever it actually ends.
+        // From now on the stream's callback outputs silence, even if the callback ends much later.
         self.generation += 1;
         let shared = &self.common.shared;
         shared.generation.store(self.generation, Relaxed);
@@ -435,7 +436,7 @@ impl Supervisor {
     /// Takes the renderer back from the last stream.
     fn take_renderer(&mut self) -> Box<Renderer> {
         for _ in 0..50 {
-            // A renderer that was replaced and has come back since is freed.
+            // A replaced renderer that has been put back since then is freed.
             if let Some(renderer) = self.slot.take()
                 && renderer.number == self.renderer
             {
@@ -470,7 +471,7 @@ impl Supervisor {
         }
     }
 
-    /// Passes the new rate to the recording, which ends if its file has another rate.
+    /// Passes the new rate to the recording. The recording ends if its file has another rate.
     fn tell_rate(&self, rate_hz: u32) {
         let mut state = lock(&self.common.state);
         state.rate_hz = rate_hz;
