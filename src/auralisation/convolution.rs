@@ -5,8 +5,8 @@
 //! The spectra of a signal's newest blocks are kept. Convolving a block with a kernel takes one multiplication for each
 //! partition of the kernel, and one inverse transform.
 //!
-//! The octave-band filters are such kernels: they split a signal by zero-phase filters, so that scaling each band
-//! separately has the same effect on a signal as [`ImpulseResponse`](crate::response::ImpulseResponse) has on a tap.
+//! The octave-band filters are such kernels. They split a signal by zero-phase filters. Scaling each band separately
+//! then has the same effect on the signal as [`ImpulseResponse`](crate::response::ImpulseResponse) has on a tap.
 
 use realfft::num_complex::Complex;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
@@ -17,7 +17,7 @@ use std::sync::Arc;
 use crate::bands::BAND_COUNT;
 use crate::response::tap_filter_gain;
 
-/// Samples per block: 10.7 ms at 48 kHz. A kernel of one second then has 94 partitions; half the block length would
+/// Samples per block: 10.7 ms at 48 kHz. A kernel of one second then has 94 partitions. Half the block length would
 /// halve the delay and double the work.
 pub(super) const BLOCK: usize = 512;
 
@@ -152,8 +152,8 @@ impl Signal {
         self.spectra[self.at].set(&self.values);
     }
 
-    /// Convolves the newest block with one channel of a kernel, ignoring partitions beyond the stored blocks. Does not
-    /// allocate.
+    /// Convolves the newest block with one channel of a kernel. Partitions beyond the stored blocks are ignored. Does
+    /// not allocate.
     pub fn convolve(&mut self, kernel: &Kernel, channel: usize, out: &mut [f32; BLOCK]) {
         let partitions = kernel.channels.get(channel).map_or(&[][..], Vec::as_slice);
         if partitions.is_empty() {
@@ -169,7 +169,7 @@ impl Signal {
         for (bin, value) in self.values.iter_mut().enumerate() {
             *value = Complex::new(self.sum.real[bin], self.sum.imaginary[bin]);
         }
-        // For a real signal these values are real, but rounding may leave an imaginary part, which the transform would
+        // For a real signal these values are real. Rounding may leave an imaginary part, which the transform would
         // reject.
         self.values[0].im = 0.0;
         self.values[BINS - 1].im = 0.0;
@@ -193,12 +193,12 @@ impl fmt::Debug for Signal {
     }
 }
 
-/// Delay of the split signal in samples: the reach of the filters to either side (21 ms at 48 kHz). This is too short
-/// if 63 Hz and 125 Hz differ by 20 dB: the weaker of the two is then up to 0.7 dB off. From 250 Hz on the error is
-/// 0.05 dB.
+/// Delay of the split signal in samples: the reach of the filters to either side (21 ms at 48 kHz). This reach is too
+/// short if the energies of 63 Hz and 125 Hz differ by 20 dB: the weaker band is then up to 0.7 dB off. From 250 Hz on
+/// the error is 0.05 dB.
 pub(super) const FILTER_DELAY: usize = 2 * BLOCK;
 
-/// The share of this reach within which the filters are not tapered.
+/// The share of [`FILTER_DELAY`] within which the filters are not tapered.
 const FLAT: f64 = 0.75;
 
 /// Length of a filter in samples.

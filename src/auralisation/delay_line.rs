@@ -1,4 +1,4 @@
-//! A delay line: the last seconds of a signal in bands, readable at fractional delays.
+//! A delay line: the most recent samples of a signal in bands, readable at fractional delays.
 
 use std::f64::consts::PI;
 
@@ -26,7 +26,8 @@ pub(super) struct DelayLine<const BANDS: usize> {
 }
 
 impl<const BANDS: usize> DelayLine<BANDS> {
-    /// Creates a silent line; delays of up to `longest` samples can be read while blocks of up to `block` are written.
+    /// Creates a silent line. Delays of up to `longest` samples can be read, and blocks of up to `block` samples
+    /// written.
     pub fn new(longest: usize, block: usize) -> Self {
         let length = (longest + block + WIDTH).next_power_of_two();
         Self {
@@ -70,7 +71,7 @@ impl<const BANDS: usize> DelayLine<BANDS> {
     }
 }
 
-/// A sinc function with Blackman's window, centred `phase` / [`PHASES`] after sample [`REACH`] − 1.
+/// A sinc function with Blackman's window. Its centre is `phase` / [`PHASES`] samples after sample [`REACH`] − 1.
 fn weights(phase: usize) -> Weights {
     let place = (REACH - 1) as f64 + phase as f64 / PHASES as f64;
     let weight = |index: usize| {

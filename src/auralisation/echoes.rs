@@ -5,11 +5,11 @@ use super::delay_line::DelayLine;
 use super::prepared_sound::Echo;
 use super::{CHANNELS, Heard};
 
-/// Maximum rate of change of a delay (a source at a fifth of the speed of sound, 250 km/h). If a delay changes faster,
-/// the echo fades out at the old delay and in at the new one.
+/// Maximum rate of change of a delay (a source that moves at a fifth of the speed of sound, 250 km/h). If a delay
+/// changes faster, the echo fades out at the old delay and in at the new one.
 const MOST_DOPPLER: f64 = 0.2;
 
-/// Maximum number of echoes that sound at once: the current ones and the fading ones.
+/// Maximum number of simultaneous echoes: current echoes and echoes that fade out.
 const VOICES: usize = 2 * Heard::MOST_ECHOES;
 
 /// An amplitude for each band and channel.
@@ -25,7 +25,7 @@ struct Voice<const BANDS: usize> {
     target: Amplitudes<BANDS>,
     /// Number of samples until the targets are reached.
     to_go: u32,
-    /// Whether it is fading out, after which its slot is free.
+    /// Whether the echo is fading out; its slot is free afterwards.
     is_ending: bool,
 }
 

@@ -2,7 +2,7 @@
 //!
 //! A [`Response`](crate::response::Response) describes the arriving sound. [`Heard`] is made from it, on any thread:
 //! the strongest exact paths as single echoes, everything else as a kernel. An [`Auralisation`] applies this to a
-//! source's own sound and outputs two channels, on a thread that must not wait: it never allocates or locks.
+//! source's own sound and outputs two channels. It runs on a thread that must not wait, so it never allocates or locks.
 //!
 //! # Method
 //! - **Echoes**, including the direct sound, are read from a delay line at fractional delays, each with an amplitude
@@ -10,7 +10,7 @@
 //!   amplitudes run linearly to their next values: there are no clicks, and a moving source is heard with its Doppler
 //!   shift. An echo whose delay would change by more than a fifth of the elapsed time, or that belongs to another path,
 //!   fades instead.
-//! - **The late part** is convolved in blocks and fades to the next kernel; both kernels are made from the same noise,
+//! - **The late part** is convolved in blocks and fades to the next kernel. Both kernels are made from the same noise,
 //!   so that a fade between similar kernels is inaudible.
 //! - **Bands**: if materials or the air change the timbre, the sound is split into octave bands
 //!   once for all echoes, by zero-phase filters. Otherwise there is one band and no filter.
@@ -66,7 +66,7 @@ use echoes::Echoes;
 /// Left and right.
 const CHANNELS: usize = 2;
 
-/// Default length of a response in seconds: the reverberation time of a large hall.
+/// Default length of the longest response in seconds: the reverberation time of a large hall.
 const USUAL_LONGEST_S: f64 = 3.0;
 
 /// A listening mode. Names, for `FromStr` and `Display`: `full`, `balance`.
@@ -80,7 +80,8 @@ pub enum Listen {
 }
 
 impl Listen {
-    /// The default listening mode of an algorithm: waves of the thesis end at the listener and only give a balance.
+    /// The default listening mode of an algorithm: waves of the thesis' algorithm end at the listener and give only a
+    /// balance.
     pub fn for_profile(profile: Profile) -> Listen {
         match profile {
             Profile::Thesis => Listen::Balance,
@@ -97,7 +98,7 @@ named_values!(Listen, "way to listen": Full = "full", Balance = "balance");
 pub struct Spec {
     /// Samples per second, in [`ImpulseSettings::RATES_HZ`].
     pub rate_hz: u32,
-    /// Whether octave bands are separate: required if materials or the air change the timbre.
+    /// Whether the sound is split into octave bands, which is required if materials or the air change the timbre.
     pub has_bands: bool,
     /// Maximum length of the response in seconds, above 0, at most [`ImpulseSettings::MAX_SECONDS`]: memory and work
     /// grow with it.
@@ -105,8 +106,8 @@ pub struct Spec {
 }
 
 impl Spec {
-    /// The format for a scene at a sampling rate in hertz. Its numbers are checked by the constructors that take the
-    /// format.
+    /// The format for a scene at a sampling rate in hertz. Its numbers are checked where a player or a [`Heard`] is
+    /// created.
     pub fn of(scene: &Scene, rate_hz: u32) -> Spec {
         Spec {
             rate_hz,
@@ -170,12 +171,12 @@ pub struct Auralisation {
     late: Kernel,
     /// The target of the current fade.
     next: Option<Fade>,
-    /// The kernel before the last fade; another thread frees it.
+    /// The kernel before the last fade. Another thread frees it.
     retired: Kernel,
     /// The block being filled, and the number of samples in it.
     input: [f32; BLOCK],
     filled: usize,
-    /// The output while the next block is filled.
+    /// The output that is played while the next block is filled.
     output: [[f32; BLOCK]; CHANNELS],
 }
 
@@ -242,7 +243,8 @@ impl Auralisation {
         self.spec
     }
 
-    /// Delay of the output in samples: one block, which must be filled first, and the reach of the filters.
+    /// Delay of the output in samples: one block, because a block must be filled before it is processed, and the reach
+    /// of the filters.
     pub fn latency(&self) -> usize {
         BLOCK + REACH + self.spec.filter_delay()
     }
@@ -261,9 +263,9 @@ impl Auralisation {
         Ok(())
     }
 
-    /// Takes the late part of `heard`, if it has one, and fades to it within `samples` samples, from the next block on;
-    /// stores the kernel that is no longer needed in `heard` instead. Returns false while a fade is in progress: then
-    /// nothing changes. Neither allocates nor frees.
+    /// Takes the late part of `heard`, if it has one, and fades to it within `samples` samples, from the next block on.
+    /// The kernel that is no longer needed is stored in `heard` instead. Returns false and changes nothing while a fade
+    /// is in progress. Neither allocates nor frees.
     ///
     /// # Errors
     /// [`ResponseError::OtherSpec`] if `heard` was made for another rate or length: then nothing changes.
@@ -289,8 +291,7 @@ impl Auralisation {
     }
 
     /// Adds the response to the next samples of the source's sound to the interleaved samples of both channels. A
-    /// sample that is not finite counts as 0: otherwise its effect would last as long as the response. Does not
-    /// allocate.
+    /// sample that is not finite counts as 0, because its effect would last as long as the response. Does not allocate.
     ///
     /// # Errors
     /// [`ResponseError::BadStereoLength`] if `stereo` is not twice as long as `mono`: then the player does not

@@ -24,7 +24,7 @@ struct Update {
     glide: u32,
 }
 
-/// Plays sources and adds them up; limits a sum that is too loud. Create it with [`Player::new`] and pass it to live
+/// Plays sources, adds them up and limits the sum to full scale. Create it with [`Player::new`] and pass it to live
 /// output as its stereo signal.
 pub struct Player {
     spec: Spec,
@@ -36,7 +36,7 @@ pub struct Player {
     mono: [f32; BLOCK],
 }
 
-/// The other end of a [`Player`], which controls it from any thread.
+/// The control side of a [`Player`], usable from any thread.
 pub struct PlayerRemote {
     spec: Spec,
     sources: usize,
@@ -103,7 +103,7 @@ impl Player {
                 hand_out(&mut self.outbox, update.heard);
                 continue;
             };
-            // `PlayerRemote::hear` has already rejected other rates or lengths.
+            // `PlayerRemote::hear` has already rejected a different rate or length.
             let _ = source.ears.glide_echoes(&update.heard, update.glide);
             if update.heard.late.is_none() {
                 hand_out(&mut self.outbox, update.heard);
@@ -123,7 +123,7 @@ impl Player {
     }
 
     fn play(&mut self, stereo: &mut [f32]) {
-        // A last sample without its pair stays unchanged.
+        // An incomplete last frame stays unchanged.
         let whole = stereo.len() / 2 * 2;
         let stereo = &mut stereo[..whole];
         let mono = &mut self.mono[..whole / 2];
@@ -165,8 +165,8 @@ impl PlayerRemote {
         self.sources
     }
 
-    /// Glides to a new state of a source (counted from 0) within the given seconds, and frees the previous state.
-    /// Returns false and changes nothing if the queue is full because the player does not run.
+    /// Glides to a new state of a source (counted from 0) within the given seconds, and frees objects that the player
+    /// has returned. Returns false and changes nothing if the queue is full because the player does not run.
     ///
     /// # Errors
     /// [`ResponseError::NoSuchSource`], [`ResponseError::OtherSpec`] if `heard` was made for another player, and
@@ -228,8 +228,8 @@ impl fmt::Debug for PlayerRemote {
 /// The largest sample that is not reduced, relative to full scale 1.
 const CEILING: f32 = 0.98;
 
-/// Number of samples over which the gain falls: 0.7 ms at 48 kHz. Samples that are still too loud meanwhile are clipped
-/// at full scale.
+/// Number of samples over which the gain falls: 0.7 ms at 48 kHz. Samples that are still too loud during this time are
+/// clipped at full scale.
 const ATTACK: usize = 32;
 
 /// Time in seconds in which the gain rises again by a factor of e.
@@ -279,7 +279,7 @@ impl Limiter {
 mod tests {
     use super::*;
 
-    /// Protects full scale, and soft sounds, which must not change.
+    /// Protects full scale, and protects soft sounds from changes.
     #[test]
     fn loud_is_limited_and_soft_is_not_touched() {
         let mut limiter = Limiter::new(48_000);

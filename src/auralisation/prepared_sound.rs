@@ -13,13 +13,13 @@ use crate::sampling::hash;
 /// One of the strongest paths, as an echo.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Echo {
-    /// The key of the path, which stays the same over time for a path over the same surfaces.
+    /// The key of the path. It stays the same over time for a path over the same surfaces.
     pub key: u64,
     /// Samples from the source to the ear.
     pub delay: f64,
     gains: [f32; CHANNELS],
     bands: [f32; BAND_COUNT],
-    /// The root of the mean energy of the bands.
+    /// The square root of the mean energy of the bands.
     mean: f32,
 }
 
@@ -35,7 +35,7 @@ impl Echo {
         }
     }
 
-    /// Amplitudes by band and channel; a single band has the mean amplitude.
+    /// Amplitudes by band and channel. If there is a single band, it has the mean amplitude.
     pub fn amplitudes<const BANDS: usize>(&self) -> [[f32; BANDS]; CHANNELS] {
         self.gains.map(|gain| match BANDS {
             BAND_COUNT => std::array::from_fn(|band| gain * self.bands[band]),
@@ -44,8 +44,8 @@ impl Echo {
     }
 }
 
-/// The sound of a source at the listener, prepared on another thread than the one that plays it: the strongest paths as
-/// single echoes, everything else as a kernel to convolve with.
+/// The sound of a source at the listener, prepared on a different thread from the thread that plays it: the strongest
+/// paths as single echoes, everything else as a kernel to convolve with.
 #[derive(Debug)]
 pub struct Heard {
     pub(super) echoes: Vec<Echo>,
@@ -56,11 +56,11 @@ pub struct Heard {
 
 impl Heard {
     /// Maximum number of single echoes per source: the strongest paths. All other paths are in the late part, where
-    /// they do not glide. A room has 63 paths of up to three reflections.
+    /// their delays do not glide. A room has 63 paths of up to three reflections.
     pub const MOST_ECHOES: usize = 64;
 
-    /// Prepares a response for a listener with these axes. The late part is noise from `seed`: with the same seed it
-    /// changes only as much as the echogram does.
+    /// Prepares a response for a listener with these axes. The late part is noise from `seed`. With the same seed, the
+    /// noise changes only as much as the echogram does.
     ///
     /// # Errors
     /// [`ResponseError::BadLength`] for a response of length 0 or longer than
@@ -96,7 +96,7 @@ impl Heard {
         Ok(late.channels().to_vec())
     }
 
-    /// Prepares the paths only: the late part stays unchanged.
+    /// Prepares the paths only, for a player whose late part stays unchanged.
     ///
     /// # Errors
     /// [`ResponseError::BadRate`] and [`ResponseError::BadLength`] for numbers that
@@ -113,7 +113,7 @@ impl Heard {
         let mut echoes: Vec<Echo> = Vec::new();
         for path in strongest(paths, spec) {
             let mut key = key(path);
-            // This key belongs to another path over the same surfaces.
+            // Another path over the same surfaces already has this key.
             while echoes.iter().any(|echo| echo.key == key) {
                 key = hash(key);
             }
@@ -223,8 +223,8 @@ impl HeardParts {
         })
     }
 
-    /// Converts the numbers back for playback. Ignores an incomplete last echo, and invalid echoes: with a delay that
-    /// is negative or beyond the player's length, or with numbers that are not finite.
+    /// Converts the numbers back for playback. Ignores an incomplete last echo, and invalid echoes: echoes whose delay
+    /// is negative or beyond the player's length, or whose numbers are not finite.
     pub fn heard(&self, spec: Spec) -> Heard {
         let channels = |samples: &Vec<f32>| {
             let length = samples.len() / CHANNELS;

@@ -21,7 +21,7 @@ fn axes() -> ListenerAxes {
     ListenerAxes::new(DVec3::NEG_Z, DVec3::Y).expect("good axes")
 }
 
-/// Sound from the left that has amplitude 1 at a band's centre if the band's energy is 1 / 4π.
+/// Sound from the left. It has amplitude 1 at a band's centre if the band's energy is 1 / 4π.
 fn tap(seconds: f64, energy: Bands) -> Tap {
     Tap {
         seconds,
@@ -44,7 +44,7 @@ fn play(ears: &mut Auralisation, sound: &[f32]) -> Vec<f32> {
     let mut ahead = sound.to_vec();
     ahead.resize(sound.len() + ears.latency(), 0.0);
     let mut stereo = vec![0.0; 2 * ahead.len()];
-    // Blocks of odd lengths, unrelated to those of the convolution.
+    // Blocks whose odd length is unrelated to the length of the convolution's blocks.
     for (mono, stereo) in ahead.chunks(333).zip(stereo.chunks_mut(2 * 333)) {
         ears.add(mono, stereo).unwrap();
     }
@@ -156,8 +156,8 @@ fn sine(frequency_hz: f64, length: usize) -> Vec<f32> {
     (0..length).map(|index| turn(index).sin() as f32).collect()
 }
 
-/// Protects from clicks and zipper noise: echoes that move, start, end and jump, and late parts that change, do not
-/// step further than the sound itself does.
+/// Protects from clicks and zipper noise: the output has no larger step than the sound while echoes move, start, end
+/// and jump, and while late parts change.
 #[test]
 fn nothing_clicks() {
     for has_bands in [false, true] {
@@ -180,7 +180,7 @@ fn nothing_clicks() {
             ears.add(mono, &mut stereo).unwrap();
             left.extend(stereo.iter().step_by(2));
         }
-        // Together they have an amplitude of at most √0.3 + 2 √0.05 + √0.1 + 0.2.
+        // Together the echoes have an amplitude of at most √0.3 + 2 √0.05 + √0.1 + 0.2.
         let most = 0.3_f32.sqrt() + 2.0 * 0.05_f32.sqrt() + 0.1_f32.sqrt() + 0.2;
         let (own, found) = steps(&sound, &left);
         assert!(found < own * most * 1.05, "{has_bands}: {found} {own}");
@@ -188,7 +188,7 @@ fn nothing_clicks() {
     }
 }
 
-/// Protects the Doppler shift: a source that moves away at a tenth of the speed of sound is heard a tenth lower.
+/// Protects the Doppler shift: the pitch of a source that moves away at a tenth of the speed of sound is a tenth lower.
 #[test]
 fn a_source_that_goes_away_sounds_lower() {
     let spec = spec(false);
@@ -258,7 +258,7 @@ fn bad_specs_are_refused() {
 }
 
 /// Protects a player from delays of another rate or length, and from slices of the wrong length: each is rejected, and
-/// the previous sound continues.
+/// the current sound continues.
 #[test]
 fn what_was_made_for_another_player_is_refused() {
     let own = spec(false);
