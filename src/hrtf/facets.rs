@@ -1,19 +1,20 @@
 //! Finds the measured directions that surround a direction, and their weights.
 //!
-//! The directions are triangulated once, by the Delaunay triangulation on the sphere, whose facets are those of the
+//! The directions are triangulated once, by the Delaunay triangulation on the sphere. Its facets are the facets of the
 //! directions' convex hull. Stereographic projection from one of the directions reduces this to a triangulation in the
 //! plane (K. Q. Brown, Information Processing Letters 9, 1979): the triangles of the plane's Delaunay triangulation are
-//! the facets that do not touch that direction; the other facets connect it with the edges of the plane's hull.
+//! the facets that do not touch that direction. The remaining facets connect that direction with the edges of the
+//! plane's hull.
 //!
 //! # Weights
-//! For a direction d that passes through a facet with corners a, b and c, the weights are those of
-//! w₁ a + w₂ b + w₃ c = d, non-negative and scaled so that they add up to 1 (the vector base of V.
-//! Pulkki, JAES 45, 1997). They are continuous over the whole sphere, and 1 at a measured direction.
+//! For a direction d that passes through a facet with corners a, b and c, the weights solve w₁ a + w₂ b + w₃ c = d.
+//! They are non-negative and scaled so that they add up to 1 (the vector base of V. Pulkki, JAES 45, 1997). They are
+//! continuous over the whole sphere, and 1 at a measured direction.
 //!
 //! # Directions without a facet
 //! If the measured directions do not surround the head (a ring, a half-space), some directions lie in no facet. For
-//! these the three nearest measured directions are used, weighted by the inverse of the angle: this interpolation is
-//! not continuous, but nearly so.
+//! these directions the three nearest measured directions are used, weighted by the inverse of the angle. This
+//! interpolation has small discontinuities.
 
 use glam::{DMat3, DVec3};
 use spade::{DelaunayTriangulation, Point2, Triangulation};
@@ -22,12 +23,12 @@ use spade::{DelaunayTriangulation, Point2, Triangulation};
 /// resolution of any measurement, and far above the rounding of degrees in `f32`.
 const LEAST_ANGLE: f64 = 1e-5;
 
-/// Least distance of a facet's plane from the listener (1 is the directions' distance). The corners of a closer facet
-/// lie almost on a great circle, so they do not determine the directions through it.
+/// Least distance of a facet's plane from the listener, relative to the distance of the directions. The corners of a
+/// closer facet lie almost on a great circle, so they do not determine the directions through it.
 const LEAST_OFFSET: f64 = 1e-3;
 
-/// Twice the area below which a facet counts as a line: that of a triangle with one side of [`LEAST_ANGLE`] and another
-/// of a tenth of a degree.
+/// Twice the area below which a facet counts as a line: the area of a triangle with one side of [`LEAST_ANGLE`] and
+/// another side of a tenth of a degree.
 const LEAST_AREA: f64 = LEAST_ANGLE * 1.7e-3;
 
 /// Rounding of the weights of a direction on the edge between two facets.
@@ -166,8 +167,8 @@ mod tests {
     use super::*;
     use crate::sampling::lattice;
 
-    /// Protects the triangulation: a sphere of n directions has 2 n − 4 facets, also if many lie on
-    /// one circle, and each pole is one direction.
+    /// Protects the triangulation: a sphere of n directions has 2 n − 4 facets, even if many directions lie on one
+    /// circle, and each pole is one direction.
     #[test]
     fn facets_close_the_sphere() {
         let round: Vec<DVec3> = lattice(500).collect();
@@ -200,8 +201,8 @@ mod tests {
         }
     }
 
-    /// Protects measured directions from being mixed with others, and continuity: small steps
-    /// change the weights by little.
+    /// Protects measured directions from being mixed with other directions, and protects continuity: small steps change
+    /// the weights only slightly.
     #[test]
     fn weights_are_continuous() {
         let facets = Facets::new(lattice(200).collect());

@@ -6,8 +6,8 @@
 //! (`HrirSet::read_sofa`, feature `sofa`).
 //!
 //! # Axes
-//! The axes of SOFA and AmbiX: x ahead of the listener, y to the left, z up. Directions point to where the sound comes
-//! from. [`ListenerAxes::to_listener`](crate::response::ListenerAxes::to_listener) converts a world vector to these
+//! The axes of SOFA and AmbiX: x ahead of the listener, y to the left, z up. Directions point towards the origin of the
+//! sound. [`ListenerAxes::to_listener`](crate::response::ListenerAxes::to_listener) converts a world vector to these
 //! axes.
 //!
 //! # Method
@@ -16,8 +16,8 @@
 //! - **Between measured directions** the responses of the three surrounding directions are mixed (`facets.rs`): their
 //!   samples and their delays, with the same weights.
 //! - **Delays count from the head's centre**: the mean delay over all directions and both ears is taken as the time at
-//!   which sound would pass the centre without the head. So silence before the onsets in a file does not delay the
-//!   sound. For a rigid sphere this mean is off by 0.04 radii, 10 µs.
+//!   which sound would pass the centre without the head. Silence before the onsets in a file therefore does not delay
+//!   the sound. For a rigid sphere this mean is off by 0.04 radii, 10 µs.
 //! - **Levels** are those of the measurements. If they are relative to the sound pressure at the head's
 //!   centre without the head, as is usual, the response to a direct sound at 1 m is the unscaled HRIR of
 //!   its direction.
@@ -40,12 +40,12 @@ pub use sofa::{SofaError, SofaProblem};
 
 pub(crate) use facets::Facets;
 
-/// Silent samples before and after shifted responses. A shift by a fraction of a sample causes a ripple, which fades
-/// within them.
+/// Silent samples before and after shifted responses. A shift by a fraction of a sample causes a ripple, which decays
+/// within these samples.
 const MARGIN: usize = 32;
 
-/// Number of directions over which the mean delay is taken. They are spread evenly over the sphere, whatever the
-/// measured directions are.
+/// Number of directions over which the mean delay is taken. They are spread evenly over the sphere and do not depend on
+/// the measured directions.
 const DELAY_DIRECTIONS: u64 = 256;
 
 /// The measurement of one direction.
@@ -64,17 +64,17 @@ pub struct MeasuredHrir {
 pub struct Hrir {
     /// The samples, at the set's rate.
     pub samples: Vec<f32>,
-    /// Time of the first sample: seconds after the sound would pass the head's centre without the head. Mostly
-    /// negative, since silent samples precede the onset.
+    /// Time of the first sample: seconds after the sound would pass the head's centre without the head. It is mostly
+    /// negative, because silent samples precede the onset.
     pub delay_s: f64,
 }
 
 /// The responses of both ears to sound from one direction.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HrirPair {
-    /// The left ear's.
+    /// Response of the left ear.
     pub left: Hrir,
-    /// The right ear's.
+    /// Response of the right ear.
     pub right: Hrir,
 }
 
@@ -120,15 +120,15 @@ impl HrirSet {
     /// Maximum number of samples of a set, both ears: 128 MiB. A dense set has 6 million.
     pub const MAX_VALUES: u64 = 1 << 25;
 
-    /// Maximum magnitude of a sample: 120 dB above full scale. Files in pascal or in arbitrary units are far below;
-    /// with larger samples sums lose small values.
+    /// Maximum magnitude of a sample: 120 dB above full scale. Files in pascal or in arbitrary units are far below.
+    /// With larger samples, sums lose small values.
     pub const LOUDEST: f32 = 1e6;
 
     /// Maximum delay of a response in addition to its samples, in seconds: sound travels 34 m in this
     /// time.
     pub const LONGEST_DELAY_S: f64 = 0.1;
 
-    /// Creates a set of these measurements. If several have the same direction, the first is used.
+    /// Creates a set of these measurements. If several measurements have the same direction, the first is used.
     ///
     /// # Errors
     /// [`HrirError`]: numbers out of range, responses of different lengths, silence.
@@ -214,7 +214,8 @@ impl HrirSet {
         pair
     }
 
-    /// Like [`pair`](Self::pair), into an existing pair; does not allocate if this set has filled the pair before.
+    /// Like [`pair`](Self::pair), but stores the responses in an existing pair. Does not allocate if this set has
+    /// filled the pair before.
     pub fn pair_into(&self, from: DVec3, pair: &mut HrirPair) {
         let from = from.try_normalize().unwrap_or(DVec3::X);
         let around = self.facets.around(from);

@@ -65,7 +65,7 @@ impl OnsetFinder {
         for ((cross, a), b) in cross.iter_mut().zip(&spectrum).zip(&minimum_phase) {
             *cross = a * b.conj();
         }
-        // The bin of the highest frequency is in the middle of the longer spectrum, and must be halved there.
+        // The bin of the highest frequency is in the middle of the longer spectrum, where it must be halved.
         cross[self.length / 2] *= 0.5;
         let mut correlation = self.fine.make_output_vec();
         transform_back(&self.fine, &mut cross, &mut correlation);
@@ -109,7 +109,7 @@ struct Mover {
 impl Mover {
     /// Creates a mover for responses of `samples` samples.
     fn new(samples: usize) -> Mover {
-        // Double length: after a shift by a fraction of a sample the ends fade as 1/t, and wrap around.
+        // Twice the length: after a shift by a fraction of a sample, the ends decay as 1/t and wrap around.
         let length = (2 * samples).next_power_of_two();
         let mut planner = RealFftPlanner::new();
         Mover {
@@ -120,7 +120,7 @@ impl Mover {
         }
     }
 
-    /// The response, delayed by `by` samples.
+    /// Returns the response delayed by `by` samples.
     fn later(&self, response: &[f32], by: f64) -> Vec<f32> {
         let response = response.iter().map(|sample| f64::from(*sample));
         let mut spectrum = transform(&self.forward, response);
@@ -148,7 +148,7 @@ fn transform(plan: &Forward, samples: impl Iterator<Item = f64>) -> Vec<Complex<
     spectrum
 }
 
-/// The inverse transform; a real signal's spectrum is real at both ends.
+/// The inverse transform. The spectrum of a real signal is real at both ends.
 fn transform_back(plan: &Inverse, spectrum: &mut [Complex<f64>], out: &mut [f64]) {
     for end in [0, spectrum.len() - 1] {
         spectrum[end].im = 0.0;
@@ -193,7 +193,7 @@ pub(super) struct Aligned {
 /// `None` if all responses are silent.
 pub(super) fn aligned(measured: &[&MeasuredHrir], samples: usize, rate_hz: u32) -> Option<Aligned> {
     let finder = OnsetFinder::new(samples);
-    // An onset lies within the response: a result beyond its ends is due to rounding.
+    // An onset lies within the response. A result beyond its ends is a rounding error.
     let onset = |ear: &Vec<f32>| Some(finder.find(ear)?.clamp(0.0, samples as f64));
     let found: Vec<[Option<f64>; 2]> = measured
         .par_iter()
@@ -201,7 +201,8 @@ pub(super) fn aligned(measured: &[&MeasuredHrir], samples: usize, rate_hz: u32) 
         .collect();
     let known = || found.iter().flatten().flatten().copied();
     let (earliest, latest) = (known().reduce(f64::min)?, known().reduce(f64::max)?);
-    // Silence has no onset; the mean of the other onsets does not disturb the delays of neighbouring directions.
+    // Silence has no onset. It gets the mean of the other onsets, which does not disturb the delays of neighbouring
+    // directions.
     let middle = known().sum::<f64>() / known().count() as f64;
     let mover = Mover::new(samples + (latest - earliest).ceil() as usize + 2 * MARGIN);
     let (rate, place) = (f64::from(rate_hz), MARGIN as f64 + latest);
@@ -238,7 +239,7 @@ mod tests {
         samples
     }
 
-    /// Protects the onset: the onset of a delayed minimum-phase response is its delay, also between samples and at any
+    /// Protects the onset: for a delayed minimum-phase response it equals the delay, also between samples and at any
     /// level.
     #[test]
     fn the_onset_is_the_delay() {

@@ -7,13 +7,16 @@ use realfft::RealFftPlanner;
 use realfft::num_complex::Complex;
 use std::f64::consts::TAU;
 
-/// Radius of the head in metres, and speed of sound in metres per second.
+/// Radius of the head in metres.
 pub(crate) const RADIUS_M: f64 = 0.0875;
+/// Speed of sound in metres per second.
 pub(crate) const SPEED: f64 = 343.0;
 
-/// Samples of a response, its rate in hertz, and samples before the time at which sound would pass the centre.
+/// Number of samples of a response.
 pub(crate) const SAMPLES: usize = 256;
+/// Rate of a response, in hertz.
 pub(crate) const RATE_HZ: u32 = 48_000;
+/// Number of samples before sound would pass the head's centre without the head.
 pub(crate) const BEFORE: f64 = 64.0;
 
 /// Sound pressure on a rigid sphere relative to the pressure at its centre without the sphere, for a plane wave whose
@@ -63,7 +66,7 @@ pub(crate) fn transfer(from: DVec3, ear: usize) -> Vec<Complex<f64>> {
     (0..=SAMPLES / 2).map(value).collect()
 }
 
-/// The response of one ear: faded out above 20 kHz, so that it is finite.
+/// The response of one ear, faded out above 20 kHz so that it decays within [`SAMPLES`].
 fn response(from: DVec3, ear: usize) -> Vec<f32> {
     let mut spectrum = transfer(from, ear);
     let count = spectrum.len();
@@ -115,8 +118,8 @@ pub(crate) fn grid(step_deg: usize) -> Vec<DVec3> {
     all
 }
 
-/// Protects the sphere: equal pressure everywhere at low frequencies, twice the pressure on the
-/// near side at high ones, and the values that the authors print.
+/// Protects the sphere's formula: equal pressure everywhere at low frequencies, twice the pressure on the near side at
+/// high frequencies, and the values that the authors print.
 #[test]
 fn the_sphere_is_that_of_the_literature() {
     for cosine in [-1.0, 0.0, 1.0] {
@@ -181,8 +184,8 @@ fn error(set: &HrirSet, band_hz: std::ops::Range<f64>) -> f64 {
     f64::sqrt(off / all)
 }
 
-/// Protects the interpolation and its figures in `docs/acoustics.md`: compared with an exact head, at directions
-/// between measured ones.
+/// Protects the interpolation and its figures in `docs/acoustics.md`, compared with an exact head at directions between
+/// measured directions.
 #[test]
 fn interpolated_responses_are_near_the_truth() {
     for (step, limits) in [(10, [0.009, 0.03, 0.06]), (15, [0.02, 0.06, 0.11])] {
@@ -216,7 +219,7 @@ fn measured_directions_are_exact() {
     }
 }
 
-/// Protects other rates: levels and delays are unchanged.
+/// Protects conversion to other rates: levels and delays are unchanged.
 #[test]
 fn another_rate_changes_nothing_below_half_of_it() {
     let set = set(grid(30));
@@ -241,7 +244,7 @@ fn another_rate_changes_nothing_below_half_of_it() {
     assert_eq!(set.at_rate(100), Err(HrirError::BadRate { rate_hz: 100 }));
 }
 
-/// Protects filling a pair again, and vectors without a direction.
+/// Protects the reuse of a pair, and vectors without a direction.
 #[test]
 fn a_pair_can_be_filled_again() {
     let set = set(lattice(20));
@@ -253,7 +256,7 @@ fn a_pair_can_be_filled_again() {
     assert!(set.pair(DVec3::ZERO) == set.pair(DVec3::X));
 }
 
-/// Protects delays in addition to responses, and a silent ear.
+/// Protects delays in addition to samples, and a silent ear.
 #[test]
 fn delays_and_silent_ears_are_kept() {
     let click = |level: f32| {

@@ -1,14 +1,14 @@
 //! SOFA files (AES69): sets of head-related impulse responses in netCDF-4, which is HDF5.
 //!
 //! Supports the convention SimpleFreeFieldHRIR: `Data.IR` \[M\]\[2\]\[N\] at `Data.SamplingRate`, delayed by
-//! `Data.Delay` samples, from the M directions of `SourcePosition`, relative to `ListenerPosition`,
-//! `ListenerView` and `ListenerUp`. The ear whose `ReceiverPosition` is farther to the left is the left one.
-//! If a file contains several distances, the farthest is used in each direction.
+//! `Data.Delay` samples, from the M directions of `SourcePosition`, relative to `ListenerPosition`, `ListenerView` and
+//! `ListenerUp`. The ear whose `ReceiverPosition` is farther to the left is the left ear. If a file contains several
+//! distances, the farthest distance is used in each direction.
 //!
 //! # Untrusted files
-//! At most [`LARGEST_FILE`] bytes are read, and each variable only after its shape and the sizes of its
-//! chunks have been checked. The HDF5 reader is safe Rust. If it panics at a damaged file, the panic is
-//! caught and reported as damage.
+//! At most [`LARGEST_FILE`] bytes are read. Each variable is read only after its shape and the sizes of its chunks have
+//! been checked. The HDF5 reader is safe Rust. If it panics at a damaged file, the panic is caught and reported as
+//! damage.
 
 use super::{HrirSet, MeasuredHrir};
 use crate::file_input::{self, InputError};
@@ -37,7 +37,7 @@ impl HrirSet {
     /// Reads a SOFA file of the convention SimpleFreeFieldHRIR (AES69), at the rate of the file.
     ///
     /// # Errors
-    /// [`SofaError`]: the file and what is wrong with it.
+    /// [`SofaError`]: the file and the problem with it.
     pub fn read_sofa(path: &Path) -> Result<HrirSet, SofaError> {
         let bytes = file_input::read(path, LARGEST_FILE);
         bytes
@@ -90,7 +90,8 @@ fn measurements(bytes: Vec<u8>) -> Result<(u32, Vec<MeasuredHrir>), SofaProblem>
         ears: [ear(index, left), ear(index, right)],
         delays_s: [delays[index][left], delays[index][right]],
     };
-    // If several have the same direction, the first is used: the farthest, which is closest to a plane wave.
+    // If several measurements have the same direction, the first is used. The order puts the farthest measurement
+    // first, because it is closest to a plane wave.
     let mut order: Vec<usize> = (0..count).collect();
     order.sort_by(|a, b| metres[*b].total_cmp(&metres[*a]));
     Ok((rate_hz, order.into_iter().map(measured).collect()))
@@ -185,7 +186,8 @@ fn receivers(file: &Variables) -> Result<[usize; 2], SofaProblem> {
     if !file.has(NAME) {
         return Ok(FIRST_IS_LEFT);
     }
-    // Two receivers with three coordinates, for one or all measurements: the first measurement's are used.
+    // Two receivers with three coordinates, for one or all measurements. The positions of the first measurement are
+    // used.
     let shape = file.shape(NAME)?;
     let per_receiver = match shape[..] {
         [2, 3] => 1,
@@ -203,7 +205,7 @@ fn receivers(file: &Variables) -> Result<[usize; 2], SofaProblem> {
         kind.cartesian(std::array::from_fn(|axis| coordinate(receiver, axis)))
             .y
     };
-    // In the convention the left ear is first. Files without positions of the ears follow it.
+    // In the convention the left ear comes first. Files without positions of the ears use this order.
     let is_swapped = y(0) < 0.0 && y(1) > 0.0;
     Ok(if is_swapped { [1, 0] } else { FIRST_IS_LEFT })
 }
@@ -297,6 +299,6 @@ fn vectors(
     let kind = Kind::of(file, variable)?;
     let rows = numbers.chunks_exact(3);
     let vectors = rows.map(|row| kind.cartesian([row[0], row[1], row[2]]));
-    // A single row holds for all measurements.
+    // A single row applies to all measurements.
     Ok(vectors.cycle().take(count).collect())
 }

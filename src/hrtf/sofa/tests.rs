@@ -50,7 +50,7 @@ fn measured_directions_have_their_responses() {
     }
 }
 
-/// Protects Data.Delay, in samples, for all measurements or for each.
+/// Protects Data.Delay in samples, with one row for all measurements and with one row for each.
 #[test]
 fn delays_move_the_responses() {
     let itd = |file: SofaFile| {
@@ -67,7 +67,7 @@ fn delays_move_the_responses() {
     assert!(itd(file.without("Data.Delay")).abs() < 1e-6);
 }
 
-/// Protects cartesian positions, listeners that are turned or moved, and receivers in the other order.
+/// Protects cartesian positions, listeners that are turned or moved, and receivers in reverse order.
 #[test]
 fn geometry_is_that_of_the_file() {
     let file = SofaFile::simple();
@@ -83,7 +83,7 @@ fn geometry_is_that_of_the_file() {
     let spherical = Variable::new(&[90.0, 0.0, 1.0], &[1, 3]).with("Type", "spherical");
     let turned = file.clone().with("ListenerView", spherical);
     assert!(louder_left(&turned, DVec3::X));
-    // Upside down: left is right.
+    // Upside down, left becomes right.
     let hanging = file.clone().with("ListenerUp", vector([0.0, 0.0, -1.0]));
     assert!(louder_left(&hanging, DVec3::NEG_Y));
     let receivers = [0.0, -0.09, 0.0, 0.0, 0.09, 0.0];
@@ -125,8 +125,8 @@ fn the_farthest_distance_counts() {
     assert!((peak(&set.pair(DVec3::X).left).0 - 0.9).abs() < 1e-3);
 }
 
-/// Protects from files of another convention, and from invalid numbers: each is rejected with a
-/// message that states the problem.
+/// Protects from files of another convention and from invalid numbers: each is rejected with a message that states the
+/// problem.
 #[test]
 fn what_is_wrong_is_told() {
     let file = SofaFile::simple();
@@ -172,7 +172,7 @@ fn what_is_wrong_is_told() {
     assert!(said.contains("its unit is \"kilohertz\""), "{said}");
 }
 
-/// A file of `tests/sofa`, as HDF5 itself wrote it (`make.py` there).
+/// A file of `tests/sofa`, written by the HDF5 library itself (see `make.py` there).
 macro_rules! written_by_hdf5 {
     ($name:literal) => {
         (
@@ -182,8 +182,8 @@ macro_rules! written_by_hdf5 {
     };
 }
 
-/// Protects files of every HDF5 version, contiguous and chunked, compressed and with checksums: all
-/// give the same responses. Unsupported forms are not reported as damage.
+/// Protects files of every HDF5 version, contiguous and chunked, compressed and with checksums: all give the same
+/// responses. Unsupported storage is reported as unsupported, not as damage.
 #[test]
 fn files_of_other_hdf5_versions_are_read_or_named() {
     for (name, bytes) in [
@@ -223,8 +223,7 @@ fn files_of_other_hdf5_versions_are_read_or_named() {
     }
 }
 
-/// Protects memory and the program from files that are not SOFA, are truncated, or claim huge
-/// sizes.
+/// Protects memory and the program from files that are not SOFA, are truncated, or declare huge sizes.
 #[test]
 fn damaged_and_huge_files_are_refused() {
     let bytes = SofaFile::simple().bytes();

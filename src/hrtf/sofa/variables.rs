@@ -1,4 +1,5 @@
-//! Variables and attributes of an HDF5 file, each limited before it is read, and the errors of SOFA files.
+//! Variables and attributes of an HDF5 file, whose sizes are checked before they are read, and the errors of SOFA
+//! files.
 
 use super::{bad_shape, bad_value};
 use crate::file_input::InputError;
@@ -97,7 +98,7 @@ pub enum SofaProblem {
 /// Maximum number of characters shown from a file's text or from the reader's message.
 const SHOWN: usize = 120;
 
-/// Maximum size of a number in bytes: that of `f64`. Wider values cannot be read as numbers.
+/// Maximum size of a number in bytes: the size of `f64`. Wider values cannot be read as numbers.
 const WIDEST: u64 = 8;
 
 /// An open file.
@@ -118,7 +119,7 @@ impl Variables {
             })
     }
 
-    /// Rejects a file whose attribute has any other value.
+    /// Rejects a file unless this attribute has the expected value.
     pub(super) fn expect_global(
         &self,
         attribute: &'static str,
@@ -152,7 +153,7 @@ impl Variables {
         Ok(found.map(|found| short(trimmed(found))))
     }
 
-    /// Whether the file has the variable, damaged or not.
+    /// Whether the file has the variable, even if the variable is damaged.
     pub(super) fn has(&self, variable: &str) -> bool {
         let is_absent =
             |error: &Error| matches!(error, Error::Format(FormatError::PathNotFound(_)));
@@ -205,7 +206,8 @@ impl Variables {
         Ok(numbers)
     }
 
-    /// The numbers of a variable with one row for all `count` measurements or one row each, and the number of columns.
+    /// The numbers of a variable with either one row for all `count` measurements or one row for each, and the number
+    /// of columns.
     pub(super) fn rows(
         &self,
         variable: &'static str,
@@ -230,7 +232,7 @@ impl Variables {
         }
     }
 
-    /// Rejects values that are not numbers, and chunks larger than a set's maximum or than the file: the reader
+    /// Rejects values that are not numbers, and chunks larger than a set's maximum or than the file, because the reader
     /// allocates as much memory as a chunk declares.
     fn check_storage(&self, dataset: &Dataset, variable: &'static str) -> Result<(), SofaProblem> {
         let failed = |error: hdf5_pure::Error| damaged(variable, &error);
@@ -299,12 +301,13 @@ fn damaged(what: &str, error: &Error) -> SofaProblem {
     }
 }
 
-/// The unsupported form of HDF5, if it is the reason why the reader fails.
+/// The reason why the reader does not support the file's form of HDF5; `None` for any other error.
 fn way_not_read(error: &Error) -> Option<String> {
-    /// The newest supported version of the data layout message. HDF5 2.0 writes version 5 for compressed chunks if the
-    /// file need not be readable by older versions.
+    /// The newest supported version of the data layout message. HDF5 2.0 writes version 5 for compressed chunks, unless
+    /// the file must be readable by older versions.
     const NEWEST_LAYOUT: u8 = 4;
-    /// Part of the reader's message for chunks indexed by such a tree, which two or more unlimited dimensions cause.
+    /// A part of the reader's message about chunks that are indexed by a version 2 B-tree. HDF5 uses this tree for data
+    /// with two or more unlimited dimensions.
     const TREE_OF_PIECES: &str = "version 2 B-tree";
     let Error::Format(error) = error else {
         return None;
