@@ -92,7 +92,8 @@ fn dots(letter: char) -> [u8; 7] {
 /// Maximum number of letters drawn of a name.
 const LONGEST_NAME: usize = 24;
 
-/// Writes the names of the sources if there are several, and likewise of the listeners.
+/// Writes the names of the sources if there are several sources, and the names of the listeners if there are several
+/// listeners.
 pub(super) fn draw_names(canvas: &mut PixmapMut, plan: &Plan, scene: &Scene) {
     let unit = plan.stroke();
     if scene.sources.len() > 1 {
@@ -195,12 +196,12 @@ const ROW_DOTS: f32 = 10.0;
 /// Minimum width of a sample in pixels: thinner lines look pale.
 const LEAST_WIDTH: f32 = 2.0;
 
-/// Opacity of the background: with less, the plan's lines below it could be mistaken for samples.
+/// Opacity of the background: with a lower opacity, the plan's lines below it could be mistaken for samples.
 const GROUND: f32 = 0.97;
 
 /// Draws the line styles of these fates as a legend in the upper left corner.
 pub(super) fn draw_path_legend(canvas: &mut PixmapMut, plan: &Plan, fates: &[Fate]) {
-    // In the order in which the lines overlap, the topmost first.
+    // The legend has the order in which the lines overlap, the topmost first.
     let styles = STYLES.iter().rev();
     let shown: Vec<&Style> = styles.filter(|style| fates.contains(&style.fate)).collect();
     let unit = plan.stroke();

@@ -49,13 +49,13 @@ pub struct MapOptions<'a> {
     pub colour: fn(f64) -> [u8; 3],
 }
 
-/// Draws a map: places are coloured rectangles, solids are pale as in a plan, the source is marked. The listener is
-/// not: it was at every place.
+/// Draws a map: lattice points are coloured rectangles, solids are pale as in a plan, and the source is marked. The
+/// listener is not marked, because it was at every lattice point.
 pub fn map(context: &Context, pair: Pair, options: &MapOptions) -> Result<RgbaImage, Error> {
     let scene = pair.scene;
     check_size(context, options.width, 1)?;
     let [from, to] = options.ends;
-    // The plan covers the lattice and the sources, wherever the scene's own listeners are.
+    // The plan covers the lattice and the sources, but not the scene's own listeners.
     let in_middle = Listener {
         position: from.lerp(to, 0.5),
         ..pair.listener.clone()
@@ -90,7 +90,7 @@ struct Place {
     value: Option<f64>,
 }
 
-/// The lattice points in the air: listeners cannot be in solids.
+/// The lattice points in the air. Points in solids are left out, because listeners cannot be in solids.
 fn places(scene: &Scene, options: &MapOptions) -> Vec<Place> {
     let [columns, rows] = options.counts;
     let [from, to] = options.ends;
@@ -160,13 +160,13 @@ fn draw_places(
     }
 }
 
-/// Position of a value between two others, 0 to 1; the middle if these are equal.
+/// Position of a value between the least and the most, 0 to 1; 0.5 if these are equal.
 fn share(value: f64, least: f64, most: f64) -> f64 {
     let share = (value - least) / (most - least);
     if share.is_finite() { share } else { 0.5 }
 }
 
-/// The picture below its title, with a colour bar to its right; the highest value is at the bar's top.
+/// The picture below its title, with a colour bar to its right. The highest value is at the bar's top.
 fn with_colour_bar(
     picture: &RgbaImage,
     plan: &Plan,
@@ -228,8 +228,8 @@ struct Mark {
     label: String,
 }
 
-/// The marks of the bar, from the bottom, at multiples of 1, 2 or 5 times a power of ten; a single mark if all values
-/// are equal.
+/// The marks of the bar, from the bottom, at multiples of 1, 2 or 5 times a power of ten. There is a single mark if all
+/// values are equal.
 fn bar_marks(ends: Option<(f64, f64)>, unit: &str) -> Vec<Mark> {
     let Some((least, most)) = ends else {
         return Vec::new();
@@ -239,7 +239,7 @@ fn bar_marks(ends: Option<(f64, f64)>, unit: &str) -> Vec<Mark> {
         share: share(number, least, most),
         label: format!("{number:.digits$} {unit}").trim_end().to_owned(),
     };
-    // Excludes equal ends, and ends so close that there is no number between them.
+    // Excludes equal ends, and ends without a representable number between them.
     if !(step.is_finite() && step > 0.0 && least + step > least) {
         return vec![mark(least, 2)];
     }

@@ -22,13 +22,13 @@ const SOURCE_PATH: [u8; 3] = [176, 116, 0];
 pub(super) const PLATE_COLOUR: [u8; 3] = [255, 255, 255];
 /// Opacity of the background of letters.
 pub(super) const PLATE: f32 = 0.82;
-/// Outlines, the gaze direction and letters.
+/// Outlines, the viewing direction and letters.
 pub(super) const INK: [u8; 3] = [38, 42, 46];
 
-/// Opacity of the marks of other sources and listeners than those of the pair, whose waves are not drawn.
+/// Opacity of the marks of sources and listeners outside the pair, whose waves are not drawn.
 const OTHERS: f32 = 0.4;
 
-/// Draws the marks of all sources and listeners, with those of the pair on top.
+/// Draws the marks of all sources and listeners. The marks of the pair are on top.
 pub(super) fn draw(canvas: &mut PixmapMut, plan: &Plan, seen: Viewpoint) {
     let is_other = |listener: &&Listener| !seen.listener.is_some_and(|own| ptr::eq(own, *listener));
     for listener in seen.scene.listeners.iter().rev().filter(is_other) {
@@ -75,7 +75,7 @@ fn draw_listener(canvas: &mut PixmapMut, plan: &Plan, listener: &Listener, opaci
     let circle = PathBuilder::from_circle(centre.x, centre.y, radius);
     fill(canvas, circle.clone(), &paint(BLUE, 0.16 * opacity));
     stroke(canvas, circle, &blue, &round(2.4 * unit));
-    // The gaze direction as seen from above: shorter if the listener looks up or down.
+    // The viewing direction as seen from above: the line is shorter if the listener looks up or down.
     let gaze = flat(listener.forward());
     let tip = centre + gaze * (radius + 16.0 * unit);
     let shaft = polyline(&[centre, tip]);
@@ -219,7 +219,8 @@ pub(super) const STYLES: [Style; 3] = [
     },
 ];
 
-/// Draws the waves of [`crate::Tracer::paths`] from a source, those that reached the listener on top. Returns their fates.
+/// Draws the waves of [`crate::Tracer::paths`] from a source, with the waves that reached the listener on top. Returns
+/// the fates of the waves.
 pub(super) fn draw_wave_paths(
     canvas: &mut PixmapMut,
     plan: &Plan,
@@ -227,7 +228,7 @@ pub(super) fn draw_wave_paths(
     states: &[Vec<Wave>],
 ) -> Vec<Fate> {
     let waves = states.first().map_or(0, Vec::len);
-    // A source in a solid sends no waves: all are dead from the start.
+    // A source in a solid emits no waves: all waves are dead from the start.
     let lines: Vec<Line> = (0..waves)
         .filter(|&wave| states[0][wave].fate() != Fate::Dead)
         .map(|wave| follow(plan, source, states, wave))
@@ -246,8 +247,8 @@ pub(super) fn draw_wave_paths(
     lines.iter().map(|line| line.fate).collect()
 }
 
-/// The positions of one wave until it reached the listener or died. The later steps of a dead wave (the shader marches
-/// it again from the origin) do not belong to its path.
+/// The positions of one wave until it reached the listener or died. Later states of a dead wave do not belong to its
+/// path, because the shader marches such a wave again from the origin.
 fn follow(plan: &Plan, source: Vec3, states: &[Vec<Wave>], wave: usize) -> Line {
     let mut line = Line {
         fate: Fate::Travelling,

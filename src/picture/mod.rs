@@ -1,15 +1,15 @@
 //! Pictures: the listener's view, and the plan of a scene with its waves.
 //!
-//! [`first_person`] sphere traces the view from the listener's position along its gaze direction; [`slice()`] cuts the
-//! scene at a height and shows it from above, x to the right and z downwards, as in figure 10 of the thesis, optionally
-//! with the paths of waves. Both are fragment shaders (`glsl/view/`) with the same distance function that the waves
-//! march through (`src/shader`), so a picture shows exactly the surfaces that a wave hits. `tiny-skia` draws everything
-//! without a distance function (paths, marks) on top.
+//! [`first_person`] sphere traces the view from the listener's position along its viewing direction. [`slice()`] cuts
+//! the scene at a height and shows it from above, x to the right and z downwards, as in figure 10 of the thesis,
+//! optionally with the paths of waves. Both are fragment shaders (`glsl/view/`) with the same distance function that
+//! the waves march through (`src/shader`), so a picture shows exactly the surfaces that a wave hits. `tiny-skia` draws
+//! everything that has no distance function (paths, marks) on top.
 //!
 //! # Cost
-//! Each picture compiles its program and draws it once, in bands of rows. A view takes four rays per pixel, each with
-//! at most 384 evaluations and two shadow rays of at most 64 evaluations each: one to three seconds for 960 × 540
-//! pixels on Mesa's llvmpipe, milliseconds on a graphics card. A slice takes five evaluations per pixel. Paths cost one
+//! Each picture compiles its program and draws once, in bands of rows. A view takes four rays per pixel, each with at
+//! most 384 evaluations and two shadow rays of at most 64 evaluations each: one to three seconds for 960 × 540 pixels
+//! on Mesa's llvmpipe, milliseconds on a graphics card. A slice takes five evaluations per pixel. Paths take one
 //! read-back per iteration.
 
 use crate::file_output::{OutputError, write_inside, write_whole};
@@ -78,7 +78,7 @@ impl PictureError {
         }
     }
 
-    /// Whether the user's request is the cause.
+    /// Whether the user's request caused the error.
     pub fn is_bad_input(&self) -> bool {
         match self {
             Self::Size { .. } | Self::FieldOfView { .. } | Self::Bounds { .. } => true,
@@ -98,7 +98,7 @@ pub fn save_png(path: &Path, picture: &RgbaImage) -> Result<(), PictureError> {
     Ok(())
 }
 
-/// Like [`save_png`], for a file in a folder whose name the program itself chose: a link is rejected.
+/// Like [`save_png`], for a file that the program itself named, in a folder that the user named: a link is rejected.
 #[doc(hidden)]
 pub fn save_png_inside(path: &Path, picture: &RgbaImage) -> Result<(), PictureError> {
     let bytes = png(picture)?;

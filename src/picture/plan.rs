@@ -12,8 +12,8 @@ const MARGIN: f32 = 0.05;
 /// The shorter side is at least this share of the longer one.
 const SLIMMEST: f32 = 0.4;
 
-/// Range of the listener's sight for the plan of an infinite field, in radii of its sphere, which is the only length
-/// that gives such a scene its scale.
+/// Range of the listener's sight for the plan of an infinite field, in radii of the listener's sphere. The radius is
+/// the only length that gives such a scene a scale.
 const SIGHT: f32 = 60.0;
 /// Number of viewing directions of the listener.
 const SIGHTS: u32 = 48;
@@ -32,15 +32,14 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// The part that contains everything bounded that a cut at `height` (world y, metres) meets,
-    /// the sources, the listeners and their paths, with a margin; for an infinite field, such as
-    /// rock around a cave, also the walls that the listeners see around them. A square metre about the
-    /// origin if there is nothing of all that.
+    /// The part that contains all bounded surfaces in a cut at `height` (world y, metres), the sources, the listeners
+    /// and their paths, with a margin. For an infinite field, such as rock around a cave, it also contains the walls
+    /// that the listeners see around them. A square metre about the origin if the scene has none of these.
     pub fn of(scene: &Scene, height: f32) -> Bounds {
         Bounds::with_listeners(scene, &scene.listeners, height)
     }
 
-    /// The same for other listeners than those of the scene.
+    /// Like [`of`](Self::of), for listeners that may differ from the scene's listeners.
     pub(super) fn with_listeners(scene: &Scene, listeners: &[Listener], height: f32) -> Bounds {
         let mut bounds = Bounds::NOTHING;
         let radii = listeners.iter().map(|listener| listener.radius);
@@ -70,7 +69,7 @@ impl Bounds {
         bounds.with_margin()
     }
 
-    /// Contains nothing; a part added to it is the whole.
+    /// An empty region: adding a part to it gives this part.
     const NOTHING: Bounds = Bounds {
         min: Vec2::INFINITY,
         max: Vec2::NEG_INFINITY,
@@ -119,7 +118,7 @@ pub(super) fn flat(point: Vec3) -> Vec2 {
     Vec2::new(point.x, point.z)
 }
 
-/// The extent of a surface in a cut at `height`; `None` if the cut misses the surface or the extent is infinite.
+/// The extent of a surface in a cut at `height`. `None` if the cut misses the surface or the extent is infinite.
 fn extent(surface: &Surface, height: f32) -> Option<Bounds> {
     match surface.shape.node {
         Node::Plane(_) => None,

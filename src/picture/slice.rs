@@ -66,7 +66,7 @@ pub(super) fn check_size(context: &Context, width: u32, height: u32) -> Result<(
     Err(PictureError::size([width, height], limit))
 }
 
-/// Draws the program's picture at the given size, top row first.
+/// Draws the program's picture at the given size, with the top row first.
 pub(super) fn draw(
     context: &Context,
     shader: &Shader,
@@ -99,7 +99,7 @@ pub struct SliceOptions {
     pub bounds: Option<Bounds>,
     /// Number of waves whose paths are drawn.
     pub paths: u32,
-    /// Paths traced before, as returned by [`Tracer::paths`], drawn on top of the other paths.
+    /// Paths traced earlier, as returned by [`Tracer::paths`], drawn on top of the paths of `paths` waves.
     pub also: Vec<Vec<Wave>>,
     /// Settings for tracing these waves; their number is `paths`, not `settings.waves`.
     pub settings: Settings,
@@ -108,7 +108,7 @@ pub struct SliceOptions {
 }
 
 impl Default for SliceOptions {
-    /// 800 pixels wide, at the listener's height, no paths, with a scale bar.
+    /// A slice 800 pixels wide, at the listener's height, without paths, with a scale bar.
     fn default() -> SliceOptions {
         SliceOptions {
             width: 800,
@@ -123,9 +123,9 @@ impl Default for SliceOptions {
 }
 
 /// The scene cut at a height and seen from above: x to the right, z downwards. Listeners, sources, their key-framed
-/// paths and the paths of waves are drawn on top, whatever their height. Waves are those of the pair; the scene's other
-/// sources and listeners are paler. A scene without a source is drawn, too, and with a given height one without a
-/// listener.
+/// paths and the paths of waves are drawn on top, at any height. The waves are those of the pair. The scene's other
+/// sources and listeners are paler. A scene without a source is also drawn. With a given height, a scene without a
+/// listener is drawn as well.
 ///
 /// # Errors
 /// [`Error::Picture`] for an impossible size or bounds, [`Error::Scene`] and [`Error::Trace`] for
@@ -162,7 +162,7 @@ fn slice_of(
         0 => Vec::new(),
         waves => tracer.paths(seen.pair()?, &options.settings.clone().with_waves(waves))?,
     };
-    // Opaque pixels are equal with and without premultiplied opacity.
+    // For opaque pixels, premultiplied and plain colours are equal.
     if let Some(mut canvas) = PixmapMut::from_bytes(&mut picture, plan.width, plan.height) {
         let mut fates = Vec::new();
         if let Some(source) = seen.source {

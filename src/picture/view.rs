@@ -1,7 +1,7 @@
 //! The listener's view: as one picture, and frame by frame in a window.
 //!
 //! A window's picture is drawn at a share of the window's size and stretched. While nothing moves, the last picture is
-//! shown again; after some frames without movement the picture is redrawn at full size, some rows per frame.
+//! shown again. After some frames without movement the picture is redrawn at full size, some rows per frame.
 
 use super::PictureError;
 use super::slice::{Kind, check_size, draw, prepare};
@@ -16,8 +16,8 @@ use image::RgbaImage;
 use std::num::NonZeroUsize;
 use std::rc::Rc;
 
-/// Radius of the ball that represents the source, as a share of the listener's radius, which is the only length that
-/// gives a scene its scale.
+/// Radius of the ball that represents the source, as a share of the listener's radius. That radius is the only length
+/// that gives a scene a scale.
 pub const SOURCE_SHARE: f32 = 0.12;
 
 /// Options of a view.
@@ -32,7 +32,7 @@ pub struct ViewOptions {
 }
 
 impl Default for ViewOptions {
-    /// 960 × 540 pixels, 70° from top to bottom.
+    /// A view of 960 × 540 pixels, 70° from top to bottom.
     fn default() -> ViewOptions {
         ViewOptions {
             width: 960,
@@ -42,8 +42,8 @@ impl Default for ViewOptions {
     }
 }
 
-/// The scene as seen from a listener's position along its gaze direction, with a source. The listener is not
-/// drawn; the source is a glowing ball that lights everything it can reach. A scene without a source is drawn, too.
+/// The scene as seen from a listener's position along its viewing direction, with a source. The listener is not drawn.
+/// The source is a glowing ball that lights everything that it can reach. A scene without a source is also drawn.
 ///
 /// # Errors
 /// [`Error::Picture`] for an impossible size or field of view, [`Error::Scene`] and
@@ -89,8 +89,8 @@ const REFINING: f64 = 12.0;
 /// Minimum number of rows refined per frame.
 const LEAST_ROWS: u32 = 4;
 
-/// Number of rows refined per frame if their time cannot be measured: at a window's width about as many pixels as a
-/// coarse picture.
+/// Number of rows refined per frame if their time cannot be measured. At a window's usual width these rows have about
+/// as many pixels as a coarse picture.
 const UNTIMED_ROWS: u32 = 8;
 
 /// Maximum predicted time of a picture in seconds, before any time has been measured.
@@ -128,7 +128,7 @@ pub struct View {
     refined: u32,
     /// Number of fine rows drawn per millisecond.
     rows_per_ms: f64,
-    /// The part drawn between the timer's marks, until its time is read.
+    /// The part of a picture whose drawing time has been measured but not yet read.
     marked: Option<Marked>,
     /// Drawing time of the last picture in milliseconds, as far as measured.
     took: f64,
@@ -150,7 +150,8 @@ pub struct Drawn {
     pub size: [u32; 2],
     /// Whether the picture was redrawn, not just shown again.
     pub anew: bool,
-    /// Drawing time in milliseconds; on a graphics card, whose result arrives later, that of the previous picture.
+    /// Drawing time in milliseconds. On a graphics card the time arrives later, so it is the time of the previous
+    /// picture.
     pub milliseconds: f64,
 }
 
@@ -184,8 +185,8 @@ impl View {
         self.program(scene).map(drop)
     }
 
-    /// Draws the scene as a listener sees it, with a source, at `scale` of the window's size, into the window; `refines` allows a
-    /// finer picture while nothing moves.
+    /// Draws the scene into the window as a listener sees it, with a source, at `scale` of the window's size. `refines`
+    /// allows a finer picture while nothing moves.
     ///
     /// # Errors
     /// [`Error::Trace`] for a scene that does not fit, [`Error::Gpu`] when the renderer fails.
@@ -206,7 +207,7 @@ impl View {
         [width, height]: [u32; 2],
         (scale, refines): (f32, bool),
     ) -> Result<Drawn, Error> {
-        // On a graphics card the last drawing is one picture old, so this waits only for a card that lags behind.
+        // On a graphics card the last drawing is one picture old, so this call waits only if the card lags behind.
         self.take_time();
         let scale = scale.min(foreseen_scale(scene, [width, height]));
         let side = |pixels: u32| ((pixels as f32 * scale).round() as u32).clamp(1, pixels.max(1));
@@ -284,7 +285,7 @@ impl View {
         Ok(())
     }
 
-    /// Ends the timing of `what`, which was drawn since the first mark.
+    /// Ends the time measurement of `what`, which was drawn after the first timer mark.
     fn mark_end(&mut self, what: Marked) -> Result<(), Error> {
         self.timer.mark()?;
         self.marked = Some(what);
@@ -294,7 +295,7 @@ impl View {
         Ok(())
     }
 
-    /// Reads the time of the part marked last.
+    /// Reads the time of the most recently measured part.
     fn take_time(&mut self) {
         let Some(what) = self.marked.take() else {
             return;
@@ -337,7 +338,8 @@ fn text(scene: &Scene, structure: &Structure) -> String {
     shader::picture_text(scene, structure, sources)
 }
 
-/// Predicted number of pixels drawn in `seconds` seconds; limited only for users' fields, whose speed is measured.
+/// Predicted number of pixels drawn in `seconds` seconds. It is limited only for users' fields, whose speed is
+/// measured.
 fn pixels_foreseen(scene: &Scene, seconds: f64) -> f64 {
     match scene.evaluation_seconds() {
         Some(evaluation) => seconds / (evaluation * EVALUATIONS_PER_PIXEL),
@@ -345,7 +347,7 @@ fn pixels_foreseen(scene: &Scene, seconds: f64) -> f64 {
     }
 }
 
-/// The share of the window's size at which the first picture does not block the window.
+/// The share of the window's size at which the first picture does not block the window for long.
 fn foreseen_scale(scene: &Scene, [width, height]: [u32; 2]) -> f32 {
     let whole = f64::from(width) * f64::from(height);
     (pixels_foreseen(scene, FIRST_PICTURE) / whole.max(1.0))
@@ -372,7 +374,7 @@ fn sized<'a>(
 /// The listener of a picture, and the position of its source.
 #[derive(Clone, Debug, PartialEq)]
 struct Eye {
-    /// The listener without name and path, which cannot be seen.
+    /// The listener without its name and path, which a picture does not show.
     listener: Listener,
     source: Option<Vec3>,
 }
@@ -396,8 +398,8 @@ impl Eye {
     }
 }
 
-/// Sets gaze, source and size in the program. The source is a ball of `ball` metres, and the picture's upper half is
-/// `half_height` high at a distance of 1.
+/// Sets viewing direction, source and size in the program. The source is a ball of `ball` metres, and the picture's
+/// upper half is `half_height` high at a distance of 1.
 fn aim(program: &Program, eye: &Eye, ball: f32, [width, height]: [u32; 2], half_height: f32) {
     let listener = &eye.listener;
     program.set_vec4("uListener", listener.position.extend(listener.radius));
@@ -410,12 +412,12 @@ fn aim(program: &Program, eye: &Eye, ball: f32, [width, height]: [u32; 2], half_
     program.set_f32("uPixel", 2.0 * half_height / height as f32);
 }
 
-/// Aims the picture of a window.
+/// Sets viewing direction, source and size for the picture of a window.
 fn aim_in_window(program: &Program, eye: &Eye, size: [u32; 2]) {
     let radius = eye.ball_m();
     let place = eye.listener.position;
     let distance = eye.source.map_or(0.0, |source| source.distance(place));
-    // From within the ball, or close to it, it would fill the picture.
+    // From a point in or near the ball, the ball would fill the picture.
     let ball = if distance < NEAREST * radius {
         0.0
     } else {
