@@ -54,17 +54,17 @@ source scripts/lib.sh
 
 readonly WASM=wasm32-unknown-unknown
 readonly MANIFEST=apps/page/Cargo.toml
-# Separate from the program's build, because the features and possibly the compiler differ.
+# The build folder is separate from the program's, because the features and possibly the compiler differ.
 readonly BUILT=target/browser
 readonly DEBIAN=target/tools/rustc-web
 readonly DEBIAN_PACKAGES=(rustc-web libstd-rust-web-dev rust-web-src)
-# In a folder made by this script: lists the files that it has written, one per line.
+# A file in the output folder that lists the files written by this script, one per line.
 readonly MARKER=.echomarch-page
 # The document that states the size of the wasm.
 readonly DOCUMENT=docs/browser.md
 out="${out:-$PWD/target/page}"
 
-# Unfinished files are removed, however the script ends.
+# Unfinished files are removed at every end of the script, including errors and interrupts.
 temporary=()
 clean_up() {
     ((${#temporary[@]} == 0)) || rm -rf -- "${temporary[@]}"
@@ -103,7 +103,7 @@ unpack_debian() {
     mkdir -p "$(dirname "$DEBIAN")"
     unpacked="$(mktemp -d "$DEBIAN.XXXXXX")"
     temporary+=("$folder" "$unpacked")
-    # Package names of libraries contain versions: takes the packages that the newest compiler depends on.
+    # Names of library packages contain versions, so the packages that the newest compiler depends on are used.
     packages="$(apt-cache depends --recurse --no-recommends --no-suggests --no-conflicts --no-breaks \
         --no-replaces --no-enhances "${DEBIAN_PACKAGES[@]}" |
         grep -E '^(rustc-web|rust-web-src|libstd-rust-web.*|libllvm[0-9]+|libz3-4)$' | sort -u)"
@@ -112,7 +112,7 @@ unpack_debian() {
     for package in "$folder"/*.deb; do
         run dpkg -x "$package" "$unpacked"
     done
-    # Only a complete compiler gets this name.
+    # The folder gets this name only when the compiler is complete.
     rm -rf "$DEBIAN"
     mv "$unpacked" "$DEBIAN"
 }
@@ -139,18 +139,18 @@ choose_compiler() {
     if command -v rustup >/dev/null && run rustup target add "$WASM" && has_wasm; then
         return 0
     fi
-    say "this Rust has no standard library for $WASM, and no rustup that can add it: using Debian's compiler"
+    say "the installed Rust has no standard library for $WASM, and rustup cannot add it: using Debian's compiler"
     provide_packages "command:wasm-ld lld links programs for browsers"
     unpack_debian
     local root="$PWD/$DEBIAN/usr" libraries
     libraries="$(debian_libraries)"
     cargo_wasm=(env "LD_LIBRARY_PATH=$libraries" "RUSTC=$root/bin/rustc"
-        # Also builds the standard library from source, which stable compilers only do with this variable.
+        # Also builds the standard library from source. Stable compilers do this only with this variable.
         RUSTC_BOOTSTRAP=1 CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_LINKER=wasm-ld
         cargo -Zbuild-std=std,panic_abort)
 }
 
-# Replaces the files written before by the page, its wasm and the JavaScript that loads the wasm.
+# Replaces the files of an earlier run by the page, its wasm and the JavaScript that loads the wasm.
 assemble() {
     local parts file
     mkdir -p "$out"
@@ -214,4 +214,4 @@ if [[ -n "$port" ]]; then
     clean_up
     exec python3 -m http.server --directory "$out" --bind 127.0.0.1 "$port"
 fi
-say "to see it: scripts/browser.sh --serve"
+say "to open the page: scripts/browser.sh --serve"

@@ -6,11 +6,11 @@ usage() {
     cat <<'TEXT'
 usage: scripts/gpu-report.sh [--bandwidth GB/S] [--arithmetic GOPS] [-o FILE] [OPTION ...]
 
-Runs on the first renderer that echomarch finds and writes a report to add under docs/benchmarks/:
+Measures the first renderer that echomarch finds, and writes a report for docs/benchmarks/:
 the renderer (info), the hard cases (verify), the thesis' tables (figures), the share of memory
 bandwidth and of arithmetic that each part of a frame uses, and time and memory against waves,
-iterations and surfaces, also as a picture (.svg). A graphics card takes minutes, a software
-renderer half an hour.
+iterations and surfaces, also as a picture (.svg). The report takes minutes on a graphics card, and
+half an hour on a software renderer.
 
   --bandwidth GB/S   the card's memory bandwidth, from its data sheet
   --arithmetic GOPS  the card's 32-bit additions and multiplications, from its data sheet, in billions
@@ -20,9 +20,9 @@ renderer half an hour.
   --profiles NAMES   only these profiles (default hybrid,march,thesis)
   --one-core         run on one core: for software renderers
   --quick            few waves and surfaces, for a trial; the figures are not reliable
-  -o FILE            where to write (default docs/benchmarks/report-RENDERER.md)
+  -o FILE            the output file (default docs/benchmarks/report-RENDERER.md)
 
-  ECHOMARCH=PATH     the program to measure; nothing is then installed or built
+  ECHOMARCH=PATH     the program to measure; the script then installs and builds nothing
 TEXT
 }
 

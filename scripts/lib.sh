@@ -1,4 +1,4 @@
-# Shared by the scripts in this folder; to be sourced from bash.
+# Functions shared by the scripts in this folder. Source this file from bash.
 # shellcheck shell=bash
 
 # The requirement, the Debian package that provides it, and its purpose.
@@ -11,7 +11,7 @@ readonly -a NEEDED=(
     "dri:swrast           libgl1-mesa-dri   the drivers, including the software renderer llvmpipe"
     "libOSMesa.so.8       libosmesa6        OpenGL in memory, without EGL (--gl osmesa)"
     "libasound.so.2       libasound2        sound cards"
-    "file:/usr/include/alsa/asoundlib.h libasound2-dev linking with the sound cards' library"
+    "file:/usr/include/alsa/asoundlib.h libasound2-dev links with the sound cards' library"
     "command:pkg-config   pkg-config        finds the sound cards' library"
     "command:python3      python3           checks imports, and writes reports"
     "libX11.so.6          libx11-6          the window (echomarch demo): the display"
@@ -21,15 +21,15 @@ readonly -a NEEDED=(
     "libxkbcommon-x11.so.0 libxkbcommon-x11-0 the window: the keyboard"
 )
 
-# Needed only by the tests: a sound server that plays to a file, a browser, a display without a screen, and
-# simulated key presses.
+# Needed only by the tests: a sound server that plays to a file, a browser, a virtual display, and simulated key
+# presses.
 # shellcheck disable=SC2034 # Used by test.sh.
 readonly -a NEEDED_TO_TEST=(
     "command:pulseaudio   pulseaudio        a sound server that needs no sound card"
     "command:parec        pulseaudio-utils  records the sound server's output"
     "command:chromium     chromium          fills in the localisation form"
     "command:chromedriver chromium-driver   controls Chromium"
-    "command:Xvfb         xvfb              a display without a screen, for the window"
+    "command:Xvfb         xvfb              a virtual display, for the window"
     "command:xdotool      xdotool           presses the window's keys"
     "command:sox          sox               reads written WAV files"
     "icd:lvp              mesa-vulkan-drivers Vulkan in software, for another OpenGL (zink)"
@@ -121,8 +121,8 @@ install_packages() {
         apt-get install -y --no-install-recommends "$@"
 }
 
-# Installs the missing packages that are needed to build and for OpenGL without a window and sound, and those of the
-# given lines, which have the form above.
+# Installs the missing packages that are needed to build, for OpenGL without a window, and for sound, and the packages
+# of the given lines, which have the form of the list at the top.
 provide_packages() {
     local -a needed=("${NEEDED[@]}" "$@") missing=()
     local entry library package purpose
@@ -138,13 +138,13 @@ provide_packages() {
         return 0
     fi
     if ! command -v apt-get >/dev/null; then
-        complain "This is not Debian. If a step below fails, install the contents of these Debian packages"
-        complain "and run again: ${missing[*]}"
+        complain "This is not Debian. If a step below fails, install the contents of these Debian packages,"
+        complain "then run the script again: ${missing[*]}"
         return 0
     fi
     say "installing: ${missing[*]}"
-    # A graphics card with its own driver works without some of them: continue anyway.
-    install_packages "${missing[@]}" || complain "They could not be installed; continuing without: ${missing[*]}"
+    # A graphics card with its own driver works without some of these packages, so a failure is not fatal.
+    install_packages "${missing[@]}" || complain "some packages are not installed; continuing without: ${missing[*]}"
 }
 
 # The command that installs a cargo subcommand.

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Mutation testing: changes the code one statement at a time and runs the tests. No test covers a change that
-# survives. Run by hand; a shader file takes minutes to hours.
+# Mutation testing: changes the code one statement at a time and runs the tests. A change that
+# survives is covered by no test. Run this script by hand; a shader file takes minutes to hours.
 set -euo pipefail
 
 usage() {
@@ -27,10 +27,10 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source scripts/lib.sh
 
 readonly WORK="$PWD/target/mutate"
-# Longer than the slowest tests take on two busy cores.
+# Time limit in seconds, above the time of the slowest tests on two busy cores.
 readonly LONGEST_S=1200
 
-# Installs the mutating program in its own Python environment.
+# Installs the mutating program in a separate Python environment.
 provide_universalmutator() {
     local environment="$WORK/python"
     if [[ ! -x "$environment/bin/mutate" ]]; then
@@ -51,7 +51,7 @@ build_tests() {
 }
 
 # Whether all tests pass with the shaders in ECHOMARCH_GLSL. The tests that detect the most changes run first. Tests
-# that compare the shaders' text with goldens are excluded, because they would fail at every change.
+# that compare the shaders' text with stored copies are excluded, because they would fail at every change.
 tests_pass() {
     local limited=(timeout "$LONGEST_S")
     "${limited[@]}" "$UNITS" tracer::tests::gpu_against_cpu &&

@@ -15,16 +15,16 @@ The scenes are A (an empty room), B (two more walls and three pillars), B16, B64
 to 1024 thin pillars). Results are written as Markdown. Programs that cannot be installed are left out.
 
 With --marched it measures these programs in processor time instead (scripts/peers/marched/):
-  the tracer of some 60 lines that a user would write, in GLSL (with moderngl 5.12.0, PyPI)
-  the same in C++ (AVX2), and for cave a design that knows its fields on the line, in C++ (AVX2)
+  a tracer of some 60 lines as a user would write it, in GLSL (with moderngl 5.12.0, PyPI)
+  the same tracer in C++ (AVX2), and for cave a tracer specialised for its fields, in C++ (AVX2)
   echomarch, profiles hybrid and march, whole frames
-The scenes are cave, gyroid, gyroid-gradient and ground. The errors beside exact waves are written, too.
+The scenes are cave, gyroid, gyroid-gradient and ground. The report also contains the errors relative to exact waves.
 
   --marched        the scenes of marched fields
   --rounds N       number of rounds; results are medians over them (default 5)
   --scenes NAMES   only these scenes
   --quick          few waves and two rounds, for a trial; the figures are not reliable
-  --add            keep the rounds measured before, and add new rounds
+  --add            keep the earlier rounds, and add new rounds
   -o FILE          where to write (default docs/benchmarks/peers-RENDERER.md, or
                    marched-peers-RENDERER.md)
 
@@ -46,7 +46,7 @@ readonly COMPILER="${CXX:-g++}"
 readonly PYROOM=pyroomacoustics==0.10.1
 readonly MODERNGL=moderngl==5.12.0
 
-# Installs the missing packages that all peers need, and those of the given lines.
+# Installs the missing packages that all peers need, and the packages of the given lines.
 provide_peers() {
     provide_packages \
         "command:g++ g++ compiles the peers" \
@@ -55,8 +55,8 @@ provide_peers() {
         "$@"
 }
 
-# Builds a peer in C++: $1 is its file in scripts/peers without .cpp, then follow its libraries. A failure does not
-# stop the other peers.
+# Builds a peer in C++: $1 is its file in scripts/peers without .cpp, the remaining parameters are its libraries. A
+# failure does not stop the other peers.
 build_peer() {
     local name flags=(-std=c++17 -O3 -mavx2 -mfma)
     local source="scripts/peers/$1.cpp"
@@ -67,7 +67,7 @@ build_peer() {
         complain "$name cannot be built; continuing without it"
 }
 
-# A Python package, in the peers' own environment.
+# Installs a Python package in the separate environment of the peers.
 provide_python_package() {
     local package="$1" environment="$WORK/python"
     [[ -e "$environment/has-$package" ]] && return

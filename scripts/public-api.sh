@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Lists the public items of the library, and compares the list with docs/public-api.txt. The list comes from
-# rustdoc's pages: each item, its fields, variants and methods, and its traits. Not by cargo public-api, which needs
-# nightly Rust: the tests run with the stable one.
+# rustdoc's pages: each item, its fields, variants and methods, and its traits. cargo public-api is not used, because
+# it needs nightly Rust, and the tests run with stable Rust.
 set -euo pipefail
 
 usage() {

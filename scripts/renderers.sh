@@ -7,13 +7,14 @@ usage() {
 usage: scripts/renderers.sh [--waves N] [--iterations N] [--with NAME=SETTINGS ...] [-o FILE]
 
 Traces scenes on this machine's first renderer, and the same scenes on other renderers: OpenGL ES and OSMesa
-of the same driver, zink, and softpipe (fewer waves). Writes a Markdown table: the bit-identical waves, the
-greatest distance between waves after one iteration, and the waves that end elsewhere after all iterations,
-beside the waves that end elsewhere on the first renderer when the source is moved by 1 micrometre.
+of the same driver, zink, and softpipe (fewer waves). Writes a Markdown table: the number of bit-identical
+waves, the greatest distance between waves after one iteration, and the number of waves that end elsewhere
+after all iterations. For comparison, the table also has the number of waves that end elsewhere on the
+first renderer when the source is moved by 1 micrometre.
 
   --waves N              waves per scene (default 65536)
   --iterations N         iterations (default 8)
-  --with NAME=SETTINGS   one more implementation; SETTINGS are VARIABLE=VALUE words and options of
+  --with NAME=SETTINGS   an additional implementation; SETTINGS are VARIABLE=VALUE words and options of
                          echomarch, such as "ANGLE=LD_LIBRARY_PATH=/opt/angle --gl gles"
   -o FILE                where to write (default: print it)
 

@@ -8,10 +8,10 @@ usage: scripts/run.sh [FOLDER]
 
 Installs missing Debian packages, builds echomarch, and writes into FOLDER
 (default out):
-  figures.csv, .json, .svg   the thesis' four tables beside those of this machine
+  figures.csv, .json, .svg   the thesis' four tables, with the results of this machine beside them
   open-field.wav             a source that passes from left to right
   corner.png, obstacles.png, open-pillars.png
-                             three scenes, each as its listener sees it
+                             three scenes, each from its listener's view
   corner-paths.png, obstacles-paths.png
                              the scenes from above, with the paths of some waves
 TEXT
@@ -52,7 +52,7 @@ for scene in corner obstacles open-pillars; do
     run "$program" view "$scene" -o "$out/$scene.png"
 done
 run "$program" slice corner -o "$out/corner-paths.png" --paths 150 --iterations 5
-# Few waves are heard in obstacles, so more paths and iterations are needed.
+# Few waves reach the listener in obstacles, so this picture needs more paths and iterations.
 run "$program" slice obstacles -o "$out/obstacles-paths.png" --paths 600 --iterations 16
 
 say

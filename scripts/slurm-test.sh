@@ -23,7 +23,7 @@ fi
 sbatch_file="$(realpath examples/cluster/study.sbatch)"
 
 readonly SHARDS=16
-# Points of the study: 10 × 10 places times 20 seeds.
+# Points of the study: 10 × 10 positions times 20 seeds.
 readonly POINTS=2000
 
 folder="$(mktemp -d)"
@@ -79,7 +79,7 @@ StateSaveLocation=$folder/state
 SlurmdSpoolDir=$folder/spool
 SlurmctldPidFile=$folder/slurmctld.pid
 SlurmdPidFile=$folder/slurmd.pid
-# No cgroups: a container may have none.
+# cgroups are not used, because a container may lack them.
 ProctrackType=proctrack/linuxproc
 TaskPlugin=task/none
 JobAcctGatherType=jobacct_gather/none
@@ -127,7 +127,7 @@ has_failed() {
     scontrol show job "$1" | grep -q 'JobState=FAILED'
 }
 
-# Kills the program of a task, as happens on a node that runs out of memory.
+# Kills the program of a task, as a node does that runs out of memory.
 kill_program() {
     local id pid
     id="$(squeue -h -j "$1" -o %A)"
@@ -161,10 +161,10 @@ began=$SECONDS
 job="$(sbatch --parsable --array=1-$SHARDS "$sbatch_file" study.ron array $SHARDS)"
 say "job $job: an array of $SHARDS shards of $POINTS points"
 
-# One task is requeued while it runs: Slurm kills it, and starts it again.
+# One task is requeued while it runs: Slurm kills the task and starts it again.
 wait_for "task 2" is_in_the_middle 2
 run scontrol requeue "${job}_2"
-# The program of another task is killed, and the task requeued once Slurm knows.
+# The program of another task is killed. The task is requeued after Slurm has noticed the end of the program.
 wait_for "task 7" is_in_the_middle 7
 run kill_program "${job}_7"
 wait_for "the end of task 7" has_failed "${job}_7"

@@ -43,7 +43,7 @@ clean_up() {
 }
 trap clean_up EXIT
 
-# A display without a screen.
+# A virtual display.
 Xvfb -noreset -displayfd 3 -screen 0 1280x800x24 3>"$folder/display" 2>/dev/null &
 children+=($!)
 # A sound server without a sound card.
@@ -94,5 +94,5 @@ if ! wait "$demo"; then
     exit 1
 fi
 
-# Omits the pans, which make up most of the report and are not needed.
+# The pans are omitted: they make up most of the report and are not needed.
 sed '/^  "pans": \[/,/^  \]/c\  "pans": []' report.json

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Runs all checks required before a change is accepted: format, lints, docs, tests, package. They need OpenGL, but no
-# graphics card: llvmpipe suffices.
+# Runs all checks required before a change is accepted: format, lints, docs, tests, package. The checks need
+# OpenGL, but no graphics card: llvmpipe suffices.
 set -euo pipefail
 
 usage() {
@@ -19,11 +19,11 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 # shellcheck source=scripts/lib.sh
 source scripts/lib.sh
 
-# Lints and tests use the same features, so that each package is compiled only once for each.
+# Lints and tests use the same features, so that each package is compiled only once for lints and once for tests.
 readonly -a EVERYTHING=(--locked --workspace --all-features)
 
-# Parts of the names of tests that --fast skips: statistics over many draws, and waves through large scenes. Each takes
-# more than three seconds on an idle core; together they take most of the time.
+# Parts of the names of tests that --fast skips: statistics over many draws, and waves through large scenes. Each
+# of these tests takes more than three seconds on an idle core, and together they take most of the time.
 readonly -a SLOW=(
     a_known_room_has_its_figures
     closed_form_and_image_sources_agree_wave_for_wave
@@ -49,7 +49,7 @@ readonly -a SLOW=(
     waves_that_graze_a_torus_are_not_given_up
 )
 
-# Checks that the library's package contains the required files and no others from excluded folders.
+# Checks that the library's package contains the required files, and no files of excluded folders.
 check_package() {
     local list file
     list="$(cargo package --list --locked --allow-dirty -p echomarch)"
@@ -90,8 +90,8 @@ test_on() {
     run env "${with[@]}" "${units[@]}" "$@"
 }
 
-# zink on lavapipe is OpenGL on top of Vulkan. Its tests run one after the other, and one of them without Mesa's GL
-# thread; docs/portability.md explains why. softpipe is slow, so only the smallest tests run there.
+# zink on lavapipe is OpenGL on top of Vulkan. Its tests run one after the other, and one test runs without Mesa's GL
+# thread; docs/portability.md explains the reasons. softpipe is slow, so only the smallest tests run there.
 check_other_implementations() {
     local zink="LIBGL_ALWAYS_SOFTWARE=1 MESA_LOADER_DRIVER_OVERRIDE=zink"
     local softpipe="LIBGL_ALWAYS_SOFTWARE=1 GALLIUM_DRIVER=softpipe"

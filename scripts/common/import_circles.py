@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Lists circles of imports among the Rust files of the library and of each package in apps/, and among their folders;
-exits 1 if there are any.
+"""Lists circular imports among the Rust files of the library and of each package in apps/, and among their folders.
+The exit status is 1 if there are any.
 
 A file imports another if one of its `use`s names an item defined there. A file and the folder of its submodules
-(`cells.rs` and `cells/`) count as one module: circles between a module and its parts are ignored, and so are tests.
+(`cells.rs` and `cells/`) count as one module. Circles between a module and its parts are ignored. Tests are ignored as
+well.
 """
 
 import re
@@ -139,7 +140,7 @@ def folders(imports, source):
 
 
 def has_circles(source):
-    """Whether a package has circles; prints them."""
+    """Whether a package has circular imports. Prints them."""
     imports = Sources(source).imports()
     found = False
     for what, graph in (("files", imports), ("folders", folders(imports, source))):
@@ -155,7 +156,7 @@ def has_circles(source):
 def main():
     sys.setrecursionlimit(10_000)
     sources = [ROOT / "src", *sorted(ROOT.glob("apps/**/src"))]
-    # Every package is checked, also after a package with circles.
+    # Every package is checked, even after a package with circles was found.
     return 1 if any([has_circles(source) for source in sources]) else 0
 
 

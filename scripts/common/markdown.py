@@ -11,7 +11,7 @@ def table(heads, lines):
 
 
 def short(value):
-    """Three digits; a dash for no value."""
+    """A number with three digits; a dash if there is no value."""
     if value is None:
         return "–"
     return f"{value:,.0f}" if abs(value) >= 100 else f"{value:.3g}"

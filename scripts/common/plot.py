@@ -3,7 +3,7 @@
 import math
 from html import escape
 
-# Distinguishable for colour-blind readers too (Okabe and Ito); later lines are thinner.
+# The colours are distinguishable for colour-blind readers (Okabe and Ito). Later lines are thinner.
 STROKES = [("#d55e00", 4), ("#0072b2", 3), ("#00a878", 2), ("#e69f00", 2)]
 WIDTH, HEIGHT, LEFT, BOTTOM, TOP, RIGHT = 400, 330, 62, 52, 44, 16
 
@@ -53,7 +53,7 @@ def draw(caption, x_name, y_name, lines):
 
 
 class Axis:
-    """Whole decades around the values, from one pixel to another."""
+    """A logarithmic scale of whole decades around the values, from a first to a last pixel."""
 
     def __init__(self, values, start, end):
         self.low = math.floor(math.log10(min(values)) + 1e-9)

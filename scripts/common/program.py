@@ -12,8 +12,8 @@ import time
 def run(command, one_core=False):
     """The JSON that a program prints, and its peak memory in KiB.
 
-    The memory comes from GNU time, because a direct child of this process would be credited with
-    Python's own. Without GNU time it is unknown.
+    GNU time measures the memory, because the peak of a direct child of this process would include
+    the memory of Python. Without GNU time the memory is unknown.
     """
     command = [str(word) for word in command]
     has_time = shutil.which("time") is not None
@@ -30,7 +30,7 @@ def run(command, one_core=False):
 
 
 def run_silently(command):
-    """Runs a program that prints nothing of interest."""
+    """Runs a program and ignores its output."""
     command = [str(word) for word in command]
     ran = subprocess.run(command, capture_output=True, text=True)
     if ran.returncode != 0:
@@ -38,7 +38,7 @@ def run_silently(command):
 
 
 def trace(command, one_core=False, **options):
-    """A traced frame. `command` is the program with a subcommand and scene; options are those of
+    """The JSON of a traced frame. `command` is the program with a subcommand and a scene. Options are the options of
     `echomarch trace`, with underscores: waves=65536, iterations_per_pass=1."""
     typed = [word for name, value in options.items() for word in ("--" + name.replace("_", "-"), value)]
     began = time.perf_counter()
@@ -54,7 +54,7 @@ def trace(command, one_core=False, **options):
 
 
 def slug(renderer):
-    """A renderer's name as a part of a file's name: "llvmpipe (LLVM …)" is llvmpipe."""
+    """A renderer's name as a part of a file's name: "llvmpipe (LLVM …)" becomes llvmpipe."""
     return re.sub(r"[^a-z0-9]+", "-", renderer.split("(")[0].lower()).strip("-") or "unknown"
 
 

@@ -2,13 +2,13 @@
 // axis-aligned boxes and pillars.
 //
 // All iterations of a group of waves are done in registers; only sums are stored. The numbers of boxes and
-// pillars are known to the compiler. Two packets of eight are interleaved, so that one is calculated while
-// the other waits for its results.
+// pillars are known to the compiler. Two packets of eight are interleaved, so that one packet is calculated
+// while the other packet waits for its results.
 //
 // Only the distance of each surface is kept; a miss is NaN, which `min` ignores. The face or pillar that was
-// hit is found afterwards by comparing distances. At a face the mirrored direction is a change of one sign,
-// and so is that of its inverse. The surface that a wave leaves lies behind it, at a distance that is not
-// positive, and needs no special case.
+// hit is found afterwards by comparing distances. A reflection at a face changes one sign of the direction,
+// and the same sign of its inverse. The surface that a wave leaves lies behind the wave, at a distance that
+// is not positive, so it needs no special case.
 #include "directions.h"
 #include "peer.h"
 
@@ -84,7 +84,7 @@ inline Lanes hitBox(const Slabs &box, const Waves &w, Lanes3 &enter) {
     return unless((out <= in) | (in <= 0.0f), in);
 }
 
-// A circle in the plane. For a miss the root is of a negative number, and so NaN.
+// A circle in the plane. For a miss the result is NaN, the root of a negative number.
 inline Lanes hitPillar(const Pillar &pillar, const Waves &w) {
     const Lanes x = w.position.x - pillar.x, z = w.position.z - pillar.z;
     const Lanes b = fma(x, w.direction.x, z * w.direction.z) * w.inverseA;
@@ -94,7 +94,7 @@ inline Lanes hitPillar(const Pillar &pillar, const Waves &w) {
     return unless(t <= 0.0f, t);
 }
 
-// Adds an arrival: the listener looks along -z, its right ear is along x.
+// Adds an arrival: the listener looks along -z; x points to its right ear.
 void hear(const Plan &plan, const Waves &w, Lanes heard, Lanes t, uint32_t order, Result &result) {
     const Lanes arrival = fma(t, w.direction.x, w.position.x);
     const Lanes side = (arrival - plan.listener.x) / plan.listenerRadius;
@@ -104,7 +104,7 @@ void hear(const Plan &plan, const Waves &w, Lanes heard, Lanes t, uint32_t order
     result.left += sum((1.0f - right) & heard);
 }
 
-// Few lines meet the listener: the distance to it is needed only then.
+// Few lines meet the listener, and only these need the distance to it.
 inline void listen(const Plan &plan, Waves &w, Lanes distance, uint32_t order, Result &result) {
     const Vec3 c = plan.listener;
     const Lanes3 offset = w.position - Lanes3{c.x, c.y, c.z};
@@ -129,7 +129,7 @@ inline void setDirection(const Plan &plan, Waves &w) {
                absolute(w.inverse.z) * plan.half.z};
 }
 
-// Mirrors the waves that met a pillar, at the hit point; the others have no axis to be measured from.
+// Mirrors the waves that hit a pillar, at their hit points. The other waves have no pillar axis.
 template <int PILLARS>
 void mirrorAtPillars(const Plan &plan, const Lanes (&distances)[PILLARS + 1], Lanes distance, Waves &w) {
     Lanes centreX, centreZ, scale;

@@ -4,8 +4,8 @@
 #include "lanes.h"
 #include "scene.h"
 
-// Sine and cosine of 2 pi times a share of a turn from 0 to 1. The share is folded into an eighth
-// of a turn either side of a quarter; Taylor series from there, to 1e-7.
+// Sine and cosine of 2 pi times a share of a turn from 0 to 1. The share is folded into the interval within
+// an eighth of a turn of a quarter turn, where Taylor series are accurate to 1e-7.
 inline void sineAndCosine(Lanes share, Lanes &sine, Lanes &cosine) {
     const Lanes quarter = _mm256_round_ps((share * 4.0f).v, _MM_FROUND_TO_NEAREST_INT);
     const Lanes angle = fma(quarter, -0.25f, share) * 6.28318530718f;
@@ -28,7 +28,7 @@ inline void sineAndCosine(Lanes share, Lanes &sine, Lanes &cosine) {
     cosine = whereNegative(swapped, s, c) ^ cosineSign;
 }
 
-// Makes the directions of the waves first … first + 7 of a lattice of `waves` directions.
+// Computes the directions of the waves first … first + 7 of a lattice of `waves` directions.
 class Lattice {
   public:
     Lattice(const Scene &scene, uint32_t waves) : waves(waves) {
@@ -49,7 +49,7 @@ class Lattice {
         const __m256i phase = _mm256_srli_epi32(_mm256_mullo_epi32(wave, golden), 8);
         Lanes sine, cosine;
         sineAndCosine(Lanes(_mm256_cvtepi32_ps(phase)) * (1.0f / 16777216.0f), sine, cosine);
-        // Counted from the nearer pole, so that the half is never rounded away.
+        // Counted from the nearer pole, so that rounding never removes the added half.
         const __m256i last = _mm256_set1_epi32(static_cast<int>(waves - 1));
         const __m256i opposite = _mm256_sub_epi32(last, wave);
         const __m256i rank = _mm256_min_epu32(wave, opposite);

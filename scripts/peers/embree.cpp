@@ -1,14 +1,14 @@
-// Embree 3, by packets of 16 (rtcIntersect16): a ray tracer used by many programs.
+// Embree 3, a ray tracer used by many programs, with packets of 16 rays (rtcIntersect16).
 //
 //   embree SCENE.txt WAVES ITERATIONS FRAMES [PILLARS]
 //
-// Walls and boxes are quads. Pillars are, as PILLARS says,
+// Walls and boxes are quads. PILLARS chooses the geometry of pillars:
 //   user    user geometry: a callback solves for the circle, eight rays at a time (the default, because
 //           it is the fastest and exact)
-//   prism   quads around a prism of 32 sides, of the same area as the circle: about as fast
+//   prism   quads around a prism of 32 sides, of the same area as the circle: about as fast as `user`
 //   curve   Embree's own cylinders (cone-linear curves): about half as fast with three pillars
-// The listener is a closed form outside Embree, eight rays at a time, because rays are not mirrored at it.
-// A mirrored ray starts 0.1 mm off its surface, on the side that it came from.
+// The listener is a closed form outside Embree, eight rays at a time, because it does not mirror rays.
+// A mirrored ray starts 0.1 mm off its surface, on the side of the incoming ray.
 #include "directions.h"
 #include "peer.h"
 
@@ -91,7 +91,7 @@ void attachCurves(RTCDevice device, RTCScene scene, const Scene &told) {
     auto *indices = buffer<uint32_t>(geometry, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT, 4, count);
     for (size_t i = 0; i < count; i++) {
         const Pillar &pillar = told.pillars[i];
-        // A little beyond floor and ceiling, so that no ray meets an end.
+        // The pillar extends a little beyond floor and ceiling, so that no ray hits its ends.
         vertices[2 * i] = {pillar.x, -1, pillar.z, pillar.radius};
         vertices[2 * i + 1] = {pillar.x, told.room.y + 1, pillar.z, pillar.radius};
         indices[i] = static_cast<uint32_t>(2 * i);
@@ -249,7 +249,7 @@ class Packet {
         going = andNot(hear(p, d, distance, going, order, result), going);
         _mm256_store_ps(reinterpret_cast<float *>(travelling + at), going.v);
 
-        // The normal against the ray, times its length.
+        // The normal on the side of the incoming ray, not normalised.
         Lanes3 n{load(hits.hit.Ng_x + at), load(hits.hit.Ng_y + at), load(hits.hit.Ng_z + at)};
         const Lanes along_n = dot(d, n);
         const Lanes square = dot(n, n);
@@ -259,7 +259,7 @@ class Packet {
         return bits(going);
     }
 
-    // The listener looks along -z, its right ear is along x.
+    // The listener looks along -z; x points to its right ear.
     Lanes hear(const Lanes3 &p, const Lanes3 &d, Lanes distance, Lanes going, uint32_t order,
                Result &result) const {
         const Vec3 c = told.listener;

@@ -1,4 +1,4 @@
-"""The Python environment of the peers, which scripts/peers.sh makes."""
+"""The Python environment of the peers, which scripts/peers.sh creates."""
 
 
 def python(work):
@@ -6,5 +6,5 @@ def python(work):
 
 
 def has_package(work, name):
-    """Whether the package was installed: the script then leaves a file, with the version in its name."""
+    """Whether the package was installed: the script then creates a file with the version in its name."""
     return any((work / "python").glob(f"has-{name}==*"))

@@ -1,4 +1,4 @@
-// Eight floats side by side in an AVX2 register, and three of them as eight points.
+// Eight floats in an AVX2 register, and three such registers as eight points.
 #pragma once
 
 #include <cstdint>
@@ -28,7 +28,7 @@ inline Lanes operator>(Lanes a, Lanes b) { return _mm256_cmp_ps(a.v, b.v, _CMP_G
 inline Lanes operator==(Lanes a, Lanes b) { return _mm256_cmp_ps(a.v, b.v, _CMP_EQ_OQ); }
 inline Lanes operator!=(Lanes a, Lanes b) { return _mm256_cmp_ps(a.v, b.v, _CMP_NEQ_UQ); }
 
-// a b + c, rounded once.
+// a b + c with a single rounding.
 inline Lanes fma(Lanes a, Lanes b, Lanes c) { return _mm256_fmadd_ps(a.v, b.v, c.v); }
 inline Lanes min(Lanes a, Lanes b) { return _mm256_min_ps(a.v, b.v); }
 inline Lanes max(Lanes a, Lanes b) { return _mm256_max_ps(a.v, b.v); }

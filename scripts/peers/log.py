@@ -1,10 +1,10 @@
-"""The measurements of a run, kept in a file with one row of JSON a line."""
+"""The measurements of a run, stored in a file with one JSON object per line."""
 
 import json
 
 
 class Log:
-    """`add` keeps the rows that the file has; otherwise it starts anew."""
+    """`add` keeps the existing rows of the file; otherwise the file is replaced."""
 
     def __init__(self, file, add):
         self.file = file
@@ -24,7 +24,7 @@ class Log:
 
 
 def chosen_scenes(parser, chosen, names):
-    """Ends the program for a scene that there is not."""
+    """Ends the program if a scene is unknown."""
     unknown = [name for name in chosen if name not in names]
     if unknown:
         parser.error(f"unknown scenes {' '.join(unknown)}: there are {' '.join(names)}")

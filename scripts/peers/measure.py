@@ -73,7 +73,7 @@ def trace(echomarch, work, scene, profile, waves, iterations, frames):
 
 
 def hits_by_order(echomarch, work, scene, profile, waves):
-    """The hits by order: the hits of each number of iterations minus the hits of one iteration fewer."""
+    """The hits by order. The hits of an order are the hits after n iterations minus the hits after n − 1 iterations."""
     counts = range(1, ITERATIONS + 1)
     heard = [trace(echomarch, work, scene, profile, waves, count, 0)["heard"] for count in counts]
     return [after - before for before, after in zip([0] + heard, heard)]

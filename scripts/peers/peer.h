@@ -2,9 +2,9 @@
 //
 //   PEER SCENE.txt WAVES ITERATIONS FRAMES
 //
-// traces one frame to warm up and then FRAMES timed ones, and prints one line of JSON: the milliseconds of
-// each frame, the waves heard by order (number of reflections before), and the balance. A frame makes its
-// directions, traces all waves, and sums the arrivals.
+// traces one frame to warm up and then FRAMES timed frames, and prints one line of JSON: the milliseconds of
+// each frame, the number of heard waves by order (number of earlier reflections), and the balance. A frame
+// computes its directions, traces all waves, and sums the arrivals.
 #pragma once
 
 #include "scene.h"
@@ -43,7 +43,7 @@ inline Arguments readArguments(int count, char **values) {
     }
     Arguments arguments{readScene(values[1]), number(values[2], "waves", 8),
                         number(values[3], "iterations", 1), number(values[4], "frames", 1)};
-    // The last few are dropped, so that every packet of 16 is full.
+    // The last few waves are dropped, so that every packet of 16 is full.
     arguments.waves -= arguments.waves % 16;
     return arguments;
 }

@@ -3,10 +3,11 @@
     pyroom.py SCENE.txt WAVES ITERATIONS FRAMES
 
 Scene A is the shoe box of pyroomacoustics, the other scenes are its general room of polygons. Pillars are
-prisms of 16 sides (the intersection tries every wall, so more sides would only be slower). Rays take the
-given directions, lose half of their energy at each wall, and end below a threshold, that is, after
-ITERATIONS segments. The listener does not end rays, so a few are counted twice. The time includes making
-the directions and the tracer itself, which is C++, but not the impulse response after it.
+prisms of 16 sides (the intersection tests every wall, so more sides would only be slower). Rays start in the given
+directions, lose half of their energy at each wall, and end below a threshold of energy, which they reach
+after ITERATIONS segments. The listener does not end rays, so a few rays are counted twice. The time
+includes the computation of the directions and the tracer, which is written in C++, but not the
+computation of the impulse response.
 """
 
 import json
@@ -55,7 +56,7 @@ def rotation(x, y, z, w):
 
 
 def room(scene):
-    # A wall takes half of the energy.
+    # A wall absorbs half of the energy.
     material = pra.Material(0.5)
     if not scene["box"] and not scene["pillar"]:
         made = pra.ShoeBox(scene["room"], fs=16000, materials=material, max_order=-1, ray_tracing=True)
@@ -71,7 +72,7 @@ def room(scene):
 
 def polygons(scene):
     height = scene["room"][1]
-    # Normals point out of the air.
+    # Normals point from the air into the solid.
     yield from faces((0, 0, 0), scene["room"], inward=False)
     for box in scene["box"]:
         yield from list(faces(box[:3], box[3:], inward=True))[:4]

@@ -1,6 +1,6 @@
-// A scene of the comparison, as the driver writes it: metres, from a corner of the room.
+// A scene of the comparison, as scenes.py writes it. Coordinates are in metres from a corner of the room.
 //
-// Each line has one word and its numbers:
+// Each line has a word and the numbers that belong to it:
 //   room      x y z            the size; walls at 0 and at the size
 //   source    x y z
 //   listener  x y z radius

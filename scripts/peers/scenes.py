@@ -1,7 +1,7 @@
-"""The scenes of the comparison, as scene files of Echomarch and as texts for the other programs.
+"""The scenes of the comparison, as scene files of Echomarch and as text files for the other programs.
 
-A is an empty room. B is the room with two walls and three pillars. B16 … B1024 have 16 to 1024 thin
-pillars on an even grid instead of the three. Coordinates are in metres from a corner of the room.
+A is an empty room. B is the same room with two walls and three pillars. B16 … B1024 have 16 to
+1024 thin pillars on an even grid instead of the three pillars. Coordinates are in metres from a corner of the room.
 """
 
 import math

@@ -1,11 +1,11 @@
 // Sphere tracing (Hart 1996) by a minimum distance of 1e-3 m, eight waves in a register.
 //
-// A wave steps by the distance to the nearest surface until that is below the minimum distance, and is
-// mirrored there. So that it can leave a surface, only the walls of the room that lie ahead count, and the box
-// or pillar that mirrored it last, which is convex, is skipped. (With all surfaces and a start a little off
-// the last one it takes twice as many steps.) The waves of a group step until all of them have arrived, then
-// all are mirrored at once. Lanes that continued independently, with new waves in place of finished ones,
-// were no faster: at almost every step some lane needs its reflection.
+// A wave steps by the distance to the nearest surface until that distance is below the minimum distance, and
+// is mirrored there. So that a wave can leave a surface, only the walls of the room ahead of the wave count,
+// and the convex box or pillar that mirrored the wave last is skipped. (A wave takes twice as many steps if
+// it tests all surfaces and starts a little off the last surface.) The waves of a group step until all of
+// them have arrived, then all are mirrored at once. Lanes that continued independently, with new waves in
+// place of finished waves, were not faster: at almost every step some lane needs a reflection.
 #include "directions.h"
 #include "peer.h"
 
@@ -30,7 +30,7 @@ struct Nearest {
     Lanes listener;
 };
 
-// A distance, or NaN (which `min` ignores) for the surface that was left.
+// A distance, or NaN (which `min` ignores) for the surface that the wave leaves.
 inline Lanes unlessLeft(const Waves &w, int index, Lanes distance) {
     return distance | (w.left == static_cast<float>(index + 1));
 }
@@ -92,7 +92,7 @@ inline Lanes3 axisOf(const Lanes3 &values, Lanes value) {
     return {x, y, andNot(x | y, allSet())};
 }
 
-// Mirrors the waves at the nearest surface, which is found again: this is rarely needed.
+// Mirrors the waves at the nearest surface. The surface is searched again, because reflections are rare.
 template <int BOXES, int PILLARS>
 void mirror(const Scene &scene, Waves &w) {
     const Lanes3 p = w.position;
@@ -148,7 +148,7 @@ void march(const Scene &scene, Waves (&waves)[PACKETS], Lanes (&heard)[PACKETS])
     }
 }
 
-// The listener looks along -z, its right ear is along x.
+// The listener looks along -z; x points to its right ear.
 void hear(const Scene &scene, const Waves &w, Lanes heard, uint32_t order, Result &result) {
     const Lanes side = (w.position.x - scene.listener.x) / (scene.listenerRadius + MIN_DISTANCE);
     const Lanes right = fma(side, 0.5f, 0.5f);

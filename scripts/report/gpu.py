@@ -11,8 +11,8 @@ from common.markdown import machine, short, table
 from common.program import first_line, slug, trace
 from report import growth, operations
 
-# Bytes that each part of a frame reads and writes per wave: a wave takes two texels of RGBA32F, its contribution one.
-# A frame that is drawn as one pass writes only the contribution.
+# Bytes that each part of a frame reads and writes per wave: a wave takes two texels of RGBA32F, its contribution takes
+# one. A frame that is drawn as one pass writes only the contribution.
 BYTES = {"initialise": 32, "march": 64, "pan": 32 + 16, "whole": 16, "read_back": 16}
 SCENES = ("shoebox", "corner", "obstacles")
 PAPER = "../cost-on-paper.md"
@@ -37,7 +37,7 @@ def arguments():
 
 
 def said(command, expected=(0,)):
-    """The output of a program."""
+    """The standard output of a program."""
     command = [str(word) for word in command]
     print(" ".join(command), file=sys.stderr)
     ran = subprocess.run(command, capture_output=True, text=True)
@@ -65,7 +65,8 @@ def hard_cases(asked):
         failed = [name for name, is_passed in passed.items() if not is_passed]
         told = f", fails {', '.join(failed)}" if failed and profile != "thesis" else ""
         lines.append(f"- `{profile}` passes {len(passed) - len(failed)} of {len(passed)}{told}")
-    return "Those of `verify`; that `thesis` fails many is known and does not count.\n\n" + "\n".join(lines)
+    legend = "The cases are those of `verify`. `thesis` is known to fail many of them, and its failures do not count."
+    return legend + "\n\n" + "\n".join(lines)
 
 
 def tables_of_figures(asked, folder):
@@ -130,7 +131,7 @@ def passes(asked, scene, profile):
     made = [
         Pass("initialise", waves, apart["initialise"], BYTES["initialise"]),
         Pass(
-            "march, a pass an iteration",
+            "march, one pass per iteration",
             waves,
             apart["march"],
             BYTES["march"] * iterations,
@@ -158,7 +159,7 @@ def operation_cells(asked, scene):
 
 def shares(asked):
     most = [
-        f"{value:,.0f} {unit}" if value else f"not told ({option})"
+        f"{value:,.0f} {unit}" if value else f"not stated ({option})"
         for value, unit, option in (
             (asked.bandwidth, "GB/s", "--bandwidth"),
             (asked.arithmetic, "G operations/s", "--arithmetic"),
@@ -166,13 +167,13 @@ def shares(asked):
     ]
     parts = [
         "## Share of memory bandwidth and arithmetic",
-        f"Bytes and operations as [cost on paper]({PAPER}) counts them, over the time of each part. What the card has, by "
-        f"its data sheet: bandwidth {most[0]}, arithmetic {most[1]}. Operations are counted for `hybrid`, if glslang and "
-        "SPIRV-Tools are installed.",
+        f"Bytes and operations as counted in [cost on paper]({PAPER}), divided by the time of each part. The limits of "
+        f"the card, from its data sheet: bandwidth {most[0]}, arithmetic {most[1]}. Operations are counted for "
+        "`hybrid` if glslang and SPIRV-Tools are installed.",
     ]
     chosen = SCENES[:1] if asked.quick else SCENES
     counted = [[scene, *operation_cells(asked, scene)] for scene in chosen]
-    parts.append(table(["operations a wave, `hybrid`", "initialise", "march, an iteration", "pan"], counted))
+    parts.append(table(["operations per wave, `hybrid`", "initialise", "march, one iteration", "pan"], counted))
     for scene in chosen:
         parts += [passes(asked, scene, profile) for profile in asked.profiles]
     return parts
@@ -197,7 +198,7 @@ def main():
         f"# {what}: {renderer}",
         f"`scripts/gpu-report.sh`; {machine()} ({cores}); {first_line([asked.echomarch, '--version'])}, commit "
         f"{first_line(['git', 'describe', '--always', '--dirty'])}. Times: {clock}"
-        + ("; a trial with few waves, whose times mean little." if asked.quick else "."),
+        + (". This is a trial with few waves, and its times are not reliable." if asked.quick else "."),
     ]
     with tempfile.TemporaryDirectory() as folder:
         if not asked.growth:
@@ -205,7 +206,8 @@ def main():
             parts += ["## Hard cases", hard_cases(asked), tables_of_figures(asked, folder)]
             parts += shares(asked)
         made = grown(asked, folder)
-    parts += ["## Growth", f"What is expected, and why it leaves the straight line: [cost on paper]({PAPER}#growth)."]
+    expected = f"[Cost on paper]({PAPER}#growth) states the expected growth and explains the deviations from it."
+    parts += ["## Growth", expected]
     drawn = output.with_suffix(".svg")
     parts.append(f"![Time and memory against waves, iterations and surfaces]({drawn.name})")
     parts += [sweep.markdown() for sweep in made]

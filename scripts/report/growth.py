@@ -13,18 +13,18 @@ SCENE = "corner"
 ITERATIONS = 8
 # Number of waves in the sweeps over iterations and surfaces: by default, and with --quick.
 WAVES, FEW_WAVES = 65_536, 1_024
-# Maximum of waves times iterations over all timed frames of a count: short frames are repeated more often.
+# Maximum of waves times iterations, summed over all timed frames of a count. Short frames are repeated more often.
 MOST_WORK = 8 * WAVES * ITERATIONS
-# A count is on the straight line if its cost per wave and iteration is within this share of the usual cost.
+# A count is on the straight line if its time per wave and iteration is within this share of the usual time.
 OFF_THE_LINE = 0.25
 
 LEGENDS = {
-    "waves": f"`{SCENE}`, {ITERATIONS} iterations. *ns*: nanoseconds of a frame a wave and iteration. *init … read*: "
-    "share of initialise, march, pan and read-back in the frame, percent. *MiB*: the most that the process had in "
-    "memory; a graphics card's own is not in it.",
+    "waves": f"`{SCENE}`, {ITERATIONS} iterations. *ns*: nanoseconds of a frame per wave and iteration. *init … read*: "
+    "share of initialise, march, pan and read-back in the frame, in percent. *MiB*: peak memory of the process, "
+    "without the memory of a graphics card.",
     "iterations": f"`{SCENE}`, {{waves:,}} waves.",
-    "surfaces": f"A hall of pillars 4 m apart, room included; {{waves:,}} waves, {ITERATIONS} iterations. *start*: "
-    "seconds to load the scene, to make and compile what it needs, and of its first frame.",
+    "surfaces": f"A hall of pillars 4 m apart, including the room; {{waves:,}} waves, {ITERATIONS} iterations. "
+    "*start*: seconds to load the scene, to compile its shaders and to trace its first frame.",
 }
 
 
@@ -64,12 +64,12 @@ class Sweep:
         return [self.found[count, profile] for count in self.counts]
 
     def usual(self, profile):
-        """The usual cost per wave and iteration: the median over the upper half of the counts."""
+        """The usual time per wave and iteration: the median over the upper half of the counts."""
         costs = [found["ns"] for found in self.of(profile)]
         return median(costs[len(costs) // 2 :])
 
     def on_the_line(self, profile):
-        """The counts at which the cost is near the usual cost, as text."""
+        """The counts at which the time is near the usual time, as text."""
         usual = self.usual(profile)
         near = [
             count for count, found in zip(self.counts, self.of(profile)) if abs(found["ns"] / usual - 1) <= OFF_THE_LINE
@@ -92,7 +92,7 @@ class Sweep:
         parts = [f"### {self.name.capitalize()}", legend, table(heads, lines)]
         if self.name != "surfaces":
             told = [self.on_the_line(profile) for profile in self.profiles]
-            parts.append("A wave and iteration costs (median of the upper half of the counts):\n\n" + "\n".join(told))
+            parts.append("Time per wave and iteration (median of the upper half of the counts):\n\n" + "\n".join(told))
         return "\n\n".join(parts)
 
     def cells(self, count, profile):
@@ -112,7 +112,7 @@ class Sweep:
             profile: [(count, found["milliseconds"]["total"]) for count, found in zip(self.counts, self.of(profile))]
             for profile in self.profiles
         }
-        return (f"time by {self.name}", self.name, "milliseconds a frame", lines)
+        return (f"time by {self.name}", self.name, "milliseconds per frame", lines)
 
     def memory(self):
         """The memory used at each count; None if unknown."""
@@ -133,7 +133,7 @@ def powers(first, factor, last):
 
 def sweeps(quick, profiles, only):
     """The sweeps over waves (up to 16.7 million), iterations (up to 1024) and surfaces (up to 65,536, because the size
-    of scene files is limited); with lower limits when quick."""
+    of scene files is limited); with lower limits if `quick`."""
     limits = {"waves": 16_777_216, "iterations": 1_024, "surfaces": 65_536}
     if quick:
         limits = {"waves": 1_024, "iterations": 4, "surfaces": 32}

@@ -1,7 +1,8 @@
 """A hall of pillars as a scene of any number of surfaces.
 
-The scene is that of examples/many_surfaces.rs: a room 6 m high, with pillars 4 m apart and radii of 0.3 to 0.7 m.
-The first surface is the room. The text is short because a scene file may have at most 4 MiB, some 80,000 surfaces.
+The scene is the one of examples/many_surfaces.rs: a room 6 m high, with pillars 4 m apart and radii of 0.3 to 0.7 m.
+The first surface is the room. Each surface has a short text, because a scene file may have at most 4 MiB, which is
+enough for some 80,000 surfaces.
 """
 
 import math
@@ -19,7 +20,7 @@ def ron(surfaces):
         radius = 0.3 + 0.1 * ((row * 7 + column * 3) % 5)
         x, z = (SPACING * (place + 0.5) - 0.5 * width for place in (column, row))
         lines.append(f"(shape:Cylinder(radius:{radius:.1f}),position:({x:g},0,{z:g}))")
-    # A place between four pillars, for an even or odd number of pillars along a side.
+    # A position between four pillars, for an even or an odd number of pillars along a side.
     source = SPACING * (side // 2) - 0.5 * width
     listener = source + SPACING
     return (

@@ -1,9 +1,9 @@
 """Counts the operations of a shader for one wave from its SPIR-V.
 
-`glslangValidator` compiles the printed text, and `spirv-opt -O` inlines all functions and removes unused
-code. Each remaining instruction is counted, times the number of components of its result. Every branch
-counts as taken, as on a renderer that runs lanes in parallel. The body of a loop counts once: for
-`hybrid` without marched fields this is one iteration.
+`glslangValidator` compiles the shader that `echomarch` prints, and `spirv-opt -O` inlines all functions and removes
+unused code. The count is the number of remaining instructions, each times the number of components of its result. Every
+branch counts as taken, as on a renderer that runs lanes in parallel. The body of a loop counts once. For `hybrid`
+without marched fields this body is one iteration.
 
 Plain operations: add, multiply, compare, select, minimum, sign; a dot product of n components counts as
 2n − 1, a fused multiply-add as 2. Special operations: division, root, sine and similar functions. Moves
@@ -37,7 +37,7 @@ PLAIN = {
     "OpFMod",
 }
 SPECIAL = {"OpFDiv"}
-# Plain and special operations per component, and additional ones.
+# Plain and special operations per component, and additional operations per instruction.
 EXTENDED = {
     "FMin": 1,
     "FMax": 1,
@@ -57,7 +57,7 @@ EXTENDED_SPECIAL = {"Sqrt", "InverseSqrt", "Sin", "Cos", "Tan", "Exp", "Exp2", "
 
 
 def of_shader(program, scene, options):
-    """(plain, special, bytes fetched) of a shader; None if glslang or SPIRV-Tools are missing."""
+    """(plain, special, bytes fetched) of a shader; None if glslang or SPIRV-Tools is missing."""
     tools = ["glslangValidator", "spirv-opt", "spirv-dis"]
     if not all(shutil.which(tool) for tool in tools):
         return None

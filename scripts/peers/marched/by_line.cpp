@@ -1,31 +1,32 @@
-// A design for `cave` that evaluates the rock once or twice a flight, eight waves in a register: what a
-// march that knows its fields can reach on this processor.
+// A tracer for `cave` that evaluates the rock once or twice per flight, eight waves in a register. It shows
+// the speed of a march that is specialised for its fields on this processor.
 //
-// - On a wave's line every part of the air is a function of one number. Its constants are computed once a
+// - On a wave's line every part of the air is a function of one number. Its constants are computed once per
 //   flight.
 // - Steps are proven by the slope and by a bound of the second derivative: above the rock's value f lies no
 //   surface before the root of f + s x - K x²/2. The bound holds where the value is at most BAND.
-// - Each part of the air is convex, and the rock's value is positive inside it: from a point in a part, the
-//   wave goes on where its line leaves that part.
+// - Each part of the air is convex, and the rock's value is positive inside it. From a point in a part, the
+//   wave continues at the point where its line leaves that part.
 // - A flight ends with a Newton step. One gradient gives the normal and the last correction.
 // - Stones and listener have a closed form.
 #include "waves.h"
 
 namespace {
 
-// Greatest second derivative of a part of the air along a line, per metre, where the rock's value is at most
-// BAND: 1 / (1.8 - 0.9) for the passage, whose curvature is the greatest; the egg's is below that.
+// Greatest second derivative of a part of the air along a line, in 1/m, where the rock's value is at most
+// BAND: 1 / (1.8 - 0.9) for the passage, which has the greatest curvature; the egg's curvature is smaller.
 constexpr float BEND = 1 / 0.9f;
 constexpr float BAND = 0.9f; // metres
 // A step may end where the tangent's root is known to this square, in square metres.
 constexpr float CLOSE = 2e-7f;
-// Metres before the end of a part, so that rounding does not carry a wave beyond a surface there.
+// Distance in metres before the end of a part at which a wave continues, so that rounding does not move it
+// beyond a surface.
 constexpr float SPARE = 3e-5f;
 constexpr float LEAST_STEP = 1e-6f;
 constexpr float TINY = 1e-20f;
 constexpr float NEVER = 1e9f;
 constexpr int STEPS = 200;
-// Objects, as the reference counts them.
+// Numbers of the objects, as in reference.cpp.
 constexpr float LISTENER = 0, ROCK = 1, STANDING = 2, HANGING = 3, BOULDER = 4;
 
 inline Lanes inverseRoot(Lanes a) {
@@ -45,7 +46,7 @@ struct Interval {
     Lanes enter, exit;
 };
 
-// The squared distance to an axis or a centre along the line: least at `middle`.
+// The squared distance to an axis or a centre along the line; the minimum is at `middle`.
 struct Ball {
     Lanes middle, least;
     float radius;
@@ -120,7 +121,7 @@ struct Passage {
         return {fma(square, inverse, -Cave::PASSAGE_RADIUS), fma(across, u, beyond * dx) * inverse};
     }
 
-    // Of its cylinder.
+    // Of the capsule's cylinder.
     Interval within() const {
         constexpr float square = Cave::PASSAGE_RADIUS * Cave::PASSAGE_RADIUS;
         const Lanes half = squareRoot(max(square - least, 0.0f) / across);
@@ -166,7 +167,8 @@ struct Rock {
         return t;
     }
 
-    // The length of the flight to the rock; at least `limit`, or NEVER, for waves that do not meet it before.
+    // The length of the flight to the rock. For waves that do not hit the rock within `limit` it is at least
+    // `limit`, or NEVER.
     Lanes march(Lanes limit, Lanes active) const {
         Lanes t = beyondParts(0.0f), end = NEVER;
         for (int step = 0; step < STEPS; step++) {
@@ -214,7 +216,7 @@ void enterEllipsoid(const Lanes3 &o, const Lanes3 &d, Vec3 radii, float number, 
 void enterCone(const Lanes3 &o, const Lanes3 &d, float radius, float number, Lanes may, Nearest &nearest) {
     constexpr float half = Cave::CONE_HALF;
     const float k = radius / (2 * half), k2 = k * k;
-    // From the point nearest to the apex, so that nothing large cancels.
+    // From the point nearest to the apex, so that no large numbers cancel.
     const Lanes3 fromApex{o.x, o.y - half, o.z};
     const Lanes middle = -dot(fromApex, d);
     const Lanes3 p = along(fromApex, d, middle);
@@ -241,7 +243,7 @@ Lanes3 hanging(const Lanes3 &p) {
     return {q.x, -q.y, q.z};
 }
 
-// The listener and the stones; the stone that mirrored a wave last is convex, and cannot be next.
+// The listener and the stones. The stone that mirrored a wave last is convex, so it cannot be hit next.
 Nearest closedForms(const Lanes3 &o, const Lanes3 &d, Lanes left) {
     Nearest nearest{NEVER, -1.0f};
     const float r = Cave::LISTENER_RADIUS;
@@ -291,7 +293,7 @@ Gradient gradientOfRock(const Lanes3 &p) {
     return {-air.value, {-air.gradient.x, -air.gradient.y, -air.gradient.z}};
 }
 
-// Of the base or the side, whichever is nearer.
+// The normal of the base or the side, whichever is nearer.
 Gradient gradientOfCone(const Lanes3 &p, float radius) {
     constexpr float half = Cave::CONE_HALF;
     const float slant = std::sqrt(4 * half * half + radius * radius);

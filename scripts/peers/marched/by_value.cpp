@@ -1,5 +1,5 @@
-// The 60-line tracer (naive.glsl) in C++, eight waves in a register: what steps by the value can reach on
-// this processor.
+// The 60-line tracer (naive.glsl) in C++, eight waves in a register. It shows the speed of steps by the value
+// on this processor.
 #include "waves.h"
 
 namespace {

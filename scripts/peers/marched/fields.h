@@ -50,7 +50,7 @@ Number boxDistance(const Point<Number> &p, Vec3 half) {
     return length(outside) + min(max(x, max(y, z)), Number(0.0f));
 }
 
-// A user's field: its value divided by its growth, cut off at its box.
+// A user's field: its value divided by its Lipschitz constant, limited to its box.
 template <class Number>
 Number cutOff(Number value, float growth, const Point<Number> &p, Vec3 half) {
     return max(value / Number(growth), boxDistance(p, half));
@@ -77,7 +77,7 @@ struct Cave {
     static constexpr float STANDING_RADIUS = 0.9f, HANGING_RADIUS = 0.7f, CONE_HALF = 2;
     static constexpr Vec3 BOULDER{5, -2.7f, -4}, BOULDER_RADII{1, 0.7f, 0.8f};
 
-    // Echomarch's value of an ellipsoid: F / |grad F| with a term that keeps it below the distance.
+    // Echomarch's value of an ellipsoid: F / |grad F|, with a term that keeps the value below the distance.
     template <class Number>
     static Number ellipsoid(const Point<Number> &p, Vec3 radii) {
         const Number a = Number(1.0f) / (Number(radii.x) * Number(radii.x));
@@ -171,7 +171,7 @@ struct Gyroid {
 
 // ---- ground.ron
 
-// A hash of a cell, from 0 to 1. Cells have whole numbers.
+// A hash of a cell, from 0 to 1. The coordinates of cells are integers.
 inline double hashed(double x, double z) {
     const auto whole = [](double at) { return static_cast<uint32_t>(static_cast<int>(at) + 1024); };
     uint32_t bits = whole(x) * 374761393u + whole(z) * 668265263u;

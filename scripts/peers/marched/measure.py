@@ -1,6 +1,6 @@
 """Runs the peers of the marched scenes in interleaved rounds; called by scripts/peers.sh --marched.
 
-All trace the same waves, from start directions that Echomarch draws. A round runs every peer on every
+All programs trace the same waves, whose start directions Echomarch draws. A round runs every peer on every
 scene, scene by scene, each as a separate process on one core with one thread. Times are processor seconds.
 """
 
@@ -19,10 +19,10 @@ from peers.marched.names import DESIGN, EXACT, ITERATIONS, NAIVE, NAMES, SORTED,
 
 HERE = Path(__file__).resolve().parent
 SEED = 1
-# Frames of Echomarch that are traced before the timed ones: the first compiles.
+# Frames of Echomarch that are traced before the timed frames. The first frame includes the compilation.
 WARM = 2
-# Processor seconds of the timed frames of Echomarch: the time to start and to compile, which is subtracted, varies
-# by some hundredths of a second.
+# Processor seconds of the timed frames of Echomarch: the time of start and compilation, which is subtracted,
+# varies by some hundredths of a second.
 TIMED, TIMED_QUICK = 4.0, 0.5
 
 
@@ -66,7 +66,7 @@ class Bench:
             return children_seconds() - before, found
 
         def seconds(scene):
-            # The driver keeps what it has compiled for later processes.
+            # The driver caches compiled shaders for later processes.
             if (scene, profile) not in self.compiled:
                 processor(scene, WARM)
                 self.compiled.add((scene, profile))
@@ -127,7 +127,7 @@ class Bench:
 
 
 def children_seconds():
-    """Processor seconds of all processes that have been run."""
+    """Processor seconds of all processes that have ended."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
 
@@ -159,7 +159,7 @@ def measure_errors(chosen, bench, there, record):
 
 def arguments():
     parser = argparse.ArgumentParser()
-    parser.add_argument("--marched", action="store_true", help="chooses this module, in scripts/peers.sh")
+    parser.add_argument("--marched", action="store_true", help="chooses this module (an option of scripts/peers.sh)")
     parser.add_argument("--work", type=Path, required=True)
     parser.add_argument("--echomarch", type=Path, required=True)
     parser.add_argument("--rounds", type=int)

@@ -1,9 +1,9 @@
 // The exact waves of a marched scene: plain sphere tracing in `double` to 1e-12 m.
 //
-//   reference SCENE DIRECTIONS ITERATIONS ENDS    traces; ENDS gets four doubles a wave: a position and the
+//   reference SCENE DIRECTIONS ITERATIONS ENDS    traces; ENDS gets four doubles per wave: a position and the
 //                                                 status (0 heard, n at surface n, -1 lost)
-//   reference SCENE ENDS OBJECTS                  reads four floats a wave (waves.h) and writes as a float
-//                                                 which surface is nearest to each, counted from 1
+//   reference SCENE ENDS OBJECTS                  reads four floats per wave (waves.h) and writes as a float
+//                                                 the nearest surface of each wave, counted from 1
 #include "waves.h"
 
 #include <thread>
@@ -41,9 +41,9 @@ double valueOf(const Exact &p, int surface) {
     return values[surface];
 }
 
-// The derivative along an axis, times 2 PROBE. A difference quotient has an error of its step where the second
-// derivative jumps at the surface, as that of an ellipsoid's value does; so the quotients of two steps are
-// extrapolated to a step of 0 (Richardson).
+// The derivative along an axis, times 2 PROBE. Where the second derivative jumps at the surface, as it does for
+// an ellipsoid's value, the error of a difference quotient is proportional to its step. The quotients of two
+// steps are therefore extrapolated to a step of 0 (Richardson).
 template <class Scene>
 double difference(const Exact &p, int surface, const Exact &axis) {
     const auto over = [&](double step) {

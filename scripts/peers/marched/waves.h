@@ -2,10 +2,10 @@
 //
 //   PEER SCENE DIRECTIONS ITERATIONS FRAMES ENDS
 //
-// reads start directions, traces one frame to warm up and then FRAMES timed ones, writes the waves of the
-// last, and prints the processor seconds of each timed frame as one line of JSON. DIRECTIONS and ENDS hold
-// four floats a wave: a direction and 0; a position and 0 for a heard wave, 1 for one still travelling, or
-// -1 for one that is lost.
+// reads start directions, traces one frame to warm up and then FRAMES timed frames, writes the waves of the
+// last frame, and prints the processor seconds of each timed frame as one line of JSON. DIRECTIONS and ENDS
+// have four floats per wave. DIRECTIONS has a direction and 0. ENDS has a position and a status: 0 for a heard
+// wave, 1 for a travelling wave, -1 for a lost wave.
 #pragma once
 
 #include "../peer.h"
@@ -42,7 +42,7 @@ void writeAll(const std::string &path, const std::vector<Item> &items) {
     }
 }
 
-// Eight waves, as they are in a file.
+// Eight waves in the layout of a file.
 inline Lanes3 loadEight(const FourFloats *waves) {
     float x[8], y[8], z[8];
     for (int lane = 0; lane < 8; lane++) {
@@ -64,7 +64,7 @@ inline void storeEight(FourFloats *waves, const Lanes3 &p, Lanes status) {
     }
 }
 
-// `trace` takes the first of eight directions, the number of iterations, and where the ends go.
+// `trace` takes the first of eight directions, the number of iterations, and the destination of the ends.
 template <class Trace>
 void timeWaves(char **values, Trace trace) {
     const std::vector<FourFloats> directions = readAll<FourFloats>(values[2]);

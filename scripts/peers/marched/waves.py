@@ -8,7 +8,7 @@ from statistics import quantiles
 
 FOUR_FLOATS = "4f"
 FOUR_DOUBLES = "4d"
-# Cells along each axis in the order of Morton, as a power of two.
+# Number of cells along each axis for the Morton order, as an exponent of two.
 CELL_BITS = 10
 
 
@@ -45,7 +45,7 @@ def dumped(file):
 
 
 def with_objects(ends, objects):
-    """The ends of a peer, with the surface at which a travelling wave is as its status."""
+    """The ends of a peer. The status of a travelling wave is the surface at which it is."""
     return [(*end[:3], object if end[3] > 0 else end[3]) for end, (object,) in zip(ends, objects)]
 
 
@@ -62,7 +62,7 @@ def compare(ends, exact):
 
 
 def neighbours_together(directions):
-    """The directions in the order of Morton: neighbours in the list are mostly neighbours on the sphere."""
+    """The directions in Morton order: neighbours in the list are mostly neighbours on the sphere."""
 
     def key(direction):
         last = (1 << CELL_BITS) - 1
