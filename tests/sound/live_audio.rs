@@ -78,12 +78,12 @@ fn the_callback_allocates_nothing_while_everything_changes() {
     assert!(freed > 500, "{freed}");
 }
 
-/// Protects the callback as a stream runs it, with a clip that loops and a recording: it allocates nothing, and the
-/// recording holds what is played.
+/// Protects the callback of a stream with a clip that loops and a recording: it allocates nothing, and the recording
+/// equals the output.
 #[test]
 fn a_stream_with_a_clip_and_a_recording_allocates_nothing() {
     let folder = TempDir::new().unwrap();
-    // The clip's end does not fit its start, and it loops within a few blocks.
+    // The clip's end does not match its start, and the clip loops within a few blocks.
     let clip = wav(&folder, (0..3000).map(|i| i as f32 / 3000.0));
     let (renderer, mut remote) = renderer("sine:440");
     let mut play = probe::player::<f32>(renderer, &remote, 2);
@@ -103,16 +103,16 @@ fn a_stream_with_a_clip_and_a_recording_allocates_nothing() {
         let mut reader = hound::WavReader::open(&file).unwrap();
         let written: Vec<f32> = reader.samples().map(Result::unwrap).collect();
         assert!(written == played, "round {round}");
-        // The callback hands back the tap of a finished recording.
+        // The callback returns the tap of a finished recording.
         assert_no_alloc(|| play(&mut block));
         assert!(remote.collect() >= 2);
     }
     assert!(remote.levels() != [0.0, 0.0]);
 }
 
-/// Protects the callback while several sources are heard in full: updates, fading late parts, and the change from the
-/// balance and back allocate nothing; loud sound stays within full scale, nothing clicks, and unused objects are handed
-/// back.
+/// Protects the callback while several sources are played in full: updates, fades of late parts, and the change from
+/// the balance and back allocate nothing. Loud sound stays within full scale, nothing clicks, and unused objects are
+/// returned.
 #[test]
 fn the_callback_plays_sources_in_full_and_allocates_nothing() {
     let scene = Scene::builtin("shoebox").unwrap();
@@ -146,7 +146,7 @@ fn the_callback_plays_sources_in_full_and_allocates_nothing() {
     let left = channel(&played, 0);
     let loud = |from: usize| left[from..].iter().take(9600).any(|s| s.abs() > 0.05);
     assert!(loud(48_000) && loud(160_000));
-    // A sine of 500 Hz at full scale has steps of 0.065; the whole output is within full scale.
+    // A sine of 500 Hz at full scale has steps of 0.065.
     let step = largest_step(&left);
     assert!(step < 0.1, "a step of {step}");
 }
@@ -165,7 +165,7 @@ fn it_rises_from_silence_to_what_the_mixer_would_give() {
     }
 }
 
-/// A step may be at most the sine's own step plus that of a 20 ms glide.
+/// A step may be at most the sum of the sine's own step and the step of a 20 ms glide.
 #[test]
 fn gains_that_jump_do_not_click() {
     let (mut renderer, remote) = renderer("sine:100");
@@ -210,7 +210,7 @@ fn sounds_that_change_do_not_click() {
     let step = largest_step(&channel(&out, 0));
     println!("largest step {step:.5}, allowed {:.5}", own + fade);
     assert!(step <= own + fade + 1e-6);
-    // At the end the last sound plays, from its own start.
+    // At the end the most recent sound plays, from its own start.
     let mut last = vec![0.0; 5123];
     sound("sine:120").fill(&mut last);
     let tail = channel(&out[out.len() - 2000..], 0);

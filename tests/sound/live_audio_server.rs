@@ -1,5 +1,5 @@
 //! Live output through a real sound system: a PulseAudio server with a null sink whose monitor is recorded. The player
-//! is this program itself, started again with the server in its environment.
+//! is this test program, started again with the address of the server in its environment.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -30,8 +30,8 @@ static NOISE: LazyLock<Vec<f32>> = LazyLock::new(|| {
     samples
 });
 
-/// Protects the panning up to the sound system's output: positions and a sweep are heard in order, with the set levels
-/// on both sides, and the recording equals what was heard.
+/// Protects the panning up to the sound system's output: the positions and the sweep are heard in order, with the set
+/// levels on both sides, and the recording equals the monitor.
 #[test]
 fn the_levels_follow_the_panning_from_left_to_right() {
     const ATTEMPTS: u32 = 5;
@@ -44,7 +44,7 @@ fn the_levels_follow_the_panning_from_left_to_right() {
     panic!("the machine is too busy: most of the sound had gaps, {ATTEMPTS} times");
 }
 
-/// Plays and listens once; false if gaps left too little to compare.
+/// Plays and records once. Returns false if gaps left too few windows to compare.
 fn sweep_is_heard() -> bool {
     let server = Server::start();
     let recorder = server.record(SINK, 48_000, 2);
@@ -64,7 +64,7 @@ fn sweep_is_heard() -> bool {
     let compared = Heard::new(&heard, 50).follow(&places);
     println!("{compared:?}");
     assert_eq!(compared.wrong, 0, "{compared:?}");
-    // Except in the sweep, the gains are constant most of the time.
+    // Outside the sweep, the gains are constant most of the time.
     assert!(3 * compared.moving < 2 * compared.windows, "{compared:?}");
     let is_enough = compared.windows > 60 && compared.left_out < compared.windows;
     let is_whole = line.contains("dropped 0");
@@ -72,7 +72,7 @@ fn sweep_is_heard() -> bool {
 }
 
 /// Checks that the file equals the monitor bit for bit, in consecutive pieces of 10 ms, except for pieces in gaps of a
-/// busy machine. Returns false if less than half of it was heard.
+/// busy machine. Returns false if less than half of the file was heard.
 fn recording_is_what_was_heard(file: &Path, heard: &[f32], line: &str) -> bool {
     const PIECE: usize = 960;
     let mut reader = hound::WavReader::open(file).unwrap();
@@ -95,8 +95,8 @@ fn recording_is_what_was_heard(file: &Path, heard: &[f32], line: &str) -> bool {
 }
 
 /// Protects the end of a stream: audible sound fades out, so that neither a change of device nor the end clicks. On a
-/// busy machine the server or the recorder may sometimes lose samples, which cannot be distinguished from a click; a
-/// click of the program's own occurs in every run.
+/// busy machine the server or the recorder may sometimes lose samples, which cannot be distinguished from a click. A
+/// click of the program itself occurs in every run.
 #[test]
 fn a_stream_that_is_closed_does_not_click() {
     const RUNS: usize = 4;
@@ -110,7 +110,8 @@ fn a_stream_that_is_closed_does_not_click() {
     panic!("in each of {RUNS} runs: {found:#?}");
 }
 
-/// Opens and closes streams, and listens to what the server plays; returns the step that clicks, if there is one.
+/// Opens and closes streams, and records the server's output. Returns a description of the largest step if it is a
+/// click.
 fn closed_streams() -> Result<(), String> {
     let server = Server::start();
     let recorder = server.record(SINK, 48_000, 2);
@@ -143,15 +144,17 @@ fn closed_streams() -> Result<(), String> {
     let told =
         format!("largest step {largest:.5}, allowed {allowed:.5}, {rises} rises, {gaps} gaps");
     println!("{told}");
-    // Between two streams there may be less than 10 ms.
+    // Between two streams there may be less than 10 ms of silence.
     let is_right = largest <= allowed + 1e-5 && (2..=CLOSINGS + 1 + gaps).contains(&rises);
     is_right.then_some(()).ok_or(told)
 }
 
-/// Returns the length in samples of a busy machine's gap that begins after `at`. At a gap the sound breaks off and
-/// continues at its full level, whereas a closed stream fades out into silence, and an opened one rises from silence.
+/// Returns the length in samples of the gap that begins after `at`, if the step is a gap of a busy machine. At a gap
+/// the sound stops and continues at its full level. A closed stream, in contrast, fades out to silence, and an opened
+/// stream rises from silence.
 fn end_of_gap(samples: &[f32], at: usize, allowed: f32) -> Option<usize> {
-    // Half a period of the sine contains its peak. A fade of 20 ms still has a quarter of it there.
+    // Half a period of the sine contains its peak. During a fade of 20 ms, a quarter of the peak remains after this
+    // time.
     const HALF_A_PERIOD: usize = 240;
     let is_full = |samples: &[f32]| {
         samples
@@ -164,7 +167,7 @@ fn end_of_gap(samples: &[f32], at: usize, allowed: f32) -> Option<usize> {
     }
     let silent = samples[at + 1..].iter().take_while(|&&s| s == 0.0).count();
     let after = &samples[at + silent + 1..];
-    // It may continue near a zero of the sine, or with a fade.
+    // The sound may continue near a zero of the sine, or with a fade.
     let goes_on = after.first().is_some_and(|next| next.abs() > allowed)
         || is_full(&after[..after.len().min(HALF_A_PERIOD)]);
     goes_on.then_some(silent)
@@ -198,7 +201,7 @@ fn a_server_that_dies_is_waited_for_and_the_sound_goes_on_where_it_was() {
     assert_eq!(shift_of(&left[end..end + 100], end), Some(shift));
 }
 
-/// Returns the number of samples by which the noise at `at` in the file is ahead in the sound.
+/// Returns the number of samples by which the noise at `at` in the file is ahead of the position in the file.
 fn shift_of(piece: &[f32], at: usize) -> Option<usize> {
     let fits = |start: &usize| {
         let noise = &NOISE[*start..*start + piece.len()];
@@ -248,7 +251,7 @@ fn a_server_that_hangs_is_given_up_and_found_again() {
     server.signal("CONT");
     player.wait_for_sound_after(1);
     let clients = server.pactl(&["list", "short", "clients"]);
-    // The player's, and perhaps that of the query.
+    // One client is the player, and another may be the query.
     assert!(clients.lines().count() <= 2, "{clients}");
     player.finish();
 }
@@ -271,8 +274,8 @@ fn devices_are_listed_and_changed() {
     assert!((loudest - 0.5).abs() < 0.05, "{loudest}");
 }
 
-/// Protects recordings from a device that opens later with another rate, and from a recording that ended by itself:
-/// each states its contents, and the next can start.
+/// Protects recordings from a device that opens later with another rate, and from a recording that ended by itself: the
+/// status reports each event, and the next recording can start.
 #[test]
 fn a_recording_follows_the_first_device_and_one_that_ended_is_followed_by_another() {
     let server = Server::start();
@@ -289,7 +292,7 @@ fn a_recording_follows_the_first_device_and_one_that_ended_is_followed_by_anothe
     }
 }
 
-/// Protects from sounds that pile up without a device: only the last one chosen is heard, from its start.
+/// Protects from sounds that accumulate without a device: only the most recently chosen sound is heard, from its start.
 #[test]
 fn of_sounds_that_were_chosen_without_a_device_the_last_is_heard() {
     let server = Server::start();
@@ -298,8 +301,8 @@ fn of_sounds_that_were_chosen_without_a_device_the_last_is_heard() {
     player.finish();
     let mut reader = hound::WavReader::open(&file).unwrap();
     let left: Vec<f32> = reader.samples().step_by(2).map(Result::unwrap).collect();
-    // The gains have risen 20 ms after the beginning, or later if a busy machine lost the device at once; then the file
-    // contains the noise.
+    // The gains have risen 20 ms after the beginning, or later if a busy machine lost the device at once. From then on
+    // the file contains the noise.
     let places = (960..left.len() - 100).step_by(480);
     let mut shifts = places.filter_map(|at| shift_of(&left[at..at + 100], at));
     let shift = shifts.next().expect("noise");

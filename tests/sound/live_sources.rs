@@ -3,7 +3,8 @@
 use echomarch::audio::live::SoundSource;
 use echomarch::audio::{AudioError, Signal, Sound};
 
-/// Protects a caller's own sound: it is read, sought and ended as it states, at the requested rate.
+/// Protects a caller's own sound: live output reads it, seeks in it and ends it as its methods define, at the requested
+/// rate.
 #[test]
 fn a_sound_of_ones_own_is_played() {
     /// Counts up by one per sample, up to its length.
@@ -49,7 +50,7 @@ fn a_sound_of_ones_own_is_played() {
     assert_eq!(source.sound(96_000).unwrap().length(), Some(6));
 }
 
-/// Protects live output from a sound that cannot be made: its source states why.
+/// Protects live output from a sound that cannot be created: the source returns the reason.
 #[test]
 fn a_source_says_why_it_makes_no_sound() {
     let missing: SoundSource = "missing.wav".parse().unwrap();

@@ -1,4 +1,4 @@
-//! Panning laws, the mixer's glide, and frames: no device, no graphics card.
+//! Panning laws, the mixer's glide, and frames, without a device and without a graphics card.
 
 use crate::measures::{largest_step, rms};
 use echomarch::audio::{AudioError, FrameBlocks, Gains, Mixer, PanningLaw, Sound};
@@ -36,7 +36,7 @@ proptest! {
         prop_assert!((0.0..=1.0).contains(&left) && (0.0..=1.0).contains(&right));
     }
 
-    /// A constant sound makes the gains visible: no step may exceed the block's own slope.
+    /// A constant sound makes the gains visible: no step may exceed the slope of the block.
     #[test]
     fn gains_glide_without_a_step(
         law in any_law(),

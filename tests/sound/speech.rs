@@ -86,8 +86,8 @@ fn it_pauses_between_syllables_and_longer_between_phrases() {
     assert!(pauses.len() >= 40, "{pauses:?}");
 }
 
-/// A click would have energy far above the voice's own band. The voice as a whole is faded in and out first: a cut
-/// within a vowel would have more such energy than everything else.
+/// A click would have energy far above the voice's own frequencies. The voice is first faded in and out, because a cut
+/// within a vowel would have more energy there than a click.
 #[test]
 fn it_does_not_click() {
     for seed in 0..4 {

@@ -1,5 +1,5 @@
-//! The player of the tests through a sound server: this program, started again with the server in
-//! its environment. Defines what it plays, and how a test starts it and listens to it.
+//! The player of the tests that use a sound server: this test program, started again with the address of the server in
+//! its environment. This module defines what the player plays, and how a test starts and observes it.
 
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
@@ -44,7 +44,7 @@ pub fn play() {
 fn start(device: Option<&str>) -> Live {
     let options = LiveOptions {
         device: device.map(str::to_owned),
-        // In the middle each side has half of the sound.
+        // In the centre each side has half of the sound.
         law: PanningLaw::Linear,
         ..LiveOptions::default()
     };
@@ -107,8 +107,8 @@ fn play_sweep() {
     assert_eq!(status.sample_rate, 48_000);
 }
 
-/// Plays a sine that is closed and opened again at several points of its period. The buffer is
-/// long, so that a busy machine leaves no gap.
+/// Plays a sine, and closes and opens the device at several points of the sine's period. The buffer is long, so that a
+/// busy machine leaves no gap.
 fn play_and_close() {
     let options = LiveOptions {
         buffer_frames: 4096,
@@ -203,8 +203,8 @@ fn play_devices() {
     assert!(live.status().restarts >= 2);
 }
 
-/// Records from before the first device, whose rate differs from the assumed one, until a change of
-/// the rate ends the recording; then records once more.
+/// Starts a recording before the first device opens, whose rate differs from the assumed rate, until a change of the
+/// rate ends the recording. Then records once more.
 fn play_recordings() {
     let live = start(Some("other"));
     live.start_recording(&file()).unwrap();
@@ -258,14 +258,14 @@ fn part_of(stem: &str) -> PathBuf {
     names.into_iter().find(is_part).unwrap()
 }
 
-/// Chooses many sounds without a device: the last is heard.
+/// Chooses many sounds without a device; only the most recent sound is heard.
 fn play_changes_in_silence() {
     let live = start(Some("no such device"));
     wait_for("an error", || live.status().last_error.is_some());
     live.start_recording(&file()).unwrap();
     for sound in ["sine:200", "sine:300", "sine:400", "sine:500", "noise"] {
         live.set_sound(sound.parse().unwrap());
-        // Attempts to open the device lie in between.
+        // The player tries to open the device in between.
         live.set_device(Some("no such device".to_owned()));
         pause(0.1);
     }
@@ -342,8 +342,8 @@ impl Player {
         })
     }
 
-    /// Waits until the sound is heard after at least `losses` losses of the device (a busy machine
-    /// may cause more): it was reopened exactly once for each.
+    /// Waits until the sound is heard after at least `losses` losses of the device (a busy machine may cause more
+    /// losses). The device was then reopened exactly once for each loss.
     pub fn wait_for_sound_after(&self, losses: u64) -> String {
         self.wait_until(&format!("sound after {losses} losses"), |line| {
             let [restarts, lost] = ["restarts", "losses"].map(|name| number_after(line, name));
@@ -370,7 +370,7 @@ impl Player {
         tasks.unwrap().count()
     }
 
-    /// Lets it end, and requires success.
+    /// Closes the input of the player, and requires a successful exit.
     pub fn finish(mut self) {
         self.input = None;
         assert!(self.process.0.wait().unwrap().success());

@@ -1,9 +1,10 @@
-//! Levels of what was heard, relative to the noise that was played.
+//! Levels of the recorded output, relative to the noise that was played.
 
 use crate::measures::rms;
 use echomarch::audio::Sound;
 
-/// Returns the left and right gains over intervals of `frames` frames: levels divided by that of the noise.
+/// Returns the left and right gains over intervals of `frames` frames: the level of each channel divided by the level
+/// of the noise.
 pub fn gains(stereo: &[f32], frames: usize) -> Vec<[f64; 2]> {
     let full = f64::from(Sound::NOISE_AMPLITUDE) / 3f64.sqrt();
     let gain = |piece: &[f32], which| {
@@ -36,7 +37,7 @@ pub fn error_db(gains: [f64; 2], wanted: [f64; 2]) -> f64 {
 /// Maximum accepted deviation of a level, in decibels: noise over 50 ms is known to 0.1 dB.
 const TOLERANCE_DB: f64 = 0.5;
 
-/// A comparison of what was heard with the positions that were set one after the other.
+/// A comparison of the recorded output with the positions that were set one after the other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Comparison {
     /// Windows compared, and windows left out because the sound server had a gap in or next to
@@ -45,15 +46,15 @@ pub struct Comparison {
     pub left_out: usize,
     /// Compared windows in which the gains moved from one position to a later one.
     pub moving: usize,
-    /// Compared windows that are neither at the position of the windows before them, nor between it
-    /// and a later one.
+    /// Compared windows that are neither at the position of the windows before them, nor between that position and a
+    /// later position.
     pub wrong: usize,
 }
 
 /// Levels of what was heard.
 #[derive(Debug)]
 pub struct Heard {
-    /// Left and right in each window; `None` for those left out.
+    /// Left and right gain in each window; `None` for windows left out.
     gains: Vec<Option<[f64; 2]>>,
 }
 
@@ -64,7 +65,7 @@ impl Heard {
         // Noise is never zero for a millisecond in both channels.
         let is_gap = |piece: &[f32]| piece.chunks(96).any(|ms| ms.iter().all(|&s| s == 0.0));
         let gaps: Vec<bool> = stereo.chunks_exact(2 * frames).map(is_gap).collect();
-        // Next to a gap a stream may rise from silence or fall to it.
+        // Next to a gap a stream may rise from silence or fade to silence.
         let is_beside = |at: usize| gaps[at.saturating_sub(1)..].iter().take(3).any(|gap| *gap);
         let kept = |(at, gains)| (!is_beside(at)).then_some(gains);
         Self {
@@ -76,10 +77,10 @@ impl Heard {
         }
     }
 
-    /// Compares with positions, given as shares of the right side (left and right add up to 1) in the
-    /// order in which they were set. The time at which a position is applied is not checked: a busy
-    /// machine applies it late, or skips it. Each window must have the levels of one position or lie
-    /// between two, and no position may return after a later one was heard.
+    /// Compares with positions, given as shares of the right side (left and right add up to 1) in the order in which
+    /// they were set. The time at which a position is applied is not checked, because a busy machine applies it late or
+    /// skips it. Each window must have the levels of one position or levels between two positions. No position may
+    /// return after a later position was heard.
     pub fn follow(&self, shares: &[f64]) -> Comparison {
         let mut places = shares.to_vec();
         places.dedup();
@@ -89,8 +90,8 @@ impl Heard {
             moving: 0,
             wrong: 0,
         };
-        // For each position: the lowest numbers of wrong and of moving windows with which the sound can
-        // be there now.
+        // For each position: the lowest numbers of wrong and of moving windows with which the sound can now be at this
+        // position.
         let mut costs = vec![(0usize, 0usize); places.len()];
         for gains in &self.gains {
             let Some(gains) = gains else {
@@ -118,8 +119,8 @@ fn step(costs: &[(usize, usize)], places: &[f64], gains: [f64; 2]) -> Vec<(usize
         (wrong + usize::from(!is_there), moving)
     };
     let mut next: Vec<_> = (0..places.len()).map(stay).collect();
-    // Moves from one position to a later one, through all positions in between: it may or may not
-    // have arrived by the end of the window.
+    // The sound moves from one position to a later position, through all positions in between. It may or may not have
+    // arrived by the end of the window.
     for from in 0..places.len() {
         let (wrong, moving) = costs[from];
         let on_the_way = (wrong, moving + 1);

@@ -1,4 +1,4 @@
-//! A private PulseAudio server without hardware: its sink's monitor is what is heard.
+//! A private PulseAudio server without hardware. The monitor of its sink gives the audible output.
 #![allow(dead_code)] // Each test file uses only some of these.
 
 pub mod levels;
@@ -13,7 +13,7 @@ use tempfile::TempDir;
 /// The server's sink: 48 kHz, stereo.
 pub const SINK: &str = "probe";
 
-/// Longest wait before a test gives up: no machine is this slow.
+/// Maximum wait before a test fails, longer than any step takes on a slow machine.
 pub const TIMEOUT: Duration = Duration::from_secs(300);
 
 /// Waits until `is_so` returns true.
@@ -30,13 +30,13 @@ pub struct Process(pub Child);
 
 impl Drop for Process {
     fn drop(&mut self) {
-        // It may have ended already.
+        // The process may have ended already.
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
 }
 
-/// A server in a folder of its own.
+/// A server in a separate folder.
 pub struct Server {
     pub folder: TempDir,
     process: Option<Process>,
@@ -53,12 +53,12 @@ impl Server {
         server
     }
 
-    /// Kills it without a shutdown.
+    /// Kills the server without a shutdown.
     pub fn kill(&mut self) {
         self.process = None;
     }
 
-    /// Starts or restarts it, and waits until it responds.
+    /// Starts or restarts the server, and waits until it responds.
     pub fn restart(&mut self) {
         self.kill();
         let null_sink = format!(
@@ -87,7 +87,7 @@ impl Server {
         });
     }
 
-    /// Sends it a signal, such as `STOP`.
+    /// Sends the server a signal, such as `STOP`.
     pub fn signal(&self, name: &str) {
         let id = self.process.as_ref().unwrap().0.id();
         let status = Command::new("sh")
@@ -134,7 +134,7 @@ impl Server {
         ]);
     }
 
-    /// Starts to record what a sink plays.
+    /// Starts to record the output of a sink.
     pub fn record(&self, sink: &str, rate_hz: u32, channels: u32) -> Recorder {
         let path = self.folder.path().join(format!("{sink}.raw"));
         let child = self

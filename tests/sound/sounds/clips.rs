@@ -19,13 +19,13 @@ fn a_clip_loops_or_ends_in_silence() {
     assert!(clip.is_finished());
 }
 
-/// Protects a loop whose end does not fit its start from a click in each round: no step is larger
-/// than the steps of the sound and of the cross-fade. The first round is unchanged, and so is a clip
-/// that does not loop.
+/// Protects a loop whose end does not match its start from a click in each round: no step is larger than the steps of
+/// the sound and of the cross-fade. The first round is unchanged, and a clip that does not loop is unchanged as well.
 #[test]
 fn a_clip_that_loops_does_not_click() {
     let dir = TempDir::new().unwrap();
-    // It starts with a zero and ends with a peak after 5003 samples, so that blocks end anywhere in it.
+    // The clip starts with a zero and ends with a peak after 5003 samples, so that blocks end at different positions in
+    // it.
     let count = 5003;
     let hertz = 10.25 * 48_000.0 / f64::from(count - 1);
     let tone = |i: u32| 0.5 * (TAU * hertz * f64::from(i) / 48_000.0).sin() as f32;
@@ -37,7 +37,7 @@ fn a_clip_that_loops_does_not_click() {
         looped.extend(pull(&mut clip, 777));
     }
     assert_eq!(looped[..5003], samples);
-    // After the cross-fade of 5 ms the clip follows again, at its full length.
+    // After the cross-fade of 5 ms the samples are those of the clip again, up to its end.
     assert_eq!(looped[5003 + 240..2 * 5003], samples[240..]);
     let largest = looped
         .windows(2)
@@ -54,7 +54,7 @@ fn a_clip_that_loops_does_not_click() {
     assert_eq!(pull(&mut clip, 5003), samples);
 }
 
-/// Protects a clip made to loop: its end fits its start, and it plays unchanged.
+/// Protects a clip made to loop: its end matches its start, and it is played unchanged.
 #[test]
 fn a_clip_that_fits_itself_is_looped_as_it_is() {
     let dir = TempDir::new().unwrap();
@@ -93,7 +93,7 @@ fn resampling_keeps_frequency_level_and_length() {
     }
 }
 
-/// A short pulse without high frequencies is known at all times, including its beginning.
+/// A short pulse without high frequencies has known values at all times, including its beginning.
 #[test]
 fn resampling_keeps_the_onset() {
     let dir = TempDir::new().unwrap();
