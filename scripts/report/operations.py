@@ -37,7 +37,7 @@ PLAIN = {
     "OpFMod",
 }
 SPECIAL = {"OpFDiv"}
-# Plain and special operations per component, and additional operations per instruction.
+# Plain operations per component of extended instructions. EXTENDED_SPECIAL lists those that are special.
 EXTENDED = {
     "FMin": 1,
     "FMax": 1,
