@@ -153,8 +153,8 @@ fn closed_streams() -> Result<(), String> {
 /// the sound stops and continues at its full level. A closed stream, in contrast, fades out to silence, and an opened
 /// stream rises from silence.
 fn end_of_gap(samples: &[f32], at: usize, allowed: f32) -> Option<usize> {
-    // Half a period of the sine contains its peak. During a fade of 20 ms, a quarter of the peak remains after this
-    // time.
+    // Half a period of the sine contains its peak. In the last half period of a fade of 20 ms, the sine has at most a
+    // quarter of its peak.
     const HALF_A_PERIOD: usize = 240;
     let is_full = |samples: &[f32]| {
         samples
