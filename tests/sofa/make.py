@@ -1,10 +1,10 @@
-"""The SOFA files here, as HDF5 itself writes them: h5py 3.16 with HDF5 2.0, `python make.py`."""
+"""Writes the SOFA files of this folder with the HDF5 library: h5py 3.16 with HDF5 2.0, `python make.py`."""
 
 import h5py
 import numpy as np
 
 POSITIONS = [[0, 0, 1.5], [90, 0, 1.5], [0, 90, 1.5]]
-# A click in each ear: at sample m + e, of height 0.25 (m + 1), for measurement m and ear e.
+# The response of measurement m and ear e is a click of height 0.25 (m + 1) at sample m + e.
 RESPONSES = np.zeros((3, 2, 8), np.float32)
 for m in range(3):
     for e in range(2):
@@ -39,6 +39,6 @@ write("v112-gzip.sofa", ("v112", "v112"), SUMS)
 write("v112-endless.sofa", ("v112", "v112"), SUMS, 1)
 write("latest-whole.sofa", ("latest", "latest"), {})
 write("latest-chunked.sofa", ("latest", "latest"), PIECES)
-# Unsupported: the layout of HDF5 2.0, and a tree of chunks.
+# Files that are not supported: the data layout of HDF5 2.0, and chunks in a version 2 B-tree.
 write("latest-gzip.sofa", ("latest", "latest"), SUMS)
 write("v112-endless-twice.sofa", ("v112", "v112"), SUMS, 2)
