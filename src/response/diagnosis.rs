@@ -1,7 +1,7 @@
 //! Diagnosis of figures: the reasons for missing figures, and flutter echoes that lengthen decays.
 //!
 //! A flutter echo between two parallel walls lasts longer than sound in a diffuse field. It is detected only in a scene
-//! that consists of one [`Room`]: only then are the volume and the walls known.
+//! that consists of one [`Room`], because the volume and the walls of other scenes are unknown.
 
 use crate::bands::BAND_COUNT;
 use crate::response::{BandFigures, Figures};
@@ -99,7 +99,7 @@ pub struct Flutter {
     pub nothing_scatters: bool,
 }
 
-/// One band that decays more slowly than in a diffuse field.
+/// A band that decays more slowly than in a diffuse field.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlutterBand {
     /// Number of the band, from 0.

@@ -38,9 +38,9 @@ const LEAST_LATE: usize = 16;
 /// these waves missed later sound. Figures need a record whose second half is weaker than the first.
 const SEEN: f64 = 1.0 / 3.0;
 
-/// The length in seconds after the direct sound for a scene that neither absorbs sound nor lets waves leave: its decay
-/// exceeds any length, and a longer record would repeat itself. It equals the default longest response in
-/// `auralisation`.
+/// The length in seconds after the direct sound for a scene that neither absorbs sound nor lets waves leave. The decay
+/// of such a scene exceeds any length, and a longer record would repeat itself. The value equals the default longest
+/// response in `auralisation`.
 const WITHOUT_DECAY_S: f64 = 3.0;
 
 /// Length of the time bins of the decay, in seconds.

@@ -149,9 +149,9 @@ impl Echogram {
         })
     }
 
-    /// Like [`new`](Self::new), with a bin's edge at `edge_s` seconds. If that is the arrival time of the direct sound,
-    /// and 10 ms is a multiple of `bin_s`, the limits of C50, C80 and D50 are edges too, and no bin's energy is divided
-    /// between their sides. No bin begins before 0 s: the first begins between 0 s and one bin later, and also contains
+    /// Like [`new`](Self::new), with a bin's edge at `edge_s` seconds. If `edge_s` is the arrival time of the direct
+    /// sound, and 10 ms is a multiple of `bin_s`, the time limits of C50, C80 and D50 are also edges, and no limit lies
+    /// within a bin. No bin begins before 0 s: the first bin begins between 0 s and one bin later, and also contains
     /// earlier arrivals.
     ///
     /// # Errors
@@ -173,8 +173,8 @@ impl Echogram {
     /// Arrivals beyond 65,536 bins, or at an infinite time, are added to [`beyond`](Self::beyond).
     ///
     /// # Errors
-    /// [`ResponseError::NoSuchBatch`]; [`ResponseError::BadNumber`] for a time that is not a number, an energy
-    /// that is not 0 to 10⁶⁰, and a direction longer than 1. Then the echogram is unchanged.
+    /// [`ResponseError::NoSuchBatch`]; [`ResponseError::BadNumber`] for a time that is not a number, an energy that is
+    /// not 0 to 10⁶⁰, and a direction longer than 1. After an error the echogram is unchanged.
     pub fn add(
         &mut self,
         batch: usize,

@@ -53,21 +53,21 @@ pub enum ResponseError {
     BadNumber {
         /// Name of the number, with its unit.
         what: &'static str,
-        /// Its valid range.
+        /// The valid range of the number.
         must: &'static str,
-        /// Its value.
+        /// The value of the number.
         value: f64,
     },
     /// A tap with a number out of range.
     #[error("tap {index}: {what} must be {must}, not {value}")]
     BadTap {
-        /// Its index among the taps or paths, from 0.
+        /// The tap's index among the taps or paths, from 0.
         index: usize,
         /// Name of the number, with its unit.
         what: &'static str,
-        /// Its valid range.
+        /// The valid range of the number.
         must: &'static str,
-        /// Its value.
+        /// The value of the number.
         value: f64,
     },
     /// A batch number out of range.
@@ -126,8 +126,9 @@ pub enum ResponseError {
     Hrir(#[from] crate::hrtf::HrirError),
 }
 
-/// The largest energy density in 1/m². Its amplitude, and sums of squares of such energies, are far within the range of
-/// samples (`f32`) and sums (`f64`). The loudest source, of 120 dB, reaches it only within 10⁻²⁴ m.
+/// The largest energy density in 1/m². The amplitude of this density is far within the range of samples (`f32`), and
+/// sums of squares of such densities are far within the range of `f64`. The loudest source, of 120 dB, reaches this
+/// density only within 10⁻²⁴ m.
 const LARGEST_ENERGY: f64 = 1e60;
 
 /// Maximum length of a unit vector after rounding to `f32`.

@@ -169,7 +169,7 @@ impl Response {
         let mut paths = all_paths.clone();
         let is_heard = |path: &HeardPath| path.energy.iter().any(|energy| *energy > 0.0);
         paths.retain(|path| path.delay_s <= seconds && is_heard(path));
-        // If waves were given up, the later decay is that of the remaining waves only.
+        // If waves were given up, only the remaining waves contribute to the later decay.
         let followed_s = Some(counts.followed_m / medium.speed).filter(|until| *until < seconds);
         let ends_s = followed_s.unwrap_or(seconds);
         let taps = taps(&paths);

@@ -339,9 +339,9 @@ fn figures_are_those_of_image_sources() {
 }
 
 /// Protects the errors: over 40 rooms and 8 bands twice the error contains the truth in 95 % of cases. The bands of a
-/// room share its waves. If they were equivalent to three independent bands, the share would have a standard deviation
-/// of 2 %, and the test allows three standard deviations. Errors that are too large would contain the truth too often:
-/// the ratio of the true squared errors to the stated ones is 1 on average.
+/// room share its waves. If the bands were equivalent to three independent bands, the share would have a standard
+/// deviation of 2 %, and the test allows three standard deviations. Errors that are too large would contain the truth
+/// too often: the ratio of the true squared errors to the stated squared errors is 1 on average.
 #[test]
 fn errors_are_honest() {
     type Figure = fn(&BandFigures) -> Option<f64>;
@@ -389,7 +389,7 @@ fn a_known_room_has_its_figures() {
 }
 
 /// Protects directions and energies of arrivals: without exact paths, the strongest bins point away from their images,
-/// and the total energy is that of all images.
+/// and the total energy is the energy of all images.
 #[test]
 fn arrivals_fly_away_from_images() {
     let room = random_room(7, RADIUS_M);

@@ -30,8 +30,8 @@ enum Outcome {
     Itself,
     /// No path replaces it, because its path was not searched for.
     LeftOut,
-    /// No path replaces it: its wave was not followed, which would have taken too long; the energies of the followed
-    /// waves are scaled up instead.
+    /// No path replaces it, because its wave was not followed to save time. The energies of the followed waves are
+    /// scaled up instead.
     NotFollowed,
     /// Another path replaces it: see [`stands_for_itself`].
     Another,
@@ -193,7 +193,7 @@ impl EarlyPart {
         })
     }
 
-    /// The sound along each path. At a focus the energy is that of the waves that found it.
+    /// The sound along each path. At a focus the energy is the energy of the waves that found the path.
     pub fn heard(&self, pair: Pair, medium: &Medium) -> Vec<HeardPath> {
         let paths = self.paths.iter().enumerate();
         let heard = |(index, path): (usize, &SpecularPath)| {
@@ -249,8 +249,8 @@ fn followed_share(waves: usize, left_out: usize) -> f64 {
     }
 }
 
-/// The candidate of a wave (its index among the followed waves) whose length is nearest to `length_m` and differs by at
-/// most the listener's radius; `lengths` are in the order of the waves.
+/// The candidate of a wave (its index among the followed waves) whose length is nearest to `length_m` and differs from
+/// it by at most the listener's radius. `lengths` are in the order of the waves.
 fn nearest(lengths: &[(u32, f64)], wave: u32, length_m: f64, radius_m: f64) -> Option<usize> {
     let first = lengths.partition_point(|(of, _)| *of < wave);
     let end = lengths.partition_point(|(of, _)| *of <= wave);

@@ -2,9 +2,9 @@
 //!
 //! Paths lead to the listener's centre, while waves give means over its sphere. An obstacle may hide a part of the
 //! sphere from a path, and near a source the energy density varies over the sphere. The mean is computed without waves,
-//! at points spread evenly over the sphere, so it depends neither on their number nor on the seed. Over planes, an
-//! unobstructed line from such a point towards the image of the source leads back to the source, whatever the order of
-//! the planes; over curved surfaces the path to the point is found by Newton's method.
+//! at points spread evenly over the sphere, so it depends neither on the number of waves nor on the seed. Over planes,
+//! an unobstructed line from such a point towards the image of the source leads back to the source, for every order of
+//! the planes. Over curved surfaces the path to the point is found by Newton's method.
 
 use super::length_m;
 use crate::bands::{self, Bands};
@@ -22,8 +22,8 @@ use std::f64::consts::PI;
 /// and the mean of the many paths behind an edge.
 const PLACES: usize = 32;
 
-/// Maximum number of images searched for from each point, nearest first: those of a room up to eight reflections. A
-/// thousand images take about 0.1 s of one core for all points. Further images are assumed to reach the whole sphere.
+/// Maximum number of images searched for from each point, nearest first: as many as a room has up to eight reflections.
+/// A thousand images take about 0.1 s of one core for all points. Further images are assumed to reach the whole sphere.
 const MOST_IMAGES: usize = 2048;
 
 /// Maximum number of images if a field without closed form is marched, which takes a thousand times as long.

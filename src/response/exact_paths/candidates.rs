@@ -40,7 +40,7 @@ struct Span {
 pub struct Candidate<'a> {
     /// Index of the wave.
     pub wave: u32,
-    /// Its reflections in order; empty for a wave that came straight from the source.
+    /// The reflections of the wave in order; empty for a wave that came straight from the source.
     pub vertices: &'a [Vertex],
 }
 
@@ -60,8 +60,8 @@ impl Candidates {
         self
     }
 
-    /// Adds a wave that passed the listener after these reflections. A wave whose index is not below
-    /// [`Candidates::waves`] gives its path, but does not count among the waves that found it.
+    /// Adds a wave that passed the listener after these reflections. If the wave's index is not below
+    /// [`Candidates::waves`], the wave gives a path but does not count among the waves that found the path.
     pub fn add(&mut self, wave: u32, vertices: &[Vertex]) {
         let (first, count) = (self.vertices.len(), vertices.len());
         self.vertices.extend_from_slice(vertices);
@@ -136,8 +136,8 @@ pub(super) struct Follow<'a> {
 }
 
 impl Follow<'_> {
-    /// Follows waves along `directions` (of any length except 0); the index of a wave is that of its direction. Once
-    /// more than `most_asked` surfaces and bounding boxes have been tested, the remaining rounds are left out.
+    /// Follows waves along `directions` (of any length except 0). The index of a wave is the index of its direction.
+    /// Once more than `most_asked` surfaces and bounding boxes have been tested, the remaining rounds are left out.
     ///
     /// Runs on the threads of rayon's pool; the result does not depend on the number of threads.
     pub fn all(&self, directions: &[Vec3], most_asked: u64) -> Candidates {
@@ -277,7 +277,7 @@ const MOST_TRIED: usize = 1 << 24;
 struct Image {
     place: DVec3,
     plane: usize,
-    /// The index of the image that was mirrored; `None` if it was the source itself.
+    /// The index of the mirrored image; `None` if the source itself was mirrored.
     parent: Option<usize>,
 }
 

@@ -61,7 +61,7 @@ impl Checked<'_> {
         let at_source = short(points.windows(2), self.surfaces.touch);
         for (i, normal) in normals.iter().enumerate() {
             let (to, from) = (directions[i].dot(*normal), directions[i + 1].dot(*normal));
-            // A source on a surface has an image in it, also for directions along the surface.
+            // A source on a surface has an image in this surface, also for directions along the surface.
             let least = if i < at_source { -GRAZING } else { GRAZING };
             if to > -least || from < least {
                 return Err(NoPath::NotFromTheAir);
@@ -161,8 +161,8 @@ impl Checked<'_> {
         }
         let sheets = self.surfaces.sheets_at(surface, point);
         let against = |sheet: &&Vertex| direction.dot(sheet.normal) < -GRAZING;
-        // Between the air side of one face and the solid side of the other there is air if the edge points into the
-        // air.
+        // `across` points to the air side of `other` and to the solid side of this face. If the edge points into the
+        // air, a probe in this direction is in the air.
         let into_air = |other: &Vertex| {
             let across = other.normal - normal;
             across.length() > SAME_NORMAL && self.value(point, across.normalize()) > -touch

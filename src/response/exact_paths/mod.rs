@@ -6,11 +6,11 @@
 //! # Finding a path
 //! A sequence of planes has at most one path, found by mirror images of the source (Allen and Berkley 1979), in closed
 //! form. All other paths are found by Newton's method on Fermat's condition, starting from the points where the wave
-//! was mirrored. Each surface is taken as the smooth *sheet* that the wave hit: planes, quadrics (balls, cylinders,
-//! cones, ellipsoids, patches of a height field …) and rings have derivatives in closed form, also moved, turned,
-//! scaled, repeated, cut or grown; blends, twists, bends and morphs use finite differences of their value. The CPU
-//! knows users' GLSL fields only from samples: candidates mirrored at them are reported as [`NoPath::NotExact`], and
-//! their waves remain statistical.
+//! was mirrored. Each surface is represented by the smooth *sheet* that the wave hit. Planes, quadrics (balls,
+//! cylinders, cones, ellipsoids, patches of a height field …) and rings have derivatives in closed form, also if moved,
+//! turned, scaled, repeated, cut or grown. Blends, twists, bends and morphs use finite differences of their value. The
+//! CPU knows users' GLSL fields only from samples: candidates mirrored at such fields are reported as
+//! [`NoPath::NotExact`], and their waves remain statistical.
 //!
 //! Sound takes a stationary path only if its points lie on the surfaces themselves, within their edges; if each
 //! reflection comes from the air; and if no surface obstructs it (users' fields are tested by their samples).
@@ -19,8 +19,8 @@
 //! Near a focus every wave passes the listener: the number of waves from which the search starts is limited, see
 //! `find.rs`.
 //!
-//! Each wave that arrived has an [outcome](Found::outcomes): if it found a path, the path replaces the wave; if its
-//! surfaces are not exact, the wave is kept; all other waves passed through the listener's sphere, but no path leads to
+//! Each wave that arrived has an [outcome](Found::outcomes). If it found a path, the path replaces the wave. If its
+//! surfaces are not exact, the wave is kept. All other waves passed through the listener's sphere, but no path leads to
 //! its centre.
 //!
 //! # Spreading
@@ -31,10 +31,10 @@
 //! # Foci
 //! Where a mirror focuses a front, A can be 0, and the density at a point infinite. A listener of radius r receives
 //! less: if all waves pass through its centre, their chords are 2r, and the density in the sphere is 2r / (4/3 π r³) =
-//! 3/(2π r²). A path whose front gives more than that is marked as a focus, [`SpecularPath::is_focus`]; its spreading
+//! 3/(2π r²). A path whose front gives a higher density is marked as a focus, [`SpecularPath::is_focus`]. Its spreading
 //! is limited to this bound times the share of all waves that found it. At a perfect focus all points of an area of the
 //! mirror give the same length; the area counts as one path, with one of its points. To get the energy of a focus, use
-//! the waves that found it.
+//! the waves that found the path.
 //!
 //! # What the waves have missed
 //! See [`Missed`].
@@ -146,16 +146,16 @@ impl EarlyPaths {
     }
 
     /// Follows waves from the source along `directions` (of any length except 0) through the listener, for at most
-    /// `order` reflections. Each flight that comes within `reach_m` metres of the listener's centre is a candidate; the
-    /// index of a wave is that of its direction.
+    /// `order` reflections. Each flight that comes within `reach_m` metres of the listener's centre is a candidate. The
+    /// index of a wave is the index of its direction.
     ///
     /// With the listener's radius as reach, candidates are the waves that it receives, and [`Missed`] estimates the
     /// energy that the waves missed. A greater reach finds more paths with the same waves: in a room of planes use ∞,
     /// because further candidates of a sequence cost nothing there.
     ///
-    /// Once more than `most_asked` surfaces and bounding boxes have been tested, no further waves are followed; a test
-    /// takes about ten nanoseconds, more for marched fields. The waves left out ([`Candidates::left_out`]) are spread
-    /// evenly between the other directions, and do not depend on timing.
+    /// Once more than `most_asked` surfaces and bounding boxes have been tested, no further waves are followed. A test
+    /// takes about ten nanoseconds, and longer for marched fields. The waves left out ([`Candidates::left_out`]) are
+    /// spread evenly among all directions, and do not depend on timing.
     ///
     /// Runs on the threads of rayon's pool; the result does not depend on the number of threads. Costs as much as
     /// [`ExactScene::trace_all`]. Marched fields take a thousand times as long as the basic shapes: with fields, follow
@@ -189,7 +189,7 @@ impl EarlyPaths {
         candidates::add_plane_sequences(&self.surfaces, ends, order, candidates)
     }
 
-    /// The image of the source in these planes, mirrored in one after the other: world metres.
+    /// The image of the source in these planes, mirrored in one plane after the other, in world metres.
     pub(crate) fn image(&self, ends: &Ends, planes: &[Vertex]) -> DVec3 {
         let mirror = |image, plane: &Vertex| {
             fermat::image(image, plane.normal, plane.point.dot(plane.normal))

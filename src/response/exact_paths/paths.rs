@@ -301,9 +301,9 @@ impl Missed {
         missed
     }
 
-    /// The share, 0 to 1, of missed paths in the energy of all paths without absorption; this is also the probability
-    /// that the next wave passing the listener finds a new path. `None` if no wave found a path. Its standard deviation
-    /// is about √(f₁ + 2 f₂) / n (Good 1953, with f₂ the number of paths found by two waves).
+    /// The share, 0 to 1, of missed paths in the energy of all paths without absorption. The share is also the
+    /// probability that the next wave passing the listener finds a new path. `None` if no wave found a path. The
+    /// standard deviation is about √(f₁ + 2 f₂) / n (Good 1953, with f₂ the number of paths found by two waves).
     pub fn energy_share(&self) -> Option<f64> {
         (self.waves > 0).then(|| self.found_once as f64 / self.waves as f64)
     }

@@ -83,7 +83,7 @@ impl Frame {
         self.turn * p + self.shift
     }
 
-    /// The frame whose own point is `turn` p + `shift` if the own point of `self` is p.
+    /// The frame with the own point `turn` p + `shift`, where p is the own point of `self`.
     pub fn then(&self, turn: DMat3, shift: DVec3) -> Frame {
         Frame {
             turn: turn * self.turn,

@@ -29,7 +29,7 @@ pub(super) struct Surfaces {
 }
 
 /// Maximum distance at which a point counts as on a surface, in units of the scene's rounding. Solutions of Newton's
-/// method and hits of marched fields are off by some tens of units. A point closer to an edge than this distance cannot
+/// method and hits of marched fields deviate by some tens of units. A point closer to an edge than this distance cannot
 /// be distinguished from the edge. In a scene of 100 m the distance is 0.1 µm.
 const TOUCH_IN_ROUNDINGS: f64 = 1e4;
 
@@ -61,8 +61,8 @@ impl Surfaces {
         }
     }
 
-    /// The sheet hit at `vertex`: of the sheets at this point, the one whose normal is nearest to the vertex's normal.
-    /// `None` for a surface known only from samples, and for a number without a surface.
+    /// The sheet hit at `vertex`: among the sheets at this point, the sheet whose normal is nearest to the vertex's
+    /// normal. `None` for a surface known only from samples, and for a number without a surface.
     pub fn sheet(&self, vertex: &Vertex) -> Option<Sheet<'_>> {
         let search = self.search(vertex.surface, vertex.point, self.touch)?;
         if search.is_sampled {

@@ -1,4 +1,4 @@
-//! Finds the sheets of a tree at a point, descending to the leaves whose surface is there.
+//! Finds the sheets of a tree at a point, by descending to the leaves whose surface contains the point.
 //!
 //! The surface is the set of points with value = level. Unions, cuts and walls choose a child or change the level;
 //! moves, turns and copies change the axes. The descent ends at operators that blend or distort: there the sheet is the

@@ -142,7 +142,7 @@ impl<'a> Decay<'a> {
         (1.0 - share).mul_add(piece.energy[self.band], self.remaining[index + 1])
     }
 
-    /// All energy in 1/m², including the tail; `None` if too much of it lies beyond the record.
+    /// All energy in 1/m², including the tail; `None` if too large a share lies beyond the record.
     pub(super) fn total(&self) -> Option<f64> {
         let total = self.remaining[0];
         (self.tail.energy <= TAIL_SHARE * total).then_some(total)
@@ -153,8 +153,8 @@ impl<'a> Decay<'a> {
         self.tail.energy / self.remaining[0]
     }
 
-    /// Energies in 1/m² before and after a time; `None` if there is no energy after that time, or if too much lies
-    /// beyond the record.
+    /// Energies in 1/m² before and after a time. `None` if there is no energy after that time, or if too large a share
+    /// of the energy lies beyond the record.
     pub(super) fn parted_at(&self, seconds: f64) -> Option<(f64, f64)> {
         if seconds > self.length_s() {
             return None;

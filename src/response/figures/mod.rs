@@ -91,10 +91,10 @@ pub struct BandFigures {
 /// figures it also includes the curvature and the bias, because a half differs from all waves as much as all waves
 /// differ from the truth. Exact taps are in each half, and have no error.
 ///
-/// The variance has n − 1 degrees of freedom: Student's t widens the error by t(97.5 %)/2, so that twice the error
-/// contains the truth in 95 % of cases (16 batches: by 6.6 %). If the number of arrived waves, counted as waves of
-/// equal energy, is below the number of batches, it determines the degrees of freedom; a single arrival counts as two.
-/// A figure that is missing in one of the halves is not reported, because its decay is too noisy.
+/// The variance has n − 1 degrees of freedom. Student's t widens the error by t(97.5 %)/2, so that twice the error
+/// contains the truth in 95 % of cases (16 batches: by 6.6 %). If fewer waves arrived than there are batches, counted
+/// as waves of equal energy, the number of waves determines the degrees of freedom; a single arrival counts as two. A
+/// figure that is missing in one of the halves is not reported, because its decay is too noisy.
 ///
 /// A decay time is reported if its error from the noise of the waves alone is at most 1.5 % of the decay time. If there
 /// are batches, at least 500 waves of equal energy must also arrive after the end of its decay (a few strong waves
@@ -181,10 +181,10 @@ impl Figures {
         (energy > 0.0).then(|| decibels(energy / reference))
     }
 
-    /// The figures of the arriving sound: `taps` are exact, everything else is in `echogram`, in a record that ends
-    /// `ends_s` seconds after the source's impulse. `direct_s` is the arrival time of the direct sound; without it the
-    /// times count from the beginning of the other sound (see *Method*). There are no figures if a tap has a time, an
-    /// energy or a direction out of range.
+    /// The figures of the arriving sound. `taps` are exact, and everything else is in `echogram`. The record ends
+    /// `ends_s` seconds after the source's impulse. `direct_s` is the arrival time of the direct sound; without direct
+    /// sound the times count from the beginning of the other sound (see *Method*). There are no figures if a tap has a
+    /// time, an energy or a direction out of range.
     pub fn new(taps: &[Tap], echogram: &Echogram, direct_s: Option<f64>, ends_s: f64) -> Figures {
         let energy = |bin| echogram.energy(bin);
         let are_good = check_taps(taps).is_ok();

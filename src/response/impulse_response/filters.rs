@@ -208,7 +208,7 @@ impl Gauss {
             self.index += 1;
             unit_interval(bits)
         };
-        // 1 − u excludes 0, whose logarithm is infinite.
+        // 1 − u is never 0, so the logarithm is finite.
         let radius = (-2.0 * (1.0 - uniform()).ln()).sqrt();
         let (sin, cos) = (TAU * uniform()).sin_cos();
         self.spare = Some(radius * sin);

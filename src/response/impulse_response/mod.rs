@@ -122,7 +122,7 @@ impl TryFrom<SettingsFile> for ImpulseSettings {
 ///   independent signals from 32 directions around the listener, each filtered by the HRIRs of its direction. If the
 ///   mean direction of a bin and band has the length m (0 diffuse, 1 one wave), the share 1 − m comes evenly from all
 ///   directions, and the share m from the three directions around the mean direction.
-/// - Below 63 Hz the energy is that of 63 Hz, above 8 kHz that of 8 kHz.
+/// - Below 63 Hz the energy is that of the band at 63 Hz, above 8 kHz that of the band at 8 kHz.
 ///
 /// ```
 /// use echomarch::response::{Echogram, ImpulseResponse, ImpulseSettings, ListenerAxes, Tap};
@@ -324,7 +324,7 @@ impl ListenerAxes {
         self.up
     }
 
-    /// Converts a world vector to listener axes, which are those of AmbiX and SOFA: x ahead, y to the left, z up.
+    /// Converts a world vector to listener axes, which are the axes of AmbiX and SOFA: x ahead, y to the left, z up.
     pub fn to_listener(&self, world: DVec3) -> DVec3 {
         DVec3::new(
             world.dot(self.forward),

@@ -9,7 +9,7 @@
 //! unobstructed part of the sphere. The times are those of paths to its centre, as in the listener's own sphere.
 //!
 //! # Near scattering surfaces
-//! This concerns sound scattered within the maximum number of reflections of exact paths.
+//! This section is about sound scattered within the maximum number of reflections of exact paths.
 //!
 //! Next to a scattering wall that is close to a source, the energy density changes within a few decimetres, and its
 //! mean over the sphere of late arrivals differs from its value at the listener. With source and listener half a metre
@@ -66,7 +66,7 @@ const BEHIND_WALLS: f32 = 2.0;
 /// The sphere of a listener.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::response) struct LateSphere {
-    /// Radius in metres, at least that of the listener.
+    /// Radius in metres, at least the radius of the listener.
     pub radius_m: f32,
     /// The errors of figures from the larger sphere; `None` for the listener's own sphere.
     pub errors: Option<CommonErrors>,
@@ -107,7 +107,7 @@ impl LateSphere {
     }
 }
 
-/// These errors plus those of scattering in a sphere of this radius.
+/// These errors plus the errors of scattering in a sphere of this radius.
 fn scattered(errors: CommonErrors, radius_m: f32) -> CommonErrors {
     let square = f64::from(radius_m).powi(2);
     CommonErrors {

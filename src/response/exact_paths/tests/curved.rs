@@ -169,7 +169,7 @@ fn any_number_of_threads_finds_the_same() {
     assert_eq!(one, run(3));
 }
 
-/// The shortest path at a cylinder about y, found by a search: seen along y it is a path at a circle, whose stationary
+/// The shortest path at a cylinder about y, found by a search. Seen along y it is a path at a circle. The stationary
 /// angle does not depend on heights, because the length of a straight line on the unrolled strip is √(flat² + rise²).
 fn searched(source: DVec3, listener: DVec3, radius: f64) -> f64 {
     let flat = |p: DVec3| DVec2::new(p.x, p.z);
@@ -274,8 +274,8 @@ fn a_drum_has_a_side_and_two_ends() {
     }
 }
 
-/// Protects the beam of a paraboloid: behind the mirror its front keeps the area r² that it has at the mirror, r metres
-/// from the focus, however far away the listener is.
+/// Protects the beam of a paraboloid: its front keeps the area r² that it has at the mirror, r metres from the focus,
+/// at every distance of the listener.
 #[test]
 fn a_source_in_the_focus_of_a_dish_gives_a_beam() {
     // Turned: it opens along +x.

@@ -122,8 +122,8 @@ fn flush_parts_of_a_field_are_one_plane() {
     assert_eq!((known, paths.len()), (4, 129));
 }
 
-/// Protects the loudness of a source on a wall, in an edge and in a corner of the room, and on a box: its paths are
-/// those of a source next to it.
+/// Protects the loudness of a source on a wall, in an edge and in a corner of the room, and on a box: its paths equal
+/// the paths of a source next to it.
 #[test]
 fn a_source_on_a_wall_has_the_paths_of_one_next_to_it() {
     let size = Vec3::new(8.0, 3.0, 5.0);
@@ -264,7 +264,7 @@ fn the_foot_of_a_box_is_mirrored_by_the_floor_alone() {
 #[test]
 fn a_wall_mirrors_what_flies_along_it() {
     let size = Vec3::new(8.0, 3.0, 5.0);
-    // Both on the floor; one of them also in an edge of the floor; both in an edge.
+    // Both ends on the floor; one end also in an edge of the floor; both ends in an edge.
     for (source, listener) in [
         (Vec3::new(-2.0, -1.5, 0.5), Vec3::new(3.0, -1.5, 1.25)),
         (Vec3::new(-4.0, -1.5, 0.5), Vec3::new(3.0, -1.5, 1.25)),
