@@ -47,8 +47,7 @@ pub enum PanningLaw {
 }
 
 impl PanningLaw {
-    /// The default law of a profile: linear for the thesis' algorithm, constant power for the
-    /// others.
+    /// The default law of a profile: linear for the thesis' algorithm, constant power for all other profiles.
     pub fn for_profile(profile: Profile) -> PanningLaw {
         match profile {
             Profile::Thesis => Self::Linear,
@@ -72,7 +71,7 @@ impl PanningLaw {
         }
     }
 
-    /// One channel's gain; `share` is 0 if the pan is at the opposite side and 2 if it is at this channel's side.
+    /// The gain of one channel. `share` is 0 if the pan is at the opposite side, and 2 if it is at this channel's side.
     fn gain_towards(self, share: f32) -> f32 {
         match self {
             Self::Linear => share / 2.0,

@@ -102,7 +102,7 @@ impl Signal for Sine {
         }
     }
 
-    /// Makes sample `index` the next one.
+    /// Sets the position so that sample `index` is the next sample.
     fn seek(&mut self, index: u64) {
         self.phase_turns = (self.step_turns * index as f64).fract();
     }
@@ -132,7 +132,7 @@ impl Signal for Noise {
         }
     }
 
-    /// Makes sample `index` the next one.
+    /// Sets the position so that sample `index` is the next sample.
     fn seek(&mut self, index: u64) {
         self.index = index;
     }
@@ -218,7 +218,8 @@ impl Signal for Clip {
         }
     }
 
-    /// Makes sample `index` the next one; the indices of a looping clip continue past its end.
+    /// Sets the position so that sample `index` is the next sample. The indices of a looping clip continue past its
+    /// end.
     fn seek(&mut self, index: u64) {
         let length = self.samples.len() as u64;
         self.is_again = self.looping && index >= length;
@@ -299,7 +300,7 @@ mod tests {
         let ramp: Vec<f32> = (0..LENGTH).map(|n| n as f32 / LENGTH as f32).collect();
         let played = rounds(&ramp);
         let seam = (f64::from(RATE_HZ) * SEAM_S) as usize;
-        // One step of the seam's fade from end to start, plus the clip's own rise.
+        // The step of the seam's cross-fade per sample, plus the rise of the clip itself per sample.
         let most = 1.0 / seam as f32 + 2.0 / LENGTH as f32;
         assert!(largest_step(&played) <= most, "{}", largest_step(&played));
         // Beyond the seam the clip is unchanged, and so is its first pass.
@@ -311,7 +312,7 @@ mod tests {
     /// Protects clips that were made to loop: no sample changes.
     #[test]
     fn a_clip_that_fits_itself_is_played_as_it_is() {
-        // Each of the ten turns has the same samples.
+        // All ten periods have the same samples.
         let turn = |n: usize| ((n % 480) as f64 * std::f64::consts::TAU / 480.0).sin() as f32;
         let sine: Vec<f32> = (0..LENGTH).map(turn).collect();
         for (n, sample) in rounds(&sine).into_iter().enumerate() {

@@ -95,7 +95,7 @@ impl Sound {
         self.seek(0);
     }
 
-    /// Makes the sample with number `sample`, counted from 0, the next one. Does not allocate.
+    /// Sets the position so that sample number `sample`, counted from 0, is the next sample. Does not allocate.
     ///
     /// The numbers of a looping clip continue past its end; without looping, silence follows the end.
     pub fn seek(&mut self, sample: u64) {
@@ -182,8 +182,7 @@ pub enum SoundSpec {
 impl FromStr for SoundSpec {
     type Err = AudioError;
 
-    /// Parses the text of the table above; opens no file. Anything else is
-    /// [`AudioError::UnknownSound`].
+    /// Parses a text of the table above without opening a file. Any other text is [`AudioError::UnknownSound`].
     fn from_str(text: &str) -> Result<Self, AudioError> {
         known(text).ok_or_else(|| AudioError::UnknownSound {
             spec: text.to_owned(),

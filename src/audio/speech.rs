@@ -69,7 +69,7 @@ pub(super) struct Speech {
     index: u64,
     /// Samples between two computations of the amplitudes.
     hop: u64,
-    /// The hop for which the amplitudes were computed; `None` at first.
+    /// The hop for which the amplitudes were computed; `None` before the first computation.
     at: Option<u64>,
     from: Harmonics,
     to: Harmonics,
@@ -350,8 +350,8 @@ mod tests {
         voices.flat_map(|voice| (0..60 * PHRASE_SLOTS).map(move |slot| (voice.clone(), slot)))
     }
 
-    /// Protects syllables from being cut off: each rises from silence, is audible in its middle and is silent again
-    /// when the next one begins.
+    /// Protects syllables from being cut off: each syllable rises from silence, is audible in its middle, and is silent
+    /// again when the next syllable begins.
     #[test]
     fn a_syllable_begins_and_ends_in_silence() {
         for (voice, slot) in slots() {

@@ -25,9 +25,9 @@ const STEREO: u16 = 2;
 const MOST_CHANNELS: u16 = 64;
 
 /// Writes a WAV file of 32-bit float samples, in stereo up to 3.1 hours at [`Sound::SAMPLE_RATE`].
-///
 /// The sound goes to a temporary file in the target's directory, which [`finish`](Self::finish) renames to the target.
-/// Until then an older file of that name stays unchanged, and dropping the writer without `finish` removes the
+/// Until then an older file at the target stays unchanged. If the writer is dropped without `finish`, the temporary
+/// file is removed.
 /// temporary file.
 #[derive(Debug)]
 pub struct WavWriter {
@@ -55,7 +55,7 @@ impl WavWriter {
     /// Like [`create`](Self::create), at `rate_hz` samples per second.
     ///
     /// # Errors
-    /// Also [`AudioError::BadSampleRate`] if `rate_hz` is outside
+    /// The errors of [`create`](Self::create), and [`AudioError::BadSampleRate`] if `rate_hz` is outside
     /// [`Sound::SAMPLE_RATES`].
     pub fn create_at(target: impl Into<PathBuf>, rate_hz: u32) -> Result<Self, AudioError> {
         Self::start(target.into(), rate_hz, STEREO, temporary_beside)

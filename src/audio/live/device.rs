@@ -24,15 +24,16 @@ use crate::audio::Sound;
 /// An output device.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DeviceInfo {
-    /// Its name; [`LiveOptions::device`](super::LiveOptions::device) accepts it.
+    /// Name of the device; [`LiveOptions::device`](super::LiveOptions::device) accepts this name.
     pub name: String,
-    /// Its unique name within the sound system, which [`LiveOptions::device`](super::LiveOptions::device) also accepts.
+    /// Unique identifier of the device in the sound system; [`LiveOptions::device`](super::LiveOptions::device) accepts
+    /// it as well.
     pub id: String,
     /// Whether it is the default device.
     pub default: bool,
-    /// Its default number of channels.
+    /// Default number of channels of the device.
     pub channels: u16,
-    /// Its sample rates, in hertz.
+    /// Sample rates of the device, in hertz.
     pub rates: RangeInclusive<u32>,
 }
 
@@ -51,7 +52,7 @@ fn kept_host() -> MutexGuard<'static, Option<Arc<Host>>> {
     HOST.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The sound system. Its messages to standard error are suppressed: errors are returned.
+/// Returns the sound system. Its messages on standard error are suppressed, because all errors are returned.
 fn host() -> Arc<Host> {
     hush();
     let kept = kept_host().clone();

@@ -28,7 +28,7 @@ pub enum LiveError {
     UnsupportedFormat {
         /// The device.
         device: String,
-        /// Its sample format.
+        /// The sample format of the device.
         format: String,
     },
     /// The device exists but cannot be opened.

@@ -31,8 +31,8 @@ pub(super) enum Command {
     Stop,
 }
 
-/// Holds the renderer while nothing plays. It outlives streams. The renderer is taken and put back by swapping one
-/// pointer.
+/// Holds the renderer while nothing plays. The slot outlives streams. Taking the renderer and putting it back each swap
+/// one pointer.
 pub(super) type Slot = AtomicCell<Option<Box<Renderer>>>;
 
 /// Data for the callbacks of one stream.

@@ -1,4 +1,4 @@
-//! Live output: plays a sound whose panning changes during playback.
+//! Live output: plays a sound, and its panning may change during playback.
 //!
 //! # Theory
 //! A sound system requests blocks of samples from a *callback*, on a thread that must never be late: a late block is an

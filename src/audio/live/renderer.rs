@@ -51,7 +51,7 @@ pub(super) struct Tap {
 /// Glides and cross-fades take 20 ms. The first samples fade in from silence.
 #[derive(Debug)]
 pub struct Renderer {
-    /// Its number among the supervisor's renderers.
+    /// The renderer's number among the supervisor's renderers.
     pub(super) number: u64,
     shared: Arc<Shared>,
     inbox: Consumer<Message>,

@@ -9,7 +9,7 @@ use crate::audio::{Gains, PanningLaw};
 /// Marks a latency that is not reported or not measured yet.
 const NO_LATENCY: u64 = u64::MAX;
 
-/// The weight of the newest waiting time in the reported value.
+/// The weight of the newest waiting time in the smoothed waiting time.
 const FRESH: f64 = 0.15;
 
 /// Atomic values of one live output. They are independent of each other, so the order of their changes does not matter.

@@ -106,7 +106,7 @@ struct OpenStream {
     stream: cpal::Stream,
     name: String,
     opened: Instant,
-    /// The number of callbacks, and the time of its last change.
+    /// The number of callbacks, and the time at which this number last changed.
     callbacks: u64,
     seen: Instant,
     has_called: bool,
