@@ -2,8 +2,8 @@
 //! convolution and correlation*, AFIPS 1966; G. García, *Optimal filter partition for efficient
 //! convolution with short input/output delay*, AES 113, 2002).
 //!
-//! The spectra of a signal's newest blocks are kept. Convolving a block with a kernel takes one multiplication for each
-//! partition of the kernel, and one inverse transform.
+//! The spectra of a signal's newest blocks are stored. The convolution of a block with a kernel takes one
+//! multiplication for each partition of the kernel, and one inverse transform.
 //!
 //! The octave-band filters are such kernels. They split a signal by zero-phase filters. Scaling each band separately
 //! then has the same effect on the signal as [`ImpulseResponse`](crate::response::ImpulseResponse) has on a tap.

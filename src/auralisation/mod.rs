@@ -7,16 +7,16 @@
 //! # Method
 //! - **Echoes**, including the direct sound, are read from a delay line at fractional delays, each with an amplitude
 //!   for each band and channel (panned with constant power). When source, listener or surfaces move, delays and
-//!   amplitudes run linearly to their next values: there are no clicks, and a moving source is heard with its Doppler
-//!   shift. An echo whose delay would change by more than a fifth of the elapsed time, or that belongs to another path,
-//!   fades instead.
+//!   amplitudes run linearly to their next values. This avoids clicks, and a moving source is heard with its Doppler
+//!   shift. An echo fades instead if its delay would change by more than a fifth of the elapsed time, or if its path is
+//!   replaced by another path.
 //! - **The late part** is convolved in blocks and fades to the next kernel. Both kernels are made from the same noise,
 //!   so that a fade between similar kernels is inaudible.
-//! - **Bands**: if materials or the air change the timbre, the sound is split into octave bands
-//!   once for all echoes, by zero-phase filters. Otherwise there is one band and no filter.
+//! - **Bands**: if materials or the air change the timbre, zero-phase filters split the sound into octave bands once
+//!   for all echoes. Otherwise there is one band and no filter.
 //!
-//! The amplitude is that of [`ImpulseResponse`](crate::response::ImpulseResponse): the direct sound of a source at 1 m
-//! equals the source's sound. The output is delayed by [`Auralisation::latency`] samples.
+//! Amplitudes are the same as in [`ImpulseResponse`](crate::response::ImpulseResponse): the direct sound of a source at
+//! 1 m equals the source's sound. The output is delayed by [`Auralisation::latency`] samples.
 //!
 //! ```
 //! use echomarch::auralisation::{Auralisation, Heard, Spec};

@@ -170,7 +170,7 @@ impl PlayerRemote {
     ///
     /// # Errors
     /// [`ResponseError::NoSuchSource`], [`ResponseError::OtherSpec`] if `heard` was made for another player, and
-    /// [`ResponseError::BadNumber`] for seconds that are negative or NaN. Then nothing changes.
+    /// [`ResponseError::BadNumber`] for seconds that are negative or NaN. After an error nothing has changed.
     pub fn hear(
         &mut self,
         source: usize,

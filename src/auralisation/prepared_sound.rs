@@ -194,7 +194,7 @@ fn key(path: &HeardPath) -> u64 {
 pub struct HeardParts {
     /// `HeardParts::ECHO` numbers for each single echo.
     pub echoes: Vec<f64>,
-    /// The samples of the late part, one channel after the other; `None` if it stays unchanged.
+    /// The samples of the late part, one channel after the other; `None` if the late part stays unchanged.
     pub late: Option<Vec<f32>>,
 }
 

@@ -167,7 +167,7 @@ fn nothing_clicks() {
         let mut left: Vec<f32> = Vec::new();
         for (frame, mono) in sound.chunks(1600).enumerate() {
             let mut taps = vec![tap(0.02 + 0.0005 * frame as f64, [0.3; BAND_COUNT])];
-            // One echo that alternates between on and off, and one that jumps.
+            // One echo that alternates between on and off, and one echo that jumps.
             taps.push(tap(0.1 + 0.2 * (frame % 2) as f64, [0.05; BAND_COUNT]));
             if frame % 3 == 0 {
                 taps.push(tap(0.05, [0.1; BAND_COUNT]));
