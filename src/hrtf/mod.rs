@@ -18,9 +18,8 @@
 //! - **Delays count from the head's centre**: the mean delay over all directions and both ears is taken as the time at
 //!   which sound would pass the centre without the head. Silence before the onsets in a file therefore does not delay
 //!   the sound. For a rigid sphere this mean is off by 0.04 radii, 10 µs.
-//! - **Levels** are those of the measurements. If they are relative to the sound pressure at the head's
-//!   centre without the head, as is usual, the response to a direct sound at 1 m is the unscaled HRIR of
-//!   its direction.
+//! - **Levels** are not changed. If the measured levels are relative to the sound pressure at the head's centre without
+//!   the head, as is usual, the response to a direct sound at 1 m is the unscaled HRIR of its direction.
 
 use crate::audio::resample;
 use crate::sampling::lattice;
@@ -315,7 +314,7 @@ pub enum HrirError {
     UnevenLength {
         /// Index of the measurement, from 0.
         index: usize,
-        /// Its number of samples.
+        /// Number of samples of the measurement.
         samples: usize,
         /// Number of samples of the first measurement.
         expected: usize,
@@ -325,7 +324,7 @@ pub enum HrirError {
     BadDirection {
         /// Index of the measurement, from 0.
         index: usize,
-        /// Its direction, listener axes.
+        /// Direction of the measurement, listener axes.
         from: glam::DVec3,
     },
     /// A sample that is not a finite number, or is larger than [`HrirSet::LOUDEST`].

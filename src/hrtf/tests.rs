@@ -19,9 +19,10 @@ pub(crate) const RATE_HZ: u32 = 48_000;
 /// Number of samples before sound would pass the head's centre without the head.
 pub(crate) const BEFORE: f64 = 64.0;
 
-/// Sound pressure on a rigid sphere relative to the pressure at its centre without the sphere, for a plane wave whose
-/// direction is at an angle with this cosine from the point on the surface (R. O. Duda and W. L. Martens, JASA 104,
-/// 1998, equation 4 for a source infinitely far away): `ka` is the wave number × radius. Time dependence is exp(+iωt).
+/// Sound pressure on a rigid sphere relative to the pressure at its centre without the sphere, for a plane wave.
+/// `cosine` is the cosine of the angle between the direction towards the source and the point on the surface, and `ka`
+/// is the wave number × radius. The formula is equation 4 of R. O. Duda and W. L. Martens, JASA 104, 1998, for a source
+/// infinitely far away. Time dependence is exp(+iωt).
 fn pressure(ka: f64, cosine: f64) -> Complex<f64> {
     if ka == 0.0 {
         return Complex::new(1.0, 0.0);

@@ -53,12 +53,12 @@ pub enum SofaProblem {
         /// The unsupported form.
         reason: String,
     },
-    /// An attribute of the file is not that of the convention SimpleFreeFieldHRIR with FIR filters.
+    /// An attribute of the file does not have the value of the convention SimpleFreeFieldHRIR with FIR filters.
     #[error("its {attribute} is {found}, but only {expected:?} is supported")]
     WrongConvention {
         /// The attribute's name.
         attribute: &'static str,
-        /// Its value in the file, quoted, or a statement that it is missing.
+        /// The attribute's value in the file, quoted, or a statement that the attribute is missing.
         found: String,
         /// The supported value.
         expected: &'static str,
@@ -74,7 +74,7 @@ pub enum SofaProblem {
     BadShape {
         /// The variable's name.
         variable: &'static str,
-        /// Its dimensions.
+        /// The dimensions of the variable.
         found: String,
         /// The expected dimensions.
         expected: &'static str,
