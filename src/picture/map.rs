@@ -279,7 +279,7 @@ mod tests {
         assert_eq!(share(2.0, 2.0, 2.0), 0.5);
     }
 
-    /// Protects the reader of a colour bar from odd numbers: its marks have round numbers at the right positions.
+    /// Protects the reader of a colour bar from uneven numbers: its marks have round numbers at the right positions.
     #[test]
     fn marks_are_at_round_numbers() {
         let labels = |least, most| -> Vec<String> {

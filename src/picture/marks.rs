@@ -1,6 +1,6 @@
 //! Marks of listeners and sources, their key-framed paths, and the paths of waves, drawn on a plan.
 //!
-//! The colours are by Okabe and Ito, and distinguishable with any colour vision.
+//! The colours are those of Okabe and Ito, which readers with any colour vision can distinguish.
 
 use super::plan::{Plan, flat};
 use crate::scene::{Listener, Path as KeyPath, Source, Viewpoint};
@@ -25,7 +25,7 @@ pub(super) const PLATE: f32 = 0.82;
 /// Outlines, the viewing direction and letters.
 pub(super) const INK: [u8; 3] = [38, 42, 46];
 
-/// Opacity of the marks of sources and listeners outside the pair, whose waves are not drawn.
+/// Opacity of the marks of sources and listeners outside the pair. Their waves are not drawn.
 const OTHERS: f32 = 0.4;
 
 /// Draws the marks of all sources and listeners. The marks of the pair are on top.

@@ -93,7 +93,7 @@ pub(super) fn draw(
 pub struct SliceOptions {
     /// Width in pixels; the height follows from the bounds.
     pub width: u32,
-    /// World y of the cut in metres; `None` for that of the pair's listener.
+    /// World y of the cut in metres; `None` for the height of the pair's listener.
     pub height: Option<f32>,
     /// The region shown; `None` for [`Bounds::of`] the scene.
     pub bounds: Option<Bounds>,

@@ -77,7 +77,7 @@ pub fn first_person<'a>(
 /// Vertical field of view in radians.
 const FIELD_OF_VIEW: f32 = 70.0 / 180.0 * std::f32::consts::PI;
 
-/// Minimum distance from which the source's ball is drawn, in multiples of its radius.
+/// Minimum distance of the listener at which the source's ball is drawn, in multiples of the ball's radius.
 const NEAREST: f32 = 2.0;
 
 /// Number of frames without movement before the picture is refined.
@@ -102,7 +102,7 @@ const REFINED: f64 = 0.1;
 /// Typical number of evaluations per pixel: the steps of its ray, and of the shadow ray at its end.
 const EVALUATIONS_PER_PIXEL: f64 = 30.0;
 
-/// Maximum number of cached programs, those of the most recent scenes.
+/// Maximum number of cached programs. The programs of the most recent scenes are cached.
 const PROGRAMS_KEPT: NonZeroUsize = NonZeroUsize::new(4).unwrap();
 
 /// The inputs of the picture, which is redrawn only when they change.
