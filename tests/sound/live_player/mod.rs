@@ -203,8 +203,8 @@ fn play_devices() {
     assert!(live.status().restarts >= 2);
 }
 
-/// Starts a recording before the first device opens, whose rate differs from the assumed rate, until a change of the
-/// rate ends the recording. Then records once more.
+/// Starts a recording before the first device opens. The rate of this device differs from the assumed rate. Later a
+/// change of the rate ends the recording. Then a second recording is made.
 fn play_recordings() {
     let live = start(Some("other"));
     live.start_recording(&file()).unwrap();
@@ -298,7 +298,7 @@ fn play_without_device() {
     assert_eq!(live.stop_recording().unwrap(), 0);
 }
 
-/// The player as a process, and what it prints.
+/// The player as a process, and the lines that it prints.
 pub struct Player {
     process: Process,
     lines: Receiver<String>,

@@ -51,7 +51,7 @@ pub struct Comparison {
     pub wrong: usize,
 }
 
-/// Levels of what was heard.
+/// Levels of the recorded output.
 #[derive(Debug)]
 pub struct Heard {
     /// Left and right gain in each window; `None` for windows left out.

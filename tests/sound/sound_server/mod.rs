@@ -96,7 +96,7 @@ impl Server {
         assert!(status.unwrap().success());
     }
 
-    /// Returns a command whose environment names only this server.
+    /// Returns a command whose environment refers only to this server.
     pub fn command(&self, program: impl Into<PathBuf>) -> Command {
         let folder = self.folder.path();
         let mut command = Command::new(program.into());

@@ -37,7 +37,7 @@ fn a_clip_that_loops_does_not_click() {
         looped.extend(pull(&mut clip, 777));
     }
     assert_eq!(looped[..5003], samples);
-    // After the cross-fade of 5 ms the samples are those of the clip again, up to its end.
+    // After the cross-fade of 5 ms the samples equal the samples of the clip again, up to its end.
     assert_eq!(looped[5003 + 240..2 * 5003], samples[240..]);
     let largest = looped
         .windows(2)
