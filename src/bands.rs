@@ -9,7 +9,7 @@ pub const BANDS_HZ: [f64; BAND_COUNT] = [63.0, 125.0, 250.0, 500.0, 1e3, 2e3, 4e
 /// One number per octave band.
 pub type Bands = [f64; BAND_COUNT];
 
-/// One number for all octave bands, or one for each.
+/// One number for all octave bands, or one number for each.
 pub trait PerBand {
     /// The number of each band.
     fn per_band(self) -> Bands;

@@ -57,7 +57,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// Adds the time on the scene's paths to an error of a scene; returns other errors unchanged.
+    /// Adds the time on the scene's paths to a scene error. Returns other errors unchanged.
     pub(crate) fn at(self, seconds: f64) -> Error {
         match self {
             Error::Scene(refused) => Error::Scene(refused.at(seconds)),

@@ -52,7 +52,7 @@ pub enum InputError {
     /// The path does not lead to a regular file.
     #[error("it is {found}, not a regular file")]
     NotRegular {
-        /// Its kind, with the article.
+        /// The kind of file, with an indefinite article.
         found: &'static str,
     },
     /// The file exceeds the size limit of its kind.

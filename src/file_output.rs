@@ -1,8 +1,8 @@
 //! Atomic file writes.
 //!
 //! Everything is written to a temporary file in the target's folder and renamed at the end, so that an interrupted run
-//! leaves an older file unchanged. Inputs (a scene, a file that it names, a sound, answers) are never replaced,
-//! whatever path or link leads to them.
+//! leaves an older file unchanged. Inputs (a scene, a file that it names, a sound, answers) are never replaced, even
+//! through another path or a link.
 //!
 //! # Links
 //! For a path that the user typed, a symbolic link is followed and its target is replaced ([`write_whole`],

@@ -1,7 +1,7 @@
 //! Renders the sound of a scene frame by frame, without a sound card.
 //!
 //! [`render`] uses the thesis' method: during a frame's block of samples, the gains of one sound glide to the panning
-//! of that frame. [`render_full`] plays each source with delays, loudness, echoes and reverberation
+//! of the frame. [`render_full`] plays each source with delays, loudness, echoes and reverberation
 //! ([`auralisation`](crate::auralisation)). Each frame is traced with the scene at the frame's start.
 
 use crate::audio::{AudioError, FrameBlocks, Mixer, Sound};

@@ -150,7 +150,7 @@ mod tests {
         assert_eq!(unit_interval(u64::MAX), 1.0 - f64::EPSILON / 2.0);
     }
 
-    /// Protects sequences from being mixed up with those of other seeds: the first numbers of seed 1234567.
+    /// Protects sequences from starting like the sequence of another seed: the first numbers of seed 1234567.
     #[test]
     fn a_sequence_begins_at_its_seed() {
         let mut random = Random::new(1_234_567);

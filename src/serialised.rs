@@ -13,7 +13,8 @@ where
     T::deserialize(deserializer).map(Some)
 }
 
-/// Writes an optional number, and refuses one that is not finite: in JSON it would be read as missing.
+/// Writes an optional number, and refuses a number that is not finite, because JSON would store it as `null`, which
+/// means a missing number.
 pub(crate) fn finite<S: Serializer>(value: &Option<f64>, to: S) -> Result<S::Ok, S::Error> {
     match value {
         Some(value) if !value.is_finite() => Err(Error::custom(format!(
