@@ -149,7 +149,7 @@ pub fn flutters(scene: &Scene, t30_s: [Option<f64>; BAND_COUNT]) -> Vec<Flutter>
     found
 }
 
-/// A scene that is one room.
+/// A scene that consists of one room.
 struct EmptyRoom<'a> {
     scene: &'a Scene,
     /// Full size in metres.

@@ -150,7 +150,8 @@ impl Response {
         let order = settings.order_in(pair.scene);
         let medium = Medium::of(pair);
         let late = LateSphere::of(pair, order);
-        // Bins begin at the earliest possible arrival, so that 50 and 80 ms after it lie on borders of bins.
+        // Bins begin at the earliest possible arrival, so that the times 50 and 80 ms after this arrival lie on edges
+        // of bins.
         let first_s = medium.direct_s;
         let echogram = Echogram::with_edge_at(first_s, settings.bin_s, settings.batches)?;
         let how = ArrivalSettings::new(seconds).with_early_order(order);

@@ -19,8 +19,8 @@ pub struct ResponseSettings {
     /// Waves, start directions, seed and algorithm. The number of iterations follows from the length, so any number
     /// other than the default is rejected.
     pub trace: Settings,
-    /// Length of the record; `None` to follow the waves until the energy of every band has fallen
-    /// by 60 dB, as estimated by a few waves.
+    /// Length of the record. If `None`, the waves are followed until the energy of every band has fallen by 60 dB, as
+    /// estimated by a few waves.
     #[serde(serialize_with = "finite")]
     pub seconds: Option<f64>,
     /// Maximum length of the record if `seconds` is `None`, in seconds: 10 by default, because sound is audible for

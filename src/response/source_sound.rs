@@ -83,8 +83,8 @@ pub(super) fn passing(scene: &Scene, path: &SpecularPath, radius_m: f64, waves: 
     crossing(mirrored, radius_m, waves)
 }
 
-/// Expected number of waves, out of `waves`, that cross a listener of this radius, where the waves together bring the
-/// energy density `spreading`.
+/// Expected number of waves, out of `waves`, that cross a listener of this radius at a place where all waves together
+/// have the energy density `spreading`.
 pub(super) fn crossing(spreading: f64, radius_m: f64, waves: u32) -> f64 {
     f64::from(waves) * PI * radius_m * radius_m * spreading
 }

@@ -137,7 +137,7 @@ impl EarlyPart {
                 }
             }
             let vertices = |path: usize| Some(candidates.get(named[path]?)?.vertices);
-            // Sequences found far from the listener give arrivals outside its sphere.
+            // A sequence found far from the listener gives arrivals outside the listener's sphere.
             let is_beside = |index: &usize| of_candidate(*index) == Outcome::Another;
             let beside = (0..of_waves).filter(is_beside);
             let beside = beside.filter_map(|index| Some(candidates.get(index)?.vertices));
@@ -153,7 +153,7 @@ impl EarlyPart {
         })
     }
 
-    /// Number of waves used to search for paths: all, or as many as the limit of work allows.
+    /// Number of waves used to search for paths: all waves, or the number that the limit of work allows.
     pub fn waves(&self) -> u32 {
         self.waves
     }

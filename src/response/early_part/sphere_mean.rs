@@ -307,7 +307,7 @@ pub(super) fn unhidden_taps(
 /// The mean of 1/r² over a sphere whose centre is at distance 1/`share` radii, times the square of the centre's
 /// distance.
 fn mean_over_sphere(share: f64) -> f64 {
-    /// Below this share the first two terms of the series are used, as the logarithm loses digits.
+    /// Below this share the first two terms of the series are used, because the logarithm loses digits.
     const SMALL: f64 = 1e-3;
     let square = share * share;
     if share < SMALL {

@@ -1,4 +1,4 @@
-//! Checks whether sound takes a stationary path.
+//! Checks whether sound travels along a stationary path.
 //!
 //! Rules for cases that rounded arithmetic cannot decide. *Touch* is 10⁴ times the rounding error of the scene's
 //! coordinates, about 10⁻⁹ of the scene's extent.
@@ -40,10 +40,10 @@ pub(super) struct Checked<'a> {
 }
 
 impl Checked<'_> {
-    /// Checks that sound takes the path.
+    /// Checks that sound travels along the path.
     ///
     /// # Errors
-    /// The reason why sound does not take the path.
+    /// The reason why sound does not travel along the path.
     pub fn is_taken(&self) -> Result<(), NoPath> {
         let Draft {
             points,

@@ -200,7 +200,7 @@ impl State {
         0.5 * self.slope.iter().map(|x| x * x).sum::<f64>()
     }
 
-    /// The largest deviation of a reflection from a specular one, in radians.
+    /// The largest deviation of a reflection from a specular reflection, in radians.
     fn error(&self) -> f64 {
         self.slope.iter().fold(0.0, |most, x| x.abs().max(most))
     }
@@ -262,8 +262,8 @@ fn across((unit, length): &(DVec3, f64)) -> DMat3 {
     (DMat3::IDENTITY - outer(*unit, *unit)) * length.recip()
 }
 
-/// How far a point may lie beyond the ends of its segment, as a share of the segment: in an edge two points of a path
-/// coincide, and rounding decides which comes first.
+/// Maximum distance of a point beyond the ends of its segment, as a share of the segment. In an edge two points of a
+/// path coincide, and rounding decides which point comes first.
 const BEYOND: f64 = 1e-12;
 
 /// The image of a point in the plane with unit normal n in which n · p is `offset`.

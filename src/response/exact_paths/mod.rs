@@ -1,6 +1,6 @@
 //! The early part of an impulse response, computed exactly: specular paths from point to point.
 //!
-//! Waves traced from the source give the sequences of surfaces; the path of each sequence is then computed exactly, so
+//! Waves traced from the source give the sequences of surfaces. The path of each sequence is then computed exactly, so
 //! that delay and energy do not depend on the number of waves.
 //!
 //! # Finding a path
@@ -12,9 +12,9 @@
 //! CPU knows users' GLSL fields only from samples: candidates mirrored at such fields are reported as
 //! [`NoPath::NotExact`], and their waves remain statistical.
 //!
-//! Sound takes a stationary path only if its points lie on the surfaces themselves, within their edges; if each
-//! reflection comes from the air; and if no surface obstructs it (users' fields are tested by their samples).
-//! `check.rs` has rules for cases that arithmetic cannot decide.
+//! Sound travels along a stationary path only if three conditions hold: its points lie on the surfaces themselves,
+//! within their edges; each reflection comes from the air; and no surface obstructs it (users' fields are tested by
+//! their samples). `check.rs` has rules for cases that rounded arithmetic cannot decide.
 //!
 //! Near a focus every wave passes the listener: the number of waves from which the search starts is limited, see
 //! `find.rs`.
@@ -128,8 +128,8 @@ impl EarlyPaths {
         Ok(EarlyPaths { exact, surfaces })
     }
 
-    /// The ends of paths: the pair's source and listener, moved onto the surface if they lie in a solid only by the
-    /// rounding of coordinates to `f32`.
+    /// The ends of paths: the pair's source and listener. An end that lies in a solid only because coordinates are
+    /// rounded to `f32` is moved onto the surface.
     pub(crate) fn ends(&self, pair: Pair) -> Ends {
         let ends = Ends::of(pair);
         Ends {
@@ -149,15 +149,15 @@ impl EarlyPaths {
     /// `order` reflections. Each flight that comes within `reach_m` metres of the listener's centre is a candidate. The
     /// index of a wave is the index of its direction.
     ///
-    /// With the listener's radius as reach, candidates are the waves that it receives, and [`Missed`] estimates the
-    /// energy that the waves missed. A greater reach finds more paths with the same waves: in a room of planes use ∞,
-    /// because further candidates of a sequence cost nothing there.
+    /// If `reach_m` is the listener's radius, the candidates are the waves that the listener receives, and [`Missed`]
+    /// estimates the energy that the waves missed. A greater reach finds more paths with the same waves. In a room of
+    /// planes use ∞, because further candidates of a sequence take no time there.
     ///
     /// Once more than `most_asked` surfaces and bounding boxes have been tested, no further waves are followed. A test
     /// takes about ten nanoseconds, and longer for marched fields. The waves left out ([`Candidates::left_out`]) are
     /// spread evenly among all directions, and do not depend on timing.
     ///
-    /// Runs on the threads of rayon's pool; the result does not depend on the number of threads. Costs as much as
+    /// Runs on the threads of rayon's pool; the result does not depend on the number of threads. Takes as long as
     /// [`ExactScene::trace_all`]. Marched fields take a thousand times as long as the basic shapes: with fields, follow
     /// only waves that are known to arrive.
     pub(crate) fn candidates_within(

@@ -1,8 +1,8 @@
 //! One smooth piece of a surface: the face of a box, the side of a cylinder, a patch of ground.
 //!
 //! Surfaces of trees have edges, where they are not differentiable. A [`Sheet`] is the piece hit by a wave, continued
-//! beyond its edges, so that Newton's method sees a smooth function. A later check decides whether the result lies on
-//! the surface itself.
+//! beyond its edges, so that the function is smooth for Newton's method. A later check decides whether the result lies
+//! on the surface itself.
 //!
 //! # Differences
 //! Values are rounded: for coordinates up to X the error of a value is about ε X. With features of length ℓ the n-th

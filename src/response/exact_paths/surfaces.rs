@@ -175,8 +175,8 @@ impl Surfaces {
         point
     }
 
-    /// Whether a world point lies on the surface with this number, and not merely on the continuation of one of its
-    /// sheets.
+    /// Whether a world point lies on the surface with this number itself. A point on the continuation of one of its
+    /// sheets does not count.
     pub fn has(&self, surface: u32, point: DVec3) -> bool {
         self.value(surface, point)
             .is_some_and(|value| value.abs() <= self.touch)

@@ -143,8 +143,8 @@ fn parted(piece: Piece, at_s: f64) -> (Piece, Piece) {
     (before, after)
 }
 
-/// 20 dB: the sound starts with the first path that has this share of the largest energy of a path or bin; without such
-/// a path it starts when this share of all energy has arrived.
+/// 20 dB: the sound starts with the first path that has this share of the largest energy of a path or bin. Without such
+/// a path the sound starts when this share of all energy has arrived.
 const START_SHARE: f64 = 0.01;
 
 /// Maximum share of all energy (10 dB below the total) that may arrive before the path that is the origin. If more

@@ -192,7 +192,7 @@ fn draw(seed: u64, waves: usize, only: Option<usize>) -> Echogram {
     echogram
 }
 
-/// Energies that are 0 except in the lowest band. The other bands have no figures, and take no time.
+/// Energies that are 0 except in the lowest band. The other bands have no figures, which saves time.
 fn lowest(energy: f64) -> Bands {
     std::array::from_fn(|band| if band == 0 { energy } else { 0.0 })
 }

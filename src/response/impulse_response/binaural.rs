@@ -290,8 +290,8 @@ mod tests {
     #[test]
     fn noise_goes_through_the_head() {
         let around: Vec<DVec3> = lattice(200).collect();
-        // Not exactly at the side: sound diffracted around a sphere converges behind it, in a spot that is smaller than
-        // the distance between the noise's directions.
+        // The direction is not exactly at the side, because sound diffracted around a sphere converges on the far side,
+        // in a spot that is smaller than the distance between the noise's directions.
         let side = vec![DVec3::new(0.6, 0.7, 0.4)];
         for (from, limit, is_diffuse) in [(around, 0.16, true), (side, 0.45, false)] {
             let made = heard(&[], &steady(&from), 6);

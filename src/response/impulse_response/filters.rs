@@ -276,7 +276,8 @@ mod tests {
     use super::*;
     use crate::bands::BANDS_HZ;
 
-    /// Protects energy: the gains of the filters for taps add up to 1, and so do the squared gains of those for noise.
+    /// Protects energy: the gains of the filters for taps add up to 1, and the squared gains of the filters for noise
+    /// add up to 1.
     #[test]
     fn filters_are_complementary() {
         for step in 0..2000 {

@@ -206,8 +206,8 @@ fn a_cylinder_mirrors_as_a_search_says() {
     }
 }
 
-/// Protects sequences of several curved surfaces and planes, with two turned pillars on a floor, to order 3; and
-/// reciprocity: with the ends swapped the paths are the same, including lengths and spreading.
+/// Protects sequences of several curved surfaces and planes, with two turned pillars on a floor, to order 3. Also
+/// protects reciprocity: with the ends swapped the paths are the same, including lengths and spreading.
 #[test]
 fn two_pillars_and_a_floor_mirror_in_turn() {
     let leaning = Quat::from_rotation_z(0.2);

@@ -277,8 +277,8 @@ fn an_edge_is_one_path() {
     );
 }
 
-/// Protects flat faces of solids: the top of a box mirrors within its edges but not beyond, and no path goes over the
-/// edge.
+/// Protects flat faces of solids: the top of a box mirrors within its edges but not beyond, and no path bends around
+/// the edge.
 #[test]
 fn a_box_mirrors_within_its_faces() {
     let size = Vec3::new(4.0, 1.0, 4.0);

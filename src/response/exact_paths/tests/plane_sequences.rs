@@ -169,7 +169,7 @@ fn a_source_in_a_corner_has_all_its_images() {
 }
 
 /// Protects the loudness of a source in an edge or a corner of a hollow box: each wall in turn mirrors its waves, and
-/// those that pass the listener are the same as in a room.
+/// the waves that pass the listener are the same as in a room.
 #[test]
 fn waves_leave_the_edges_of_a_hollow_box_as_those_of_a_room() {
     let size = Vec3::new(8.0, 3.0, 5.0);
