@@ -144,7 +144,7 @@ impl Mixer {
         self.current
     }
 
-    /// Discards the gains, so that the next block starts at its own target.
+    /// Discards the gains, so that the next block starts at the gains of its own pan.
     pub fn reset(&mut self) {
         self.current = None;
     }

@@ -63,8 +63,8 @@ pub(super) const SINE_AMPLITUDE: f32 = 0.5;
 
 /// An endless sine that starts at phase 0.
 ///
-/// The phase is kept in turns, between 0 and 1, in `f64`: each step rounds by at most 2⁻⁵³ turns,
-/// so even errors that all have the same sign reach only 2·10⁻⁸ turns in an hour.
+/// The phase is stored in turns, between 0 and 1, in `f64`. Each step rounds by at most 2⁻⁵³ turns, so even errors that
+/// all have the same sign add up to only 2·10⁻⁸ turns in an hour.
 #[derive(Debug, Clone)]
 pub(super) struct Sine {
     phase_turns: f64,
@@ -303,7 +303,7 @@ mod tests {
         // The step of the seam's cross-fade per sample, plus the rise of the clip itself per sample.
         let most = 1.0 / seam as f32 + 2.0 / LENGTH as f32;
         assert!(largest_step(&played) <= most, "{}", largest_step(&played));
-        // Beyond the seam the clip is unchanged, and so is its first pass.
+        // Beyond the seam the clip is unchanged. The first pass of the clip is unchanged as well.
         assert_eq!(played[..LENGTH], ramp[..]);
         assert_eq!(played[LENGTH + seam..2 * LENGTH], ramp[seam..]);
         assert_eq!(played[LENGTH..2 * LENGTH], played[2 * LENGTH..3 * LENGTH]);

@@ -9,8 +9,8 @@ use super::signals::{self, Clip, Noise, Signal, Sine};
 use super::speech::{self, Speech};
 use super::{AudioError, check_rate, resample, wav_read};
 
-/// A mono sound that is read forwards, sample by sample; 1 is full scale. [`Sound::new`] creates one from a caller's
-/// own [`Signal`].
+/// A mono sound that is read forwards, sample by sample; 1 is full scale. [`Sound::new`] creates a sound from a
+/// caller's own [`Signal`].
 ///
 /// A sine, noise and speech never end. A WAV clip restarts at its end, or falls silent after
 /// [`set_looping`](Self::set_looping)`(false)`. If its end does not match its start, the first 5 ms of each repetition

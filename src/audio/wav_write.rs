@@ -25,10 +25,10 @@ const STEREO: u16 = 2;
 const MOST_CHANNELS: u16 = 64;
 
 /// Writes a WAV file of 32-bit float samples, in stereo up to 3.1 hours at [`Sound::SAMPLE_RATE`].
+///
 /// The sound goes to a temporary file in the target's directory, which [`finish`](Self::finish) renames to the target.
 /// Until then an older file at the target stays unchanged. If the writer is dropped without `finish`, the temporary
 /// file is removed.
-/// temporary file.
 #[derive(Debug)]
 pub struct WavWriter {
     target: PathBuf,

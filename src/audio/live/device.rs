@@ -371,7 +371,7 @@ pub(super) fn within<T: Send + 'static>(
     }
 }
 
-/// Drops a value on a separate thread, because dropping it may take long.
+/// Drops a value on a separate thread, because dropping it may be slow.
 pub(super) fn drop_elsewhere<T: Send + 'static>(value: T) {
     // If the thread cannot start, the closure and the value are dropped here.
     let _ = spawn("echomarch-close", move || drop(value));

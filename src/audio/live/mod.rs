@@ -89,7 +89,7 @@ pub struct LiveStatus {
     /// Number of blocks requested more than two block lengths after the previous block: a device with a buffer of two
     /// blocks has then run out of samples.
     pub late_callbacks: u64,
-    /// Number of times that a device was opened after the first one.
+    /// Number of times that a device was opened, without the first time.
     pub restarts: u64,
     /// Number of times that an open device was lost: it was removed, or stopped requesting sound.
     pub losses: u64,
@@ -99,10 +99,10 @@ pub struct LiveStatus {
     pub dropped_frames: u64,
     /// Whether a sound is loaded; false if none could be loaded at the device's rate.
     pub has_sound: bool,
-    /// The last error, as a sentence; kept after recovery.
+    /// The last error, as a sentence. It is kept after recovery.
     pub last_error: Option<String>,
-    /// The last error of a sound or a recording, as a sentence; the device may play on meanwhile. `None` after the next
-    /// successful load or start of a recording.
+    /// The last error of a sound or a recording, as a sentence. The device may continue to play after this error.
+    /// `None` after the next successful load or start of a recording.
     pub notice: Option<String>,
 }
 

@@ -24,7 +24,7 @@ const FADES_HZ: u32 = 50;
 /// Capacity of the queue to the callback; the return queue has twice this capacity.
 const MESSAGES: usize = 8;
 
-/// An object for the callback, or one that the callback no longer needs.
+/// An object for the callback, or an object that the callback no longer needs.
 #[derive(Debug)]
 pub(super) enum Message {
     /// Another sound, made for this rate in hertz.

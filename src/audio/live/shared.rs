@@ -1,4 +1,4 @@
-//! Values that the callback shares with other threads, as single atomics, so that no thread waits; and the level meter
+//! Values that the callback shares with other threads, as single atomics, so that no thread waits; also the level meter
 //! of both channels, over windows of 50 ms.
 
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, AtomicU64, Ordering::Relaxed};

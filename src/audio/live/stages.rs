@@ -40,7 +40,7 @@ impl Glide {
         self.left == 0 && self.target == Gains::SILENT
     }
 
-    /// Advances by at most `most` samples; returns the number of samples and the gains of the last one.
+    /// Advances by at most `most` samples. Returns the number of samples and the gains at the last sample.
     pub(super) fn advance(&mut self, most: usize) -> (usize, Gains) {
         if self.left == 0 {
             return (most, self.target);
@@ -127,7 +127,7 @@ impl Programs {
         self.next = Some((program, 0));
     }
 
-    /// Switches to another program at once and frees the earlier ones, so the callback must not call this.
+    /// Switches to another program at once. Frees the earlier programs, so the callback must not call this function.
     pub(super) fn set(&mut self, program: Program) {
         *self = Self {
             current: program,

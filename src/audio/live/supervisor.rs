@@ -93,9 +93,9 @@ pub(super) struct Supervisor {
     generation: u64,
     /// The sound loaded last. It waits until a stream is open and the queue has room.
     waiting: Option<Sound>,
-    /// The program that replaces the sound, waiting in the same way.
+    /// The program that replaces the sound. It waits until a stream is open and the queue has room.
     program: Option<Program>,
-    /// The tap of a recording, waiting in the same way.
+    /// The tap of a recording. It waits until a stream is open and the queue has room.
     tap: Option<Tap>,
     next_try: Instant,
     delay: Duration,
@@ -301,7 +301,7 @@ impl Supervisor {
         self.delay = (2 * self.delay).min(RETRY.1);
     }
 
-    /// Fades the sound out if it plays, so that stopping does not click.
+    /// Fades out a playing sound, so that stopping does not click.
     fn fade_out(&self) {
         if self.stream.is_none() {
             return;
