@@ -5,8 +5,9 @@
 //! The spectra of a signal's newest blocks are stored. The convolution of a block with a kernel takes one
 //! multiplication for each partition of the kernel, and one inverse transform.
 //!
-//! The octave-band filters are such kernels. They split a signal by zero-phase filters. Scaling each band separately
-//! then has the same effect on the signal as [`ImpulseResponse`](crate::response::ImpulseResponse) has on a tap.
+//! The octave-band filters are such kernels: zero-phase filters that split a signal into bands. Scaling each band
+//! separately then has the same effect on the signal as [`ImpulseResponse`](crate::response::ImpulseResponse) has on a
+//! tap.
 
 use realfft::num_complex::Complex;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};

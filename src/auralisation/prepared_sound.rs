@@ -161,7 +161,7 @@ fn kernel(channels: &[Vec<f32>], spec: Spec) -> Kernel {
     Kernel::new(&channels.iter().map(delayed).collect::<Vec<_>>())
 }
 
-/// The paths in the order of their energy, split into those that become single echoes and the rest.
+/// The paths in the order of their energy, split into the paths that become single echoes and the remaining paths.
 fn by_energy(paths: &[HeardPath], spec: Spec) -> (Vec<&HeardPath>, Vec<&HeardPath>) {
     let (mut near, far): (Vec<_>, Vec<_>) = paths
         .iter()
@@ -263,7 +263,7 @@ impl Echo {
         are_finite && (0.0..=spec.longest() as f64).contains(&self.delay)
     }
 
-    /// Reads an echo from its numbers, as far as they go.
+    /// Reads an echo from its `HeardParts::ECHO` numbers.
     fn of(numbers: &[f64]) -> Echo {
         let floats = |first: usize| move |index: usize| numbers[first + index] as f32;
         Echo {
