@@ -23,8 +23,8 @@ mod variables;
 
 pub use variables::{SofaError, SofaProblem};
 
-/// Maximum size of a SOFA file in bytes: [`HrirSet::MAX_VALUES`](super::HrirSet::MAX_VALUES) 64-bit numbers, and the
-/// same again for everything else.
+/// Maximum size of a SOFA file in bytes: twice the size of [`HrirSet::MAX_VALUES`](super::HrirSet::MAX_VALUES) 64-bit
+/// numbers, to leave room for all other data.
 const LARGEST_FILE: u64 = 2 * 8 * super::HrirSet::MAX_VALUES;
 
 /// The supported convention.

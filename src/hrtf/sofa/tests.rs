@@ -1,4 +1,4 @@
-//! Valid SOFA files, and rejected ones.
+//! Tests with valid and with rejected SOFA files.
 
 use super::*;
 use crate::hrtf::{Hrir, HrirError};

@@ -267,7 +267,7 @@ impl Variables {
 
     fn dataset(&self, variable: &'static str) -> Result<Dataset, SofaProblem> {
         self.0.dataset(variable).map_err(|error| {
-            // The reader returns the same error for a missing name.
+            // The reader returns the same error for a missing variable as for a damaged variable.
             match self.0.root().datasets() {
                 Ok(names) if !names.iter().any(|name| name == variable) => {
                     SofaProblem::Missing { variable }
