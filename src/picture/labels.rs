@@ -165,8 +165,8 @@ pub(super) fn draw_scale_bar(canvas: &mut PixmapMut, plan: &Plan) {
     );
 }
 
-/// The largest of 1, 2, 5, 10, 20, 50 … that is at most `most`, and the number of the bar's fields: one per metre for
-/// lengths up to 5 m.
+/// The largest of 1, 2, 5, 10, 20, 50 … that is at most `most`, and the number of the bar's fields. The bar has one
+/// field per metre for lengths up to 5 m.
 fn nice_length(most: f32) -> (f32, u32) {
     let power = 10f32.powf(most.log10().floor());
     match most / power {

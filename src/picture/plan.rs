@@ -9,7 +9,7 @@ use std::f32::consts::TAU;
 /// Margin around the contents, as a share of the longer side.
 const MARGIN: f32 = 0.05;
 
-/// The shorter side is at least this share of the longer one.
+/// Minimum ratio of the shorter side to the longer side.
 const SLIMMEST: f32 = 0.4;
 
 /// Range of the listener's sight for the plan of an infinite field, in radii of the listener's sphere. The radius is

@@ -130,7 +130,7 @@ pub struct View {
     rows_per_ms: f64,
     /// The part of a picture whose drawing time has been measured but not yet read.
     marked: Option<Marked>,
-    /// Drawing time of the last picture in milliseconds, as far as measured.
+    /// Measured drawing time of the last picture, in milliseconds.
     took: f64,
 }
 
