@@ -44,7 +44,7 @@ pub struct Comparison {
     /// them.
     pub windows: usize,
     pub left_out: usize,
-    /// Compared windows in which the gains moved from one position to a later one.
+    /// Compared windows in which the gains moved from one position to a later position.
     pub moving: usize,
     /// Compared windows that are neither at the position of the windows before them, nor between that position and a
     /// later position.
