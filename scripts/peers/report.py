@@ -71,8 +71,8 @@ def markdown(rows, missing, work, echomarch, quick):
         "## Rates",
         f"Millions of waves times iterations per second: waves × {ITERATIONS} divided by the time of a whole frame, "
         "which includes making the directions, tracing the waves and summing the arrivals. Medians over the "
-        "rounds, with the minimum and the maximum. *its march* is the time between initialise and pan, or the time of the single "
-        "pass if a frame is drawn as one pass.",
+        "rounds, with the minimum and the maximum. *its march* is the time between initialise and pan, or the time of "
+        "the single pass if a frame is drawn as one pass.",
         rates_table(rounds),
         "## Ratios",
         "Ratios of two rates of the same round, as medians over the rounds.",
