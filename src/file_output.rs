@@ -43,7 +43,7 @@ impl OutputError {
     }
 }
 
-/// The reason for a failed write, worded the same for all callers.
+/// The reason for a failed write. The wording is the same for all callers.
 fn reason(error: &io::Error) -> String {
     let is_of_system = error.raw_os_error().is_some();
     if !is_of_system && error.to_string() != error.kind().to_string() {
@@ -133,8 +133,8 @@ fn parts() -> MutexGuard<'static, Vec<PathBuf>> {
     PARTS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes every temporary file, and prevents new ones: a thread that starts one blocks forever. Must be the last
-/// action of a program that is being interrupted.
+/// Removes every temporary file, and prevents new temporary files: a thread that creates one blocks forever. This must
+/// be the last action of a program that is being interrupted.
 ///
 /// Recordings of live sound stay: users must be able to find their temporary files.
 #[cfg(unix)]
@@ -204,9 +204,9 @@ fn refuse_inputs(target: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Creates a temporary file in the folder of `target`, to be renamed to it: readable by others like any new file. An
-/// existing target that is not a plain file (a link, a folder, a device), or is an input, is rejected, since renaming
-/// would replace it.
+/// Creates a temporary file in the folder of `target`, which is later renamed to `target`. Others can read it like any
+/// new file. An existing target that is an input or not a plain file (a link, a folder, a device) is rejected, because
+/// renaming would replace it.
 pub fn temporary_beside(target: &Path) -> io::Result<PartFile> {
     PartFile::new(|| temporary_named(target, ".echomarch-".as_ref(), ".part"))
 }

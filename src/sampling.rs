@@ -2,8 +2,8 @@
 //! lattice), and the statistics of reports: mean, median and quantiles.
 //!
 //! G. L. Steele, D. Lea and C. H. Flood, *Fast Splittable Pseudorandom Number Generators*, OOPSLA 2014: a counter
-//! advances by a fixed odd number, and each of its values is mixed. So a number can also be computed from its index,
-//! without the previous ones.
+//! advances by a fixed odd number, and each of its values is mixed. A number can therefore also be computed from its
+//! index, without the previous numbers.
 //!
 //! G. Fowler, L. C. Noll, K.-P. Vo, D. Eastlake, *The FNV Non-Cryptographic Hash Algorithm*, IETF draft. The standard
 //! algorithm hashes bytes; here it also hashes whole numbers.

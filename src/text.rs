@@ -5,8 +5,8 @@ use std::borrow::Cow;
 /// Maximum number of characters of a name in a scene or in answers.
 pub const LONGEST_NAME: usize = 200;
 
-/// The known word that is most similar to a mistyped word, if at most a third of its characters differ. Case is
-/// ignored, and spaces and underscores count as hyphens.
+/// The known word that is most similar to a mistyped word, if the number of different characters is at most a third of
+/// the known word's length. Case is ignored, and spaces and underscores count as hyphens.
 pub fn nearest<'a>(
     typed: &str,
     known: impl IntoIterator<Item = impl Into<&'a str>>,
