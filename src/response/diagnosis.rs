@@ -106,11 +106,11 @@ pub struct FlutterBand {
     pub band: usize,
     /// T30 of the response, in seconds.
     pub t30_s: f64,
-    /// The reverberation time by Eyring, for a diffuse field, in seconds.
+    /// The reverberation time by Eyring's formula, for a diffuse field, in seconds.
     pub eyring_s: f64,
 }
 
-/// The pairs of walls that cause decays above `MOST_TIMES_EYRING` times Eyring's; `t30_s` holds T30 by band, in
+/// The pairs of walls that cause T30 above `MOST_TIMES_EYRING` times Eyring's time. `t30_s` contains T30 by band, in
 /// seconds.
 pub fn flutters(scene: &Scene, t30_s: [Option<f64>; BAND_COUNT]) -> Vec<Flutter> {
     let Some(room) = EmptyRoom::of(scene) else {
@@ -197,8 +197,8 @@ impl EmptyRoom<'_> {
         4.0 * LN_OF_60_DB * self.volume() / (self.scene.speed_of_sound() * lost)
     }
 
-    /// The axis along which a flutter echo lasts longest, and the time in which the echo decays by 60 dB: each round
-    /// trip keeps the energy that both walls reflect.
+    /// The axis along which a flutter echo lasts longest, and the time in which this echo decays by 60 dB. Each round
+    /// trip multiplies the energy by the reflected shares of both walls.
     fn longest_flutter(&self, band: usize) -> (usize, f64) {
         let air = self.scene.air_attenuation()[band];
         let seconds = |axis: usize| {

@@ -16,7 +16,7 @@ const WAVES: u32 = 4096;
 /// almost no time.
 const WAVES_OUTDOORS: u32 = 64 * WAVES;
 
-/// Number of waves if few arrive late and most stay in the scene, as between two infinite walls.
+/// Number of waves if few waves arrive late and most waves stay in the scene, as between two infinite walls.
 const WAVES_BETWEEN: u32 = 8 * WAVES;
 
 /// The shortest response in seconds: one block of a sound.
@@ -46,8 +46,8 @@ const WITHOUT_DECAY_S: f64 = 3.0;
 /// Length of the time bins of the decay, in seconds.
 const BIN_S: f64 = 0.01;
 
-/// Returns the time in seconds after which at most [`LEFT`] of all energy remains, in every band, as estimated by
-/// waves; at most `longest_s`, but at least the time of the direct sound.
+/// Returns the time in seconds after which at most [`LEFT`] of all energy remains in every band, as estimated by waves.
+/// It is at most `longest_s`, but at least the time of the direct sound.
 pub(super) fn needed(
     tracer: &mut Tracer,
     pair: Pair,
@@ -104,7 +104,7 @@ impl Decay {
         (waves, longest_s): (u32, f64),
     ) -> Result<(Decay, ArrivalCounts), Error> {
         let medium = Medium::of(pair);
-        // The larger sphere is crossed by more of the few waves that carry the end of the decay.
+        // More of the few waves that carry the end of the decay cross the larger sphere.
         let wide = LateSphere::of(pair, LEAST_ORDER).widened(pair.listener);
         let mut decay = Decay::default();
         let counts = tracer.arrivals(
@@ -129,7 +129,7 @@ impl Decay {
         self.arrivals[bin] += 1;
     }
 
-    /// Number of bins until every band has at most `share` of its energy still to come.
+    /// Number of bins after which at most `share` of the energy remains in every band.
     fn bins_until(&self, share: f64) -> usize {
         let all = bands::sum(&self.bins);
         let mut to_come = [0.0; BAND_COUNT];
@@ -148,7 +148,7 @@ impl Decay {
         late.iter().sum::<usize>() >= LEAST_LATE
     }
 
-    /// The end in seconds of the last bin before every band has at most [`LEFT`] still to come.
+    /// The end in seconds of the last bin before at most [`LEFT`] of the energy remains in every band.
     fn end_s(&self) -> f64 {
         (self.bins_until(LEFT) as f64 * BIN_S).max(SHORTEST_S)
     }
@@ -237,8 +237,8 @@ mod tests {
         Scene::from_ron(&text, "yard").unwrap()
     }
 
-    /// Protects figures outdoors: beside one wall and between two, where most waves leave at once, the default record
-    /// is long enough, and the energy figures are present.
+    /// Protects figures outdoors, beside one wall and between two walls, where most waves leave at once: the default
+    /// record is long enough, and the energy figures are present.
     #[test]
     fn figures_outdoors_need_no_length_by_hand() {
         let mut tracer =

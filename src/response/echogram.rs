@@ -36,9 +36,9 @@ pub struct Echogram {
     batches: usize,
     /// Ordered by bin, and within each bin by batch.
     energies: Vec<Bands>,
-    /// Sums of the squares of the added energies, by bin; all batches together.
+    /// Sums of the squares of the added energies by bin, over all batches.
     squares: Vec<Bands>,
-    /// Energy × direction of flight by bin and band; all batches together.
+    /// Energy × direction of flight by bin and band, summed over all batches.
     flows: Vec<[DVec3; BAND_COUNT]>,
     beyond: Bands,
 }
@@ -118,8 +118,8 @@ impl EchogramRow {
 }
 
 impl Echogram {
-    /// The shortest and the longest time bin in seconds: from a few samples of sound to the longest that still resolves
-    /// a decay.
+    /// The shortest and the longest time bin in seconds. The shortest bin has a few samples of sound, and the longest
+    /// bin still resolves a decay.
     pub const BINS_S: RangeInclusive<f64> = 1e-4..=0.1;
 
     /// The minimum and maximum number of batches, which must be a power of two: figures are computed from orthogonal
@@ -446,8 +446,8 @@ mod tests {
         assert_eq!((echogram.bins(), echogram.beyond()[0]), (0, 2.0));
     }
 
-    /// Protects the effective number of arrivals: each of equal arrivals counts, while a strong arrival among weak ones
-    /// counts as about one.
+    /// Protects the effective number of arrivals: arrivals of equal energy count fully, while a strong arrival among
+    /// weak arrivals counts as about one.
     #[test]
     fn strong_arrivals_count_for_few() {
         let mut echogram = Echogram::new(1e-3, 4).expect("a good bin");

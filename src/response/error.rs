@@ -78,7 +78,7 @@ pub enum ResponseError {
         /// Number of batches.
         batches: usize,
     },
-    /// Slices for one channel and for two with lengths that do not match.
+    /// Slices for one channel and for two channels whose lengths do not match.
     #[error(
         "{stereo} stereo samples for {mono} mono samples: there must be two stereo samples for each mono sample"
     )]
@@ -110,7 +110,7 @@ pub enum ResponseError {
         /// Number of sources.
         sources: usize,
     },
-    /// A listener's directions that do not define axes: one has length zero, or both are parallel.
+    /// A listener whose directions do not define axes, because one has length zero or both are parallel.
     #[error(
         "a listener with the viewing direction {forward:?} and the upward direction {up:?}: neither may \
          be zero, and they must not be parallel"

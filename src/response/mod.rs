@@ -131,7 +131,7 @@ impl Response {
     /// state.
     ///
     /// # Errors
-    /// As [`Tracer::arrivals`]; [`Error::Acoustics`] for bins out of range.
+    /// The errors of [`Tracer::arrivals`], and [`Error::Acoustics`] for bins out of range.
     pub fn trace<'a>(
         tracer: &mut Tracer,
         pair: impl IntoPair<'a>,

@@ -34,8 +34,8 @@ pub struct ResponseSettings {
     /// echoes of up to six reflections, and few waves find each echo. In an empty room all paths of up to eight
     /// reflections are found. At curved surfaces the search starts from up to 512 waves of each sequence of surfaces.
     pub order: Option<u32>,
-    /// Length of a time bin of the echogram in seconds: 1 ms by default, less than sound needs to cross a listener of
-    /// common size.
+    /// Length of a time bin of the echogram in seconds. The default is 1 ms, which is less than the time that sound
+    /// needs to cross a listener of common size.
     pub bin_s: f64,
     /// Number of batches for estimating errors: 16 by default.
     pub batches: usize,

@@ -10,7 +10,7 @@ use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Influences on the sound between source and listener, except the surfaces.
+/// The properties of the sound's way between source and listener, without the surfaces.
 pub(super) struct Medium {
     /// Speed of sound in metres per second.
     pub speed: f64,

@@ -21,7 +21,7 @@ struct Room {
     source: DVec3,
     listener: DVec3,
     radius: f64,
-    /// Absorption of the walls at −x, +x, −y, +y, −z, +z; below 1.
+    /// Absorption of the walls at −x, +x, −y, +y, −z, +z. Each value is below 1.
     absorption: [Bands; 6],
 }
 
@@ -35,8 +35,8 @@ struct Line {
 }
 
 impl Room {
-    /// Follows `waves` random waves for `length_m` metres, and passes on each crossing of the listener with more than
-    /// `early_order` reflections.
+    /// Follows `waves` random waves for `length_m` metres, and passes each crossing of the listener with more than
+    /// `early_order` reflections to the callback.
     fn trace(
         &self,
         waves: u32,
@@ -268,7 +268,7 @@ fn truth(exact: &ShoeboxEnergies, seconds: f64) -> Figures {
     Figures::of_image_sources(exact, SPEED, seconds).expect("a near source")
 }
 
-/// Follows waves for a length in metres, and passes on arrivals later than the taps.
+/// A function that follows waves for a length in metres, and passes arrivals later than the taps to a callback.
 type Trace<'a> = dyn Fn(f64, &mut dyn FnMut(Arrival)) + 'a;
 
 fn found(exact: &ShoeboxEnergies, early_order: u32, seconds: f64, trace: &Trace) -> Figures {

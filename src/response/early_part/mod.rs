@@ -179,8 +179,8 @@ impl EarlyPart {
         self.arrivals_of(Outcome::LeftOut)
     }
 
-    /// The arrivals that exact paths replace, except at foci: each with its path, or with `None` if it is replaced by
-    /// another path over planes.
+    /// The arrivals that exact paths replace, except at foci. Each arrival comes with its path, or with `None` if
+    /// another path over planes replaces it.
     pub fn caught(&self) -> impl Iterator<Item = (&Arrival, Option<&SpecularPath>)> {
         let all = self.arrivals.iter().zip(&self.outcomes);
         all.filter_map(|(arrival, outcome)| match outcome {

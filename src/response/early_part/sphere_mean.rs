@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use std::collections::HashSet;
 use std::f64::consts::PI;
 
-/// Number of points in the sphere: enough to estimate the share of the sphere that a path reaches to within about 0.1,
+/// Number of points in the sphere. This number gives the share of the sphere that a path reaches to within about 0.1,
 /// and the mean of the many paths behind an edge.
 const PLACES: usize = 32;
 
@@ -36,8 +36,8 @@ const MOST_CURVED: usize = 128;
 /// Maximum number of such paths if a field without closed form is marched.
 const MOST_CURVED_MARCHED: usize = 4;
 
-/// Maximum number of surfaces and bounding boxes tested from each point, about ten nanoseconds each; images beyond this
-/// limit are assumed to reach the whole sphere.
+/// Maximum number of surfaces and bounding boxes tested from each point. A test takes about ten nanoseconds. Images
+/// beyond this limit are assumed to reach the whole sphere.
 const MOST_ASKED: u64 = 1 << 22;
 
 /// Distance in metres below which images count as one. It is not a multiple of a short binary fraction, so that an
@@ -158,7 +158,7 @@ impl Replaced {
     }
 
     /// The mean energy of the paths and images over the unobstructed part of the sphere, as taps at the times of paths
-    /// to its centre. `heard` are all exact paths; the taps leave out those for which `is_left_out` holds.
+    /// to its centre. `heard` contains all exact paths. The taps leave out paths for which `is_left_out` holds.
     pub fn mean_taps(
         &self,
         scene: &Scene,

@@ -14,7 +14,7 @@ use std::ops::Range;
 const WAVES_A_SHARE: usize = 16;
 
 /// Number of rounds in which waves are followed, a power of two. The waves of each round are spread evenly over all
-/// directions; after each round the limit of work decides whether the next one runs.
+/// directions. After each round the limit of work decides whether the next round runs.
 const ROUNDS: u32 = 64;
 
 /// The reflections of waves that passed the listener.
@@ -107,7 +107,7 @@ impl Candidates {
             .map(|span| span.first..span.first + span.count)
     }
 
-    /// Drops the vertices of the last wave after its last candidate.
+    /// Drops the vertices of the most recent wave that follow its last candidate.
     fn forget_vertices_behind(&mut self) {
         let end = self.spans.last().map_or(0, |span| span.first + span.count);
         self.vertices.truncate(end);
@@ -222,7 +222,7 @@ impl Follow<'_> {
     }
 
     /// The direction in which a wave with the initial direction `start` leaves the source, and the number of
-    /// reflections at an edge at the source before that.
+    /// reflections that it has before at an edge at the source.
     fn leave_edge(&self, start: DVec3, visit: &mut impl FnMut(Vertex)) -> (DVec3, u32) {
         let mut direction = start;
         for reflections in 0..self.order {

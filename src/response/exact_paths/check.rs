@@ -20,8 +20,8 @@ use super::surfaces::{Surfaces, Vertex};
 use crate::geometry::ExactScene;
 use glam::DVec3;
 
-/// Least cosine between a wave and a surface's normal: at this angle rounding along the wave is 10⁹ times the rounding
-/// across the surface, 10⁻⁶ of the scene's extent.
+/// Least cosine between a wave and a surface's normal. At this angle the rounding along the wave is 10⁹ times the
+/// rounding across the surface, which is 10⁻⁶ of the scene's extent.
 const GRAZING: f64 = 1e-9;
 
 /// Distance from an end at which the solid is probed, in *touches*: more than the distance of an end from its surface,
@@ -173,8 +173,8 @@ impl Checked<'_> {
         }
     }
 
-    /// The signed distance from the nearest surface at a probe next to a point on a surface, in this direction. Only
-    /// surfaces near the point itself matter.
+    /// The signed distance from the nearest surface to a probe point, which lies in this direction next to a point on a
+    /// surface. Only surfaces near the point on the surface are tested.
     fn value(&self, point: DVec3, direction: DVec3) -> f64 {
         let probe_m = PROBE_IN_TOUCHES * self.surfaces.touch;
         let probe = point + direction * probe_m;
@@ -235,7 +235,8 @@ impl EdgeStart<'_> {
     }
 
     /// The reflection at the source of a wave that starts along the unit vector `direction`; `None` if the wave leaves
-    /// freely. If it flies against several sheets, it hits the one over which it flies first.
+    /// freely. If the wave flies against several sheets, it hits the first sheet whose surface lies
+    /// below its flight.
     pub fn reflection(&self, direction: DVec3) -> Option<&Vertex> {
         let ahead = direction * (PROBE_IN_TOUCHES * self.surfaces.touch);
         let meets = |sheet: &&Vertex| {

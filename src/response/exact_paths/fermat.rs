@@ -29,8 +29,7 @@ const SPECULAR: f64 = 1e-10;
 /// 10⁻¹⁰.
 const SPECULAR_BY_DIFFERENCES: f64 = 1e-8;
 
-/// Maximum number of steps. Starting from a wave that passes close by, three to six are needed; at a focus about
-/// twenty.
+/// Maximum number of steps. From a wave that passes close by, three to six steps are needed; at a focus about twenty.
 const STEPS: usize = 60;
 
 /// Maximum number of halvings of a step, and of tenfold increases of Marquardt's parameter.

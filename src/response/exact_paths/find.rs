@@ -94,7 +94,7 @@ pub(super) fn find(
 }
 
 /// The distinct drafts, with the counts of equal drafts added up, and for each job the index of its draft. At foci
-/// every draft is kept: some may be in a shadow.
+/// every draft is kept, because some drafts may be obstructed.
 fn distinct(solved: Vec<Result<Draft, NoPath>>) -> (Vec<Draft>, Vec<Result<usize, NoPath>>) {
     let mut drafts: Vec<Draft> = Vec::new();
     let mut known: HashMap<Sequence, Vec<usize>> = HashMap::new();
@@ -201,8 +201,8 @@ impl Solver<'_> {
 /// Maximum number of waves of a sequence with a curved surface that the search starts from.
 const SOLVED_OF_A_SEQUENCE: usize = 512;
 
-/// Maximum number of waves at curved surfaces that the search starts from: a few seconds on one core, a fraction of a
-/// millisecond each.
+/// Maximum number of waves at curved surfaces that the search starts from. Each wave takes a fraction of a millisecond,
+/// and all waves take a few seconds on one core.
 const SOLVED_AT_CURVES: usize = 1 << 15;
 
 /// A sequence of surfaces to find a path for, and the points to start from.
@@ -246,7 +246,7 @@ impl<'a> Jobs<'a> {
         let mut jobs = Jobs {
             jobs: vec![Job {
                 vertices: &[],
-                // The direct sound is searched for whether a wave finds it or not.
+                // The direct sound is always searched for, even if no wave finds it.
                 found_by: FoundBy {
                     waves: 0,
                     search: true,

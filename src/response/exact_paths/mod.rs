@@ -16,17 +16,17 @@
 //! within their edges; each reflection comes from the air; and no surface obstructs it (users' fields are tested by
 //! their samples). `check.rs` has rules for cases that rounded arithmetic cannot decide.
 //!
-//! Near a focus every wave passes the listener: the number of waves from which the search starts is limited, see
-//! `find.rs`.
+//! Near a focus every wave passes the listener, so the number of waves from which the search starts is limited (see
+//! `find.rs`).
 //!
 //! Each wave that arrived has an [outcome](Found::outcomes). If it found a path, the path replaces the wave. If its
 //! surfaces are not exact, the wave is kept. All other waves passed through the listener's sphere, but no path leads to
 //! its centre.
 //!
 //! # Spreading
-//! A source of power 1 gives the listener the energy density 1/(4π A) in 1/m², where A is the area
-//! of the wave front per solid angle at the start, by ray differentials (Igehy 1999) with the
-//! curvatures of the surfaces. With planes only, A is the squared length.
+//! A source of power 1 gives the listener the energy density 1/(4π A) in 1/m², where A is the area of the wave front
+//! per solid angle at the start. A is computed by ray differentials (Igehy 1999) with the curvatures of the surfaces.
+//! With planes only, A is the squared length.
 //!
 //! # Foci
 //! Where a mirror focuses a front, A can be 0, and the density at a point infinite. A listener of radius r receives
@@ -183,8 +183,8 @@ impl EarlyPaths {
     /// ([`Room`](crate::scene::shape::Room), `Cuboid`, `Plane`, `HalfSpace`, `Prism`), moved, turned, scaled, inverted,
     /// united and cut. The sequences give paths, but they do not count among the waves that found these paths.
     ///
-    /// Returns the number of reflections up to which all sequences were tried: `order`, or less if there are more than
-    /// 131,072 images of the source; all sequences of one reflection are always tried.
+    /// Returns the number of reflections up to which all sequences were tried: `order`, or a smaller number if there
+    /// are more than 131,072 images of the source. All sequences of one reflection are always tried.
     pub fn add_planes(&self, ends: &Ends, order: u32, candidates: &mut Candidates) -> u32 {
         candidates::add_plane_sequences(&self.surfaces, ends, order, candidates)
     }

@@ -3,7 +3,7 @@
 //!
 //! # Spreading
 //! Ray differentials (Igehy, *Tracing ray differentials*, 1999): two rays next to the path's ray are followed to first
-//! order; they depart at angles of 1 rad per unit along two axes perpendicular to the path. Over a segment p′ grows by
+//! order. They depart at angles of 1 rad per unit along two axes perpendicular to the path. Over a segment p′ grows by
 //! t d′. At a surface with unit normal n, both rays are moved to the points where they hit the surface, p′ − d
 //! (p′·n)/(d·n), and mirrored with the normals there: d′ − 2 ((d·n) n′ + (d′·n + d·n′) n), n′ = S p′ with the shape
 //! operator S, which is ∇²f/|∇f| within the surface. In a room of planes the area is exactly the squared length.
@@ -93,8 +93,8 @@ pub(super) struct Draft {
     pub found_by: FoundBy,
 }
 
-/// Maximum difference between points of two paths that count as equal, and between their lengths, as a share of their
-/// length: the error of Newton's method is smaller, and paths with a smaller difference sound the same.
+/// Maximum difference between points of two paths that count as equal, and between lengths of two such paths, as a
+/// share of the length. The error of Newton's method is smaller, and paths with a smaller difference sound the same.
 const SAME: f64 = 1e-6;
 
 /// Maximum difference in radians between normals that count as equal, and between directions at the ends. Equal paths
@@ -118,7 +118,8 @@ pub(super) fn is_focus(area: f64, radius: f64) -> bool {
 
 impl Draft {
     /// Whether both drafts have the same points with the same normals, in any order, and the same directions at the
-    /// ends: in an edge one path has two sequences of surfaces, and a source in the edge is mirrored in each of them.
+    /// ends. In an edge one path has two sequences of surfaces, and a source in the edge is mirrored in each of these
+    /// surfaces.
     pub fn is_same_way(&self, other: &Draft) -> bool {
         let close = |(a, b): (&DVec3, &DVec3)| a.distance(*b) <= SAME * self.length;
         self.points.len() == other.points.len()
@@ -134,7 +135,7 @@ impl Draft {
         off(0).max(off(last))
     }
 
-    /// Whether both are mirrored by the same normals, in any order.
+    /// Whether both drafts are mirrored by the same normals, in any order.
     fn has_normals_of(&self, other: &Draft) -> bool {
         let mut left = other.normals.clone();
         self.normals.iter().all(|normal| {
@@ -145,7 +146,7 @@ impl Draft {
         })
     }
 
-    /// Whether both belong to one focus: there a whole area of a surface mirrors the source to the listener with equal
+    /// Whether both drafts belong to one focus: a whole area of a surface mirrors the source to the listener with equal
     /// lengths, and each wave finds a different point of the area.
     pub fn is_same_focus(&self, other: &Draft) -> bool {
         self.is_focus

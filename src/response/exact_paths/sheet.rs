@@ -21,7 +21,7 @@ use glam::{DMat3, DVec3};
 /// A smooth implicit function near a point: its zero set to second order.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Osculation {
-    /// Value ÷ |gradient|: the signed distance to first order, in metres, positive in the air.
+    /// Value ÷ |gradient|. This is the signed distance to first order, in metres, positive in the air.
     pub distance: f64,
     /// Unit gradient in world axes, into the air.
     pub normal: DVec3,
@@ -186,8 +186,8 @@ impl Sheet<'_> {
     }
 }
 
-/// The distance from a ring about y. With q = (ρ − ring, y) in the plane through the axis, its
-/// gradient is e = q/|q|; it bends by 1/|q| across the tube and by e_ρ/ρ about the axis.
+/// The distance from a ring about y. With q = (ρ − ring, y) in the plane through the axis, the gradient is e = q/|q|,
+/// and its derivatives are 1/|q| across the tube and e_ρ/ρ about the axis.
 fn torus(ring: f64, tube: f64, p: DVec3) -> Derivatives {
     let from_axis = p.x.hypot(p.z);
     let outwards = DVec3::new(p.x, 0.0, p.z) / from_axis;
@@ -302,7 +302,7 @@ pub(super) struct Search<'a> {
 }
 
 impl Way {
-    /// The start of the way, at the surface with this number and these axes.
+    /// The start of the path down a tree, at the surface with this number and these axes.
     pub fn to_surface(number: u32, frame: Frame) -> Way {
         let way = Way {
             frame,
@@ -313,7 +313,7 @@ impl Way {
         way.branch(number.into())
     }
 
-    /// The way continued to the branch with this number.
+    /// The path down the tree, continued to the branch with this number.
     pub fn branch(self, number: u64) -> Way {
         let id = fnv_with(self.id, number + 1);
         Way { id, ..self }
@@ -352,7 +352,7 @@ impl Way {
         }
     }
 
-    /// The way continued to the branch with these 64 bits.
+    /// The path down the tree, continued to the branch with these 64 bits.
     pub fn branch_of_bits(self, bits: u64) -> Way {
         self.branch(bits.rotate_left(20) >> 1)
     }
@@ -363,7 +363,7 @@ impl<'a> Search<'a> {
     pub fn flat(&mut self, normal: DVec3, offset: f64, way: Way, wall: Option<u8>) {
         let seen = way.frame.turn.transpose() * normal;
         let scale = seen.length();
-        // If the shape is elongated along the normal, the face vanishes in the gap.
+        // If the shape is elongated along the normal, there is no face in the gap.
         if scale == 0.0 {
             return;
         }

@@ -91,7 +91,7 @@ impl Surfaces {
         Some(search)
     }
 
-    /// The planes of the surfaces that lie in planes of their leaves, each with its surface's number. A plane that
+    /// The planes of all surfaces that consist of planes of their leaves, each with its surface's number. A plane that
     /// contains several leaves of a surface is returned once.
     pub fn planes(&self) -> Vec<(u32, Sheet<'_>)> {
         let flat = (1..)
@@ -117,13 +117,13 @@ impl Surfaces {
     /// Whether the sheet hit at `vertex` is a plane.
     pub fn is_flat(&self, vertex: &Vertex) -> bool {
         let index = (vertex.surface as usize).wrapping_sub(1);
-        // A surface with planes only needs no search for the sheet.
+        // A surface that has only planes needs no search for the sheet.
         self.have_planes_alone.get(index) == Some(&true)
             || self.sheet(vertex).is_some_and(|sheet| sheet.is_flat())
     }
 
-    /// The point on the surface with this number near a world point, by steps along the gradient of
-    /// its value; `None` if they do not converge.
+    /// The point near a world point on the surface with this number, by steps along the gradient of the surface's
+    /// value. `None` if the steps do not converge.
     pub fn onto(&self, surface: u32, point: DVec3) -> Option<Vertex> {
         /// Maximum number of Newton steps: near a surface three are enough.
         const STEPS: usize = 16;

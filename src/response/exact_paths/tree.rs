@@ -1,8 +1,8 @@
 //! Finds the sheets of a tree at a point, by descending to the leaves whose surface contains the point.
 //!
-//! The surface is the set of points with value = level. Unions, cuts and walls choose a child or change the level;
-//! moves, turns and copies change the axes. The descent ends at operators that blend or distort: there the sheet is the
-//! level of the whole subtree, with its derivatives as finite differences of its value.
+//! The surface is the set of points with value = level. Unions, cuts and walls choose a child or change the level.
+//! Moves, turns and copies change the axes. The descent ends at operators that blend or distort. The sheet of such an
+//! operator is the level of the whole subtree, with derivatives by finite differences of its value.
 
 use super::sheet::{Differenced, Form, Quadratic, Search, Way, outer};
 use crate::scene::shape::{
@@ -68,7 +68,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The first child, cut by the complements of all others.
+    /// The first child, cut by the complements of all other children.
     fn difference(&mut self, children: &'a [Shape], way: Way) {
         let p = way.frame.place(self.point);
         let outward = |index: usize| if index == 0 { 1.0 } else { -1.0 };
@@ -87,7 +87,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// If only one child has an influence on the value, the value is not blended.
+    /// If only one child influences the value, the value is not blended.
     fn smooth_union(&mut self, shape: &'a Shape, way: Way) {
         let p = way.frame.place(self.point);
         let value = shape.value(p);

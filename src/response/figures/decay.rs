@@ -3,7 +3,7 @@
 
 use super::pieces::Piece;
 
-/// The last decay in decibels of the record from which the tail is extrapolated, by ISO 3382-1:2009, 5.3.3.
+/// The last decay of the record, in decibels, from which the tail is extrapolated, by ISO 3382-1:2009, 5.3.3.
 const TAIL_DECAY_DB: f64 = 10.0;
 
 /// Factor by which the tail's window shrinks in each step of the search. The resulting rounding of the window is small

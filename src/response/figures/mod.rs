@@ -102,8 +102,8 @@ pub struct BandFigures {
 ///
 /// The error does not include errors common to all waves, such as paths that a wave cannot take. A
 /// [`Response`](crate::response::Response) adds the known effects of the listener's size and the effect of one further
-/// arrival. In bands with fewer than 64 arrivals it reports C50, C80 and G only with errors of at most 1 dB, D50 with
-/// at most 0.05 and Ts with at most 10 ms.
+/// arrival. In bands with fewer than 64 arrivals the response reports C50, C80 and G only with errors of at most 1 dB,
+/// D50 only with at most 0.05 and Ts only with at most 10 ms.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[non_exhaustive]
 pub struct Figures {
@@ -258,7 +258,7 @@ fn list(decay: &Decay) -> (List, DecayEnds) {
     let lines = DECAYS_DB.map(|(upper_db, lower_db)| decay.line(upper_db, lower_db));
     let [edt_s, t20_s, t30_s] = lines.map(|line| line.map(|line| line.time_s));
     let list = [
-        // EDT is six times a decay of 10 dB: beyond the record it does not describe traced sound.
+        // EDT is six times a decay of 10 dB. An EDT longer than the record does not describe traced sound.
         edt_s.filter(|edt_s| *edt_s <= decay.length_s()),
         t20_s,
         t30_s,

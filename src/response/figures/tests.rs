@@ -308,7 +308,7 @@ fn few_arrivals_have_larger_errors() {
         Figures::new(&[direct], &echogram, Some(0.01), 1.0).errors[0]
     };
     let [one, two, four, sixteen] = [1, 2, 4, 16].map(|arrivals| errors(arrivals).g_db.unwrap());
-    // Student's t at 1, 3 and 15 degrees of freedom, and the spread of the arrivals themselves: 1/√n.
+    // The factors are Student's t at 1, 3 and 15 degrees of freedom, and the spread of the arrivals themselves is 1/√n.
     assert!(
         one > two && two > 4.0 * four && four > 2.0 * sixteen,
         "{one} {two} {four} {sixteen}"

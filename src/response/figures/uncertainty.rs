@@ -34,7 +34,7 @@ pub(crate) struct CommonErrors {
 }
 
 impl CommonErrors {
-    /// Error of D50, derived from the error of C50, as C50 is 10 lg(D50 / (1 − D50)).
+    /// Error of D50, derived from the error of C50, because C50 is 10 lg(D50 / (1 − D50)).
     fn definition(&self, d50: f64) -> f64 {
         let change_in_db = 10.0 / (std::f64::consts::LN_10 * d50 * (1.0 - d50));
         self.clarity_db / change_in_db
@@ -122,8 +122,9 @@ pub(super) struct Halves {
 }
 
 impl Halves {
-    /// Computes every half and its complement: the sign of Sylvester's matrix determines whether batch b is in half h.
-    /// Its rows are orthogonal, and half of the entries in each row except the first are positive.
+    /// Computes every half and its complement. The sign of an entry of Sylvester's matrix determines whether batch b is
+    /// in half h. The rows of the matrix are orthogonal, and half of the entries in each row except the first are
+    /// positive.
     ///
     /// Each half has a separate time origin, so that the errors include the uncertainty of the common origin.
     pub fn new(record: &Record, direct_s: Option<f64>) -> Halves {

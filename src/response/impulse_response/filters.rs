@@ -33,8 +33,8 @@ impl Crossing {
         }
     }
 
-    /// The gain of a band's filter at a frequency. Below the lowest centre and above the highest, only the nearest band
-    /// has gain.
+    /// The gain of a band's filter at a frequency. Below the lowest and above the highest centre frequency, only the
+    /// nearest band has gain.
     pub(super) fn gain(self, band: usize, frequency_hz: f64) -> f64 {
         let place = (frequency_hz / REFERENCE_HZ).log2() + REFERENCE_BAND;
         let place = place.clamp(0.0, (BAND_COUNT - 1) as f64);
@@ -161,7 +161,7 @@ pub(super) fn add_tap(samples: &mut [f64], place: f64, amplitude: f64) {
     add_from(samples, first, impulse.map(|value| amplitude * value));
 }
 
-/// Adds values from an index on; those before the first sample or after the last are dropped.
+/// Adds values from an index on. Values before the first sample or after the last sample are dropped.
 pub(super) fn add_from(samples: &mut [f64], first: i64, values: impl Iterator<Item = f64>) {
     for (index, value) in (first..).zip(values) {
         let index = usize::try_from(index).ok();
@@ -216,7 +216,7 @@ impl Gauss {
     }
 }
 
-/// The noise generators of one band: one common to all channels, and one for each channel.
+/// The noise generators of one band: one generator common to all channels, and one for each channel.
 struct Noises {
     common: Gauss,
     own: [Gauss; MOST_CHANNELS],

@@ -115,9 +115,9 @@ impl TryFrom<SettingsFile> for ImpulseSettings {
 ///   centres. The peak of a tap is therefore at its time for all energies of its bands. Taps at the same time add their
 ///   amplitudes, while figures add their energies.
 /// - **The echogram** becomes Gaussian noise, independent for each band and with zero mean, with the energy of each
-///   bin. The noise is then filtered to its octave; the filters' powers add up to 1. A filter spreads the energy of a
-///   bin in time, by about 20 ms at 63 Hz and less than 1 ms from 2 kHz on, in both directions: no filter is sharp both
-///   in time and in frequency.
+///   bin. The noise is then filtered to its octave. The powers of all filters add up to 1. A filter spreads the energy
+///   of a bin in time, by about 20 ms at 63 Hz and less than 1 ms from 2 kHz on, in both directions, because no filter
+///   is sharp both in time and in frequency.
 /// - **Binaural**: each tap is convolved with the HRIRs of its direction, at its exact time. The noise consists of
 ///   independent signals from 32 directions around the listener, each filtered by the HRIRs of its direction. If the
 ///   mean direction of a bin and band has the length m (0 diffuse, 1 one wave), the share 1 − m comes evenly from all

@@ -135,7 +135,8 @@ impl Importance {
         numbers.map(start).collect()
     }
 
-    /// The sum of the probabilities: 1, apart from the approximation of each cell's size by its value at the middle.
+    /// The sum of the probabilities. It is 1, apart from the approximation of each cell's size by the size at its
+    /// middle.
     fn total(&self) -> f64 {
         self.cumulative[self.cumulative.len() - 1]
     }
@@ -208,7 +209,7 @@ impl Cells {
         }
     }
 
-    /// The cell that was [divided](Cells::divided) into `cell` and others.
+    /// The cell from which `cell` was [divided](Cells::divided).
     pub fn undivided(self, cell: usize, times: usize) -> usize {
         let (row, column) = (cell / self.along, cell % self.along);
         let along = self.along / times;

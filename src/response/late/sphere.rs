@@ -162,7 +162,7 @@ impl NearScattering {
         NearScattering {
             own: like.without_arrivals(),
             wide: like.without_arrivals(),
-            // At most all of the energy, even with source and listener at the same point on a wall.
+            // The bias is at most the whole energy, even with source and listener at the same point on a wall.
             bias: if is_wider {
                 (BIAS * square).min(1.0)
             } else {
@@ -189,14 +189,14 @@ impl NearScattering {
         if wide == 0.0 {
             return 0.0;
         }
-        // The weight from variances 1/own and 1/wide + bias², written without a division by 0.
+        // Computes the weight from the variances 1/own and 1/wide + bias², without a division by 0.
         1.0 / (1.0 + own * (1.0 / wide + self.bias.powi(2)))
     }
 }
 
-/// The squared distance in m² from the listener to the nearest image of the source in a scattering surface, from
-/// distances only: for a plane, (distance between both)² + 4 · (distance of the source) · (distance of the listener). ∞
-/// without scattering.
+/// The squared distance in m² from the listener to the nearest image of the source in a scattering surface; ∞ without
+/// scattering surfaces. It is computed as for a plane: d² + 4 s l, with the distance d between source and listener, the
+/// distance s of the source from the surface, and the distance l of the listener from the surface.
 fn nearest_image_m2(pair: Pair) -> f64 {
     let scene = pair.scene;
     let (source, listener) = (pair.source.position, pair.listener.position);

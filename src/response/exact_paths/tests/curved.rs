@@ -102,7 +102,7 @@ fn a_hollow_ball_gathers_as_the_mirrors_equation_says() {
 }
 
 /// Protects the scale of spreading: the energy mirrored by a ball, integrated over a distant sphere, is the energy that
-/// the ball intercepts, (1 − √(1 − R²/d²))/2 of the source's power. The density is constant around the axis; along the
+/// the ball intercepts, (1 − √(1 − R²/d²))/2 of the source's power. The density is constant around the axis. Along the
 /// axis Simpson's rule over 2000 parts integrates it, accurate to 1e-5 for a density that has a kink at the shadow's
 /// border.
 #[test]

@@ -194,7 +194,7 @@ fn a_turned_shoebox_has_them_too() {
     let place = Vec3::new(30.0, -4.0, 11.0);
     let room = Surface::new(Room { size: SIZE }).at(place).turned(turn);
     let mut scene = scene(vec![room], Vec3::ZERO, Vec3::ZERO);
-    // Positions are f32: when converted to the room's axes they are off by 1e-6 m.
+    // Positions are f32: their error is 1e-6 m after conversion to the room's axes.
     scene.sources[0].position = place + turn * SOURCE;
     scene.listeners[0].position = place + turn * LISTENER;
     let paths = found(&scene, 16_384, 3, f64::INFINITY).paths;
@@ -354,8 +354,7 @@ fn users_fields_are_not_exact() {
     assert_eq!(found.outcomes, [Err(NoPath::NotExact)]);
 }
 
-/// Protects the estimate of missed paths: with many waves it is small, with few it is large, and without waves it is
-/// `None`.
+/// Protects the estimate of missed paths: it is small with many waves, large with few waves, and `None` without waves.
 #[test]
 fn few_waves_say_that_they_miss_much() {
     let size = Vec3::new(20.0, 5.0, 13.0);

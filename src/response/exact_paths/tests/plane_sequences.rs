@@ -152,8 +152,8 @@ fn a_source_on_a_wall_has_the_paths_of_one_next_to_it() {
     }
 }
 
-/// Protects a source in a corner from having fewer paths: all paths of up to eight reflections are known there too, in
-/// a room and in a hollow box.
+/// Protects a source in a corner from having fewer paths: all paths of up to eight reflections are also known from a
+/// corner, in a room and in a hollow box.
 #[test]
 fn a_source_in_a_corner_has_all_its_images() {
     let size = Vec3::new(8.0, 3.0, 5.0);
@@ -231,7 +231,8 @@ fn edges_of_a_box_mirror_no_sound_twice() {
 }
 
 /// Protects the loudness of a source or a listener at the foot of a box on the floor: the floor mirrors it once, and
-/// the faces that end there do not mirror beyond their edges. The same holds for one field and for two surfaces.
+/// the faces that end there do not mirror beyond their edges. This is tested for box and floor as one field and as two
+/// surfaces.
 #[test]
 fn the_foot_of_a_box_is_mirrored_by_the_floor_alone() {
     let floor = HalfSpace {
@@ -278,7 +279,7 @@ fn a_wall_mirrors_what_flies_along_it() {
             paths.iter().map(|p| p.length_m).collect::<Vec<f64>>()
         };
         let near = lengths(1e-4);
-        // None to four reflections have 1, 6, 18, 38 and 66 images.
+        // There are 1, 6, 18, 38 and 66 images with none to four reflections.
         assert_eq!(near.len(), 129);
         for off in [0.0, 1e-6] {
             let at = lengths(off);
