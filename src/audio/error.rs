@@ -182,7 +182,7 @@ pub enum AudioError {
         /// Channels of the file.
         channels: u16,
     },
-    /// Slices for one and for two channels whose lengths do not match.
+    /// Slices for one channel and for two channels whose lengths do not match.
     #[error(
         "{stereo} stereo samples for {mono} mono samples: there must be two stereo samples for each mono sample"
     )]

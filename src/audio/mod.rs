@@ -1,8 +1,8 @@
 //! Audio output: turns a mono sound and one pan per video frame into two channels.
 //!
-//! This is the third part of the thesis (P. Sjöberg, 2011, section 3.2.4). It needs neither a graphics card nor a sound
-//! card: a [`Sound`] fills a mono slice, a [`Mixer`] turns that slice into an interleaved stereo slice (left, right,
-//! left, right, …), and a player or a [`WavWriter`] outputs it.
+//! This module is the third part of the thesis (P. Sjöberg, 2011, section 3.2.4). It needs neither a graphics card nor
+//! a sound card. A [`Sound`] fills a mono slice, a [`Mixer`] turns that slice into an interleaved stereo slice (left,
+//! right, left, right, …), and a player or a [`WavWriter`] outputs the stereo slice.
 //!
 //! # Theory
 //! The tracer returns one *pan* for each video frame, −1 for all left and +1 for all right. A [`PanningLaw`] turns the

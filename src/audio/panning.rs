@@ -139,7 +139,7 @@ impl Mixer {
         self.law
     }
 
-    /// The gains of the last mixed sample; `None` before the first.
+    /// The gains of the last mixed sample; `None` before the first sample.
     pub fn current(&self) -> Option<Gains> {
         self.current
     }
@@ -249,8 +249,8 @@ impl FrameBlocks {
     }
 }
 
-/// Rejects frames longer than a quarter of an hour, and frames below a microsecond, which contain no sample at any
-/// rate.
+/// Rejects frames longer than a quarter of an hour, and frames shorter than a microsecond, which contain no sample at
+/// any rate.
 fn is_usable(fps: f64) -> bool {
     (1e-3..=1e6).contains(&fps)
 }

@@ -294,7 +294,7 @@ mod tests {
     }
 
     /// Protects loops from clicks: if the end of a clip does not match its start, no step is larger than a step of the
-    /// fade over the seam.
+    /// cross-fade.
     #[test]
     fn a_clip_that_does_not_fit_itself_starts_over_without_a_click() {
         let ramp: Vec<f32> = (0..LENGTH).map(|n| n as f32 / LENGTH as f32).collect();

@@ -64,9 +64,9 @@ impl Sound {
     /// Creates the sound at `sample_rate` samples per second.
     ///
     /// A WAV file of several channels is mixed to their mean. A file of another rate is resampled with a linear-phase
-    /// filter whose delay is removed: a sound that starts at `t` seconds in the file starts at `t` seconds here, and
-    /// `n` samples become `n · sample_rate / rate`, rounded. Resampling keeps frequencies below half of both rates,
-    /// except a narrow band below half the lower rate, and may slightly exceed full scale.
+    /// filter whose delay is removed. A sound that starts at `t` seconds in the file starts at `t` seconds in the
+    /// result, and `n` samples become `n · sample_rate / rate`, rounded. Resampling keeps frequencies below half of
+    /// both rates, except in a narrow band below half the lower rate. Resampled sound may slightly exceed full scale.
     ///
     /// # Errors
     /// [`AudioError::BadSampleRate`] for a rate outside [`Sound::SAMPLE_RATES`];
@@ -97,7 +97,7 @@ impl Sound {
 
     /// Sets the position so that sample number `sample`, counted from 0, is the next sample. Does not allocate.
     ///
-    /// The numbers of a looping clip continue past its end; without looping, silence follows the end.
+    /// The sample numbers of a looping clip continue past its end. Without looping, silence follows the end.
     pub fn seek(&mut self, sample: u64) {
         self.signal.seek(sample);
     }

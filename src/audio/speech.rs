@@ -8,9 +8,9 @@
 //! a phrase that ends in a pause. The vowel, length, accent and hissed consonant of a slot are hashed from the seed and
 //! the slot's number. Formants glide between the vowels.
 //!
-//! A sample depends only on its number, the rate and the seed: the phase is the pitch's integral in
-//! closed form, counted from the start of the phrase, where the voice is silent. The amplitudes are
-//! computed every 5 ms and interpolated linearly.
+//! A sample depends only on its number, the rate and the seed. The phase is the pitch's integral in closed form,
+//! counted from the start of the phrase, where the voice is silent. The amplitudes are computed every 5 ms and
+//! interpolated linearly.
 
 use super::Signal;
 use std::f64::consts::TAU;
@@ -136,8 +136,8 @@ impl Speech {
         self.at = Some(hop);
     }
 
-    /// The sum of the harmonics at a phase of the pitch; each harmonic is computed from the previous one with the
-    /// addition theorem.
+    /// The sum of the harmonics at a phase of the pitch. Each harmonic is computed from the previous harmonic with the
+    /// angle addition formulas.
     fn sum(&self, along: f32, phase_turns: f64) -> f32 {
         let (sin, cos) = (TAU * phase_turns).sin_cos();
         let (step_cos, step_sin) = (cos as f32, sin as f32);
@@ -271,7 +271,7 @@ impl Speech {
         smooth(time / 0.02) * smooth((0.07 - time) / 0.03)
     }
 
-    /// Noise around [`HISS_HZ`]: random knots, joined smoothly, times a carrier.
+    /// Noise around [`HISS_HZ`]: random values, interpolated smoothly, times a carrier.
     fn hiss(&self, time: f64) -> f64 {
         let at = time * HISS_KNOTS_HZ;
         let knot = at.floor();
@@ -312,7 +312,7 @@ impl Moment {
     }
 }
 
-/// A smooth step: 0 below 0, 1 above 1, without a corner in between.
+/// A smooth step from 0 to 1: 0 for x below 0 and 1 for x above 1, with a continuous slope.
 fn smooth(x: f64) -> f64 {
     let x = x.clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)

@@ -113,7 +113,8 @@ impl WavWriter {
     ///
     /// # Errors
     /// [`AudioError::WriteWav`] if writing to the disk fails, [`AudioError::WavTooLong`] past 4 GiB, and
-    /// [`AudioError::CutFrame`] if the samples are not a whole number of frames: then nothing is written.
+    /// [`AudioError::CutFrame`] if the samples are not a whole number of frames. In the last two cases nothing is
+    /// written.
     pub fn write(&mut self, interleaved: &[f32]) -> Result<(), AudioError> {
         let channels = usize::from(self.channels);
         if !interleaved.len().is_multiple_of(channels) {

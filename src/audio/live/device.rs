@@ -81,7 +81,7 @@ pub(super) fn forget_broken(error: &LiveError) {
 /// library on all threads.
 #[cfg(target_os = "linux")]
 fn hush() {
-    // If this fails, the messages are shown, which is harmless.
+    // If this call fails, the messages are shown, which is harmless.
     let _ = alsa::Output::local_error_handler();
     hush_jack();
 }

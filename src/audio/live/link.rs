@@ -102,7 +102,7 @@ impl Link {
         }
     }
 
-    /// Records a callback: the time of the call and the playback time of its samples.
+    /// Measures a callback: whether it is late, and the latency until its samples are played.
     fn note(
         &self,
         info: &OutputCallbackInfo,
@@ -120,7 +120,7 @@ impl Link {
         let time = info.timestamp();
         let latency = time.playback.saturating_duration_since(time.callback);
         let latency_us = u64::try_from(latency.as_micros()).ok();
-        // Zero is reported as long as the latency is unknown.
+        // A latency of zero means that the sound system does not know the latency yet.
         self.shared
             .set_latency_us(latency_us.filter(|&latency_us| latency_us > 0));
         self.shared.callback_frames.store(frames as u32, Relaxed);

@@ -97,7 +97,7 @@ pub struct LiveStatus {
     pub is_recording: bool,
     /// Frames that the current or last recording lost because the disk was too slow.
     pub dropped_frames: u64,
-    /// Whether a sound is loaded; false if none could be loaded at the device's rate.
+    /// Whether a sound is loaded; false if loading at the device's rate failed.
     pub has_sound: bool,
     /// The last error, as a sentence. It is kept after recovery.
     pub last_error: Option<String>,
@@ -219,8 +219,8 @@ impl Live {
 
     /// Starts to write the output to a WAV file of 32-bit float samples, at the device's rate.
     ///
-    /// The recording pauses while there is no device. It ends if the device comes back at another rate than the written
-    /// samples have, if the disk is full, or after 4 GiB. [`status`](Self::status) reports the reason, and a new
+    /// The recording pauses while there is no device. It ends if the device comes back at a rate that differs from the
+    /// file's rate, if the disk is full, or after 4 GiB. [`status`](Self::status) reports the reason, and a new
     /// recording may then begin.
     ///
     /// Until the file is complete, its name is `path` followed by `-`, six letters and `.part.wav`. Except for the last

@@ -26,9 +26,9 @@ pub(super) struct Shared {
     /// 0 to 1, as the bits of an `f32`.
     volume: AtomicU32,
     law: AtomicU8,
-    /// Whether a device is open; if not, the levels are outdated.
+    /// Whether a device is open. If no device is open, the levels are outdated.
     pub(super) is_open: AtomicBool,
-    /// Whether the output fades to silence, before a stream is closed.
+    /// Whether the output fades to silence because a stream is about to be closed.
     pub(super) is_muted: AtomicBool,
     /// Whether that fade is complete, including the block in which it ends.
     pub(super) has_faded: AtomicBool,
@@ -102,7 +102,7 @@ impl Shared {
         self.pan_set_us.store(0, Relaxed);
     }
 
-    /// Milliseconds until a callback applied a pan, smoothed; `None` before the first.
+    /// Milliseconds until a callback applied a pan, smoothed; `None` before the first pan.
     pub(super) fn pan_waited_ms(&self) -> Option<f64> {
         told(self.pan_waited_us.load(Relaxed))
     }
@@ -174,7 +174,7 @@ impl Shared {
     }
 }
 
-/// Smooths a value by moving it part of the way towards another.
+/// Smooths a value by moving it part of the way towards another value.
 fn glide(from: u64, to: u64) -> u64 {
     (from as f64 + FRESH * (to as f64 - from as f64)).round() as u64
 }
