@@ -48,7 +48,8 @@ impl<const BANDS: usize> DelayLine<BANDS> {
         self.written += length as u64;
     }
 
-    /// The frame `delay` + [`REACH`] samples before the frame that was written `back` frames before the newest.
+    /// The frame that lies `delay` + [`REACH`] samples before a frame. That frame was written `back` frames before the
+    /// newest.
     pub fn read(&self, back: usize, delay: f64) -> [f32; BANDS] {
         let whole = delay.ceil();
         let place = (whole - delay) * PHASES as f64;

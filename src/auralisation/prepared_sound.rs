@@ -199,7 +199,8 @@ pub struct HeardParts {
 }
 
 impl HeardParts {
-    /// Numbers per echo: its key in two halves, its delay, gains by channel, amplitudes by band, their mean.
+    /// Numbers per echo: its key in two halves, its delay, its gains by channel, its amplitudes by band, and their
+    /// mean.
     const ECHO: usize = 2 + 1 + CHANNELS + BAND_COUNT + 1;
 
     /// Bits of half a key, which a float holds exactly.

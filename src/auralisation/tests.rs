@@ -70,7 +70,7 @@ fn amplitude_at(samples: &[f32], frequency_hz: f64) -> f64 {
     real.hypot(imaginary)
 }
 
-/// Protects the delay of an echo to the sample, with and without bands, and its amplitude.
+/// Protects the delay of an echo, accurate to a sample, and its amplitude, with and without bands.
 #[test]
 fn an_echo_comes_when_it_shall() {
     for has_bands in [false, true] {
