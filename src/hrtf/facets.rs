@@ -71,7 +71,8 @@ impl Facets {
         self.within(from).unwrap_or_else(|| self.nearest(from))
     }
 
-    /// The weights in the facet that contains the direction most clearly.
+    /// The weights in the facet that contains the direction. If several facets contain the direction, the facet with
+    /// the largest minimum weight is used.
     fn within(&self, from: DVec3) -> Option<[Weight; 3]> {
         let mut best = (-EDGE, None);
         for facet in &self.facets {

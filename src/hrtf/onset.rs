@@ -1,9 +1,9 @@
 //! Finds the onset of head-related impulse responses, and moves them to a common onset.
 //!
 //! The onset is the delay at which a response is most similar to its own minimum-phase version (J. Nam, J. S. Abel and
-//! J. O. Smith, *A Method for Estimating Interaural Time Difference for Binaural Synthesis*, AES 125, 2008): the
-//! maximum of their cross-correlation, interpolated between samples. Unlike an onset found by a threshold, it does not
-//! jump from one peak to another in the head's shadow.
+//! J. O. Smith, *A Method for Estimating Interaural Time Difference for Binaural Synthesis*, AES 125, 2008). It is the
+//! maximum of the cross-correlation of the two, interpolated between samples. Unlike an onset found by a threshold, it
+//! does not jump from one peak to another in the head's shadow.
 
 use super::{Hrir, HrirPair, MARGIN, MeasuredHrir};
 use rayon::prelude::*;
@@ -97,8 +97,7 @@ impl OnsetFinder {
     }
 }
 
-/// Shifts responses by any number of samples, integer or fractional: exactly, for frequencies below half the sampling
-/// rate.
+/// Shifts responses by any number of samples, integer or fractional. Below half the sampling rate the shift is exact.
 struct Mover {
     samples: usize,
     length: usize,
@@ -185,7 +184,7 @@ fn peak(values: &[f64]) -> f64 {
 /// Responses with a common onset.
 pub(super) struct Aligned {
     pub(super) pairs: Vec<HrirPair>,
-    /// The common onset, in seconds after their first sample.
+    /// The common onset, in seconds after the first sample of the responses.
     pub(super) onset_s: f64,
 }
 

@@ -41,7 +41,7 @@ fn pressure(ka: f64, cosine: f64) -> Complex<f64> {
         let derivative = before - here * ((order + 1.0) / ka);
         let term = turn * ((2.0 * order + 1.0) * legendre) / derivative;
         sum += term;
-        // Legendre polynomials may be 0: the bound without them decides when the series ends.
+        // The Legendre polynomials may be 0, so a bound without them decides when the series ends.
         if (2.0 * order + 1.0) / derivative.norm() < 1e-9 && order > ka {
             return (sum / (ka * ka)).conj();
         }

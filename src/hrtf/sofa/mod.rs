@@ -154,7 +154,7 @@ fn bad_value(variable: &'static str, reason: String) -> SofaProblem {
     SofaProblem::BadValue { variable, reason }
 }
 
-/// Least sine of the angle between view and up: at a smaller sine they do not define axes.
+/// Least sine of the angle between view and up. Vectors with a smaller sine do not define axes.
 const LEAST_SINE: f64 = 1e-3;
 
 /// The direction of each source, and its distance in metres.

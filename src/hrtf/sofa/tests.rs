@@ -42,7 +42,7 @@ fn measured_directions_have_their_responses() {
         let pair = set.pair(from);
         for (hrir, place) in [(&pair.left, left), (&pair.right, right)] {
             let (level, at) = peak(hrir);
-            // The mean delay over all directions is 24 samples; `at` counts from it.
+            // The mean delay over all directions is 24 samples, and `at` is relative to this mean.
             assert!((at - (place - 24.0)).abs() < 0.3, "{from}: {at} {place}");
             // A position is rounded to whole samples, but its level is not.
             assert!((f64::from(level) - (1.0 - place / 64.0)).abs() < 0.5 / 64.0);
