@@ -250,7 +250,7 @@ mod tests {
         }
     }
 
-    /// Protects the reader from a bar with an odd length or label.
+    /// Protects the reader from a bar with an uneven length or a wrong label.
     #[test]
     fn lengths_are_round_and_labelled() {
         let cases = [

@@ -101,7 +101,7 @@ pub struct SliceOptions {
     pub paths: u32,
     /// Paths traced earlier, as returned by [`Tracer::paths`], drawn on top of the paths of `paths` waves.
     pub also: Vec<Vec<Wave>>,
-    /// Settings for tracing these waves; their number is `paths`, not `settings.waves`.
+    /// Settings for tracing the waves of `paths`. The number of waves is `paths`, not `settings.waves`.
     pub settings: Settings,
     /// Whether to draw a scale bar in the lower left, and a legend of the path colours in the upper left.
     pub scale_bar: bool,
@@ -200,7 +200,7 @@ pub(super) fn cut(
     draw(context, &shader, plan.width, plan.height)
 }
 
-/// Metres between isolines of the distance: 1, or more to leave 12 pixels between lines.
+/// Distance between isolines of the distance field in metres: 1, or more to leave 12 pixels between lines.
 fn isoline(metres: f32) -> f32 {
     let least = 12.0 * metres;
     if (0.1..=1.0).contains(&least) {

@@ -109,7 +109,7 @@ const PROGRAMS_KEPT: NonZeroUsize = NonZeroUsize::new(4).unwrap();
 struct Shown {
     eye: Eye,
     surfaces: Vec<Surface>,
-    /// Pixels of the coarse picture, and of the window.
+    /// Size in pixels of the coarse picture, and of the window.
     size: [u32; 2],
     full: [u32; 2],
 }
