@@ -57,7 +57,7 @@ fn sweep_is_heard() -> bool {
     let places = places
         .split_whitespace()
         .filter_map(|word| word.parse().ok());
-    // The sound is in the middle until the first position is set.
+    // The sound is in the centre until the first position is set.
     let places: Vec<f64> = [0.5].into_iter().chain(places).collect();
     assert!(places.len() > PLACES as usize);
     // Intervals of 50 ms, over which the noise's level is known to 0.1 dB.

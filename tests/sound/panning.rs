@@ -139,7 +139,7 @@ fn sweep(law: PanningLaw) {
     let (left, right) = (channel(0), channel(1));
     assert!(largest_step(&left) <= allowed, "{law}");
     assert!(largest_step(&right) <= allowed, "{law}");
-    // Levels over tenths of a second, each of which contains 44 whole periods.
+    // Levels over tenths of a second, each with 44 whole periods.
     let levels = |samples: &[f32]| -> Vec<f64> { samples.chunks_exact(4800).map(rms).collect() };
     assert!(levels(&left).is_sorted_by(|a, b| a > b), "{law}");
     assert!(levels(&right).is_sorted_by(|a, b| a < b), "{law}");
