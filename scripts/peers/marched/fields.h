@@ -105,7 +105,7 @@ struct Cave {
         return -air;
     }
 
-    // A cone about y with its apex up, by the segments of its outline.
+    // A cone about y with its apex up, from the distances to the line segments of its outline.
     template <class Number>
     static Number cone(const Point<Number> &p, float radius, float half) {
         const float slant = std::sqrt(4 * half * half + radius * radius);
