@@ -5,7 +5,7 @@ use glam::DVec3;
 
 /// One crossing of the listener's sphere by a wave.
 ///
-/// The listener is transparent. A crossing is one sample of the energy density at the listener: its expectation over
+/// The listener is transparent. A crossing is one sample of the energy density at the listener. Its expected value over
 /// the waves is the mean density over the sphere's open volume (M. Vorländer, *Auralization*, 2008, section 11.3:
 /// detectors with a volume).
 #[derive(Clone, Copy, Debug, PartialEq)]

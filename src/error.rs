@@ -1,4 +1,5 @@
-//! The error type of all public functions: each returns [`Error`], or one of the types in it.
+//! The error type of all public functions. Each function returns [`Error`], or one of the types that [`Error`]
+//! contains.
 
 pub use crate::file_input::{InputError, MalformedText};
 #[cfg(feature = "picture")]

@@ -301,7 +301,7 @@ fn is_link(_: &io::Error) -> bool {
     false
 }
 
-/// The number of names of a file: two or more with hard links; one if the system cannot count them.
+/// The number of names of a file: more than one if it has hard links; one if the system cannot count them.
 #[cfg(unix)]
 pub fn count_names(about: &Metadata) -> u64 {
     use std::os::unix::fs::MetadataExt;
@@ -338,7 +338,7 @@ pub fn note_output(path: &Path) {
     }
 }
 
-/// Whether `path` leads to a file that was read as an input, through any path, symbolic or hard link.
+/// Whether `path` leads to a file that was read as an input, possibly through another path or a symbolic or hard link.
 pub fn is_input(path: &Path) -> bool {
     let is_regular = std::fs::metadata(path).is_ok_and(|about| about.is_file());
     if !is_regular {
@@ -352,7 +352,7 @@ pub fn is_input(path: &Path) -> bool {
         .any(|input| real.as_ref() == Some(input) || (file.is_some() && identity(input) == file))
 }
 
-/// The identity of a file, equal for all paths to it: its device and its number on that device.
+/// The identity of a file, which is equal for all paths to the file: its device and its number on that device.
 #[cfg(unix)]
 fn identity(path: &Path) -> Option<(u64, u64)> {
     use std::os::unix::fs::MetadataExt;

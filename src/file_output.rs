@@ -362,8 +362,8 @@ mod tests {
         assert_eq!(std::fs::read(&real).unwrap(), b"new");
     }
 
-    /// Protects files outside a folder from names that the program chooses in it: links with such names are neither
-    /// followed nor replaced, even if they are dangling.
+    /// Protects files outside a folder from names that the program chooses in the folder: links with such names are
+    /// neither followed nor replaced, even if they are dangling.
     #[cfg(unix)]
     #[test]
     fn links_inside_a_folder_are_refused() {

@@ -103,7 +103,7 @@ extern crate self as echomarch;
 #[cfg(test)]
 mod test_common;
 
-/// Checks the statements on threads above at compile time.
+/// Checks the rules for threads above at compile time.
 const _: () = {
     const fn may_move<T: Send>() {}
     may_move::<Scene>();

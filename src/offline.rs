@@ -27,7 +27,7 @@ impl Timing {
         Timing { seconds, fps }
     }
 
-    /// Number of frames; the last one is cut at the end of the duration.
+    /// Number of frames. The last frame is cut at the end of the duration.
     pub fn frames(&self) -> u64 {
         // Smaller fractions of a frame are rounding errors: at 1000 frames per second this fraction is far below one
         // sample.
@@ -40,7 +40,8 @@ impl Timing {
         (self.seconds * f64::from(Sound::SAMPLE_RATE)).round() as u64
     }
 
-    /// Samples of the longest block, and for each frame its number, its start time in seconds and its samples.
+    /// The number of samples of the longest block, and the number, the start time in seconds and the number of samples
+    /// of each frame.
     fn blocks(self) -> Result<(usize, impl Iterator<Item = (u64, f64, usize)>), Error> {
         let blocks = FrameBlocks::new(self.fps, Sound::SAMPLE_RATE)?;
         let (longest, end) = (blocks.longest(), self.samples());
@@ -130,7 +131,7 @@ const FADE_MARGIN: u32 = 2048;
 /// Number of times, from the start to the end of the scene's paths, at which the length of the responses is estimated.
 const MOMENTS: u32 = 3;
 
-/// The longest response by default, in seconds: later reverberation is hardly audible behind continuous sound.
+/// The longest response by default, in seconds. Later reverberation is hardly audible behind continuous sound.
 const LONGEST_S: f64 = 3.0;
 
 /// Settings of full listening to a scene.
@@ -306,7 +307,7 @@ impl<'a> Playing<'a> {
         self.fade_late()
     }
 
-    /// Computes the late part from the last response, if there is a new one.
+    /// Computes the late part from the last response if this response has not been used yet.
     fn make_late(&mut self, axes: &ListenerAxes, settings: &FullSettings) -> Result<(), Error> {
         let Some(response) = self.response.take() else {
             return Ok(());

@@ -194,7 +194,7 @@ mod tests {
         assert_eq!(median([]), 0.0);
     }
 
-    /// Protects the definition: at the positions of type 7, types 1 to 6 give other values.
+    /// Protects the definition: types 1 to 6 give other values than type 7 for these shares.
     #[test]
     fn quantiles_are_interpolated_between_order_statistics() {
         let ten = || (1..=10).rev().map(f64::from);

@@ -25,7 +25,7 @@ pub fn there_is_no(what: &str, typed: &str, known: &[&str]) -> String {
     which_there_are(&format!("there is no {what} {typed:?}"), typed, known)
 }
 
-/// Appends the known name most similar to the typed one to the message, or all known names if none is similar.
+/// Appends the most similar known name to the message, or all known names if none is similar.
 pub fn nearest_or_all(refused: &str, typed: &str, known: &[&str]) -> String {
     match nearest(typed, known.iter().copied()) {
         Some(nearest) => format!("{refused}; did you mean {nearest}?"),
@@ -33,7 +33,7 @@ pub fn nearest_or_all(refused: &str, typed: &str, known: &[&str]) -> String {
     }
 }
 
-/// Appends all known names, and the one most similar to the typed name, to a message.
+/// Appends all known names, and the known name that is most similar to the typed name, to a message.
 pub fn which_there_are(refused: &str, typed: &str, known: &[&str]) -> String {
     let told = format!("{refused}; there are: {}", known.join(", "));
     match nearest(typed, known.iter().copied()) {
@@ -42,7 +42,7 @@ pub fn which_there_are(refused: &str, typed: &str, known: &[&str]) -> String {
     }
 }
 
-/// The text in one line, for a terminal: invisible characters (escape codes and other controls, ends of lines, changes
+/// The text in one line, for a terminal. Invisible characters (escape codes and other controls, ends of lines, changes
 /// of direction, zero-width spaces) are escaped as in Rust.
 pub fn in_a_line(text: &str) -> Cow<'_, str> {
     spelled_out(text, |_| false)
