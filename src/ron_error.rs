@@ -166,9 +166,10 @@ fn of_form(code: &Error, around: Around) -> Option<String> {
             };
             around.must_be("a list in brackets", &example)
         }
-        Error::ExpectedStructLike => {
-            around.must_be("in parentheses", "(…), as three numbers are: (x, y, z)")
-        }
+        Error::ExpectedStructLike => around.must_be(
+            "in parentheses",
+            "(…), for example three numbers: (x, y, z)",
+        ),
         Error::ExpectedNamedStructLike(name) => format!("expected {name}(…) here"),
         Error::ExpectedMap => around.must_be("names and values in braces", "{\"name\": …}"),
         Error::ExpectedString => match around.found {

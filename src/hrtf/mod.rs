@@ -310,7 +310,7 @@ pub enum HrirError {
         values: u64,
     },
     /// A response whose length differs from that of the first response.
-    #[error("measurement {index} has {samples} samples where the first has {expected}")]
+    #[error("measurement {index} has {samples} samples, but the first has {expected}")]
     UnevenLength {
         /// Index of the measurement, from 0.
         index: usize,

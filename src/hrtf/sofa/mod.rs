@@ -170,7 +170,7 @@ fn directions(file: &Variables, count: usize) -> Result<(Vec<DVec3>, Vec<f64>), 
         let axes = axes(view[index], up[index])?;
         let from = axes.transpose() * (sources[index] - listener[index]);
         if !from.is_finite() || from.try_normalize().is_none() {
-            let reason = format!("measurement {index} comes from nowhere");
+            let reason = format!("measurement {index} has no valid direction");
             return Err(bad_value(SOURCE, reason));
         }
         directions.push(from);
@@ -215,7 +215,7 @@ fn axes(view: DVec3, up: DVec3) -> Result<DMat3, SofaProblem> {
     let bad = || {
         bad_value(
             "ListenerView",
-            format!("with ListenerUp it spans no axes: {view:?} and {up:?}"),
+            format!("with ListenerUp it does not define axes: {view:?} and {up:?}"),
         )
     };
     let x = view.try_normalize().ok_or_else(bad)?;

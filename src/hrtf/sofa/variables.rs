@@ -36,7 +36,7 @@ pub enum SofaProblem {
         reason: String,
     },
     /// A part of the file cannot be read, because it is truncated or inconsistent.
-    #[error("{what} cannot be read ({reason}): get the file again")]
+    #[error("{what} cannot be read ({reason}): download or copy the file again")]
     Damaged {
         /// The variable or the part of the file.
         what: String,
@@ -197,7 +197,7 @@ impl Variables {
             .try_fold(1_u64, |product, size| product.checked_mul(*size));
         let count = count.filter(|count| *count <= most as u64);
         let Some(count) = count else {
-            return Err(bad_shape(variable, &shape, "one with few enough numbers"));
+            return Err(bad_shape(variable, &shape, "a shape with fewer numbers"));
         };
         let numbers = dataset
             .read_f64()
@@ -248,7 +248,7 @@ impl Variables {
         };
         let too_large = |what: &str| SofaProblem::Damaged {
             what: variable.into(),
-            reason: format!("it is stored in pieces that are larger than {what}"),
+            reason: format!("it is stored in chunks that are larger than {what}"),
         };
         let mut values = chunk.iter().copied();
         let values = values.try_fold(1_u64, |product, size| product.checked_mul(size));
@@ -284,7 +284,7 @@ fn expect_count(variable: &'static str, found: usize, count: usize) -> Result<()
     }
     Err(SofaProblem::Damaged {
         what: variable.into(),
-        reason: format!("{found} numbers where its shape says {count}"),
+        reason: format!("it has {found} numbers, but its shape has {count}"),
     })
 }
 
@@ -317,7 +317,7 @@ fn way_not_read(error: &Error) -> Option<String> {
             "version {version} of its data layout; up to {NEWEST_LAYOUT} is read"
         )),
         FormatError::ChunkedReadError(text) if text.contains(TREE_OF_PIECES) => {
-            Some("pieces listed in a version 2 B-tree".into())
+            Some("chunks listed in a version 2 B-tree".into())
         }
         FormatError::UnsupportedVersion(_)
         | FormatError::UnsupportedMessage(_)
