@@ -186,7 +186,7 @@ mod tests {
         assert_eq!(Decay::default().end_s(), SHORTEST_S);
     }
 
-    /// Protects decays carried by few waves: the last observed wave does not end the sound.
+    /// Protects decays carried by few waves: the decay does not end with the last observed wave.
     #[test]
     fn few_late_waves_do_not_end_a_decay() {
         let mut decay = Decay::default();

@@ -18,8 +18,8 @@ use rayon::prelude::*;
 use std::collections::HashSet;
 use std::f64::consts::PI;
 
-/// Number of points in the sphere. This number gives the share of the sphere that a path reaches to within about 0.1,
-/// and the mean of the many paths behind an edge.
+/// Number of points in the sphere, enough to estimate the share of the sphere that a path reaches to within about 0.1.
+/// It is also enough for the mean over the many paths behind an edge.
 const PLACES: usize = 32;
 
 /// Maximum number of images searched for from each point, nearest first: as many as a room has up to eight reflections.

@@ -185,7 +185,7 @@ impl Checked<'_> {
 /// Maximum difference between normals of one face.
 const SAME_NORMAL: f64 = 1e-6;
 
-/// Number of segments of length 0 at the beginning of these segments.
+/// Number of leading segments with length 0.
 fn short<'a>(segments: impl Iterator<Item = &'a [DVec3]>, touch: f64) -> usize {
     segments
         .take_while(|pair| pair[0].distance(pair[1]) <= touch)
