@@ -170,8 +170,8 @@ impl Signal {
         for (bin, value) in self.values.iter_mut().enumerate() {
             *value = Complex::new(self.sum.real[bin], self.sum.imaginary[bin]);
         }
-        // For a real signal these values are real. Rounding may leave an imaginary part, which the transform would
-        // reject.
+        // The first and the last value of a real signal's spectrum are real. Rounding may leave an imaginary part,
+        // which the transform would reject.
         self.values[0].im = 0.0;
         self.values[BINS - 1].im = 0.0;
         let done = self.inverse.process_with_scratch(

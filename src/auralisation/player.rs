@@ -7,7 +7,7 @@ use crate::response::ResponseError;
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::fmt;
 
-/// Frames played at once.
+/// Maximum number of frames played in one step.
 const BLOCK: usize = 256;
 
 /// Maximum queued updates.

@@ -30,7 +30,7 @@ pub(super) struct Recording {
     rate_hz: u32,
     is_over: Arc<AtomicBool>,
     dropped: Arc<AtomicU64>,
-    /// The file, until playback starts.
+    /// The file before playback starts; `None` afterwards.
     waiting: Option<WavWriter>,
     /// The thread that owns the file after playback has started.
     writer: Option<Result<JoinHandle<Result<u64, AudioError>>, LiveError>>,

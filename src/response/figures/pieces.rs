@@ -83,9 +83,10 @@ impl<'a> Record<'a> {
         found
     }
 
-    /// The time origin: the direct sound. Without direct sound, it is the first exact path that is less than 20 dB
-    /// below the strongest path or bin. Without such a path, or if 10 % of all energy arrives before it, it is the time
-    /// when 1 % of all energy has arrived. `None` if nothing arrives.
+    /// The time origin: the arrival of the direct sound. Without direct sound, the origin is the arrival of the first
+    /// exact path that is less than 20 dB below the strongest path or bin. Without such a path, or if 10 % of all
+    /// energy arrives before that path, the origin is the time when 1 % of all energy has arrived. `None` if nothing
+    /// arrives.
     ///
     /// `energy` returns the energy of a bin. Energies are compared as means over the bands.
     pub(super) fn origin(

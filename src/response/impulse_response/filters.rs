@@ -105,8 +105,8 @@ impl Spectra {
         }
     }
 
-    /// Adds the single channel of `other` to each of these channels, filtered by filters of the transform's length
-    /// ([`silence`](Self::silence)), and overwrites it with silence.
+    /// Filters the single channel of `other` by each of `filters`, and adds each result to one channel of `self`.
+    /// Filters have the length of [`silence`](Self::silence). The channel of `other` is set to zero.
     pub(super) fn add_filtered(&mut self, other: &mut Spectra, mut filters: Vec<Vec<f64>>) {
         for (filter, sums) in filters.iter_mut().zip(&mut self.sums) {
             let done = self.forward.process(filter, &mut self.spectrum);
