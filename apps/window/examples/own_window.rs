@@ -1,5 +1,6 @@
-//! A game with its own window and context, made with winit and glutin. For each picture it begins or continues a frame
-//! of waves on that context, draws, and polls the result. Echomarch restores all GL state that it changes.
+//! A game with its own window and OpenGL context, made with winit and glutin. For each picture, the game begins or
+//! continues a frame of waves on that context, draws the picture, and polls the result. Echomarch restores all GL state
+//! that it changes.
 //!
 //! ```sh
 //! cargo run --release -p echomarch-window --example own_window
@@ -31,8 +32,8 @@ const WAVES_MS: f64 = 4.0;
 /// Metres that the source moves per picture.
 const STEP_M: f32 = 0.05;
 
-/// The fields are dropped in this order: the tracer while the context is current, then the context, and the window
-/// last.
+/// The fields are dropped in declaration order: the tracer while the context is current, then the context, and finally
+/// the window.
 struct Game {
     tracer: Tracer,
     scene: Scene,
@@ -54,11 +55,12 @@ impl Game {
             Ok(name) => display.get_proc_address(&name),
             Err(_) => std::ptr::null(),
         };
-        // SAFETY: the context is current, and the functions are its own.
+        // SAFETY: the context is current, and the function pointers belong to it.
         let gl = unsafe { glow::Context::from_loader_function(of_game) };
         let display = context.display();
         let loader = move |name: &std::ffi::CStr| display.get_proc_address(name);
-        // SAFETY: the functions belong to the game's context, which stays current on this thread until the end.
+        // SAFETY: the functions belong to the game's context, which stays current on this thread until the program
+        // ends.
         let shared = unsafe { Context::from_loader(loader, MakeCurrent::ByCaller) }?;
         println!("renderer: {}", shared.renderer());
         Ok(Game {
@@ -74,7 +76,7 @@ impl Game {
         })
     }
 
-    /// Draws one picture: tracing waves gets its share of the time, and the game the rest.
+    /// Draws one picture. Tracing the waves takes at most `WAVES_MS` of its time.
     fn picture(&mut self) -> Result<(), Box<dyn Error>> {
         self.scene.sources[0].position.x += STEP_M;
         if !self.tracer.is_frame_pending() {
@@ -85,7 +87,7 @@ impl Game {
         if let Some(frame) = self.tracer.frame_poll()? {
             self.heard += 1;
             let gains = PanningLaw::ConstantPower.gains(frame.panning.pan() as f32);
-            // Here the game sets the gains of a voice of its audio engine.
+            // A real game sets the gains of a voice in its audio engine here.
             let title = format!("left {:.3}, right {:.3}", gains.left, gains.right);
             self.window.set_title(&title);
         }
@@ -123,7 +125,7 @@ fn open_gl(
     let preference = DisplayApiPreference::Cgl;
     #[cfg(all(unix, not(target_os = "macos")))]
     let preference = DisplayApiPreference::Egl;
-    // SAFETY: the connection lives as long as the event loop, and so longer than everything made from it.
+    // SAFETY: the display connection lives as long as the event loop, and outlives everything created from it.
     let display = unsafe { Display::new(events.display_handle()?.as_raw(), preference) }?;
     let template = ConfigTemplateBuilder::new().compatible_with_native_window(handle);
     // SAFETY: the window is alive.
@@ -136,7 +138,7 @@ fn open_gl(
     let attributes = ContextAttributesBuilder::new()
         .with_context_api(ContextApi::OpenGl(Some(Version::new(3, 3))))
         .build(Some(handle));
-    // SAFETY: the window is alive, and is dropped after both.
+    // SAFETY: the window is alive, and is dropped after the surface and the context.
     let (surface, context) = unsafe {
         (
             display.create_window_surface(&config, &surface)?,

@@ -1,4 +1,4 @@
-//! The actions of keys and buttons.
+//! Performs the actions of keys and buttons.
 
 use super::app::App;
 use super::keys::Action;
@@ -17,7 +17,7 @@ impl App {
                 self.say(format!("profile {profile}"));
             }
             Action::Waves(steps) => {
-                // A manual change of the number ends its adaptation to the frame time.
+                // After a manual change, the number of waves no longer adapts to the frame time.
                 self.choices.adapt_waves = false;
                 self.choices.change_waves(steps);
                 self.say(format!("{} waves", self.choices.settings.waves));
@@ -106,7 +106,7 @@ impl App {
         });
         let now = (chosen.listen(), chosen.settings.profile());
         self.say(match now {
-            (_, Profile::Thesis) => "the thesis has only a balance: 2 and 3 have more",
+            (_, Profile::Thesis) => "the thesis has only the balance: keys 2 and 3 have full sound",
             (Listen::Full, _) => "full sound: loudness, echoes, reverberation",
             (Listen::Balance, _) => "only the balance is heard",
         });
@@ -117,7 +117,7 @@ impl App {
         self.say(if self.world.carrying {
             "carrying the source: F puts it down"
         } else {
-            "the source stays here"
+            "the source is put down"
         });
     }
 
@@ -128,8 +128,8 @@ impl App {
         }
         self.world.paused = !self.world.paused;
         self.say(match self.world.paused {
-            true => "held: P lets it go on",
-            false => "it goes on",
+            true => "paused: P continues",
+            false => "motion continues",
         });
     }
 
@@ -145,7 +145,7 @@ impl App {
                 (self.options.announce)(&format!("saved {name}"));
                 (self.options.announce)(&call);
                 self.say(if is_exact {
-                    format!("saved {name}; the same as a trace call: see the terminal")
+                    format!("saved {name}; the terminal shows the matching trace call")
                 } else {
                     format!("saved {name}")
                 });

@@ -1,50 +1,50 @@
-//! Keeps the frame time: chooses the picture's resolution and the number of waves.
+//! Keeps the frame time near its target by choosing the picture's resolution and the number of waves.
 //!
-//! Pure functions of the measurements. The cost is lowered quickly and raised slowly, with a gap between the two
-//! thresholds to prevent oscillation.
+//! All functions depend only on the measurements. The cost is lowered at once and raised one step at a time. The
+//! threshold for raising lies below the threshold for lowering, which prevents oscillation.
 
 use echomarch::internals::sampling::median;
 
-/// Sides of the grid of waves that the control chooses from.
+/// Side lengths of the square grids of waves that the control can choose.
 const SIDES: [u32; 13] = [
     32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024, 1448, 2048,
 ];
 
-/// Usual minimum number of waves, and the number of the first frame of a scene: of fewer the listener receives only a
-/// few dozen, too few for a stable pan. Scenes whose frames take longer than [`LONGEST_WAIT_MS`] with this number get
-/// fewer.
+/// Usual minimum number of waves, and the number of waves of a scene's first frame. With fewer waves, only a few dozen
+/// reach the listener, which is too few for a stable pan. If a frame with this number takes longer than
+/// [`LONGEST_WAIT_MS`], the number is reduced further.
 pub const LEAST_WAVES: u32 = 4096;
 
-/// Maximum time from a frame of waves to the next in milliseconds, for which the number of waves may fall below
+/// Maximum time between two frames of waves, in milliseconds. Above this time the number of waves may fall below
 /// [`LEAST_WAVES`].
 const LONGEST_WAIT_MS: f64 = 1000.0;
 
-/// The share of a frame's time spent on waves if a whole frame of waves does not fit.
+/// Share of the frame time that is spent on waves if a frame of waves is too long for one picture frame.
 pub const SHARE_OF_WAVES: f64 = 0.4;
 
-/// Maximum number of waves that the control and the slider choose.
+/// Maximum number of waves that the control and the slider can choose.
 pub const MOST_WAVES: u32 = 1 << 20;
 
-/// Ratios of the picture's resolution to the window's, along one side, that the control chooses from.
+/// Scales that the control can choose: the picture's resolution divided by the window's, along one side.
 pub const SCALES: [f32; 8] = [0.2, 0.25, 0.33, 0.4, 0.5, 0.65, 0.8, 1.0];
 
-/// Frames to measure before anything is changed.
+/// Number of frames that are measured before the first change.
 const FRAMES: usize = 6;
 
-/// Frames with spare time before the cost is raised.
+/// Number of measured frames that is required before the cost is raised.
 const FRAMES_TO_SPARE: usize = 18;
 
-/// Above this share of the target time the cost is lowered.
+/// Share of the target time above which the cost is lowered.
 const FULL: f64 = 0.92;
 
 /// Share of the target time that the predicted time may fill after the cost is raised.
 const ROOM: f64 = 0.80;
 
-/// Time of parts of a frame of waves in milliseconds from which the time of the frame is predicted: three parts at 30
-/// frames a second.
+/// Minimum measured time, in milliseconds, from which the time of a whole frame of waves is predicted. It equals three
+/// parts of a frame at 30 frames per second.
 const ENOUGH_MS: f64 = 40.0;
 
-/// The recent measurements for one choice from a ladder of costs.
+/// The recent measurements for one setting whose values form a ladder of increasing cost.
 #[derive(Clone, Debug, Default)]
 pub struct Control {
     whole: Vec<f64>,
@@ -52,7 +52,7 @@ pub struct Control {
 }
 
 impl Control {
-    /// Adds one frame: its whole time, and the part of that time that depends on the choice, in milliseconds.
+    /// Adds one frame, in milliseconds: its total time, and the part of that time that depends on the setting.
     pub fn add(&mut self, whole: f64, part: f64) {
         self.whole.push(whole);
         self.part.push(part);
@@ -62,8 +62,8 @@ impl Control {
         }
     }
 
-    /// Returns the step to use from now on. `costs` are the increasing costs of the ladder's steps in any unit, `now`
-    /// is the step in use, and `target` is the frame time to keep, in milliseconds.
+    /// Returns the step to use next. `costs` are the increasing costs of the ladder's steps in any unit, `now` is the
+    /// current step, and `target` is the frame time to keep, in milliseconds.
     pub fn choose(&mut self, costs: &[f64], now: usize, target: f64) -> usize {
         let now = now.min(costs.len().saturating_sub(1));
         if self.whole.len() < FRAMES || costs.is_empty() {
@@ -90,20 +90,20 @@ impl Control {
         chosen
     }
 
-    /// Clears the measurements, which are no longer valid after another change.
+    /// Clears the measurements. They are invalid after a change of any setting.
     pub fn forget(&mut self) {
         self.whole.clear();
         self.part.clear();
     }
 }
 
-/// The median of the last frames.
+/// The median of the most recent frame times.
 fn recent(times: &[f64]) -> f64 {
     let first = times.len().saturating_sub(FRAMES);
     median(times[first..].iter().copied())
 }
 
-/// Returns the selectable numbers of waves from `least` to `most`.
+/// The numbers of waves from `least` to `most` that the control can choose.
 pub fn wave_ladder(least: u32, most: u32) -> Vec<u32> {
     let all = SIDES.iter().map(|side| side * side);
     all.filter(|waves| (least..=most).contains(waves)).collect()
@@ -117,15 +117,15 @@ pub struct WaveTime {
 }
 
 impl WaveTime {
-    /// Predicted milliseconds of a frame of another number of waves.
+    /// Predicts the time of a frame with `waves` waves, in milliseconds.
     pub fn of(self, waves: u32) -> f64 {
         self.milliseconds * f64::from(waves) / f64::from(self.waves.max(1))
     }
 
-    /// The largest selectable number of waves up to `most` that keeps the frame time `target`, in milliseconds. Below
-    /// the usual minimum the number only falls as far as is needed for a frame in parts to last a second at most.
+    /// The largest number of waves up to `most` that keeps the frame time `target`, in milliseconds. A number below the
+    /// usual minimum is chosen only if a frame of waves would otherwise take longer than [`LONGEST_WAIT_MS`].
     pub fn fitting(self, most: u32, target: f64) -> u32 {
-        // The control lowers a number only above this time.
+        // The control lowers the number only if the waves exceed this time.
         let room = (FULL - (1.0 - SHARE_OF_WAVES)) * target;
         let within_frame = |waves: &u32| self.of(*waves) <= room;
         if within_frame(&most) {
@@ -142,21 +142,21 @@ impl WaveTime {
     }
 }
 
-/// The first frames of waves of a scene, whose time decides the number of waves.
+/// The first frames of waves of a scene. Their time decides the number of waves.
 ///
-/// The first part that is drawn also compiles, so its time is not used: if it was the whole frame, a second frame
-/// follows. A frame that takes many parts is not waited for; its time is predicted from a few of them.
+/// The first part of the first frame includes shader compilation, so its time is not counted. If that part was the
+/// whole frame, a second frame is measured. If a frame takes many parts, its time is predicted from the first few.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FirstFrames {
-    /// The number of waves that is used if it fits.
+    /// The number of waves to use if it fits the frame time.
     pub asked: u32,
     waves: u32,
-    /// Time and share of the frame that are not counted.
+    /// The time in milliseconds and the share of the frame that are excluded from the measurement.
     from: Option<(f64, f64)>,
 }
 
 impl FirstFrames {
-    /// `asked` waves are used if they fit; these frames have `most` at most.
+    /// `asked` is the number of waves to use if it fits the frame time; the first frames have at most `most` waves.
     pub fn new(asked: u32, most: u32) -> FirstFrames {
         FirstFrames {
             asked,
@@ -170,7 +170,8 @@ impl FirstFrames {
         self.waves
     }
 
-    /// Takes the milliseconds and the share, 0 to 1, of a frame in progress; returns its time once it can be predicted.
+    /// Adds a measurement of a frame in progress: milliseconds spent, and the share that is traced, 0 to 1. Returns the
+    /// predicted time of the frame once enough of it is measured.
     pub fn part(&mut self, spent: f64, share: f64) -> Option<WaveTime> {
         let (from_ms, from_share) = *self.from.get_or_insert((spent, share));
         let (spent, share) = (spent - from_ms, share - from_share);
@@ -180,7 +181,8 @@ impl FirstFrames {
         })
     }
 
-    /// Takes the milliseconds of a finished frame; `None` if they include compiling, so that another frame is needed.
+    /// Adds a finished frame, in milliseconds. Returns `None` if the time includes compilation: another frame is then
+    /// needed.
     pub fn whole(&mut self, milliseconds: f64) -> Option<WaveTime> {
         if self.from != Some((0.0, 0.0)) {
             self.from = Some((0.0, 0.0));
@@ -193,7 +195,7 @@ impl FirstFrames {
     }
 }
 
-/// Returns the largest step of an increasing ladder that does not exceed a value; the first step if all exceed it.
+/// Index of the last step of an increasing ladder that does not exceed `value`; the first step if all steps exceed it.
 pub fn step_of<T: PartialOrd>(ladder: &[T], value: T) -> usize {
     ladder
         .iter()
@@ -201,7 +203,7 @@ pub fn step_of<T: PartialOrd>(ladder: &[T], value: T) -> usize {
         .unwrap_or_default()
 }
 
-/// The costs of the scales: the number of pixels at each.
+/// The cost of each scale: its number of pixels.
 pub fn scale_costs() -> Vec<f64> {
     SCALES
         .iter()
@@ -215,8 +217,8 @@ mod tests {
 
     const TARGET: f64 = 33.3;
 
-    /// Simulates a machine that needs `fixed` milliseconds plus `full` at the end of the ladder; returns the visited
-    /// steps.
+    /// Simulates a machine that needs `fixed` milliseconds plus `full` at the top of the ladder. Returns the steps
+    /// visited.
     fn run(fixed: f64, full: f64, start: usize, frames: usize) -> Vec<usize> {
         let costs = scale_costs();
         let mut control = Control::default();
@@ -233,8 +235,8 @@ mod tests {
         steps
     }
 
-    /// Protects the frame time: on every machine the control ends below the target, at the highest step that fits, and
-    /// does not oscillate there.
+    /// Protects the frame time: on every simulated machine, the control settles below the target, at the highest step
+    /// that fits, without oscillation.
     #[test]
     fn the_control_settles_at_the_most_that_fits() {
         let costs = scale_costs();
@@ -251,14 +253,14 @@ mod tests {
         }
     }
 
-    /// Protects a machine that cannot reach the target: the control stays at the minimum, and goes down to it at once.
+    /// Protects a machine that cannot reach the target: the control goes to the lowest step at once and stays there.
     #[test]
     fn the_least_is_the_least() {
         assert_eq!(*run(100.0, 10.0, 4, 60).last().unwrap(), 0);
         assert_eq!(run(12.0, 400.0, 7, FRAMES + 1).len(), 2);
     }
 
-    /// Protects the ladder of wave numbers from exceeding the allowed maximum.
+    /// Protects the allowed maximum: the ladder of wave numbers does not exceed it.
     #[test]
     fn ladders_end_where_they_must() {
         let usual = |most| wave_ladder(LEAST_WAVES, most);
@@ -279,8 +281,8 @@ mod tests {
         time.fitting(most, TARGET)
     }
 
-    /// Protects the frame rate from dear scenes, and cheap scenes from needlessly few waves: the number fits the frame,
-    /// then a second, and the number asked for is never exceeded.
+    /// Protects the frame rate in expensive scenes, and the number of waves in cheap scenes. The chosen number fits the
+    /// frame time, or else the maximum wait of one second. It never exceeds the requested number.
     #[test]
     fn the_number_of_waves_follows_the_measured_rate() {
         assert_eq!(fitting(0.1, 65_536), 65_536);
@@ -288,7 +290,7 @@ mod tests {
         assert_eq!(fitting(1.0, 65_536), 36_864);
         assert_eq!(fitting(2.6, 262_144), 16_384);
         assert_eq!(fitting(10.0, 65_536), 4096);
-        // From here a frame is traced in parts.
+        // From this time on, a frame of waves is traced in parts.
         assert_eq!(fitting(399.0, 65_536), 4096);
         assert_eq!(fitting(410.0, 65_536), 2304);
         assert_eq!(fitting(1500.0, 65_536), 1024);
@@ -297,7 +299,7 @@ mod tests {
         assert_eq!(fitting(0.0, 65_536), 65_536);
     }
 
-    /// Protects the chosen number from being lowered at once by the control that follows the frame time.
+    /// Protects the number chosen from the first frames: the frame-time control does not lower it at once.
     #[test]
     fn the_control_keeps_the_first_number() {
         let costs: Vec<f64> = wave_ladder(LEAST_WAVES, MOST_WAVES)
@@ -317,7 +319,7 @@ mod tests {
         }
     }
 
-    /// Protects the measurement from the time of compiling, and the user from waiting for a long frame.
+    /// Protects the measurement from compilation time, and the user from waiting for a long frame.
     #[test]
     fn compiling_is_no_part_of_the_first_time() {
         let mut quick = FirstFrames::new(65_536, 4096);
@@ -333,7 +335,7 @@ mod tests {
         assert_eq!(time.waves, 1000);
         assert!((time.milliseconds - 1000.0).abs() < 1e-9);
 
-        // A frame in a few parts: the second is measured, its first part included.
+        // A frame in a few parts: the second frame is measured, including its first part.
         let mut between = FirstFrames::new(4096, 4096);
         assert_eq!(between.part(900.0, 0.5), None);
         assert_eq!(between.whole(910.0), None);

@@ -1,4 +1,4 @@
-//! The window's whole state, and its event loop.
+//! The state of the window, and its event loop.
 
 use super::adapt::{Control, FirstFrames, LEAST_WAVES, SCALES, WaveTime, step_of};
 use super::display::Connection;
@@ -27,7 +27,7 @@ use winit::event_loop::{ActiveEventLoop, ControlFlow};
 use winit::keyboard::{KeyCode, PhysicalKey};
 use winit::window::WindowId;
 
-/// The least time between two frames by default: most screens show no more frames.
+/// The default minimum interval between two frames: most screens refresh at 60 Hz.
 const LEAST_INTERVAL: Duration = Duration::from_micros(16_600);
 
 /// Radians that the gaze turns per pixel of mouse movement.
@@ -36,27 +36,27 @@ const MOUSE: f64 = 0.0025;
 /// The initial scale of the picture on a software renderer.
 const FIRST_SCALE: f32 = 0.4;
 
-/// Everything that needs the window. Fields are dropped in this order: the window last.
+/// Everything that needs the window. Fields are dropped in declaration order, so the window is dropped last.
 pub(super) struct Stage {
     pub view: View,
     pub tracer: Tracer,
-    /// Traces the few waves whose paths are shown; their number differs from the frame's.
+    /// Traces the waves whose paths are shown. Their number differs from the number of waves in a frame.
     pub path_tracer: Tracer,
     pub window: DemoWindow,
 }
 
-/// The window's whole state.
+/// The state of the window.
 pub(super) struct App {
     pub options: DemoOptions,
     pub choices: Choices,
     pub world: World,
-    /// The previous scene, until the present scene has been drawn.
+    /// The previous scene. It is kept until the current scene has been drawn once.
     pub previous: Option<Before>,
-    /// The scene chosen last, until it is ready.
+    /// The most recently chosen scene, until it is ready to be shown.
     pub coming: Option<Coming>,
-    /// Follows the scene's file; `None` for a built-in scene.
+    /// Watches the scene's file; `None` for a built-in scene.
     pub follower: Option<Follower>,
-    /// Scene files that can be chosen.
+    /// The scene files that the user can choose.
     pub files: Files,
     pub pressed: PressedKeys,
     pub mouse_looks: bool,
@@ -68,31 +68,31 @@ pub(super) struct App {
     pub plan: Plan,
     pub paths: Paths,
     pub heard: Option<Frame>,
-    /// The settings of the last frame of waves that was begun.
+    /// The settings of the frame of waves begun last.
     pub under_way: Settings,
     /// Whether the frame of waves in progress belongs to a replaced scene.
     pub begins_anew: bool,
-    /// Milliseconds that the last frame of waves took in total.
+    /// Milliseconds spent on the last frame of waves.
     pub on_waves: f64,
-    /// Number of consecutive frames whose waves took too long.
+    /// Number of consecutive frames in which the waves exceeded their time limit.
     pub late: u32,
     pub drawn: Drawn,
     /// GL_RENDERER, once the window is open.
     pub renderer: String,
-    /// The window's size in pixels when it was drawn last.
+    /// The window's size in pixels at the last drawing.
     pub window: [u32; 2],
     pub scale_step: usize,
     pub scale_control: Control,
     pub wave_control: Control,
-    /// The scene and the settings that the first frames of waves measure or have measured.
+    /// The scene and the settings for which the first frames of waves are or were measured.
     pub measured: Option<Measured>,
-    /// The first frames of waves, until they have decided the number of waves.
+    /// The first frames of waves; `None` once the number of waves is chosen.
     pub first_frames: Option<FirstFrames>,
     /// The time of a frame of waves, as predicted from the first frames.
     pub wave_time: Option<WaveTime>,
-    /// The number of waves that is traced if it fits the frame time.
+    /// The number of waves to trace if it fits the frame time.
     pub asked_waves: u32,
-    /// The minimum of an adaptive number of waves.
+    /// The minimum number of waves while the number adapts to the frame time.
     pub least_waves: u32,
     pub fields: Fields,
     /// Whether the cost of the present scene's fields must be measured.
@@ -100,9 +100,9 @@ pub(super) struct App {
     pub latency: Latency,
     pub recorder: Recorder,
     pub speaker: Speaker,
-    /// The thread for full listening, once requested.
+    /// The thread for full listening; `None` until full listening is requested.
     pub ears: Option<Ears>,
-    /// The state of the player, if it plays full listening.
+    /// The properties of the player while it plays full listening.
     pub in_full: Option<InFull>,
     pub ears_status: EarsStatus,
     pub sound: SoundStatus,
@@ -112,11 +112,11 @@ pub(super) struct App {
     pub stage: Option<Stage>,
     pub started: Instant,
     pub last: Instant,
-    /// The start of the last frame: the window's events were processed just before.
+    /// The start time of the last frame. The window's events were processed just before it.
     pub looked: Instant,
     next: Instant,
     is_over: bool,
-    /// The connection to the display, if the program can survive the loss of the display server.
+    /// The connection to the display; `None` if the program cannot survive the loss of the display server.
     pub connection: Option<Connection>,
     outcome: Result<Report, DemoError>,
 }
@@ -189,7 +189,7 @@ impl App {
         })
     }
 
-    /// Returns the result of the run after the event loop has ended.
+    /// Returns the result of the run. Called after the event loop has ended.
     pub fn result(self, ran: Result<(), EventLoopError>) -> Result<Report, DemoError> {
         let report = self.outcome?;
         ran.map_err(|error| DemoError::NoWindow {
@@ -198,7 +198,7 @@ impl App {
         Ok(report)
     }
 
-    /// Shows a message for a while.
+    /// Shows a message in the window for a few seconds.
     pub fn say(&mut self, text: impl Into<String>) {
         self.message = Some((text.into(), Instant::now()));
     }
@@ -208,7 +208,7 @@ impl App {
         self.options.check_gl || cfg!(debug_assertions)
     }
 
-    /// Number of frames after which GL reported an error; none if errors are not queried.
+    /// Number of frames after which GL reported an error; `None` if errors are not queried.
     pub fn gl_errors(&self) -> Option<u64> {
         self.checks_gl().then_some(self.recorder.gl_errors)
     }
@@ -243,7 +243,7 @@ impl App {
         Ok(())
     }
 
-    /// Whether the next frame reaches the requested time or number of frames.
+    /// Whether the next frame reaches the requested duration or number of frames.
     pub fn is_last_frame(&self) -> bool {
         let frames = self.options.frames;
         let seconds = self.options.seconds;
@@ -258,9 +258,9 @@ impl App {
         self.is_over = true;
     }
 
-    /// Handles a key press or release. `is_synthetic` means that the key was already down when the
-    /// window got the keyboard: it was pressed for another window, so it triggers no action, but a
-    /// held W walks.
+    /// Handles a key press or release. If `is_synthetic` is true, the key was already down when the window received the
+    /// keyboard focus. Such a press triggers no action, because it was meant for another window. A held movement key
+    /// does move the listener.
     fn key(&mut self, event: &KeyEvent, is_synthetic: bool) {
         let PhysicalKey::Code(key) = event.physical_key else {
             return;
@@ -285,7 +285,7 @@ impl App {
         }
     }
 
-    /// Starts or ends looking around with the mouse.
+    /// Starts or ends mouse look.
     pub fn look_by_mouse(&mut self, wanted: bool) {
         if let Some(stage) = &self.stage
             && wanted != self.mouse_looks
@@ -294,7 +294,7 @@ impl App {
         }
     }
 
-    /// Handles a movement of the pointer.
+    /// Handles a pointer movement.
     fn point(&mut self, to: [f64; 2]) {
         self.pointer = Some(to);
         let Some(stage) = &self.stage else {
@@ -312,8 +312,8 @@ impl App {
         }
     }
 
-    /// Handles a press of the left button: it clicks a panel, or starts looking around with the
-    /// mouse. Panels receive a new pointer position only in the next frame.
+    /// Handles a press of the left mouse button. The press either goes to a panel or starts mouse look. Panels receive
+    /// the new pointer position only in the next frame.
     fn press(&mut self) {
         if self.mouse_looks {
             self.look_by_mouse(false);
@@ -341,7 +341,7 @@ impl App {
             return;
         }
         if is_gone {
-            // If the display server is gone, that is the cause of all errors.
+            // If the display server is gone, it is the cause of all other errors.
             let report = Box::new(self.report());
             self.outcome = Err(DemoError::DisplayGone { report });
         } else if self.outcome.is_ok() {
@@ -353,7 +353,7 @@ impl App {
         }
     }
 
-    /// Completes a recording in progress, or reports why that failed.
+    /// Completes a recording in progress, or reports the reason for a failure.
     fn end_recording(&mut self) {
         if self.speaker.status().is_recording
             && let Err(reason) = self.speaker.record(None)
@@ -364,7 +364,7 @@ impl App {
     }
 }
 
-/// Whether an event begins something. The event that ends it goes to the same receiver.
+/// Whether the event is a press. The matching release goes to the same receiver as the press.
 fn begins_something(event: &WindowEvent) -> bool {
     match event {
         WindowEvent::KeyboardInput { event, .. } => event.state == ElementState::Pressed,
@@ -396,7 +396,7 @@ impl ApplicationHandler for App {
         };
         let is_tab = matches!(&event, WindowEvent::KeyboardInput { event, .. }
             if event.physical_key == PhysicalKey::Code(KeyCode::Tab));
-        // Tab would move egui's keyboard focus, which would then take all keys.
+        // Tab would move the keyboard focus into egui, which would then consume all keys.
         let hides_from_panels = is_tab || self.mouse_looks && begins_something(&event);
         let is_theirs = !hides_from_panels && stage.window.on_event(&event).consumed;
         match event {
@@ -411,7 +411,7 @@ impl ApplicationHandler for App {
                 self.pressed.clear();
                 self.look_by_mouse(false);
             }
-            // A key release always counts, whoever received the press.
+            // Key releases are always processed, even if a panel received the press.
             WindowEvent::KeyboardInput {
                 event,
                 is_synthetic,
@@ -451,8 +451,7 @@ impl ApplicationHandler for App {
     }
 
     fn exiting(&mut self, _: &ActiveEventLoop) {
-        // The connection to the display is dropped after this, and the window must be dropped
-        // before it.
+        // The connection to the display is dropped after this call. The window must be dropped before the connection.
         self.close();
     }
 }

@@ -1,8 +1,8 @@
-//! The connection to the X server, which may break at any time: the server is stopped, or the network fails.
+//! The connection to the X server. It breaks if the server stops or the network fails.
 //!
-//! By default Xlib then ends the process (`XIOError`), and winit panics where it expects an answer. This module makes
-//! Xlib continue with the broken connection (`XSetIOErrorExitHandler`, from libX11 1.7 on; an older libX11 still ends
-//! the process, with exit code 1), and lets a panic on a broken connection end only the event loop.
+//! By default, Xlib then ends the process (`XIOError`), and winit panics where it expects a reply. This module lets
+//! Xlib continue with the broken connection (`XSetIOErrorExitHandler`, from libX11 1.7 on). With an older libX11 the
+//! process still ends with exit code 1. A panic caused by a broken connection ends only the event loop.
 
 use libloading::Library;
 use std::any::Any;
@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use winit::event_loop::{EventLoop, OwnedDisplayHandle};
 use winit::raw_window_handle::{HasDisplayHandle, RawDisplayHandle};
 
-/// Whether Xlib has found a connection broken. Xlib has one handler per process.
+/// Whether Xlib has reported a broken connection. Xlib has one error handler per process.
 static IS_BROKEN: AtomicBool = AtomicBool::new(false);
 
 type XDisplay = *mut c_void;
@@ -26,8 +26,8 @@ type SetIoErrorExitHandler = unsafe extern "C" fn(XDisplay, IoErrorExitHandler, 
 type GetXcbConnection = unsafe extern "C" fn(XDisplay) -> *mut c_void;
 type ConnectionHasError = unsafe extern "C" fn(*mut c_void) -> c_int;
 
-/// A connection that outlives its server. The fields are dropped in this order: last the handle that keeps the
-/// connection open.
+/// A connection handle that stays valid after the server has gone. The fields are dropped in declaration order: the
+/// handle that keeps the connection open is dropped last.
 #[derive(Clone)]
 pub struct Connection(Arc<Inner>);
 
@@ -38,8 +38,8 @@ struct Inner {
     _open: OwnedDisplayHandle,
 }
 
-// SAFETY: xcb_connection_has_error may be called from any thread (xcb.h), the pointer has no other use, and the
-// connection is kept open by the same struct.
+// SAFETY: xcb_connection_has_error may be called from any thread (xcb.h). The pointer has no other use, and this struct
+// keeps the connection open.
 unsafe impl Send for Inner {}
 // SAFETY: as above.
 unsafe impl Sync for Inner {}
@@ -50,21 +50,21 @@ extern "C" fn take_down(_: XDisplay) -> c_int {
     0
 }
 
-/// Returns to Xlib, instead of ending the process.
+/// Returns control to Xlib instead of ending the process.
 extern "C" fn go_on(_: XDisplay, _: *mut c_void) {}
 
 impl Connection {
-    /// Returns the event loop's connection; `None` if it is not an Xlib connection, or if a library lacks a needed
-    /// function. The process then ends with the server.
+    /// Returns the event loop's connection. Returns `None` if it is not an Xlib connection, or if a library lacks a
+    /// required function; the process then ends with the server.
     pub fn of(events: &EventLoop<()>) -> Option<Connection> {
         let open = events.owned_display_handle();
         let RawDisplayHandle::Xlib(handle) = open.display_handle().ok()?.as_raw() else {
             return None;
         };
         let display = handle.display?.as_ptr();
-        // SAFETY: loading these libraries again runs nothing: winit has loaded them. The symbols have the types of
-        // Xlib.h, Xlib-xcb.h and xcb.h, the display is open, and the handlers are functions for as long as the process
-        // lives. libX11 and libX11-xcb stay loaded as long as winit, which keeps its copies with the connection.
+        // SAFETY: winit has already loaded these libraries, so loading them again runs no code. The symbols have the
+        // types declared in Xlib.h, Xlib-xcb.h and xcb.h. The display is open, and the handlers are static functions.
+        // libX11 and libX11-xcb stay loaded while winit holds its own handles, which it keeps with the connection.
         unsafe {
             let x11 = Library::new("libX11.so.6").ok()?;
             let between = Library::new("libX11-xcb.so.1").ok()?;
@@ -92,13 +92,13 @@ impl Connection {
 
     /// Whether the server is known to be gone.
     pub fn is_gone(&self) -> bool {
-        // SAFETY: the connection is kept open, and the function belongs to the library that the same struct keeps
-        // loaded.
+        // SAFETY: this struct keeps the connection open, and keeps the library loaded that contains the function.
         let has_error = unsafe { (self.0.has_error)(self.0.xcb) } != 0;
         has_error || IS_BROKEN.load(Ordering::Acquire)
     }
 
-    /// Returns the result of `run`; `None` if it panicked because the server is gone. Any other panic is passed on.
+    /// Calls `run` and returns its result; `None` if it panicked because the server is gone. Any other panic is passed
+    /// on.
     pub fn outlive<T>(&self, run: impl FnOnce() -> T) -> Option<T> {
         let usual = Arc::new(take_hook());
         let (connection, at_panic) = (self.clone(), usual.clone());

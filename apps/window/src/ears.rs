@@ -1,8 +1,8 @@
-//! Full listening: a thread with its own renderer follows the scene, and passes the sound at the listener to the
+//! Full listening: a thread with its own OpenGL context traces the scene, and passes the sound at the listener to the
 //! player.
 //!
-//! The thread and the pictures do not wait for each other. Echoes are updated with each trace of the scene and glide to
-//! their new values; the late part is computed again at most four times a second.
+//! This thread and the drawing thread do not wait for each other. Each trace updates the echoes, which glide to their
+//! new values. The late part is computed at most four times per second.
 
 use echomarch::Error;
 #[cfg(feature = "audio")]
@@ -20,11 +20,11 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-/// Duration of a pause after each trace on a software renderer, as a multiple of the trace's duration: the picture
-/// needs the cores too.
+/// Pause after each trace on a software renderer, as a multiple of the trace's duration. The pause leaves processor
+/// cores to the picture.
 const REST: f64 = 1.0;
 
-/// Interval between checks for an update.
+/// Interval between two checks for a new scene or new settings.
 const GLANCE: Duration = Duration::from_millis(4);
 
 /// The scene and the settings to trace.
@@ -40,24 +40,24 @@ struct Shared {
     status: Mutex<EarsStatus>,
     #[cfg(feature = "audio")]
     remote: Mutex<Option<PlayerRemote>>,
-    /// Whether a player waits for its first response.
+    /// Whether a player is waiting for its first response.
     is_waited_for: AtomicBool,
     is_over: AtomicBool,
 }
 
-/// The handle of the listening thread: dropping it ends the thread.
+/// The handle of the listening thread. Dropping it ends the thread.
 pub struct Ears {
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
 }
 
-/// Locks a value even if a thread panicked while holding the lock: no value is ever left incomplete.
+/// Locks a value, even if a thread panicked while holding the lock. No thread leaves a value incomplete.
 fn lock<T>(value: &Mutex<T>) -> MutexGuard<'_, T> {
     value.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Ears {
-    /// Starts the thread, which opens a renderer of its own.
+    /// Starts the thread. The thread opens its own OpenGL context.
     pub fn start(options: ContextOptions) -> Ears {
         let shared = Arc::new(Shared::default());
         let theirs = Arc::clone(&shared);
@@ -76,7 +76,7 @@ impl Ears {
         }
     }
 
-    /// Sets the scene and settings to listen to from now on.
+    /// Sets the scene and the settings to trace from now on.
     pub fn hear(&self, scene: &Scene, settings: &Settings) {
         *lock(&self.shared.wanted) = Some(Wanted {
             scene: scene.clone(),
@@ -89,14 +89,14 @@ impl Ears {
         lock(&self.shared.status).clone()
     }
 
-    /// Plays the sources of a scene as two channels. Each source has its own sound: `spec` if it is a file or a sine,
-    /// otherwise a separate voice or noise.
+    /// Plays the sources of a scene in stereo. If `spec` is a file or a sine, every source plays it; otherwise each
+    /// source has a separate voice or noise.
     #[cfg(feature = "audio")]
     pub fn source(&self, scene: &Scene, spec: &SoundSpec) -> StereoSource {
         let shared = Arc::clone(&self.shared);
         let (scene, spec) = (scene.clone(), spec.clone());
         StereoSource::new(move |rate_hz| -> Box<dyn StereoSignal> {
-            // A device with a sample rate that responses do not support stays silent.
+            // If responses do not support the device's sample rate, the device stays silent.
             let Ok((player, remote)) = player(&scene, &spec, rate_hz) else {
                 return Box::new(Unheard);
             };
@@ -120,13 +120,13 @@ impl Drop for Ears {
     fn drop(&mut self) {
         self.shared.is_over.store(true, Relaxed);
         if let Some(thread) = self.thread.take() {
-            // If the thread panicked, it has already ended.
+            // A thread that panicked has already ended.
             let _ = thread.join();
         }
     }
 }
 
-/// The state of the thread.
+/// The state of the listening thread.
 struct Looking<'a> {
     shared: &'a Shared,
     hearing: Hearing,
@@ -151,7 +151,7 @@ impl<'a> Looking<'a> {
                 continue;
             };
             let began = Instant::now();
-            // The error is reported, and the thread continues: the next scene may be traceable.
+            // The error is shown, and the thread continues, because the next scene may be traceable.
             if let Err(error) = self.look(&wanted) {
                 lock(&self.shared.status).error = Some(error.to_string());
             }
@@ -168,7 +168,7 @@ impl<'a> Looking<'a> {
         self.hearing.is_new(scene, settings, is_waited_for)
     }
 
-    /// Traces every source, and passes the responses to the player.
+    /// Traces every source and passes the responses to the player.
     fn look(&mut self, wanted: &Wanted) -> Result<(), Error> {
         let is_waited_for = self.shared.is_waited_for.swap(false, Relaxed);
         let (scene, settings) = (&wanted.scene, &wanted.settings);
@@ -182,7 +182,7 @@ impl<'a> Looking<'a> {
     }
 }
 
-/// Passes the response of a source to the player, if there is one.
+/// Passes the response of a source to the player, if a player exists.
 #[cfg(feature = "audio")]
 fn tell(shared: &Shared, found: &Found) -> Result<(), Error> {
     let Some(spec) = lock(&shared.remote).as_ref().map(PlayerRemote::spec) else {
@@ -193,7 +193,7 @@ fn tell(shared: &Shared, found: &Found) -> Result<(), Error> {
         true => Heard::new(response, axes, spec, NOISE_SEED)?,
         false => Heard::of_paths(&response.paths, axes, spec)?,
     };
-    // If the player was replaced meanwhile, the new one requests its own responses.
+    // If the player was replaced during the trace, the new player requests its own responses.
     if let Some(remote) = lock(&shared.remote).as_mut()
         && remote.spec() == spec
         && found.source < remote.source_count()

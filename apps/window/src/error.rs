@@ -1,31 +1,31 @@
 //! Errors of the window.
 
-/// A window that cannot be shown, or must be closed.
+/// An error that prevents the window from opening, or closes it.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum DemoError {
-    /// There is no display to show a window on.
+    /// No display is available for the window.
     #[error("no display: {reason}; all commands but demo run without one")]
     NoDisplay {
-        /// The missing part.
+        /// The missing part of the system.
         reason: String,
     },
-    /// The display exists, but cannot show a window.
+    /// The display exists but cannot show the window.
     #[error("cannot open a window: {reason}")]
     NoWindow {
         /// The display's error.
         reason: String,
     },
-    /// The display server ended while the window was open.
+    /// The display server stopped while the window was open.
     #[error("the display server has gone, and the window with it")]
     DisplayGone {
-        /// The measurements until then.
+        /// The measurements up to that time.
         report: Box<super::Report>,
     },
-    /// A scene, settings or a renderer that do not work.
+    /// A scene, settings or a renderer that cannot be used.
     #[error("{}", sentence(.0))]
     Failed(#[from] echomarch::Error),
-    /// A recording that could not be ended whole.
+    /// A recording that could not be completed.
     #[error("the recording is incomplete: {reason}")]
     Recording {
         /// The reason.
@@ -42,7 +42,7 @@ impl From<echomarch::gl::GpuError> for DemoError {
     }
 }
 
-/// Formats an error in one line: only the first line of a driver's log is included.
+/// Formats an error in one line. Only the first line of a driver's log is included.
 pub fn sentence(error: &impl std::fmt::Display) -> String {
     let text = error.to_string();
     let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
@@ -58,7 +58,7 @@ mod tests {
     use super::*;
     use echomarch::gl::GpuError;
 
-    /// Protects the terminal and the window from a driver's log.
+    /// Protects the terminal and the window from the many lines of a driver's log.
     #[test]
     fn a_log_of_many_lines_becomes_one() {
         let error = GpuError::Compile {

@@ -1,5 +1,5 @@
-//! Measures the cost of a scene's marched fields, once for a scene and a profile, on a thread with a renderer of its
-//! own. Pictures do not wait for it.
+//! Measures the cost of a scene's marched fields, once per scene and profile, on a thread with its own OpenGL context.
+//! The drawing thread does not wait for the measurement.
 
 use echomarch::Error;
 use echomarch::gl::{Context, ContextOptions};
@@ -10,19 +10,20 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::thread::{self, JoinHandle};
 
-/// Waves of the measured frames: a small share of a frame, but enough to fill a software renderer's vectors.
+/// Number of waves in a measured frame. It is a small share of a normal frame, but fills the vector units of a software
+/// renderer.
 const WAVES: u32 = 1024;
 
-/// Number of pairs of frames: their median survives one pair with other work.
+/// Number of measured pairs of frames. Their median is not affected by one pair that other work delayed.
 const RUNS: u32 = 3;
 
-/// A measurement in progress. Dropping it ends the thread after its present frame.
+/// A measurement in progress. Dropping it ends the thread after its current frame.
 struct Measuring {
     thread: Option<JoinHandle<Option<FieldsCost>>>,
     is_over: Arc<AtomicBool>,
 }
 
-/// The cost of the present scene's fields, once it is known.
+/// The cost of the current scene's fields, once it is measured.
 #[derive(Default)]
 pub struct Fields {
     measuring: Option<Measuring>,
@@ -31,7 +32,7 @@ pub struct Fields {
 }
 
 impl Fields {
-    /// Measures the only source and listener of a scene from now on, and forgets the previous cost.
+    /// Starts to measure the only source and listener of a scene, and discards the previous cost.
     pub fn measure(&mut self, scene: Scene, settings: &Settings) {
         self.forget();
         let settings = settings.clone();
@@ -39,7 +40,7 @@ impl Fields {
         self.wanted = Some((scene, settings.with_waves(waves)));
     }
 
-    /// Forgets the cost of a scene that is no longer shown.
+    /// Discards the cost, because the scene is no longer shown.
     pub fn forget(&mut self) {
         (self.cost, self.wanted) = (None, None);
         if let Some(measuring) = &self.measuring {
@@ -47,12 +48,12 @@ impl Fields {
         }
     }
 
-    /// The cost; `None` until it is measured, and for a scene without fields.
+    /// The cost; `None` before the measurement has ended, and for a scene without marched fields.
     pub fn cost(&self) -> Option<&FieldsCost> {
         self.cost.as_ref()
     }
 
-    /// Takes a finished measurement, and begins the one that waits for it.
+    /// Takes the result of a finished measurement, then starts the waiting measurement, if there is one.
     pub fn poll(&mut self) {
         if let Some(ended) = self.measuring.take_if(|measuring| measuring.has_ended()) {
             let is_of_now = !ended.is_over.load(Relaxed);
@@ -70,7 +71,7 @@ impl Measuring {
     fn start(scene: Scene, settings: Settings) -> Measuring {
         let is_over = Arc::new(AtomicBool::new(false));
         let ends = Arc::clone(&is_over);
-        // The window shows no cost if it cannot be measured.
+        // If the cost cannot be measured, the window shows none.
         let run = move || measure(&scene, &settings, &ends).ok().flatten();
         let thread = thread::Builder::new().name("echomarch-fields".to_owned());
         Measuring {
@@ -83,7 +84,7 @@ impl Measuring {
         self.thread.as_ref().is_none_or(JoinHandle::is_finished)
     }
 
-    /// Waits for the thread.
+    /// Waits for the thread and returns its result.
     fn result(mut self) -> Option<FieldsCost> {
         self.thread.take()?.join().ok().flatten()
     }
@@ -93,7 +94,7 @@ impl Drop for Measuring {
     fn drop(&mut self) {
         self.is_over.store(true, Relaxed);
         if let Some(thread) = self.thread.take() {
-            // If the thread panicked, it has already ended.
+            // A thread that panicked has already ended.
             let _ = thread.join();
         }
     }
@@ -122,7 +123,7 @@ mod tests {
         fields.cost().copied()
     }
 
-    /// Protects the cost shown from being that of another scene: a new measurement replaces one in progress.
+    /// Protects the shown cost from belonging to another scene: a new measurement replaces the one in progress.
     #[test]
     fn the_cost_is_that_of_the_last_scene() {
         let settings = Settings::hybrid().with_waves(64).with_iterations(1);

@@ -1,14 +1,16 @@
-//! Scene files to choose from: those opened or saved in this run, and those in the same folders.
+//! Scene files that the user can choose: the files opened or saved in this run, and the other scene files in their
+//! folders.
 
 use echomarch::scene::Scene;
 use std::path::Path;
 
 /// Maximum number of files listed.
 const LISTED: usize = 100;
-/// Maximum number of a folder's entries that are searched for scene files: the folder may contain many other files.
+/// Maximum number of folder entries that are searched for scene files: a folder may contain many other files.
 const LOOKED_AT: usize = 4096;
 
-/// Scene files to choose from: those opened or saved in this run, and those in the same folders.
+/// Scene files that the user can choose: the files opened or saved in this run, and the other scene files in their
+/// folders.
 #[derive(Debug, Default)]
 pub struct Files {
     seen: Vec<String>,
@@ -16,7 +18,7 @@ pub struct Files {
 }
 
 impl Files {
-    /// Adds a scene that was opened or saved; a built-in one is not a file.
+    /// Adds a scene that was opened or saved. Built-in scenes are ignored, because they are not files.
     pub fn add(&mut self, name: &str) {
         if Scene::BUILTIN_NAMES.contains(&name) {
             return;
@@ -34,7 +36,7 @@ impl Files {
         }
     }
 
-    /// All files, beginning with those of this run in the order in which they were added.
+    /// All files. The files of this run come first, in the order in which they were added.
     pub fn all(&self) -> &[String] {
         &self.all
     }
@@ -45,7 +47,7 @@ impl Files {
     }
 }
 
-/// The scene files in a folder, by name.
+/// The scene files in a folder, sorted by name.
 fn scene_files(folder: &Path) -> Vec<String> {
     let shown = match folder.as_os_str().is_empty() {
         true => Path::new("."),
@@ -64,7 +66,7 @@ fn scene_files(folder: &Path) -> Vec<String> {
     files
 }
 
-/// Whether a file's name has this ending, in upper or lower case.
+/// Whether the file name has the extension `ending`, in upper or lower case.
 pub fn is_of(file: &Path, ending: &str) -> bool {
     file.extension()
         .is_some_and(|found| found.eq_ignore_ascii_case(ending))
@@ -74,8 +76,8 @@ pub fn is_of(file: &Path, ending: &str) -> bool {
 mod tests {
     use super::*;
 
-    /// Protects a scene file from being lost after another scene was chosen: it stays first in the list, before the
-    /// scene files beside it.
+    /// Protects access to an earlier scene file: after another scene was chosen, the file is still first in the list,
+    /// before the other files of its folder.
     #[test]
     fn files_seen_stay_in_the_list() {
         let folder = tempfile::tempdir().unwrap();

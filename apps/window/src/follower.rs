@@ -1,5 +1,5 @@
-//! Watches the scene's file. While the users' fields of the next scene are tried, keeps both the
-//! previous scene and the next one.
+//! Watches the scene's file. Keeps the previous scene and the next one while the users' fields of the next scene are
+//! tried.
 
 use echomarch::Error;
 use echomarch::scene::Scene;
@@ -7,8 +7,7 @@ use echomarch::tracer::{Opening, Pass, Profile, Reloading, Settings, shader_text
 use echomarch_walk::World;
 use std::time::Instant;
 
-/// The programs that a scene needs: one for the picture, and one for each profile that can be
-/// chosen by key.
+/// The shader programs that a scene needs: one for the picture, and one for each profile that a key can choose.
 pub const PROGRAMS: [fn(&Scene) -> String; 4] = [
     echomarch::picture::view_text,
     |scene| march_text(scene, Profile::Hybrid),
@@ -20,16 +19,16 @@ fn march_text(scene: &Scene, profile: Profile) -> String {
     shader_text(scene, &Settings::new(profile), Pass::March)
 }
 
-/// Follows the scene's file, and the files that it names.
+/// Watches the scene's file and the files that it names.
 pub struct Follower {
     pub reloading: Reloading,
     pub looked: Instant,
-    /// The reason why the files in their present state cannot be used.
+    /// The reason why the current contents of the files cannot be used.
     pub refused: Option<String>,
 }
 
 impl Follower {
-    /// Begins to follow the file of a scene that was opened.
+    /// Starts to watch the file of a scene that was opened.
     pub fn of(reloading: Reloading) -> Follower {
         Follower {
             reloading,
@@ -41,27 +40,26 @@ impl Follower {
 
 /// The previous scene.
 pub struct Before {
-    /// The scene's state when another scene replaced it.
+    /// The state of the scene when another scene replaced it.
     pub world: World,
-    /// The follower of the previous scene if that was another scene; `None` if the same file has
-    /// changed.
+    /// The follower of the previous scene if that scene had another file; `None` if the same file was changed.
     pub other: Option<Option<Follower>>,
 }
 
 /// A chosen scene whose users' fields are being tried. Dropping it ends the trial.
 pub struct Coming {
     pub world: World,
-    /// The message shown once the scene is open.
+    /// The message to show when the scene opens.
     pub told: String,
-    /// None for a built-in scene.
+    /// `None` for a built-in scene.
     opening: Option<Opening>,
 }
 
 impl Coming {
-    /// Reads a scene, and begins the trial of its users' fields.
+    /// Reads a scene, and starts the trial of its users' fields.
     ///
     /// # Errors
-    /// As [`Opening::begin`].
+    /// The errors of [`Opening::begin`].
     pub fn begin(name: &str, settings: &Settings) -> Result<Coming, Error> {
         let (world, opening) = if Scene::BUILTIN_NAMES.contains(&name) {
             (World::load(name)?, None)
@@ -76,7 +74,7 @@ impl Coming {
         })
     }
 
-    /// Whether the trial of the scene's fields is in progress.
+    /// Whether the trial of the scene's users' fields is in progress.
     pub fn is_tried(&self) -> bool {
         self.opening.as_ref().is_some_and(Opening::is_tried)
     }

@@ -1,4 +1,4 @@
-//! One frame, part by part: setup, waves, picture, panels, swap.
+//! One frame: setup, waves, picture, panels, swap.
 
 use super::DemoError;
 use super::adapt::{SCALES, SHARE_OF_WAVES, scale_costs};
@@ -12,16 +12,16 @@ use echomarch_walk::PATH_ITERATIONS;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Number of frames between two sets of paths.
+/// Number of frames between two updates of the paths in the plan.
 const PATHS_EVERY: u64 = 6;
-/// The number of recent frames from which it is decided whether waves fit.
+/// Number of recent frames that decide whether a frame of waves fits the frame time.
 const FRAMES_LOOKED_AT: usize = 10;
-/// How long a message is shown.
+/// Display time of a message.
 const MESSAGE: Duration = Duration::from_secs(4);
 /// Number of frames shown in the panels.
 const FRAMES_SHOWN: usize = 100;
 
-/// Time of a frame without its waves, in milliseconds.
+/// Time of a frame except its waves, in milliseconds.
 fn without_waves(times: &FrameTimes) -> f64 {
     times.work - times.waves - times.read_back
 }
@@ -31,7 +31,7 @@ fn milliseconds(from: Instant) -> f64 {
 }
 
 impl App {
-    /// Draws and traces one frame; the last one saves a screenshot, if requested.
+    /// Traces and draws one frame. The last frame also saves a screenshot, if requested.
     pub fn frame(&mut self, is_last: bool) -> Result<(), DemoError> {
         let Some(mut stage) = self.stage.take() else {
             return Ok(());
@@ -51,7 +51,7 @@ impl App {
         let size = stage.window.size();
         self.window = size;
         if size[0] == 0 || size[1] == 0 {
-            // The window is not visible; sound continues.
+            // The window is not visible, but the sound continues.
             let mut times = FrameTimes::default();
             self.waves(stage, &mut times)?;
             self.recorder.frame(times, self.seconds());
@@ -77,8 +77,8 @@ impl App {
         Ok(())
     }
 
-    /// Switches to a chosen scene once its users' fields were tried; the previous scene continues until then. The new
-    /// scene is checked before the switch: until then the solid parts of its fields are unknown.
+    /// Switches to a chosen scene after its users' fields were tried. The previous scene is shown until then. The new
+    /// scene is checked only now, because the trial determines which parts of its fields are solid.
     fn try_new(&mut self, stage: &mut Stage) -> Result<(), DemoError> {
         if let Some(mut coming) = self.coming.take() {
             match coming.poll() {
@@ -108,13 +108,13 @@ impl App {
     ) -> Result<(), DemoError> {
         self.waves(stage, times)?;
         let scale = match self.choices.picture_scale {
-            // A fixed scale is used exactly.
+            // A scale set by the user is applied exactly.
             Some(fixed) => (fixed, false),
             None => (SCALES[self.scale_step], true),
         };
         let drawing = Instant::now();
         self.drawn = stage.view.draw(self.world.pair()?, size, scale)?;
-        // On a graphics card the call returns long before the picture is drawn.
+        // On a graphics card, the call returns long before the picture is drawn.
         times.picture = if stage.window.gl.context().is_software() {
             milliseconds(drawing)
         } else {
@@ -125,13 +125,14 @@ impl App {
             self.follow_paths(stage)?;
             times.paths = milliseconds(following);
         }
-        // A frame begun in this call may already be finished.
+        // The frame of waves begun in this call may already be finished.
         self.collect(stage, false, times)?;
         self.previous = None;
         Ok(())
     }
 
-    /// Replaces a scene that cannot be drawn by the previous scene; returns the error if there is no previous scene.
+    /// Returns to the previous scene if the current one cannot be drawn. Returns the error if there is no previous
+    /// scene.
     fn fall_back(&mut self, error: DemoError) -> Result<(), DemoError> {
         let Some(before) = self.previous.take() else {
             return Err(error);
@@ -151,8 +152,8 @@ impl App {
         Ok(())
     }
 
-    /// Collects the waves of the last frame and begins those of this one, or continues waves that take longer than one
-    /// frame.
+    /// Collects the finished waves of the last frame and begins new waves. Waves that take longer than one frame are
+    /// continued instead.
     fn waves(&mut self, stage: &mut Stage, times: &mut FrameTimes) -> Result<(), DemoError> {
         let every = u64::from(self.choices.trace_every.max(1));
         let is_due = self.recorder.frames.is_multiple_of(every);
@@ -168,7 +169,7 @@ impl App {
             let settings = &self.choices.settings;
             stage.tracer.frame_begin(self.world.pair()?, settings)?;
             if self.begins_anew || self.under_way != *settings {
-                // The time of these waves is not measured yet.
+                // The time of these waves has not been measured yet.
                 self.on_waves = 0.0;
             }
             self.under_way = settings.clone();
@@ -183,14 +184,14 @@ impl App {
             self.part_traced(spent, share);
         }
         if stage.window.gl.context().is_software() {
-            // Otherwise the graphics card measures the time, which is read when the frame is collected.
+            // On a graphics card, the card measures the time. It is read when the frame is collected.
             times.waves += milliseconds(tracing);
         }
         Ok(())
     }
 
-    /// Milliseconds per frame available for waves: the time of a whole frame of waves, if that fits into the frame time
-    /// beside all other work; otherwise a share of the frame time.
+    /// Time available for waves in each frame, in milliseconds. If a whole frame of waves fits beside all other work,
+    /// this is the time of that frame. Otherwise it is a fixed share of the frame time.
     fn time_for_waves(&self) -> f64 {
         let target = self.options.frame_milliseconds;
         let share = SHARE_OF_WAVES * target;
@@ -201,13 +202,13 @@ impl App {
             .map(without_waves)
             .collect();
         if median(others) + self.on_waves <= target {
-            // A prediction, with a margin.
+            // The predicted time of the waves, with a margin.
             return share.max(2.0 * self.on_waves);
         }
         share
     }
 
-    /// If a frame of waves is finished, passes its panning to the speakers.
+    /// Passes the panning of a finished frame of waves to the speakers.
     fn collect(
         &mut self,
         stage: &mut Stage,
@@ -219,7 +220,7 @@ impl App {
         } else {
             stage.tracer.frame_poll()?
         };
-        // A frame of a replaced scene is discarded.
+        // A frame of waves that belongs to a replaced scene is discarded.
         let Some(frame) = frame.filter(|_| !self.begins_anew) else {
             return Ok(());
         };
@@ -297,7 +298,7 @@ impl App {
             .window
             .draw_panels(|ui| actions.extend(overlay::draw(ui, &hud, chosen, plan)));
         times.overlay = milliseconds(drawing);
-        // Clicks outside all panels are on the picture.
+        // A click outside all panels is a click on the picture.
         let on_picture = |at: &[f64; 2]| !stage.window.is_panel_at(*at);
         let looks = std::mem::take(&mut self.presses).iter().any(on_picture);
         if let Err(error) = self.choices.settings.validate() {
@@ -314,7 +315,7 @@ impl App {
         Ok(())
     }
 
-    /// Passes the choices to the speakers, and reads their status.
+    /// Passes the user's choices to the speakers, and reads the status of the speakers.
     fn hear(&mut self) {
         self.speaker.set_law(self.choices.law());
         self.speaker.set_volume(self.choices.loudness());
@@ -324,7 +325,7 @@ impl App {
             .sound(self.sound.gains_to_buffer, self.sound.buffer_to_device);
     }
 
-    /// Saves the pictures of the window that were requested.
+    /// Saves the requested screenshots.
     fn pictures(&mut self, stage: &Stage, size: [u32; 2], is_last: bool) -> Result<(), DemoError> {
         if let Some(path) = self.picture_wanted.take() {
             keep_picture(stage, size, &path)?;
@@ -343,7 +344,7 @@ impl App {
         }
     }
 
-    /// Chooses the picture's scale and, if requested, the number of waves for the next frames.
+    /// Chooses the picture's scale and, if requested, the number of waves for the following frames.
     fn adapt(&mut self, times: FrameTimes) {
         let every = self.choices.trace_every.max(1) as usize;
         let last = self.recorder.last(every);
@@ -351,7 +352,7 @@ impl App {
         let (work, others) = (mean_of(|t| t.work), mean_of(without_waves));
         let on_waves = self.on_waves;
         self.watch_waves();
-        // Only one of the two is changed at a time: the other must be measured again afterwards.
+        // Only one of the two is changed at a time, because each change invalidates the measurements of the other.
         if self.adapt_picture(work, times.picture) {
             self.wave_control.forget();
         } else if on_waves > 0.0 && self.adapt_waves(others, on_waves / every as f64) {
@@ -361,7 +362,7 @@ impl App {
 
     /// Adapts the picture's scale; returns whether it changed.
     fn adapt_picture(&mut self, work: f64, on_picture: f64) -> bool {
-        // A frame that draws only panels and waves does not measure the picture.
+        // A frame that did not redraw the picture does not measure its time.
         if !self.drawn.anew || self.choices.picture_scale.is_some() {
             return false;
         }
@@ -374,7 +375,7 @@ impl App {
 
 fn keep_picture(stage: &Stage, [width, height]: [u32; 2], path: &Path) -> Result<(), DemoError> {
     let mut pixels = stage.window.gl.read_rgba8(width, height)?;
-    // The picture is made opaque, so that nothing behind the window shows through.
+    // Sets the alpha channel to opaque; otherwise the content behind the window would show through in the file.
     for pixel in pixels.chunks_exact_mut(4) {
         pixel[3] = 255;
     }

@@ -1,4 +1,4 @@
-//! The table of keys, which the window obeys and shows.
+//! The table of keys. The window uses it for its actions and for the help.
 
 use echomarch::tracer::Profile;
 use echomarch_walk::MoveInput;
@@ -16,12 +16,11 @@ pub enum Action {
     Iterations(i32),
     /// Pick up the source, or put it down.
     PickUp,
-    /// Pause moving things, or let them continue.
+    /// Pause all motion in the scene, or continue it.
     Pause,
     /// Reset the scene to its initial state.
     StartOver,
-    /// Change the scene by this number of steps in the list of built-in scenes and files; backwards
-    /// if negative.
+    /// Move by this number of steps in the list of built-in scenes and files; a negative number moves backwards.
     NextScene(i32),
     /// Open this scene.
     Scene(String),
@@ -31,8 +30,8 @@ pub enum Action {
     Sound(String),
     /// Switch between full listening and the balance.
     Listen,
-    /// Set the material of a surface, given by its index from 0; a surface without a material
-    /// reflects all energy.
+    /// Set the material of a surface, which is given by its index from 0. A surface without a material reflects all
+    /// energy.
     Material(usize, Option<String>),
     /// Change the panning law.
     Law,
@@ -52,13 +51,13 @@ pub enum Action {
     Panels,
     /// Start or stop adapting the number of waves to the frame time.
     AdaptWaves,
-    /// Free the mouse.
+    /// Release the mouse.
     FreeMouse,
     /// Close the window.
     Quit,
 }
 
-/// The keys as the help lists them: the key, and its effect.
+/// The keys as listed in the help: the key and its effect.
 pub const HELP: [(&str, &[(&str, &str)]); 3] = [
     (
         "Walk",
@@ -68,7 +67,7 @@ pub const HELP: [(&str, &[(&str, &str)]); 3] = [
             ("Arrow keys", "turn and look"),
             ("Click", "look with the mouse; Esc frees it"),
             ("F", "pick up the source, put it down"),
-            ("P  Space", "hold what moves, go on"),
+            ("P  Space", "pause, continue"),
             ("Backspace  Home", "back to the beginning"),
         ],
     ),
@@ -79,7 +78,7 @@ pub const HELP: [(&str, &[(&str, &str)]); 3] = [
             ("[  ]  PgDn PgUp", "half, twice the waves"),
             (",  .", "fewer, more iterations"),
             ("T", "number of waves follows frame time"),
-            ("N  B", "next scene, the one before"),
+            ("N  B", "next, previous scene"),
             ("Drop a file", "that scene, or that sound"),
             ("V", "full sound, or balance only"),
             ("L", "panning law of the balance"),
@@ -99,15 +98,15 @@ pub const HELP: [(&str, &[(&str, &str)]); 3] = [
     ),
 ];
 
-/// The line that is always shown in the window.
+/// The hint line at the lower edge of the window.
 pub const HINT: &str =
     "WASD walk    click look    F carry source    1 2 3 profile    F5 save    F1 help";
 
-/// Returns the action that a pressed key requests.
+/// The action of a key press.
 pub fn action(key: KeyCode, control: bool) -> Option<Action> {
     if control {
         return match key {
-            // Only Q quits, not W: W walks.
+            // Ctrl+W does not quit, because W walks.
             KeyCode::KeyQ => Some(Action::Quit),
             KeyCode::KeyS => Some(Action::Save),
             _ => None,
@@ -147,8 +146,8 @@ pub fn action(key: KeyCode, control: bool) -> Option<Action> {
 pub struct PressedKeys(HashSet<KeyCode>);
 
 impl PressedKeys {
-    /// Handles a key press. A key pressed together with Control is a command and does not count as
-    /// held, whichever of the two keys is released first.
+    /// Handles a key press. A key pressed while Control is held is a command and is never treated as held, whichever of
+    /// the two keys is released first.
     pub fn press(&mut self, key: KeyCode) {
         if !self.control() {
             self.0.insert(key);
@@ -165,7 +164,7 @@ impl PressedKeys {
         self.0.remove(&key);
     }
 
-    /// Releases all keys: the window gets no release events while another window has the keyboard.
+    /// Releases all keys, because the window receives no release events while another window has the keyboard focus.
     pub fn clear(&mut self) {
         self.0.clear();
     }
@@ -203,7 +202,7 @@ impl PressedKeys {
 mod tests {
     use super::*;
 
-    /// Protects saving by Ctrl+S from walking backwards, and checks that opposite keys cancel out.
+    /// Protects saving with Ctrl+S: it does not walk backwards. Also checks that opposite keys cancel each other.
     #[test]
     fn held_keys_make_a_wish() {
         let mut pressed = PressedKeys::default();
@@ -225,7 +224,7 @@ mod tests {
         assert!(pressed.input().is_rest() && !pressed.control());
     }
 
-    /// Protects the keys 1, 2 and 3: the help names them in the order of the profiles.
+    /// Protects the keys 1, 2 and 3: the help lists the profiles in the order of these keys.
     #[test]
     fn the_help_names_the_profiles_in_the_order_of_their_keys() {
         let keys = [KeyCode::Digit1, KeyCode::Digit2, KeyCode::Digit3];

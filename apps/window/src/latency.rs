@@ -1,9 +1,9 @@
-//! Latency from a key to the ear: the time of each part.
+//! Measures the latency from a key press to the ear, part by part.
 
 use serde::Serialize;
 use std::time::{Duration, Instant};
 
-/// The weight of the newest measurement in the smoothed value.
+/// The weight of the newest measurement in the exponentially smoothed value.
 const FRESH: f64 = 0.15;
 
 /// A smoothed measurement.
@@ -20,14 +20,14 @@ impl Gliding {
 /// The measured parts, in milliseconds; `None` for a part without a measurement.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Parts {
-    /// Maximum time from a key or mouse event to the start of the frame that traces its effect: the
-    /// event may have occurred at any time since the previous processing of events.
+    /// Maximum time from a key or mouse event to the start of the frame that traces its effect. The event may have
+    /// occurred at any time since events were last processed.
     pub input_to_trace: Option<f64>,
-    /// Time from the start of the frame until it was read back.
+    /// Time from the start of the frame until its result was read back.
     pub trace_to_read_back: Option<f64>,
-    /// Time from the read-back until the sound thread has used the gains for its next buffer.
+    /// Time from the read-back until the sound thread used the gains for its next buffer.
     pub gains_to_buffer: Option<f64>,
-    /// Time from that buffer to the ear: the delay that the sound device reports.
+    /// Time from that buffer to the ear, as reported by the sound device.
     pub buffer_to_device: Option<f64>,
 }
 
@@ -41,7 +41,7 @@ impl Parts {
             .is_some()
     }
 
-    /// The sum of all known parts.
+    /// The sum of all measured parts.
     pub fn total(&self) -> f64 {
         [
             self.input_to_trace,
@@ -58,7 +58,7 @@ impl Parts {
 /// Measures the latency.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Latency {
-    /// The first input that has not been traced.
+    /// The time of the earliest input that has not been traced.
     input: Option<Instant>,
     begun: Option<Instant>,
     input_to_trace: Gliding,
@@ -68,13 +68,13 @@ pub struct Latency {
 }
 
 impl Latency {
-    /// Records an input at time `at` that changes the sound; only the earliest untraced input is
-    /// kept.
+    /// Records an input at time `at` that changes the sound. If an earlier input has not been traced yet, only the
+    /// earlier one is kept.
     pub fn input(&mut self, at: Instant) {
         self.input.get_or_insert(at);
     }
 
-    /// Records the start of a frame, which includes all earlier input.
+    /// Records the start of a frame, which traces all earlier inputs.
     pub fn trace_begins(&mut self, at: Instant) {
         if let Some(input) = self.input.take() {
             self.input_to_trace.add(at.duration_since(input));
@@ -89,7 +89,7 @@ impl Latency {
         }
     }
 
-    /// Sets the latency of the sound output, in milliseconds, as the output reports it.
+    /// Sets the two latencies of the sound output, in milliseconds.
     pub fn sound(&mut self, gains_to_buffer: Option<f64>, buffer_to_device: Option<f64>) {
         self.gains_to_buffer = gains_to_buffer;
         self.buffer_to_device = buffer_to_device;
@@ -110,8 +110,8 @@ impl Latency {
 mod tests {
     use super::*;
 
-    /// Protects the chain: of several inputs only the first counts, each is counted once, and the
-    /// parts add up.
+    /// Protects the latency chain: of several inputs only the first counts, each input is counted once, and the parts
+    /// add up to the total.
     #[test]
     fn parts_follow_one_another() {
         let start = Instant::now();

@@ -1,30 +1,30 @@
-//! The window: an interactive walk through a scene with its sound.
+//! The window: an interactive walk through a scene with sound.
 //!
-//! The picture is sphere traced with the distance function that the waves march through, and its camera is the
-//! listener. Waves are traced beside the pictures, in parts if tracing takes long, and read back without waiting
-//! ([`Tracer::frame_begin`](echomarch::Tracer::frame_begin)); the resulting panning goes to the sound thread. Panels
-//! show the plan, the levels and the frame times, and contain the controls.
+//! The picture is sphere traced with the same distance function as the waves, and its camera is the listener. Waves are
+//! traced in addition to the picture, in parts if a frame of waves takes long, and are read back without waiting
+//! ([`Tracer::frame_begin`](echomarch::Tracer::frame_begin)). The resulting panning goes to the sound thread. The
+//! panels show the plan, the levels and the frame times, and contain the controls.
 //!
-//! | file | what it does |
+//! | file | content |
 //! | --- | --- |
-//! | `app` | events in, frames out |
-//! | `actions` | the actions of keys and buttons |
-//! | `frame` | one frame, part by part |
-//! | `window`, `display`, `mouse` | the window, its context, the renderer of the panels; the X server; the pointer |
+//! | `app` | the event loop and the state |
+//! | `actions` | performs the actions of keys and buttons |
+//! | `frame` | one frame: setup, waves, picture, panels, swap |
+//! | `window`, `display`, `mouse` | the window with its context and panel renderer; the X server; mouse look |
 //! | `overlay/` | the panels |
-//! | `state`, `keys` | the choices, the table of keys |
+//! | `state`, `keys` | the user's choices, the table of keys |
 //! | `adapt` | adapts the picture's resolution and the number of waves to the frame time |
 //! | `latency`, `report`, `summary` | measurements and reports |
-//! | `scenes`, `files` | the choice of the scene, the selectable files |
+//! | `scenes`, `files` | the choice of the scene, the scene files to choose from |
 //! | `save` | writes scene files and `trace` calls |
 //! | `reload`, `follower` | reloads a scene file when it changes |
 //! | `sound` | the speakers |
-//! | `ears`, `listening` | full listening on a thread of its own; its connection to the speakers |
+//! | `ears`, `listening` | full listening on its own thread; its connection to the speakers |
 //!
-//! Walking, the picture, the plan and its paths are shared with the page in a browser: see [`echomarch_walk`].
+//! The walk, the picture, the plan and its paths are shared with the browser page: see [`echomarch_walk`].
 //!
-//! Threads: the picture is drawn and the waves are traced on the thread that calls [`run`], which must be the process'
-//! first. Full listening is traced on a thread and a context of its own.
+//! Threads: the picture is drawn and the waves are traced on the thread that calls [`run`]. That thread must be the
+//! main thread of the process. Full listening is traced on its own thread, with its own context.
 
 mod actions;
 mod adapt;
@@ -59,10 +59,10 @@ pub use options::{DemoOptions, OPENING_SCENE};
 pub use report::{EndPose, FrameTimes, Memory, PanAt, Report, Reread};
 pub use sound::SoundStatus;
 
-/// Opens the window and returns when it is closed.
+/// Opens the window, and returns after it is closed.
 ///
 /// # Errors
-/// [`DemoError`]: a scene that cannot be traced, no display, no OpenGL.
+/// [`DemoError`]: the scene cannot be traced, or there is no display or no OpenGL.
 pub fn run(options: DemoOptions) -> Result<Report, DemoError> {
     let mut app = app::App::new(options)?;
     let events = window::event_loop()?;

@@ -1,4 +1,4 @@
-//! Connects full listening to the speakers: the player, and the conditions for replacing it.
+//! Connects full listening to the speakers, and decides when the player must be replaced.
 
 use super::app::App;
 use super::ears::Ears;

@@ -1,10 +1,10 @@
-//! Mouse look: converts pointer positions to turns of the gaze.
+//! Mouse look: converts pointer positions to rotations of the gaze.
 //!
-//! The hidden pointer is kept inside the window: before it reaches the edge, it is moved back to the middle. The
-//! device's own movements are not used: X11 reports them twice to a window that grabs the pointer (winit's issue 2846),
-//! and some devices report positions instead.
+//! The hidden pointer is kept inside the window: before it reaches the edge, it is moved back to the centre. Raw device
+//! movements are not used, for two reasons: X11 reports them twice to a window that grabs the pointer (winit issue
+//! 2846), and some devices report positions instead.
 
-/// The pointer is moved back if its distance from the middle exceeds this share of the distance from the middle to the
+/// The pointer is moved back if its distance from the centre exceeds this share of the distance from the centre to the
 /// edge.
 const FAR: f64 = 0.5;
 
@@ -13,29 +13,29 @@ const FAR: f64 = 0.5;
 pub struct Mouse {
     /// The pointer's last position, in pixels.
     at: Option<[f64; 2]>,
-    /// The position that the pointer was moved to, until an event reports the pointer near that position.
+    /// The position to which the pointer was moved back; `None` once an event has reported the pointer there.
     put: Option<[f64; 2]>,
 }
 
 /// The effect of a pointer movement.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moved {
-    /// Pixels to the right and down.
+    /// Movement to the right and down, in pixels.
     pub by: [f64; 2],
-    /// The position to move the pointer to now.
+    /// The position to which the pointer must be moved back now.
     pub put: Option<[f64; 2]>,
 }
 
 impl Mouse {
-    /// Handles an event that reports the pointer at `to`, in a window of the given size in pixels; `looks` states
-    /// whether the mouse is captured.
+    /// Handles an event that reports the pointer at `to`, in a window of the given size in pixels. `looks` is true
+    /// while the mouse is captured.
     pub fn moved(&mut self, to: [f64; 2], [width, height]: [u32; 2], looks: bool) -> Moved {
         let before = self.at.replace(to);
         let middle = [f64::from(width / 2), f64::from(height / 2)];
         let is_far = [0, 1]
             .iter()
             .any(|&axis| (to[axis] - middle[axis]).abs() > FAR * middle[axis]);
-        // A pointer reported far from the middle has not been moved back yet.
+        // A reported position far from the centre means that the pointer has not been moved back yet.
         let from = self.put.take_if(|_| !is_far || !looks).or(before);
         let Some(from) = from.filter(|_| looks) else {
             return Moved::default();
@@ -55,8 +55,8 @@ mod tests {
 
     const SIZE: [u32; 2] = [960, 540];
 
-    /// Simulates a hand that moves the pointer by steps, with a pointer that can be moved back; returns the sum of
-    /// turns.
+    /// Simulates a hand that moves the pointer in steps, where the pointer can be moved back. Returns the sum of the
+    /// rotations.
     fn turned(steps: &[[f64; 2]]) -> [f64; 2] {
         let mut mouse = Mouse::default();
         let mut at = [480.0, 270.0];
@@ -75,7 +75,7 @@ mod tests {
         sum
     }
 
-    /// Protects long turns: every pixel of the hand's movement counts once, and the pointer never reaches the edge.
+    /// Protects long rotations: every pixel of the hand's movement counts once, and the pointer never reaches the edge.
     #[test]
     fn the_hand_may_go_on_in_one_direction() {
         assert_eq!(turned(&[[30.0, -8.0]; 100]), [3000.0, -800.0]);
@@ -83,7 +83,8 @@ mod tests {
         assert_eq!(turned(&[[5.0, 0.0], [0.0, 0.0], [-5.0, 1.0]]), [0.0, 1.0]);
     }
 
-    /// Protects the gaze from a jump when the pointer enters the window, and from a pointer that is not captured.
+    /// Protects the gaze: it does not jump when the pointer enters the window, and ignores a pointer that is not
+    /// captured.
     #[test]
     fn a_free_pointer_turns_nothing() {
         let mut mouse = Mouse::default();
@@ -92,8 +93,8 @@ mod tests {
         assert_eq!(mouse.moved([501.0, 298.0], SIZE, true).by, [1.0, -2.0]);
     }
 
-    /// Protects mouse look where the pointer cannot be moved back: it is not moved twice, and its movements keep
-    /// turning the gaze.
+    /// Protects mouse look on systems where the pointer cannot be moved back: the request is not repeated, and pointer
+    /// movements still rotate the gaze.
     #[test]
     fn a_pointer_that_stays_away_still_turns() {
         let mut mouse = Mouse::default();
@@ -102,7 +103,7 @@ mod tests {
             let moved = mouse.moved([x, 270.0], SIZE, true);
             assert_eq!((moved.by, moved.put), ([5.0, 0.0], put));
         }
-        // The pointer is moved back at last, after a movement of its own.
+        // The pointer reaches the centre late, after a movement by the hand.
         assert_eq!(mouse.moved([483.0, 269.0], SIZE, true).by, [3.0, -1.0]);
     }
 }

@@ -5,65 +5,63 @@ use echomarch::auralisation::Listen;
 use echomarch::tracer::Settings;
 use std::path::PathBuf;
 
-/// The default scene: its first view shows many near and far objects. (In `corner` and `obstacles`
-/// the listener faces a wall, as in the thesis.)
+/// The default scene. Its initial view shows many near and far objects. (In `corner` and `obstacles` the listener faces
+/// a wall, as in the thesis.)
 pub const OPENING_SCENE: &str = "open-pillars";
 
-/// The initial options of the window; every choice can be changed in it.
+/// The initial options of the window. The user can change every choice in the window.
 #[derive(Clone, Debug)]
 pub struct DemoOptions {
     /// Built-in scene or scene file.
     pub scene: String,
-    /// Named values of the scene in the unit of its file. They are also set in scenes opened later
-    /// that have values of the same names.
+    /// Named values of the scene, in the units of its file. They are also applied to scenes opened later that have
+    /// values with the same names.
     pub values: Vec<(String, f32)>,
-    /// How waves are traced.
+    /// The settings of the waves.
     pub settings: Settings,
     /// Number of pictures per frame of waves.
     pub trace_every: u32,
     /// Whether the number of waves follows the frame time.
     pub adapt_waves: bool,
-    /// Milliseconds that a frame may take.
+    /// Target time of a frame, in milliseconds.
     pub frame_milliseconds: f64,
-    /// Ratio of the picture's resolution to the window's along a side; `None` to adapt the ratio to
-    /// the frame time.
+    /// The picture's resolution divided by the window's, along one side; `None` to adapt this ratio to the frame time.
     pub picture_scale: Option<f32>,
     /// Width of the window in pixels, before display scaling.
     pub width: u32,
     /// Height of the window in pixels, before display scaling.
     pub height: u32,
-    /// The sound, as [`Sound::parse`](echomarch::audio::Sound::parse) takes it.
+    /// The sound, in the syntax of [`Sound::parse`](echomarch::audio::Sound::parse).
     pub sound: String,
     /// Loudness, 0 to 1.
     pub volume: f32,
-    /// The listening mode; none for the profile's default ([`Listen::for_profile`]).
+    /// The listening mode; `None` for the profile's default ([`Listen::for_profile`]).
     pub listen: Option<Listen>,
-    /// The law from pan to gains; `None` for the profile's default ([`PanningLaw::for_profile`]).
+    /// The panning law; `None` for the profile's default ([`PanningLaw::for_profile`]).
     pub law: Option<PanningLaw>,
-    /// The sound device's name; none for the default device.
+    /// The sound device's name; `None` for the default device.
     pub device: Option<String>,
     /// Buffer size of the sound device in samples.
     pub buffer: u32,
     /// A WAV file for the recording.
     pub record: Option<PathBuf>,
-    /// The file to save the scene to; none for the next free name.
+    /// The file to save the scene to; `None` for the next free name.
     pub save: Option<PathBuf>,
-    /// A file for a picture of the window at the end.
+    /// The file for a screenshot at the end.
     pub screenshot: Option<PathBuf>,
-    /// Ends after this number of frames.
+    /// Number of frames after which the window closes.
     pub frames: Option<u64>,
-    /// Ends after this number of seconds.
+    /// Number of seconds after which the window closes.
     pub seconds: Option<f64>,
     /// Whether the help is open at the start.
     pub help: bool,
-    /// Whether GL errors are queried after every frame; in debug builds they always are.
+    /// Whether GL errors are queried after every frame. Debug builds always query them.
     pub check_gl: bool,
-    /// Returns whether the window must close; called at every frame.
+    /// Returns whether the window must close. It is called in every frame.
     pub is_asked_to_end: fn() -> bool,
-    /// Receives every frame as a line of JSON, for programs that control the window.
+    /// Receives a line of JSON for every frame, for programs that control the window.
     pub log_frames: Option<fn(&str)>,
-    /// Receives every line that the user may want to keep, such as the `trace` call of a scene just
-    /// saved.
+    /// Receives the lines that the user may want to keep, such as the `trace` call of a saved scene.
     pub announce: fn(&str),
 }
 

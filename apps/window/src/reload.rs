@@ -13,8 +13,8 @@ use std::time::{Duration, Instant};
 const BETWEEN_LOOKS: Duration = Duration::from_millis(100);
 
 impl App {
-    /// Checks the scene that the window opens with, and follows the scene's file if it has one.
-    /// Waits for the trial of the scene's fields, as there is no other scene to show.
+    /// Checks the scene with which the window opens, and watches the scene's file if there is one. Waits for the trial
+    /// of the scene's users' fields, because there is no other scene to show meanwhile.
     pub fn follow_first(&mut self, tracer: &mut Tracer) -> Result<(), Error> {
         let (name, settings) = (&self.world.name, &self.choices.settings);
         if !Scene::BUILTIN_NAMES.contains(&name.as_str()) {
@@ -26,22 +26,21 @@ impl App {
         tracer.check(&self.world.base, settings)
     }
 
-    /// The name of a chosen scene while its fields are tried.
+    /// The name of a chosen scene whose users' fields are being tried.
     pub fn tried_scene(&self) -> Option<&str> {
         let coming = self.coming.as_ref().filter(|coming| coming.is_tried())?;
         Some(&coming.world.name)
     }
 
-    /// The message in the window during the trial.
+    /// The message shown in the window during the trial.
     pub fn trying(&self) -> Option<String> {
         let (name, before) = (self.tried_scene()?, &self.world.name);
         Some(format!(
-            "{name} is being tried, {before} continues until then"
+            "{name} is being tried; {before} is shown until then"
         ))
     }
 
-    /// Applies changes of the scene's files. After an error the last good scene stays, and the
-    /// reason is reported.
+    /// Applies changes of the scene's files. After an error, the last valid scene stays, and the reason is reported.
     pub fn reread(&mut self, stage: &mut Stage) {
         let Some(follower) = self.follower.as_mut() else {
             return;
@@ -55,7 +54,7 @@ impl App {
             Ok(false) => (),
             Ok(true) => {
                 follower.refused = None;
-                // The picture may fail even if waves can be traced.
+                // Drawing the picture may fail even if tracing the waves succeeds.
                 self.previous = Some(Before {
                     world: self.world.clone(),
                     other: None,
@@ -73,7 +72,7 @@ impl App {
         }
     }
 
-    /// Records and reports the reason why the files in their present state cannot be used.
+    /// Records and reports the reason why the current contents of the files cannot be used.
     pub fn refuse(&mut self, why: String) {
         if let Some(follower) = &mut self.follower {
             follower.refused = Some(why.clone());
@@ -94,7 +93,7 @@ impl App {
         self.tell(told);
     }
 
-    /// The message in the window while the files cannot be used.
+    /// The message shown in the window while the files cannot be used.
     pub fn refusal(&self) -> Option<&str> {
         self.follower.as_ref()?.refused.as_deref()
     }

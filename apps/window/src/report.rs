@@ -1,4 +1,4 @@
-//! The report of a run of the window in numbers: for `--json`, for tests, for people.
+//! The measurements of a run of the window, for `--json`, for tests, and for the printed summary.
 
 use super::latency::Parts;
 use super::sound::SoundStatus;
@@ -10,36 +10,36 @@ use echomarch_walk::EarsStatus;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Maximum number of stored pans. When it is reached, every second pan is dropped.
+/// Maximum number of stored pans. When it is reached, every second stored pan is removed.
 const PANS_AT_MOST: usize = 4096;
 
-/// Maximum number of stored changes of the scene's files; the oldest are dropped.
+/// Maximum number of stored changes of the scene's files. The oldest are removed.
 const REREAD_AT_MOST: usize = 100;
 
-/// Maximum number of stored frame times for the medians; the oldest are dropped.
+/// Maximum number of stored frame times, from which the medians are computed. The oldest are removed.
 const TIMES_AT_MOST: usize = 36_000;
 
-/// Maximum number of minutes with a memory record: a day.
+/// Maximum number of stored memory measurements, one per minute: one day.
 const MINUTES_AT_MOST: usize = 24 * 60;
 
 /// Milliseconds spent on each part of one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct FrameTimes {
-    /// Sphere tracing the picture.
+    /// Sphere tracing of the picture.
     pub picture: f64,
-    /// Initialise, march and pan of the waves.
+    /// Initialisation, march and pan of the waves.
     pub waves: f64,
-    /// Copying and summing the panning.
+    /// Read-back and summation of the panning.
     pub read_back: f64,
-    /// The paths in the plan.
+    /// Tracing of the paths in the plan.
     pub paths: f64,
-    /// Panels.
+    /// Drawing of the panels.
     pub overlay: f64,
     /// Presenting the frame on the screen.
     pub swap: f64,
-    /// The whole frame, without waiting for the next one.
+    /// The whole frame, excluding the wait for the next frame.
     pub work: f64,
-    /// Time from the start of the last frame to the start of this one.
+    /// Time from the start of the previous frame to the start of this frame.
     pub whole: f64,
 }
 
@@ -54,42 +54,42 @@ pub struct PanAt {
     pub profile: String,
 }
 
-/// A record of one frame, for a program that drives the window.
+/// The record of one frame, for a program that controls the window.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FrameLine<'a> {
-    /// Frames drawn, this one included.
+    /// Number of frames drawn, including this frame.
     pub frame: u64,
     /// Start time of the frame, in seconds since 1970 by the system clock.
     pub began: f64,
     /// Seconds since the start.
     pub seconds: f64,
-    /// Frames of waves heard.
+    /// Number of frames of waves whose panning was played.
     pub traced: u64,
-    /// The last pan heard.
+    /// The last pan that was played.
     pub heard: Option<&'a PanAt>,
-    /// Waves in a frame.
+    /// Number of waves in a frame.
     pub waves: u32,
-    /// The number of waves that would be traced if it fitted the frame time; none if all are.
+    /// The requested number of waves, if it is larger than the number that fits the frame time; otherwise `None`.
     pub more_waves_asked: Option<u32>,
-    /// The cost of the scene's marched fields; none without fields, and until it is measured.
+    /// The cost of the scene's marched fields; `None` without marched fields, and until the cost is measured.
     pub fields: Option<&'a FieldsCost>,
-    /// Whether the number of waves follows the frame time.
+    /// Whether the number of waves adapts to the frame time.
     pub adapts_waves: bool,
-    /// The name or file that the scene was loaded by.
+    /// The name or the file of the scene, as given when it was loaded.
     pub scene: &'a str,
-    /// The name or file of a chosen scene while its users' fields are tried.
+    /// The name or the file of a chosen scene whose users' fields are being tried.
     pub trying: Option<&'a str>,
-    /// The scene's named values that were set, in the unit of its file.
+    /// The named values that were set, in the units of the scene file.
     pub values: &'a [(String, f32)],
-    /// Whether the mouse looks about.
+    /// Whether mouse look is on.
     pub mouse_looks: bool,
-    /// Paths of heard waves in the plan.
+    /// Number of paths in the plan that reached the listener.
     pub paths_heard: usize,
     /// The listener's position in metres.
     pub listener: [f32; 3],
     /// Whether sound is audible.
     pub sound: bool,
-    /// The level of each source in full listening; none with the balance.
+    /// The level of each source in full listening; `None` with the balance.
     pub sources: Option<&'a [HeardSource]>,
 }
 
@@ -100,30 +100,29 @@ pub struct Reread {
     pub seconds: f64,
     /// Number of frames drawn before the change.
     pub frames: u64,
-    /// The reason why the last good scene stays, in one sentence; `None` if the new scene is in
-    /// use.
+    /// The reason why the last valid scene stays, in one sentence; `None` if the new scene is in use.
     pub error: Option<String>,
 }
 
-/// Resident memory in MiB; none if the system does not report it.
+/// Resident memory in MiB; `None` if the system does not report it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Memory {
-    /// After two seconds.
+    /// Two seconds after the start.
     pub at_start: Option<f64>,
     /// After each minute of the first day.
     pub each_minute: Vec<Option<f64>>,
-    /// At the end.
+    /// At the end of the run.
     pub at_end: Option<f64>,
 }
 
-/// A position and gaze at the end.
+/// Position and gaze of the listener at the end of the run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct EndPose {
     /// World position in metres.
     pub position: [f32; 3],
-    /// Degrees to the right.
+    /// Rotation to the right, in degrees.
     pub yaw: f32,
-    /// Degrees upwards.
+    /// Rotation upwards, in degrees.
     pub pitch: f32,
 }
 
@@ -134,80 +133,81 @@ pub struct Report {
     pub scene: String,
     /// The algorithm at the end.
     pub profile: String,
-    /// Waves in a frame at the end.
+    /// Number of waves in a frame at the end.
     pub waves: u32,
-    /// The number of waves that would have been traced at the end if it had fitted the frame time; none if all were.
+    /// The requested number of waves at the end, if it was larger than the number that fitted the frame time; otherwise
+    /// `None`.
     pub more_waves_asked: Option<u32>,
-    /// The cost of the scene's marched fields; none without fields, or if it was not measured.
+    /// The cost of the scene's marched fields; `None` without marched fields, or if the cost was not measured.
     pub fields: Option<FieldsCost>,
-    /// Whether the number of waves followed the frame time at the end.
+    /// Whether the number of waves adapted to the frame time at the end.
     pub adapts_waves: bool,
-    /// Iterations at the end.
+    /// Number of iterations at the end.
     pub iterations: u32,
     /// GL_RENDERER.
     pub renderer: String,
-    /// Seconds that the window was open.
+    /// Duration of the run in seconds.
     pub seconds: f64,
-    /// Frames drawn.
+    /// Number of frames drawn.
     pub frames: u64,
-    /// Frames of waves that were heard.
+    /// Number of frames of waves whose panning was played.
     pub traced: u64,
-    /// Frames a second, by the median of the times between them.
+    /// Frames per second, from the median time between two frames.
     pub fps_median: f64,
     /// The 95th percentile of the times between two frames, in milliseconds.
     pub frame_ms_95: f64,
-    /// The median of the times between frames, and of each part.
+    /// The median of the time between two frames, and of each part of a frame.
     pub frame_ms_median: FrameTimes,
     /// The window's size in pixels at the end.
     pub window: [u32; 2],
     /// The picture's size in pixels at the end.
     pub picture: [u32; 2],
-    /// Number of frames after which GL reported an error; none if errors were not queried.
+    /// Number of frames after which GL reported an error; `None` if errors were not queried.
     pub gl_errors: Option<u64>,
     /// Resident memory in MiB.
     pub memory_mib: Memory,
-    /// The sound.
+    /// The status of the sound.
     pub sound: SoundStatus,
-    /// The listening mode at the end: full, or balance.
+    /// The listening mode at the end: `full` or `balance`.
     pub listen: String,
-    /// The report of full listening; none with the balance.
+    /// The status of full listening; `None` with the balance.
     pub in_full: Option<EarsStatus>,
-    /// From a key to the ear, in milliseconds.
+    /// Latency from a key to the ear, in milliseconds.
     pub latency_ms: Parts,
-    /// The waves of the last frame.
+    /// The counts of waves in the last frame.
     pub counts: Counts,
-    /// Listener at the end.
+    /// Position and gaze of the listener at the end.
     pub listener: EndPose,
-    /// Source at the end, in metres.
+    /// Position of the source at the end, in metres.
     pub source: [f32; 3],
     /// Whether the help was open at the end.
     pub help: bool,
-    /// Whether the mouse looked about at the end.
+    /// Whether mouse look was on at the end.
     pub mouse_looks: bool,
-    /// Named values set differently from the scene's file, in the unit of the file.
+    /// Named values that differ from the scene file, in the units of the file.
     pub values: BTreeMap<String, f32>,
-    /// Paths of waves that reached the listener in the plan at the end.
+    /// Number of paths in the plan that reached the listener, at the end.
     pub paths_heard: usize,
-    /// Scene files that were saved.
+    /// The scene files saved in this run.
     pub saved: Vec<String>,
     /// The `trace` call that reproduces the last frame.
     pub trace_call: String,
-    /// Whether that call's scene contains the source and the listener at their present positions.
+    /// Whether the scene of that call has the source and the listener at their final positions.
     pub trace_call_is_exact: bool,
-    /// The changes of the scene's files, the last hundred.
+    /// The last hundred changes of the scene's files.
     pub reread: Vec<Reread>,
-    /// The pans heard.
+    /// The pans that were played.
     pub pans: Vec<PanAt>,
 }
 
-/// Collects the measurements while the window is open.
+/// Collects measurements while the window is open.
 #[derive(Debug, Default)]
 pub struct Recorder {
-    /// Frames drawn.
+    /// Number of frames drawn.
     pub frames: u64,
-    /// Frames of waves heard.
+    /// Number of frames of waves whose panning was played.
     pub traced: u64,
-    /// Frames after which GL reported an error.
+    /// Number of frames after which GL reported an error.
     pub gl_errors: u64,
     times: Vec<FrameTimes>,
     pans: Vec<PanAt>,
@@ -234,7 +234,7 @@ impl Recorder {
         }
     }
 
-    /// Records a frame of waves.
+    /// Records a finished frame of waves.
     pub fn heard(&mut self, frame: &Frame, profile: Profile, seconds: f64) {
         self.traced += 1;
         let stride = self.stride.max(1);
@@ -264,19 +264,19 @@ impl Recorder {
         self.reread.push(reread);
     }
 
-    /// The last pan heard.
+    /// The last pan that was played.
     pub fn last_heard(&self) -> Option<&PanAt> {
         self.pans.last()
     }
 
-    /// The last frames, at most `frames`.
+    /// The most recent frames, at most `frames` of them.
     pub fn last(&self, frames: usize) -> &[FrameTimes] {
         &self.times[self.times.len().saturating_sub(frames)..]
     }
 
     /// Writes the measurements into a report.
     pub fn fill(self, report: &mut Report) {
-        // The first second, with compiling and warming up, is left out as not representative.
+        // The first second is excluded, because it contains compilation and warm-up.
         let warm = self.times.len().min(30).min(self.times.len() / 4);
         let times = &self.times[warm..];
         let whole = || times.iter().map(|t| t.whole);
@@ -320,7 +320,7 @@ fn resident_mib() -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// Protects long runs: the stored pans are bounded, in order, and span the run.
+    /// Protects long runs: the number of stored pans is bounded, and the stored pans are in order and span the run.
     #[test]
     fn a_long_run_keeps_a_bounded_history() {
         let mut recorder = Recorder::default();

@@ -1,7 +1,7 @@
-//! Saves the present state of a scene as a scene file and as a command line.
+//! Saves the current state of a scene as a scene file and as a command line.
 //!
-//! The file names the scene that was opened as its base, and contains the differences: the present positions of source
-//! and listener, and named values.
+//! The file names the opened scene as its base and contains the differences from it: the current positions of the
+//! source and the listener, and the named values.
 
 use echomarch::internals::file_output::{OutputError, write_inside, write_whole};
 use echomarch::scene::{BasedScene, Listener, Path as KeyPath, Scene, SceneError};
@@ -10,39 +10,39 @@ use echomarch_walk::World;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// Maximum number of names tried for one stem.
+/// Maximum number of file names that are tried.
 const NAMES_AT_MOST: u32 = 9999;
 
-/// Maximum change of an angle, in radians, when the file stores it as rounded degrees: one rounding of `f32` at ten
+/// Maximum change of an angle, in radians, caused by storing it in rounded degrees. It is one rounding of `f32` at ten
 /// turns.
 const ROUNDING: f32 = 1e-5;
 
-/// A scene that could not be saved.
+/// The reason why a scene could not be saved.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SaveError {
-    /// The opened file, or the text to be written, does not give the scene as it is heard.
+    /// Either the file that was opened or the text to be written does not describe the scene that is played.
     #[error("cannot save the scene: its text does not give the same scene when it is read")]
     Differs,
-    /// The opened file or the text to be written is not a scene.
+    /// Either the file that was opened or the text to be written is not a valid scene.
     #[error("cannot save the scene: {0}")]
     NotAScene(#[from] SceneError),
-    /// All names are taken.
-    #[error("cannot save the scene: {}-1.ron and those after it are all taken", .0.display())]
+    /// All file names are taken.
+    #[error("cannot save the scene: {}-1.ron and all names after it are taken", .0.display())]
     NoName(PathBuf),
     /// The file cannot be written.
     #[error(transparent)]
     Write(#[from] OutputError),
 }
 
-/// Saves a scene in its present state, to the `chosen` file, or if that is `None` beside the opened file under the next
-/// free name `NAME-1.ron`. A source or listener moved by hand loses its path; all others keep their paths.
+/// Saves a scene in its current state. `chosen` is the destination; if it is `None`, the next free name `NAME-1.ron`
+/// beside the opened file is used. A source or listener moved by hand loses its path. All others keep their paths.
 ///
-/// Before the text is written, it is read back as a file of the destination folder: its source and listener must be at
-/// their heard positions, and the base must still be the scene that was opened.
+/// Before the text is written, it is parsed as a file of the destination folder. The parsed scene must have its source
+/// and listener at their current positions, and the base must be unchanged since it was opened.
 ///
 /// # Errors
-/// [`SaveError`]; no file is created in that case.
+/// [`SaveError`]. No file is created after an error.
 pub fn save(
     world: &World,
     settings: &Settings,
@@ -81,13 +81,13 @@ pub fn save(
     Ok(path)
 }
 
-/// Returns the opened scene, read again, with its named values and the moved source and listener.
+/// Reads the opened scene again, and applies its named values and the positions of the moved source and listener.
 fn expected(world: &World) -> Result<Scene, SaveError> {
     let mut scene = Scene::load(&world.name)?;
     for (name, value) in &world.values {
         scene.set_value(name, *value)?;
     }
-    // The base's surfaces must be unchanged, including the files that they name.
+    // The base's surfaces must be unchanged, including the contents of the files that they name.
     if scene.surfaces != world.base.surfaces {
         return Err(SaveError::Differs);
     }
@@ -102,7 +102,7 @@ fn expected(world: &World) -> Result<Scene, SaveError> {
     Ok(scene)
 }
 
-/// Whether two scenes agree in everything except their surfaces, up to the rounding of degrees.
+/// Whether two scenes are equal in everything except their surfaces. Angles may differ by the rounding of degrees.
 fn stands_as(read: &Scene, expected: &Scene) -> bool {
     let listeners = || read.listeners.iter().zip(&expected.listeners);
     read.name == expected.name
@@ -113,7 +113,7 @@ fn stands_as(read: &Scene, expected: &Scene) -> bool {
         && listeners().all(|(read, expected)| is_heard_as(read, expected))
 }
 
-/// Whether two listeners agree up to the rounding of degrees.
+/// Whether two listeners are equal. Angles may differ by the rounding of degrees.
 fn is_heard_as(read: &Listener, expected: &Listener) -> bool {
     let near = |a: f32, b: f32| (a - b).abs() <= ROUNDING * a.abs().max(1.0);
     let mut turned = expected.clone();
@@ -121,20 +121,20 @@ fn is_heard_as(read: &Listener, expected: &Listener) -> bool {
     turned == *read && near(read.yaw, expected.yaw) && near(read.pitch, expected.pitch)
 }
 
-/// The folder of a file; the current folder for a bare name.
+/// The folder of a file. A bare file name belongs to the current folder.
 fn folder_of(file: &Path) -> &Path {
     file.parent().unwrap_or(Path::new(""))
 }
 
-/// The first name `STEM-1.ENDING` in a folder that is free.
+/// The first free name `STEM-1.ENDING`, `STEM-2.ENDING`, … in a folder.
 pub fn free_file(folder: &Path, stem: &str, ending: &str) -> Option<PathBuf> {
     (1..NAMES_AT_MOST)
         .map(|number| folder.join(format!("{stem}-{number}.{ending}")))
-        // A dangling link occupies a name as well.
+        // A dangling symbolic link also occupies its name.
         .find(|path| std::fs::symlink_metadata(path).is_err())
 }
 
-/// Converts a scene's name to a part of a file name.
+/// Converts a scene's name to the stem of a file name.
 fn stem(scene: &str) -> String {
     scene
         .chars()
@@ -148,8 +148,8 @@ fn stem(scene: &str) -> String {
         .collect()
 }
 
-/// Returns the `trace` call for the frame that the window traced, with the time on the scene's paths if the scene has
-/// paths, and with the given named values.
+/// Returns the `trace` call that reproduces the frame traced by the window, with the given named values. If the scene
+/// has paths, the call contains the time on these paths.
 pub fn trace_call(
     scene: &str,
     seconds: Option<f64>,
@@ -167,7 +167,7 @@ pub fn trace_call(
     call + &trace_options(settings)
 }
 
-/// Returns the command line options for these settings, each preceded by a space.
+/// Returns the command-line options for these settings, each preceded by a space.
 fn trace_options(settings: &Settings) -> String {
     let usual = Settings::new(settings.profile());
     let mut call = format!(
@@ -202,7 +202,7 @@ fn trace_options(settings: &Settings) -> String {
     call
 }
 
-/// Quotes a word for a shell.
+/// Quotes a word for a POSIX shell.
 fn quoted(word: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "._-/+=".contains(c);
     if !word.is_empty() && word.chars().all(is_plain) {
@@ -235,7 +235,7 @@ mod tests {
         path.to_str().unwrap().to_owned()
     }
 
-    /// A ball whose field lies in a file beside the scene, with two named values.
+    /// A ball whose field is in a file beside the scene, with two named values.
     const NAMED: &str = r#"Scene(
         surfaces: [
             Surface(shape: Field(file: "ball.glsl", lipschitz: 1, size: (3, 3, 3))),
@@ -254,7 +254,7 @@ mod tests {
     }
 
     /// Protects every built-in scene: saved with new positions, it is the same scene with these positions and without
-    /// paths; moving things that were not moved by hand keep their paths.
+    /// the paths of the moved objects. Objects that were not moved by hand keep their paths.
     #[test]
     fn places_are_replaced_and_all_else_stays() {
         let folder = tempfile::tempdir().unwrap();
@@ -277,7 +277,7 @@ mod tests {
         }
     }
 
-    /// Protects the file from growing with the scene, and shows its content.
+    /// Protects the size of the file, which must not grow with the scene, and shows its content.
     #[test]
     fn the_file_says_what_differs() {
         let folder = tempfile::tempdir().unwrap();
@@ -290,8 +290,8 @@ mod tests {
         assert_eq!(std::fs::read_to_string(&path).unwrap(), expected);
     }
 
-    /// Protects set values, which are saved in the unit of the file, and saved files from forming a chain: a scene
-    /// saved twice has the original file as its base, and keeps earlier changes.
+    /// Protects named values, which are saved in the units of the scene file. Also protects against chains of saved
+    /// files: a scene saved twice still has the original file as its base, and keeps earlier changes.
     #[test]
     fn values_and_earlier_changes_stay() {
         let folder = tempfile::tempdir().unwrap();
@@ -325,7 +325,7 @@ mod tests {
         assert_eq!(Scene::from_file(&third.unwrap()).unwrap(), read);
     }
 
-    /// A hall with every acoustic property that a scene may have.
+    /// A hall with every acoustic property that a scene can have.
     const HEARD: &str = r#"Scene(
         surfaces: [Surface(shape: Room(size: (20, 9, 20)), material: "brick", walls: (floor: "mat"))],
         materials: {"mat": Material(absorption: 0.3)},
@@ -333,8 +333,8 @@ mod tests {
         sources: [Source(name: "flute", level_db: -3, position: (0, 0, -5)), Source(name: "horn")],
         listeners: [Listener(name: "a", radius: 1, position: (0, 0, 5)), Listener(radius: 0.5, yaw: 33)])"#;
 
-    /// Protects everything that was not moved by hand: further sources and listeners, names, levels, materials and air,
-    /// whether they come from the base or from a file between.
+    /// Protects everything that was not moved by hand: further sources and listeners, names, levels, materials and air.
+    /// They may come from the base or from an intermediate file.
     #[test]
     fn sound_is_saved_as_it_is_heard() {
         let folder = tempfile::tempdir().unwrap();
@@ -369,7 +369,7 @@ mod tests {
         }
     }
 
-    /// Protects users from a saved file whose scene differs from the one heard.
+    /// Protects users from a saved file that describes another scene than the one played.
     #[test]
     fn a_file_that_would_differ_is_not_written() {
         let folder = tempfile::tempdir().unwrap();
@@ -384,7 +384,7 @@ mod tests {
         assert!(matches!(refused, Err(SaveError::NotAScene(_))) && !path.exists());
     }
 
-    /// Protects scenes that name files: the files are found beside the base, whatever the folder of the saved file.
+    /// Protects scenes that name files: the files are found beside the base, whatever folder the saved file is in.
     #[test]
     fn a_scene_that_names_files_is_saved_anywhere() {
         let folder = tempfile::tempdir().unwrap();
@@ -398,7 +398,7 @@ mod tests {
         let read = Scene::from_file(&path).unwrap();
         assert_eq!(read.surfaces.len(), 3);
         assert_eq!(read.user_fields().count(), 1);
-        // A file that has the name of a built-in scene is still treated as a file.
+        // A file with the name of a built-in scene is still treated as a file.
         let odd = folder.path().join("corner");
         std::fs::copy(&origin, &odd).unwrap();
         let saved = save(
@@ -410,7 +410,8 @@ mod tests {
         assert!(text.contains("base: \"./corner\""), "{text}");
     }
 
-    /// Protects the command line from characters that a shell would interpret, and from options with default values.
+    /// Protects the command line: characters that a shell would interpret are quoted, and options with default values
+    /// are omitted.
     #[test]
     fn the_call_says_what_is_not_usual() {
         let usual = trace_call("corner", None, &[], &Settings::default());

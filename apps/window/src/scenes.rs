@@ -1,4 +1,4 @@
-//! The choice of the scene: the built-in ones, files, and their named values.
+//! The choice of the scene from the built-in scenes and files, and the scene's named values.
 
 use super::app::App;
 use super::error::sentence;
@@ -9,8 +9,7 @@ use echomarch::scene::Scene;
 use std::path::Path;
 
 impl App {
-    /// Changes the scene by `steps` in the list of the built-in scenes and the files seen in this
-    /// run.
+    /// Moves by `steps` in the list of built-in scenes and of files seen in this run.
     pub fn next_scene(&mut self, steps: i32) {
         let built_in = Scene::BUILTIN_NAMES.iter().map(|name| (*name).to_owned());
         let all: Vec<String> = built_in.chain(self.files.seen().iter().cloned()).collect();
@@ -18,12 +17,12 @@ impl App {
         let from = &from.unwrap_or(&self.world).name;
         let place = all.iter().position(|name| name == from);
         let place = place.map_or(0, |place| place as i32 + steps);
-        // The list has some dozens of names.
+        // The list has at most a few dozen names.
         let next = place.rem_euclid(all.len() as i32) as usize;
         self.change_scene(&all[next]);
     }
 
-    /// Opens a file that was dropped on the window: a scene, or a sound.
+    /// Opens a file that was dropped on the window. The file is either a scene or a sound.
     pub fn open_file(&mut self, file: &Path) {
         match file.to_str() {
             Some(name) if is_of(file, "ron") => self.change_scene(name),
@@ -37,8 +36,8 @@ impl App {
         }
     }
 
-    /// Opens another scene once its users' fields were tried. If the scene does not compile, the
-    /// previous scene returns.
+    /// Opens another scene after its users' fields were tried. If the shaders of the scene do not compile, the window
+    /// returns to the previous scene.
     pub fn change_scene(&mut self, name: &str) {
         let mut coming = match Coming::begin(name, &self.choices.settings) {
             Ok(coming) => coming,
@@ -74,7 +73,7 @@ impl App {
         world.paused = self.world.paused;
         let world = std::mem::replace(&mut self.world, world);
         let follower = std::mem::replace(&mut self.follower, follower);
-        // A scene that was not drawn yet may still fail, so the previous scene is kept.
+        // A scene that has not been drawn yet may still fail, so the previous scene is kept.
         self.previous = Some(match self.previous.take() {
             None => Before {
                 world,
@@ -89,7 +88,7 @@ impl App {
         self.tell(told);
     }
 
-    /// Clears the state that belongs to the previous scene.
+    /// Clears all state that belongs to the previous scene.
     pub fn is_another_world(&mut self) {
         self.paths.forget();
         self.heard = None;
@@ -98,14 +97,14 @@ impl App {
         self.measure_again();
     }
 
-    /// Sets a named value; a value that the scene rejects changes nothing.
+    /// Sets a named value. A value that the scene rejects has no effect.
     pub fn set(&mut self, name: &str, value: f32) {
         if let Err(error) = self.world.set(name, value) {
             self.say(sentence(&error));
         }
     }
 
-    /// Shows a message in the window for a while, and prints it on the terminal.
+    /// Shows a message in the window for a few seconds, and prints it on the terminal.
     pub fn tell(&mut self, text: String) {
         (self.options.announce)(&text);
         self.say(text);

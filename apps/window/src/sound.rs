@@ -1,7 +1,7 @@
-//! The sound of the window: receives the gains, reports the device's status.
+//! The sound of the window: applies the gains, and reports the device's status.
 //!
-//! With the feature `audio` sound is played through [`echomarch::audio::live`]; without this
-//! feature the window is silent and a message states why.
+//! With the feature `audio`, sound is played through [`echomarch::audio::live`]. Without this feature the window is
+//! silent, and a message states the reason.
 
 use super::DemoOptions;
 use super::ears::Ears;
@@ -13,31 +13,31 @@ use echomarch::tracer::Panning;
 use serde::Serialize;
 use std::path::Path;
 
-/// The sounds that can be chosen in the window, besides the one it was started with.
+/// The sounds that can be chosen in the window, besides the sound given at the start.
 pub const SOUNDS: [&str; 5] = ["speech", "noise", "sine:220", "sine:440", "sine:880"];
 
 /// The status of the sound.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SoundStatus {
-    /// One line for people.
+    /// The status as one line of text.
     pub text: String,
     /// Whether sound is audible.
     pub is_heard: bool,
-    /// Samples a second.
+    /// Sample rate in hertz.
     pub sample_rate: Option<u32>,
     /// Buffer size of the device in samples.
     pub buffer: Option<u32>,
-    /// Number of late buffers: reported as late by the device, or delayed by more than two buffers.
+    /// Number of late buffers: reported as late by the device, or delayed by more than two buffer lengths.
     pub underruns: u64,
     /// Number of times that the device was reopened.
     pub restarts: u64,
-    /// Milliseconds that the gains waited for the sound thread to take them.
+    /// Time that the gains waited for the sound thread, in milliseconds.
     pub gains_to_buffer: Option<f64>,
-    /// Milliseconds from the sound thread to the ear, as reported by the device.
+    /// Time from the sound thread to the ear, in milliseconds, as reported by the device.
     pub buffer_to_device: Option<f64>,
     /// Whether a recording is in progress.
     pub is_recording: bool,
-    /// Frames lost by the present or last recording.
+    /// Number of audio frames lost by the current or last recording.
     pub dropped_frames: u64,
 }
 
@@ -51,7 +51,7 @@ pub struct Speaker {
 }
 
 impl Speaker {
-    /// Starts the sound. Never fails: without a device the window is silent and reports that.
+    /// Starts the sound. This call never fails: without a device the window is silent and reports the reason.
     pub fn start(options: &DemoOptions) -> Speaker {
         let speaker = Speaker {
             law: law_of(options),
@@ -67,7 +67,7 @@ impl Speaker {
         speaker
     }
 
-    /// Sets the panning from the last frame; takes no lock.
+    /// Sets the panning of the last frame. The call takes no lock.
     pub fn set_panning(&mut self, panning: Panning) {
         self.panning = panning;
         #[cfg(feature = "audio")]
@@ -76,7 +76,7 @@ impl Speaker {
         }
     }
 
-    /// Sets the law from pan to gains.
+    /// Sets the panning law.
     pub fn set_law(&mut self, law: PanningLaw) {
         self.law = law;
         #[cfg(feature = "audio")]
@@ -97,18 +97,18 @@ impl Speaker {
     /// Changes the sound.
     ///
     /// # Errors
-    /// The error as a sentence.
+    /// The reason, in one sentence.
     pub fn set_sound(&mut self, sound: &str) -> Result<(), String> {
         #[cfg(feature = "audio")]
         if let Some(live) = &self.live {
             live.set_sound(sound.parse().map_err(to_sentence)?);
         }
-        // Without audio only the name is kept.
+        // Without the feature `audio`, the choice of sound has no effect.
         let _ = sound;
         Ok(())
     }
 
-    /// Plays the sources of a scene in full listening, in place of one sound with its pan.
+    /// Plays the sources of a scene in full listening, instead of one sound with its pan.
     pub fn play_in_full(&mut self, ears: &Ears, scene: &Scene, sound: &str) {
         #[cfg(feature = "audio")]
         if let Some(live) = &self.live
@@ -116,7 +116,7 @@ impl Speaker {
         {
             live.set_stereo(Some(ears.source(scene, &spec)));
         }
-        // Without audio nothing is played.
+        // Without the feature `audio`, nothing is played.
         let _ = (ears, scene, sound);
     }
 
@@ -128,7 +128,7 @@ impl Speaker {
         }
     }
 
-    /// The level of each channel, 0 to 1: as played, or as computed from the gains.
+    /// The level of each channel, 0 to 1: the played level, or without a player the level computed from the gains.
     pub fn levels(&self) -> [f32; 2] {
         #[cfg(feature = "audio")]
         if let Some(live) = &self.live
@@ -152,10 +152,10 @@ impl Speaker {
         }
     }
 
-    /// Begins a recording, or ends the one in progress; returns the number of frames that it lost.
+    /// Begins a recording, or ends the one in progress. Returns the number of audio frames that the recording lost.
     ///
     /// # Errors
-    /// The reason as a sentence.
+    /// The reason, in one sentence.
     pub fn record(&mut self, path: Option<&Path>) -> Result<u64, String> {
         #[cfg(feature = "audio")]
         if let Some(live) = &self.live {
@@ -175,16 +175,16 @@ impl Speaker {
     }
 }
 
-/// The initial law.
+/// The initial panning law.
 fn law_of(options: &DemoOptions) -> PanningLaw {
     let usual = PanningLaw::for_profile(options.settings.profile());
     options.law.unwrap_or(usual)
 }
 
-/// The message without audio.
+/// The message of a build without the feature `audio`.
 #[cfg(not(feature = "audio"))]
 const SILENT: &str = "silent: built without sound";
-/// The message without a player.
+/// The message if there is no player.
 #[cfg(feature = "audio")]
 const SILENT: &str = "silent: the sound is unknown";
 
@@ -195,7 +195,7 @@ fn start(options: &DemoOptions) -> Option<Live> {
         buffer_frames: options.buffer,
         law: law_of(options),
     };
-    // The sound was checked when it was typed.
+    // The sound was checked when the options were parsed.
     options
         .sound
         .parse()
@@ -256,8 +256,8 @@ mod tests {
         status
     }
 
-    /// Protects the panel's message: an earlier loss of the device is no longer shown, and a sound
-    /// that could not be loaded is reported although the device plays.
+    /// Protects the panel's message: an earlier loss of the device is no longer shown. A sound that could not be loaded
+    /// is reported even though the device plays.
     #[test]
     fn what_went_wrong_is_shown_while_a_device_is_open() {
         let well = of_live(&playing());

@@ -1,4 +1,4 @@
-//! The choices: all settings that keys and panels change, except the scene.
+//! The user's choices: all settings that keys and panels change, except the scene.
 
 use super::DemoOptions;
 use echomarch::audio::PanningLaw;
@@ -6,7 +6,7 @@ use echomarch::auralisation::Listen;
 use echomarch::tracer::{Profile, Settings};
 use std::collections::HashMap;
 
-/// Properties of the player in full listening. If one changes, the player must be replaced.
+/// Properties of the player in full listening. If one of them changes, the player must be replaced.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InFull {
     pub sound: String,
@@ -14,7 +14,8 @@ pub struct InFull {
     pub has_bands: bool,
 }
 
-/// The scene and the settings on which the time of a frame of waves depends, except an adaptive number of waves.
+/// The scene and the settings on which the time of a frame of waves depends. A number of waves that adapts is not
+/// included.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measured {
     pub scene: String,
@@ -25,25 +26,25 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// Whether both differ at most in the number of waves.
+    /// Whether both have the same scene, profile and iterations. The number of waves may differ.
     pub fn is_of_march(&self, other: &Measured) -> bool {
         let march = |of: &Measured| (of.profile, of.iterations);
         self.scene == other.scene && march(self) == march(other)
     }
 }
 
-/// The present choices.
+/// The current choices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choices {
-    /// How waves are traced.
+    /// The current settings of the waves.
     pub settings: Settings,
-    /// The last settings of each other algorithm.
+    /// The last settings of each other profile.
     others: HashMap<Profile, Settings>,
     /// Number of pictures per frame of waves.
     pub trace_every: u32,
-    /// Whether the number of waves follows the frame time.
+    /// Whether the number of waves adapts to the frame time.
     pub adapt_waves: bool,
-    /// Ratio of the picture's resolution to the window's along a side; none to follow the frame time.
+    /// The picture's resolution divided by the window's, along one side; `None` to adapt this ratio to the frame time.
     pub picture_scale: Option<f32>,
     /// The sound's name.
     pub sound: String,
@@ -51,9 +52,9 @@ pub struct Choices {
     pub volume: f32,
     /// Whether the sound is muted.
     pub muted: bool,
-    /// The listening mode, if one was chosen.
+    /// The listening mode chosen by the user, if any.
     pub chosen_listen: Option<Listen>,
-    /// The law from pan to gains, if one was chosen.
+    /// The panning law chosen by the user, if any.
     pub chosen_law: Option<PanningLaw>,
     /// Whether the help is open.
     pub help: bool,
@@ -83,8 +84,8 @@ impl Choices {
         }
     }
 
-    /// Changes to another algorithm, and restores its last constants; the present waves, iterations and directions
-    /// stay.
+    /// Changes to another profile, and restores the constants that it last had. The numbers of waves and iterations and
+    /// the directions stay.
     pub fn set_profile(&mut self, profile: Profile) {
         if profile == self.settings.profile() {
             return;
@@ -101,26 +102,28 @@ impl Choices {
         self.others.insert(old.profile(), old);
     }
 
-    /// Doubles or halves the number of waves, `steps` times; the number is then no longer adapted to the frame time.
+    /// Doubles the number of waves `steps` times, or halves it if `steps` is negative. The number then no longer adapts
+    /// to the frame time.
     pub fn change_waves(&mut self, steps: i32) {
         self.adapt_waves = false;
         let waves = f64::from(self.settings.waves) * 2f64.powi(steps);
         self.settings.waves = (waves.round() as u32).clamp(64, Settings::MAX_WAVES / 4);
     }
 
-    /// Adds to the iterations.
+    /// Changes the number of iterations by `more`.
     pub fn change_iterations(&mut self, more: i32) {
         let iterations = self.settings.iterations.saturating_add_signed(more);
         self.settings.iterations = iterations.clamp(1, Settings::MAX_ITERATIONS);
     }
 
-    /// The law from pan to gains: the chosen one, or else the algorithm's default.
+    /// The panning law: the user's choice, or otherwise the default of the profile.
     pub fn law(&self) -> PanningLaw {
         let usual = PanningLaw::for_profile(self.settings.profile());
         self.chosen_law.unwrap_or(usual)
     }
 
-    /// The listening mode: the chosen one, or else the algorithm's default; the thesis has only the balance.
+    /// The listening mode: the user's choice, or otherwise the default of the profile. The profile `thesis` has only
+    /// the balance.
     pub fn listen(&self) -> Listen {
         let profile = self.settings.profile();
         let usual = Listen::for_profile(profile);
@@ -130,7 +133,7 @@ impl Choices {
         }
     }
 
-    /// The effective loudness.
+    /// The effective loudness: 0 if the sound is muted.
     pub fn loudness(&self) -> f32 {
         if self.muted { 0.0 } else { self.volume }
     }
@@ -141,7 +144,7 @@ mod tests {
     use super::*;
     use echomarch::tracer::{Algorithm, ThesisOptions};
 
-    /// Protects a change of algorithm: it brings its own constants and keeps the waves.
+    /// Protects a change of the profile: the new profile has its own constants, and the number of waves stays.
     #[test]
     fn a_profile_brings_its_constants_and_keeps_the_waves() {
         let mut choices = Choices::of(&DemoOptions::default());
@@ -165,7 +168,7 @@ mod tests {
         assert!(choices.settings.validate().is_ok());
     }
 
-    /// Protects loudness: the panning law is the algorithm's default until the user chooses one, which then stays.
+    /// Protects the loudness: the panning law is the profile's default until the user chooses a law, which then stays.
     #[test]
     fn the_panning_law_is_the_profile_s_until_it_is_chosen() {
         let mut choices = Choices::of(&DemoOptions::default());

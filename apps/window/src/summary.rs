@@ -9,7 +9,7 @@ use echomarch_walk::World;
 use std::time::SystemTime;
 
 impl App {
-    /// Reports the frame just drawn, if requested.
+    /// Writes the record of the frame just drawn, if requested.
     pub fn log_frame(&self, began: SystemTime) {
         let Some(log) = self.options.log_frames else {
             return;
@@ -39,7 +39,7 @@ impl App {
         }
     }
 
-    /// Returns the report of the run.
+    /// The report of the run.
     pub fn report(&mut self) -> Report {
         let walker = self.world.now.listeners.first();
         let mut report = Report {
@@ -78,7 +78,7 @@ impl App {
         report
     }
 
-    /// Returns the `trace` call that best reproduces the present state, and whether its scene is exact.
+    /// Returns the `trace` call that best reproduces the current state, and whether the scene of that call is exact.
     pub fn call(&self) -> (String, bool) {
         let (world, settings) = (&self.world, &self.choices.settings);
         let time = world.moves().then(|| world.looped());
@@ -102,13 +102,13 @@ impl App {
     }
 }
 
-/// A position for the report; the origin if there is none.
+/// A position for the report; the origin if the position is unknown.
 fn place(position: Option<Vec3>) -> [f32; 3] {
     position.unwrap_or_default().to_array()
 }
 
-/// Whether two scenes agree in air, sources and listeners, up to the rounding of degrees, and have equal surfaces.
-/// Surfaces may name their files differently: a saved scene names them from another folder.
+/// Whether two scenes have equal surfaces, air, sources and listeners. Angles may differ by the rounding of degrees.
+/// The file names in surfaces may differ, because a saved scene names the same files from another folder.
 fn stands_as(a: &Scene, b: &Scene) -> bool {
     let places = |scene: &Scene| {
         scene
@@ -137,7 +137,7 @@ mod tests {
     use super::*;
     use std::fs;
 
-    /// Protects the `trace` call of a scene saved into another folder: its surfaces name the same files differently.
+    /// Protects the `trace` call of a scene saved in another folder: its surfaces name the same files differently.
     #[test]
     fn a_scene_in_another_folder_stands_as_its_base() {
         let folder = tempfile::tempdir().unwrap();

@@ -1,21 +1,21 @@
-//! The number of waves: chosen by the first frames of a scene, then adapted to the frame time; and the cost of the
-//! scene's fields.
+//! The number of waves, and the cost of the scene's fields. The first frames of a scene choose the number, which then
+//! adapts to the frame time.
 
 use super::adapt::{FirstFrames, LEAST_WAVES, MOST_WAVES, SHARE_OF_WAVES, WaveTime};
 use super::adapt::{step_of, wave_ladder};
 use super::app::App;
 use super::state::Measured;
 
-/// Waves that take more than this multiple of the frame time are reported.
+/// A warning is shown if the waves take more than this multiple of the frame time.
 const TOO_LONG: f64 = 2.0;
-/// Number of consecutive frames that must exceed `TOO_LONG`: any frame may be delayed.
+/// Number of consecutive frames that must exceed `TOO_LONG`. A single frame may be delayed by chance.
 const TOO_OFTEN: u32 = 30;
-/// Time of a frame of waves in milliseconds above which a number of waves that the user chose is reported on the
-/// terminal too.
+/// Time of a frame of waves, in milliseconds. If a number of waves chosen by the user exceeds this time, the warning is
+/// also printed on the terminal.
 const DEAR_MS: f64 = 1000.0;
 
 impl App {
-    /// Begins to measure a scene, a profile or a fixed number of waves that is traced for the first time.
+    /// Starts a measurement if the scene, the profile or a fixed number of waves has not been measured yet.
     pub fn measure_new(&mut self) {
         let settings = &self.choices.settings;
         let adapts = self.choices.adapt_waves;
@@ -48,18 +48,18 @@ impl App {
         self.first_frames = Some(first);
     }
 
-    /// Measures the scene again, as its files have changed.
+    /// Requests a new measurement, because the scene's files have changed.
     pub fn measure_again(&mut self) {
         self.measured = None;
     }
 
-    /// The first frames, unless the frame of waves in progress was begun before them.
+    /// The first frames; `None` if the frame of waves in progress was begun with other settings.
     fn first_of_these(&mut self) -> Option<&mut FirstFrames> {
         let is_of_these = self.under_way == self.choices.settings;
         self.first_frames.as_mut().filter(|_| is_of_these)
     }
 
-    /// Takes the time of a part of the frame of waves in progress: milliseconds, and the share that is traced.
+    /// Records a part of the frame of waves in progress: milliseconds spent, and the share that is traced.
     pub fn part_traced(&mut self, spent: f64, share: f64) {
         let first = self.first_of_these();
         if let Some(time) = first.and_then(|first| first.part(spent, share)) {
@@ -67,7 +67,7 @@ impl App {
         }
     }
 
-    /// Takes the time of a whole frame of waves in milliseconds.
+    /// Records the time of a whole frame of waves, in milliseconds.
     pub fn frame_traced(&mut self, milliseconds: f64) {
         let first = self.first_of_these();
         if let Some(time) = first.and_then(|first| first.whole(milliseconds)) {
@@ -75,7 +75,7 @@ impl App {
         }
     }
 
-    /// Chooses the number of waves by the time of the first frames, or reports that a fixed number takes long.
+    /// Chooses the number of waves from the time of the first frames, or warns that a fixed number takes long.
     fn choose_waves(&mut self, time: WaveTime) {
         let Some(first) = self.first_frames.take() else {
             return;
@@ -108,7 +108,7 @@ impl App {
         shared.fitting(most, self.options.frame_milliseconds)
     }
 
-    /// The message about a fixed number of waves that does not fit the frame time.
+    /// The warning about a fixed number of waves that does not fit the frame time.
     fn too_long(&self, milliseconds: f64) -> String {
         let waves = self.choices.settings.waves;
         let time = WaveTime {
@@ -117,11 +117,11 @@ impl App {
         };
         let fitting = self.fitting(time, waves);
         format!(
-            "{waves} waves take {milliseconds:.0} ms, in parts: T takes as many as fit ({fitting}), [ halves them"
+            "{waves} waves take {milliseconds:.0} ms, in parts: T reduces them to {fitting}, [ halves them"
         )
     }
 
-    /// Reports again and again that a fixed number of waves takes too long.
+    /// Repeats the warning for as long as a fixed number of waves takes too long.
     pub fn watch_waves(&mut self) {
         let target = self.options.frame_milliseconds;
         let foreseen = self.wave_time.map_or(0.0, |time| time.milliseconds);
@@ -134,8 +134,8 @@ impl App {
         }
     }
 
-    /// Adapts the number of waves; returns whether it changed. `on_waves` is the average time per frame in milliseconds
-    /// of waves traced in one piece, and `others` the time of all other work.
+    /// Adapts the number of waves, and returns whether it changed. `on_waves` is the average time per frame, in
+    /// milliseconds, of waves traced in one piece. `others` is the time of all other work.
     pub fn adapt_waves(&mut self, others: f64, on_waves: f64) -> bool {
         if !self.choices.adapt_waves || self.first_frames.is_some() {
             return false;
@@ -145,7 +145,7 @@ impl App {
         let waves = self.choices.settings.waves;
         let before = step_of(&ladder, waves);
         let target = self.options.frame_milliseconds;
-        // The remaining time is reserved for the picture, which every movement draws again.
+        // The remaining time is reserved for the picture, which every movement of the listener redraws.
         let others = others.max((1.0 - SHARE_OF_WAVES) * target);
         self.wave_control.add(others + on_waves, on_waves);
         let chosen = self.wave_control.choose(&costs, before, target);
@@ -156,13 +156,13 @@ impl App {
         true
     }
 
-    /// The number of waves that would be traced if it fitted the frame time; `None` if all of them are.
+    /// The requested number of waves, if it is larger than the number that fits the frame time.
     pub fn more_waves_asked(&self) -> Option<u32> {
         let is_fewer = self.choices.adapt_waves && self.choices.settings.waves < self.asked_waves;
         is_fewer.then_some(self.asked_waves)
     }
 
-    /// Measures the cost of the fields of a scene once its number of waves is chosen, and takes the result.
+    /// Measures the cost of a scene's marched fields once its number of waves is chosen, and takes the result.
     pub fn follow_fields(&mut self) {
         let is_due = self.fields_are_due && self.first_frames.is_none();
         if is_due && let Ok(pair) = self.world.pair() {

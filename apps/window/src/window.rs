@@ -1,4 +1,4 @@
-//! The window, and the context that waves, picture and panels share.
+//! The window, and the OpenGL context shared by waves, picture and panels.
 
 use super::{DemoError, DemoOptions};
 use echomarch::gl::{WindowContext, WindowDisplay};
@@ -17,7 +17,7 @@ struct Panels {
     painter: Painter,
 }
 
-/// A window with its context. Fields are dropped in this order: the window last.
+/// A window with its context. Fields are dropped in declaration order, so the window is dropped last.
 pub struct DemoWindow {
     panels: Panels,
     /// The context and the surface.
@@ -26,7 +26,7 @@ pub struct DemoWindow {
     pub window: Arc<Window>,
 }
 
-/// The connection to the display.
+/// Opens the connection to the display.
 ///
 /// # Errors
 /// [`DemoError::NoDisplay`].
@@ -58,13 +58,13 @@ fn new_event_loop() -> Result<EventLoop<()>, String> {
         .map_err(|_| format!("{place}, which does not answer"))
 }
 
-/// The event loop of the system's own windows.
+/// The event loop of the system's own window interface.
 #[cfg(not(all(unix, not(target_os = "macos"))))]
 fn new_event_loop() -> Result<EventLoop<()>, String> {
     EventLoop::new().map_err(|error| error.to_string())
 }
 
-/// Sets the visual that EGL needs.
+/// Sets the X11 visual that EGL needs.
 #[cfg(all(unix, not(target_os = "macos")))]
 fn with_visual(attributes: WindowAttributes, display: &WindowDisplay) -> WindowAttributes {
     use winit::platform::x11::WindowAttributesExtX11;
@@ -74,7 +74,7 @@ fn with_visual(attributes: WindowAttributes, display: &WindowDisplay) -> WindowA
     }
 }
 
-/// Returns the attributes unchanged: EGL needs no visual here.
+/// Returns the attributes unchanged, because EGL needs no visual on this system.
 #[cfg(not(all(unix, not(target_os = "macos"))))]
 fn with_visual(attributes: WindowAttributes, _: &WindowDisplay) -> WindowAttributes {
     attributes
@@ -108,12 +108,12 @@ impl DemoWindow {
         self.window.inner_size().into()
     }
 
-    /// Captures the mouse in the window, hidden, or frees it; returns whether it is captured.
+    /// Captures and hides the mouse, or releases it. Returns whether the mouse is captured.
     pub fn capture_mouse(&self, wanted: bool) -> bool {
         let confine = || self.window.set_cursor_grab(CursorGrabMode::Confined);
         let grabbed = wanted && confine().is_ok();
         if !grabbed {
-            // An error while freeing the mouse cannot be handled.
+            // An error while releasing the mouse cannot be handled.
             let _ = self.window.set_cursor_grab(CursorGrabMode::None);
         }
         self.window.set_cursor_visible(!grabbed);
@@ -122,11 +122,11 @@ impl DemoWindow {
 
     /// Moves the pointer to a position in the window, in pixels.
     pub fn put_pointer(&self, [x, y]: [f64; 2]) {
-        // If this fails the pointer stays where it is, and stops at the window's edge.
+        // If this call fails, the pointer stays where it is, and stops at the window's edge.
         let _ = self.window.set_cursor_position(PhysicalPosition::new(x, y));
     }
 
-    /// Whether a panel covered this position of the window, in pixels, in the last layout.
+    /// Whether a panel covered this position, in pixels, in the last layout.
     pub fn is_panel_at(&self, [x, y]: [f64; 2]) -> bool {
         let context = &self.panels.context;
         let scale = f64::from(context.pixels_per_point());
@@ -135,20 +135,19 @@ impl DemoWindow {
         layer.is_some_and(|layer| layer.order != egui::Order::Background)
     }
 
-    /// Passes an event to the panels; `consumed` in the result means that they used it.
+    /// Passes an event to the panels. `consumed` in the result means that the panels used the event.
     pub fn on_event(&mut self, event: &WindowEvent) -> EventResponse {
         self.panels.state.on_window_event(&self.window, event)
     }
 
-    /// The panels' own context.
+    /// The egui context of the panels.
     pub fn egui(&self) -> &egui::Context {
         &self.panels.context
     }
 
     /// Lays out the panels and draws them over the window's content.
     pub fn draw_panels(&mut self, layout: impl FnMut(&mut egui::Ui)) {
-        // The passes of the waves draw into other targets, and egui's painter uses the bound
-        // target.
+        // The passes of the waves draw into other frame buffers. The painter of egui draws into the bound frame buffer.
         self.gl.aim();
         let size = self.size();
         self.panels.draw(&self.window, size, layout);

@@ -27,7 +27,7 @@ pub fn draw(ui: &mut Ui, hud: &HudState, chosen: &mut Choices, actions: &mut Vec
     frame(ui, hud, chosen);
 }
 
-/// A slider that leaves a value outside its range unchanged until the user moves it.
+/// A slider that does not clamp a value outside its range until the user moves the slider.
 fn slider<'a, T: egui::emath::Numeric>(
     value: &'a mut T,
     range: std::ops::RangeInclusive<T>,
@@ -73,7 +73,7 @@ fn scene(ui: &mut Ui, hud: &HudState, chosen: &mut Choices, actions: &mut Vec<Ac
     }
 }
 
-/// The list of scenes: built-in ones, and files.
+/// The list of scenes: the built-in scenes, then files.
 fn scenes(ui: &mut Ui, hud: &HudState, actions: &mut Vec<Action>) {
     let world = hud.world;
     let mut choose = |ui: &mut Ui, name: &str, shown: &str| {
@@ -101,7 +101,7 @@ fn scenes(ui: &mut Ui, hud: &HudState, actions: &mut Vec<Action>) {
         });
 }
 
-/// The slider of a named value, in the unit of its file.
+/// The slider of a named value, in the unit of the scene file.
 fn value(ui: &mut Ui, world: &World, of: &ValueSlider, actions: &mut Vec<Action>) {
     let mut value = world.value_of(of);
     let slider = slider(&mut value, of.range.clone())
@@ -134,7 +134,7 @@ fn waves(ui: &mut Ui, chosen: &mut Choices, actions: &mut Vec<Action>) {
     let most = MOST_WAVES.max(settings.waves);
     let number = slider(&mut settings.waves, 64..=most).logarithmic(true);
     if style::slider(ui, "waves", number).changed() {
-        // A manual change of the number ends its adaptation to the frame time.
+        // After a manual change, the number of waves no longer adapts to the frame time.
         chosen.adapt_waves = false;
     }
     let text = "number follows the frame time";
@@ -146,7 +146,8 @@ fn waves(ui: &mut Ui, chosen: &mut Choices, actions: &mut Vec<Action>) {
         Algorithm::Thesis(thesis) => {
             let slider = slider(&mut thesis.min_distance, 0.001..=1.0);
             let slider = slider.custom_formatter(|metres, _| format!("{metres:.3} m"));
-            let why = "a march ends at this distance from a surface: the thesis' only measure of accuracy";
+            let why =
+                "a march ends at this distance from a surface: the thesis' only accuracy setting";
             style::slider(ui, "min. dist.", slider.logarithmic(true)).on_hover_text(why);
         }
         Algorithm::March(_) => no_option(ui, "Newton's steps: no minimum distance"),
@@ -154,7 +155,7 @@ fn waves(ui: &mut Ui, chosen: &mut Choices, actions: &mut Vec<Action>) {
     }
 }
 
-/// Shows a line in place of an option that this algorithm does not have.
+/// Shows a line of text in place of an option that this algorithm lacks.
 fn no_option(ui: &mut Ui, text: &str) {
     ui.horizontal(|ui| {
         ui.set_min_height(style::ROW);
@@ -199,7 +200,7 @@ fn sound(ui: &mut Ui, hud: &HudState, chosen: &mut Choices, actions: &mut Vec<Ac
     style::note(ui, &hud.sound.text, colour, 2);
 }
 
-/// Chooses full listening or the balance, and the balance's law.
+/// The choice between full listening and the balance, and the choice of the panning law.
 fn listening(ui: &mut Ui, chosen: &mut Choices, actions: &mut Vec<Action>) {
     let now = chosen.listen();
     ui.horizontal(|ui| {

@@ -1,4 +1,4 @@
-//! Full listening: each source's level, and the energy against time.
+//! The panel section for full listening: each source's level, and the energy against time.
 
 use super::{HudState, style};
 use echomarch::response::HeardSource;
@@ -8,10 +8,10 @@ use egui::{Pos2, Rect, Sense, Shape, Stroke, Ui, Vec2};
 /// Height of the curve in points.
 const CURVE: f32 = 44.0;
 
-/// Maximum number of sources listed; further sources are not shown.
+/// Maximum number of sources listed. Further sources are not shown.
 const MOST_SOURCES: usize = 6;
 
-/// Draws this part of the panel, if full listening is on.
+/// Draws the section if full listening is on.
 pub fn draw(ui: &mut Ui, hud: &HudState) {
     let Some(ears) = hud.ears else {
         return;
@@ -32,7 +32,7 @@ pub fn draw(ui: &mut Ui, hud: &HudState) {
     ui.separator();
 }
 
-/// Formats the number of waves, and how many there would be if they took no longer than a second.
+/// Formats the number of waves. If the time limit of one second reduced it, the requested number follows.
 fn waves(ears: &EarsStatus) -> String {
     match (ears.waves, ears.waves_asked) {
         (0, _) => "–".to_owned(),
@@ -41,7 +41,7 @@ fn waves(ears: &EarsStatus) -> String {
     }
 }
 
-/// Formats a source's level, which is unknown before the first trace.
+/// Formats a source's level. The level is unknown before the first trace.
 fn level(heard: Option<&HeardSource>) -> String {
     let Some(heard) = heard else {
         return "–".to_owned();

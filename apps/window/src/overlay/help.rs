@@ -6,12 +6,12 @@ use egui::{Grid, RichText, Ui, Vec2};
 
 /// Width of the list, in points.
 pub const WIDTH: f32 = 310.0;
-/// Height of the sheet that is not used by keys, in points.
+/// Height of the sheet without its list of keys, in points.
 const HEADING: f32 = 60.0;
 
-/// Shows the keys in a window of the given size, in points; a button closes them.
+/// Shows the keys in a window of the given size, in points. A button closes the list.
 pub fn draw(ui: &Ui, window: Vec2, actions: &mut Vec<Action>) {
-    // The hint line below, and a message above it.
+    // Height of the hint line at the lower edge and the message above it.
     let below = MARGIN + 2.0 * ABOVE;
     style::sheet(ui, "help", -0.5 * below, |ui| {
         ui.set_width(WIDTH.min(window.x - 2.0 * (style::INNER + MARGIN)));

@@ -5,8 +5,7 @@ use super::{HudState, style};
 use echomarch::scene::Material;
 use egui::{ComboBox, Ui};
 
-/// Maximum number of surfaces listed; further surfaces are not shown, as a longer menu is
-/// impractical.
+/// Maximum number of surfaces listed. Further surfaces are not shown, because a longer menu is impractical.
 const MOST_SURFACES: usize = 64;
 
 /// Draws a menu of the surfaces, and a menu of materials for the chosen surface.

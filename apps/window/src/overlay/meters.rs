@@ -1,4 +1,4 @@
-//! The meters: levels left and right, the pan, the waves by fate, and the latency.
+//! The meters: left and right level, pan, counts of waves, and latency.
 
 use super::{HudState, style};
 use echomarch::internals::fields_cost::FieldsCost;
@@ -6,7 +6,7 @@ use egui::{Color32, CornerRadius, Pos2, Rect, Sense, Ui, Vec2};
 
 /// Height of a meter in points.
 const METER: f32 = 9.0;
-/// Room for the number behind a meter, in points.
+/// Width of the number beside a meter, in points.
 const NUMBER: f32 = 54.0;
 /// Decibels at the left end of a meter.
 const QUIETEST: f32 = -48.0;
@@ -58,7 +58,7 @@ fn meter(ui: &mut Ui, level: f32) {
     ui.monospace(text);
 }
 
-/// The waves by fate, and the latency by part.
+/// The counts of waves by their final state, and the latency by part.
 pub fn heard(ui: &mut Ui, hud: &HudState) {
     let counts = hud.heard.map(|heard| &heard.counts);
     let all = counts.map_or(0, |c| {

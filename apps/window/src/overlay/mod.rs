@@ -1,4 +1,4 @@
-//! The panels over the picture: plan, meters, times, choices, help.
+//! The panels over the picture: plan, meters, frame times, controls, help.
 
 mod choices;
 mod full_listening;
@@ -27,37 +27,36 @@ use egui::{Align2, RichText, Ui, Vec2};
 
 /// Space between panels and the window's edge, in points.
 const MARGIN: f32 = 8.0;
-/// Width that both side panels need, in points.
+/// Minimum width of a window that shows both side panels, in points.
 const ROOM_FOR_BOTH: f32 = style::LEFT + style::RIGHT + 8.0 * MARGIN;
-/// Width that the lines in the middle need beside both panels, in points.
+/// Minimum width of a window that shows the lines of text between both panels, in points.
 const ROOM_FOR_LINE: f32 = ROOM_FOR_BOTH + 400.0;
-/// Width of the window that the left panel takes, edges included, in points. Lines in the middle
-/// keep the same distance from the right edge.
+/// Width that the left panel takes from the window, including margins, in points. Centred lines of text keep the same
+/// distance from the right edge.
 const SIDE: f32 = style::LEFT + 2.0 * style::INNER + 2.0 * MARGIN;
-/// Width of the list of keys, edges included, in points.
+/// Width of the list of keys, including margins, in points.
 const ROOM_FOR_HELP: f32 = help::WIDTH + 2.0 * style::INNER + 2.0 * MARGIN;
-/// Height of a line of text on its own background, with the space above it, in points.
+/// Height of a line of text on its own background, including the space above it, in points.
 const ABOVE: f32 = 25.0;
 /// Height of each further row of text, in points.
 const ROW: f32 = 15.0;
-/// Height that a window needs to show the times below the choices, in points.
+/// Minimum height of a window that shows the frame times below the controls, in points.
 const ROOM_FOR_TIMES: f32 = 330.0;
 
-/// The room in a window of a given size.
+/// The space available in a window.
 #[derive(Clone, Copy)]
 struct Room {
     /// The window's size in points.
     size: Vec2,
-    /// Whether the lines of text are below the panels, as there is no space for them between the
-    /// panels.
+    /// Whether the lines of text are below the panels, because they do not fit between them.
     is_narrow: bool,
-    /// Maximum width of a line's text.
+    /// Maximum width of a line of text, in points.
     line: f32,
     /// Maximum number of rows of a message.
     rows: usize,
-    /// Height reserved for the lines below the panels.
+    /// Height reserved below the panels for the lines of text, in points.
     below: f32,
-    /// Whether the help leaves no room for panels.
+    /// Whether the help leaves no space for the panels.
     is_help_alone: bool,
 }
 
@@ -86,7 +85,7 @@ impl Room {
         }
     }
 
-    /// Whether there is room for the times below the choices.
+    /// Whether the frame times fit below the controls.
     fn has_times(&self) -> bool {
         self.size.y >= ROOM_FOR_TIMES
     }
@@ -96,45 +95,45 @@ impl Room {
 pub struct HudState<'a> {
     /// The scene in its present state.
     pub world: &'a World,
-    /// Scene files that can be chosen.
+    /// The scene files that the user can choose.
     pub files: &'a [String],
     /// The last frame of waves.
     pub heard: Option<&'a Frame>,
-    /// The paths of some waves, by iteration.
+    /// The paths of some waves: their states after each iteration.
     pub paths: &'a [Vec<Wave>],
-    /// The last frames' times.
+    /// The times of the recent frames.
     pub times: &'a [FrameTimes],
     /// Target frame time in milliseconds.
     pub target: f64,
-    /// The picture as drawn last.
+    /// The size and state of the picture as last drawn.
     pub drawn: Drawn,
-    /// The number of waves that would be traced if it fitted the frame time; none if all are.
+    /// The requested number of waves, if it is larger than the number that fits the frame time.
     pub more_waves_asked: Option<u32>,
-    /// The cost of the scene's marched fields; none without fields, and until it is measured.
+    /// The cost of the scene's marched fields; `None` without marched fields, and until the cost is measured.
     pub fields: Option<&'a FieldsCost>,
     /// The window's size in pixels.
     pub window: [u32; 2],
     /// Latency from a key to the ear.
     pub latency: Parts,
-    /// The sound's status.
+    /// The status of the sound.
     pub sound: &'a SoundStatus,
     /// Level of the left and the right channel, 0 to 1.
     pub levels: [f32; 2],
     /// The status of full listening, if it is on.
     pub ears: Option<&'a EarsStatus>,
-    /// Number of frames after which GL reported an error; none if errors are not queried.
+    /// Number of frames after which GL reported an error; `None` if errors are not queried.
     pub gl_errors: Option<u64>,
-    /// The last action or error.
+    /// The message about the last action or error.
     pub message: Option<&'a str>,
-    /// The reason why the scene's file is not shown in its present state.
+    /// The reason why the current contents of the scene's file cannot be used.
     pub refusal: Option<&'a str>,
-    /// Whether the mouse looks about.
+    /// Whether mouse look is on.
     pub mouse_looks: bool,
     /// GL_RENDERER.
     pub renderer: &'a str,
 }
 
-/// Lays out all panels; returns the requests.
+/// Lays out all panels, and returns the requested actions.
 pub fn draw(ui: &mut Ui, hud: &HudState, chosen: &mut Choices, plan: &mut Plan) -> Vec<Action> {
     let mut actions = Vec::new();
     let room = Room::of(ui, hud, chosen);
@@ -182,11 +181,11 @@ fn right(ui: &Ui, hud: &HudState, room: Room, chosen: &mut Choices, actions: &mu
     });
 }
 
-/// Adds content at most `most` points high, scrolled if it is higher.
+/// Adds content in an area of at most `most` points, with a scroll bar if the content is higher.
 fn scrolled(ui: &mut Ui, most: f32, add: impl FnOnce(&mut Ui)) {
     let most = most.max(60.0);
     egui::ScrollArea::vertical()
-        // Without this setting the area would keep the height of the first frame's content.
+        // Without this setting, the area would keep the height of the content of the first frame.
         .min_scrolled_height(most)
         .max_height(most)
         .show(ui, add);
@@ -199,11 +198,11 @@ fn lower(ui: &Ui, hud: &HudState, room: Room, chosen: &Choices) {
     });
 }
 
-/// Draws the hint line, the last message above it, and the reason why the scene's file is not in
-/// use. The reason is shown until the file is fixed.
+/// Draws the hint line, the last message above it, and the reason why the scene's file cannot be used. The reason is
+/// shown until the file is corrected.
 fn lines(ui: &Ui, hud: &HudState, room: Room) {
     let text = if hud.mouse_looks {
-        "the mouse looks about: Esc or a click frees it    WASD walk    F1 help"
+        "mouse look is on: Esc or a click ends it    WASD walk    F1 help"
     } else {
         HINT
     };
@@ -227,8 +226,8 @@ fn lines(ui: &Ui, hud: &HudState, room: Room) {
     }
 }
 
-/// Draws a line of text in the middle, at the given distance from the lower edge, with at most the
-/// given width and rows.
+/// Draws a centred line of text at the given distance from the lower edge. `most` is its maximum width and number of
+/// rows.
 fn line(ui: &Ui, name: &str, up: f32, most: (f32, usize), text: RichText) {
     let offset = Vec2::new(0.0, -up);
     style::line(ui, name, Align2::CENTER_BOTTOM, offset, most, text);

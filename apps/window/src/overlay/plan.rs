@@ -1,4 +1,4 @@
-//! The scene from above: walls by the distance function, the source, the listener, and the paths of some waves.
+//! The scene from above: walls from the distance function, sources, listeners, and the paths of some waves.
 
 use super::{HudState, style};
 use echomarch::picture::Bounds;
@@ -11,10 +11,10 @@ use egui::{
 };
 use glam::Vec3;
 
-/// Height of the plan's box, in points: the same for every scene.
+/// Height of the plan's box, in points. It is the same for every scene.
 const HEIGHT: f32 = 210.0;
 
-/// The plan, cached while its scene is unchanged.
+/// The plan. Its texture is cached until the scene changes.
 #[derive(Default)]
 pub struct Plan {
     texture: Option<TextureHandle>,
@@ -22,7 +22,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Draws the plan as large as its box allows; the box fills the available width.
+    /// Draws the plan as large as its box allows. The box fills the available width.
     pub fn draw(&mut self, ui: &mut Ui, hud: &HudState, paths: bool) {
         let scene = &hud.world.now;
         let bounds = self.refresh(ui.ctx(), &hud.world.name, scene);
@@ -52,7 +52,7 @@ impl Plan {
         painter.text(corner, egui::Align2::LEFT_BOTTOM, text, font, style::TEXT);
     }
 
-    /// Cuts the scene again if it has changed; returns the bounds of the plan.
+    /// Recomputes the cut through the scene if the scene has changed. Returns the bounds of the plan.
     fn refresh(&mut self, context: &Context, name: &str, scene: &Scene) -> Bounds {
         if self.cut.refresh(name, scene) {
             let image = self.cut.image();
@@ -67,11 +67,11 @@ impl Plan {
     }
 }
 
-/// Opacity of the marks of all listeners except the one that hears.
+/// Opacity of the marks of all listeners except the first, whose sound is played.
 const FURTHER: f32 = 0.4;
 
-/// Draws the sources, the listener that hears, and the other listeners in a paler colour; adds names if there are
-/// several of a kind.
+/// Draws the sources, the first listener, and the other listeners in a paler colour. Names are added if there are
+/// several sources or several listeners.
 fn marks(painter: &egui::Painter, scene: &Scene, scale: f32, place: impl Fn(Vec3) -> Pos2) {
     if let Some((walker, others)) = scene.listeners.split_first() {
         for listener in others {
@@ -102,7 +102,7 @@ fn marks(painter: &egui::Painter, scene: &Scene, scale: f32, place: impl Fn(Vec3
     }
 }
 
-/// A listener with its gaze and sphere.
+/// Draws a listener with its gaze direction and sphere.
 fn listener_mark(painter: &egui::Painter, of: &Listener, at: Pos2, scale: f32, opacity: f32) {
     let colour = style::LISTENER.gamma_multiply(opacity);
     let radius = radius_of(of, scale);
@@ -142,7 +142,7 @@ fn path_shapes(
     let mut shapes = Vec::new();
     for (fate, colour, width) in styles {
         let is_drawn_so = |of: &Fate| match of {
-            // Waves with values that are not finite have ended too.
+            // Waves with values that are not finite are drawn as dead waves.
             Fate::NotFinite => fate == Fate::Dead,
             of => *of == fate,
         };

@@ -1,4 +1,4 @@
-//! Colours and frames of the panels.
+//! Colours, sizes and common elements of the panels.
 
 use egui::text::{LayoutJob, TextWrapping};
 use egui::{
@@ -10,17 +10,17 @@ use egui::{
 pub const LEFT: f32 = 236.0;
 /// Width of the panel on the right, in points.
 pub const RIGHT: f32 = 200.0;
-/// Height of the panel of times, in points.
+/// Height of the panel of frame times, in points.
 pub const TIMES: f32 = 126.0;
-/// Space within a panel's edge, in points.
+/// Padding within a panel's edge, in points.
 pub const INNER: f32 = 7.0;
-/// Space before and after a line of text on its own background, in points.
+/// Horizontal padding of a line of text on its own background, in points.
 pub const LINE_INNER: f32 = 8.0;
 /// Width of the label before a slider, in points.
 pub const LABEL: f32 = 58.0;
 /// Width of a slider, in points.
 const SLIDER: f32 = 66.0;
-/// Width of the number behind a slider, in points: seven digits.
+/// Width of the number beside a slider, in points. It has space for seven digits.
 const NUMBER: f32 = 62.0;
 /// Height of a row, in points.
 pub const ROW: f32 = 15.0;
@@ -48,7 +48,7 @@ pub const BAD: Color32 = Color32::from_rgb(255, 96, 84);
 /// Background of a panel.
 const BACK: Color32 = Color32::from_rgba_premultiplied(16, 20, 24, 214);
 
-/// Sets fonts and colours, once.
+/// Sets the fonts and colours. Call it once.
 pub fn set_style(context: &Context) {
     let mut visuals = Visuals {
         override_text_color: Some(TEXT),
@@ -77,13 +77,13 @@ pub fn set_style(context: &Context) {
         style.spacing.slider_width = 96.0;
         style.spacing.button_padding = Vec2::new(5.0, 1.0);
         style.interaction.selectable_labels = false;
-        // The scroll bar of cut-off content is visible even while the pointer is elsewhere.
+        // The scroll bar of overflowing content stays visible when the pointer is elsewhere.
         style.spacing.scroll.dormant_handle_opacity = 0.7;
         style.spacing.scroll.floating_allocated_width = 4.0;
     });
 }
 
-/// The frame of all panels.
+/// The frame around every panel.
 pub fn frame() -> Frame {
     Frame::new()
         .fill(BACK)
@@ -91,7 +91,7 @@ pub fn frame() -> Frame {
         .inner_margin(Margin::same(INNER as i8))
 }
 
-/// A panel at a position of the window.
+/// A panel anchored to a position in the window.
 pub fn panel(ui: &Ui, name: &str, at: Align2, offset: Vec2, add: impl FnOnce(&mut Ui)) {
     let area = Area::new(Id::unique(name)).anchor(at, offset);
     at_once(ui, name, area, |ui| {
@@ -99,7 +99,7 @@ pub fn panel(ui: &Ui, name: &str, at: Align2, offset: Vec2, add: impl FnOnce(&mu
     });
 }
 
-/// An opaque panel in the middle, shifted down by `down` points.
+/// An opaque panel in the centre of the window, shifted down by `down` points.
 pub fn sheet(ui: &Ui, name: &str, down: f32, add: impl FnOnce(&mut Ui)) {
     let offset = Vec2::new(0.0, down);
     let area = Area::new(Id::unique(name)).anchor(Align2::CENTER_CENTER, offset);
@@ -108,8 +108,8 @@ pub fn sheet(ui: &Ui, name: &str, down: f32, add: impl FnOnce(&mut Ui)) {
     });
 }
 
-/// Text at a position of the window, on its own background, with at most the given width in points
-/// and rows; the mouse ignores it.
+/// Text on its own background, anchored to a position in the window. `most` is its maximum width in points and its
+/// maximum number of rows. The text does not react to the mouse.
 pub fn line(ui: &Ui, name: &str, at: Align2, offset: Vec2, most: (f32, usize), text: RichText) {
     let area = Area::new(Id::unique(name)).anchor(at, offset);
     at_once(ui, name, area.interactable(false), |ui| {
@@ -117,9 +117,8 @@ pub fn line(ui: &Ui, name: &str, at: Align2, offset: Vec2, most: (f32, usize), t
     });
 }
 
-/// Shows an area completely in the first frame that requests it, so that a picture of the window
-/// includes everything that is open. By default egui would only measure the area in its first
-/// frame, and then fade it in.
+/// Draws an area completely in the first frame that requests it, so that a screenshot contains everything that is open.
+/// By default, egui only measures the area in its first frame and then fades it in.
 fn at_once(ui: &Ui, name: &str, area: Area, add: impl FnOnce(&mut Ui)) {
     let context = ui.ctx();
     let id = Id::unique(name);
@@ -137,7 +136,7 @@ fn label(ui: &mut Ui, (width, rows): (f32, usize), text: RichText) {
         .corner_radius(CornerRadius::same(5))
         .inner_margin(Margin::symmetric(LINE_INNER as i8, 3))
         .show(ui, |ui| {
-            // A long sentence wraps, although the area itself has no width yet.
+            // A long sentence must wrap, although the area has no width yet.
             let text = egui::WidgetText::from(text);
             let job = text.into_layout_job(ui.style(), TextStyle::Body.into(), egui::Align::Center);
             let mut job = (*job).clone();
@@ -152,7 +151,7 @@ fn label(ui: &mut Ui, (width, rows): (f32, usize), text: RichText) {
         });
 }
 
-/// A row that begins with its name, in a column of the same width in all rows.
+/// A row that begins with its name. The name column has the same width in all rows.
 pub fn named<T>(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui) -> T) -> T {
     ui.horizontal(|ui| {
         let size = Vec2::new(LABEL, ROW);
@@ -169,7 +168,7 @@ pub fn named<T>(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui) -> T) -> T {
     .inner
 }
 
-/// A slider in a row of its own, whose parts keep their positions for any number.
+/// A slider in its own row. The parts of the row keep their positions, whatever the number.
 pub fn slider(ui: &mut Ui, name: &str, slider: Slider) -> Response {
     named(ui, name, |ui| {
         ui.spacing_mut().slider_width = SLIDER;
@@ -196,7 +195,7 @@ pub fn note(ui: &mut Ui, text: &str, colour: Color32, rows: usize) {
     ui.painter_at(rect).galley(rect.min, galley, colour);
 }
 
-/// Formats a name from a file in one line, whatever its content.
+/// Formats a name from a file in one line, whatever characters it contains.
 pub fn plain(name: &str) -> String {
     echomarch::internals::text::in_a_line(name).into_owned()
 }
@@ -210,7 +209,7 @@ pub fn heading(ui: &mut Ui, text: &str) {
     );
 }
 
-/// Two columns: a faint name and a value.
+/// A row with two columns: a name in a fainter colour, and a value.
 pub fn row(ui: &mut Ui, name: &str, value: impl Into<String>) {
     ui.horizontal(|ui| {
         ui.label(RichText::new(name).color(FAINT));

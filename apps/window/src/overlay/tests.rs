@@ -5,12 +5,12 @@ use super::*;
 use echomarch::response::HeardSource;
 use egui::{Context, Id, RawInput, Rect};
 
-/// All areas with a fixed position.
+/// All areas that have a fixed position.
 const AREAS: [&str; 7] = [
     "left", "right", "lower", "hint", "message", "refusal", "help",
 ];
 
-/// State that differs from frame to frame while the panels are open.
+/// The values that change from frame to frame while the panels are open.
 #[derive(Clone, Copy)]
 struct Moment {
     waves: u32,
@@ -39,7 +39,7 @@ const BUSY: Moment = Moment {
     seconds: 12.3,
 };
 
-/// The positions of all areas after some frames with this state in a window of this size.
+/// Returns the positions of all areas after several frames with these values, in a window of this size.
 fn laid_out(
     size: [u32; 2],
     scene: &str,
@@ -118,7 +118,7 @@ fn laid_out(
         let mut output = context.run_ui(input, |ui| {
             draw(ui, &hud, &mut chosen, &mut plan);
         });
-        // No painter takes the textures.
+        // Nothing draws the textures in this test.
         output.textures_delta.clear();
     }
     let shown = |name: &&str| {
@@ -141,7 +141,7 @@ const SIZES: [[u32; 2]; 6] = [
     [1600, 900],
 ];
 
-/// Protects the panels from moving: they keep their positions and sizes, whatever the numbers.
+/// Protects the panels from moving: their positions and sizes do not depend on the numbers shown.
 #[test]
 fn panels_stand_still_while_one_reads() {
     for size in SIZES {
@@ -151,7 +151,7 @@ fn panels_stand_still_while_one_reads() {
             assert!(quiet.len() >= 2, "{size:?}: {quiet:?}");
             assert_eq!(quiet, busy, "{scene} {size:?}");
         }
-        // Messages and plans of another shape do not move the panels either.
+        // Messages, and plans of another shape, do not move the panels.
         let panels = |all: Vec<(&'static str, Rect)>| {
             let is_panel = |(name, _): &(&str, Rect)| ["left", "lower"].contains(name);
             all.into_iter().filter(is_panel).collect::<Vec<_>>()
@@ -168,7 +168,7 @@ fn panels_stand_still_while_one_reads() {
     }
 }
 
-/// Protects small windows: areas do not overlap or extend beyond the window's edge, however long the messages are.
+/// Protects small windows: areas do not overlap, and do not extend beyond the window's edge, even with long messages.
 #[test]
 fn nothing_lies_over_anything_else() {
     let long = "a sentence that goes on and on, with file and line, ".repeat(8);

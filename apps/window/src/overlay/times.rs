@@ -1,11 +1,11 @@
-//! The frames' times by part, against the target frame time.
+//! The panel of frame times by part, with a line at the target frame time.
 
 use super::super::report::{FrameTimes, medians};
 use super::super::state::Choices;
 use super::{HudState, style};
 use egui::{Color32, Pos2, Rect, RichText, Sense, Ui, Vec2};
 
-/// A part of a frame's time: its name, its colour and the function that returns it.
+/// A part of the frame time: its name, its colour, and the function that returns it in milliseconds.
 type Part = (&'static str, Color32, fn(&FrameTimes) -> f64);
 
 const PARTS: [Part; 6] = [
@@ -19,16 +19,16 @@ const PARTS: [Part; 6] = [
     ("swap", Color32::from_rgb(130, 140, 150), |t| t.swap),
 ];
 
-/// Frames shown; one bar each.
+/// Number of frames shown, with one bar for each frame.
 pub const FRAMES: usize = 100;
 
-/// Characters of the number of waves.
+/// Maximum width of the number of waves, in characters.
 const WAVES_WIDTH: usize = 17;
 
-/// Time at the top of the diagram, as a share of the target frame time.
+/// The time at the top of the diagram, as a multiple of the target frame time.
 const TOP: f64 = 1.5;
 
-/// Draws the adapted values, one bar per frame, and the legend with medians.
+/// Draws the values that can adapt, one bar for each frame, and the legend with medians.
 pub fn draw(ui: &mut Ui, hud: &HudState, chosen: &Choices) {
     let shown = &hud.times[hud.times.len().saturating_sub(FRAMES)..];
     let middle = medians(shown);
@@ -45,7 +45,7 @@ pub fn draw(ui: &mut Ui, hud: &HudState, chosen: &Choices) {
         None => chosen.settings.waves.to_string(),
         Some(asked) => format!("{} of {asked}", chosen.settings.waves),
     };
-    // Very large numbers are written closer together, so that the panel keeps its width.
+    // Long numbers of waves are written without spaces, so that the panel keeps its width.
     let waves = match waves.len() > WAVES_WIDTH {
         true => waves.replace(" of ", "/"),
         false => waves,
@@ -66,7 +66,7 @@ pub fn draw(ui: &mut Ui, hud: &HudState, chosen: &Choices) {
     legend(ui, &middle);
 }
 
-/// Shows a number, and whether it is adapted to the frame time.
+/// Shows a number, and whether it adapts to the frame time.
 fn adapted(ui: &mut Ui, name: &str, number: &str, follows: bool) {
     let (word, colour) = match follows {
         true => ("follows", style::BRIGHT),
@@ -79,7 +79,7 @@ fn adapted(ui: &mut Ui, name: &str, number: &str, follows: bool) {
     });
 }
 
-/// The parts' colours and medians, each at a fixed position.
+/// The colours and medians of the parts, each at a fixed position.
 fn legend(ui: &mut Ui, middle: &FrameTimes) {
     const COLUMNS: usize = 3;
     const ROW: f32 = 13.0;
