@@ -1,4 +1,4 @@
-//! Full listening for a player that shares no memory with the tracing thread.
+//! Full listening for a player that cannot share memory with the tracing code.
 
 use super::hearing::{EarsStatus, Hearing};
 use super::mix::HeardMessage;
@@ -8,17 +8,17 @@ use echomarch::response::HeardSource;
 use echomarch::scene::Scene;
 use echomarch::tracer::Settings;
 
-/// Follows a scene with its own renderer, and reports the arrivals at the listener.
+/// Traces a scene repeatedly with its own tracer, and returns the arrivals at the listener.
 pub struct Ears {
     hearing: Hearing,
     status: EarsStatus,
 }
 
 impl Ears {
-    /// Creates ears without a trace yet.
+    /// Creates ears that have not traced yet.
     ///
     /// # Errors
-    /// [`Error::Gpu`] when the renderer fails.
+    /// [`Error::Gpu`] if OpenGL fails.
     pub fn new(context: &Context) -> Result<Ears, Error> {
         Ok(Ears {
             hearing: Hearing::new(context)?,
@@ -26,11 +26,12 @@ impl Ears {
         })
     }
 
-    /// Returns the response of each source for a [`Mix`](super::Mix) at `rate_hz` samples a second; an empty list if it
-    /// has not changed since the last call. `is_new_mix` means that the mix has received nothing yet.
+    /// Returns the response of each source for a [`Mix`](super::Mix) with the sample rate `rate_hz`. Returns an empty
+    /// list if the responses have not changed since the last call. `is_new_mix` is true if the mix has received no
+    /// response yet.
     ///
     /// # Errors
-    /// As [`Response::trace`](echomarch::response::Response::trace).
+    /// The errors of [`Response::trace`](echomarch::response::Response::trace).
     pub fn hear(
         &mut self,
         scene: &Scene,
@@ -50,12 +51,12 @@ impl Ears {
         Ok(messages)
     }
 
-    /// The level of each source at the last trace.
+    /// The level of each source in the last trace.
     pub fn sources(&self) -> &[HeardSource] {
         &self.status.sources
     }
 
-    /// Milliseconds that the last trace took, and that its late part took.
+    /// Duration of the last trace, and of its late part, in milliseconds.
     pub fn milliseconds(&self) -> [f64; 2] {
         [self.status.trace_ms, self.status.late_ms]
     }
@@ -68,8 +69,8 @@ mod tests {
     use echomarch::audio::SoundSpec;
     use echomarch::gl::ContextOptions;
 
-    /// Protects ears from exchanged channels: a source at the left is louder at the left, also after transfer as plain
-    /// numbers. Protects the mix from endless messages about an unchanged scene.
+    /// Protects against swapped channels: a source at the left is louder at the left, also after the response was
+    /// transferred as plain numbers. Protects the mix from repeated responses while the scene is unchanged.
     #[test]
     fn a_source_at_the_left_is_heard_at_the_left() {
         const RATE_HZ: u32 = 48_000;
@@ -93,7 +94,7 @@ mod tests {
             samples.map(|s| f64::from(*s).powi(2)).sum::<f64>()
         };
         assert!(level(0) > 4.0 * level(1), "{} {}", level(0), level(1));
-        // On a slow machine the late part may be due again, each time with twice the waves.
+        // On a slow machine another late part may become due, each time with twice the number of waves.
         let mut again = (0..16).map(|_| ears.hear(&left, &settings, RATE_HZ, false).unwrap());
         assert!(again.any(|messages| messages.is_empty()));
     }

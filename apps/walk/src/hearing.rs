@@ -1,6 +1,6 @@
 //! Full listening during a walk: traces the scene repeatedly.
 //!
-//! The echoes of one trace glide to those of the next; the late part is computed at most four times a second.
+//! The echoes of one trace glide to the echoes of the next. The late part is computed at most four times per second.
 
 use echomarch::gl::Context;
 use echomarch::internals::platform::Instant;
@@ -11,79 +11,80 @@ use echomarch::tracer::{Profile, Settings, Tracer};
 use echomarch::{Error, bands};
 use std::time::Duration;
 
-/// Maximum number of waves of a response: echoes are exact, and a late part that is replaced after a quarter of a
-/// second needs no more.
+/// Maximum number of waves of a response. More are not needed: the echoes are exact, and the late part is replaced
+/// after a quarter of a second.
 const MOST_WAVES: u32 = 16_384;
 
-/// Usual minimum number of waves for late arrivals. With fewer, only a few arrivals make up the energy of 10 ms, and the
-/// late part is rough.
+/// Usual minimum number of waves for late arrivals. With fewer waves, the energy of each 10 ms consists of only a few
+/// arrivals, and the late part sounds rough.
 const LEAST_LATE_WAVES: u32 = 1024;
 
-/// Number of waves of the first trace of a scene with marched fields, whose time is unknown, and minimum number of waves
-/// of a trace that takes longer than [`LONGEST_LOOK_S`]: eight vectors of a software renderer.
+/// Number of waves in the first trace of a scene with marched fields, whose duration is unknown. It is also the minimum
+/// number of waves in a trace that takes longer than [`LONGEST_LOOK_S`]. 64 waves fill eight vectors of a software
+/// renderer.
 const LEAST_WAVES: u32 = 64;
 
-/// Maximum duration of a trace in seconds with more waves than the minimum: a late part that is rough, and missing
-/// echoes, are better than those of a place that the listener left long ago.
+/// Maximum duration, in seconds, of a trace with more than the minimum number of waves. If a trace would take longer, a
+/// rough late part and missing echoes are preferable to the sound of a place that the listener has left.
 const LONGEST_LOOK_S: f64 = 1.0;
 
-/// Length in seconds of the first response of a scene with marched fields, and minimum length of those of a dear one:
-/// it contains the first echoes of a room.
+/// Length, in seconds, of the first response of a scene with marched fields. It is also the minimum length in an
+/// expensive scene. It contains the first echoes of a room.
 const FIRST_LENGTH_S: f64 = 0.25;
 
-/// Number of waves that an estimate of the length usually takes.
+/// Typical number of waves in an estimate of the response length.
 const ESTIMATE_WAVES: f64 = 4096.0;
 
-/// Maximum predicted duration of an estimate of the length in seconds. In dearer scenes responses are as long as the
-/// minimum number of waves allows in [`LONGEST_LOOK_S`].
+/// Maximum predicted duration, in seconds, of an estimate of the response length. In more expensive scenes, the length
+/// is the longest that the minimum number of waves can trace in [`LONGEST_LOOK_S`].
 const LONGEST_ESTIMATE_S: f64 = 8.0;
 
-/// Target duration of a trace in seconds: with a longer one, echoes lag behind the listener.
+/// Target duration of a trace, in seconds. After a longer trace, the echoes lag behind the listener.
 const LOOK_S: f64 = 0.25;
 
 /// Maximum number of reflections of exact paths.
 const ORDER: u32 = 3;
 
-/// Maximum length of a response in seconds: convolution with a kernel of two seconds takes 4 % of a core.
+/// Maximum length of a response, in seconds. Convolution with two seconds takes 4 % of a processor core.
 pub(super) const LONGEST_S: f64 = 2.0;
 
-/// Seconds between two late parts.
+/// Minimum interval between two late parts, in seconds.
 const LATE_EVERY_S: f64 = 0.25;
 
-/// Seconds between two estimates of the length of the responses.
+/// Interval between two estimates of the response length, in seconds.
 const LENGTH_EVERY_S: f64 = 4.0;
 
-/// Limits of the time in which echoes glide from one trace to the next, in seconds. Within them, the glide takes as
+/// Limits of the glide time from one set of echoes to the next, in seconds. Within these limits, the glide takes as
 /// long as the time since the last trace.
 const SHORTEST_GLIDE_S: f64 = 0.02;
 const LONGEST_GLIDE_S: f64 = 0.5;
 
-/// Lower limit of the energy curve, in decibels.
+/// Lower limit of the energy curve, in decibels relative to its maximum.
 pub const QUIETEST_DB: f64 = -80.0;
 
 /// Number of points of the energy curve.
 const CURVE_POINTS: usize = 120;
 
-/// The results of a trace. Serialised without the curve and the error.
+/// The results of a trace. The curve and the error are not serialised.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
 pub struct EarsStatus {
     /// The level of each source; empty before the first trace.
     pub sources: Vec<HeardSource>,
-    /// Number of traces.
+    /// Number of traces so far.
     pub looks: u64,
-    /// Number of waves for early arrivals in the last trace, and the number if they took no longer than a second.
+    /// Number of waves for early arrivals in the last trace, and the number requested without the limit of one second.
     pub waves: u32,
     pub waves_asked: u32,
-    /// Milliseconds that the last trace took, and that its late part took.
+    /// Duration of the last trace, and of its late part, in milliseconds.
     pub trace_ms: f64,
     pub late_ms: f64,
-    /// Energy of all sources over the first `curve_s` seconds, in equal intervals, in decibels relative to its
-    /// maximum.
+    /// Energy of all sources in equal intervals over the first `curve_s` seconds, in decibels relative to the maximum
+    /// of the curve.
     #[serde(skip)]
     pub curve: Vec<f32>,
     #[serde(skip)]
     pub curve_s: f64,
-    /// The reason for a failure of full listening.
+    /// The reason why full listening failed.
     #[serde(skip)]
     pub error: Option<String>,
 }
@@ -91,50 +92,50 @@ pub struct EarsStatus {
 /// Index of the walker among the scene's listeners.
 const LISTENER: usize = 0;
 
-/// Traces a scene for full listening, with a renderer of its own.
+/// Traces a scene for full listening, with its own tracer.
 pub struct Hearing {
     tracer: Tracer,
-    /// The last scene traced.
+    /// The scene of the last trace.
     scene: Option<Scene>,
-    /// Length of the responses, and when it was estimated.
+    /// Length of the responses in seconds, and the time of its estimate.
     length: Option<(f64, Instant)>,
     /// The profile of the last trace.
     profile: Option<Profile>,
-    /// The time that a wave takes for each second of a response, in seconds; none before the first trace of a scene with
+    /// Tracing time per wave and per second of response, in seconds; `None` before the first trace of a scene with
     /// marched fields.
     cost: Option<f64>,
-    /// Number of waves for early arrivals, as far as [`LONGEST_LOOK_S`] allows.
+    /// Maximum number of waves for early arrivals that fits [`LONGEST_LOOK_S`].
     early_waves: u32,
-    /// Number of waves for early arrivals of the last trace.
+    /// Number of waves for early arrivals in the last trace.
     early_waves_heard: u32,
-    /// Number of waves for late arrivals, as far as [`LOOK_S`] allows.
+    /// Maximum number of waves for late arrivals that fits [`LOOK_S`].
     late_waves: u32,
-    /// Number of waves of the present late part.
+    /// Number of waves in the current late part.
     late_waves_heard: u32,
     last_look: Instant,
     last_late: Option<Instant>,
 }
 
-/// The result of an update for one source, to be passed to the player.
+/// The result of a trace for one source, to be passed to the player.
 #[derive(Clone, Copy, Debug)]
 pub struct Found<'a> {
-    /// The source, from 0.
+    /// Index of the source, from 0.
     pub source: usize,
     /// Its response.
     pub response: &'a Response,
-    /// The listener's axes.
+    /// The listener's coordinate axes.
     pub axes: &'a ListenerAxes,
-    /// Whether its late part is due.
+    /// Whether the late part must be computed.
     pub is_late_due: bool,
-    /// Seconds in which its echoes glide to the new ones.
+    /// Glide time from the previous echoes to the new ones, in seconds.
     pub glide_s: f64,
 }
 
 impl Hearing {
-    /// Creates a `Hearing` without a trace yet.
+    /// Creates a `Hearing` that has not traced yet.
     ///
     /// # Errors
-    /// [`Error::Gpu`] when the renderer fails.
+    /// [`Error::Gpu`] if OpenGL fails.
     pub fn new(context: &Context) -> Result<Hearing, Error> {
         Ok(Hearing {
             tracer: Tracer::new(context)?,
@@ -151,8 +152,8 @@ impl Hearing {
         })
     }
 
-    /// Whether a new trace is due: the scene has changed since the last one, a new player waits, or the late part is
-    /// missing, or waves were left out of the last trace before their time was known.
+    /// Whether a new trace is due. This is the case if the scene has changed since the last trace, if a new player
+    /// waits, if the late part is missing, or if the last trace had far fewer waves than its time limit allows.
     pub fn is_new(&self, scene: &Scene, settings: &Settings, is_waited_for: bool) -> bool {
         let is_another = self.scene.as_ref() != Some(scene);
         let early = self.early_waves.min(settings.waves);
@@ -234,7 +235,7 @@ impl Hearing {
         Ok(status)
     }
 
-    /// Begins another scene or profile with few waves if surfaces are marched, since their speed is unknown.
+    /// Starts another scene or profile with few waves if it has marched surfaces, because the tracing time is unknown.
     fn begin_small(&mut self, scene: &Scene, settings: &Settings) {
         let last = self.scene.as_ref().map(|last| &last.name);
         if last == Some(&scene.name) && self.profile == Some(settings.profile()) {
@@ -250,14 +251,14 @@ impl Hearing {
         };
     }
 
-    /// Whether an estimate of the length is known not to take too long.
+    /// Whether the predicted duration of an estimate of the length is below its limit.
     fn allows_estimate(&self) -> bool {
         let foreseen = |cost: f64| cost * ESTIMATE_WAVES * LONGEST_S;
         self.cost
             .is_some_and(|cost| foreseen(cost) <= LONGEST_ESTIMATE_S)
     }
 
-    /// Length of the responses, estimated again every few seconds if that does not take too long.
+    /// Length of the responses, in seconds. It is estimated every few seconds, unless the estimate would take too long.
     fn length_s(&mut self, scene: &Scene, settings: &Settings) -> Result<f64, Error> {
         if !self.allows_estimate() {
             return Ok(self.cost.map_or(FIRST_LENGTH_S, length_of_dear));
@@ -281,30 +282,31 @@ impl Hearing {
     }
 }
 
-/// Returns the length of responses in seconds if a wave takes `cost` seconds for each second of a response.
+/// The length of responses in an expensive scene, in seconds. `cost` is the tracing time per wave and per second of
+/// response, in seconds.
 fn length_of_dear(cost: f64) -> f64 {
     let fit = LONGEST_LOOK_S / (cost * f64::from(LEAST_WAVES));
     fit.clamp(FIRST_LENGTH_S, LONGEST_S)
 }
 
-/// Returns the number of waves for the next late part, after a trace of `before` waves with duration `took`.
+/// The number of waves for the next late part, after a trace of `before` waves that took `took`.
 fn late_waves(before: u32, took: Duration) -> u32 {
     let usual = fitting(before, took, LOOK_S);
     usual.max(fitting(before, took, LONGEST_LOOK_S).min(LEAST_LATE_WAVES))
 }
 
-/// Returns the number of waves for the next early arrivals, after a trace of `before` waves with duration `took`.
+/// The number of waves for the next early arrivals, after a trace of `before` waves that took `took`.
 fn early_waves(before: u32, took: Duration) -> u32 {
     fitting(before, took, LONGEST_LOOK_S)
 }
 
-/// Returns the number of waves, within its limits, that would take `seconds`.
+/// The number of waves, within the limits, that would take `seconds`.
 fn fitting(before: u32, took: Duration, seconds: f64) -> u32 {
     let fit = f64::from(before) * seconds / took.as_secs_f64();
     (fit as u32).clamp(LEAST_WAVES, MOST_WAVES)
 }
 
-/// The settings of responses with at most this number of waves for early arrivals.
+/// The settings of responses with at most `most` waves for early arrivals.
 fn response_settings(chosen: &Settings, most: u32) -> ResponseSettings {
     let waves = chosen.waves.min(most);
     let chosen = chosen.clone().with_waves(waves);
@@ -342,7 +344,7 @@ mod tests {
     use super::*;
     use echomarch::gl::ContextOptions;
 
-    /// Protects the user from waiting seconds for echoes, and the late part from needless roughness.
+    /// Protects the user from waiting seconds for echoes, and the late part from unnecessary roughness.
     #[test]
     fn late_waves_follow_the_time_of_looks() {
         let after = |before, seconds| late_waves(before, Duration::from_secs_f64(seconds));
@@ -356,7 +358,7 @@ mod tests {
         assert_eq!(after(1024, 600.0), LEAST_WAVES);
     }
 
-    /// Protects the user of a dear field from waiting for a minute, and echoes from being left out of cheap scenes.
+    /// Protects the user of an expensive field from waiting for a minute, and checks that cheap scenes keep all echoes.
     #[test]
     fn early_waves_are_as_many_as_take_a_second() {
         let after = |before, seconds| early_waves(before, Duration::from_secs_f64(seconds));
@@ -366,7 +368,8 @@ mod tests {
         assert_eq!(after(1024, 40.0), LEAST_WAVES);
     }
 
-    /// Protects the user of a dear field from waiting for an estimate of the length: it is made only where it is quick.
+    /// Protects the user of an expensive field from waiting for an estimate of the length: it is made only if it is
+    /// quick.
     #[test]
     fn dear_responses_are_shorter() {
         assert_eq!(length_of_dear(1.0 / 64.0), 1.0);
@@ -381,8 +384,8 @@ mod tests {
         assert!(hearing.length.is_none());
     }
 
-    /// Protects a scene of marched surfaces from the number of waves of the last one, the same scene from beginning
-    /// again, and scenes of closed forms from a first trace with few waves.
+    /// Protects a scene with marched surfaces: its first trace has few waves, whatever the previous scene had. A later
+    /// trace of the same scene does not start with few waves again, and a scene of closed forms starts with all waves.
     #[test]
     fn a_marched_scene_begins_with_few_waves() {
         let context = Context::headless(&ContextOptions::default()).unwrap();

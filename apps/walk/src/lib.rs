@@ -1,15 +1,15 @@
 //! Walking through a scene: the part shared by the window and the page in a browser.
 //!
-//! | file | what it does |
+//! | file | content |
 //! | --- | --- |
-//! | `visit` | one walk through a scene, for the page: time passes, waves are traced, the picture and the plan are drawn |
-//! | `world`, `walk` | the scene in its current state, the listener's position in it |
-//! | `values` | its named values |
-//! | `plan`, `paths` | the scene from above, and the waves shown in it |
+//! | `visit` | one walk through a scene, for the page: advances time, traces waves, draws the picture and the plan |
+//! | `world`, `walk` | the scene in its current state, the movement of the listener |
+//! | `values` | the named values of the scene |
+//! | `plan`, `paths` | the scene from above, and the paths of waves drawn in it |
 //! | `hearing` | full listening |
-//! | `ears`, `mix` | for the page: full listening as plain numbers, and mixed into slices |
+//! | `ears`, `mix` | for the page: full listening as plain numbers, and its mix in blocks of samples |
 //!
-//! No code here uses a window, a clock of its own, or a thread: its inputs are a [`MoveInput`] and seconds.
+//! No code here uses a window, a clock or a thread. Its inputs are a [`MoveInput`] and a time step in seconds.
 
 mod ears;
 mod hearing;

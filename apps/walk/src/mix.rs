@@ -1,4 +1,4 @@
-//! The sound of a walk as samples.
+//! Mixes the sound of a walk into samples.
 
 use super::hearing::{Found, LONGEST_S};
 use echomarch::Error;
@@ -8,25 +8,27 @@ use echomarch::response::ResponseError;
 use echomarch::scene::Scene;
 use echomarch::tracer::Profile;
 
-/// Seed of the noise of the late parts.
+/// Seed of the noise in the late parts.
 pub const NOISE_SEED: u64 = 1;
 
-/// Gain of the whole output: a source 4 m away is as loud as its sound file. Louder parts are limited.
+/// Gain of the whole output, in decibels: a source at a distance of 4 m is as loud as its sound file. Louder passages
+/// are limited.
 const GAIN_DB: f32 = 12.0;
 
-/// Duration of a fade in seconds: the sound fades out, and the next one fades in. The volume glides from 0 to 1 in the
-/// same time. Both fades take as long as the window's cross-fade of 20 ms.
+/// Duration of one fade, in seconds. The old sound fades out, then the new sound fades in. Both fades together take as
+/// long as the 20 ms cross-fade of the window. The volume glides from 0 to 1 in the time of one fade.
 const FADE_S: f32 = 0.01;
 
-/// Creates a player for a scene's sources. All play `spec` if it is a file or a sine; otherwise each has a different
-/// voice or noise.
+/// Creates a player for a scene's sources. If `spec` is a file or a sine, all sources play it; otherwise each source
+/// has a different voice or noise.
 pub fn player(
     scene: &Scene,
     spec: &SoundSpec,
     rate_hz: u32,
 ) -> Result<(Player, PlayerRemote), ResponseError> {
     let load = |source: usize| {
-        // A file that cannot be loaded at this rate is silent; the error is reported for the balance's sound.
+        // A file that cannot be loaded at this rate is replaced by silence. The error is reported when the sound of the
+        // balance is loaded.
         let sound = Sound::load(&own_voice(spec, source as u64), rate_hz);
         sound.unwrap_or_else(|_| Sound::new(Silence))
     };
@@ -50,7 +52,7 @@ impl Signal for Silence {
     fn seek(&mut self, _: u64) {}
 }
 
-/// Returns the sound of source `number`: voices and noises differ between sources.
+/// The sound of the source with index `number`: each source has a different voice or noise.
 fn own_voice(spec: &SoundSpec, number: u64) -> SoundSpec {
     match spec {
         SoundSpec::Noise { seed } => SoundSpec::Noise {
@@ -63,21 +65,21 @@ fn own_voice(spec: &SoundSpec, number: u64) -> SoundSpec {
     }
 }
 
-/// A source's response as plain numbers, for transfer from the tracing thread to the player.
+/// The response of a source as plain numbers, for transfer from the tracing thread to the player.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeardMessage {
-    /// The source, from 0.
+    /// Index of the source, from 0.
     pub source: usize,
-    /// Its echoes, as [`Mix::hear`] reads them.
+    /// The echoes of the source, in the encoding that [`Mix::hear`] reads.
     pub echoes: Vec<f64>,
-    /// The samples of its late part, one channel after the other; none if it is unchanged.
+    /// The samples of the late part, one channel after the other; `None` if the late part is unchanged.
     pub late: Option<Vec<f32>>,
-    /// Seconds in which the echoes glide to the new ones.
+    /// Glide time from the previous echoes to these, in seconds.
     pub glide_s: f64,
 }
 
 impl HeardMessage {
-    /// Converts the result of a trace for a player at `rate_hz` samples a second.
+    /// Converts the result of a trace for a player with the sample rate `rate_hz`.
     ///
     /// # Errors
     /// [`Error::Acoustics`] for a response of length 0.
@@ -94,10 +96,11 @@ impl HeardMessage {
     }
 }
 
-/// Mixes sound into slices: in full from the messages of [`Ears`](super::Ears), or the balance of one sound.
+/// Mixes sound into blocks of samples: either full listening from the messages of [`Ears`](super::Ears), or the balance
+/// of one sound.
 ///
-/// After a change (of the scene, the sound, the listening mode or the panning law) the old sound fades out before the
-/// new one fades in, to avoid clicks.
+/// After a change of the scene, the sound, the listening mode or the panning law, the old sound fades out before the
+/// new one fades in. This avoids clicks.
 #[derive(Debug)]
 pub struct Mix {
     rate_hz: u32,
@@ -105,13 +108,13 @@ pub struct Mix {
     listen: Listen,
     mixer: Mixer,
     pan: f32,
-    /// The state to change to once the output is silent.
+    /// The state to switch to once the output is silent.
     wanted: Wanted,
-    /// Samples of the fade: 0 in silence, `fade_length` at full level.
+    /// Progress of the fade in samples: 0 is silence, `fade_length` is full level.
     fade: usize,
     fade_length: usize,
     volume: f32,
-    /// The volume to glide to.
+    /// The volume at the end of the glide.
     wanted_volume: f32,
     mono: Vec<f32>,
 }
@@ -128,7 +131,7 @@ struct Voices {
 /// The requested state.
 #[derive(Debug)]
 struct Wanted {
-    /// The voices of another scene or another sound.
+    /// The sounds of another scene, or another sound; `None` if they are unchanged.
     voices: Option<Voices>,
     listen: Listen,
     law: PanningLaw,
@@ -147,10 +150,10 @@ impl Voices {
 }
 
 impl Mix {
-    /// Creates a mix for a scene's sources at `rate_hz` samples a second; it is silent until it receives a response.
+    /// Creates a mix for a scene's sources with the sample rate `rate_hz`. It is silent until it receives a response.
     ///
     /// # Errors
-    /// As [`Sound::load`]; [`ResponseError::BadRate`](echomarch::response::ResponseError::BadRate).
+    /// The errors of [`Sound::load`], and [`ResponseError::BadRate`](echomarch::response::ResponseError::BadRate).
     pub fn new(scene: &Scene, spec: &SoundSpec, rate_hz: u32) -> Result<Mix, Error> {
         let law = PanningLaw::for_profile(Profile::Hybrid);
         let listen = Listen::Full;
@@ -173,11 +176,11 @@ impl Mix {
         })
     }
 
-    /// Changes to another scene or sound, which is silent until its first response: messages passed to
-    /// [`hear`](Mix::hear) from now on belong to it.
+    /// Changes to another scene or sound, which is silent until its first response. All messages passed to
+    /// [`hear`](Mix::hear) after this call must belong to the new scene.
     ///
     /// # Errors
-    /// As [`Sound::load`]; after an error the previous sound continues.
+    /// The errors of [`Sound::load`]. After an error the previous sound continues.
     pub fn set_scene(&mut self, scene: &Scene, spec: &SoundSpec) -> Result<(), Error> {
         self.wanted.voices = Some(Voices::new(scene, spec, self.rate_hz)?);
         Ok(())
@@ -188,7 +191,7 @@ impl Mix {
         self.wanted.listen = listen;
     }
 
-    /// Sets the loudness, 0 to 1; NaN counts as 0.
+    /// Sets the volume, 0 to 1. NaN counts as 0.
     pub fn set_volume(&mut self, volume: f32) {
         self.wanted_volume = if volume.is_nan() {
             0.0
@@ -197,16 +200,16 @@ impl Mix {
         };
     }
 
-    /// Sets the balance, −1 to 1, as computed by waves of `profile`.
+    /// Sets the pan of the balance, −1 to 1, computed with the given profile.
     pub fn set_pan(&mut self, profile: Profile, pan: f32) {
         self.wanted.law = PanningLaw::for_profile(profile);
         self.pan = pan;
     }
 
-    /// Glides to a source's response. Returns false, and changes nothing, if too many glides are in progress.
+    /// Glides to the response of a source. If too many glides are in progress, returns false and changes nothing.
     ///
     /// # Errors
-    /// [`Error::Acoustics`] for a source that does not exist, or a glide of length 0. Then nothing changes.
+    /// [`Error::Acoustics`] if the source does not exist or the glide time is 0. The mix is then unchanged.
     pub fn hear(&mut self, message: HeardMessage) -> Result<bool, Error> {
         let parts = HeardParts {
             echoes: message.echoes,
@@ -217,7 +220,7 @@ impl Mix {
         Ok(voices.remote.hear(message.source, heard, message.glide_s)?)
     }
 
-    /// Overwrites the interleaved samples of both channels with the next ones.
+    /// Overwrites the buffer with the next samples of both channels, interleaved.
     pub fn fill(&mut self, stereo: &mut [f32]) {
         let (mut rest, odd) = stereo.split_at_mut(stereo.len() / 2 * 2);
         odd.fill(0.0);
@@ -237,7 +240,7 @@ impl Mix {
         }
     }
 
-    /// Whether the requested state differs from the present one. The law matters only in the balance.
+    /// Whether the requested state differs from the current state. The panning law is compared only in the balance.
     fn is_to_change(&self) -> bool {
         let is_heard = self.listen == Listen::Balance;
         self.wanted.voices.is_some()
@@ -245,7 +248,7 @@ impl Mix {
             || is_heard && self.mixer.law() != self.wanted.law
     }
 
-    /// Changes to the requested state.
+    /// Switches to the requested state.
     fn change_over(&mut self) {
         if let Some(voices) = self.wanted.voices.take() {
             self.voices = voices;
@@ -291,7 +294,8 @@ mod tests {
 
     const RATE_HZ: u32 = 48_000;
 
-    /// Returns the largest difference between successive samples in `blocks` blocks; `last` is the sample before them.
+    /// Returns the largest difference between successive samples in `blocks` blocks. `last` is the sample before the
+    /// first block.
     fn largest_step(mix: &mut Mix, blocks: usize, last: &mut [f32; 2]) -> f32 {
         let mut largest: f32 = 0.0;
         let mut stereo = [0.0; 1024];
@@ -305,14 +309,14 @@ mod tests {
         largest
     }
 
-    /// Protects ears from clicks: a change of scene, sound, law or listening mode makes no larger step between samples
-    /// than the tone itself and its fade.
+    /// Protects listeners from clicks: a change of scene, sound, law or listening mode causes no larger step between
+    /// samples than the tone and its fade.
     #[test]
     fn no_change_clicks() {
-        /// Factor by which a fade of 480 samples increases the step of a tone of 220 Hz, which is 1/35 of its
+        /// Factor by which a fade of 480 samples increases the largest step of a 220 Hz tone, which is 1/35 of its
         /// amplitude.
         const FADING: f32 = 1.1;
-        /// Enough blocks of 512 frames for a change and both of its fades.
+        /// Number of 512-frame blocks that contain a change and both of its fades.
         const BLOCKS: usize = 6;
         let scene = Scene::builtin("corner").unwrap();
         let tone: SoundSpec = "sine:220".parse().unwrap();
@@ -339,7 +343,7 @@ mod tests {
         check(&mut mix, "balance");
     }
 
-    /// Protects a new scene: messages that arrive while the old one fades belong to the new one.
+    /// Protects a new scene: messages that arrive during the fade of the old scene belong to the new scene.
     #[test]
     fn what_is_heard_while_a_scene_fades_is_of_the_next() {
         let scene = Scene::builtin("corner").unwrap();

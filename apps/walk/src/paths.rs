@@ -1,4 +1,4 @@
-//! The waves whose paths the plan shows: heard waves first, then some others.
+//! The waves whose paths the plan shows: waves that reach the listener first, then some others.
 
 use echomarch::Error;
 use echomarch::glam::Vec3;
@@ -7,38 +7,39 @@ use echomarch::scene::{Pair, Surface};
 use echomarch::tracer::{HeardSearch, MostKept, Profile, Settings, Tracer, Wave};
 use std::time::Duration;
 
-/// Maximum number of paths shown: more would cover each other.
+/// Maximum number of paths shown. More paths would cover each other.
 const SHOWN: MostKept = MostKept {
     heard: 16,
     others: 48,
 };
-/// Maximum number of iterations of the paths.
+/// Maximum number of iterations in a path.
 pub const PATH_ITERATIONS: u32 = 16;
-/// Maximum number of waves per search for heard waves: tracing them usually takes about a millisecond.
+/// Maximum number of waves in one search for heard waves. Tracing them usually takes about one millisecond.
 const AT_A_TIME: u32 = 2048;
-/// Maximum number of waves per search in the profile `thesis`, where a wave takes dozens of times longer.
+/// Maximum number of waves in one search with the profile `thesis`, which takes dozens of times longer per wave.
 const THESIS_AT_A_TIME: u32 = 256;
-/// Minimum number of waves per search, and the number of the first search.
+/// Minimum number of waves in one search, and the number in the first search.
 const LEAST_AT_A_TIME: u32 = 64;
 /// Maximum number of searches in one scene.
 const SEARCHES: u32 = 32;
-/// Search time per frame; the next frame continues the search.
+/// Search time per frame. The next frame continues the search.
 const AT_MOST: Duration = Duration::from_millis(2);
-/// Maximum time of one search, for which its number of waves falls: a dear field must not hold the pictures up.
+/// Maximum duration of one search. The number of waves is reduced to keep it, so that an expensive field does not delay
+/// the pictures.
 const LONGEST_SEARCH: Duration = Duration::from_millis(10);
 
-/// The paths shown, cached while scene and settings are unchanged.
+/// The paths shown. They are cached until the scene or the settings change.
 #[derive(Default)]
 pub struct Paths {
     states: Vec<Vec<Wave>>,
-    /// Input of the last trace.
+    /// The input of the last trace.
     of: Option<(Traced, Settings)>,
     search: HeardSearch,
-    /// Waves of the next search; none before the first search of a scene.
+    /// Number of waves in the next search; `None` before the first search of a scene.
     at_a_time: Option<u32>,
 }
 
-/// The parts of a scene that determine the paths of its waves: the gaze does not.
+/// The parts of a scene that determine the paths of its waves. The listener's gaze has no effect on them.
 struct Traced {
     surfaces: Vec<Surface>,
     source: Vec3,
@@ -65,7 +66,7 @@ impl Traced {
 }
 
 impl Paths {
-    /// The states in the form of [`Tracer::paths`].
+    /// The states of the waves, in the form that [`Tracer::paths`] returns.
     pub fn states(&self) -> &[Vec<Wave>] {
         &self.states
     }
@@ -89,11 +90,11 @@ impl Paths {
         *self = Paths::default();
     }
 
-    /// Searches for waves that travel from the source to the listener, and follows them and some others. The first
-    /// search of a call is always completed, whatever its duration.
+    /// Searches for waves that reach the listener, and traces the paths of these waves and of some others. The first
+    /// search of a call is always completed, however long it takes.
     ///
     /// # Errors
-    /// As [`Tracer::frame`].
+    /// The errors of [`Tracer::frame`].
     pub fn follow(
         &mut self,
         tracer: &mut Tracer,
@@ -137,11 +138,11 @@ impl Paths {
     }
 }
 
-/// Returns the number of waves of the next search, a power of two, after one of `before` waves with duration `took`.
+/// The number of waves in the next search, a power of two, after a search of `before` waves that took `took`.
 fn next_search(before: u32, took: Duration) -> u32 {
     let fit = f64::from(before) * LONGEST_SEARCH.as_secs_f64() / took.as_secs_f64();
     let fit = (fit as u32).clamp(LEAST_AT_A_TIME, AT_A_TIME);
-    // Almost equal numbers would need new textures at every search.
+    // Rounding to a power of two avoids new textures for small changes of the number.
     1 << fit.ilog2()
 }
 
@@ -149,7 +150,8 @@ fn next_search(before: u32, took: Duration) -> u32 {
 mod tests {
     use super::*;
 
-    /// Protects pictures from waiting for the paths of a dear field, and cheap scenes from small searches.
+    /// Protects the pictures from waiting for the paths in an expensive field, and cheap scenes from needlessly small
+    /// searches.
     #[test]
     fn a_search_is_as_large_as_its_time_allows() {
         let after = |before, ms| next_search(before, Duration::from_millis(ms));

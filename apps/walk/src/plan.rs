@@ -1,30 +1,30 @@
-//! The scene from above: walls, sampled with the distance function, and paths of waves.
+//! The scene from above: walls, sampled from the distance function, and paths of waves.
 
 use echomarch::picture::Bounds;
 use echomarch::scene::{Scene, Surface};
 use echomarch::tracer::{Fate, Wave};
 use glam::{Vec2, Vec3};
 
-/// Pixels of the plan on its longer side.
+/// Number of pixels along the longer side of the plan.
 const PIXELS: usize = 220;
-/// Change of the listener's height after which the scene is cut again, in metres.
+/// Change of the listener's height, in metres, after which a new cut through the scene is computed.
 const LEVEL: f32 = 0.25;
 
-/// Length of a dead wave's stub, as a share of the plan's width.
+/// Length of the line drawn for the last segment of a dead wave, as a share of the plan's width.
 pub const STUB: f32 = 0.12;
 
 /// Air, in red, green and blue.
 const AIR: [f32; 3] = [30.0, 36.0, 42.0];
-/// Angles added to the hue for the three colours of a surface, in radians.
+/// Phase of the red, green and blue component relative to the hue, in radians.
 const TURNS: [f32; 3] = [0.0, -2.09, 2.09];
-/// Brightness and colourfulness of solids, and of their edges.
+/// Brightness and saturation of solids, and of their edges.
 const SOLID: (f32, f32) = (92.0, 18.0);
 const EDGE: (f32, f32) = (196.0, 30.0);
-/// The hue of the first surface, and the difference between successive ones (the golden angle), in radians.
+/// Hue of the first surface, and the difference between the hues of successive surfaces (the golden angle), in radians.
 const FIRST_HUE: f32 = 1.25;
 const NEXT_HUE: f32 = 2.399_963_2;
 
-/// The plan, cached while its scene is unchanged.
+/// The plan. It is cached until the scene changes.
 #[derive(Default)]
 pub struct Cut {
     of: Option<CutOf>,
@@ -37,7 +37,7 @@ pub struct PlanImage {
     /// Width in pixels.
     pub width: usize,
     pub height: usize,
-    /// Red, green and blue of each pixel, the row of the smallest world z first.
+    /// Red, green and blue of each pixel. The row with the smallest world z comes first.
     pub rgb: Vec<u8>,
 }
 
@@ -65,8 +65,8 @@ impl Cut {
         self.of.as_ref().map_or(nothing, |of| of.bounds)
     }
 
-    /// Cuts the scene called `name` at the first listener's height, if it has changed since the last call; returns
-    /// whether it has.
+    /// Computes the cut through the scene called `name` at the first listener's height, if the scene has changed since
+    /// the last call. Returns whether it has changed.
     pub fn refresh(&mut self, name: &str, scene: &Scene) -> bool {
         let Some(walker) = scene.listeners.first() else {
             return false;
@@ -74,7 +74,7 @@ impl Cut {
         let old = self.of.as_ref().filter(|cut| cut.scene == name);
         let height = walker.position.y;
         let level = (height / LEVEL).round() as i32;
-        // The part shown only grows, so that the plan does not move during a walk.
+        // The visible part only grows, so that the plan stays in place during a walk.
         let bounds = match old {
             Some(cut) if holds(cut.bounds, scene) => cut.bounds,
             Some(cut) => around(cut.bounds, Bounds::of(scene, height)),
@@ -97,7 +97,7 @@ impl Cut {
     }
 }
 
-/// Whether all sources and listeners lie within the bounds.
+/// Whether all sources and listeners are within the bounds.
 fn holds(bounds: Bounds, scene: &Scene) -> bool {
     let sources = scene.sources.iter().map(|source| source.position);
     let listeners = scene.listeners.iter().map(|listener| listener.position);
@@ -113,7 +113,7 @@ fn around(a: Bounds, b: Bounds) -> Bounds {
     }
 }
 
-/// Samples the cut at height `level` with the distance function on the CPU.
+/// Samples the horizontal cut at height `level` with the distance function, on the CPU.
 fn sample(scene: &Scene, bounds: Bounds, level: f32) -> PlanImage {
     let size = bounds.max - bounds.min;
     let metres = size.max_element() / PIXELS as f32;
@@ -130,8 +130,8 @@ fn sample(scene: &Scene, bounds: Bounds, level: f32) -> PlanImage {
     PlanImage { width, height, rgb }
 }
 
-/// The colour of a pixel: air dark, solids in their surface's hue with a bright edge. `pixels` is the distance to the
-/// surface.
+/// The colour of a pixel: dark for air, the hue of the surface for solids, with a bright edge. `pixels` is the distance
+/// to the surface in pixels.
 fn shade(pixels: f32, object: u32) -> [u8; 3] {
     let hue = FIRST_HUE + NEXT_HUE * (object as f32 - 1.0);
     let inside = (0.5 - pixels).clamp(0.0, 1.0);
@@ -143,8 +143,9 @@ fn shade(pixels: f32, object: u32) -> [u8; 3] {
     })
 }
 
-/// Returns the fate of one wave of `states`, in the form of [`Tracer::paths`](crate::Tracer::paths), and its positions
-/// until then; a wave that is dead or not finite ends with a stub of `stub` metres.
+/// Returns the final state of one wave, and the positions of its path. `states` has the form that
+/// [`Tracer::paths`](crate::Tracer::paths) returns. The path of a dead wave, or of one that is not finite, ends with a
+/// line of `stub` metres.
 pub fn way(states: &[Vec<Wave>], wave: usize, source: Vec3, stub: f32) -> (Fate, Vec<Vec3>) {
     let mut points = vec![source];
     let mut heading = states[0][wave].start_direction;
@@ -192,7 +193,7 @@ mod tests {
         assert_ne!(at(-18.0, 0.0), air);
     }
 
-    /// Protects the plan: it is drawn again when a surface moves, and not when only the listener walks.
+    /// Protects the plan: it is redrawn when a surface moves, but not when only the listener walks.
     #[test]
     fn the_plan_is_cut_anew_when_a_surface_moves() {
         let mut scene = Scene::builtin("corner").unwrap();

@@ -4,13 +4,13 @@ use echomarch::picture::Bounds;
 use echomarch::scene::{NamedValue, Quantity, Scene};
 use std::ops::RangeInclusive;
 
-/// Factor by which a length may grow or shrink: the size at which surfaces meet is unknown.
+/// Factor by which a length may grow or shrink. It is a guess, because the size at which surfaces collide is unknown.
 const LENGTHS: f32 = 4.0;
 /// A half turn, in degrees.
 const HALF_TURN: f32 = 180.0;
-/// Minimum range of a rate to either side, in degrees a metre.
+/// Minimum half-width of a slider for a rate, in degrees per metre.
 const LEAST_RATE: f32 = 45.0;
-/// Minimum range of a number without a unit to either side.
+/// Minimum half-width of a slider for a number without a unit.
 const LEAST_PLAIN: f32 = 1.0;
 
 /// A slider for a named value, in the unit of the scene's file.
@@ -18,7 +18,7 @@ const LEAST_PLAIN: f32 = 1.0;
 pub struct ValueSlider {
     /// The value's name.
     pub name: String,
-    /// The value in the file.
+    /// The value in the scene file.
     pub start: f32,
     /// The slider's range.
     pub range: RangeInclusive<f32>,
@@ -28,7 +28,7 @@ pub struct ValueSlider {
     pub unit: &'static str,
 }
 
-/// Returns a slider for each named value of a scene as read from its file.
+/// Returns a slider for each named value of a scene, as read from the scene file.
 pub fn value_sliders(scene: &Scene) -> Vec<ValueSlider> {
     let values = scene.named_values();
     if values.is_empty() {
@@ -53,7 +53,7 @@ pub fn value_sliders(scene: &Scene) -> Vec<ValueSlider> {
     values.into_iter().map(slider).collect()
 }
 
-/// The range of a value that starts at `start`; `reach` is half of the extent of the scene's plan, in metres.
+/// The range of a slider whose initial value is `start`. `reach` is half of the extent of the scene's plan, in metres.
 fn range(quantity: Quantity, start: f32, reach: f32) -> RangeInclusive<f32> {
     let about = |way: f32| start - way..=start + way;
     match quantity {
@@ -92,8 +92,8 @@ mod tests {
         ],
         source: Source(position: (0, 1, -5)), listener: Listener(position: (0, 1, 5), radius: 1))"#;
 
-    /// Protects sliders from values that the scene rejects: shares stay shares, lengths stay above 0, angles are
-    /// degrees as in the file, and both ends of every range can be set.
+    /// Protects sliders from values that the scene rejects: shares stay between 0 and 1, lengths stay above 0, angles
+    /// are in degrees as in the file, and both ends of every range are valid.
     #[test]
     fn sliders_go_as_far_as_the_scene_takes() {
         let scene = Scene::from_ron(SCENE, "s").unwrap();

@@ -10,8 +10,8 @@ use echomarch::scene::Scene;
 use echomarch::tracer::{Fate, Frame, Settings, Tracer};
 use glam::Vec3;
 
-/// A walk through a scene on one context: advances time, traces waves, draws the picture and the plan. The caller calls
-/// [`pass`](Visit::pass), [`trace`](Visit::trace) and [`draw`](Visit::draw) once per picture.
+/// A walk through a scene on one context. It advances time, traces waves, and draws the picture and the plan. The
+/// caller calls [`pass`](Visit::pass), [`trace`](Visit::trace) and [`draw`](Visit::draw) once per picture.
 ///
 /// ```
 /// use echomarch::gl::{Context, ContextOptions};
@@ -35,7 +35,7 @@ pub struct Visit {
     view: View,
     paths: Paths,
     cut: Cut,
-    /// Scene and settings of the frame in progress, or of the last one; none forces a new frame.
+    /// Scene and settings of the current or last frame; `None` forces a new frame.
     traced: Option<(Scene, Settings)>,
     heard: Option<Frame>,
 }
@@ -45,7 +45,7 @@ pub struct Visit {
 pub struct Plan<'a> {
     /// Width and height in pixels.
     pub size: [usize; 2],
-    /// Red, green and blue of each pixel, the row of the smallest world z first.
+    /// Red, green and blue of each pixel. The row with the smallest world z comes first.
     pub rgb: &'a [u8],
     /// The part of the world that the plan shows.
     pub bounds: Bounds,
@@ -54,9 +54,9 @@ pub struct Plan<'a> {
 /// The path of one wave.
 #[derive(Clone, Debug)]
 pub struct Way {
-    /// Its fate.
+    /// The final state of the wave.
     pub fate: Fate,
-    /// From the source, over its reflections, to its end; world metres.
+    /// World positions in metres: the source, the reflections, and the end of the path.
     pub points: Vec<Vec3>,
 }
 
@@ -64,7 +64,7 @@ impl Visit {
     /// Begins a walk at the scene's first listener.
     ///
     /// # Errors
-    /// [`Error::Gpu`] when the renderer fails; [`Error::Scene`] for a scene without a source or a listener; as
+    /// [`Error::Gpu`] if OpenGL fails, [`Error::Scene`] for a scene without a source or a listener, and the errors of
     /// [`set_scene`](Visit::set_scene).
     pub fn new(context: &Context, scene: Scene) -> Result<Visit, Error> {
         let mut tracer = Tracer::new(context)?;
@@ -85,11 +85,11 @@ impl Visit {
         })
     }
 
-    /// Changes to another scene, or to another text of the current one: if the name is the same, the walker, a moved
+    /// Changes to another scene, or to another text of the current scene. If the name is the same, the walker, a moved
     /// source, the time and changed values stay.
     ///
     /// # Errors
-    /// As [`Tracer::check`], and those of the picture's program; then nothing changes.
+    /// The errors of [`Tracer::check`], and shader errors of the picture. After an error nothing has changed.
     pub fn set_scene(&mut self, scene: Scene) -> Result<(), Error> {
         if scene.name != self.world.name {
             return self.open_scene(scene);
@@ -100,10 +100,10 @@ impl Visit {
         Ok(())
     }
 
-    /// Opens a scene in its initial state, whatever its name.
+    /// Opens a scene in its initial state, even if the current scene has the same name.
     ///
     /// # Errors
-    /// As [`set_scene`](Visit::set_scene); then nothing changes.
+    /// The errors of [`set_scene`](Visit::set_scene). After an error nothing has changed.
     pub fn open_scene(&mut self, scene: Scene) -> Result<(), Error> {
         self.check_scene(&scene)?;
         self.world = World::of(scene)?;
@@ -129,7 +129,7 @@ impl Visit {
     /// Sets the settings for tracing.
     ///
     /// # Errors
-    /// As [`Tracer::check`] for the current scene; then nothing changes.
+    /// The errors of [`Tracer::check`] for the current scene. After an error nothing has changed.
     pub fn set_settings(&mut self, settings: Settings) -> Result<(), Error> {
         self.tracer.check(&self.world.now, &settings)?;
         self.settings = settings;
@@ -146,17 +146,17 @@ impl Visit {
         &self.world.now
     }
 
-    /// The last frame of waves; none before the first frame of a scene.
+    /// The last frame of waves; `None` before the first frame of a scene.
     pub fn frame(&self) -> Option<&Frame> {
         self.heard.as_ref()
     }
 
-    /// Advances time by `seconds`: moving objects move, the walker walks.
+    /// Advances time by `seconds`: objects move along their paths, and the walker walks.
     pub fn pass(&mut self, input: &MoveInput, seconds: f64) {
         self.world.pass(input, seconds);
     }
 
-    /// Turns the gaze by radians to the right and upwards.
+    /// Rotates the gaze to the right and upwards, by angles in radians.
     pub fn look(&mut self, right: f32, up: f32) {
         self.world.look(right, up);
     }
@@ -166,7 +166,7 @@ impl Visit {
         self.world.stand(walker);
     }
 
-    /// The position the listener walked to; none before the first step.
+    /// The position to which the listener walked; `None` before the first step.
     pub fn walker(&self) -> Option<Walker> {
         self.world.walker
     }
@@ -176,7 +176,7 @@ impl Visit {
         self.world.put_source(position);
     }
 
-    /// The position the source was put or carried to, in world metres; none while it is on its own path.
+    /// The position to which the user moved the source, in world metres; `None` while the source follows its path.
     pub fn placed_source(&self) -> Option<Vec3> {
         self.world.source
     }
@@ -196,7 +196,7 @@ impl Visit {
         self.world.looped()
     }
 
-    /// Resets source, listener and time to the start.
+    /// Resets the source, the listener and the time to their initial state.
     pub fn start_over(&mut self) {
         self.world.start_over();
     }
@@ -213,17 +213,17 @@ impl Visit {
     /// Sets a named value, in the unit of its file.
     ///
     /// # Errors
-    /// As [`Scene::set_value`] and [`Scene::check`]; then nothing changes.
+    /// The errors of [`Scene::set_value`] and [`Scene::check`]. After an error nothing has changed.
     pub fn set_value(&mut self, name: &str, value: f32) -> Result<(), Error> {
         Ok(self.world.set(name, value)?)
     }
 
-    /// Traces waves for about `milliseconds`: continues the current frame, or begins one if its scene or settings have
-    /// changed since the last one. Returns the frame once it is finished; none while everything is unchanged, since it
-    /// would be the same.
+    /// Traces waves for about `milliseconds`. It continues the current frame, or begins a new one if the scene or the
+    /// settings have changed since the last frame. Returns the frame once it is finished. Returns `None` while nothing
+    /// changes, because a new frame would equal the last one.
     ///
     /// # Errors
-    /// As [`Tracer::frame`]; then the next call begins a new frame.
+    /// The errors of [`Tracer::frame`]. After an error the next call begins a new frame.
     pub fn trace(&mut self, milliseconds: f64) -> Result<Option<Frame>, Error> {
         let traced = self.trace_on(milliseconds);
         if traced.is_err() {
@@ -249,7 +249,7 @@ impl Visit {
         Ok(came)
     }
 
-    /// Whether to begin a frame: one in progress is finished first, unless its settings have changed.
+    /// Whether a new frame must begin. A frame in progress is finished first, unless its settings have changed.
     fn is_frame_due(&self) -> bool {
         let Some((scene, settings)) = &self.traced else {
             return true;
@@ -258,18 +258,18 @@ impl Visit {
         *settings != self.settings || !is_under_way && *scene != self.world.now
     }
 
-    /// Draws the listener's view on the context's window or canvas of `size` pixels, at `scale` (0 to 1) times its
-    /// resolution. Returns whether the picture is new: while nothing moves, the last one is shown again and gradually
-    /// refined.
+    /// Draws the listener's view on the context's window or canvas of `size` pixels. `scale` (0 to 1) is the ratio of
+    /// the picture's resolution to that of the window. Returns whether the picture is new. While nothing moves, the
+    /// last picture is shown again and gradually refined.
     ///
     /// # Errors
-    /// [`Error::Trace`] for a scene that does not fit, [`Error::Gpu`] when the renderer fails.
+    /// [`Error::Trace`] for a scene that is too large for the shader, [`Error::Gpu`] if OpenGL fails.
     pub fn draw(&mut self, size: [u32; 2], scale: f32) -> Result<bool, Error> {
         let drawn = self.view.draw(self.world.pair()?, size, (scale, true))?;
         Ok(drawn.anew)
     }
 
-    /// The plan, and whether it has changed since the last call.
+    /// The plan, and whether the plan has changed since the last call.
     pub fn plan(&mut self) -> (Plan<'_>, bool) {
         let is_new = self.cut.refresh(&self.world.name, &self.world.now);
         let bounds = self.cut.bounds();
@@ -278,10 +278,11 @@ impl Visit {
         (Plan { size, rgb, bounds }, is_new)
     }
 
-    /// Returns paths of heard waves, and some others, for the plan; continues the search for them while nothing moves.
+    /// Returns the paths of heard waves and of some others, for the plan. While nothing moves, each call continues the
+    /// search for heard waves.
     ///
     /// # Errors
-    /// As [`Tracer::frame`].
+    /// The errors of [`Tracer::frame`].
     pub fn ways(&mut self) -> Result<Vec<Way>, Error> {
         let iterations = self.settings.iterations.min(PATH_ITERATIONS);
         let settings = self.settings.clone().with_iterations(iterations);
@@ -312,7 +313,7 @@ mod tests {
         visit
     }
 
-    /// Returns the next frame; none if many calls finish none.
+    /// Returns the next frame; `None` if 1000 calls finish no frame.
     fn next_frame(visit: &mut Visit) -> Option<Frame> {
         const CALLS: usize = 1000;
         let mut came = |_| {
@@ -325,7 +326,7 @@ mod tests {
         (0..CALLS).find_map(&mut came)
     }
 
-    /// Protects the machine from useless work: a frame is traced only if it would differ from the last one.
+    /// Protects the processor from unnecessary work: a frame is traced only if it would differ from the last one.
     #[test]
     fn only_what_has_changed_is_traced() {
         let mut visit = visit("corner");
@@ -356,7 +357,8 @@ mod tests {
         assert!(next_frame(&mut visit).is_some());
     }
 
-    /// Protects a new scene from the counts of the previous one, and a followed link from actions before it.
+    /// Protects a new scene from showing the counts of the previous scene. Also protects a link that the user follows:
+    /// earlier actions have no effect on its state.
     #[test]
     fn a_scene_that_is_opened_begins_anew() {
         let mut visit = visit("corner");

@@ -1,6 +1,6 @@
-//! Walking through a scene: a step never ends in a wall, and a step against one slides along it.
+//! Walking through a scene: a step never ends inside a wall, and a step against a wall slides along it.
 //!
-//! Independent of windows and keys: it takes a [`MoveInput`] and a time, and computes a new pose.
+//! The code is independent of windows and keys: from a [`MoveInput`] and a time it computes a new pose.
 
 use echomarch::scene::{Listener, Scene};
 use glam::Vec3;
@@ -9,43 +9,43 @@ use std::f32::consts::{FRAC_PI_2, PI, TAU};
 /// Minimum distance between a walker's eye and a surface, in metres.
 pub const BODY: f32 = 0.35;
 
-/// Metres a second.
+/// Walking speed, in metres per second.
 const WALKING: f32 = 3.5;
-/// Metres a second while running.
+/// Running speed, in metres per second.
 const RUNNING: f32 = 9.0;
-/// Radians a second with the arrow keys.
+/// Turning speed with the arrow keys, in radians per second.
 const TURNING: f32 = 1.6;
-/// Maximum elevation of the gaze, in radians: straight up has no forward direction.
+/// Maximum elevation of the gaze, in radians. A vertical gaze has no horizontal forward direction.
 const STEEPEST: f32 = FRAC_PI_2 - 0.05;
-/// Step of the finite differences for the gradient, in metres.
+/// Step of the finite differences that approximate the gradient, in metres.
 const DIFFERENCE: f32 = 0.005;
-/// Tolerance of a step towards [`BODY`], and margin of a correction, in metres. It covers rounding, and fields whose
-/// distance grows more slowly than the walker moves.
+/// Tolerance of the distance [`BODY`] and margin of a correction, in metres. It covers rounding errors, and fields
+/// whose value changes more slowly than the true distance.
 const MARGIN: f32 = 1e-3;
-/// Maximum number of corrections of one step: a corner of three walls takes three.
+/// Maximum number of corrections of one step. A corner of three walls needs three.
 const CORRECTIONS: usize = 6;
-/// Maximum walking time of one frame, in seconds, so that a delayed frame does not leap.
+/// Maximum walking time in one frame, in seconds. It prevents a jump after a delayed frame.
 const LONGEST: f32 = 0.1;
 
-/// The requested movement, each component −1 … 1.
+/// The requested movement. Each component is between −1 and 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MoveInput {
-    /// Along the gaze, level.
+    /// Horizontal movement in the direction of the gaze.
     pub forward: f32,
-    /// To the right.
+    /// Movement to the right.
     pub right: f32,
-    /// Up.
+    /// Movement upwards.
     pub up: f32,
-    /// Turn to the right.
+    /// Rotation to the right.
     pub turn: f32,
-    /// Raise the gaze.
+    /// Rotation of the gaze upwards.
     pub tilt: f32,
     /// Whether to run.
     pub run: bool,
 }
 
 impl MoveInput {
-    /// Returns the input with 0 for components that are not finite.
+    /// Replaces components that are not finite by 0.
     fn finite(&self) -> MoveInput {
         MoveInput {
             forward: or_zero(self.forward),
@@ -73,7 +73,7 @@ impl MoveInput {
     }
 }
 
-/// Replaces a number that is not finite by 0: otherwise it would stay in the pose for ever.
+/// Replaces a number that is not finite by 0. Otherwise it would remain in the pose permanently.
 fn or_zero(number: f32) -> f32 {
     if number.is_finite() { number } else { 0.0 }
 }
@@ -81,9 +81,9 @@ fn or_zero(number: f32) -> f32 {
 /// Position and gaze of the walker.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Walker {
-    /// The eye, in world metres.
+    /// Position of the eye, in world metres.
     pub position: Vec3,
-    /// Turn about the vertical in radians, positive to the right.
+    /// Rotation about the vertical axis in radians, positive to the right.
     pub yaw: f32,
     /// Elevation of the gaze in radians.
     pub pitch: f32,
@@ -99,21 +99,21 @@ impl Walker {
         }
     }
 
-    /// Gives the listener the walker's position and gaze.
+    /// Sets the listener's position and gaze to those of the walker.
     pub fn place(&self, listener: &mut Listener) {
         listener.position = self.position;
         listener.yaw = self.yaw;
         listener.pitch = self.pitch;
     }
 
-    /// Turns by radians to the right and upwards; a number that is not finite counts as 0.
+    /// Rotates the gaze to the right and upwards, by angles in radians. A number that is not finite counts as 0.
     pub fn look(&mut self, right: f32, up: f32) {
         let (right, up) = (or_zero(right), or_zero(up));
         self.yaw = (self.yaw + right + PI).rem_euclid(TAU) - PI;
         self.pitch = (self.pitch + up).clamp(-STEEPEST, STEEPEST);
     }
 
-    /// Performs the movement for `seconds`, within the air of `scene`. Numbers that are not finite count as 0.
+    /// Applies the movement for `seconds`, within the air of `scene`. Numbers that are not finite count as 0.
     pub fn walk(&mut self, scene: &Scene, input: &MoveInput, seconds: f32) {
         let seconds = or_zero(seconds).clamp(0.0, LONGEST);
         let input = input.finite();
@@ -129,9 +129,9 @@ impl Walker {
         self.step(scene, way.clamp_length_max(1.0) * speed * seconds);
     }
 
-    /// Moves by up to `way` metres, as far as the surfaces allow.
+    /// Moves by the vector `way`, in metres, or as far as the surfaces allow.
     fn step(&mut self, scene: &Scene, way: Vec3) {
-        // No part is longer than half the body distance, so that none passes through a wall.
+        // Each part is at most half of the distance `BODY`, so that no part crosses a wall.
         let parts = (way.length() / (0.5 * BODY)).ceil().max(1.0);
         for _ in 0..parts as usize {
             let wanted = self.position + way / parts;
@@ -140,11 +140,11 @@ impl Walker {
     }
 }
 
-/// Returns a point near `wanted` that keeps clear of the surfaces; `from` if the search fails.
+/// Returns a point near `wanted` that keeps the minimum distance from all surfaces; `from` if there is none.
 fn slide(scene: &Scene, from: Vec3, wanted: Vec3) -> Vec3 {
     let clearance = |point| scene.surface_distance(point).distance;
-    // A walker that is too near already may move only where the distance does not decrease, not even slightly:
-    // otherwise many small steps would pass through the wall.
+    // If the walker is already too close to a surface, the distance must not decrease at all. Otherwise many small
+    // steps would add up and cross the wall.
     let least = clearance(from).min(BODY - MARGIN);
     let mut point = wanted;
     for _ in 0..=CORRECTIONS {
@@ -157,7 +157,7 @@ fn slide(scene: &Scene, from: Vec3, wanted: Vec3) -> Vec3 {
     from
 }
 
-/// The unit vector away from the nearest surface; 0 without a surface.
+/// The unit vector away from the nearest surface; zero if the scene has no surface.
 fn outwards(scene: &Scene, point: Vec3) -> Vec3 {
     let along = |axis: Vec3| {
         let step = axis * DIFFERENCE;
@@ -167,7 +167,8 @@ fn outwards(scene: &Scene, point: Vec3) -> Vec3 {
     Vec3::new(along(Vec3::X), along(Vec3::Y), along(Vec3::Z)).normalize_or_zero()
 }
 
-/// The position of an object that a listener carries: ahead, beyond the listener's sphere if the walls allow.
+/// The position of an object that a listener carries. It is in front of the listener, outside the listener's sphere if
+/// the walls allow.
 pub fn carried(scene: &Scene, listener: &Listener) -> Vec3 {
     let gaze = listener.forward();
     let reach = listener.radius + 0.8;
@@ -199,7 +200,7 @@ mod tests {
         walker
     }
 
-    /// Protects the direction of keys: forward is along the gaze, right is to its right.
+    /// Protects the direction of the keys: forward follows the gaze, right is to the right of it.
     #[test]
     fn a_walker_goes_where_the_gaze_and_the_keys_say() {
         let ahead = MoveInput {
@@ -216,8 +217,8 @@ mod tests {
         assert!((left.position - Vec3::new(6.5, 0.0, 8.0)).length() < 1e-3);
     }
 
-    /// Protects walls: the block of the corner scene begins at z = 0, x = 0. However long and fast a walker runs
-    /// against it, the eye stays outside, and slides along the wall if it meets it at an angle.
+    /// Protects walls. The block of the corner scene begins at z = 0, x = 0. Even after running against it for a long
+    /// time, the eye stays outside. It slides along the wall if the walker meets the wall at an angle.
     #[test]
     fn walls_stop_a_walker_who_slides_along() {
         let at_the_wall = MoveInput {
@@ -233,12 +234,12 @@ mod tests {
         assert!(slid.position.x < 5.0, "{slid:?}");
     }
 
-    /// Protects every corner: no walk in any scene ends in a solid.
+    /// Protects every corner: no walk in any scene ends inside a solid.
     #[test]
     fn no_walk_ends_in_a_solid() {
         for name in echomarch::Scene::BUILTIN_NAMES {
             let scene = Scene::builtin(name).unwrap();
-            // Users' fields are not sampled here.
+            // Users' fields have no distance on the CPU in this test.
             if scene.user_fields().next().is_some() {
                 continue;
             }
@@ -262,8 +263,8 @@ mod tests {
         }
     }
 
-    /// Protects walls of fields, whose distance grows more slowly than the walker moves: a listener that leans against
-    /// one for minutes does not pass through.
+    /// Protects walls of fields whose value changes more slowly than the true distance: a listener that walks against
+    /// the wall for minutes does not cross it.
     #[test]
     fn leaning_against_a_field_brings_nobody_through() {
         let scene = Scene::builtin("cave").unwrap();
@@ -287,7 +288,7 @@ mod tests {
         }
     }
 
-    /// Protects the view: the pitch stays within ±90°.
+    /// Protects the view: the elevation stays within ±90°.
     #[test]
     fn the_gaze_stops_short_of_straight_up() {
         let mut walker = Walker::default();
@@ -314,7 +315,7 @@ mod tests {
         );
     }
 
-    /// Protects a walk from inputs that are not finite: the walker does not move.
+    /// Protects a walk from inputs that are not finite: they do not move the walker.
     #[test]
     fn what_is_no_number_moves_nobody() {
         let scene = Scene::builtin("corner").unwrap();

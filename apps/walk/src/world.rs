@@ -9,46 +9,46 @@ use glam::Vec3;
 /// A scene during a walk.
 #[derive(Clone, Debug)]
 pub struct World {
-    /// The name or file it was loaded from.
+    /// The name or the file that the scene was loaded from.
     pub name: String,
-    /// The loaded scene, with the values below.
+    /// The loaded scene with the changed values applied.
     pub base: Scene,
-    /// Sliders for its named values, with the start values of its file.
+    /// Sliders for the named values, with the initial values of the scene file.
     pub sliders: Vec<ValueSlider>,
-    /// The values that differ from the file, in the file's units.
+    /// The values that differ from the scene file, in the units of the file.
     pub values: Vec<(String, f32)>,
     /// The scene in its current state.
     pub now: Scene,
-    /// Time along its paths, in seconds.
+    /// Time along the paths of the scene, in seconds.
     pub seconds: f64,
     /// Whether the paths are paused.
     pub paused: bool,
-    /// The position the listener walked to; none before the first step.
+    /// The position to which the listener walked; `None` before the first step.
     pub walker: Option<Walker>,
-    /// The position the source was put to; none before it was picked up.
+    /// The position to which the source was moved; `None` before it was picked up.
     pub source: Option<Vec3>,
     /// Whether the source is carried.
     pub carrying: bool,
 }
 
-/// The state of a walk, apart from the scene itself.
+/// The state of a walk, without the scene itself.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WalkState {
     /// The named values that differ from the scene's text, in the text's units.
     pub values: Vec<(String, f32)>,
     /// Time along the scene's paths, in seconds.
     pub seconds: f64,
-    /// The position the listener walked to; none before the first step.
+    /// The position to which the listener walked; `None` before the first step.
     pub walker: Option<Walker>,
-    /// The position the first source was put to, in world metres; none before it was picked up.
+    /// The position to which the first source was moved, in world metres; `None` before it was picked up.
     pub source: Option<Vec3>,
 }
 
 impl WalkState {
-    /// Returns the scene in this state; `base` is the scene as read from its text.
+    /// Returns the scene in this state. `base` is the scene as read from its text.
     ///
     /// # Errors
-    /// As [`Scene::set_value`].
+    /// The errors of [`Scene::set_value`].
     pub fn scene(&self, base: &Scene) -> Result<Scene, SceneError> {
         let mut base = base.clone();
         for (name, value) in &self.values {
@@ -58,7 +58,7 @@ impl WalkState {
     }
 }
 
-/// Returns the scene at a time, with the first listener and the first source at the positions they were moved to.
+/// Returns the scene at a time. The first listener and the first source are at the positions to which they were moved.
 fn placed(base: &Scene, seconds: f64, walker: Option<Walker>, source: Option<Vec3>) -> Scene {
     let mut scene = match base.duration() > 0.0 {
         true => base.at(seconds),
@@ -77,15 +77,15 @@ impl World {
     /// Loads a scene.
     ///
     /// # Errors
-    /// As [`Scene::load`].
+    /// The errors of [`Scene::load`].
     pub fn load(name: &str) -> Result<World, SceneError> {
         World::named(name, Scene::load(name)?)
     }
 
-    /// Creates a world from a scene loaded by the given name.
+    /// Creates a world from a scene that was loaded from `name`.
     ///
     /// # Errors
-    /// As [`World::of`].
+    /// The errors of [`World::of`].
     pub fn named(name: &str, base: Scene) -> Result<World, SceneError> {
         Ok(World {
             name: name.to_owned(),
@@ -113,26 +113,26 @@ impl World {
         })
     }
 
-    /// The walker, and the source that can be carried.
+    /// The walker and the source that it can carry.
     ///
     /// # Errors
-    /// [`SceneError::NoSuchNumber`] if one of them was removed.
+    /// [`SceneError::NoSuchNumber`] if the listener or the source was removed.
     pub fn pair(&self) -> Result<Pair<'_>, Error> {
         Ok(self.now.pair(0, 0)?)
     }
 
-    /// Changes to another scene with the same name: time, walker, a moved source and changed values stay; a value that
-    /// the new scene rejects is replaced by the file's.
+    /// Changes to another scene with the same name. The time, the walker, a moved source and changed values stay. A
+    /// value that the new scene rejects is reset to the value in the file.
     ///
     /// # Errors
-    /// As [`World::of`]; then nothing changes.
+    /// The errors of [`World::of`]. After an error nothing has changed.
     pub fn change(&mut self, base: Scene) -> Result<(), SceneError> {
         base.pair(0, 0)?;
         self.sliders = value_sliders(&base);
         self.now = base.clone();
         self.base = base;
         for (name, value) in std::mem::take(&mut self.values) {
-            // If this fails, the slider shows the file's value.
+            // After an error, the slider shows the value in the file.
             let _ = self.set(&name, value);
         }
         Ok(())
@@ -141,7 +141,7 @@ impl World {
     /// Sets a named value, in the unit of its file.
     ///
     /// # Errors
-    /// As [`Scene::set_value`] and [`Scene::check`]; then nothing changes.
+    /// The errors of [`Scene::set_value`] and [`Scene::check`]. After an error nothing has changed.
     pub fn set(&mut self, name: &str, value: f32) -> Result<(), SceneError> {
         let mut scene = self.base.clone();
         scene.set_value(name, value)?;
@@ -155,7 +155,7 @@ impl World {
         Ok(())
     }
 
-    /// Sets the material of a surface (from 0) and all its walls.
+    /// Sets the material of a surface, given by its index from 0, and of all its walls.
     pub fn set_material(&mut self, surface: usize, name: Option<String>) {
         if let Some(surface) = self.base.surfaces.get_mut(surface) {
             surface.material = name;
@@ -169,20 +169,20 @@ impl World {
         set.map_or(slider.start, |(_, value)| *value)
     }
 
-    /// Returns this scene with its named values set to the values of the same names in `other`.
+    /// Returns this scene after setting its named values to those with the same names in `other`.
     #[must_use]
     pub fn like(mut self, other: &World) -> World {
         for slider in &other.sliders {
             let (name, value) = (&slider.name, other.value_of(slider));
             if self.sliders.iter().any(|known| known.name == *name) {
-                // If this scene rejects the value, it keeps the file's.
+                // If this scene rejects the value, it keeps the value in its file.
                 let _ = self.set(name, value);
             }
         }
         self
     }
 
-    /// Advances time: moving objects move, the walker walks and takes a carried source along.
+    /// Advances time: objects move along their paths, and the walker walks. A carried source moves with the walker.
     pub fn pass(&mut self, input: &MoveInput, seconds: f64) {
         // A time that is not finite counts as 0.
         let seconds = if seconds.is_finite() {
@@ -221,22 +221,22 @@ impl World {
         self.source = Some(position);
     }
 
-    /// Whether anything moves by itself.
+    /// Whether the scene has objects that move along paths.
     pub fn moves(&self) -> bool {
         self.base.duration() > 0.0
     }
 
-    /// Time along the paths, in seconds; they restart one second after their end.
+    /// Time along the paths, in seconds. The paths restart one second after their end.
     pub fn looped(&self) -> f64 {
         self.seconds % (self.base.duration() + 1.0)
     }
 
-    /// Turns the gaze by radians.
+    /// Rotates the gaze to the right and upwards, by angles in radians.
     pub fn look(&mut self, right: f32, up: f32) {
         self.step(|walker, _| walker.look(right, up));
     }
 
-    /// Gives the listener the walker's position and gaze.
+    /// Sets the listener's position and gaze to those of the walker.
     pub fn stand(&mut self, walker: Walker) {
         if let Some(listener) = self.now.listeners.first_mut() {
             walker.place(listener);
@@ -249,7 +249,7 @@ impl World {
         self.carrying = !self.carrying;
     }
 
-    /// Resets source, listener and time to the start.
+    /// Resets the source, the listener and the time to their initial state.
     pub fn start_over(&mut self) {
         self.walker = None;
         self.source = None;
@@ -262,7 +262,7 @@ impl World {
 mod tests {
     use super::*;
 
-    /// Protects moving scenes: paths continue until paused, and a source put down by hand stays there.
+    /// Protects moving scenes: the paths continue until paused, and a source that the user put down stays in place.
     #[test]
     fn a_moving_source_moves_until_it_is_picked_up() {
         let mut world = World::of(Scene::builtin("open-field").unwrap()).unwrap();
