@@ -1,10 +1,10 @@
-// A worker with its own canvas: traces the sound in full and sends it to the mix.
+// A worker with its own canvas. It traces full listening and sends the responses to the mix.
 
 import init, { EarsOfPage } from "./pkg/echomarch_browser.js";
 
-// Minimum milliseconds between two looks at the scene.
+// Minimum interval between two traces, in milliseconds.
 const LEAST = 4;
-// Milliseconds until the next look if no message arrives.
+// Time until the next trace if no message arrives, in milliseconds.
 const IDLE = 100;
 
 const ready = init();
@@ -12,18 +12,18 @@ let ears = null;
 let mix = null;
 // The number of the scene that the mix plays.
 let scene = 0;
-// The current state of the scene, and the state that could not be traced.
+// The current state of the scene, and the last state that could not be traced.
 let latest = null;
 let refused = null;
-// The next scheduled look: its timer and its time.
+// The next scheduled trace: its timer and its time.
 let timer = 0;
 let next = Infinity;
-// End of the pause in which only the picture uses the graphics card.
+// End of the pause during which only the picture uses the graphics card.
 let rested = 0;
 // The last error reported.
 let trouble = "";
 
-// Calls a function; an exception ends the ears, and its message is sent to the page.
+// Calls a function. An exception ends this worker's tracing, and its message is sent to the page.
 function guarded(act) {
   try {
     act();
@@ -55,7 +55,8 @@ function follow(played) {
   due(0);
 }
 
-// Schedules a look after a delay, unless an earlier one is scheduled; never before the pause is over.
+// Schedules a trace after a delay, unless an earlier one is scheduled. The trace never starts before the end of the
+// pause.
 function due(milliseconds) {
   const when = Math.max(performance.now() + milliseconds, rested);
   if (when >= next) return;
@@ -76,18 +77,18 @@ function look() {
     count = hear();
     tellTrouble("");
   } catch (error) {
-    // It would fail again as long as the scene is unchanged.
+    // The trace would fail again until the scene changes.
     refused = latest;
     tellTrouble(`The sound in full stays as it was: ${error.message}`);
   }
   const now = performance.now();
-  // Pauses for as long as the look took: the picture needs the graphics card too.
+  // Pauses for the duration of the trace, because the picture needs the graphics card too.
   rested = now + (count > 0 ? Math.max(LEAST, now - began) : LEAST);
-  // A late part that was not due now may be due then.
+  // A late part that is not due now may be due at the next trace.
   due(IDLE);
 }
 
-// Traces each source and sends the changes to the mix; returns the number of changed sources.
+// Traces each source and sends the changes to the mix. Returns the number of changed sources.
 function hear() {
   const { names, values, seconds, listener, source, profile, waves } = latest;
   const all = ears.hear(names, values, seconds, listener, source, profile, waves);
@@ -110,7 +111,7 @@ function tell(heard) {
   heard.free();
 }
 
-// Reports an error to the page once, and again when it is resolved.
+// Reports an error to the page once. An empty text reports that the error is resolved.
 function tellTrouble(text) {
   if (text === trouble) return;
   trouble = text;

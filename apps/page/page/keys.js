@@ -10,7 +10,7 @@ const MOUSE = 0.0025;
 
 const types = (element) => element.closest?.("input, select, textarea") != null;
 
-// Listens to keys and mouse: `on` maps key codes to the actions of single presses; `look` takes radians.
+// Listens to keys and mouse. `on` maps key codes to the actions of single presses; `look` takes angles in radians.
 export function listenTo(canvas, on, look) {
   const down = new Set();
   addEventListener("keydown", (event) => {
@@ -24,7 +24,8 @@ export function listenTo(canvas, on, look) {
   canvas.addEventListener("click", () => {
     canvas.focus();
     if (document.pointerLockElement) document.exitPointerLock();
-    // The browser may refuse a lock, also just after the last one ended: the mouse then does not turn the gaze.
+    // The browser may refuse the pointer lock, for example just after the last lock ended. The mouse then does not
+    // rotate the gaze.
     else canvas.requestPointerLock()?.catch?.(() => {});
   });
   addEventListener("mousemove", (event) => {

@@ -1,4 +1,4 @@
-// The link that holds the settings: everything after the # of the address.
+// The link stores the settings: everything after the # of the address.
 
 // Defaults of the settings that a link omits.
 export const usual = {
@@ -6,14 +6,14 @@ export const usual = {
   volume: 0.5, text: null, listener: null, source: null, values: {},
 };
 
-// Allowed numbers.
+// The allowed range of each number.
 export const LIMITS = {
   waves: { least: 1, most: 1048576, isWhole: true },
   iterations: { least: 1, most: 64, isWhole: true },
   volume: { least: 0, most: 1, isWhole: false },
 };
 
-// Numbers per position: x, y, z, and for the listener the yaw and pitch of its gaze.
+// How many numbers a position has: x, y, z, and for the listener also the yaw and pitch of the gaze.
 const PLACES = { listener: 5, source: 3 };
 
 // Prefix of the names of values.
@@ -23,7 +23,7 @@ function numberOf(text) {
   return text.trim() === "" ? NaN : Number(text);
 }
 
-// Returns the reason why a setting cannot have that number; "" if it can.
+// Returns the reason why a setting cannot have this number; "" if the number is valid.
 export function wrongNumber(name, value) {
   const { least, most, isWhole } = LIMITS[name];
   const isWithin = value >= least && value <= most;
@@ -31,13 +31,13 @@ export function wrongNumber(name, value) {
   return `${name} has to be a ${isWhole ? "whole " : ""}number from ${least} to ${most}`;
 }
 
-// Whether a number is also finite in the program, which stores it in 32 bits.
+// Whether a number is still finite after conversion to 32 bits, as the program stores it.
 function isNumber(value) {
   return Number.isFinite(Math.fround(value));
 }
 
 // Reads a link. `choices` has the allowed names of each setting. `wrong` in the result has a sentence for each invalid
-// entry of the link; its setting gets the default.
+// entry of the link. The setting of an invalid entry gets its default.
 export function read(fragment, choices) {
   const settings = { ...usual, values: {} };
   const wrong = [];
@@ -48,43 +48,43 @@ export function read(fragment, choices) {
   return { settings, wrong };
 }
 
-// Applies one entry of a link; returns the reason if it is invalid.
+// Applies one entry of a link. Returns the reason if the entry is invalid.
 function set(settings, name, value, choices) {
   if (name === "text") {
     settings.text = value;
     return "";
   }
   if (Object.hasOwn(choices, name)) {
-    if (!choices[name].includes(value)) return `there is no ${name} "${value}": ${usual[name]} is taken`;
+    if (!choices[name].includes(value)) return `there is no ${name} "${value}": ${usual[name]} is used`;
     settings[name] = value;
     return "";
   }
   if (Object.hasOwn(LIMITS, name)) {
     const why = wrongNumber(name, numberOf(value));
-    if (why) return `${why}, not "${value}": ${usual[name]} is taken`;
+    if (why) return `${why}, not "${value}": ${usual[name]} is used`;
     settings[name] = numberOf(value);
     return "";
   }
   if (Object.hasOwn(PLACES, name)) {
     const numbers = value.split(",").map(numberOf);
     const isPlace = numbers.length === PLACES[name] && numbers.every(isNumber);
-    if (!isPlace) return `${name} has to be ${PLACES[name]} numbers, not "${value}": it is left out`;
+    if (!isPlace) return `${name} has to be ${PLACES[name]} numbers, not "${value}": it is ignored`;
     settings[name] = numbers;
     return "";
   }
   if (name.startsWith(VALUE)) {
-    if (!isNumber(numberOf(value))) return `${name} has to be a number, not "${value}": it is left out`;
+    if (!isNumber(numberOf(value))) return `${name} has to be a number, not "${value}": it is ignored`;
     settings.values[name.slice(VALUE.length)] = numberOf(value);
     return "";
   }
-  return `there is no setting "${name}": it is left out`;
+  return `there is no setting "${name}": it is ignored`;
 }
 
 function short(numbers) {
   return Array.from(numbers, (number) => Number(number.toFixed(3))).join(",");
 }
 
-// Returns the link of these settings.
+// Returns the link for these settings.
 export function write(settings) {
   const said = new URLSearchParams();
   for (const name of ["scene", "profile", "waves", "iterations", "listen", "sound", "volume"]) {

@@ -1,5 +1,5 @@
-// The page's sound: starts and stops it, sends it the choices and the state of the scene, and stores the messages
-// of its workers.
+// The page's sound. It starts and stops the sound, sends the choices and the state of the scene to the workers, and
+// stores the messages of the workers.
 
 import { Sound } from "./sound.js";
 
@@ -9,35 +9,35 @@ const SILENCE_DB = -120;
 const $ = (id) => document.getElementById(id);
 
 export class Listening {
-  // For a page (Page) and its choices; no sound is played yet.
+  // Creates the sound for a page (Page) and its choices. Nothing is played yet.
   constructor(page, state, messages) {
     this.page = page;
     this.state = state;
     this.messages = messages;
     this.sound = null;
-    // The scene shown: the last valid text.
+    // The scene on display: the last valid text.
     this.shown = null;
-    // Whether sound in full can be traced.
+    // Whether full listening is available.
     this.hasEars = true;
     this.gaps = 0;
-    // The state of the scene last sent to the ears.
+    // The last state of the scene that was sent to the ears.
     this.stood = "";
     this.forget();
   }
 
-  // Resets levels, sources and times.
+  // Resets the levels, sources and times.
   forget() {
     this.levels = [SILENCE_DB, SILENCE_DB];
     this.sources = [];
     this.times = { trace: NaN, late: NaN };
   }
 
-  // Whether the choices select sound in full.
+  // Whether the choices select full listening.
   isFull() {
     return this.hasEars && this.state.listen === "full" && this.state.profile !== "thesis";
   }
 
-  // Plays the scene of that text, at once or when the sound is started.
+  // Plays the given scene now, or when the user starts the sound.
   play(shown) {
     this.shown = shown;
     // The sources belong to the previous scene.
@@ -51,7 +51,7 @@ export class Listening {
     this.sound?.listen(this.isFull() ? "full" : "balance", this.state.volume, this.state.profile, pan);
   }
 
-  // Sends the state of the scene to the ears if it has changed.
+  // Sends the state of the scene to the ears, if the state has changed.
   stand() {
     if (!this.sound?.isListening() || !this.isFull()) return;
     const page = this.page;
@@ -81,7 +81,7 @@ export class Listening {
       } else if (this.sound.isRunning()) {
         await this.sound.stop();
       } else {
-        // The ears have missed all moves since the stop.
+        // The ears have missed all changes since the sound was stopped.
         this.stood = "";
         await this.sound.goOn();
       }
@@ -104,7 +104,7 @@ export class Listening {
     this.hear();
   }
 
-  // Handles a message from a part of the sound.
+  // Handles a message from a part of the sound (ears, mix or player).
   told(part, data) {
     if (data.failed) this.fail(part, data.failed);
     if (data.trouble !== undefined) this.messages.say(part, data.trouble);
@@ -118,7 +118,8 @@ export class Listening {
     }
   }
 
-  // Handles the end of a part of the sound: without ears the balance remains, without another part no sound.
+  // Handles the failure of a part of the sound. Without the ears only the balance is played; without the mix or the
+  // player there is no sound.
   fail(part, why) {
     if (part === "ears") {
       this.hasEars = false;

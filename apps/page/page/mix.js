@@ -1,4 +1,4 @@
-// A worker: mixes the sound into blocks when the player asks for them.
+// A worker that mixes the sound into blocks of samples when the player requests them.
 
 import init, { MixOfPage } from "./pkg/echomarch_browser.js";
 
@@ -10,10 +10,10 @@ let mix = null;
 // The number of the scene that is played.
 let playing = 0;
 let choices = { listen: "full", volume: 0.5, profile: "hybrid", pan: 0 };
-// Responses that the mix had no room for, by source; they are passed on after the next block.
+// Responses that the mix could not accept yet, by source. They are passed to the mix after the next block.
 const waiting = new Map();
 
-// Calls a function; an exception ends the sound, and its message is sent to the page.
+// Calls a function. An exception ends the sound, and its message is sent to the page.
 function guarded(act) {
   try {
     act();
@@ -43,10 +43,10 @@ function tell(heard) {
 }
 
 function hear(heard) {
-  // Responses of the previous scene are dropped.
+  // Responses of the previous scene are discarded.
   if (heard.scene !== playing) return;
   const before = waiting.get(heard.source);
-  // The waiting late part is still needed if the new response has none.
+  // If the new response has no late part, the late part of the waiting response is still needed.
   if (before && !heard.late) heard.late = before.late;
   if (before || !tell(heard)) waiting.set(heard.source, heard);
 }
@@ -59,7 +59,7 @@ function begin(data) {
   ears.onmessage = ({ data: heard }) => guarded(() => hear(heard));
 }
 
-// Plays a scene, or keeps the previous one if that fails; reports to the page which one plays.
+// Plays a scene. If that fails, the previous scene continues. Tells the page which scene plays.
 function play({ scene, text, name, sound }) {
   let trouble = "";
   try {
@@ -71,7 +71,7 @@ function play({ scene, text, name, sound }) {
     playing = scene;
     waiting.clear();
     choose();
-    // The ears get the scene from here, so that they send no response before the mix can play it.
+    // The ears get the scene from the mix, so that no response arrives before the mix can play it.
     ears.postMessage({ scene, text, name });
   } catch (error) {
     trouble = `The sound stays as it was: ${error.message}`;

@@ -8,27 +8,28 @@ import { Messages } from "./messages.js";
 import { showFrame, showLevels, showSources, showTimes } from "./panel.js";
 import { Plan } from "./plan.js";
 
-// Milliseconds of each picture spent on tracing waves.
+// Time spent on tracing waves in each picture, in milliseconds.
 const WAVES_MS = 8;
-// Number of pictures between two plans.
+// Number of pictures between two updates of the plan.
 const PLAN_EVERY = 6;
-// Number of pictures between two changes of the resolution.
+// Number of pictures between two changes of the picture's scale.
 const ADAPT_EVERY = 20;
-// Target range of milliseconds between pictures: above it the picture becomes coarser, below it finer.
+// Target range of the interval between pictures, in milliseconds. Above it the picture's scale is reduced; below it the
+// scale is raised.
 const SHORT_MS = 22;
 const LONG_MS = 40;
-// Maximum milliseconds that pass in the scene between two pictures, so that a delay causes no leap.
+// Maximum time that passes in the scene between two pictures, in milliseconds. It prevents a jump after a delay.
 const LONGEST_MS = 250;
-// Shares of the canvas' size at which the picture is drawn.
+// The ratios of the picture's resolution to the canvas' that can be chosen.
 const SCALES = [0.15, 0.2, 0.3, 0.4, 0.55, 0.75, 1];
-// Milliseconds after the last keystroke until the text is read, and between updates of the link.
+// Delay from the last keystroke to the reading of the text, and interval between updates of the link, in milliseconds.
 const WRITTEN_MS = 400;
 const LINKED_MS = 500;
-// Milliseconds until the next attempt after a failed picture.
+// Delay before the next attempt after a picture failed, in milliseconds.
 const AGAIN_MS = 500;
-// Numbers of waves to choose from.
+// The numbers of waves to choose from.
 const WAVES = Array.from({ length: 11 }, (_, power) => 1024 << power);
-// Start of error messages after which the program's state is unknown.
+// The first words of a Rust panic message. After a panic the program's state is undefined.
 const PANICKED = "panicked at";
 
 const $ = (id) => document.getElementById(id);
@@ -53,7 +54,7 @@ let plan = null;
 let keys = null;
 let listening = null;
 
-// Number of pictures, time of the last one (null after a pause), and milliseconds between pictures.
+// The number of pictures, the time of the last picture (null after a pause), and the average interval in milliseconds.
 let pictures = 0;
 let last = null;
 let between = 30;
@@ -79,8 +80,8 @@ function text() {
   return state.text ?? builtIn();
 }
 
-// Reads the scene from the text; if it is invalid, shows the error and leaves everything unchanged. `isAnew` restarts
-// the walk even if the scene's name is the same.
+// Reads the scene from the text. If the text is invalid, shows the error and leaves everything unchanged. `isAnew`
+// restarts the walk even if the scene has the same name.
 function take(isAnew) {
   const read = { text: text(), name: state.scene };
   try {
@@ -105,7 +106,7 @@ function showError(message) {
   if (message) $("editor").open = true;
 }
 
-// Sets the settings for tracing; if that fails, shows the reason and leaves everything unchanged.
+// Sets the settings for tracing. If that fails, shows the reason and leaves everything unchanged.
 function trace(wanted) {
   let why = link.wrongNumber("waves", wanted.waves) || link.wrongNumber("iterations", wanted.iterations);
   try {
@@ -144,7 +145,7 @@ function chooseSettings() {
   listening.hear();
 }
 
-// Shows the chosen built-in scene; if that fails, the previous one stays.
+// Shows the chosen built-in scene. If that fails, the previous scene stays.
 function chooseScene(name) {
   messages.say("link", "");
   const before = { scene: state.scene, text: state.text, values: state.values };
@@ -159,12 +160,12 @@ function chooseScene(name) {
   }
 }
 
-// Returns the options of a list.
+// Returns the option values of a list element.
 function namesOf(list) {
   return Array.from($(list).options, (option) => option.value);
 }
 
-// Applies a whole link, and restarts the walk.
+// Applies all settings of a link, and restarts the walk.
 function follow(fragment) {
   const choices = {};
   for (const list of ["scene", "profile", "listen", "sound"]) {
@@ -182,7 +183,7 @@ function follow(fragment) {
   $("volume").value = state.volume;
   $("text").value = text();
   listening.showListen();
-  // Settings that the previous scene does not allow may be valid in this one.
+  // Settings that are invalid for the previous scene may be valid for this one.
   const isSet = trace(settings);
   if (take(true)) {
     if (!isSet) trace(settings);
@@ -192,7 +193,8 @@ function follow(fragment) {
   listening.hear();
 }
 
-// Applies a link's values and the positions of listener and source; adds the reasons for failures to `wrong`.
+// Applies the named values of a link, and its positions of listener and source. Adds the reason for each failure to
+// `wrong`.
 function stay(settings, wrong) {
   for (const [name, value] of Object.entries(settings.values)) {
     const why = setValue(name, value);
@@ -203,7 +205,7 @@ function stay(settings, wrong) {
   showValues();
 }
 
-// Sets a named value; returns the reason if that fails.
+// Sets a named value. Returns the reason if that fails.
 function setValue(name, value) {
   try {
     page.set_value(name, value);
@@ -234,7 +236,7 @@ function showValues() {
   messages.say("values", "");
 }
 
-// Milliseconds since the last picture; 0 for the first one, and after the page was hidden.
+// Time since the last picture in milliseconds; 0 for the first picture, and after the page was hidden.
 function passedUntil(now) {
   const passed = last === null ? 0 : now - last;
   if (last !== null) between += 0.1 * (passed - between);
@@ -260,8 +262,8 @@ function picture(now) {
   pictures += 1;
 }
 
-// Draws a picture and requests the next one. After a failure it reports the error and tries again later: the scene may
-// have changed by then.
+// Draws a picture and requests the next one. After a failure, it reports the error and tries again later, because the
+// scene may have changed by then.
 function loop(now) {
   if (gl.isContextLost()) return;
   try {
@@ -294,7 +296,7 @@ function drawPlan() {
   seen.free();
 }
 
-// Makes the picture coarser if pictures come too slowly, finer if there is time.
+// Reduces the picture's scale if the interval between pictures is too long; raises it if there is time to spare.
 function adapt() {
   if (between > LONG_MS) {
     scale = Math.max(0, scale - 1);
@@ -314,7 +316,7 @@ function show() {
   $("size").textContent = `${canvas.width} × ${canvas.height}, at ${share} % while anything moves`;
 }
 
-// Returns the link of the choices, and of the positions of listener and source if the user has changed them.
+// Returns the link for the choices. It includes the positions of listener and source if the user has changed them.
 function address() {
   const placed = page.placed_source();
   return link.write({
@@ -363,7 +365,7 @@ function connect() {
     waiting = setTimeout(readWritten, WRITTEN_MS);
   };
   addEventListener("hashchange", () => follow(location.hash));
-  // A hidden page draws no pictures, and no time passes in its scene.
+  // While the page is hidden, it draws no pictures, and no time passes in its scene.
   document.addEventListener("visibilitychange", () => {
     last = null;
   });
@@ -375,7 +377,7 @@ function readWritten() {
   take(false);
 }
 
-// Actions of single key presses.
+// The actions of single key presses.
 const asked = {
   KeyF: () => page.pick_up_or_put_down(),
   KeyP: () => page.pause_or_go_on(),
@@ -420,7 +422,7 @@ async function begin() {
   follow(location.hash);
   canvas.focus();
   requestAnimationFrame(loop);
-  // For tests, and for inspection in the browser's console.
+  // Access for tests and for the browser's console.
   window.echomarch = { page, state, sound: () => listening.sound, levels: () => listening.levels, address };
 }
 

@@ -1,4 +1,4 @@
-// The panel beside the plan: levels, sources and times.
+// The panel beside the plan: levels, sources and durations.
 
 const $ = (id) => document.getElementById(id);
 
@@ -8,7 +8,7 @@ function row(name, milliseconds) {
   return `<tr><th>${name}</th><td>${value} ms</td></tr>`;
 }
 
-// The last frame's counts and pan; empty before the first frame of a scene.
+// Shows the counts and the pan of the last frame. `frame` is empty before the first frame of a scene.
 export function showFrame(frame) {
   const [hits, dead, travelling, , , pan] = frame;
   $("hits").textContent = hits ?? "–";
@@ -17,13 +17,13 @@ export function showFrame(frame) {
   $("pan").textContent = pan?.toFixed(3) ?? "–";
 }
 
-// The levels of both channels as played, in decibels.
+// Shows the played levels of both channels, in decibels.
 export function showLevels(levels) {
   $("left").value = levels[0];
   $("right").value = levels[1];
 }
 
-// The sources heard in full: three numbers per source, as EarsOfPage.sources returns them.
+// Shows the sources of full listening: three numbers per source, as EarsOfPage.sources returns them.
 export function showSources(sources) {
   const told = [];
   for (let i = 0; i < sources.length; i += 3) {
@@ -37,7 +37,7 @@ export function showSources(sources) {
   $("full").textContent = told.join("; ") || "–";
 }
 
-// Shows the times in milliseconds (between pictures, of a frame of waves, of calls, of the ears), and the number of
+// Shows the durations in milliseconds (between pictures, of a frame of waves, of calls, of the ears), and the number of
 // gaps in the sound.
 export function showTimes(times) {
   $("times").innerHTML = row("from picture to picture", times.between) +

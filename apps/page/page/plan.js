@@ -1,13 +1,13 @@
 // The plan: the scene from above, with source, listener, and paths of waves.
 
-// Styles of waves by their status: dead, travelling, at the listener.
+// Line styles by the status of a wave: dead, travelling, at the listener.
 const STYLES = [
   { colour: "#28be9573", width: 0.8 },
   { colour: "#96a0aa38", width: 0.8 },
   { colour: "#ff802c", width: 1.4 },
 ];
 
-// Maximum height of the plan, in the page's pixels.
+// Maximum height of the plan, in CSS pixels.
 const MOST_HEIGHT = 250;
 
 export class Plan {
@@ -16,7 +16,7 @@ export class Plan {
     this.image = document.createElement("canvas");
   }
 
-  // Draws the plan; `plan` is a PlanOfPage, `ways` the numbers that Page.ways returns.
+  // Draws the plan. `plan` is a PlanOfPage; `ways` is the array of numbers that Page.ways returns.
   draw(plan, ways, listener, radius, sources) {
     if (plan.rgba.length) {
       this.image.width = plan.width;

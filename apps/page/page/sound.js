@@ -1,13 +1,15 @@
-// The sound from responses to the speakers. Three workers, as the window has three threads:
+// The sound, from the responses to the loudspeakers. Three parts run beside the page, like the three threads of the
+// window:
 //
-//   ears.js, traces the sound in full ─▶ mix.js, mixes it ─▶ worklet.js, plays it
+//   ears.js (traces full listening) ─▶ mix.js (mixes the responses) ─▶ worklet.js (plays the mix)
 //
-// so that neither a picture nor a trace holds up the sound. They share no memory, so any server can host the page.
+// Neither drawing nor tracing can therefore interrupt the sound. The parts share no memory, so any server can host the
+// page without special headers.
 
-// Seconds over which the sound fades when it is stopped or resumed: a sudden cut would click.
+// Duration of the fade when the sound is stopped or resumed, in seconds. A sudden cut would click.
 const FADE_S = 0.02;
 
-// Returns the reason why sound cannot be played here; "" if it can.
+// Returns the reason why this browser cannot play sound; "" if it can.
 function lacking() {
   if (!isSecureContext) {
     return "browsers play it over https:// or from localhost alone, and this address is neither";
@@ -17,8 +19,8 @@ function lacking() {
 }
 
 export class Sound {
-  // Starts the sound; only a click may call it, because browsers play no sound before one. `told` receives the name of
-  // a part ("mix", "ears", "player") and its message.
+  // Starts the sound. It must be called from a click handler, because browsers play no sound before a click. `told`
+  // receives the name of a part ("mix", "ears", "player") and its message.
   static async start(told) {
     const why = lacking();
     if (why) throw new Error(why);
@@ -28,7 +30,7 @@ export class Sound {
       await context.resume();
       return new Sound(context, told);
     } catch (error) {
-      // A page may have only a few contexts.
+      // A page may have only a few audio contexts.
       await context.close();
       throw error;
     }
@@ -36,7 +38,7 @@ export class Sound {
 
   constructor(context, told) {
     this.context = context;
-    // The numbers of the scene last sent, of the last one the mix has answered, and of the one it plays.
+    // The numbers of three scenes: the last one sent, the last one that the mix has answered, and the one it plays.
     this.sent = 0;
     this.answered = 0;
     this.playing = 0;
@@ -72,7 +74,7 @@ export class Sound {
     return this.context.state === "running";
   }
 
-  // Whether the state of the scene can be used: sound is running, and the mix has answered which scene it plays.
+  // Whether the ears can use the state of the scene: sound is running, and the mix has answered which scene it plays.
   isListening() {
     return this.isRunning() && this.playing > 0 && this.answered === this.sent;
   }
@@ -96,7 +98,7 @@ export class Sound {
     gain.linearRampToValueAtTime(volume, now + FADE_S);
   }
 
-  // Ends the sound for good.
+  // Ends the sound permanently.
   close() {
     this.mix.terminate();
     this.ears.terminate();
@@ -109,7 +111,7 @@ export class Sound {
     this.mix.postMessage({ scene: this.sent, text, name, sound });
   }
 
-  // Sets full or balance, the volume, and the pan.
+  // Sets the listening mode (full or balance), the volume, and the pan.
   listen(listen, volume, profile, pan) {
     this.mix.postMessage({ listen, volume, profile, pan });
   }

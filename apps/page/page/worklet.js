@@ -1,12 +1,12 @@
-// Plays blocks of samples in the browser's audio thread, and requests the next ones.
+// Plays blocks of samples in the browser's audio thread, and requests further blocks.
 
-// Frames buffered: 85 ms at 48 kHz, during which a delayed worker can catch up.
+// Number of buffered frames. They last 85 ms at 48 kHz, the time in which a delayed worker can catch up.
 const AHEAD = 4096;
-// Frames per request.
+// Number of frames in a request.
 const BLOCK = 512;
-// Frames over which the sound fades before and after a gap: 5 ms at 48 kHz.
+// Number of frames of a fade before and after a gap: 5 ms at 48 kHz.
 const FADE = 240;
-// Seconds between two reports of the levels.
+// Interval between two reports of the levels, in seconds.
 const TOLD_EVERY = 0.1;
 
 class PlayerOfBlocks extends AudioWorkletProcessor {
@@ -14,12 +14,12 @@ class PlayerOfBlocks extends AudioWorkletProcessor {
     super();
     this.mix = null;
     this.blocks = [];
-    // The next sample in the first block, and the number of frames left in all blocks.
+    // Index of the next sample in the first block, and the number of frames left in all blocks.
     this.at = 0;
     this.inHand = 0;
-    // Frames that were requested and not played yet.
+    // Number of frames that were requested but not played yet.
     this.asked = 0;
-    // Frames of the fade: 0 in silence, FADE at full level.
+    // Progress of the fade in frames: 0 is silence, FADE is full level.
     this.fade = 0;
     this.isPlaying = false;
     this.gaps = 0;
@@ -37,7 +37,7 @@ class PlayerOfBlocks extends AudioWorkletProcessor {
     };
   }
 
-  // Requests missing frames.
+  // Requests the missing frames.
   ask() {
     if (!this.mix) return;
     while (this.asked < AHEAD) {
@@ -61,7 +61,7 @@ class PlayerOfBlocks extends AudioWorkletProcessor {
     return true;
   }
 
-  // Plays the next frame. The buffered frames fade out, so that their end is silent.
+  // Plays the next frame. The sound fades out towards the end of the buffered frames, so that a gap does not click.
   play(left, right, frame) {
     const block = this.blocks[0];
     this.fade += this.fade < Math.min(FADE, this.inHand) ? 1 : 0;

@@ -1,4 +1,4 @@
-//! Full listening.
+//! Full listening for the page.
 
 use crate::{scene, settings, thrown};
 use echomarch::Scene;
@@ -8,7 +8,7 @@ use echomarch_walk::{Ears, HeardMessage, WalkState, Walker};
 use wasm_bindgen::prelude::*;
 use web_sys::WebGl2RenderingContext;
 
-/// Ears on an off-screen canvas.
+/// Traces full listening on an off-screen canvas.
 #[wasm_bindgen]
 pub struct EarsOfPage {
     ears: Ears,
@@ -25,7 +25,7 @@ pub struct HeardByPage {
 
 #[wasm_bindgen]
 impl EarsOfPage {
-    /// Creates ears on a worker's own context, for a mix at `rate_hz` samples a second.
+    /// Creates ears on the context of a worker, for a mix with the sample rate `rate_hz`.
     #[wasm_bindgen(constructor)]
     pub fn new(gl: WebGl2RenderingContext, rate_hz: u32) -> Result<EarsOfPage, JsError> {
         let context = Context::from_webgl2(gl).map_err(thrown)?;
@@ -44,8 +44,9 @@ impl EarsOfPage {
         Ok(())
     }
 
-    /// Traces each source in the given state of the scene: named values, time along its paths in seconds, the listener
-    /// (x, y, z, yaw, pitch) and the first source (x, y, z). Returns the responses that have changed.
+    /// Traces each source in the given state of the scene. The state has the named values, the time along the paths in
+    /// seconds, the listener (x, y, z, yaw, pitch) and the first source (x, y, z). Returns the responses that have
+    /// changed.
     #[allow(clippy::too_many_arguments)]
     pub fn hear(
         &mut self,
@@ -79,8 +80,8 @@ impl EarsOfPage {
             .collect())
     }
 
-    /// For each source at the last call of `hear`: its strength G in decibels (NaN for silence), the number of exact
-    /// paths, and 1 if the direct sound is one of them.
+    /// Three numbers for each source in the last call of `hear`: its strength G in decibels (NaN for silence), the
+    /// number of exact paths, and 1 if the direct sound is among them.
     pub fn sources(&self) -> Vec<f64> {
         let numbers = |source: &echomarch::response::HeardSource| {
             let level = source.level_db.unwrap_or(f64::NAN);
@@ -90,7 +91,7 @@ impl EarsOfPage {
         self.ears.sources().iter().flat_map(numbers).collect()
     }
 
-    /// Milliseconds that the last trace took, and that its late part took.
+    /// Duration of the last trace, and of its late part, in milliseconds.
     pub fn milliseconds(&self) -> Vec<f64> {
         self.ears.milliseconds().to_vec()
     }
@@ -98,25 +99,25 @@ impl EarsOfPage {
 
 #[wasm_bindgen]
 impl HeardByPage {
-    /// Number of the source, from 0.
+    /// Index of the source, from 0.
     #[wasm_bindgen(getter)]
     pub fn source(&self) -> u32 {
         self.message.source as u32
     }
 
-    /// Its echoes, encoded as numbers.
+    /// The echoes of the source, encoded as numbers.
     #[wasm_bindgen(getter)]
     pub fn echoes(&self) -> Vec<f64> {
         self.message.echoes.clone()
     }
 
-    /// The samples of its late part; `None` if that is unchanged.
+    /// The samples of the late part; `None` if the late part is unchanged.
     #[wasm_bindgen(getter)]
     pub fn late(&self) -> Option<Vec<f32>> {
         self.message.late.clone()
     }
 
-    /// Seconds in which the previous echoes glide to these.
+    /// Glide time from the previous echoes to these, in seconds.
     #[wasm_bindgen(getter)]
     pub fn glide_s(&self) -> f64 {
         self.message.glide_s

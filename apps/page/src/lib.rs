@@ -1,10 +1,10 @@
-//! The page's interface: passes numbers and text between JavaScript and `echomarch`.
+//! The Rust interface of the page: passes numbers and text between JavaScript and `echomarch`.
 //!
-//! | struct | runs in | does |
+//! | struct | runs in | task |
 //! | --- | --- | --- |
 //! | [`Page`] | the page | walks, traces frames, draws the picture and the plan |
-//! | [`EarsOfPage`] | a worker with a canvas of its own | traces sound in full |
-//! | [`MixOfPage`] | a worker | mixes it into blocks of samples |
+//! | [`EarsOfPage`] | a worker with its own canvas | traces full listening |
+//! | [`MixOfPage`] | a worker | mixes the responses into blocks of samples |
 
 mod ears;
 mod mix;
@@ -31,7 +31,7 @@ pub fn scene_text(name: &str) -> Option<String> {
     Scene::builtin_text(name).map(str::to_owned)
 }
 
-/// Makes a panic throw its message as an error, which page and workers show.
+/// Converts a panic to a JavaScript error with the same message. The page and the workers show that message.
 #[wasm_bindgen(start)]
 pub fn start() {
     std::panic::set_hook(Box::new(|panic| {
@@ -39,12 +39,12 @@ pub fn start() {
     }));
 }
 
-/// Converts an error to one that JavaScript throws.
+/// Converts an error to a JavaScript error.
 fn thrown(error: impl Display) -> JsError {
     JsError::new(&error.to_string())
 }
 
-/// Reads a scene from its text; it is called `name` if the text has no name.
+/// Reads a scene from its text. The scene is called `name` if the text contains no name.
 fn scene(text: &str, name: &str) -> Result<Scene, JsError> {
     let mut scene = Scene::from_ron(text, name).map_err(thrown)?;
     if scene.name.is_empty() {

@@ -1,4 +1,4 @@
-//! The sound as samples.
+//! The sound of the page as samples.
 
 use crate::{listen, profile, scene, thrown};
 use echomarch::audio::SoundSpec;
@@ -13,20 +13,20 @@ pub struct MixOfPage {
 
 #[wasm_bindgen]
 impl MixOfPage {
-    /// Creates a mix for a scene's sources at `rate_hz` samples a second.
+    /// Creates a mix for a scene's sources with the sample rate `rate_hz`.
     #[wasm_bindgen(constructor)]
     pub fn new(text: &str, name: &str, sound: &str, rate_hz: u32) -> Result<MixOfPage, JsError> {
         let mix = Mix::new(&scene(text, name)?, &sound_of(sound)?, rate_hz).map_err(thrown)?;
         Ok(MixOfPage { mix })
     }
 
-    /// Sets another scene or another sound; the previous one fades out first.
+    /// Changes to another scene or another sound. The previous sound fades out first.
     pub fn set_scene(&mut self, text: &str, name: &str, sound: &str) -> Result<(), JsError> {
         let (scene, sound) = (scene(text, name)?, sound_of(sound)?);
         self.mix.set_scene(&scene, &sound).map_err(thrown)
     }
 
-    /// Sets how the scene is heard: `full` or `balance`.
+    /// Sets the listening mode: `full` or `balance`.
     pub fn set_listen(&mut self, name: &str) -> Result<(), JsError> {
         self.mix.set_listen(listen(name)?);
         Ok(())
@@ -37,14 +37,14 @@ impl MixOfPage {
         self.mix.set_volume(volume);
     }
 
-    /// Sets the balance, −1 to 1, with the panning law of profile `of`.
+    /// Sets the pan of the balance, −1 to 1, with the panning law of the profile `of`.
     pub fn set_pan(&mut self, of: &str, pan: f32) -> Result<(), JsError> {
         self.mix.set_pan(profile(of)?, pan);
         Ok(())
     }
 
-    /// Glides to a new response of a source. Returns false, and changes nothing, if too many glides are in progress:
-    /// call it again later. A response of a source that the scene no longer has is dropped.
+    /// Glides to a new response of a source. If too many glides are in progress, returns false and changes nothing; the
+    /// caller must call it again later. A response of a source that no longer exists is discarded.
     pub fn hear(
         &mut self,
         source: u32,

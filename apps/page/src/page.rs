@@ -21,17 +21,17 @@ pub struct PlanOfPage {
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
-    /// Minimum world x and z, then maximum, in metres.
+    /// The minimum world x and z, then the maximum world x and z, in metres.
     #[wasm_bindgen(getter_with_clone)]
     pub bounds: Vec<f32>,
-    /// Red, green, blue and opacity of each pixel; empty if unchanged since the last call.
+    /// Red, green, blue and opacity of each pixel; empty if the plan is unchanged since the last call.
     #[wasm_bindgen(getter_with_clone)]
     pub rgba: Vec<u8>,
 }
 
 #[wasm_bindgen]
 impl Page {
-    /// Starts a walk through a scene on a canvas' context.
+    /// Starts a walk through a scene on the context of a canvas.
     #[wasm_bindgen(constructor)]
     pub fn new(gl: WebGl2RenderingContext, text: &str, name: &str) -> Result<Page, JsError> {
         let context = Context::from_webgl2(gl).map_err(thrown)?;
@@ -49,12 +49,12 @@ impl Page {
         self.context.is_software()
     }
 
-    /// Sets another scene, or another text of the current one.
+    /// Changes to another scene, or to another text of the current scene.
     pub fn set_scene(&mut self, text: &str, name: &str) -> Result<(), JsError> {
         self.visit.set_scene(scene(text, name)?).map_err(thrown)
     }
 
-    /// Opens a scene in its initial state: listener, source and values are as in its text.
+    /// Opens a scene in its initial state: listener, source and values are those of its text.
     pub fn open_scene(&mut self, text: &str, name: &str) -> Result<(), JsError> {
         self.visit.open_scene(scene(text, name)?).map_err(thrown)
     }
@@ -65,7 +65,8 @@ impl Page {
         self.visit.set_settings(settings).map_err(thrown)
     }
 
-    /// Advances time by `seconds`. `moves` are −1 to 1: forward, right, up, turn to the right, tilt upwards.
+    /// Advances time by `seconds`. `moves` has five numbers from −1 to 1: forward, right, up, turn to the right, tilt
+    /// upwards.
     pub fn pass(&mut self, moves: &[f32], run: bool, seconds: f64) {
         let of = |index: usize| moves.get(index).copied().unwrap_or_default();
         let input = MoveInput {
@@ -79,7 +80,7 @@ impl Page {
         self.visit.pass(&input, seconds);
     }
 
-    /// Turns the gaze by radians to the right and upwards.
+    /// Rotates the gaze to the right and upwards, by angles in radians.
     pub fn look(&mut self, right: f32, up: f32) {
         self.visit.look(right, up);
     }
@@ -94,7 +95,7 @@ impl Page {
         self.visit.pause_or_go_on();
     }
 
-    /// Resets source, listener and time to the start.
+    /// Resets the source, the listener and the time to their initial state.
     pub fn start_over(&mut self) {
         self.visit.start_over();
     }
@@ -119,7 +120,7 @@ impl Page {
         walker.map_or(0.0, |walker| walker.radius)
     }
 
-    /// Puts the listener at a position.
+    /// Sets the listener's position and gaze.
     pub fn stand(&mut self, x: f32, y: f32, z: f32, yaw: f32, pitch: f32) {
         let position = Vec3::new(x, y, z);
         let are_numbers = position.is_finite() && yaw.is_finite() && pitch.is_finite();
@@ -141,13 +142,14 @@ impl Page {
             .collect()
     }
 
-    /// The position of the first source in metres if the user has placed it or carries it; empty if it is on its path.
+    /// The position of the first source in metres if the user has moved it or carries it; empty if the source follows
+    /// its path.
     pub fn placed_source(&self) -> Vec<f32> {
         let placed = self.visit.placed_source();
         placed.map_or_else(Vec::new, |position| position.to_array().to_vec())
     }
 
-    /// Puts the first source at a position.
+    /// Sets the position of the first source.
     pub fn put_source(&mut self, x: f32, y: f32, z: f32) {
         let position = Vec3::new(x, y, z);
         if position.is_finite() {
@@ -180,14 +182,14 @@ impl Page {
         self.visit.set_value(name, value).map_err(thrown)
     }
 
-    /// Traces waves for about `milliseconds` if the scene has changed. Returns whether another frame is complete.
+    /// Traces waves for about `milliseconds` if the scene has changed. Returns whether a new frame is complete.
     pub fn trace(&mut self, milliseconds: f64) -> Result<bool, JsError> {
         let frame = self.visit.trace(milliseconds).map_err(thrown)?;
         Ok(frame.is_some())
     }
 
-    /// The last frame: waves at the listener, dead, travelling, left, right, pan, milliseconds from start to result;
-    /// empty before the first frame of a scene.
+    /// The last frame as numbers: waves at the listener, dead, travelling, left, right, pan, milliseconds from start to
+    /// result. Empty before the first frame of a scene.
     pub fn frame(&self) -> Vec<f64> {
         let Some(frame) = self.visit.frame() else {
             return Vec::new();
@@ -204,8 +206,8 @@ impl Page {
         ]
     }
 
-    /// Draws the listener's view on the canvas of `width` × `height` pixels, at `scale` times its resolution. Returns
-    /// whether the picture is new.
+    /// Draws the listener's view on the canvas of `width` × `height` pixels. `scale` is the ratio of the picture's
+    /// resolution to that of the canvas. Returns whether the picture is new.
     pub fn draw(&mut self, width: u32, height: u32, scale: f32) -> Result<bool, JsError> {
         self.visit.draw([width, height], scale).map_err(thrown)
     }
@@ -226,8 +228,8 @@ impl Page {
         }
     }
 
-    /// Paths of waves for the plan, one after the other: status (0 dead, 1 travelling, 2 at the listener), number of
-    /// points, and x and z of each.
+    /// Paths of waves for the plan, one after the other. Each has a status (0 dead, 1 travelling, 2 at the listener),
+    /// the number of points, and the x and z of each point.
     pub fn ways(&mut self) -> Result<Vec<f32>, JsError> {
         let mut numbers = Vec::new();
         for way in self.visit.ways().map_err(thrown)? {

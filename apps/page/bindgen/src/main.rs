@@ -1,7 +1,8 @@
-//! `bindgen FILE.wasm FOLDER` writes the wasm that a page loads, and the JavaScript that loads it, into a folder.
+//! `bindgen FILE.wasm FOLDER` writes the WebAssembly module for the page, and the JavaScript that loads it, into a
+//! folder.
 //!
-//! It does what `wasm-bindgen --target web` does. As a member of the workspace it always has the same version as
-//! the library that the wasm was built with.
+//! It does the same as `wasm-bindgen --target web`. As a member of the workspace, it always has the same version as the
+//! `wasm-bindgen` crate that the module was built with.
 
 use anyhow::{Context, bail};
 use wasm_bindgen_cli_support::Bindgen;
@@ -19,5 +20,5 @@ fn main() -> anyhow::Result<()> {
         .remove_name_section(true)
         .remove_producers_section(true)
         .generate(folder)
-        .with_context(|| format!("{wasm} is not made into JavaScript"))
+        .with_context(|| format!("cannot generate JavaScript for {wasm}"))
 }
