@@ -1,4 +1,4 @@
-//! `echomarch accuracy`: speed against error, and the project's own targets.
+//! `echomarch accuracy`: compares speed with error, and checks the project's own targets.
 
 use super::numbers::{count, real};
 use super::options::{Common, check_range};
@@ -11,11 +11,11 @@ use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
-  echomarch accuracy                         five scenes, and the targets: some 4 minutes
+  echomarch accuracy                         five scenes, and the targets: about 4 minutes
   echomarch accuracy -o out                  the same; CSV, JSON, Markdown and the plot in out/
   echomarch accuracy corner --error 0.01     one scene: about a minute
-  echomarch accuracy gyroid                  a user's GLSL, which only this experiment has
-  echomarch accuracy my.ron --error 0.005    a scene of yours, without the targets
+  echomarch accuracy gyroid                  a field in GLSL, built into this command
+  echomarch accuracy my.ron --error 0.005    your own scene, without the targets
   echomarch accuracy --full -o out           every setting in every built-in scene: hours";
 
 /// Arguments of `accuracy`.
@@ -25,10 +25,10 @@ pub struct Arguments {
     /// Scenes or scene files [default: corner obstacles cave gyroid glasshouse; with --full all]
     #[arg(value_name = "SCENE")]
     scenes: Vec<String>,
-    /// Run every combination of settings, not one change at a time: takes hours
+    /// Run every combination of settings instead of one change at a time; takes hours
     #[arg(long)]
     full: bool,
-    /// Upper limit of the panning error of the recommended setting
+    /// Maximum panning error of the recommended setting
     #[arg(long, default_value_t = 0.02, value_name = "RMS", value_parser = real::<f64>)]
     error: f64,
     /// Number of frames per setting, each with its own seed, 16 to 1000
@@ -52,8 +52,8 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     )
 }
 
-/// The built-in scenes without users' GLSL, which the exact reference knows only by samples, and the text that it knows
-/// exactly.
+/// The built-in scenes that the exact reference can trace exactly, and the gyroid. Scenes with users' GLSL are
+/// excluded, because the reference knows their fields only from samples.
 fn with_a_truth() -> Vec<&'static str> {
     let known =
         |name: &&str| Scene::builtin(name).is_ok_and(|scene| scene.user_fields().next().is_none());

@@ -1,4 +1,4 @@
-//! `echomarch cost`: the cost of each surface and option, and which could be left out.
+//! `echomarch cost`: the cost of each surface and option, and the surfaces that could be removed.
 
 use super::numbers::count;
 use super::options::{Common, TraceOptions, check_ending, check_range};
@@ -26,7 +26,7 @@ pub struct Arguments {
     scene: SceneArguments,
     #[command(flatten)]
     options: TraceOptions,
-    /// Number of pairs of frames per row, each with its own seed; times are medians
+    /// Number of pairs of frames per row, each with its own seed; reported times are medians
     #[arg(
         long,
         allow_negative_numbers = true,

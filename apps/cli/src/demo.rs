@@ -27,7 +27,7 @@ F1 in the window lists the keys. Scene files and WAV files can be dropped on it.
 Scenes: corner, obstacles, open-field, open-pillars, shoebox, whispering-gallery,
 parabolic-mirrors, colonnade, cave, morphing-room, menger, glasshouse.";
 
-/// The shortest time that `--seconds` accepts.
+/// The minimum of `--seconds`.
 const SHORTEST_S: f64 = 1e-3;
 
 /// Arguments of `demo`.
@@ -54,8 +54,8 @@ struct SoundOptions {
     /// Loudness, 0 to 1
     #[arg(long, allow_negative_numbers = true, default_value_t = 0.5, value_parser = real::<f32>)]
     volume: f32,
-    /// Listening mode: full (loudness, delays, echoes, reverberation), or balance (left against right
-    /// alone, as in the thesis) [default: full; balance with --profile thesis and with --law]
+    /// Listening mode: full (loudness, delays, echoes, reverberation), or balance (only left against right, as in the
+    /// thesis) [default: full; balance with --profile thesis and with --law]
     #[arg(long, value_name = "WHAT")]
     listen: Option<Listen>,
     #[command(flatten)]
@@ -63,17 +63,17 @@ struct SoundOptions {
     /// Name or id of the sound device, as listed by --list-devices
     #[arg(long, value_name = "NAME")]
     device: Option<String>,
-    /// List the sound devices and open no window
+    /// List the sound devices, without opening a window
     #[arg(long)]
     list_devices: bool,
-    /// Samples in a buffer of the sound device: fewer give less latency
+    /// Buffer size of the sound device in samples; a smaller buffer gives less latency
     #[arg(
         long,
         allow_negative_numbers = true,
         default_value_t = 1024,
         value_name = "N", value_parser = count::<u32>)]
     buffer: u32,
-    /// Record what is heard
+    /// Record the sound that is played
     #[arg(long, value_name = "FILE.wav")]
     record: Option<PathBuf>,
 }
@@ -88,25 +88,25 @@ struct WindowOptions {
         default_value_t = 1,
         value_name = "N", value_parser = count::<u32>)]
     trace_every: u32,
-    /// Adapt the number of waves (4096 or more) to the frame time even when --waves is given,
-    /// starting from it; without --waves it always adapts
+    /// Adapt the number of waves (4096 or more) to the frame time even with --waves, which then sets the initial
+    /// number; without --waves it always adapts
     #[arg(long)]
     adapt_waves: bool,
     #[command(flatten)]
     frame_rate: FrameRateOption,
-    /// Draw the picture at this share of the window's size [default: adapted to the frame time]
+    /// Ratio of the picture's size to the window's [default: adapted to the frame time]
     #[arg(long, allow_negative_numbers = true, value_name = "SHARE", value_parser = real::<f32>)]
     scale: Option<f32>,
-    /// Width in pixels, before the screen's own scale
+    /// Width in pixels, before display scaling
     #[arg(long, default_value_t = 960, value_name = "PIXELS", value_parser = count::<u32>)]
     width: u32,
-    /// Height in pixels, before the screen's own scale
+    /// Height in pixels, before display scaling
     #[arg(long, default_value_t = 540, value_name = "PIXELS", value_parser = count::<u32>)]
     height: u32,
     /// File to which F5 saves the scene [default: NAME-1.ron, NAME-2.ron, …]
     #[arg(long, value_name = "FILE.ron")]
     save: Option<PathBuf>,
-    /// Write a screenshot of the window at the end
+    /// Write a screenshot of the window before it closes
     #[arg(long, value_name = "FILE.png")]
     screenshot: Option<PathBuf>,
     /// Close the window after this number of frames
@@ -115,7 +115,7 @@ struct WindowOptions {
     /// Close the window after this number of seconds
     #[arg(long, allow_negative_numbers = true, value_name = "SECONDS", value_parser = real::<f64>)]
     seconds: Option<f64>,
-    /// Start with the help closed
+    /// Do not show the help at the start
     #[arg(long)]
     no_help: bool,
     /// Write a line of JSON for every frame to standard error
@@ -199,7 +199,7 @@ fn options(arguments: &Arguments, common: &Common) -> anyhow::Result<DemoOptions
         frames: window.frames,
         seconds: window.seconds,
         help: !window.no_help,
-        // GL errors are checked for the report, which contains their number.
+        // The JSON report contains the number of GL errors, so they are checked.
         check_gl: common.json,
         is_asked_to_end: super::interrupt::is_asked,
         log_frames: window.log_frames.then_some(print::tell_record),
@@ -207,7 +207,7 @@ fn options(arguments: &Arguments, common: &Common) -> anyhow::Result<DemoOptions
     })
 }
 
-/// Rejects impossible options before a window is opened.
+/// Rejects invalid options before a window is opened.
 fn check(sound: &SoundOptions, window: &WindowOptions, common: &Common) -> anyhow::Result<()> {
     if common.gl != Api::Gl || common.gpu.is_some() {
         let text = "--gl and --gpu are for commands without a window: the window is drawn on the display's GPU";
@@ -247,7 +247,8 @@ fn check_law(sound: &SoundOptions) -> Result<(), BadInput> {
     Err(super::render::no_effect_in_full("--law"))
 }
 
-/// Called after the sound and the scene were read: only then are the input files known, which must not be overwritten.
+/// Checks the output files. This function must be called after the sound and the scene were read, because only then are
+/// all input files known. An output must not overwrite an input.
 fn check_outputs(arguments: &Arguments) -> anyhow::Result<()> {
     let window = &arguments.window;
     for file in [&arguments.sound.record, &window.save, &window.screenshot] {
@@ -308,7 +309,7 @@ fn to_errors(line: &str) {
     print::tell(line);
 }
 
-/// Prints the number of waves if it is lower than wanted, and the cost of the scene's fields.
+/// Prints the number of waves if it is lower than requested, and the cost of the scene's fields.
 fn print_waves(report: &Report) -> anyhow::Result<()> {
     if let Some(asked) = report.more_waves_asked {
         print::line(&format!(
@@ -351,12 +352,12 @@ fn print_text(report: &Report) -> anyhow::Result<()> {
         match latency.total() {
             0.0 => "not measured".to_owned(),
             total if latency.is_whole() => format!("{total:.1} ms at most"),
-            total => format!("{total:.1} ms as far as known"),
+            total => format!("{total:.1} ms for the measured parts"),
         },
         report.sound.text
     ))?;
     if !report.trace_call_is_exact {
-        print::line("# source or listener were moved; F5 would have saved their positions:")?;
+        print::line("# the source or the listener was moved; F5 saves their positions:")?;
     }
     print::line("the same frame without the window:")?;
     print::line(&report.trace_call)

@@ -21,14 +21,14 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
     if is_broken_pipe(error) {
         return ExitCode::SUCCESS;
     }
-    // Only the outermost error is printed: this program's errors include their causes in their own
+    // Only the outermost error is printed, because the errors of this program include their causes in their own
     // sentences. If the sentence cannot be written, the exit code still reports the failure.
     print::tell(&format!("echomarch: {error}"));
     ExitCode::from(code(error))
 }
 
-/// Prints what is wrong with the arguments, or the requested help. Typed text with control
-/// characters is escaped, as in all other messages.
+/// Prints the error in the arguments, or the requested help. Control characters in typed text are escaped, as in all
+/// other messages.
 pub fn refuse_arguments(error: &mut clap::Error) -> ExitCode {
     let is_help = matches!(
         error.kind(),
@@ -52,8 +52,7 @@ pub fn refuse_arguments(error: &mut clap::Error) -> ExitCode {
     error.exit()
 }
 
-/// Prints help or the version. A failure to write (`help > /dev/full`) is an error, as for any
-/// other output.
+/// Prints the help or the version. A failure to write (`help > /dev/full`) is an error, as for all other output.
 fn print_help(error: &clap::Error) -> ExitCode {
     match error.print() {
         Ok(()) => ExitCode::from(error.exit_code() as u8),
@@ -70,7 +69,7 @@ fn code(error: &anyhow::Error) -> u8 {
             || cause
                 .downcast_ref::<StudyError>()
                 .is_some_and(StudyError::is_bad_input)
-            // The user typed the output path, so a bad path is bad input.
+            // The user typed the output path, so an invalid path is invalid input.
             || cause
                 .downcast_ref::<OutputError>()
                 .is_some_and(OutputError::is_bad_input)

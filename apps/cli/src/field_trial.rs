@@ -5,15 +5,15 @@ use echomarch::tracer::{FieldTrial, TrialCommand, answer_field_trial};
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-/// Sets that users' fields are tried in child processes, on the requested renderer.
+/// Selects child processes on the requested renderer for the trials of users' fields.
 pub fn choose(common: &Common) {
     let mut arguments = vec![
         OsString::from("field-trial"),
         format!("--gl={}", common.gl).into(),
     ];
     arguments.extend(common.gpu.map(|gpu| format!("--gpu={gpu}").into()));
-    // If the path of this program is unknown, every trial fails, and every field is refused: no
-    // field is compiled untried.
+    // If the path of this program is unknown, every trial fails, and every field is refused. No field is compiled
+    // without a trial.
     let command = TrialCommand::this_program(arguments.clone()).unwrap_or(TrialCommand {
         program: "echomarch".into(),
         arguments,
@@ -21,7 +21,7 @@ pub fn choose(common: &Common) {
     FieldTrial::InChild(command).set();
 }
 
-/// Runs the trial, and answers the parent process.
+/// Runs the trial and sends the result to the parent process.
 pub fn answer(common: &Common) -> ExitCode {
     answer_field_trial(&common.context_options())
 }

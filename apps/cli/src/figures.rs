@@ -13,14 +13,14 @@ const EXAMPLES: &str = "\
 Examples:
   echomarch figures                          all four tables, up to 1048576 waves
   echomarch figures --max-waves 65536 --runs 3 -o out
-  echomarch figures --profiles thesis        the thesis' algorithm alone
+  echomarch figures --profiles thesis        only the thesis' algorithm
   echomarch figures --json > figures.json";
 
 /// Arguments of `figures`.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// Leave out rows with more waves than this
+    /// Omit rows with more waves than this
     #[arg(
         long,
         allow_negative_numbers = true,

@@ -33,7 +33,7 @@ Examples:
   echomarch impulse hall.ron --source flute --listener stalls --plot decay.svg
   echomarch impulse hall.ron --echogram echogram.csv --json > hall.json";
 
-/// The shortest response in seconds: one shorter than a time bin contains no information.
+/// The minimum length of a response, in seconds. A response shorter than one time bin contains no information.
 const SHORTEST_S: f64 = 1e-3;
 
 /// Arguments of `impulse`.
@@ -42,13 +42,12 @@ const SHORTEST_S: f64 = 1e-3;
 pub struct Arguments {
     #[command(flatten)]
     scene: SceneAtTime,
-    /// Write the impulse response as a WAV file of 32-bit floats; its first sample is the source's
-    /// impulse, and amplitude 1 is the direct sound at 1 m. Echoes that coincide add by amplitude
-    /// here, and by energy in the figures
+    /// Write the impulse response as a WAV file of 32-bit floats. The first sample is the time of the source's impulse,
+    /// and amplitude 1 is the direct sound at 1 m. Coincident echoes add by amplitude in this file, and by energy in
+    /// the figures
     #[arg(short, long, value_name = "FILE.wav")]
     output: Option<PathBuf>,
-    /// Channels of the WAV file: mono, stereo, ambisonic (first order: ACN, SN3D), or binaural (two
-    /// ears, by --sofa)
+    /// Channels of the WAV file: mono, stereo, ambisonic (first order: ACN, SN3D), or binaural (two ears, needs --sofa)
     #[arg(long, default_value = "mono", value_name = "NAME", requires = "output")]
     format: FormatOption,
     /// Head-related impulse responses for --format binaural: a SOFA file of the convention
@@ -59,25 +58,24 @@ pub struct Arguments {
     #[arg(long, allow_negative_numbers = true, default_value_t = Sound::SAMPLE_RATE, value_name = "HZ",
         requires = "output", value_parser = count::<u32>)]
     rate: u32,
-    /// Write the energy of all but the exact paths by time (the middle of a bin) and band as CSV:
+    /// Write the energy of all arrivals except the exact paths as CSV, by time (centre of a bin) and band:
     /// time_s,band_hz,energy,x,y,z
     #[arg(long, value_name = "FILE.csv")]
     echogram: Option<PathBuf>,
     /// Write a plot of the energy and its decay against time
     #[arg(long, value_name = "FILE.svg")]
     plot: Option<PathBuf>,
-    /// Only this source, by its name or number
+    /// Use only this source, given by its name or number
     #[arg(long, value_name = "NAME")]
     source: Option<String>,
-    /// Only this listener, by its name or number
+    /// Use only this listener, given by its name or number
     #[arg(long, value_name = "NAME")]
     listener: Option<String>,
-    /// Length of the response, 0.001 to 60 [default: until all bands have fallen by 60 dB as far as
-    /// waves show it, 10 at most]
+    /// Length of the response, 0.001 to 60 [default: until all bands have decayed by 60 dB, estimated from waves, at
+    /// most 10]
     #[arg(long, allow_negative_numbers = true, value_name = "SECONDS", value_parser = real::<f64>)]
     seconds: Option<f64>,
-    /// Maximum number of reflections of exact paths [default: 8 where all surfaces
-    /// are flat, else 3]
+    /// Maximum number of reflections of exact paths [default: 8 if all surfaces are flat, otherwise 3]
     #[arg(long, allow_negative_numbers = true, value_name = "N", value_parser = count::<u32>)]
     order: Option<u32>,
     /// The algorithm: hybrid (closed form), march (accurate sphere tracing)
@@ -152,7 +150,8 @@ impl Arguments {
         Ok(settings)
     }
 
-    /// The format of the WAV file, with the SOFA file's responses at its rate.
+    /// The format of the WAV file. For binaural output it includes the responses of the SOFA file at the sample rate of
+    /// the WAV file.
     fn format(&self) -> anyhow::Result<Format> {
         Ok(match self.format {
             FormatOption::Mono => Format::Mono,

@@ -1,8 +1,8 @@
-//! Signals that end the program: from the terminal (SIGINT), by another program (SIGTERM), or
-//! because the terminal is closed (SIGHUP).
+//! Handles the signals that end the program: SIGINT from the terminal, SIGTERM from another program, and SIGHUP when
+//! the terminal closes.
 //!
-//! The program removes its temporary files, and exits with 128 plus the number of the signal, as
-//! shells do. The window ends as if it had been closed.
+//! The program removes its temporary files and exits with 128 plus the signal number, as shells do. The window closes
+//! normally.
 
 use echomarch::internals::file_output::remove_parts;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
@@ -11,20 +11,20 @@ use std::io;
 use std::sync::atomic::{AtomicBool, AtomicI32, Ordering::SeqCst};
 use std::time::Duration;
 
-/// Maximum time that the window may take to end after a signal.
+/// Maximum time in which the window must close after a signal.
 const MOST_TO_END: Duration = Duration::from_secs(5);
 
 /// Whether the running command polls [`asked`] and then ends.
 static IS_GENTLE: AtomicBool = AtomicBool::new(false);
 
-/// The signal received; 0 for none.
+/// The number of the received signal; 0 if there was none.
 static ASKED: AtomicI32 = AtomicI32::new(0);
 
-/// Installs the handlers described in the module header. A hang-up signal that was ignored before
+/// Installs the signal handlers described in the module documentation. A hang-up signal that was already ignored
 /// (`nohup`) stays ignored.
 ///
 /// # Errors
-/// Errors of the system, which may fail to start another thread.
+/// System errors, for example if another thread cannot be started.
 pub fn install() -> io::Result<()> {
     let mut answered = vec![SIGINT, SIGTERM];
     if !is_ignored(SIGHUP) {
@@ -41,8 +41,8 @@ pub fn install() -> io::Result<()> {
     Ok(())
 }
 
-/// At the first signal the running command is told to end if it polls for that. Otherwise, and at
-/// the second signal, the process exits at once.
+/// Handles a signal. At the first signal, a running command that polls [`asked`] is asked to end. Otherwise, and at the
+/// second signal, the process exits at once.
 fn answer(signal: i32) {
     let is_first = ASKED.swap(signal, SeqCst) == 0;
     if !(is_first && IS_GENTLE.load(SeqCst)) {
@@ -59,7 +59,7 @@ fn answer(signal: i32) {
 
 fn end(signal: i32) {
     remove_parts();
-    // Exits without cleaning up: other threads may hold locks.
+    // Exits without running destructors, because other threads may hold locks.
     signal_hook::low_level::exit(exit_code(signal));
 }
 
@@ -67,7 +67,7 @@ fn exit_code(signal: i32) -> i32 {
     128 + signal
 }
 
-/// From now on a signal only requests the end. The running command must poll [`asked`].
+/// From this call on, a signal only requests the end of the program. The running command must poll [`asked`].
 #[cfg(feature = "demo")]
 pub fn ask_from_now_on() {
     IS_GENTLE.store(true, SeqCst);
@@ -79,7 +79,7 @@ pub fn is_asked() -> bool {
     asked().is_some()
 }
 
-/// The exit code of the signal that requested the end, if one did.
+/// The exit code for the signal that requested the end; `None` without a signal.
 pub fn asked() -> Option<u8> {
     match ASKED.load(SeqCst) {
         0 => None,
@@ -88,8 +88,8 @@ pub fn asked() -> Option<u8> {
 }
 
 fn is_ignored(signal: i32) -> bool {
-    // SAFETY: all zero bytes are a valid `sigaction` (no handler, an empty mask), and without a new
-    // action `sigaction` only writes the current action to the given address.
+    // SAFETY: an all-zero `sigaction` is valid (no handler, empty mask). Without a new action, `sigaction` only writes
+    // the current action to the given address.
     unsafe {
         let mut present: libc::sigaction = std::mem::zeroed();
         let asked = libc::sigaction(signal, std::ptr::null(), &raw mut present);

@@ -1,4 +1,4 @@
-//! `echomarch localise`: the localisation experiment, for an observer (`run`) and for people (`form`, `score`).
+//! `echomarch localise`: the localisation experiment with an observer model (`run`) and with people (`form`, `score`).
 
 use super::exit::BadInput;
 use super::numbers::{count, real};
@@ -23,7 +23,7 @@ const EXAMPLES: &str = "\
 Examples:
   echomarch localise run -o out              an observer that answers from the levels alone
   echomarch localise form -o form --seed 7   sounds and a page for people: open form.html
-  echomarch localise score answers-*.json    what they answered";
+  echomarch localise score answers-*.json    score of their answers";
 
 const RUN_EXAMPLES: &str = "\
 Examples:
@@ -58,11 +58,11 @@ pub struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Let the observer answer: errors by scene, sound, profile, waves and iterations
+    /// Let the observer model answer: errors by scene, sound, profile, waves and iterations
     Run(RunArguments),
-    /// Write sounds and a page that takes the answers of people
+    /// Write sounds, and a page on which people answer
     Form(FormArguments),
-    /// Score the answers that the page saved
+    /// Score the answers saved by the page
     Score(ScoreArguments),
 }
 
@@ -75,8 +75,7 @@ struct Stimuli {
     /// Sounds, separated by commas
     #[arg(long, value_delimiter = ',', value_name = "SOUNDS", default_value = ALL_SOUNDS)]
     sounds: Vec<String>,
-    /// Panning law, the same for every profile: linear (the thesis),
-    /// constant-power
+    /// Panning law for all profiles: linear (the thesis), constant-power
     #[arg(long, default_value_t = PanningLaw::Linear, value_name = "LAW")]
     law: PanningLaw,
 }
@@ -88,16 +87,16 @@ struct RunArguments {
     stimuli: Stimuli,
     #[command(flatten)]
     compared: ProfilesOption,
-    /// Numbers of waves, separated by commas [default: 64 … 1048576, each four times as many]
+    /// Numbers of waves, separated by commas [default: 64 to 1048576, in steps of a factor of four]
     #[arg(long, value_delimiter = ',', value_name = "N", value_parser = count::<u32>)]
     waves: Vec<u32>,
     /// Numbers of iterations, separated by commas [default: 1,2,4,8,16]
     #[arg(long, value_delimiter = ',', value_name = "N", value_parser = count::<u32>)]
     iterations: Vec<u32>,
-    /// Number of frames per setting and facing, each with its own seed [default: 5; with --quick 3]
+    /// Number of frames per setting and facing direction, each with its own seed [default: 5; with --quick 3]
     #[arg(long, value_name = "N", value_parser = count::<u32>)]
     seeds: Option<u32>,
-    /// Few settings and seeds
+    /// Use only a few settings and seeds
     #[arg(long)]
     quick: bool,
     /// Write localise.csv, .json, .md and .svg into this folder
@@ -125,16 +124,16 @@ struct FormArguments {
     /// Numbers of iterations, separated by commas
     #[arg(long, value_delimiter = ',', value_name = "N", default_value = "4,8", value_parser = count::<u32>)]
     iterations: Vec<u32>,
-    /// Seed of the trials' numbers, and of the start directions of the waves
+    /// Seed of the trial numbers and of the waves' start directions
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = count::<u32>)]
     seed: u32,
-    /// Seed of the order of the trials, the same for every session [default: each session draws its own]
+    /// Seed of the trial order, used in every session [default: each session has a random order]
     #[arg(long, value_name = "N", value_parser = count::<u32>)]
     order_seed: Option<u32>,
     /// Length of each sound
     #[arg(long, default_value_t = 2.0, value_name = "SECONDS", value_parser = real::<f64>)]
     seconds: f64,
-    /// A folder that is empty or does not exist yet
+    /// Output folder, which must be empty or must not exist
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
 }
@@ -142,7 +141,7 @@ struct FormArguments {
 #[derive(Args, Debug)]
 #[command(after_help = SCORE_EXAMPLES)]
 struct ScoreArguments {
-    /// Files that the page saved; interrupted sessions too
+    /// Files saved by the page, including those of interrupted sessions
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Write score.csv, .json and .md into this folder
@@ -194,7 +193,8 @@ fn run_options(arguments: &RunArguments, common: &Common) -> anyhow::Result<Loca
     Ok(options)
 }
 
-/// Settings that are too large are rejected if the user requested them; otherwise the report lists them.
+/// Rejects settings that are too large if the user requested them. Default settings that are too large are listed in
+/// the report instead.
 fn check_work(arguments: &RunArguments, options: &LocaliseOptions) -> anyhow::Result<()> {
     let left_out = options.left_out();
     let Some((waves, iterations)) = left_out.first() else {
@@ -218,14 +218,14 @@ fn stimuli(from: &Stimuli, common: &Common) -> anyhow::Result<(Vec<Scene>, Vec<S
     let mut sounds = Vec::new();
     for name in distinct(&from.sounds) {
         let spec: SoundSpec = name.parse().map_err(Error::from)?;
-        // Loaded before any work begins: the file may not exist.
+        // Loads each sound before any work begins, because the file may not exist.
         Sound::load(&spec, Sound::SAMPLE_RATE).map_err(Error::from)?;
         sounds.push(spec);
     }
     Ok((scenes?, sounds))
 }
 
-/// The items without duplicates, in their original order.
+/// Returns the items without duplicates, in their original order.
 fn distinct<T: Clone + PartialEq>(items: &[T]) -> Vec<T> {
     let mut once = Vec::new();
     for item in items {
@@ -312,7 +312,7 @@ fn tell_form(arguments: &FormArguments, common: &Common, form: &Form) -> anyhow:
     }
     let sounds = match form.embedded {
         true => "with all sounds in it",
-        false => "with its sounds beside it in sounds/",
+        false => "with its sounds in the folder sounds/",
     };
     let trials = form.trials.len();
     print::line(&format!(
@@ -320,7 +320,7 @@ fn tell_form(arguments: &FormArguments, common: &Common, form: &Form) -> anyhow:
     ))?;
     if unheard > 0 {
         print::line(&format!(
-            "  in {unheard} of them no wave arrived: they are in the middle"
+            "  in {unheard} of them no wave arrived: their sound is in the middle"
         ))?;
     }
     Ok(())
@@ -345,7 +345,7 @@ mod tests {
     use super::*;
     use echomarch_lab::experiment::localise::{ROOMS, SOUNDS};
 
-    /// Protects the help: it names the scenes and sounds of the experiment, as they are typed.
+    /// Protects the help: it lists the scenes and sounds of the experiment in the form in which users type them.
     #[test]
     fn the_defaults_are_those_of_the_experiment() {
         assert_eq!(SCENES, ROOMS.join(","));

@@ -1,8 +1,8 @@
-//! The command line, one file per subcommand: each parses arguments, calls the library and prints
+//! The command line, with one file per subcommand. Each subcommand parses its arguments, calls the library and prints
 //! the result.
 //!
-//! Exit codes: 0 done, 1 failed, 2 bad input. Results go to standard output (`--json`
-//! for machines), everything else to standard error.
+//! Exit codes: 0 success, 1 failure, 2 invalid input. Results go to standard output (as JSON with `--json`). All other
+//! output goes to standard error.
 
 mod accuracy;
 mod cost;
@@ -15,7 +15,7 @@ mod impulse;
 mod info;
 #[cfg(unix)]
 mod interrupt;
-/// Without signals, the system itself ends the program.
+/// On systems without these signals, the system ends the program.
 #[cfg(not(unix))]
 mod interrupt {
     pub fn install() -> std::io::Result<()> {
@@ -61,7 +61,7 @@ Examples:
   echomarch cost corner                      what each surface and option costs
   echomarch trace corner                     one frame of a built-in scene
   echomarch trace my.ron --waves 1048576 --json
-  echomarch impulse whispering-gallery       how a room answers: figures, early paths, -o a WAV
+  echomarch impulse whispering-gallery       the room's response: figures, early paths, -o a WAV
   echomarch render open-field -o out.wav     what the listener hears
   echomarch view corner -o view.png          what the listener sees
   echomarch slice corner --paths 200 -o plan.png
@@ -87,37 +87,37 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// The window: walk through a scene and hear it
+    /// Open the window: walk through a scene and hear it
     #[cfg(feature = "demo")]
     Demo(demo::Arguments),
-    /// Trace one frame: what arrives, from where, how fast
+    /// Trace one frame: waves at the listener, panning and time
     Trace(trace::Arguments),
-    /// Impulse responses: room acoustic figures, exact early paths, a WAV to convolve with
+    /// Compute impulse responses: room acoustic figures, exact early paths, a WAV for convolution
     Impulse(impulse::Arguments),
     /// Render a WAV of what the listener hears
     Render(render::Arguments),
-    /// Picture of what the listener sees, by the distance function that the waves use
+    /// Draw what the listener sees, with the distance function that the waves use
     View(view::Arguments),
-    /// Plan of the scene from above, with wave paths on request
+    /// Draw the plan of the scene from above, optionally with the paths of waves
     Slice(slice::Arguments),
     /// Print a shader that is generated from a scene
     Shader(shader::Arguments),
-    /// The performance experiment: figures 11.1 to 11.4 beside the thesis' own
+    /// Repeat the performance experiment: figures 11.1 to 11.4 beside the thesis' own
     Figures(figures::Arguments),
-    /// Speed against error: every profile and option compared with exact waves
+    /// Compare speed and error of every profile and option with exact waves
     Accuracy(accuracy::Arguments),
-    /// Cost of each surface and option, and what could be left out
+    /// Measure the cost of each surface and option, and find what could be removed
     Cost(cost::Arguments),
-    /// The hard cases: every profile compared with exact answers
+    /// Run the hard cases: every profile compared with exact results
     Verify(verify::Arguments),
-    /// The localisation experiment, with a computed observer and with people
+    /// Run the localisation experiment, with an observer model or with people
     Localise(localise::Arguments),
-    /// Sweeps and maps: many points; shards can be interrupted, resumed and merged
+    /// Compute sweeps and maps of many points; shards can be interrupted, resumed and merged
     Study(study::Arguments),
     /// Try users' fields for another process of this program
     #[command(hide = true)]
     FieldTrial,
-    /// List all renderers found (whatever --gl and --gpu say), their limits, and versions
+    /// List the version, all renderers regardless of --gl and --gpu, and their limits
     Info(info::Arguments),
 }
 

@@ -1,12 +1,12 @@
-//! Numbers as people type them: `65536`, `65_536`, `1e6`.
+//! Parses numbers in the forms that people type: `65536`, `65_536`, `1e6`.
 
 use std::fmt::Display;
 use std::str::FromStr;
 
-/// Whole numbers up to this are exact as `f64`.
+/// The largest whole number up to which all whole numbers are exact in `f64`.
 const MOST_EXACT: f64 = 9_007_199_254_740_992.0;
 
-/// Parses a count: digits, optionally grouped by underscores, or a power of ten with a whole value.
+/// Parses a count: digits, optionally grouped by underscores, or scientific notation with a whole value.
 pub fn count<T: TryFrom<u64>>(said: &str) -> Result<T, String> {
     let text = ungrouped(said)?;
     let whole = match text.parse::<u64>() {
@@ -16,7 +16,7 @@ pub fn count<T: TryFrom<u64>>(said: &str) -> Result<T, String> {
     T::try_from(whole).map_err(|_| format!("{said} is too large"))
 }
 
-/// Returns the whole number that a text such as `1e6` or `2.5e3` stands for.
+/// Returns the whole number that a text in scientific notation denotes, such as `1e6` or `2.5e3`.
 fn of_power(text: &str) -> Result<u64, String> {
     if !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit()) {
         return Err(format!("{text} is too large"));
@@ -36,12 +36,12 @@ pub fn real<T: FromStr<Err: Display>>(said: &str) -> Result<T, String> {
     text.parse().map_err(|error: T::Err| error.to_string())
 }
 
-/// Rounds to tenths; returns 0 in place of −0.
+/// Rounds to one decimal. Returns 0 instead of −0.
 pub fn tenths(value: f64) -> f64 {
     (10.0 * value).round() / 10.0 + 0.0
 }
 
-/// Removes the underscores from the text; each must stand between two digits.
+/// Removes underscores from the text. Each underscore must be between two digits.
 fn ungrouped(said: &str) -> Result<String, String> {
     let bytes = said.as_bytes();
     let is_digit = |at: Option<usize>| {
@@ -60,7 +60,7 @@ fn ungrouped(said: &str) -> Result<String, String> {
 mod tests {
     use super::*;
 
-    /// Protects counts: every notation gives the same count, and anything else is rejected.
+    /// Protects counts: every notation gives the same count, and any other text is rejected.
     #[test]
     fn counts_are_read_in_every_form() {
         let forms = [
@@ -87,7 +87,7 @@ mod tests {
         assert!(refused("44.1k").contains("1e6"));
     }
 
-    /// Protects numbers with a decimal point; their callers check the ranges.
+    /// Protects numbers with a decimal point. The caller checks the range.
     #[test]
     fn reals_are_read_in_every_form() {
         assert_eq!(real("1_000.5"), Ok(1000.5f32));

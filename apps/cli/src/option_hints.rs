@@ -1,8 +1,8 @@
-//! Hints for options that a subcommand does not have.
+//! Hints for options that do not exist in a subcommand.
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 
-/// Words that users type to get a list of the scenes.
+/// Words that users type to list the scenes.
 const SCENE_LISTS: [&str; 3] = ["scenes", "list", "scene"];
 
 /// Returns a hint for an unknown command or option, if there is one.
@@ -23,7 +23,7 @@ pub fn hint(error: &clap::Error) -> Option<String> {
     }
 }
 
-/// Removes clap's tip to pass an unknown option as a value: no subcommand here accepts such a
+/// Removes clap's suggestion to pass an unknown option as a value, because no subcommand of this program accepts such a
 /// value.
 pub fn drop_misleading(error: &mut clap::Error) {
     let Some(ContextValue::StyledStrs(tips)) = error.get(ContextKind::Suggested) else {
@@ -51,7 +51,7 @@ fn of_option(command: &str, typed: &str) -> Option<&'static str> {
             "trace takes the first source and the first listener; --levels reports every pair, and impulse a chosen one"
         }
         ("slice", "--source" | "--listener") => {
-            "slice takes the first source and the first listener: put another first in the scene file"
+            "slice takes the first source and the first listener: reorder them in the scene file"
         }
         ("impulse", "--iterations" | "--iterations-per-pass") => {
             "impulse has no count of iterations: waves are followed for --seconds"

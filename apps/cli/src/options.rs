@@ -30,7 +30,7 @@ pub struct Common {
 }
 
 impl Common {
-    /// The options of the renderer.
+    /// The options of the OpenGL context.
     pub fn context_options(&self) -> ContextOptions {
         let mut options = ContextOptions::new(self.gl);
         options.gpu = self.gpu;
@@ -64,7 +64,7 @@ impl Common {
 /// Frames per second.
 #[derive(Args, Clone, Copy, Debug)]
 pub struct FrameRateOption {
-    /// Frames traced a second
+    /// Number of frames traced per second
     #[arg(
         long,
         allow_negative_numbers = true,
@@ -73,11 +73,10 @@ pub struct FrameRateOption {
     pub fps: f64,
 }
 
-/// The conversion from the waves' balance to the levels of the two channels.
+/// The conversion of the waves' pan to the levels of the two channels.
 #[derive(Args, Clone, Copy, Debug)]
 pub struct LawOption {
-    /// Panning law: constant-power, or linear (the thesis)
-    /// [default: constant-power; with --profile thesis linear]
+    /// Panning law: constant-power, or linear (the thesis) [default: constant-power; linear with --profile thesis]
     #[arg(long, value_name = "LAW")]
     pub law: Option<PanningLaw>,
 }
@@ -118,7 +117,7 @@ pub struct TraceOptions {
     /// Number of iterations (segments of each wave), 1 to 4095 [default: 8]
     #[arg(long, allow_negative_numbers = true, value_name = "N", value_parser = count::<u32>)]
     pub iterations: Option<u32>,
-    /// Chooses the start directions
+    /// Seed of the start directions
     #[arg(
         long,
         allow_negative_numbers = true,
@@ -128,15 +127,14 @@ pub struct TraceOptions {
     /// Start directions: random (the thesis), fibonacci (an even lattice)
     #[arg(long, default_value_t = Directions::Random, value_name = "NAME")]
     pub directions: Directions,
-    /// thesis only: a wave hits a surface below this distance, in metres [0.1]
+    /// thesis only: distance below which a wave hits a surface, in metres [0.1]
     #[arg(long, allow_negative_numbers = true, value_name = "METRES", value_parser = real::<f32>)]
     pub min_distance: Option<f32>,
-    /// A wave is dead beyond this distance in one iteration, in metres [thesis: 300,
-    /// else 1e9]
+    /// Distance in one iteration beyond which a wave is dead, in metres [thesis: 300, otherwise 1e9]
     #[arg(long, allow_negative_numbers = true, value_name = "METRES", value_parser = real::<f32>)]
     pub max_distance: Option<f32>,
-    /// Iterations in one pass over the waves, limited where the scene's loops allow no more
-    /// [hybrid: all; march: 8; thesis: 1]
+    /// Iterations in one pass over the waves; the scene's loops may limit this number [hybrid: all; march: 8; thesis:
+    /// 1]
     #[arg(long, allow_negative_numbers = true, value_name = "N", value_parser = count::<u32>)]
     pub iterations_per_pass: Option<u32>,
     /// Sum the panning on the GPU and read back one texel
@@ -145,7 +143,7 @@ pub struct TraceOptions {
 }
 
 impl TraceOptions {
-    /// Returns the typed settings, after checking them.
+    /// Returns the requested settings after validation.
     pub fn settings(&self) -> anyhow::Result<Settings> {
         let mut settings = Settings::new(self.algorithm()?)
             .with_iterations(self.iterations.unwrap_or(USUAL_ITERATIONS))
@@ -160,7 +158,7 @@ impl TraceOptions {
         Ok(settings)
     }
 
-    /// The typed algorithm with its options.
+    /// The requested algorithm with its options.
     fn algorithm(&self) -> Result<Algorithm, BadInput> {
         let mut algorithm = Algorithm::of(self.profile);
         let Some(metres) = self.min_distance else {
@@ -177,7 +175,7 @@ impl TraceOptions {
         Ok(algorithm)
     }
 
-    /// Prints a note if a pass takes fewer iterations than requested.
+    /// Prints a note if a pass computes fewer iterations than requested.
     pub fn note_passes(&self, common: &Common, scene: &Scene, settings: &Settings) {
         let Some(asked) = self.iterations_per_pass else {
             return;
@@ -185,14 +183,14 @@ impl TraceOptions {
         let most = Budget::of(scene, settings).iterations_per_pass;
         if most < asked.min(settings.iterations) {
             common.note(&format!(
-                "note: with --profile {} this scene takes {most} iterations in a pass at most",
+                "note: with --profile {} a pass over this scene computes at most {most} iterations",
                 settings.profile()
             ));
         }
     }
 }
 
-/// Rejects a file name without the extension of its format.
+/// Rejects a file name that lacks the extension of its format.
 pub fn check_ending(file: &Path, ending: &str) -> Result<(), BadInput> {
     match file.extension() {
         Some(found) if found.eq_ignore_ascii_case(ending) => Ok(()),
@@ -214,9 +212,9 @@ pub fn check_range(what: &str, value: f64, least: f64, most: f64) -> Result<(), 
     )))
 }
 
-/// Formats a limit; very small limits are powers of ten.
+/// Formats a limit. Very small limits are written as powers of ten.
 fn plain(limit: f64) -> String {
-    /// Below this, decimals are hard to count.
+    /// Below this value, decimal zeros are hard to count.
     const SMALL: f64 = 1e-4;
     match limit != 0.0 && limit.abs() < SMALL {
         true => format!("{limit:e}"),

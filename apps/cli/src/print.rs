@@ -5,20 +5,19 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 use std::io::Write;
 
-/// Prints a line or a table, with control characters escaped. A closed pipe is an error like any
-/// other.
+/// Prints a line or a table, with control characters escaped. A closed pipe is an error like any other.
 pub fn line(text: &str) -> anyhow::Result<()> {
     writeln!(std::io::stdout(), "{}", text::in_lines(text)).map_err(unwritten)
 }
 
-/// Adds to an error the message that standard output could not be written, and keeps the cause.
+/// Adds the message that standard output cannot be written to an error, and keeps the error as its cause.
 pub fn unwritten(error: std::io::Error) -> anyhow::Error {
     let text = format!("cannot write standard output: {error}");
     anyhow::Error::new(error).context(text)
 }
 
-/// Prints a message to standard error. Every message of the program is printed by this function,
-/// and is cut to 10 lines and 1,000 characters.
+/// Prints a message to standard error. Every message of the program passes through this function, which cuts it to 10
+/// lines and 1,000 characters.
 pub fn tell(message: &str) {
     // A failure to write the message is ignored.
     let _ = writeln!(std::io::stderr(), "{}", text::message(message));
@@ -37,7 +36,7 @@ pub fn json(value: &impl Serialize) -> anyhow::Result<()> {
     writeln!(std::io::stdout(), "{}", text::json(&json)).map_err(unwritten)
 }
 
-/// A progress bar on standard error, shown only on a terminal and without `--quiet`.
+/// A progress bar on standard error. It is shown only on a terminal and without `--quiet`.
 pub fn progress(quiet: bool, total: u64, unit: &str) -> ProgressBar {
     let target = if quiet {
         ProgressDrawTarget::hidden()

@@ -1,4 +1,4 @@
-//! Rejects options without effect and renamed options.
+//! Rejects options that have no effect, and options that were renamed.
 
 use super::exit::BadInput;
 use clap::ArgMatches;
@@ -6,7 +6,7 @@ use clap::parser::ValueSource;
 
 /// A rule for options that a subcommand accepts but does not use.
 struct Ignored {
-    /// The subcommand, and the subcommand below it.
+    /// The name of the subcommand, followed by the name of its own subcommand, if any.
     command: &'static [&'static str],
     options: &'static [&'static str],
     /// Whether the rule applies to these arguments.
@@ -108,12 +108,12 @@ pub fn check(matches: &ArgMatches) -> Result<(), BadInput> {
     let name = path.join(" ");
     for (_, option, now) in RENAMED.iter().filter(|(command, ..)| *command == name) {
         if is_given(given, option) {
-            let text = format!("{name} has no --{option} any more: {now}");
+            let text = format!("{name} no longer has --{option}: {now}");
             return Err(BadInput(text));
         }
     }
     if let Some(twice) = set_twice(given) {
-        let text = format!("--set {twice} is given twice: the first would change nothing");
+        let text = format!("--set {twice} is given twice: the first has no effect");
         return Err(BadInput(text));
     }
     if let Some(text) = given_twice(given) {
@@ -122,7 +122,7 @@ pub fn check(matches: &ArgMatches) -> Result<(), BadInput> {
     let rules = IGNORED.iter().filter(|rule| rule.command == path);
     for rule in rules.filter(|rule| (rule.when)(given)) {
         let wanted = |id: &&str| match rule.options {
-            // All options except those for the printed list.
+            // All options, except those that affect the printed list.
             [] => !["list_devices", "json", "quiet"].contains(id),
             options => options.contains(id),
         };
@@ -140,7 +140,7 @@ pub fn check(matches: &ArgMatches) -> Result<(), BadInput> {
     Ok(())
 }
 
-/// Returns the named value that is set twice, if there is one.
+/// Returns the name of a value that is set twice, if there is one.
 fn set_twice(given: &ArgMatches) -> Option<&str> {
     let sets = given.try_get_many::<(String, f32)>("set").ok().flatten()?;
     let names: Vec<&str> = sets.map(|(name, _)| name.as_str()).collect();
@@ -148,7 +148,7 @@ fn set_twice(given: &ArgMatches) -> Option<&str> {
     (0..names.len()).find(is_again).map(|at| names[at])
 }
 
-/// Returns the error for a value given twice in a list, which would be computed twice.
+/// Returns an error if a list contains a value twice, because that value would be computed twice.
 fn given_twice(given: &ArgMatches) -> Option<String> {
     let twice = |id: &str| {
         let raw = given.try_get_raw(id).ok().flatten()?;
@@ -160,7 +160,7 @@ fn given_twice(given: &ArgMatches) -> Option<String> {
     ["profiles", "map"].into_iter().find_map(twice)
 }
 
-/// Whether an option has this value, typed or by default.
+/// Whether an option has this value, either typed or by default.
 fn has_value(given: &ArgMatches, id: &str, value: &str) -> bool {
     let mut raw = given.get_raw(id).into_iter().flatten();
     raw.any(|typed| typed == value)

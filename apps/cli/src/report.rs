@@ -1,4 +1,4 @@
-//! Common parts of the experiments on the command line: progress, files, printed reports.
+//! Common parts of the experiments on the command line: progress bar, files, printed reports.
 
 use super::options::Common;
 use super::print;
@@ -8,8 +8,8 @@ use echomarch::tracer::Tracer;
 use echomarch_lab::report::Report;
 use std::path::{Path, PathBuf};
 
-/// Checks that the folder can be written to, runs the experiment with a progress bar that counts
-/// `unit`, writes its files, and prints its report.
+/// Checks that the folder is writable, runs the experiment with a progress bar that counts `unit`, writes its files,
+/// and prints its report.
 pub fn run<R: Report>(
     common: &Common,
     folder: Option<&Path>,
@@ -48,7 +48,7 @@ pub fn check<R: Report>(folder: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Writes the files of a report, if a folder is given, and prints it.
+/// Writes the files of a report if a folder is given, and prints the report.
 pub fn write_and_print<R: Report>(
     common: &Common,
     folder: Option<&Path>,
@@ -76,7 +76,7 @@ pub fn print_report<R: Report>(common: &Common, report: &R) -> anyhow::Result<()
     }
 }
 
-/// The file name extensions of a report's files, beginning with that of its table.
+/// The file name extensions of a report's files. The first is that of the table.
 fn endings<R: Report>() -> &'static [&'static str] {
     match R::HAS_PLOT {
         true => &["csv", "json", "md", "svg"],

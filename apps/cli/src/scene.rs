@@ -1,4 +1,4 @@
-//! The scene of a subcommand: its arguments, loading it, and its warnings.
+//! The scene of a subcommand: its arguments, its loading, and its warnings.
 
 use super::exit::BadInput;
 use super::numbers::real;
@@ -8,11 +8,10 @@ use echomarch::Error;
 use echomarch::internals::shader::{Layout, Lists};
 use echomarch::scene::{Scene, SceneError};
 
-/// Maximum number of warnings printed for one scene. If there are more, only their number is
-/// printed.
+/// Maximum number of warnings printed for one scene. If a scene has more, the number of further warnings is printed.
 const MOST_WARNINGS: usize = 8;
 
-/// Number of surfaces from which compiling a scene's shader takes seconds (docs/scene-format.md).
+/// Number of surfaces above which compilation of a scene's shader takes seconds (docs/scene-format.md).
 const MANY_SURFACES: usize = 64;
 
 /// A scene and its named values.
@@ -21,7 +20,7 @@ pub struct SceneArguments {
     /// Built-in scene or scene file
     #[arg(id = "scene", value_name = "SCENE")]
     pub name_or_file: String,
-    /// Set a named value of the scene, in the unit of its file: metres, degrees; repeatable
+    /// Set a named value of the scene in the unit of its file (metres, degrees); repeatable
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = name_and_value)]
     pub set: Vec<(String, f32)>,
 }
@@ -50,13 +49,13 @@ fn name_and_value(said: &str) -> Result<(String, f32), String> {
     }
 }
 
-/// A scene at a time on its paths.
+/// A scene at a point in time on its paths.
 #[derive(Args, Debug)]
 pub struct SceneAtTime {
     #[command(flatten)]
     pub scene: SceneArguments,
-    /// Time in seconds on the paths of source, listener and surfaces [default: initial positions].
-    /// In a scene without motion it has no effect, and a warning is printed
+    /// Time in seconds on the paths of source, listener and surfaces [default: initial positions]. In a scene without
+    /// motion, the option has no effect and causes a warning
     #[arg(long, allow_negative_numbers = true, value_name = "SECONDS", value_parser = real::<f64>)]
     time: Option<f64>,
 }
@@ -111,8 +110,8 @@ impl Common {
         }
     }
 
-    /// Prints the warnings of a scene after the renderer has checked it, except those printed when
-    /// it was loaded. Only the renderer can check users' fields.
+    /// Prints the warnings of a scene after the tracer has checked it, except those that were printed when it was
+    /// loaded. Only the tracer can check users' fields.
     pub fn warn_checked(&self, scene: &Scene) {
         self.warn_when_known(scene, true);
     }

@@ -33,7 +33,7 @@ pub struct Arguments {
     /// Start directions: random (the thesis), fibonacci (an even lattice)
     #[arg(long, default_value_t = Directions::Random, value_name = "NAME")]
     directions: Directions,
-    /// Add code that counts evaluations of the distance
+    /// Add code that counts evaluations of the distance function
     #[arg(long)]
     count_evaluations: bool,
     /// Write to a file
@@ -44,19 +44,19 @@ pub struct Arguments {
 /// A shader of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Which {
-    /// The waves at the source
+    /// Initialises the waves at the source
     Initialise,
-    /// The waves through the scene
+    /// Traces the waves through the scene
     March,
-    /// The contribution of each wave to left and right
+    /// Computes the contribution of each wave to left and right
     Pan,
-    /// The listener's view
+    /// Draws the listener's view
     View,
-    /// The plan from above
+    /// Draws the plan from above
     Slice,
 }
 
-/// Runs the subcommand. It needs no renderer: it only prints the shader's text.
+/// Runs the subcommand. It opens no OpenGL context, because it only prints the text of the shader.
 pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     let scene = common.scene(&arguments.scene)?;
     if let Some(path) = &arguments.output {
@@ -92,7 +92,7 @@ fn check_effects(arguments: &Arguments, scene: &Scene) -> Result<(), BadInput> {
     let text = body(arguments, scene);
     for (option, without) in options {
         if without != *arguments && body(&without, scene) == text {
-            let text = format!("{option} changes nothing in this shader: leave it out");
+            let text = format!("{option} changes nothing in this shader: omit it");
             return Err(BadInput(text));
         }
     }

@@ -31,21 +31,20 @@ the cut.";
 pub struct Arguments {
     #[command(flatten)]
     scene: SceneAtTime,
-    /// The picture to write
+    /// The picture file to write
     #[arg(short, long, value_name = "FILE.png")]
     output: PathBuf,
-    /// Width in pixels; the height follows from the scene
+    /// Width in pixels; the scene determines the height
     #[arg(long, default_value_t = 800, value_name = "PIXELS", value_parser = count::<u32>)]
     image_width: u32,
-    /// Height of the cut above the world's origin [default: the listener's]
+    /// Height of the cut above the world's origin [default: height of the listener]
     #[arg(long, value_name = "METRES", allow_hyphen_values = true, value_parser = real::<f32>)]
     cut_height: Option<f32>,
-    /// Draw the paths of this many waves
+    /// Number of waves whose paths are drawn
     #[arg(long, default_value_t = 0, value_name = "N", value_parser = count::<u32>)]
     paths: u32,
-    /// Draw the paths of this many waves that reach the listener: traces --waves waves (4096
-    /// to 262144), then waves of the next seeds, until enough are found (at most about 4194304
-    /// waves)
+    /// Number of waves that reach the listener whose paths are drawn: traces --waves waves (4096 to 262144), then waves
+    /// of the next seeds, until enough are found (at most about 4194304 waves)
     #[arg(long, default_value_t = 0, value_name = "N", value_parser = count::<u32>)]
     heard_paths: u32,
     #[command(flatten)]
@@ -97,12 +96,10 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     print::line(&output)
 }
 
-/// Minimum number of waves in one frame of the search for heard waves: a smaller frame takes
-/// equally long.
+/// Minimum number of waves in one frame of the search for heard waves. A smaller frame takes equally long.
 const LEAST_SEARCHED: u32 = 4096;
 
-/// Maximum number of waves traced in the search for heard waves: half a minute without a graphics
-/// card.
+/// Maximum number of waves traced in the search for heard waves. They take half a minute without a graphics card.
 const MOST_TRACED: u64 = 1 << 22;
 
 /// Prints a note if fewer heard waves were found than requested.
@@ -110,14 +107,13 @@ fn tell_missing(found: &HeardPaths, wanted: usize, common: &Common) {
     let count = found.count();
     if count < wanted {
         common.note(&format!(
-            "note: only {count} of {wanted} heard paths found: no more of the {} traced waves reached the listener",
+            "note: only {count} of {wanted} heard paths found: no further wave of the {} traced reached the listener",
             found.traced
         ));
     }
 }
 
-/// Rejects too many path points: all points are kept in memory, and too many paths make the picture
-/// unreadable.
+/// Rejects too many path points. All points are kept in memory, and the picture is unreadable with too many paths.
 fn check_paths(option: &str, paths: u32, iterations: u32) -> anyhow::Result<()> {
     const MOST_POINTS: f64 = 1e7;
     check_range(option, f64::from(paths), 0.0, 100_000.0)?;

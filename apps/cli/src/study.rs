@@ -1,4 +1,4 @@
-//! `echomarch study`: sweeps and maps over many points.
+//! `echomarch study`: computes sweeps and maps of many points.
 
 mod jobs;
 mod print_out;
@@ -28,7 +28,7 @@ Examples:
 
 Study files, Slurm, GNU parallel: docs/clusters.md.";
 
-/// Maximum number of processes of one run: more than the cores of any machine.
+/// Maximum number of processes in one run. It exceeds the number of processor cores of any common machine.
 const MOST_JOBS: u32 = 1024;
 
 /// Arguments of `study`.
@@ -38,29 +38,29 @@ pub struct Arguments {
     /// The study file (.ron)
     #[arg(value_name = "FILE")]
     study: PathBuf,
-    /// The folder of shards and tables
+    /// The folder for shards and tables
     #[arg(short, long, value_name = "DIR", required_unless_present = "count")]
     output: Option<PathBuf>,
-    /// Estimate the number of points, the run time (from a short sample) and the size of the
-    /// table; compute nothing else
+    /// Estimate the number of points, the run time (from a short sample) and the size of the table, and compute nothing
+    /// else
     #[arg(long, conflicts_with_all = ["output", "shard", "join", "jobs", "map"])]
     count: bool,
-    /// Compute shard K of N, and merge nothing
+    /// Compute shard K of N, without merging
     #[arg(long, value_name = "K/N", conflicts_with_all = ["join", "jobs", "map"])]
     shard: Option<Shard>,
-    /// Merge the existing shards, and compute nothing
+    /// Merge the existing shards, without computing
     #[arg(long, conflicts_with = "jobs")]
     join: bool,
     /// Number of processes
     #[arg(long, allow_negative_numbers = true, default_value_t = 1, value_name = "N", value_parser = count::<u32>)]
     jobs: u32,
-    /// Draw a map of this column of the table, map-COLUMN.png; repeatable
+    /// Draw a map of this column of the table as map-COLUMN.png; repeatable
     #[arg(long, value_name = "COLUMN")]
     map: Vec<String>,
     /// Compute only on a renderer whose name and version contain this text
     #[arg(long, value_name = "TEXT", conflicts_with = "join")]
     require_renderer: Option<String>,
-    /// End when standard input ends: for the processes of --jobs
+    /// Exit when standard input ends; used by the processes of --jobs
     #[arg(long, hide = true)]
     until_input_ends: bool,
 }
@@ -108,7 +108,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     print_out::joined(common, &study, &joined)
 }
 
-/// A worker on the requested renderer; an error if `--require-renderer` does not match it.
+/// Creates a worker on the requested renderer. Returns an error if `--require-renderer` does not match the renderer.
 fn worker<'a>(
     study: &'a Study,
     arguments: &Arguments,
@@ -125,7 +125,7 @@ fn worker<'a>(
     }
 }
 
-/// Checks, before hours of work, that the tables can be written and would not replace inputs.
+/// Checks that the tables can be written and would not replace inputs. The check comes before hours of work.
 fn check_outputs(folder: &Path) -> anyhow::Result<()> {
     prepare_folder(folder)?;
     for name in ["study.csv", "study.parquet", "study.json"] {
@@ -134,7 +134,7 @@ fn check_outputs(folder: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Computes the missing points of all shards; the number of shards is that with which the study was begun in this
+/// Computes the missing points of all shards. The number of shards is the one with which the study was begun in this
 /// folder. Returns the worker if it runs in this process.
 fn compute_all<'a>(
     study: &'a Study,
@@ -145,7 +145,7 @@ fn compute_all<'a>(
     let of = begun(study, folder).unwrap_or(arguments.jobs.min(MOST_SHARDS));
     if of < arguments.jobs {
         common.note(&format!(
-            "note: this study was begun here in {of} shards, so no more than {of} jobs run"
+            "note: this study was begun in this folder with {of} shards, so at most {of} jobs run"
         ));
     }
     let bar = print::progress(common.quiet, study.points(), "points");
@@ -164,8 +164,8 @@ fn compute_all<'a>(
     Ok(Some(worker))
 }
 
-/// Returns a function that shows progress on a bar, starting after the `before` points of other shards. Points of
-/// earlier runs are not used to estimate the remaining time.
+/// Returns a function that updates a progress bar, starting after the `before` points of other shards. Points of
+/// earlier runs do not count in the estimate of the remaining time.
 fn shown(bar: &ProgressBar, before: u64) -> impl FnMut(u64) + '_ {
     let mut is_first = true;
     move |done| {
@@ -183,7 +183,7 @@ fn joined(study: &Study, folder: &Path, common: &Common) -> anyhow::Result<Joine
     Ok(joined)
 }
 
-/// Ends this process when its parent process has ended, for whatever reason.
+/// Ends this process when its parent process has ended for any reason.
 fn end_with_input() -> anyhow::Result<()> {
     let watch = || {
         let mut byte = [0];

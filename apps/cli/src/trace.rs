@@ -1,4 +1,4 @@
-//! `echomarch trace`: one frame.
+//! `echomarch trace`: traces one frame.
 
 mod levels;
 
@@ -28,7 +28,7 @@ Examples:
   echomarch trace hall.ron --levels
   echomarch trace my.ron --watch";
 
-/// Time between two checks of a watched scene's files.
+/// Interval between two checks of a watched scene's files.
 const BETWEEN_LOOKS: Duration = Duration::from_millis(50);
 
 /// Arguments of `trace`.
@@ -44,7 +44,7 @@ pub struct Arguments {
     /// Write every wave's start, end, direction and status as CSV
     #[arg(long, value_name = "FILE.csv")]
     dump_waves: Option<PathBuf>,
-    /// Trace the frame N more times and print the median times: the first frame compiles
+    /// Trace the frame N more times and print the median times; the first frame includes compilation
     #[arg(
         long,
         allow_negative_numbers = true,
@@ -52,11 +52,11 @@ pub struct Arguments {
         value_name = "N",
         conflicts_with = "watch", value_parser = count::<u32>)]
     repeat: u32,
-    /// Print level, delay and direction for each source and listener, computed as in `impulse`
-    /// with these waves: takes some hundred times as long as a frame
+    /// Print level, delay and direction for each source and listener. They are computed as in `impulse` with this
+    /// number of waves, which takes some hundred times as long as a frame
     #[arg(long, conflicts_with = "watch")]
     levels: bool,
-    /// Trace again whenever the scene file, or a file that it names, changes, until Ctrl-C
+    /// Trace again whenever the scene file or a file that it names changes, until Ctrl-C
     #[arg(long, conflicts_with = "time")]
     watch: bool,
     /// End --watch after this time
@@ -107,7 +107,8 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     trace(arguments, common, &mut tracer, &scene, &settings)
 }
 
-/// Called after the scene was read: only then are its files known, which must not be overwritten.
+/// Checks the output file. This function must be called after the scene was read, because only then are all its files
+/// known. An output must not overwrite them.
 fn check_output(arguments: &Arguments) -> Result<(), OutputError> {
     arguments.dump_waves.as_deref().map_or(Ok(()), check_file)
 }
@@ -117,7 +118,7 @@ fn watch(arguments: &Arguments, common: &Common, settings: &Settings) -> anyhow:
     let watched = arguments.scene.scene.clone();
     let file = watched.name_or_file.clone();
     if Scene::BUILTIN_NAMES.contains(&file.as_str()) {
-        let text = format!("{file} is built in: it has no file to --watch");
+        let text = format!("{file} is a built-in scene, which has no file for --watch");
         return Err(BadInput(text).into());
     }
     let began = Instant::now();
@@ -139,7 +140,7 @@ fn watch(arguments: &Arguments, common: &Common, settings: &Settings) -> anyhow:
                 common.warn(reloading.scene());
                 trace(arguments, common, &mut tracer, reloading.scene(), settings)?;
             }
-            // Printed even with --quiet: the result does not include the file's latest change.
+            // Printed even with --quiet, because the result does not include the latest change of the file.
             Err(error) => {
                 print::tell(&format!("echomarch: {error} (the last scene stays)"));
             }
@@ -148,7 +149,7 @@ fn watch(arguments: &Arguments, common: &Common, settings: &Settings) -> anyhow:
     Ok(())
 }
 
-/// Traces and prints one frame; with `--repeat` also the median times of the repeated frames.
+/// Traces and prints one frame. With `--repeat` it also prints the median times of the repeated frames.
 fn trace(
     arguments: &Arguments,
     common: &Common,
@@ -177,7 +178,7 @@ fn trace(
     if frame.counts.not_finite > 0 {
         let waves = frame.counts.not_finite;
         common.note(&format!(
-            "warning: {waves} waves with a position or direction that is not a number are left out"
+            "warning: {waves} waves are not counted, because their position or direction is not finite"
         ));
     }
     let levels = match arguments.levels {
@@ -202,7 +203,7 @@ fn trace(
     report.levels.iter().flatten().try_for_each(levels::print)
 }
 
-/// The median times of `--repeat` frames.
+/// The median times of the `--repeat` frames.
 fn repeated(
     tracer: &mut Tracer,
     scene: &Scene,
@@ -214,7 +215,7 @@ fn repeated(
     Ok(Milliseconds::medians(&frames))
 }
 
-/// The maximum number of steps of a march; scenes with fields have a separate limit.
+/// The maximum number of steps of a march. Scenes with fields have separate limits.
 fn step_limits(scene: &Scene, settings: &Settings) -> String {
     let budget = Budget::of(scene, settings);
     let limits = [
@@ -291,7 +292,7 @@ fn print_text(report: &Report) -> anyhow::Result<()> {
     ))
 }
 
-/// Writes one line per wave, with numbers in the shortest form that restores the same bits.
+/// Writes one line per wave. Numbers have the shortest form that restores the same bits.
 fn dump(waves: &[Wave], out: &mut dyn Write) -> io::Result<()> {
     let mut csv = csv::Writer::from_writer(out);
     csv.write_record([

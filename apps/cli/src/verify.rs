@@ -1,4 +1,4 @@
-//! `echomarch verify`: the hard cases.
+//! `echomarch verify`: runs the hard cases.
 
 use super::exit::BadInput;
 use super::options::Common;
@@ -21,7 +21,7 @@ which is shown and does not count.";
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// Run only the case of this name, or those whose names begin with it
+    /// Run only the case with this name, or all cases whose names begin with it
     #[arg(long = "case", value_name = "NAME")]
     cases: Vec<String>,
 }
@@ -46,7 +46,7 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Returns the cases with exactly that name, or otherwise those whose names begin with it.
+/// Returns the case with exactly this name, or otherwise the cases whose names begin with it.
 fn chosen(names: &[String]) -> Result<Vec<Case>, BadInput> {
     let all = verify::all();
     if names.is_empty() {
@@ -70,9 +70,9 @@ fn chosen(names: &[String]) -> Result<Vec<Case>, BadInput> {
     Ok(chosen.collect())
 }
 
-/// The error for an unknown name, with the names nearest to it.
+/// The error for an unknown name, with the most similar names.
 fn no_such_case(name: &str, all: &[Case]) -> String {
-    /// Maximum number of names printed: as many as fit a line.
+    /// Maximum number of names printed, so that they fit on one line.
     const TOLD: usize = 5;
     let mut known: Vec<&str> = all.iter().map(|case| case.name.as_str()).collect();
     let typed = name.to_lowercase();

@@ -1,4 +1,4 @@
-//! `echomarch view`: a picture of what the listener sees.
+//! `echomarch view`: draws what the listener sees.
 
 use super::impulse::pairs::first;
 use super::numbers::{count, real};
@@ -22,7 +22,7 @@ Examples:
 pub struct Arguments {
     #[command(flatten)]
     scene: SceneAtTime,
-    /// The picture to write
+    /// The picture file to write
     #[arg(short, long, value_name = "FILE.png")]
     output: PathBuf,
     /// Width in pixels

@@ -1,4 +1,4 @@
-//! Notes on decays that last longer than in a diffuse field.
+//! Notes on decays that last longer than Eyring's formula predicts for a diffuse field.
 
 use echomarch::bands::BANDS_HZ;
 use echomarch::response::{Flutter, Response, flutters};
@@ -23,7 +23,7 @@ fn sentence(flutter: &Flutter) -> String {
     let figures: Vec<String> = figures.collect();
     let [one, other] = flutter.walls.map(|wall| Room::WALL_NAMES[wall]);
     let scatters = match flutter.nothing_scatters {
-        true => "nothing scatters, and built-in materials have no scattering",
+        true => "nothing scatters, because built-in materials have no scattering",
         false => "too little scatters",
     };
     format!(

@@ -1,13 +1,13 @@
-//! Reasons for missing figures of a response, and remedies.
+//! Notes on missing figures of a response: the reasons and the remedies.
 
 use echomarch::bands::{BAND_COUNT, BANDS_HZ};
 use echomarch::response::{BandFigures, Gap, Response};
 use echomarch::scene::Scene;
 
-/// Returns a sentence for each reason for missing figures, with the affected bands.
+/// Returns a sentence for each reason why figures are missing, with the affected bands.
 pub fn reasons(scene: &Scene, response: &Response) -> Vec<String> {
     if response.counts.arrivals == 0 && response.paths.is_empty() {
-        // In this case another note reports that no sound arrives.
+        // Another note already reports that no sound arrives.
         return Vec::new();
     }
     let gaps = response.gaps();
@@ -47,7 +47,7 @@ fn sentence(
     }
 }
 
-/// A figure of a band.
+/// A figure of a frequency band.
 type Figure = fn(&BandFigures) -> Option<f64>;
 
 const TIMES: [(&str, Figure); 3] = [
@@ -67,7 +67,8 @@ const ALL_FIGURES: [(&str, Figure); 8] = [
     ("G", |band| band.g_db),
 ];
 
-/// Returns the figures that some bands lack, each with its bands; figures missing in the same bands are grouped.
+/// Returns the figures that some bands lack, each with these bands. Figures that are missing in the same bands are
+/// grouped.
 fn missing_among(
     figures_named: &[(&'static str, Figure)],
     figures: &[BandFigures; BAND_COUNT],
@@ -131,7 +132,7 @@ mod tests {
         std::array::from_fn(|band| bands.contains(&band))
     }
 
-    /// Protects the reader from a note that contradicts the table: the note names exactly the bands without a
+    /// Protects the reader from a note that contradicts the table: the note lists exactly the bands that have no
     /// reverberation time.
     #[test]
     fn a_time_is_named_with_the_bands_that_lack_it() {
@@ -145,14 +146,14 @@ mod tests {
         figures[5].t20_s = None;
         let told = missing_among(&TIMES, &figures, [true; BAND_COUNT]);
         assert_eq!(told, "T20 at 2 kHz; T30 at 2 and 4 kHz");
-        // Bands with another reason are left out.
+        // Bands that have another reason are omitted.
         assert_eq!(missing_among(&TIMES, &figures, of(&[6, 7])), "T30 at 4 kHz");
         let none = [BandFigures::default(); BAND_COUNT];
         let told = missing_among(&TIMES, &none, [true; BAND_COUNT]);
         assert_eq!(told, "EDT, T20 and T30 in all bands");
     }
 
-    /// Protects the names of bands.
+    /// Protects the formatting of band names.
     #[test]
     fn bands_are_in_hertz_and_kilohertz() {
         assert_eq!(bands([true; BAND_COUNT]), "in all bands");

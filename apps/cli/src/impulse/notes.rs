@@ -1,4 +1,4 @@
-//! Notes on missing or inexact figures of a response, and on remedies.
+//! Notes on missing or inexact figures of a response, with remedies.
 
 use super::super::options::Common;
 use super::flutter;
@@ -7,10 +7,11 @@ use super::pairs::NamedPair;
 use echomarch::response::{HeardPath, Response};
 use echomarch::scene::{Pair, Scene, Surface, Warning};
 
-/// The note where nothing absorbs, printed before waves are traced: tracing takes long if sound does not decay.
+/// The note on a scene in which nothing absorbs. It is printed before tracing, which takes long if sound does not
+/// decay.
 const NOTHING_ABSORBS: &str = "note: no surface absorbs in this scene: where sound cannot leave it, it does not decay, and figures will be missing; give its surfaces a material (docs/scene-format.md)";
 
-/// The note if only the air absorbs.
+/// The note on a scene in which only the air absorbs.
 const ONLY_AIR_ABSORBS: &str = "note: no surface absorbs in this scene, only the air does, so the air alone limits the decays; give its surfaces a material (docs/scene-format.md)";
 
 /// One sentence about a response.
@@ -21,8 +22,8 @@ struct Note {
     text: String,
 }
 
-/// Returns the notes on a response for the JSON. They include the note on surfaces without a material, which the text
-/// output prints when the scene is loaded.
+/// Returns the notes on a response for the JSON output. They include the note on surfaces without a material. The text
+/// output prints that note when the scene is loaded.
 pub fn texts(pair: Pair, response: &Response) -> Vec<String> {
     let notes = all(pair, response).into_iter().map(|note| note.text);
     let of_scene = pair.scene().warnings().into_iter();
@@ -30,7 +31,7 @@ pub fn texts(pair: Pair, response: &Response) -> Vec<String> {
     notes.chain(of_decay.map(|w| w.to_string())).collect()
 }
 
-/// Prints, before anything is traced, a note if no decay can be estimated.
+/// Prints a note before tracing if no decay can be estimated.
 pub fn tell_first(common: &Common, scene: &Scene) {
     if !scene.has_materials() {
         common.note(match scene.air {
@@ -40,7 +41,7 @@ pub fn tell_first(common: &Common, scene: &Scene) {
     }
 }
 
-/// Prints the notes on the responses: each note once, with the pairs that it applies to.
+/// Prints the notes on the responses. Each note is printed once, with the pairs to which it applies.
 pub fn tell(common: &Common, heard: &[(NamedPair, Response)]) {
     let mut told: Vec<(Note, Vec<String>)> = Vec::new();
     for (pair, response) in heard {
@@ -74,7 +75,7 @@ fn all(pair: Pair, response: &Response) -> Vec<Note> {
     }
     if response.left_out > 0 {
         notes.push(note(format!(
-            "{:.1} % of the energy came by paths of few reflections that were not searched, as there are too many: it is in the late part",
+            "{:.1} % of the energy arrived on paths of few reflections that were not searched, because there are too many: this energy is in the late part",
             100.0 * response.left_out_share
         )));
     }
@@ -86,7 +87,7 @@ fn all(pair: Pair, response: &Response) -> Vec<Note> {
     }
     if response.direct().is_some_and(|direct| direct.path.is_focus) {
         notes.push(note(format!(
-            "the source is so near that the size of the listener's sphere ({} m) limits the direct sound: its level is that of the sphere, not that of a point",
+            "the source is so close that the size of the listener's sphere ({} m) limits the direct sound: its level is that at the sphere, not that at a point",
             pair.listener().radius
         )));
     }
@@ -99,7 +100,7 @@ fn all(pair: Pair, response: &Response) -> Vec<Note> {
     let gathers = |surface: &Surface| surface.shape.gathers_sound();
     if scene.surfaces.iter().any(gathers) {
         notes.push(note(
-            "a hollow curved surface gathers sound: where the energy of exact paths at the listener's centre differs from that caught by its sphere, ± includes the difference; for reflections beyond --order it is unknown, so compare with a larger --order and a smaller listener".to_owned(),
+            "a concave surface focuses sound: if the energy of exact paths at the listener's centre differs from the energy that reaches its sphere, ± includes the difference; for reflections beyond --order the difference is unknown, so compare with a larger --order and a smaller listener".to_owned(),
         ));
     }
     notes.extend(missing::reasons(scene, response).into_iter().map(note));
@@ -121,10 +122,10 @@ fn warnings(response: &Response) -> Vec<Note> {
             Some(seconds) => format!(
                 "after {seconds:.2} s the response is too weak, and figures are computed from the part before"
             ),
-            None => "they are too few to be heard".to_owned(),
+            None => "their energy is negligible".to_owned(),
         };
         texts.push(format!(
-            "{} waves were given up after {} iterations: {what_of_it}",
+            "tracing of {} waves stopped after {} iterations: {what_of_it}",
             counts.cut_off, counts.iterations
         ));
     }

@@ -11,7 +11,7 @@ pub struct NamedPair<'a> {
     pub pair: Pair<'a>,
 }
 
-/// The first source and the first listener, for commands without options to choose them
+/// The first source and the first listener. Commands that have no options to choose them use this pair
 /// (docs/scene-format.md).
 ///
 /// # Errors
@@ -20,8 +20,8 @@ pub fn first(scene: &Scene) -> Result<Pair<'_>, SceneError> {
     scene.pair(0, 0)
 }
 
-/// Returns the pairs of the sources and listeners chosen by name or number, or all pairs if none
-/// are chosen.
+/// Returns the pairs of the sources and listeners that were chosen by name or number. Without a choice, returns all
+/// pairs.
 pub fn chosen<'a>(
     scene: &'a Scene,
     source: Option<&str>,
@@ -44,14 +44,13 @@ pub fn chosen<'a>(
     both.map(pair).collect()
 }
 
-/// Returns the index of the listener chosen by name or number, or of the first listener if none is
-/// chosen.
+/// Returns the index of the listener that was chosen by name or number. Without a choice, returns the first listener.
 pub fn listener(scene: &Scene, wanted: Option<&str>) -> Result<usize, BadInput> {
     let chosen = choose("listener", &scene.listener_labels(), wanted)?;
     Ok(chosen[0])
 }
 
-/// The error for several pairs where the output files can contain only one.
+/// The error for several pairs, if the output files can contain only one pair.
 pub fn too_many(scene: &Scene, count: usize) -> String {
     format!(
         "files hold one source and one listener, and {} has {count} such pairs: choose by --source and --listener",
@@ -59,7 +58,7 @@ pub fn too_many(scene: &Scene, count: usize) -> String {
     )
 }
 
-/// Returns the chosen indices: a name takes precedence over a number.
+/// Returns the chosen indices. A name takes precedence over a number.
 fn choose(what: &str, labels: &[String], wanted: Option<&str>) -> Result<Vec<usize>, BadInput> {
     let Some(wanted) = wanted else {
         return Ok((0..labels.len()).collect());
@@ -88,12 +87,13 @@ fn choose(what: &str, labels: &[String], wanted: Option<&str>) -> Result<Vec<usi
 mod tests {
     use super::*;
 
-    /// Protects the choice by name and by number, and the message for an unknown one.
+    /// Protects the choice by name and by number, and the message for an unknown name.
     #[test]
     fn names_count_before_numbers() {
         let labels = ["2", "2", "flute"].map(str::to_owned);
         assert_eq!(choose("source", &labels, None).unwrap(), [0, 1, 2]);
-        // The second source has no name, so its label is "2" as well: the name wins.
+        // The second source has no name, so its label is "2". The first source has the name "2", which takes
+        // precedence.
         assert_eq!(choose("source", &labels, Some("2")).unwrap(), [0]);
         assert_eq!(choose("source", &labels, Some("3")).unwrap(), [2]);
         assert_eq!(choose("source", &labels, Some("flute")).unwrap(), [2]);

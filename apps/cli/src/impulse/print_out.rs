@@ -13,7 +13,7 @@ use echomarch_lab::columns;
 use echomarch_lab::report::{Column, Row, Table};
 use serde::{Serialize, Serializer};
 
-/// Maximum number of paths in the text; the JSON lists all.
+/// Maximum number of paths in the text output. The JSON output lists all paths.
 const PATHS_IN_TEXT: usize = 8;
 
 /// The JSON output.
@@ -38,25 +38,26 @@ struct PairReport<'a> {
     seconds: f64,
     iterations: u32,
     milliseconds: f64,
-    /// The time origin of the figures, in seconds after the source's impulse, and its standard deviation;
-    /// `null` where nothing arrives.
+    /// The time origin of the figures, in seconds after the source's impulse, and its standard deviation; `null` if
+    /// nothing arrives.
     time_origin_s: Option<f64>,
     time_origin_error_s: Option<f64>,
     bands_hz: Bands,
     #[serde(flatten)]
     figures: FigureReport<'a>,
     error: FigureReport<'a>,
-    /// The share of the energy that arrives after the end of the response.
+    /// The share of the energy that would arrive after the end of the response.
     cut_off: [Option<f64>; BAND_COUNT],
-    /// The share of the early energy on paths that no wave found.
+    /// The share of the early energy that lies on paths found by no wave.
     missed_early_share: Option<f64>,
-    /// The share of all energy in arrivals with few reflections whose paths were not searched for.
+    /// The share of all energy that arrives after few reflections on paths that were not searched for.
     left_out_share: f64,
-    /// The share of the directions that were not searched for paths over planes.
+    /// The share of the directions in which no paths over planes were searched for.
     search_left_out_share: f64,
-    /// The time in seconds until which the figures hold; `null` for the whole response.
+    /// The end of the time range in which the figures are valid, in seconds; `null` if they are valid for the whole
+    /// response.
     followed_s: Option<f64>,
-    /// Notes on missing or inexact figures, and remedies.
+    /// Notes on missing or inexact figures, with remedies.
     notes: Vec<String>,
     direct: Option<DirectReport>,
     paths: Vec<PathReport<'a>>,
@@ -85,10 +86,10 @@ struct DirectReport {
 struct PathReport<'a> {
     order: usize,
     surfaces: &'a [u32],
-    /// The walls of rooms: left, right, floor, ceiling, front, back.
+    /// The reflecting walls of rooms: left, right, floor, ceiling, front, back.
     walls: Vec<Option<&'static str>>,
     delay_s: f64,
-    /// Strength *G*, computed from the mean energy of the bands.
+    /// Strength *G* of the mean energy of all bands.
     g_db: Option<f64>,
     g_db_bands: Vec<Option<f64>>,
     azimuth_deg: f64,
@@ -184,7 +185,7 @@ fn wall_names(path: &HeardPath) -> impl Iterator<Item = Option<&'static str>> {
     walls.map(|wall| wall.map(|wall| Room::WALL_NAMES[usize::from(wall)]))
 }
 
-/// One band of one pair, as a row of a table.
+/// One band of one pair: a row of the table.
 struct BandRow {
     band_hz: f64,
     figures: BandFigures,
@@ -259,7 +260,7 @@ fn print_paths(scene: &Scene, response: &Response) -> anyhow::Result<()> {
     }
 }
 
-/// The surfaces that reflect a path, by their names or numbers, and the walls of rooms.
+/// The surfaces that reflect a path, by name or number, and the walls of rooms.
 fn mirrors(scene: &Scene, path: &HeardPath) -> Vec<String> {
     let surfaces = path.path.surfaces.iter().zip(wall_names(path));
     let name = |(number, wall): (&u32, Option<&str>)| {

@@ -112,7 +112,7 @@ fn print_text(report: &Report) -> anyhow::Result<()> {
     ))?;
     if unheard > 0 {
         print::line(&format!(
-            "  in {unheard} frames no wave arrived: they are in the middle"
+            "  in {unheard} frames no wave arrived: their sound is in the middle"
         ))?;
     }
     Ok(())

@@ -14,34 +14,33 @@ use echomarch::response::{HeardSource, ResponseSettings};
 use serde::Serialize;
 use std::time::Instant;
 
-/// Largest accepted gain in decibels, positive or negative: the range includes every audible gain.
+/// Limit of the gain in decibels, positive or negative. The range contains every gain that is useful in practice.
 const MOST_GAIN_DB: f64 = 120.0;
 
-/// The shortest response, in seconds.
+/// The minimum length of a response, in seconds.
 const SHORTEST_TAIL_S: f64 = 1e-3;
 
 /// Options that have an effect only in full listening.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "With --listen full")]
 pub struct FullOptions {
-    /// Gain of all sources in decibels; at 0 a source 1 m off, in the open, is as loud as its sound
+    /// Gain of all sources in decibels. At 0 dB, a source at 1 m in the open is as loud as its sound
     #[arg(long, allow_negative_numbers = true, value_name = "DB", value_parser = real::<f64>)]
     gain: Option<f64>,
-    /// The listener who hears, by name or number [default: the first]
+    /// The listener, by name or number [default: the first]
     #[arg(long, value_name = "NAME")]
     listener: Option<String>,
-    /// Maximum number of reflections of exact paths [default: 8 where all surfaces
-    /// are flat, else 3]
+    /// Maximum number of reflections of exact paths [default: 8 if all surfaces are flat, otherwise 3]
     #[arg(long, allow_negative_numbers = true, value_name = "N", value_parser = count::<u32>)]
     order: Option<u32>,
-    /// Length of the reverberation after a sound has ended, 0.001 to 60 [default: until all bands have
-    /// fallen by 60 dB, 3 at most]
+    /// Length of the reverberation after a sound has ended, 0.001 to 60 [default: until all bands have decayed by 60
+    /// dB, at most 3]
     #[arg(long, allow_negative_numbers = true, value_name = "SECONDS", value_parser = real::<f64>)]
     tail: Option<f64>,
 }
 
 impl FullOptions {
-    /// Returns the first of these options that was typed.
+    /// Returns the first of these options that the user typed.
     pub fn given(&self) -> Option<&'static str> {
         let typed = [
             (self.gain.is_some(), "--gain"),
@@ -77,11 +76,11 @@ struct FrameLine {
     sources: Vec<SourceLine>,
 }
 
-/// A source as the listener hears it.
+/// The level of a source at the listener.
 #[derive(Serialize)]
 struct SourceLine {
     source: String,
-    /// The strength *G* of all arrivals; `None` without arrivals.
+    /// The strength *G* of all arrivals; `None` if nothing arrives.
     g_db: Option<f64>,
     paths: usize,
     direct: bool,
@@ -189,11 +188,11 @@ fn source_lines(names: &[String], sources: &[HeardSource]) -> Vec<SourceLine> {
     names.iter().zip(sources).map(line).collect()
 }
 
-/// Prints a note if samples exceed full scale: other programs may clip them.
+/// Prints a note if samples exceed full scale, because other programs may clip them.
 fn note_peak(job: &Job, report: &Report) {
     if let Some(peak_db) = report.peak_db.filter(|peak| *peak > 0.0) {
         job.common.note(&format!(
-            "note: the largest sample is {peak_db:.1} dB above full scale: take --gain {:.0} or less",
+            "note: the largest sample is {peak_db:.1} dB above full scale: use --gain {:.0} or less",
             (report.gain_db - peak_db).floor()
         ));
     }

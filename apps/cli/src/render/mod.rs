@@ -1,4 +1,4 @@
-//! `echomarch render`: a WAV of what the listener hears.
+//! `echomarch render`: writes a WAV file of the sound at the listener.
 
 mod balance;
 mod full_listening;
@@ -28,13 +28,13 @@ Examples:
   echomarch render corner -o corner.wav --sound noise --seconds 3 --gain 12
   echomarch render my.ron -o walk.wav --sound voice.wav --law linear";
 
-/// Default length in seconds for a scene in which nothing moves.
+/// Default length in seconds for a scene without motion.
 const STANDING_SECONDS: f64 = 5.0;
 
-/// About the maximum length that a WAV file of this format can hold.
+/// Maximum length in seconds: a WAV file of this format can hold slightly more.
 const LONGEST_SECONDS: f64 = 3.0 * 3600.0;
 
-/// Least time of all frames in minutes for a note about it.
+/// Minimum predicted time of all frames, in minutes, for which a note is printed.
 const DEAR_MINUTES: f64 = 2.0;
 
 /// Arguments of `render`.
@@ -43,16 +43,17 @@ const DEAR_MINUTES: f64 = 2.0;
 pub struct Arguments {
     #[command(flatten)]
     scene: SceneArguments,
-    /// The WAV to write: 48 kHz, 32-bit float, stereo
+    /// The WAV file to write: 48 kHz, 32-bit float, stereo
     #[arg(short, long, value_name = "FILE.wav")]
     output: PathBuf,
-    /// Listening mode: full (loudness, delays, echoes, reverberation), or balance (left against right alone, as in the
-    /// thesis) [default: full; balance with --profile thesis, and with options that full does not have: --law,
-    /// --iterations]
+    /// Listening mode: full (loudness, delays, echoes, reverberation), or balance (only left against right, as in the
+    /// thesis) [default: full; balance with --profile thesis, and with the options --law and --iterations, which full
+    /// does not have]
     #[arg(long, value_name = "WHAT")]
     listen: Option<Listen>,
-    /// Sounds of the sources: sine:HERTZ, noise, noise:SEED, speech, speech:SEED, or a WAV file
-    /// (looped); NAME=SOUND for one source, by its name or number; repeatable [default: speech, each source another voice]
+    /// Sounds of the sources: sine:HERTZ, noise, noise:SEED, speech, speech:SEED, or a WAV file (looped). NAME=SOUND
+    /// sets the sound of one source, given by its name or number; repeatable [default: speech, with another voice for
+    /// each source]
     #[arg(long = "sound", value_name = "SOUND")]
     sounds: Vec<SourceSound>,
     /// Length of the output [default: duration of the scene's longest path, or 5]
@@ -108,7 +109,7 @@ struct ReportHead<'a> {
 }
 
 impl Arguments {
-    /// Returns the listening mode; the profile `thesis` supports only the balance.
+    /// Returns the listening mode. The profile `thesis` supports only the balance.
     fn listen(&self) -> Result<Listen, BadInput> {
         let thesis = (self.options.profile == Profile::Thesis).then_some("--profile thesis");
         let of_balance = thesis.or_else(|| self.balance_option());
@@ -116,7 +117,7 @@ impl Arguments {
             (Some(Listen::Full), Some(option), _) => Err(no_effect_in_full(option)),
             (Some(Listen::Balance), _, Some(option)) | (None, Some(_), Some(option)) => {
                 Err(BadInput(format!(
-                    "{option} needs --listen full: a balance has no loudness and no echoes"
+                    "{option} needs --listen full: the balance has no loudness and no echoes"
                 )))
             }
             (Some(listen), ..) => Ok(listen),
@@ -135,7 +136,7 @@ impl Arguments {
         }
         if let Some(option) = self.balance_option() {
             common.note(&format!(
-                "note: {option} belongs to --listen balance, so only left against right is rendered"
+                "note: {option} belongs to --listen balance, so only the balance of left and right is rendered"
             ));
         }
     }
@@ -161,9 +162,9 @@ impl Arguments {
 pub(super) fn no_effect_in_full(option: &str) -> BadInput {
     let why = match option {
         "--law" => "where each arrival is panned with constant power",
-        "--profile thesis" => "as the thesis' waves end at the listener and carry no energy",
-        "--iterations" => "which follows waves for as long as they are heard",
-        _ => "which does not trace by frames of a balance",
+        "--profile thesis" => "because the thesis' waves end at the listener and carry no energy",
+        "--iterations" => "which traces waves for as long as they are audible",
+        _ => "which does not trace frames for the balance",
     };
     BadInput(format!(
         "{option} has no effect on --listen full, {why}: use --listen balance"
@@ -171,7 +172,7 @@ pub(super) fn no_effect_in_full(option: &str) -> BadInput {
 }
 
 impl Job<'_> {
-    /// Checks, before anything is traced, for errors that would otherwise occur later.
+    /// Checks, before tracing, for errors that would otherwise occur later.
     fn check(&self) -> anyhow::Result<()> {
         check_file(&self.arguments.output)?;
         check_on_the_way(&self.scene, self.timing)?;
@@ -198,7 +199,7 @@ impl Job<'_> {
         }
     }
 
-    /// Prints a note after the first frame, which took `seconds`, if the others will take long.
+    /// Prints a note after the first frame, which took `seconds`, if the remaining frames will take long.
     fn note_dear(&self, waves: u32, seconds: f64, bar: &indicatif::ProgressBar) {
         if let Some(note) = dear_note(waves, seconds, self.timing.frames()) {
             bar.suspend(|| self.common.note(&note));
@@ -210,7 +211,8 @@ impl Job<'_> {
     }
 }
 
-/// Returns a note about frames of which one took `seconds`; `None` if they are quick, or if there is only one.
+/// Returns a note on the predicted time of all frames if one frame took `seconds`. Returns `None` if the time is short
+/// or there is only one frame.
 fn dear_note(waves: u32, seconds: f64, frames: u64) -> Option<String> {
     let minutes = seconds * frames as f64 / 60.0;
     if minutes < DEAR_MINUTES || frames < 2 {
@@ -222,7 +224,7 @@ fn dear_note(waves: u32, seconds: f64, frames: u64) -> Option<String> {
     ))
 }
 
-/// Rejects, before anything is traced, a scene that becomes invalid while things move.
+/// Rejects, before tracing, a scene that becomes invalid during its motion.
 fn check_on_the_way(scene: &Scene, timing: Timing) -> Result<(), Error> {
     if scene.duration() == 0.0 {
         return Ok(());
@@ -237,7 +239,7 @@ fn check_on_the_way(scene: &Scene, timing: Timing) -> Result<(), Error> {
     Ok(())
 }
 
-/// Prints the warnings that arise while things move: each kind once, with its time.
+/// Prints the warnings that arise during the motion. Each kind of warning is printed once, with its time.
 fn warn_on_the_way(scene: &Scene, timing: Timing, common: &Common) {
     let mut told: Vec<_> = scene
         .warnings()
@@ -282,7 +284,7 @@ fn timing(arguments: &Arguments, duration: f64) -> anyhow::Result<Timing> {
 mod tests {
     use super::*;
 
-    /// Protects the user of a dear field from waiting without knowing for how long.
+    /// Protects the user of an expensive field from a long wait of unknown duration.
     #[test]
     fn the_time_of_all_frames_is_told_after_the_first() {
         assert_eq!(dear_note(65_536, 0.7, 150), None);

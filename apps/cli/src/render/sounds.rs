@@ -6,9 +6,8 @@ use echomarch::audio::{Sound, SoundSpec};
 use echomarch::scene::Scene;
 use std::str::FromStr;
 
-/// A sound for all sources, or `NAME=SOUND` for one source, where NAME is its name, or its number
-/// if it has no name. A file name may contain `=` too, so the text is split only if NAME is a
-/// source of the scene.
+/// A sound for all sources, or `NAME=SOUND` for one source. NAME is the name of the source, or its number if it has no
+/// name. A file name may also contain `=`, so the text is split only if NAME is a source of the scene.
 #[derive(Clone, Debug)]
 pub struct SourceSound {
     text: String,
@@ -35,7 +34,7 @@ impl FromStr for SourceSound {
     }
 }
 
-/// Returns the sound of each source of a scene; by default each source has a different voice.
+/// Returns the sound of each source of a scene. By default each source has a different voice.
 pub fn of_sources(scene: &Scene, typed: &[SourceSound]) -> Result<Vec<SoundSpec>, BadInput> {
     let names = scene.source_labels();
     let voice = |seed: usize| SoundSpec::Speech { seed: seed as u64 };
@@ -72,7 +71,7 @@ pub fn names(specs: &[SoundSpec]) -> String {
 
 fn unknown_source(scene: &Scene, sound: &SourceSound) -> BadInput {
     BadInput(format!(
-        "--sound {:?} is neither a sound nor one for a source of {:?}; it has: {}",
+        "--sound {:?} is neither a sound nor the sound of a source of {:?}; it has: {}",
         sound.text,
         scene.name,
         scene.source_labels().join(", ")
@@ -94,8 +93,8 @@ mod tests {
         Ok(names(&specs))
     }
 
-    /// Protects the choice of sounds: a different voice per source by default, one sound for all
-    /// sources, and one sound for one source.
+    /// Protects the choice of sounds: a different voice for each source by default, one sound for all sources, or one
+    /// sound for one source.
     #[test]
     fn each_source_has_its_sound() {
         assert_eq!(sounds(&[]).unwrap(), "speech:0, speech:1");

@@ -1,8 +1,8 @@
-//! `--jobs`: one process of this program per shard, at most the given number at a time.
+//! `--jobs`: runs one process of this program for each shard, with a limited number of processes at a time.
 //!
-//! Jobs are processes, not threads: a crashing driver ends only one of them, each has its own
-//! OpenGL context with the driver's own threads, and the same program runs on a cluster. Each job
-//! gets an equal share of the cores as threads, unless the environment sets the number of threads.
+//! Jobs are processes instead of threads for three reasons: a crashing driver ends only one job, each job has its own
+//! OpenGL context with the driver's own threads, and the same program runs on a cluster. Each job uses an equal share
+//! of the processor cores, unless the environment sets the number of threads.
 
 use super::Arguments;
 use crate::exit::BadInput;
@@ -16,26 +16,26 @@ use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::Duration;
 
-/// Time between two checks of the job processes.
+/// Interval between two checks of the job processes.
 const BETWEEN_LOOKS: Duration = Duration::from_millis(100);
 
-/// The variables that set the number of threads of llvmpipe and of this program.
+/// The environment variables that set the number of threads of llvmpipe and of this program.
 const THREADS: [&str; 2] = ["LP_NUM_THREADS", "RAYON_NUM_THREADS"];
 
-/// Maximum number of bytes read of a process' error message.
+/// Maximum number of bytes that are read from a process' error message.
 const LONGEST_MESSAGE: u64 = 1 << 16;
 
-/// A process that computes a shard; it is killed on drop.
+/// A process that computes a shard. Dropping it kills the process.
 struct Job {
     shard: Shard,
     child: Child,
-    /// Number of bytes and of lines of the working file read so far.
+    /// Number of bytes and of lines of the working file that have been read.
     seen: (u64, u64),
 }
 
 impl Drop for Job {
     fn drop(&mut self) {
-        // The process may have ended already; an error cannot be reported here.
+        // The process may have ended already, and an error cannot be reported here.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
@@ -127,7 +127,7 @@ fn start(
     })
 }
 
-/// The error of a failed process, with the process' own message.
+/// The error for a failed process, including the message of that process.
 fn failed(job: &mut Job, status: ExitStatus) -> anyhow::Error {
     let mut message = String::new();
     if let Some(stderr) = job.child.stderr.take() {

@@ -72,7 +72,7 @@ pub fn shard(common: &Common, study: &Study, shard: Shard, folder: &Path) -> any
     print::line(&format!("shard {shard}: {points} points in {file}"))
 }
 
-/// Prints which tables and pictures were written.
+/// Prints the names of the tables and pictures that were written.
 pub fn joined(common: &Common, study: &Study, joined: &Joined) -> anyhow::Result<()> {
     let files: Vec<String> = joined
         .files
@@ -96,8 +96,7 @@ pub fn joined(common: &Common, study: &Study, joined: &Joined) -> anyhow::Result
     ))
 }
 
-/// Maximum number of columns whose empty cells are reported individually; study.json lists all
-/// columns.
+/// Maximum number of columns whose empty cells are reported individually. study.json lists all columns.
 const MOST_COLUMNS: usize = 12;
 
 /// Prints the number of empty cells of the tables, and the reasons.

@@ -13,17 +13,17 @@ pub struct Heard {
     source: String,
     listener: String,
     heard: bool,
-    /// `g_db` and the fields below are `null` if no sound arrives.
+    /// `g_db` and the following fields are `null` if no sound arrives.
     g_db: Option<f64>,
     delay_s: Option<f64>,
-    /// Azimuth of the mean direction of all energy, not of the first arrival.
+    /// Azimuth of the mean direction of all energy, which may differ from that of the first arrival.
     azimuth_deg: Option<f64>,
     elevation_deg: Option<f64>,
-    /// Length of the mean direction, 0 to 1.
+    /// Length of the mean direction vector, 0 to 1.
     one_sided: Option<f64>,
 }
 
-/// A mean direction shorter than this is not reported: it would be noise.
+/// Minimum length of a mean direction that is reported. A shorter one would be noise.
 const LEAST_ONE_SIDED: f64 = 0.1;
 
 /// Traces every pair of a source and a listener, as `impulse` does.
