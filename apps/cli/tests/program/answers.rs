@@ -1,4 +1,4 @@
-//! Answer files, as the form saves them.
+//! Answer files in the format that the form saves.
 
 use serde_json::{Value, json};
 
@@ -26,7 +26,7 @@ pub fn trial(number: usize, truth: f64, clicked: f64) -> Value {
     })
 }
 
-/// An answer file of one session, with the trials in this order.
+/// An answer file of one session, with the given order of trials.
 pub fn answer_file(
     session: &str,
     order: &[usize],

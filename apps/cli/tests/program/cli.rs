@@ -1,4 +1,4 @@
-//! The program as a user runs it.
+//! The program on the command line.
 
 use crate::common::cli::{argument, command, echomarch, json, stderr, stdout, succeed};
 use crate::common::wav::{read_stereo, rms};
@@ -18,8 +18,7 @@ fn keys(text: &str, depth: usize) -> Vec<&str> {
         .collect()
 }
 
-/// Protects the help as the starting point: each subcommand explains itself with examples that
-/// contain its name.
+/// Protects the help as a starting point: the help of each subcommand has examples that contain its name.
 #[test]
 fn every_help_has_examples() {
     let whole = succeed(&["--help"]);
@@ -36,8 +35,7 @@ fn every_help_has_examples() {
     assert!(stdout(&whole).contains("Examples:"));
 }
 
-/// Protects users who look for a scene: the help and the list in the document of scene files name
-/// every built-in scene.
+/// Protects users who look for a scene: the help and the scene format document list every built-in scene.
 #[test]
 fn every_built_in_scene_is_named_where_scenes_are_listed() {
     let document = include_str!("../../../../docs/scene-format.md");
@@ -121,8 +119,8 @@ fn trace_reports_the_documented_keys() {
     assert_eq!(report["pan"], frame.panning.pan());
 }
 
-/// Protects `--dump-waves`: one row per wave, whose numbers read back to the exact bits that the
-/// library returns, and the same bytes for the same seed.
+/// Protects `--dump-waves`: it writes one row per wave, its numbers restore the exact bits that the library returns,
+/// and the same seed gives the same bytes.
 #[test]
 fn dumped_waves_are_those_of_the_library() {
     let folder = tempfile::tempdir().unwrap();
@@ -216,7 +214,7 @@ fn figures_writes_csv_json_and_svg() {
     assert_eq!(files, 4, "temporary files are left");
 }
 
-/// Fields of CSV; quotes occur only around whole fields.
+/// Splits CSV into fields. Quotes occur only around whole fields.
 fn csv_rows(text: &str) -> Vec<Vec<String>> {
     let mut rows = Vec::new();
     for line in text.lines() {
@@ -234,15 +232,15 @@ fn csv_rows(text: &str) -> Vec<Vec<String>> {
     rows
 }
 
-/// Protects `render` from scene to sound: a source that passes from left to right is heard to do
-/// so, without a click, and a second run writes the same bytes.
+/// Protects `render` from scene to sound: a source that passes from left to right is heard from left to right without a
+/// click, and a second run writes the same bytes.
 #[test]
 fn a_passing_source_moves_from_left_to_right() {
     let folder = tempfile::tempdir().unwrap();
     let first = folder.path().join("first.wav");
     let second = folder.path().join("second.wav");
-    // The direct sound alone. The listener is at the world's origin, where the thesis' algorithm
-    // would put dead waves, which would be heard in the second iteration.
+    // Only the direct sound is traced. The listener is at the world's origin, where the thesis' algorithm would place
+    // dead waves in the second iteration. These waves would then count as heard.
     let short = ["--waves", "16384", "--iterations", "1", "--law", "linear"];
     let sine = ["render", "open-field", "--sound", "sine:440", "-o"];
     let render = |path| [&sine[..], &[argument(path)], &short[..]].concat();
@@ -259,9 +257,9 @@ fn a_passing_source_moves_from_left_to_right() {
         4 * Sound::SAMPLE_RATE as usize,
         "the path takes 4 s"
     );
-    // Half a second is 220 whole periods of 440 Hz. In each the source moves 2 m, which pans by at
-    // least 0.07; with 340 hits at the far ends, one standard error of a pan is 0.03, and all
-    // frames have one seed, so that most of their noise is common to them.
+    // Half a second is 220 whole periods of 440 Hz. In each half second the source moves 2 m, which changes the pan by
+    // at least 0.07. With 340 hits at the far ends, one standard error of a pan is 0.03. All frames have the same seed,
+    // so most of their noise is common to them.
     let falling = |levels: &[f64]| levels.windows(2).all(|pair| pair[1] < pair[0]);
     let levels = |samples: &[f32]| samples.chunks(24_000).map(rms).collect::<Vec<f64>>();
     let (left_levels, mut right_levels) = (levels(&left), levels(&right));
@@ -279,10 +277,10 @@ fn a_passing_source_moves_from_left_to_right() {
     }
 }
 
-/// The largest difference between two neighbouring samples that a sine of 440 Hz and the glide
-/// of its gain allow. A sample is s·g: its difference is Δs·g + s·Δg with g ≤ 1, |s| ≤ 0.5,
-/// |Δs| ≤ 2·0.5·sin(π·440/48000), and Δg the gain's change in a frame over its 1600 samples:
-/// half the pan's, by the linear law. Rounding of a sample in `f32` adds 2^-24 twice.
+/// The largest difference between two neighbouring samples that a sine of 440 Hz and the glide of its gain allow. A
+/// sample is s·g, so its difference is Δs·g + s·Δg with g ≤ 1, |s| ≤ 0.5 and |Δs| ≤ 2·0.5·sin(π·440/48000). Δg is the
+/// change of the gain in a frame divided by its 1600 samples. By the linear law it is half the change of the pan.
+/// Rounding of a sample in `f32` adds 2^-24 twice.
 fn steepest_step(report: &serde_json::Value) -> f64 {
     let amplitude = f64::from(Sound::SINE_AMPLITUDE);
     let sine = 2.0 * amplitude * (std::f64::consts::PI * 440.0 / 48_000.0).sin();
@@ -312,8 +310,8 @@ fn info_names_three_apis() {
     assert_eq!(report["version"], env!("CARGO_PKG_VERSION"));
 }
 
-/// Protects pipes: standard output contains only results; notes go to standard error, name the
-/// renderer, show no progress without a terminal, and disappear with --quiet.
+/// Protects pipes: standard output contains only results. Notes go to standard error, name the renderer, show no
+/// progress without a terminal, and are absent with --quiet.
 #[test]
 fn results_and_notes_go_different_ways() {
     let folder = tempfile::tempdir().unwrap();
@@ -353,8 +351,8 @@ fn results_and_notes_go_different_ways() {
     assert_eq!(stderr(&succeed(&["info"])), "");
 }
 
-/// Protects the choice of API: each is really used, and where several use the same renderer the
-/// same waves reach the listener.
+/// Protects the choice of API: each API is actually used. If several APIs use the same renderer, the same waves reach
+/// the listener.
 #[test]
 fn all_apis_give_the_same_hits() {
     let report = |api| json(&["trace", "corner", "--profile", "thesis", "--gl", api]);
@@ -367,7 +365,7 @@ fn all_apis_give_the_same_hits() {
         if report["renderer"] == reports[0]["renderer"] {
             assert_eq!(hits_here, hits[0]);
         }
-        // On other hardware waves may flip where a decision depends on rounding: 0.5 %.
+        // On other hardware, rounding may change the result of single waves: 0.5 % are allowed.
         assert!(
             hits_here.abs_diff(hits[0]) as f64 <= 0.005 * hits[0] as f64,
             "{hits:?}"
@@ -375,7 +373,7 @@ fn all_apis_give_the_same_hits() {
     }
 }
 
-/// Protects `echomarch … | head`: a reader that closes early causes no failure and no panic.
+/// Protects `echomarch … | head`: a reader that closes the pipe early causes neither a failure nor a panic.
 #[test]
 fn a_reader_that_goes_away_is_no_failure() {
     for arguments in [
@@ -388,7 +386,7 @@ fn a_reader_that_goes_away_is_no_failure() {
             .stderr(Stdio::piped())
             .spawn()
             .unwrap();
-        // Closed before a context can have been created, so that no write finds a reader.
+        // The pipe is closed before a context can have been created, so that every write fails.
         drop(child.stdout.take());
         let output = child.wait_with_output().unwrap();
         assert_eq!(output.status.code(), Some(0), "{arguments:?}");

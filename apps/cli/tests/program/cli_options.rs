@@ -1,11 +1,10 @@
-//! Arguments and their effects: numbers, names, options without effect, tables.
+//! Arguments and their effects: numbers, names, options without an effect, tables.
 
 use crate::answers::{answer_file, trial};
 use crate::common::cli::{argument, command, json, refuse, stderr, stdout, succeed};
 use serde_json::Value;
 
-/// Protects numbers as people write them: grouped digits and powers of ten have their usual
-/// meaning.
+/// Protects numbers in the forms that people write: grouped digits and powers of ten have their usual meaning.
 #[test]
 fn counts_may_be_grouped_or_powers_of_ten() {
     let trace = |waves| json(&["trace", "corner", "--waves", waves, "--iterations", "2"]);
@@ -22,8 +21,8 @@ fn counts_may_be_grouped_or_powers_of_ten() {
     }
 }
 
-/// Protects measurements: repeating does not change the counts, and the report states how many
-/// frames the medians cover.
+/// Protects measurements: repeated frames do not change the counts, and the report states how many frames the medians
+/// are computed from.
 #[test]
 fn a_frame_can_be_repeated_for_its_time() {
     let trace = ["trace", "corner", "--waves", "256", "--repeat"];
@@ -39,7 +38,7 @@ fn a_frame_can_be_repeated_for_its_time() {
     );
 }
 
-/// Protects users who mistype a scene's name: the error suggests the nearest.
+/// Protects users who mistype a scene's name: the error suggests the most similar name.
 #[test]
 fn a_scene_that_is_nearly_right_is_suggested() {
     refuse(&["trace", "cornr"], "did you mean corner?");
@@ -49,7 +48,7 @@ fn a_scene_that_is_nearly_right_is_suggested() {
     );
 }
 
-/// Protects from pixels taken for metres: the error for the former --height names the options that
+/// Protects users who mistake pixels for metres: the error for the former option --height names the options that
 /// replace it.
 #[test]
 fn heights_in_pixels_and_in_metres_have_names_of_their_own() {
@@ -77,7 +76,7 @@ fn heights_in_pixels_and_in_metres_have_names_of_their_own() {
     assert_eq!(report["width"], 64);
 }
 
-/// Protects from options that seem to have an effect: an option without effect is refused.
+/// Protects users from options that only seem to have an effect: an option without an effect is refused.
 #[test]
 fn options_that_change_nothing_are_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -148,7 +147,7 @@ fn options_that_change_nothing_are_refused() {
     ]);
 }
 
-/// Protects the window's list of sound devices from options of the window.
+/// Protects `--list-devices`: options of the window are refused with it.
 #[cfg(feature = "demo")]
 #[test]
 fn a_list_of_devices_takes_no_other_option() {
@@ -159,8 +158,8 @@ fn a_list_of_devices_takes_no_other_option() {
     );
 }
 
-/// Protects loudness: a source in front is as loud as one at the side unless the thesis' law or its
-/// algorithm is chosen.
+/// Protects loudness: a source in front is as loud as a source at the side, unless the thesis' law or algorithm is
+/// chosen.
 #[test]
 fn the_panning_law_follows_the_profile_until_it_is_chosen() {
     let trace = |more: &[&str]| json(&[&["trace", "corner", "--waves", "4096"], more].concat());
@@ -184,7 +183,8 @@ fn the_panning_law_follows_the_profile_until_it_is_chosen() {
     assert!((left + right - 1.0).abs() < 1e-6, "{left} {right}");
 }
 
-/// Protects users who render a first sound: it can be localised, and the law is printed.
+/// Protects users who render their first sound: by default it is speech, which can be localised, and the law is
+/// printed.
 #[test]
 fn render_plays_speech_by_the_law_of_the_profile() {
     let folder = tempfile::tempdir().unwrap();
@@ -214,7 +214,7 @@ fn answered() -> Value {
     answer_file("0123456789abcdef", &[1], [trial])
 }
 
-/// Protects terminals: no sentence of a report is wider than 100 columns. Tables may be.
+/// Protects terminals: no sentence of a report is wider than 100 columns. Tables may be wider.
 #[test]
 fn reports_fit_a_terminal() {
     let folder = tempfile::tempdir().unwrap();
@@ -237,7 +237,7 @@ fn reports_fit_a_terminal() {
     }
 }
 
-/// Protects users without a sound server from messages that libraries write about it.
+/// Protects users without a sound server: messages that libraries write about it are not shown.
 #[cfg(all(feature = "demo", feature = "audio"))]
 #[test]
 fn libraries_write_nothing_about_a_missing_sound_server() {
@@ -259,7 +259,7 @@ fn libraries_write_nothing_about_a_missing_sound_server() {
     }
 }
 
-/// Protects users who set a value twice: the first would silently have no effect.
+/// Protects users who set a value twice, because the first setting would have no effect.
 #[test]
 fn a_value_that_is_set_twice_is_refused() {
     refuse(
@@ -284,7 +284,7 @@ fn what_may_be_meant_is_told() {
     refuse(&set, "did you mean door?");
 }
 
-/// Protects the help from defaults that cannot be typed: values of a list are separated by commas.
+/// Protects the help from defaults in a form that cannot be typed: values of a list are separated by commas.
 #[test]
 fn defaults_of_lists_have_commas() {
     for (arguments, default) in [
@@ -296,15 +296,15 @@ fn defaults_of_lists_have_commas() {
         (&["localise", "form", "--help"], "[default: 4096,65536]"),
     ] {
         let output = succeed(arguments);
-        // For any width of the terminal.
+        // The comparison of words is independent of the terminal's width.
         let words: Vec<&str> = stdout(&output).split_whitespace().collect();
         let said = words.join(" ");
         assert!(said.contains(default), "{arguments:?}: {said}");
     }
 }
 
-/// Protects users who record or choose a device on a machine without sound: the error comes before
-/// a window opens, and no empty file is left.
+/// Protects users who record or choose a device on a machine without sound: the error occurs before a window opens, and
+/// no empty file remains.
 #[cfg(all(feature = "demo", feature = "audio"))]
 #[test]
 fn without_a_sound_device_nothing_is_recorded() {
@@ -332,7 +332,7 @@ fn without_a_sound_device_nothing_is_recorded() {
     }
 }
 
-/// Protects the command line of `accuracy`: bad input is refused at once, with one sentence and exit code 2.
+/// Protects the command line of `accuracy`: invalid input is refused at once, with one sentence and exit code 2.
 #[test]
 fn bad_input_of_accuracy_is_refused_at_once() {
     let cases: [(&[&str], &str); 4] = [
@@ -350,7 +350,7 @@ fn bad_input_of_accuracy_is_refused_at_once() {
     }
 }
 
-/// Protects the help of `accuracy`: it shows a first command and the default scenes.
+/// Protects the help of `accuracy`: it shows an example and the default scenes.
 #[test]
 fn the_help_of_accuracy_has_examples() {
     let output = succeed(&["accuracy", "--help"]);

@@ -1,5 +1,5 @@
-//! The report of costs and of parts that could be left out agrees with itself, and with known
-//! properties of the scene. No time is asserted: other work on the machine would make tests fail.
+//! The report of costs is consistent, and agrees with known properties of the scene. Times are not tested, because
+//! other work on the machine would make the tests fail.
 
 use crate::common::cli::{argument, command, echomarch, json, stderr, stdout, succeed};
 use crate::common::{builtin, tracer};
@@ -11,8 +11,7 @@ use echomarch_lab::experiment::cost::{
 };
 use echomarch_lab::report::Report;
 
-/// The only function without a caller: it is in a file that every pass includes as a whole.
-/// Compilers drop it.
+/// The only function without a caller. It is in a file that every pass includes as a whole, and compilers remove it.
 const UNCALLED: [&str; 1] = ["reachedListener"];
 
 const RUNS: CostOptions = CostOptions { runs: 2 };
@@ -21,7 +20,7 @@ fn report(scene: &Scene, settings: &Settings) -> CostReport {
     measure(&mut tracer(), scene, settings, &RUNS, &mut |_, _| ()).unwrap()
 }
 
-/// A room with source and listener, and a ball outside its walls.
+/// A room with a source and a listener, and a ball outside its walls.
 fn room_and_ball_behind() -> Scene {
     let room = Node::Room(Room {
         size: Vec3::new(10.0, 4.0, 8.0),
@@ -38,8 +37,7 @@ fn room_and_ball_behind() -> Scene {
     )
 }
 
-/// Protects the purpose of the report: a surface that no wave can hit can be left out, and the room
-/// cannot.
+/// Protects the purpose of the report: a surface that no wave can hit can be removed, and the room cannot.
 #[test]
 fn a_ball_behind_a_wall_can_be_left_out_and_the_room_not() {
     for profile in [Profile::Hybrid, Profile::March] {
@@ -50,12 +48,12 @@ fn a_ball_behind_a_wall_can_be_left_out_and_the_room_not() {
         };
         assert_eq!(ball.verdict, Verdict::CanBeLeftOut);
         assert_eq!(ball.met, 0);
-        // With the ball ahead, the march may approach the wall in other steps, and then ends off by
-        // a rounding.
+        // If the ball is in the direction of a wave, the march may approach the wall in other steps. Its end then
+        // differs by a rounding error.
         let rounding = if profile == Profile::March { 1e-7 } else { 0.0 };
         assert!(ball.change.unwrap().pan.rms <= rounding);
         assert_eq!(room.verdict, Verdict::IsHeard);
-        // Every wave that is not heard at once flies to a wall.
+        // Every wave that does not reach the listener at once travels to a wall.
         assert!(room.met_percent > 90.0, "{}", room.met_percent);
         assert!(ball.lines.unwrap() > 0);
         let advice = report.advice.join(" ");
@@ -64,8 +62,8 @@ fn a_ball_behind_a_wall_can_be_left_out_and_the_room_not() {
     }
 }
 
-/// Protects the corner's rows: both surfaces are hit and heard, every option has its row, and
-/// options that cannot change a bit do not.
+/// Protects the report of the corner scene: both surfaces are hit and heard, every option has its row, and options that
+/// cannot change a bit change none.
 #[test]
 fn the_report_of_the_corner_agrees_with_itself() {
     let settings = Settings::hybrid().with_waves(8192);
@@ -96,8 +94,8 @@ fn the_report_of_the_corner_agrees_with_itself() {
     assert!(!report.advice.is_empty());
 }
 
-/// Protects the user of a field from not knowing its cost: the report says how many evaluations a flight takes, and a
-/// scene of closed forms has no such line.
+/// Protects the user of a field, whose cost the report must state: it contains the evaluations per flight. A scene of
+/// closed forms has no such line.
 #[test]
 fn the_cost_of_fields_is_told() {
     let settings = Settings::hybrid().with_waves(1024).with_iterations(2);
@@ -113,7 +111,7 @@ fn the_cost_of_fields_is_told() {
     assert!(!corner.document().markdown().contains("marched surface"));
 }
 
-/// Protects edge cases: one surface, silence, and more surfaces than rows.
+/// Protects edge cases: one surface, silence, and more surfaces than rows in the report.
 #[test]
 fn one_surface_silence_and_many_are_told() {
     let settings = Settings::hybrid().with_waves(1024).with_iterations(2);
@@ -144,9 +142,8 @@ fn one_surface_silence_and_many_are_told() {
     assert!(many.surfaces[1].leaves_cells);
 }
 
-/// Protects a promise: no scene pays for a feature that it does not use. Each feature with
-/// functions in a shader is in the scene, or is called by a feature that is; all functions are
-/// called, except a few lines.
+/// Protects a promise: no scene pays for a feature that it does not use. Each feature with functions in a shader is
+/// either in the scene or called by a feature that is. All functions are called, except the known ones.
 #[test]
 fn no_built_in_scene_has_the_text_of_a_feature_that_it_lacks() {
     for name in Scene::BUILTIN_NAMES {
@@ -164,7 +161,7 @@ fn no_built_in_scene_has_the_text_of_a_feature_that_it_lacks() {
     }
 }
 
-/// Protects the converse: the text of a feature disappears from the shader with the feature.
+/// Protects the converse: if a feature is removed from a scene, its text disappears from the shader.
 #[test]
 fn a_feature_that_leaves_takes_its_text_along() {
     let settings = Settings::hybrid();
@@ -178,7 +175,7 @@ fn a_feature_that_leaves_takes_its_text_along() {
     assert_eq!(names, ["Room"]);
 }
 
-/// Protects the machine-readable output: the fields exist, and the CSV has one line per row.
+/// Protects the machine-readable output: the JSON fields exist, and the CSV has one line per row.
 #[test]
 fn the_program_prints_json_and_writes_csv() {
     let folder = tempfile::tempdir().unwrap();
@@ -209,7 +206,7 @@ fn the_program_prints_json_and_writes_csv() {
     assert!(notes.starts_with("renderer: ") && notes.lines().count() == 1);
 }
 
-/// Protects from mistyped input: one sentence, exit code 2, and no file.
+/// Protects users who mistype input: the program prints one sentence, exits with code 2, and writes no file.
 #[test]
 fn bad_input_is_refused() {
     let folder = tempfile::tempdir().unwrap();

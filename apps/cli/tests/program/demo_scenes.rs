@@ -1,4 +1,4 @@
-//! The window's scenes, files and named values, its mouse, and how it ends.
+//! The window's scenes, files and named values, its mouse look, and its end.
 
 use crate::common::cli::{argument, command, stderr, succeed};
 use crate::common::drop::drop_file;
@@ -19,7 +19,7 @@ const HALL: &str = r#"Scene(
     listener: Listener(position: (0, 0, 6), radius: 1),
 )"#;
 
-/// A folder with the hall, and a scene of one ball.
+/// A folder with the hall scene, and a scene with one ball.
 fn folder() -> (TempDir, PathBuf, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     let (hall, ball) = (
@@ -38,7 +38,7 @@ fn wait_for_scene(demo: &Demo, name: &str) -> Value {
     demo.wait_until(name, |frame| frame["scene"] == name)
 }
 
-/// Protects a scene given as a file from being lost when another is chosen.
+/// Protects access to a scene file after another scene was chosen.
 #[test]
 fn a_scene_file_can_be_reached_again() {
     let (_folder, hall, _) = folder();
@@ -48,15 +48,15 @@ fn a_scene_file_can_be_reached_again() {
     wait_for_scene(&demo, "corner");
     demo.key("b");
     wait_for_scene(&demo, argument(&hall));
-    // The file is followed again: a change is read.
+    // The window watches the file again: a change is read.
     std::fs::write(&hall, HALL.replace("radius: 1,", "radius: 1.5,")).unwrap();
     demo.wait_for("is read again");
     let (report, _, _) = demo.quit();
     assert_eq!(report["scene"], "hall");
 }
 
-/// Protects files dropped on the window: a scene is opened and followed, a sound is played, and any other file, or an
-/// invalid scene, changes nothing.
+/// Protects files dropped on the window: a scene is opened and watched, and a sound is played. Any other file and an
+/// invalid scene have no effect.
 #[test]
 fn files_dropped_on_the_window_are_opened() {
     let (folder, hall, ball) = folder();
@@ -87,7 +87,7 @@ fn files_dropped_on_the_window_are_opened() {
     demo.wait_for("f.glsl:1: ");
     drop(&notes);
     demo.wait_for("notes.txt");
-    // The refused scene is not shown, and the hall is still followed.
+    // The refused scene is not shown, and the hall's file is still watched.
     demo.wait_frames();
     wait_for_scene(&demo, argument(&hall));
     std::fs::write(&hall, HALL.replace("radius: 1,", "radius: 1.5,")).unwrap();
@@ -100,8 +100,8 @@ fn files_dropped_on_the_window_are_opened() {
     assert!(call.contains(argument(&ball)), "{call}");
 }
 
-/// Protects named values: `--set` and sliders use the unit of the file; values stay when the file changes, apply to
-/// later files, and appear in printed calls and saved files.
+/// Protects named values: `--set` and sliders use the unit of the file. Values stay when the file changes, apply to
+/// scenes opened later, and appear in printed calls and saved files.
 #[test]
 fn named_values_are_set_by_option_and_slider() {
     let (_folder, hall, ball) = folder();
@@ -113,7 +113,7 @@ fn named_values_are_set_by_option_and_slider() {
         set.and_then(|pair| pair[1].as_f64())
     };
     demo.wait_until("60°", |frame| value(frame, "door") == Some(60.0));
-    // The slider of "width", from a quarter of 2 m to four times 2 m, below that of "door".
+    // The slider of "width" is below that of "door". It ranges from a quarter of 2 m to four times 2 m.
     let window = demo.window();
     display.xdotool(&["mousemove", "--window", &window, "870", "110"]);
     demo.wait_frames();
@@ -146,7 +146,7 @@ fn named_values_are_set_by_option_and_slider() {
     assert!(call.contains(" --set "), "{call}");
     assert_eq!(report["trace_call_is_exact"], true);
 
-    // The saved file contains the values that were heard: no value is left to set.
+    // The saved file contains the values as they were played, so no value is left to set.
     let saved = std::fs::read_to_string(hall.with_file_name("hall-1.ron")).unwrap();
     assert!(saved.contains(r#"Value("door", 60)"#), "{saved}");
     let trace = |arguments: &[&str]| {
@@ -164,7 +164,7 @@ fn named_values_are_set_by_option_and_slider() {
     assert_ne!(trace(&[argument(&hall)]), hall_set);
 }
 
-/// Protects from a window with an unknown value, or one that the scene does not accept.
+/// Protects users who set an unknown value, or one that the scene rejects: no window opens.
 #[test]
 fn values_that_cannot_be_set_open_no_window() {
     let (_folder, hall, _) = folder();
@@ -182,8 +182,8 @@ fn values_that_cannot_be_set_open_no_window() {
     }
 }
 
-/// Protects panels from clicks faster than a frame: a click on a panel belongs to it, wherever the pointer came from,
-/// and a click on the picture captures the mouse.
+/// Protects panels from clicks that are faster than a frame: a click on a panel goes to the panel, wherever the pointer
+/// was before. A click on the picture captures the mouse.
 #[test]
 fn a_quick_click_on_a_panel_captures_no_mouse() {
     let display = Display::new();
@@ -214,13 +214,13 @@ fn a_quick_click_on_a_panel_captures_no_mouse() {
     assert_eq!(report["mouse_looks"], false);
 }
 
-/// Protects users who never choose a number of waves: it follows the frame time down to a minimum until one is chosen,
-/// and does so again after T.
+/// Protects users who never choose a number of waves: the number adapts to the frame time, down to a minimum, until the
+/// user chooses one. It adapts again after T.
 #[test]
 fn the_number_of_waves_follows_the_time_until_it_is_chosen() {
     let display = Display::new();
     let mut program = command();
-    // No processor reaches this rate with the slowest algorithm.
+    // No processor reaches this frame rate with the slowest algorithm.
     program
         .args([
             "demo",
@@ -255,7 +255,7 @@ fn the_number_of_waves_follows_the_time_until_it_is_chosen() {
     let (report, _, _) = demo.quit();
     assert_eq!(report["adapts_waves"], true);
 
-    // --waves counts as a choice.
+    // The option --waves counts as a choice by the user.
     let (report, _, _) = display.demo(&["corner"]).quit();
     assert_eq!(
         (&report["waves"], &report["adapts_waves"]),
@@ -263,7 +263,7 @@ fn the_number_of_waves_follows_the_time_until_it_is_chosen() {
     );
 }
 
-/// Protects the plan from showing waves that nobody hears: it searches until it has some heard paths.
+/// Protects the plan from showing only waves that do not reach the listener: it searches until it has some heard paths.
 #[test]
 fn the_plan_shows_heard_paths() {
     let display = Display::new();
@@ -276,23 +276,23 @@ fn the_plan_shows_heard_paths() {
     }
 }
 
-/// Protects newcomers from a blank wall: without a scene the window opens on one with something to see.
+/// Protects new users from a blank wall: without a scene argument, the window opens a scene with visible objects.
 #[test]
 fn without_a_scene_there_is_something_to_see() {
     let display = Display::new();
     let (report, first, _) = display.demo(&[]).quit();
     assert_eq!(report["scene"], "open-pillars");
     let (_, wall, _) = display.demo(&["corner"]).quit();
-    // Sand and sky, where the other scene has a wall of one colour.
+    // The picture shows sand and sky; in the other scene it shows a wall of one colour.
     let (first, wall) = (first.warm(270..700), wall.warm(270..700));
     assert!((0.2..0.8).contains(&first), "{first}");
     assert!(!(0.2..0.8).contains(&wall), "{wall}");
 }
 
-/// Protects from a display server that disappears: the window ends with its report, one sentence and exit code 1.
+/// Protects users whose display server disappears: the window ends with its report, one sentence and exit code 1.
 #[test]
 fn the_display_may_go_away() {
-    // While nothing happens, while the mouse is captured, and while keys are held.
+    // Three situations: no input, a captured mouse, and held keys.
     for what in [
         &["mousemove", "5", "5"][..],
         &["click", "1"],

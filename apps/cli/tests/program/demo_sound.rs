@@ -1,4 +1,4 @@
-//! The window's sound: compares what `echomarch demo` plays through a real sound server with the traced gains in its
+//! The window's sound: compares the output of `echomarch demo` at a real sound server with the traced gains in its
 //! report.
 
 use crate::common::cli::argument;
@@ -8,7 +8,8 @@ use crate::sound_server::{SINK, Server, wait_for};
 use serde_json::Value;
 use std::path::Path;
 
-/// Frames per interval in which levels are measured: 50 ms, over which the noise's level is known to 0.1 dB.
+/// Number of audio frames in an interval whose level is measured: 50 ms, in which the level of noise is accurate to 0.1
+/// dB.
 const WINDOW: usize = 2400;
 
 fn open<'a>(display: &'a Display, server: &Server, arguments: &[&str]) -> Demo<'a> {
@@ -17,7 +18,7 @@ fn open<'a>(display: &'a Display, server: &Server, arguments: &[&str]) -> Demo<'
     display.start(program, &[arguments, &sound].concat())
 }
 
-/// Gains of all traced frames, in order, by the linear law.
+/// The gains of all traced frames, in order, by the linear law.
 fn traced(report: &Value) -> Vec<[f64; 2]> {
     let pans = report["pans"].as_array().unwrap().iter();
     pans.map(|at| {
@@ -27,10 +28,10 @@ fn traced(report: &Value) -> Vec<[f64; 2]> {
     .collect()
 }
 
-/// Protects the purpose of the window: the source passes from left to right, and both channels of the sound server's
+/// Protects the purpose of the window. The source passes from left to right, and both channels of the sound server's
 /// output have the level of the traced waves, in every interval without a gap. Waves are traced for every twentieth
-/// picture, so that the gains are constant in between. The sound system decides when gains are applied; `live_audio.rs`
-/// checks for the renderer alone that the next block applies them.
+/// picture, so that the gains are constant in between. The sound system decides when the gains are applied.
+/// `live_audio.rs` checks without a sound system that the next block applies them.
 #[test]
 fn a_passing_source_is_heard_from_left_to_right_as_it_is_traced() {
     const LEAST_WINDOWS: usize = 60;
@@ -46,7 +47,7 @@ fn a_passing_source_is_heard_from_left_to_right_as_it_is_traced() {
         }
         // The gains are constant most of the time.
         assert!(2 * compared.moving < compared.windows, "{compared:?}");
-        // Both sides and the middle are among them.
+        // The source was at both sides and in the middle.
         for range in [0.0..0.35, 0.35..0.65, 0.65..1.0] {
             let shares = traced(&report).into_iter().map(|[_, right]| right);
             let there = shares.filter(|share| range.contains(share));
@@ -59,7 +60,7 @@ fn a_passing_source_is_heard_from_left_to_right_as_it_is_traced() {
     );
 }
 
-/// Lets the source pass twice; returns the report, and the comparison with what was heard.
+/// Lets the source pass twice. Returns the report and the comparison with the recorded sound.
 fn pass(display: &Display) -> (Value, Comparison) {
     let server = Server::start();
     let recorder = server.record(SINK, 48_000, 2);
@@ -78,7 +79,7 @@ fn pass(display: &Display) -> (Value, Comparison) {
     let shares = shares.chain(traced(&report).into_iter().map(|[_, right]| right));
     let shares: Vec<f64> = shares.collect();
     let heard = Heard::new(&heard, 50);
-    // With left and right exchanged, almost no interval matches.
+    // With swapped channels, almost no interval matches.
     let mirrored: Vec<f64> = shares.iter().map(|share| 1.0 - share).collect();
     let mirrored = heard.follow(&mirrored);
     let astray = mirrored.wrong + mirrored.moving;
@@ -90,7 +91,7 @@ fn pass(display: &Display) -> (Value, Comparison) {
     (report, compared)
 }
 
-/// Protects a window that is open all day: when the sound server dies and is restarted, the picture continues, and the
+/// Protects a window that is open all day: if the sound server dies and is restarted, the picture continues, and the
 /// sound returns with the traced gains.
 #[test]
 fn a_sound_server_that_is_started_again_is_played_to_again() {
@@ -125,18 +126,18 @@ fn a_sound_server_that_is_started_again_is_played_to_again() {
     let sound = &report["sound"];
     assert_eq!(sound["is_heard"], true, "{sound}");
     assert!(sound["restarts"].as_u64() >= Some(1), "{sound}");
-    // The scene is at rest.
+    // Nothing moves in this scene.
     assert_eq!(traced(&report).last(), Some(&wanted));
 }
 
-/// Protects `--record`: it starts before a device exists, and the file holds what is heard.
+/// Protects `--record`: the recording starts before a device exists, and the file contains the played sound.
 #[test]
 fn what_is_heard_is_recorded() {
     let display = Display::new();
     let server = Server::start();
     let arguments = ["corner", "--record", "heard.wav", "--law", "linear"];
     let demo = open(&display, &server, &arguments);
-    // Three seconds of two channels of floats, however long it takes to produce them.
+    // Three seconds of two channels of 32-bit floats, however long it takes to produce them.
     wait_for("the recording", || {
         recorded_bytes(&demo.path("")) > 3 * 48_000 * 8
     });
@@ -148,11 +149,11 @@ fn what_is_heard_is_recorded() {
     let heard: Vec<f32> = reader.samples().map(Result::unwrap).collect();
     let heard = gains(&heard, WINDOW);
     assert!(heard.len() >= 40, "{} windows", heard.len());
-    // Nothing moves: gains are constant from the first frame of waves to the fade at the end.
+    // Nothing moves, so the gains are constant from the first frame of waves to the final fade.
     let wanted = *traced(&report).last().unwrap();
     let is_right = |window: &[f64; 2]| error_db(*window, wanted) < 0.5;
-    // Both channels play the same noise, so their balance is exact: the initial 0 dB ends where the balance is nearer
-    // to the traced one. The interval of the glide is left out.
+    // Both channels play the same noise, so their balance is exact. The initial balance of 0 dB ends when the balance
+    // is closer to the traced one. The interval with the glide is skipped.
     let balance_db = |window: &[f64; 2]| 20.0 * (window[0] / window[1]).log10();
     let has_arrived = |window: &[f64; 2]| balance_db(window) / balance_db(&wanted) > 0.5;
     let first = heard.iter().position(has_arrived).unwrap() + 1;
@@ -169,7 +170,7 @@ fn what_is_heard_is_recorded() {
     assert_eq!(parts.count(), 0, "{names:?}");
 }
 
-/// The source stands in the open, goes behind a wall, and stays there; a ceiling reflects it.
+/// The source is in the open, moves behind a wall, and stays there. A ceiling reflects its sound.
 const BEHIND: &str = r#"Scene(
     surfaces: [
         Surface(shape: Box(size: (6, 3, 0.4)), position: (0, 0, -3)),
@@ -184,8 +185,8 @@ const BEHIND: &str = r#"Scene(
     listener: Listener(position: (0, 0, 0), radius: 0.3),
 )"#;
 
-/// Protects everything heard in the window when a source goes behind a wall: its level falls, its echo stays, it comes
-/// from the right and then from the middle, and the sound server plays no click.
+/// Protects the sound of the window when a source moves behind a wall: its level falls, its echo stays, its direction
+/// changes from the right to the middle, and the output of the sound server has no click.
 #[test]
 fn a_source_that_goes_behind_a_wall_is_heard_by_its_echo() {
     let display = Display::new();
@@ -203,7 +204,7 @@ fn a_source_that_goes_behind_a_wall_is_heard_by_its_echo() {
         let source = &frame["sources"][0]["is_direct"];
         frame["sound"] == true && *source == is_direct && from < now && now < to
     };
-    // A busy machine may have a gap at that moment; then the test listens again.
+    // A busy machine may have a gap at that moment; the test then measures again.
     let heard = |what: &str, is_direct, from, to| {
         let mut found = [0.0; 2];
         wait_for(what, || {
@@ -216,7 +217,8 @@ fn a_source_that_goes_behind_a_wall_is_heard_by_its_echo() {
     let in_sight = heard("sound", true, 3.0, 8.0);
     let behind = heard("sound from behind the wall", false, 15.0, 24.0);
     let (report, _, _) = demo.quit();
-    // In sight: from the right, over 10.8 m and 14.7 m. Behind the wall: by the ceiling only, over 13.4 m.
+    // In sight, the sound comes from the right, over 10.8 m and 14.7 m. Behind the wall, it comes only over the
+    // ceiling, over 13.4 m.
     assert!(in_sight[1] > 1.5 * in_sight[0], "{in_sight:?}");
     assert!((behind[0] / behind[1] - 1.0).abs() < 0.2, "{behind:?}");
     let fall = behind[1] / in_sight[1];
@@ -229,7 +231,7 @@ fn a_source_that_goes_behind_a_wall_is_heard_by_its_echo() {
     );
 }
 
-/// Level of each channel over the last fifth of a second.
+/// The level of each channel in the last fifth of a second.
 fn level(samples: &[f32]) -> [f64; 2] {
     let last = &samples[samples.len().saturating_sub(2 * 9600)..];
     [0, 1].map(|channel| {
@@ -242,7 +244,7 @@ fn level(samples: &[f32]) -> [f64; 2] {
     })
 }
 
-/// Bytes of sound in a folder.
+/// The size of the WAV files in a folder, in bytes.
 fn recorded_bytes(folder: &Path) -> u64 {
     let files = std::fs::read_dir(folder)
         .unwrap()
@@ -251,7 +253,7 @@ fn recorded_bytes(folder: &Path) -> u64 {
     sounds.map(|file| file.metadata().unwrap().len()).sum()
 }
 
-/// Protects the list from which `--device` is chosen: devices may share a name, but not an id.
+/// Protects the list of devices for `--device`: devices may have the same name, but not the same id.
 #[test]
 fn devices_are_listed_with_name_and_id() {
     let server = Server::start();
@@ -262,7 +264,7 @@ fn devices_are_listed_with_name_and_id() {
     assert_eq!(text, format!("* Null Output ({SINK})\n"));
 }
 
-/// Protects users who mistype a device: the error lists the devices before a window opens.
+/// Protects users who mistype a device name: the error lists the devices before a window opens.
 #[test]
 fn an_unknown_device_is_refused() {
     let server = Server::start();

@@ -1,18 +1,18 @@
-//! The window as a user uses it.
+//! The window, controlled as by a user.
 
 use crate::common::cli::{argument, command, echomarch, json, stderr, succeed};
 use crate::common::window::{Display, Image};
 use serde_json::Value;
 
-/// The middle of the window, where the picture is visible.
+/// The columns in the middle of the window, where panels do not cover the picture.
 const MIDDLE: std::ops::Range<u32> = 270..700;
 
 fn place(value: &Value) -> [f64; 3] {
     std::array::from_fn(|axis| value[axis].as_f64().unwrap())
 }
 
-/// Protects walking: held keys move the listener along its gaze, walls stop it, the picture follows, and stays the same
-/// while the listener stands still.
+/// Protects walking: held keys move the listener along its gaze, walls stop it, and the picture follows. The picture
+/// stays the same while the listener stands still.
 #[test]
 fn keys_walk_and_walls_stop() {
     let display = Display::new();
@@ -28,7 +28,7 @@ fn keys_walk_and_walls_stop() {
     assert!((x - 10.0).abs() < 1e-3 && z > 8.2, "{x} {z}");
     assert!(before.difference(&after, MIDDLE) > 0.05);
 
-    // The block's face is at z = 0, and it is the only obstacle straight ahead.
+    // The face of the block is at z = 0. It is the only obstacle straight ahead.
     let demo = display.demo(&["corner"]);
     demo.display.xdotool(&["keydown", "shift"]);
     let (mut before, mut still) = (f64::NAN, 0);
@@ -45,7 +45,7 @@ fn keys_walk_and_walls_stop() {
     assert!((0.3..0.4).contains(&z), "stopped at {z}");
 }
 
-/// Protects audible changes: 1, 2 and 3 switch the algorithm while the window runs, and each is heard.
+/// Protects audible changes: the keys 1, 2 and 3 switch the profile while the window runs, and each profile is heard.
 #[test]
 fn keys_switch_the_profile() {
     let display = Display::new();
@@ -70,7 +70,7 @@ fn keys_switch_the_profile() {
         .collect();
     heard.dedup();
     assert_eq!(heard, ["hybrid", "thesis", "march", "hybrid", "thesis"]);
-    // The output is that of the chosen algorithm.
+    // The output of each profile equals the output of `trace` with this profile.
     for profile in ["thesis", "march", "hybrid"] {
         let arguments = ["--profile", profile, "--waves", "4096", "--json"];
         let traced = succeed(&[&["trace", "corner"], &arguments[..]].concat());
@@ -85,8 +85,8 @@ fn keys_switch_the_profile() {
     assert!(call.contains("--profile thesis --waves 4096"), "{call}");
 }
 
-/// Protects first-time users: F1 opens the list of keys, and closes it. The frame that opens it already shows it: the
-/// last frame may be the first one after F1.
+/// Protects first-time users: F1 opens and closes the list of keys. The frame that opens the list already shows it,
+/// because the last frame may be the first one after F1.
 #[test]
 fn f1_opens_and_closes_the_help() {
     let display = Display::new();
@@ -122,8 +122,8 @@ const BALL_SCENE: &str = r#"Scene(
     listener: Listener(position: (4, 0.5, 4), radius: 1, yaw: -45),
 )"#;
 
-/// Protects users who write a field while the window shows it: an invalid field is reported in one sentence and changes
-/// nothing, a valid one is shown and walked around at once.
+/// Protects users who edit a field while the window shows it: an invalid field is reported in one sentence and has no
+/// effect. A valid field is shown at once and stops the listener.
 #[test]
 fn a_field_that_changes_is_taken_or_told_while_frames_go_on() {
     let folder = tempfile::tempdir().unwrap();
@@ -144,7 +144,7 @@ fn a_field_that_changes_is_taken_or_told_while_frames_go_on() {
     std::fs::write(&field, BALL.replace("1.0", "1.9")).unwrap();
     demo.wait_for("is read again");
     demo.wait_frames();
-    // An error in the scene file itself, left in place: the ball of 1.9 m stays.
+    // An error in the scene file itself, which is not corrected: the ball of 1.9 m stays.
     std::fs::write(&scene, BALL_SCENE.replace("Room", "Rome")).unwrap();
     demo.wait_for("the last scene stays");
     // The ball is 6.2 m ahead, and stops the listener at its new size.
@@ -172,7 +172,8 @@ fn a_field_that_changes_is_taken_or_told_while_frames_go_on() {
     assert!(small.difference(&large, MIDDLE) > 0.2);
 }
 
-/// Protects users who start with a field that does not compile: one sentence with file and line, exit code 2.
+/// Protects users who start with a field that does not compile: the program prints one sentence with file and line, and
+/// exits with code 2.
 #[test]
 fn a_field_that_does_not_compile_opens_no_window() {
     let folder = tempfile::tempdir().unwrap();
@@ -191,8 +192,8 @@ fn a_field_that_does_not_compile_opens_no_window() {
     assert_eq!(output.status.code(), Some(2), "{told}");
 }
 
-/// Protects the picture from waves that take long: it continues while they are traced in parts, a change of algorithm
-/// does not wait for them, and a frame in parts sounds like the frame in one piece.
+/// Protects the picture from waves that take long: it continues while the waves are traced in parts. A change of the
+/// profile does not wait for these waves, and a frame in parts sounds like a frame in one piece.
 #[test]
 fn the_picture_goes_on_while_waves_take_long() {
     let display = Display::new();
@@ -228,7 +229,7 @@ fn the_picture_goes_on_while_waves_take_long() {
     assert!(of("hybrid").count() > 3);
 }
 
-/// Protects windows that are resized while they run: picture and panels follow.
+/// Protects windows that are resized while they run: the picture and the panels adapt.
 #[test]
 fn a_window_may_change_its_size() {
     let display = Display::new();
@@ -244,7 +245,7 @@ fn a_window_may_change_its_size() {
     assert_eq!(picture.width, 702);
 }
 
-/// Protects looking about with the mouse: its movement turns the gaze after a click, until Esc frees it.
+/// Protects mouse look: after a click, mouse movement rotates the gaze until Esc ends mouse look.
 #[test]
 fn the_mouse_looks_about_between_a_click_and_esc() {
     let display = Display::new();
@@ -273,8 +274,7 @@ fn the_mouse_looks_about_between_a_click_and_esc() {
     );
 }
 
-/// Protects the panels from a mouse that has looked about: once Esc has freed it, a click on a button goes to the
-/// button.
+/// Protects the panels after mouse look: once Esc has ended it, a click on a button goes to the button.
 #[test]
 fn panels_take_clicks_after_the_mouse_has_looked_about() {
     let display = Display::new();
@@ -299,7 +299,7 @@ fn panels_take_clicks_after_the_mouse_has_looked_about() {
     assert_eq!(report["listener"]["yaw"], 0.0);
 }
 
-/// Protects values from the command line against controls with a smaller range.
+/// Protects values from the command line: controls with a smaller range do not change them.
 #[test]
 fn panels_leave_what_they_do_not_reach() {
     let display = Display::new();
@@ -308,11 +308,11 @@ fn panels_leave_what_they_do_not_reach() {
     let report = display.demo(&arguments).report();
     let call = report["trace_call"].as_str().unwrap();
     assert!(call.contains(" --min-distance 0.0005"), "{call}");
-    // Waves are traced with the first picture and the hundred and first.
+    // Waves are traced with the first picture and with picture 101.
     assert_eq!(report["traced"], 2);
 }
 
-/// Protects the keys that change scene, waves and position, and the picture of the window.
+/// Protects the keys that change scene, waves and position, and the key for a screenshot.
 #[test]
 fn keys_do_what_the_help_says() {
     let display = Display::new();
@@ -337,14 +337,14 @@ fn keys_do_what_the_help_says() {
 
     let demo = display.demo(&["corner", "--fps", "2"]);
     demo.hold("s", 0.5).key("BackSpace").key("t");
-    // Half a second allows more than 4,096 waves.
+    // A frame time of half a second allows more than 4,096 waves.
     demo.wait_until("more waves", |frame| frame["waves"].as_u64() > Some(4096));
     let (report, _, _) = demo.quit();
     assert_eq!(place(&report["listener"]["position"]), [10.0, 0.0, 8.0]);
 }
 
-/// Protects manual changes: a source that was picked up is carried along and heard at its new position; the saved file
-/// is a scene that traces to the pan that was heard last.
+/// Protects manual changes: a source that was picked up moves with the listener and is heard at its new position. The
+/// saved file is a scene that traces to the last pan that was played.
 #[test]
 fn a_source_carried_and_saved_is_heard_alike_from_the_file() {
     let display = Display::new();
@@ -371,7 +371,7 @@ fn a_source_carried_and_saved_is_heard_alike_from_the_file() {
     );
 }
 
-/// Protects moving scenes: the source passes by itself and is heard from left to right, until P pauses it.
+/// Protects moving scenes: the source moves along its path and is heard from left to right, until P pauses it.
 #[test]
 fn a_moving_source_is_heard_to_move_until_it_is_held() {
     let display = Display::new();
@@ -392,7 +392,7 @@ fn a_moving_source_is_heard_to_move_until_it_is_held() {
     let held = &pans[pans.len() - 3..];
     assert!(held.iter().all(|pan| *pan == held[0]), "{held:?}");
 
-    // The printed call states where on its path the source was paused.
+    // The printed call contains the time at which the source was paused on its path.
     assert_eq!(report["trace_call_is_exact"], true);
     let call = report["trace_call"].as_str().unwrap();
     assert!(call.contains(" --time "), "{call}");
@@ -402,8 +402,8 @@ fn a_moving_source_is_heard_to_move_until_it_is_held() {
     assert_eq!(traced["pan"], held[0]);
 }
 
-/// Protects the panels from work on the GPU between picture and panels: they are visible in each of six consecutive
-/// frames, one of which has followed the paths of waves.
+/// Protects the panels from GPU work between the picture and the panels: they are visible in six consecutive frames,
+/// one of which traces the paths of waves.
 #[test]
 fn panels_stand_in_every_frame() {
     const LEFT: std::ops::Range<u32> = 8..250;
@@ -424,7 +424,8 @@ fn panels_stand_in_every_frame() {
     assert!(pictures[0].difference(&bare, LEFT) > 0.3);
 }
 
-/// Protects runs that end by themselves, and windows of any size: exactly the given number of frames.
+/// Protects runs that end by themselves, and windows of any size: the window draws exactly the requested number of
+/// frames.
 #[test]
 fn a_run_ends_after_its_frames() {
     let display = Display::new();
@@ -437,7 +438,8 @@ fn a_run_ends_after_its_frames() {
     assert_eq!(Image::open(&demo.path("last.png")).width, 640);
 }
 
-/// Protects machines without a display: one sentence, exit code 1, and the commands that work instead.
+/// Protects machines without a display: the program prints one sentence that states which commands work, and exits with
+/// code 1.
 #[test]
 fn a_missing_display_is_told_in_one_sentence() {
     for (name, reason) in [
@@ -457,7 +459,7 @@ fn a_missing_display_is_told_in_one_sentence() {
     }
 }
 
-/// Protects against a window opened with mistyped arguments: exit code 2 before any display is opened.
+/// Protects users who mistype arguments: the program exits with code 2 before it opens a display.
 #[test]
 fn bad_input_opens_no_window() {
     for arguments in [

@@ -1,11 +1,11 @@
-//! The script that reports on a graphics card, run with few waves on any renderer.
+//! The script that measures a graphics card, run with few waves on any renderer.
 
 use crate::common::cli::argument;
 use std::path::Path;
 use std::process::Command;
 
-/// Protects users with a graphics card and one command: all parts are present, with the renderer's
-/// name and rows of every profile, and a picture next to them.
+/// Protects users who run this one command on a graphics card: the report has all parts, the renderer's name, rows of
+/// every profile, and a picture beside it.
 #[test]
 fn the_report_of_a_renderer_has_all_its_parts() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,12 +1,12 @@
-//! Paths of waves that reach the listener, and the plan that shows them.
+//! Paths of waves that reach the listener, and the plan that shows these paths.
 
 use crate::common::cli::{argument, command, stderr, succeed};
 use crate::common::{builtin, tracer};
 use echomarch::{Settings, tracer::Fate};
 use serde_json::Value;
 
-/// Protects from paths that nobody hears: each path found ends at the listener, as the same wave of a frame does,
-/// however few of a frame's waves are heard.
+/// Protects the search for heard paths: each path found ends at the listener, as the same wave of a frame does, even if
+/// few waves of a frame are heard.
 #[test]
 fn heard_paths_end_at_the_listener() {
     let mut tracer = tracer();
@@ -41,11 +41,11 @@ fn heard_paths_end_at_the_listener() {
     assert_eq!(none.unwrap().traced, 0);
 }
 
-/// A listener inside solid rock.
+/// A listener inside a solid sphere.
 const DEAF: &str = r#"Scene(surfaces: [Surface(shape: Sphere(radius: 1), position: (0, 0, 5)), Surface(shape: Plane, position: (0, -2, 0))],
     source: Source(position: (0, 0, -5)), listener: Listener(position: (0, 0, 5), radius: 0.2))"#;
 
-/// Protects users who ask for heard paths: they get that number, or a message that there are fewer.
+/// Protects users who request heard paths: they get the requested number, or a message that there are fewer.
 #[test]
 fn a_slice_has_the_heard_paths_asked_for_or_says_so() {
     let folder = tempfile::tempdir().unwrap();
@@ -73,7 +73,7 @@ fn a_slice_has_the_heard_paths_asked_for_or_says_so() {
     };
     let (report, told, with) = slice("open-pillars", "200");
     assert_eq!(report["heard_paths"], 200);
-    // In a frame, 182 of 65,536 waves are heard.
+    // In one frame, only 182 of 65,536 waves are heard, so further frames are needed.
     assert!(report["traced_for_heard_paths"].as_u64() > Some(65_536));
     assert!(!told.contains("heard paths"), "{told}");
     let (_, _, without) = slice("open-pillars", "0");

@@ -1,11 +1,11 @@
-//! `echomarch impulse` as a user types it: figures, files, sources and listeners, bad input.
+//! `echomarch impulse` on the command line: figures, files, sources and listeners, invalid input.
 
 use crate::common::cli::{argument, json, refuse, stderr, stdout, succeed};
 use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
 
-/// A room whose walls differ by band, with two sources and two listeners, one behind a wall.
+/// A room whose walls absorb differently by band, with two sources and two listeners. One listener is behind a wall.
 const HALL: &str = r#"Scene(
     surfaces: [
         Surface(shape: Room(size: (12, 5, 9)), material: "plaster", walls: (floor: "carpet")),
@@ -36,13 +36,13 @@ fn numbers(of: &Value) -> Vec<f64> {
     all.map(|number| number.as_f64().unwrap()).collect()
 }
 
-/// Protects the report: a pair for each source and listener, all figures by band, the direct sound where nothing blocks
-/// it, levels of sources, and the same result in a second run.
+/// Protects the report: it has a pair for each source and listener, all figures by band, the direct sound if nothing
+/// blocks it, and the levels of the sources. A second run gives the same result.
 #[test]
 fn every_pair_is_told() {
     let folder = tempfile::tempdir().unwrap();
     let file = hall(folder.path());
-    // Behind a screen, late arrivals are counted within half a metre: this number of waves gives all bands a T20.
+    // Behind the wall, late arrivals are counted within half a metre. This number of waves gives a T20 in all bands.
     let call = ["impulse", &file, "--waves", "262144", "--seconds", "1.8"];
     let report: Value = json(&call);
     let pairs = report["pairs"].as_array().unwrap();
@@ -67,10 +67,10 @@ fn every_pair_is_told() {
         numbers(&near["bands_hz"]),
         [63.0, 125.0, 250.0, 500.0, 1e3, 2e3, 4e3, 8e3]
     );
-    // Higher bands are absorbed more: they decay faster.
+    // Higher bands are absorbed more, so they decay faster.
     let times = numbers(&near["t20_s"]);
     assert!(times[0] > 1.2 * times[7], "{times:?}");
-    // 5 m through the air: sqrt(3² + 0.2² + 4²) metres.
+    // The direct path has a length of sqrt(3² + 0.2² + 4²) metres, about 5 m.
     let direct = &near["direct"];
     let metres = (9.0_f64 + 0.04 + 16.0).sqrt();
     assert!((direct["delay_s"].as_f64().unwrap() - metres / 343.0).abs() < 1e-6);
@@ -80,11 +80,11 @@ fn every_pair_is_told() {
         direct["azimuth_deg"].as_f64() < Some(0.0),
         "the flute is to the left"
     );
-    // Behind the wall there are only echoes, without direct sound.
+    // Behind the wall there are echoes but no direct sound.
     assert!(behind["direct"].is_null());
     assert!(numbers(&behind["g_db"])[0] < numbers(&near["g_db"])[0]);
     assert!(!behind["paths"].as_array().unwrap().is_empty());
-    // 6 dB louder, with the same waves.
+    // The level is 6 dB higher, with the same waves.
     for (quiet, loud) in numbers(&near["g_db"])
         .into_iter()
         .zip(numbers(&louder["g_db"]))
@@ -105,8 +105,8 @@ fn every_pair_is_told() {
     assert_eq!(first, again);
 }
 
-/// Protects the files: channels and rate of the WAV, the time and level of its direct sound, the echogram's energy, a
-/// plot.
+/// Protects the files: the WAV file has the right channels, rate, and time and level of the direct sound; the echogram
+/// has the energy; the plot exists.
 #[test]
 fn files_hold_what_is_heard() {
     let folder = tempfile::tempdir().unwrap();
@@ -148,7 +148,7 @@ fn files_hold_what_is_heard() {
     };
     let (channels, mono) = call("mono");
     assert_eq!((channels, mono.len()), (1, 17_640));
-    // The direct sound comes first, an impulse of 1/r between two samples.
+    // The direct sound arrives first, as an impulse of amplitude 1/r between two samples.
     let metres = (9.0_f64 + 0.04 + 16.0).sqrt();
     let direct = metres / 343.0 * 44_100.0;
     let before = &mono[..direct as usize - 44];
@@ -186,7 +186,7 @@ fn files_hold_what_is_heard() {
     assert!(std::fs::read_to_string(&svg).unwrap().contains("<svg"));
 }
 
-/// Protects users who mistype something: exit code 2 and one sentence, and no file is written.
+/// Protects users who mistype arguments: the program exits with code 2, prints one sentence, and writes no file.
 #[test]
 fn what_cannot_be_is_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -219,8 +219,8 @@ fn what_cannot_be_is_refused() {
     assert!(!wav.exists());
 }
 
-/// Protects from sound through walls, from echoes that vanish, and from empty tables without an explanation: a source
-/// in a solid is not heard; a listener whose centre is in the shadow still hears what its sphere catches; a missing
+/// Protects against sound through walls, lost echoes, and empty tables without an explanation. A source inside a solid
+/// is not heard. A listener whose centre is in the shadow still receives the sound that reaches its sphere. A missing
 /// decay is reported.
 #[test]
 fn nothing_is_heard_through_walls_or_lost_in_silence() {
@@ -244,7 +244,7 @@ fn nothing_is_heard_through_walls_or_lost_in_silence() {
     assert!(report["pairs"][0]["direct"].is_null());
     assert_eq!(report["pairs"][0]["paths"], Value::Array(Vec::new()));
     assert_eq!(report["pairs"][0]["notes"][0], "nothing arrives");
-    // The upper edge of the box hides the centre but not the top of the sphere.
+    // The upper edge of the box hides the centre of the sphere but not its top.
     let behind = scene(
         "half.ron",
         "Surface(shape: Box(size: (1, 2, 40)), position: (0, -0.9, 0))",
@@ -262,8 +262,8 @@ fn nothing_is_heard_through_walls_or_lost_in_silence() {
     );
 }
 
-/// Protects the list of paths from those without energy, and a source in the listener's sphere from being given a
-/// point's level.
+/// Protects the list of paths: it contains no paths without energy. Also protects the level of a source inside the
+/// listener's sphere, which must not be that of a point.
 #[test]
 fn paths_that_bring_nothing_are_not_listed() {
     let folder = tempfile::tempdir().unwrap();
@@ -287,7 +287,7 @@ fn paths_that_bring_nothing_are_not_listed() {
     assert!(!notes.contains("focus"), "{notes}");
 }
 
-/// Protects the text: a table of bands and the exact paths in order.
+/// Protects the text output: a table of bands, and the exact paths in order.
 #[test]
 fn the_text_names_figures_and_paths() {
     let output = succeed(&["impulse", "shoebox", "--waves", "4096", "--seconds", "0.2"]);
@@ -305,7 +305,8 @@ fn the_text_names_figures_and_paths() {
     }
 }
 
-/// Protects files for other programs: sox reads channels, rate, length and samples of each format as they were written.
+/// Protects files for other programs: sox reads the same channels, rate, length and samples that were written, for each
+/// format.
 #[test]
 fn files_open_in_sox() {
     let folder = tempfile::tempdir().unwrap();
@@ -330,8 +331,8 @@ fn files_open_in_sox() {
     }
 }
 
-/// Protects people from mistaking a flutter echo for the room's reverberation: between hard parallel walls sound lasts
-/// longer, and the note on flutter names the walls and both times. Surfaces without a material are reported.
+/// Protects users from mistaking a flutter echo for the room's reverberation. Sound lasts longer between hard parallel
+/// walls, and the note on flutter contains the walls and both times. Surfaces without a material are reported.
 #[test]
 fn a_flutter_echo_is_told_with_its_walls() {
     let folder = tempfile::tempdir().unwrap();

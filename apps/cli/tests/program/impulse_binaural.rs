@@ -1,11 +1,10 @@
-//! `echomarch impulse --format binaural` as a user types it.
+//! `echomarch impulse --format binaural` on the command line.
 
 use crate::common::cli::{argument, refuse, succeed};
 use crate::common::sofa::{SofaFile, Variable};
 use std::path::Path;
 
-/// A source to the left of a listener in a dead room: only the direct sound, and echoes 20 dB below
-/// it.
+/// A source to the left of a listener in a strongly absorbing room: only the direct sound, and echoes 20 dB below it.
 const SCENE: &str = r#"Scene(
     surfaces: [Surface(shape: Room(size: (12, 5, 9)), material: "wall")],
     materials: {"wall": Material(absorption: 0.9)},
@@ -19,8 +18,8 @@ fn write(folder: &Path, name: &str, bytes: &[u8]) -> String {
     argument(&file).to_owned()
 }
 
-/// Protects the file: two channels at the requested rate, the left ear earlier and louder for a
-/// source to the left, as given by the SOFA file, and the same result in a second run.
+/// Protects the WAV file: it has two channels at the requested rate. For a source at the left, the sound at the left
+/// ear is earlier and louder, as the SOFA file specifies. A second run gives the same result.
 #[test]
 fn the_near_ear_hears_first_and_more() {
     let folder = tempfile::tempdir().unwrap();
@@ -49,19 +48,19 @@ fn the_near_ear_hears_first_and_more() {
             let at = (0..channel.len()).max_by(by_size).unwrap();
             (at as f64 / hertz, f64::from(channel[at]))
         });
-        // 3 m; the file has its impulses 12 samples at 48 kHz before and after the mean.
+        // The distance is 3 m. The impulses of the SOFA file are 12 samples at 48 kHz before and after the mean.
         let expected = |late: f64| 3.0 / 343.0 + late / 48e3;
         assert!((ears[0].0 - expected(-12.0)).abs() < 30e-6, "{ears:?}");
         assert!((ears[1].0 - expected(12.0)).abs() < 30e-6, "{ears:?}");
-        // Their levels are 1 − 12/64 and 1 − 36/64; a peak between samples is a little lower.
+        // The levels are 1 − 12/64 and 1 − 36/64. A peak between two samples is slightly lower.
         assert!((ears[0].1 * 3.0 / 0.8125 - 1.0).abs() < 0.2, "{ears:?}");
         assert!((ears[1].1 * 3.0 / 0.4375 - 1.0).abs() < 0.2, "{ears:?}");
     }
     assert!(made("48000") == made("48000"));
 }
 
-/// Protects users who mistype something, or give a file that is not SOFA: exit code 2, one
-/// sentence, and no WAV file.
+/// Protects users who mistype arguments or give a file that is not a SOFA file: the program exits with code 2, prints
+/// one sentence, and writes no WAV file.
 #[test]
 fn bad_sofa_files_are_refused() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Runs ended by a signal leave no files.
+//! Runs that a signal ends leave no files.
 #![cfg(unix)]
 
 use crate::common::cli::{command, contents};
@@ -37,8 +37,8 @@ fn interrupt(signal: &str, number: i32, arguments: &[&str]) {
     assert!(left.is_empty(), "{signal}: {:?}", left.keys());
 }
 
-/// Protects folders from leftovers of interrupted runs: interrupted from the terminal, by a
-/// program, or by a closed terminal.
+/// Protects folders from leftovers of runs that are interrupted by the terminal, by another program, or by closing the
+/// terminal.
 #[test]
 fn an_interrupted_run_leaves_nothing() {
     let render = ["render", "corner", "-o", "o.wav", "--seconds", "9000"];
@@ -56,7 +56,7 @@ fn an_interrupted_run_leaves_nothing() {
         interrupt(signal, number, &render);
     }
     interrupt("TERM", 15, &dump);
-    // `nohup` asks the program to continue.
+    // With `nohup`, this test process ignores SIGHUP, and the program must then continue.
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
     let ignored = ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
@@ -65,7 +65,7 @@ fn an_interrupted_run_leaves_nothing() {
     }
 }
 
-/// Protects the window's files: when interrupted, it ends as if it had been closed.
+/// Protects the window's files: an interrupted window closes normally.
 #[cfg(feature = "demo")]
 #[test]
 fn an_interrupted_window_is_closed() {

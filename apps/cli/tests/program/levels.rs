@@ -1,4 +1,4 @@
-//! `echomarch trace --levels`, and the scenes made for listening.
+//! `echomarch trace --levels`, and the scenes made for full listening.
 
 use crate::common::cli::{json, refuse, stdout, succeed};
 use serde_json::Value;
@@ -20,8 +20,8 @@ fn levels(arguments: &[&str]) -> Vec<Value> {
     report["levels"].as_array().unwrap().clone()
 }
 
-/// Protects levels: whether a source is heard, its level, delay and direction; shut doors silence what is beyond them,
-/// and open doors let it be heard again, from the direction of the door.
+/// Protects levels: whether a source is heard, its level, delay and direction. A closed door silences the source behind
+/// it. An open door makes the source audible, from the direction of the door.
 #[test]
 fn doors_open_and_close_what_is_heard() {
     let corridor = scene("corridor");
@@ -40,7 +40,7 @@ fn doors_open_and_close_what_is_heard() {
     assert!(azimuth < 30.0, "{azimuth}");
     let one_sided = between["one_sided"].as_f64().unwrap();
     assert!((0.1..=1.0).contains(&one_sided), "{one_sided}");
-    // 10 m through the air at 20 °C.
+    // The sound travels 10 m through air at 20 °C.
     let delay_ms = 1e3 * between["delay_s"].as_f64().unwrap();
     assert!((29.0..31.0).contains(&delay_ms), "{delay_ms}");
     let shut = levels(&[&corridor, "--set", "second-door=0"]);
@@ -52,7 +52,7 @@ fn doors_open_and_close_what_is_heard() {
     assert!(g_db(&ajar[0]) < g_db(between));
 }
 
-/// Protects the text output, and frames for the balance alone, which print no levels.
+/// Protects the text output. Without `--levels`, no levels are printed.
 #[test]
 fn levels_are_told_where_they_are_asked_for() {
     let output = succeed(&["trace", "corner", "--levels", "--waves", "4096"]);
@@ -67,8 +67,8 @@ fn levels_are_told_where_they_are_asked_for() {
     );
 }
 
-/// Protects the hall: every pair is heard, the louder source is louder, and the seats under the balcony hear it later
-/// than those at the front.
+/// Protects the hall scene: every pair is heard, the louder source is louder, and the seats under the balcony hear the
+/// sound later than those at the front.
 #[test]
 fn a_hall_is_heard_in_every_seat() {
     let hall = levels(&[&scene("hall")]);

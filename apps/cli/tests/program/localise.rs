@@ -1,5 +1,5 @@
-//! Localisation: the observer's error in the open and in rooms, its report, and the contents of the
-//! form for people.
+//! Localisation: the error of the observer model in the open and in rooms, its report, and the contents of the form for
+//! people.
 
 use crate::common::cli::{argument, json, refuse, stdout, succeed};
 use crate::common::{Random, builtin, mirrored, tracer};
@@ -25,7 +25,7 @@ fn sound(name: &str) -> LoadedSound {
 /// Azimuths of the source in the open, in degrees.
 const AZIMUTHS: [f64; 7] = [-80.0, -50.0, -20.0, 0.0, 30.0, 60.0, 80.0];
 
-/// The median error of three frames in the open, by azimuth and over all, in degrees.
+/// The median error of three frames in the open, for each azimuth and over all azimuths, in degrees.
 fn errors_in(
     field: &Scene,
     settings: &Settings,
@@ -48,9 +48,9 @@ fn errors_in(
     (medians, median(all))
 }
 
-/// Protects the acceptance criterion of the observer: with 65,536 waves of the default profile and
-/// the direct path alone (1 iteration) the median error in the open is below 5°, for every sound,
-/// and for each single azimuth too.
+/// Protects the acceptance criterion of the observer model. With 65,536 waves of the default profile and only the
+/// direct path (1 iteration), the median error in the open is below 5° for every sound. The same holds for each single
+/// azimuth.
 #[test]
 fn by_the_straight_way_a_source_in_the_open_is_found_to_less_than_5_degrees() {
     let field = builtin("open-field");
@@ -67,8 +67,8 @@ fn by_the_straight_way_a_source_in_the_open_is_found_to_less_than_5_degrees() {
     }
 }
 
-/// Protects the same criterion with the default 8 iterations, in a field without a ground: only the
-/// ground makes it fail, not the iterations.
+/// Protects the same criterion with the default 8 iterations, in a field without a ground. It shows that the ground
+/// causes the failure of the criterion, and not the iterations.
 #[test]
 fn without_a_ground_the_defaults_find_a_source_to_less_than_5_degrees() {
     let field = without_ground(&builtin("open-field"));
@@ -80,10 +80,9 @@ fn without_a_ground_the_defaults_find_a_source_to_less_than_5_degrees() {
     assert!(all < 1.5, "{all}");
 }
 
-/// Protects the documented effect of the ground: heard with the default 8 iterations, it pulls the
-/// answers to the middle, so that the criterion of 5° is *not* met. The median over these azimuths
-/// is 6.7°, 19° at ±80°; the seeds scatter by 0.6°, so bounds one and two degrees above are not
-/// exceeded by chance.
+/// Protects the documented effect of the ground: with the default 8 iterations, reflections from the ground pull the
+/// answers to the middle, so that the criterion of 5° is *not* met. The median over these azimuths is 6.7°, and 19° at
+/// ±80°. The seeds scatter by 0.6°, so bounds one and two degrees above these values are not exceeded by chance.
 #[test]
 fn with_the_ground_heard_the_error_in_the_open_is_bounded() {
     let field = builtin("open-field");
@@ -95,7 +94,8 @@ fn with_the_ground_heard_the_error_in_the_open_is_bounded() {
     }
 }
 
-/// A source behind has the levels of one ahead: the observer answers in front, and states so.
+/// A source behind the listener has the levels of a source in front. The observer model cannot tell them apart, and
+/// answers in front.
 #[test]
 fn behind_is_answered_as_in_front() {
     let scene = source_at(&builtin("open-field"), 150.0, 5.0);
@@ -107,8 +107,8 @@ fn behind_is_answered_as_in_front() {
     assert!((answer - 30.0).abs() < 3.0, "{answer}");
 }
 
-/// True directions and answers have the same handedness. The start directions are not mirrored with
-/// the scene: 262,144 waves give the same answer to about a degree.
+/// True directions and answers have the same handedness. The start directions are not mirrored with the scene, but
+/// 262,144 waves give the same answer to about a degree.
 #[test]
 fn mirrored_rooms_are_answered_mirrored() {
     let mut tracer = tracer();
@@ -126,9 +126,9 @@ fn mirrored_rooms_are_answered_mirrored() {
     }
 }
 
-/// Protects the meaning of `limit`: the converged panning of `hybrid` is that of exact waves in
-/// double precision with other start directions. The allowance is four standard errors of the
-/// exact waves' mean side, about 0.6 ÷ √heard.
+/// Protects the meaning of `limit`: the converged panning of `hybrid` equals that of exact waves in double precision
+/// with other start directions. The tolerance is four standard errors of the exact waves' mean side, about 0.6 ÷
+/// √(heard waves).
 #[test]
 fn the_converged_panning_is_that_of_exact_waves() {
     const ITERATIONS: u32 = 8;
@@ -176,7 +176,7 @@ fn report() -> LocaliseReport {
     report.unwrap()
 }
 
-/// Checks one run and all of its output: sums, intervals, plateaus, files.
+/// Checks one run and all of its output: sums, confidence intervals, plateaus, files.
 #[test]
 fn a_report_adds_up_and_becomes_csv_markdown_and_svg() {
     let report = report();
@@ -211,8 +211,8 @@ fn a_report_adds_up_and_becomes_csv_markdown_and_svg() {
         (None, None, None)
     );
 
-    // Two scenes, two sounds, three profiles; three counts of waves at two of iterations, and two
-    // medians and a spread.
+    // There are two scenes, two sounds and three profiles, each with two numbers of iterations. For each of these there
+    // are three plateaus over the number of waves: two of medians and one of a spread.
     assert_eq!(report.plateaus.len(), 2 * 2 * 3 * 2 * 3);
     let nothing = report.plateaus.iter().find(|plateau| {
         plateau.scene == "obstacles" && plateau.profile == "thesis" && plateau.fixed == 4
@@ -221,7 +221,7 @@ fn a_report_adds_up_and_becomes_csv_markdown_and_svg() {
     check_files(&report);
 }
 
-/// The texts and the picture contain the report's data.
+/// The texts and the plot contain the report's data.
 fn check_files(report: &LocaliseReport) {
     let mut csv = Vec::new();
     report.table().write_csv(&mut csv).unwrap();
@@ -250,7 +250,7 @@ fn check_files(report: &LocaliseReport) {
     assert!(svg.contains("rough interval"));
 }
 
-/// Intervals contain their figures, and the interval of two seeds is marked as rough.
+/// Confidence intervals contain their figures, and the interval of two seeds is marked as rough.
 fn check_figures(error: &ErrorFigures) {
     assert!(error.rough);
     for figure in [error.median_abs, error.bias] {
@@ -260,8 +260,8 @@ fn check_figures(error: &ErrorFigures) {
     }
 }
 
-/// In the open, knowing the distance helps, and ahead, behind and above get the same answer
-/// wherever only the direct path is heard.
+/// In the open, a known distance reduces the error. Sources in front, behind and above get the same answer if only the
+/// direct path is heard.
 fn check_open(report: &LocaliseReport) {
     for open in &report.open {
         let (told, blind) = (open.all.unwrap(), open.blind.unwrap());
@@ -286,7 +286,8 @@ fn check_open(report: &LocaliseReport) {
     }
 }
 
-/// The thesis' profile hears nothing where its own tables state so; the default profile does.
+/// The profile `thesis` hears no wave in the cases in which the thesis' own tables have none. The default profile does
+/// hear waves.
 #[test]
 fn in_obstacles_the_thesis_hears_next_to_nothing() {
     let mut tracer = tracer();
@@ -301,8 +302,7 @@ fn in_obstacles_the_thesis_hears_next_to_nothing() {
     assert!(thesis > 0 && hybrid > 5 * thesis, "{thesis}, {hybrid}");
 }
 
-/// The program's run writes the files that it names, and refuses impossible requests before it
-/// begins.
+/// The subcommand `run` writes the files that it prints, and refuses impossible requests before it begins.
 #[test]
 fn the_program_runs_the_observer() {
     let folder = tempfile::tempdir().unwrap();
@@ -330,8 +330,8 @@ fn the_program_runs_the_observer() {
     let file = |ending: &str| {
         fs::read_to_string(folder.path().join(format!("localise.{ending}"))).unwrap()
     };
-    // Three cases in the open with 17 azimuths and 3 directions that sound alike, then each count of
-    // waves once.
+    // The rows are three cases in the open, each with 17 azimuths and 3 directions with equal levels, then one row for
+    // each of the two numbers of waves.
     assert_eq!(file("csv").lines().count(), 1 + 3 * (17 + 3) + 2);
     let report: Value = serde_json::from_str(&file("json")).unwrap();
     let cells = report["scenes"][0]["cells"].as_array().unwrap();
@@ -381,7 +381,7 @@ fn write_form(folder: &Path, seed: &str, sounds: &str) -> Value {
     ])
 }
 
-/// Returns the order of the stimuli, without the seed's effect on the waves.
+/// Returns the order of the stimuli, independent of the seed's effect on the waves.
 fn order(form: &Value) -> Vec<(String, String)> {
     let trials = form["trials"].as_array().unwrap().iter();
     let of = |trial: &Value| {
@@ -394,7 +394,7 @@ fn order(form: &Value) -> Vec<(String, String)> {
     trials.map(of).collect()
 }
 
-/// The order depends only on the seed; all files exist; no file is ever replaced.
+/// The order depends only on the seed, all files exist, and no file is ever replaced.
 #[test]
 fn a_form_is_shuffled_by_its_seed_and_replaces_nothing() {
     let folder = tempfile::tempdir().unwrap();
@@ -421,7 +421,7 @@ fn a_form_is_shuffled_by_its_seed_and_replaces_nothing() {
     }
     let page = fs::read(at("first").join("form.html")).unwrap();
     let text = String::from_utf8(page.clone()).unwrap();
-    // The only address is the name of SVG, which is never fetched.
+    // The only URL is the SVG namespace, which is never fetched.
     let addresses = text.replace("http://www.w3.org/2000/svg", "");
     for scheme in ["http:", "https:", "src=\"//", "href=\"//"] {
         assert!(!addresses.contains(scheme), "no network, but {scheme}");

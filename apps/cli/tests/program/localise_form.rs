@@ -1,5 +1,5 @@
-//! The form for people, filled in by a headless browser: played, answered, interrupted, resumed,
-//! saved, and scored.
+//! The form for people, filled in by a headless browser: sounds are played, answers given, and sessions interrupted,
+//! resumed, saved, and scored.
 
 use crate::common::cli::{argument, json, succeed};
 use crate::webdriver::{Browser, Driver};
@@ -10,10 +10,10 @@ use tempfile::TempDir;
 
 const TRIALS: usize = 3;
 
-/// The order that seed 7 gives to three trials in a form of seed 7; seed 8 gives 2, 1, 3.
+/// The order that order seed 7 gives to the three trials of this form. Order seed 8 gives 2, 1, 3.
 const ORDER_OF_7: [u32; 3] = [1, 3, 2];
 
-/// WebDriver's codes of these keys.
+/// WebDriver's codes for these keys.
 const TAB: char = '\u{E004}';
 const ENTER: char = '\u{E007}';
 const RIGHT: char = '\u{E014}';
@@ -23,7 +23,7 @@ fn form(folder: &Path) -> PathBuf {
     form_with(folder, &[])
 }
 
-/// A form of three trials, with more options.
+/// A form of three trials, with additional options.
 fn form_with(folder: &Path, more: &[&str]) -> PathBuf {
     let fixed = [
         "localise",
@@ -47,14 +47,14 @@ fn form_with(folder: &Path, more: &[&str]) -> PathBuf {
     folder.join("form.html")
 }
 
-/// A form in a folder of its own, and the driver that opens browsers.
+/// A form in a new folder, and the driver that opens browsers.
 fn form_and_driver() -> (TempDir, PathBuf, Driver) {
     let folder = tempfile::tempdir().unwrap();
     let page = form(&folder.path().join("form"));
     (folder, page, Driver::start())
 }
 
-/// Clicks the given number of pixels from the listener, whose position on the plan depends on its facing.
+/// Clicks at the given offset in pixels from the listener, whose position on the plan depends on its facing direction.
 fn click_beside(browser: &Browser, right: i32, down: i32) {
     let from_the_middle = "const plan = document.getElementById('plan');\
          const at = plan.getScreenCTM(), box = plan.getBoundingClientRect();\
@@ -64,7 +64,7 @@ fn click_beside(browser: &Browser, right: i32, down: i32) {
     browser.click_at("#plan", pixels(0) + right, pixels(1) + down);
 }
 
-/// Answers the current trial with a click the given number of pixels from the listener.
+/// Answers the current trial with a click at the given offset in pixels from the listener.
 fn answer(browser: &Browser, right: i32, down: i32, side: &str, confidence: u32) {
     browser.wait_for("#lock", "Lock the answer");
     let disabled = "return document.getElementById('lock').disabled";
@@ -78,7 +78,7 @@ fn answer(browser: &Browser, right: i32, down: i32, side: &str, confidence: u32)
     browser.click("#lock");
 }
 
-/// Saves, and waits for the new file.
+/// Saves the answers and waits for the new file.
 fn save(browser: &Browser, downloads: &Path) -> PathBuf {
     let saved = || -> Vec<PathBuf> {
         let entries = fs::read_dir(downloads).unwrap().map(|e| e.unwrap().path());
@@ -92,7 +92,7 @@ fn save(browser: &Browser, downloads: &Path) -> PathBuf {
     loop {
         let new = saved().into_iter().find(|path| !before.contains(path));
         if let Some(new) = new.filter(|path| is_complete(path)) {
-            // A copy: a browser that ends before it considers its file saved deletes that file.
+            // Keeps a copy, because a browser deletes a download if it ends before it considers the download complete.
             let kept = new.with_extension("kept");
             fs::copy(&new, &kept).unwrap();
             return kept;
@@ -105,7 +105,7 @@ fn save(browser: &Browser, downloads: &Path) -> PathBuf {
     }
 }
 
-/// Whether the browser has written all of a file: it creates an empty one of that name first.
+/// Whether the browser has written the whole file. The browser first creates an empty file with that name.
 fn is_complete(path: &Path) -> bool {
     let text = fs::read_to_string(path).unwrap_or_default();
     serde_json::from_str::<serde_json::Value>(&text).is_ok()
@@ -123,7 +123,7 @@ fn answer_the_first(browser: &Browser) {
     browser.wait_for("#number", "Sound 2 of 3");
 }
 
-/// Answers one trial, looks back at it, and saves.
+/// Answers one trial, goes back to it, and saves.
 fn begin(browser: &Browser, page: &Path, downloads: &Path) -> PathBuf {
     browser.go(page);
     assert_eq!(browser.text("#count"), TRIALS.to_string());
@@ -132,7 +132,7 @@ fn begin(browser: &Browser, page: &Path, downloads: &Path) -> PathBuf {
     browser.wait_for("#number", "Sound 1 of 3");
     answer(browser, 90, 0, "right", 4);
     browser.wait_for("#number", "Sound 2 of 3");
-    // Looking back shows the answer and allows no changes.
+    // Going back shows the answer but does not allow changes.
     browser.click("#back");
     browser.wait_for("#missing", "locked");
     click_beside(browser, -90, 0);
@@ -147,7 +147,7 @@ fn begin(browser: &Browser, page: &Path, downloads: &Path) -> PathBuf {
     file
 }
 
-/// Continues where [`begin`] stopped, to the end, and saves.
+/// Resumes the session that [`begin`] started, completes it, and saves.
 fn go_on(browser: &Browser, page: &Path, downloads: &Path) -> PathBuf {
     browser.go(page);
     assert!(browser.text("#sessions").contains("p1, begun"));
@@ -160,8 +160,8 @@ fn go_on(browser: &Browser, page: &Path, downloads: &Path) -> PathBuf {
     save(browser, downloads)
 }
 
-/// Protects a session from the first sound to the score, with a break: no answer is lost or
-/// changed, and no network request is made.
+/// Protects a session from the first sound to the score, with an interruption: no answer is lost or changed, and the
+/// page makes no network request.
 #[test]
 fn a_session_is_answered_broken_off_taken_up_and_scored() {
     let folder = tempfile::tempdir().unwrap();
@@ -178,7 +178,7 @@ fn a_session_is_answered_broken_off_taken_up_and_scored() {
     assert_eq!(found["sessions"][0]["participant"], "p1");
     assert!(found["notes"][0].as_str().unwrap().contains("interrupted"));
 
-    // The same browser, later.
+    // The session is resumed in the same browser.
     let whole = go_on(&driver.open(&home, &downloads), &page, &downloads);
     assert_ne!(first, whole);
     assert!(first.exists(), "saving keeps older files");
@@ -187,7 +187,7 @@ fn a_session_is_answered_broken_off_taken_up_and_scored() {
     assert_eq!(found["sessions"][0]["answered"], 3);
     assert_eq!(found["groups"][0]["answers"], 3);
 
-    // Another browser, with the first file.
+    // The session is resumed in another browser, with the first file.
     let browser = driver.open(&at("elsewhere"), &downloads);
     browser.go(&page);
     browser.type_into("#load", argument(&first));
@@ -207,7 +207,7 @@ fn file_of(path: &Path) -> serde_json::Value {
     serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap()
 }
 
-/// Whether the page asks before it is closed.
+/// Whether the page asks for confirmation before it closes.
 fn asks_before_closing(browser: &Browser) -> serde_json::Value {
     browser.run(
         "const event = new Event('beforeunload', { cancelable: true });\
@@ -215,7 +215,7 @@ fn asks_before_closing(browser: &Browser) -> serde_json::Value {
     )
 }
 
-/// Protects the entries of a trial that is not locked yet: they survive looking back and a reload.
+/// Protects the entries of a trial that is not locked yet: they survive going back and a reload.
 #[test]
 fn what_is_not_locked_yet_is_kept() {
     let (folder, page, driver) = form_and_driver();
@@ -250,8 +250,8 @@ fn what_is_not_locked_yet_is_kept() {
     assert_eq!(browser.errors(), Vec::<String>::new());
 }
 
-/// Protects users without a mouse: every trial can be answered by keys alone, and the page asks
-/// before a whole session is lost.
+/// Protects users without a mouse: every trial can be answered with the keyboard alone. The page asks for confirmation
+/// before a complete session would be lost.
 #[test]
 fn the_keyboard_is_enough() {
     let (folder, page, driver) = form_and_driver();
@@ -264,7 +264,7 @@ fn the_keyboard_is_enough() {
         assert_eq!(browser.run(focus), "play");
         browser.press(" ");
         browser.wait_for("#plays", "played 1 time");
-        // The first choice of each group, then the plan.
+        // Tab moves to the first choice of each group, then to the plan.
         browser.press(&format!("{TAB} {TAB} {TAB}"));
         assert_eq!(browser.run(focus), "plan");
         browser.press(&RIGHT.to_string());
@@ -273,7 +273,7 @@ fn the_keyboard_is_enough() {
         let missing = browser.text("#missing");
         assert!(missing.contains("beside yourself"), "{missing}");
         browser.press(&RIGHT.to_string());
-        // Past the controls for looking back.
+        // Tab moves past the controls for going back.
         for _ in 0..3 {
             if browser.run(focus) != "lock" {
                 browser.press(&TAB.to_string());
@@ -302,8 +302,8 @@ fn the_keyboard_is_enough() {
     }
 }
 
-/// Protects answers that only the page has: if the browser cannot store them, the page says so and
-/// asks before it is closed, until they are saved.
+/// Protects answers that exist only on the page: if the browser cannot store them, the page shows a warning and asks
+/// for confirmation before it closes, until they are saved.
 #[test]
 fn a_browser_that_keeps_nothing_is_told_of() {
     let (folder, page, driver) = form_and_driver();
@@ -321,7 +321,7 @@ fn a_browser_that_keeps_nothing_is_told_of() {
     assert_eq!(score(&[&file])["sessions"][0]["answered"], 1);
 }
 
-/// Protects studies from one order for all people: every session has its own, and saves it.
+/// Protects studies from having the same order for all people: every session has its own order and saves it.
 #[test]
 fn each_person_has_an_order_of_their_own() {
     let (folder, page, driver) = form_and_driver();
@@ -336,7 +336,7 @@ fn each_person_has_an_order_of_their_own() {
         assert!(file["order_seed"].is_u64(), "{}", file["order_seed"]);
         orders.push(order);
     }
-    // Twelve sessions draw from six orders: all draw the same one once in 300 million.
+    // Twelve sessions draw from six orders. The probability that all draw the same order is 1 in 300 million.
     assert!(orders.iter().any(|order| *order != orders[0]));
 }
 
@@ -348,9 +348,9 @@ fn begin_and_save(browser: &Browser, page: &Path, downloads: &Path) -> serde_jso
     file_of(&save(browser, downloads))
 }
 
-/// Protects an order that must be reproduced: the seed gives it in every session, on every machine,
-/// and is stored in the form's file and in the answers. A file whose order does not match its seed
-/// is refused; one from before seeds were saved is resumed.
+/// Protects an order that must be reproduced: a seed gives the same order in every session and on every machine, and is
+/// stored in the form's file and in the answers. A file whose order does not match its seed is refused. A file without
+/// a seed, as older forms saved it, is resumed.
 #[test]
 fn an_order_seed_gives_one_order_to_all_sessions() {
     let folder = tempfile::tempdir().unwrap();
@@ -382,12 +382,12 @@ fn an_order_seed_gives_one_order_to_all_sessions() {
     assert_eq!(browser.errors(), Vec::<String>::new());
 }
 
-/// Protects large forms: their separate sound files are 16-bit WAV files, which every browser
-/// plays, and the page plays them.
+/// Protects large forms: their separate sound files are 16-bit WAV files, which every browser can play, and the page
+/// plays them.
 #[test]
 fn a_large_form_plays_the_sounds_beside_it() {
     let folder = tempfile::tempdir().unwrap();
-    // Nine trials of a minute are 99 MiB of sound.
+    // Nine trials of one minute are 99 MiB of sound.
     let at = folder.path().join("form");
     succeed(&[
         "localise",
@@ -426,7 +426,7 @@ fn a_file_of_another_kind_is_not_taken_up() {
     let (folder, page, driver) = form_and_driver();
     let browser = driver.open(&folder.path().join("home"), folder.path());
     browser.go(&page);
-    // A complete file, and possible errors in it.
+    // A complete file, and variants of it with one error each.
     answer_the_first(&browser);
     let whole = file_of(&save(&browser, folder.path()));
     let number = whole["order"][0].as_u64().unwrap() - 1;

@@ -1,5 +1,5 @@
-//! The score of people's answers: figures that can be checked by hand, files of one session, and
-//! files that are refused.
+//! The score of people's answers: figures that can be checked by hand, several files of one session, and files that are
+//! refused.
 
 use crate::answers::{answer_file, trial};
 use crate::common::cli::{argument, json, refuse, stdout, succeed};
@@ -7,8 +7,8 @@ use serde_json::{Value, json};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// An answer file as the form saves it: `given` of three trials are answered, to the left, ahead
-/// and right.
+/// An answer file in the format of the form. The first `given` of three trials are answered; the sources are at the
+/// left, ahead and at the right.
 fn answers(session: &str, given: usize) -> Value {
     let trials = [(-48.0, -40.0), (0.0, 170.0), (48.0, -20.0)];
     let of = |(index, (truth, clicked)): (usize, (f64, f64))| {
@@ -27,21 +27,21 @@ fn write(folder: &Path, name: &str, text: &Value) -> PathBuf {
     path
 }
 
-/// The score of answers whose figures can be checked by hand.
+/// Checks the score of answers whose figures can be computed by hand.
 #[test]
 fn answers_are_scored() {
     let folder = tempfile::tempdir().unwrap();
     let whole = write(folder.path(), "whole.json", &answers("a", 3));
     let report = json(&["localise", "score", argument(&whole)]);
     let all = &report["groups"][0];
-    // Folded, the clicks are at -40, 10 and -20: 8, 10 and 68 degrees off.
+    // After folding to the front, the clicks are at -40, 10 and -20 degrees: their errors are 8, 10 and 68 degrees.
     assert_eq!((&all["answers"], &all["scene"]), (&json!(3), &json!("")));
     let median = all["source"]["median_abs"]["deg"].as_f64().unwrap();
     assert!((median - 10.0).abs() < 1e-6, "{median}");
     assert_eq!(all["confusion"], json!([[1, 0, 0], [0, 0, 1], [1, 0, 0]]));
     let behind = all["clicked_behind"].as_f64().unwrap();
     assert!((behind - 1.0 / 3.0).abs() < 1e-9);
-    // One person: no interval, for any number of answers.
+    // One person gives no confidence interval, for any number of answers.
     assert_eq!(all["people"], 1);
     assert_eq!(all["source"]["median_abs"]["interval_deg"], Value::Null);
     assert_eq!(report["groups"][1]["scene"], "corner");
@@ -64,8 +64,8 @@ fn answers_are_scored() {
     assert!(stdout(&help).contains("Examples:"));
 }
 
-/// Protects intervals: they are based on people, not answers. Five people give one, however few
-/// answers each has, and one person in five sessions does not.
+/// Protects confidence intervals: they are based on people, not on answers. Five people give an interval, however few
+/// answers each has. One person in five sessions gives none.
 #[test]
 fn intervals_are_those_of_people() {
     let folder = tempfile::tempdir().unwrap();
@@ -97,8 +97,8 @@ fn intervals_are_those_of_people() {
     assert_eq!(one["source"]["bias"]["interval_deg"], Value::Null);
 }
 
-/// Protects figures from silent sounds, and from pooling different kinds: another law is a separate
-/// group, another form is noted.
+/// Protects figures from silent sounds and from pooling different kinds of trials: another panning law is a separate
+/// group, and another form causes a note.
 #[test]
 fn silence_laws_and_forms_are_told_apart() {
     let folder = tempfile::tempdir().unwrap();
@@ -132,8 +132,8 @@ fn silence_laws_and_forms_are_told_apart() {
     assert!(notes.contains("2 different forms"), "{notes}");
 }
 
-/// An interrupted session counts with the answers it has, files of one session count once, and an
-/// empty one is reported.
+/// An interrupted session counts with its existing answers, several files of one session count once, and an empty
+/// session is reported.
 #[test]
 fn broken_off_sessions_are_scored_and_merged() {
     let folder = tempfile::tempdir().unwrap();
@@ -221,7 +221,7 @@ fn wrong() -> Vec<(Value, &'static str)> {
     ]
 }
 
-/// Any error in a file is reported in a sentence with its name, and exit code 2.
+/// Any error in a file is reported in a sentence that contains the file name. The exit code is 2.
 #[test]
 fn bad_answers_are_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -236,7 +236,7 @@ fn bad_answers_are_refused() {
     let text = answers("a", 3).to_string();
     fs::write(&cut, &text[..text.len() / 2]).unwrap();
     refuse(&["localise", "score", argument(&cut)], "cut.json");
-    // Locked answers never change: of two files that differ, one is wrong.
+    // Locked answers never change, so one of two files with different answers is wrong.
     let one = write(folder.path(), "one.json", &answers("a", 3));
     let other = changed("/trials/0/answer/confidence", json!(5));
     let other = write(folder.path(), "two.json", &other);

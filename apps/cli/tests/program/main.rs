@@ -1,4 +1,4 @@
-//! The program as a user uses it: commands, untrusted files, the form, the window.
+//! Tests of the program: commands, untrusted files, the form, the window.
 
 mod common;
 

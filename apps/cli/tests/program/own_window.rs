@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::process::Command;
 
 /// Protects `apps/window/examples/own_window.rs`: a window of winit and glutin draws pictures, and traces frames of
-/// waves between them.
+/// waves between the pictures.
 #[test]
 fn a_game_traces_waves_on_its_own_context() {
     let display = Display::new();
@@ -27,8 +27,8 @@ fn a_game_traces_waves_on_its_own_context() {
     assert!(frames.is_some_and(|frames| frames > 0), "{out}");
 }
 
-/// Builds the example beside this test, and returns its path. The features are those of the whole workspace, as in
-/// `scripts/test.sh`, so that no package is compiled for it alone.
+/// Builds the example and returns its path. The features are those of the whole workspace, as in `scripts/test.sh`, so
+/// that no package is compiled again for the example.
 fn built() -> PathBuf {
     let test = std::env::current_exe().unwrap();
     let profile = test.ancestors().nth(2).unwrap();

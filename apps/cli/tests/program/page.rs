@@ -1,7 +1,7 @@
-//! The page of `apps/page`, in a headless browser whose WebGL is a software renderer: counts against the
+//! The page of `apps/page` in a headless browser whose WebGL is a software renderer: counts compared with the
 //! program's, sound, keys, links, and invalid texts.
 //!
-//! `scripts/browser-test.sh` builds the page and runs these tests; otherwise they are skipped, because the build needs
+//! `scripts/browser-test.sh` builds the page and runs these tests. Otherwise they are skipped, because the build needs
 //! another compiler target.
 
 mod sound;
@@ -16,23 +16,23 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
-/// Longest wait before a test gives up: no machine is this slow.
+/// Maximum wait before a test fails. It exceeds the time that any machine needs.
 const TIMEOUT: Duration = Duration::from_secs(300);
 
-/// Largest difference of a count of 65,536 waves between two renderers. Their roundings differ, so that some 120 waves
-/// (in `cave`, docs/portability.md) end elsewhere. A count's gains and losses from these nearly cancel: √120 is 11.
+/// Maximum difference of a count of 65,536 waves between two renderers. Their rounding differs, so that about 120 waves
+/// (in `cave`, docs/portability.md) end elsewhere. Gains and losses of a count nearly cancel: √120 is 11.
 const MAY_DIFFER: u64 = 16;
 
-/// SwiftShader, which Chromium includes, and a clock instead of a sound card; sound may start without a click.
+/// SwiftShader, which Chromium includes, and a clock instead of a sound card. The sound may start without a click.
 const FLAGS: [&str; 3] = [
     "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",
     "--autoplay-policy=no-user-gesture-required",
 ];
 
-/// A file server for the page, and a driver of browsers that show it.
+/// A file server for the page, and a WebDriver that opens browsers.
 struct Stage {
-    // In the order in which they are dropped.
+    // Fields are dropped in declaration order.
     server: Child,
     driver: Driver,
     address: String,
@@ -95,7 +95,7 @@ impl Stage {
     }
 }
 
-/// Runs a test on a page in a browser that supports it; the console must show no errors.
+/// Runs a test on the page in a browser that supports it. The console must contain no errors.
 fn on_page(test: impl FnOnce(&Stage, &Browser)) {
     let stage = Stage::new();
     let browser = stage.open_with(&FLAGS);
@@ -103,7 +103,7 @@ fn on_page(test: impl FnOnce(&Stage, &Browser)) {
     assert_eq!(browser.errors(), Vec::<String>::new());
 }
 
-/// Waits until `script`, a function's body, returns true; returns the time it took.
+/// Waits until `script`, the body of a function, returns true. Returns the time that it took.
 fn wait(browser: &Browser, script: &str) -> Duration {
     let began = Instant::now();
     while browser.run(script) != Value::Bool(true) {
@@ -128,7 +128,7 @@ fn counts_of_program(scene: &str) -> [u64; 3] {
     ["listener_hits", "dead", "travelling"].map(|name| told[name].as_u64().unwrap())
 }
 
-/// Returns the values of the page's controls.
+/// Returns the selected values of the page's controls.
 fn chosen(browser: &Browser) -> Value {
     browser.run(
         "return ['scene', 'profile', 'waves', 'iterations', 'listen', 'sound', 'volume']\
@@ -146,7 +146,7 @@ fn write_text(browser: &Browser, text: &str) {
     browser.run(&script);
 }
 
-/// Escapes a text for a link.
+/// Percent-encodes a text for a link.
 fn escaped(text: &str) -> String {
     let mut escaped = String::new();
     for byte in text.bytes() {
@@ -155,7 +155,7 @@ fn escaped(text: &str) -> String {
     escaped
 }
 
-/// A room with 64 balls, which lie in cells.
+/// A room with 64 balls, which are stored in cells.
 fn many_balls() -> String {
     let mut text = String::from("Scene(surfaces: [Surface(shape: Room(size: (40, 10, 40))),\n");
     for ball in 0..64 {
@@ -170,7 +170,7 @@ fn many_balls() -> String {
     text
 }
 
-/// Protects the waves: in a browser the same scenes give the program's counts, except for rounding.
+/// Protects the waves: the page gives the same counts as the program for the same scenes, except for rounding.
 #[test]
 #[ignore = "scripts/browser-test.sh builds the page first"]
 fn a_page_counts_what_the_program_counts() {
@@ -181,7 +181,8 @@ fn a_page_counts_what_the_program_counts() {
         let cases: [(&str, &str); 3] = [
             ("corner", "scene=corner"),
             ("obstacles", "scene=obstacles"),
-            // Not cave: Chromium's software renderer loses the context with the march of fields (docs/browser.md).
+            // The scene `cave` is omitted, because Chromium's software renderer loses the context with marched fields
+            // (docs/browser.md).
             (argument(&file), &balls),
         ];
         for (scene, link) in cases {
@@ -203,7 +204,7 @@ fn a_page_counts_what_the_program_counts() {
     });
 }
 
-/// Protects walking and links: a key moves the listener, the link contains the new position, and a page loaded with
+/// Protects walking and links: a key moves the listener, and the link contains the new position. A page loaded with
 /// that link has the same position and choices.
 #[test]
 #[ignore = "scripts/browser-test.sh builds the page first"]
@@ -240,8 +241,7 @@ fn keys_walk_and_a_link_leads_back() {
     });
 }
 
-/// Protects users who open a link from choices that are silently ignored: each invalid one is reported, and the default
-/// is used.
+/// Protects users who open a link with invalid choices: each invalid choice is reported, and its default is used.
 #[test]
 #[ignore = "scripts/browser-test.sh builds the page first"]
 fn what_a_link_says_wrongly_is_told() {
@@ -281,7 +281,8 @@ fn what_a_link_says_wrongly_is_told() {
     });
 }
 
-/// Protects a walk from one picture that cannot be drawn: it is reported, and the next ones follow.
+/// Protects a walk from a single picture that cannot be drawn: the error is reported, and the following pictures are
+/// drawn.
 #[test]
 #[ignore = "scripts/browser-test.sh builds the page first"]
 fn a_page_goes_on_after_a_failed_picture() {
@@ -303,7 +304,7 @@ fn a_page_goes_on_after_a_failed_picture() {
     });
 }
 
-/// Protects users who edit: an invalid text shows its error with the line, and the last good scene stays.
+/// Protects users who edit a scene: an invalid text shows its error with the line, and the last valid scene stays.
 #[test]
 #[ignore = "scripts/browser-test.sh builds the page first"]
 fn a_bad_text_is_told_and_the_scene_goes_on() {
@@ -337,7 +338,7 @@ fn a_bad_text_is_told_and_the_scene_goes_on() {
     });
 }
 
-/// Protects users without WebGL 2 from an empty page.
+/// Protects users without WebGL 2: the page shows a message instead of staying empty.
 #[test]
 #[ignore = "scripts/browser-test.sh builds the page first"]
 fn a_browser_without_webgl_is_told_so() {
@@ -348,7 +349,7 @@ fn a_browser_without_webgl_is_told_so() {
     assert_eq!(browser.errors(), Vec::<String>::new());
 }
 
-/// Protects users whose WebGL 2 cannot render to float textures from an empty page.
+/// Protects users whose WebGL 2 cannot render to float textures: the page shows a message instead of staying empty.
 #[test]
 #[ignore = "scripts/browser-test.sh builds the page first"]
 fn a_browser_without_float_targets_is_told_so() {

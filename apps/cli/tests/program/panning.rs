@@ -1,4 +1,4 @@
-//! Signs and degrees of panning, from the scene file to the printed report.
+//! Signs of panning and degrees of rotation, from the scene file to the printed report.
 
 use crate::common::cli::{argument, json};
 
@@ -23,7 +23,7 @@ fn pan(folder: &std::path::Path, source: &str, listener: &str) -> f64 {
     report["pan"].as_f64().unwrap()
 }
 
-/// Protects the signs and the degrees from scene file to printed report; the bounds are those of
+/// Protects the signs and the degrees from the scene file to the printed report. The bounds are those of
 /// `tests/tracer/panning.rs`.
 #[test]
 fn scene_files_pan_the_same_way() {

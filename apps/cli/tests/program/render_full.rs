@@ -1,4 +1,4 @@
-//! `echomarch render` in full, as a user types it: loudness, echoes, several sources, bad input.
+//! `echomarch render` with full listening on the command line: loudness, echoes, several sources, invalid input.
 
 use crate::common::cli::{argument, json, refuse, stderr, stdout, succeed};
 use crate::common::wav::{read_stereo, rms};
@@ -7,8 +7,8 @@ use std::path::Path;
 
 const RATE: usize = 48_000;
 
-/// A source passes behind a wall of 4 m. A large wall behind both reflects its sound over the smaller one: the echo
-/// stays.
+/// A source passes behind a wall of 4 m. A larger wall behind it reflects its sound over the first wall, so that the
+/// echo stays.
 const WALK: &str = r#"Scene(
     surfaces: [
         Surface(shape: Box(size: (4, 3, 0.4)), position: (0, 0, -3)),
@@ -30,7 +30,7 @@ fn scene(folder: &Path, text: &str) -> String {
     argument(&file).to_owned()
 }
 
-/// The strength of the only source by frame.
+/// The strength of the only source in each frame.
 fn levels(report: &Value) -> Vec<f64> {
     let frames = report["frames"].as_array().unwrap().iter();
     frames
@@ -38,8 +38,8 @@ fn levels(report: &Value) -> Vec<f64> {
         .collect()
 }
 
-/// Protects the effect of a wall on a sound: behind it the direct sound is gone and the level falls, the echo stays,
-/// and nothing clicks at either edge.
+/// Protects the effect of a wall on a sound: behind the wall the direct sound is absent, the level falls, the echo
+/// stays, and nothing clicks at either edge.
 #[test]
 fn a_source_behind_a_wall_is_heard_by_its_echo() {
     let folder = tempfile::tempdir().unwrap();
@@ -63,17 +63,18 @@ fn a_source_behind_a_wall_is_heard_by_its_echo() {
         (&true.into(), &false.into(), &true.into())
     );
     let levels = levels(&report);
-    // In sight: direct sound over 10 m and echo over 15.6 m. Behind the wall: echo over 14.4 m.
+    // In sight, there is direct sound over 10 m and an echo over 15.6 m. Behind the wall, there is only an echo over
+    // 14.4 m.
     assert!(levels[60] < levels[0] - 2.0, "{} {}", levels[60], levels[0]);
     let [left, right] = read_stereo(&wav);
     let window = |at: usize| at * RATE / 2..(at + 1) * RATE / 2;
     let behind = rms(&left[window(4)]) + rms(&right[window(4)]);
     assert!(behind > 0.01, "the echo is gone: {behind}");
-    // From left to right.
+    // The source passes from left to right.
     assert!(rms(&left[window(0)]) > rms(&right[window(0)]));
     assert!(rms(&left[window(7)]) < rms(&right[window(7)]));
-    // The sine's own step, with its amplitude of 0.5 and the sum of both gains at the nearest position, 1/6 + 1/12, and
-    // a margin for the Doppler shift of 4 m/s.
+    // The maximum step of the sine itself: its amplitude of 0.5, the sum of both gains at the nearest position, 1/6 +
+    // 1/12, and a margin for the Doppler shift at 4 m/s.
     let steepest = 2.0 * 0.5 * (std::f64::consts::PI * 440.0 / RATE as f64).sin() * 0.25 * 1.02;
     for samples in [&left, &right] {
         let step = samples.windows(2).map(|s| f64::from((s[1] - s[0]).abs()));
@@ -83,8 +84,8 @@ fn a_source_behind_a_wall_is_heard_by_its_echo() {
     }
 }
 
-/// Protects loudness and delay: a source of 0 dB at 2 m in the open is half as loud as its sound, and arrives 2 m / 343
-/// m/s later; `--gain` makes it louder; the same call gives the same bytes.
+/// Protects loudness and delay: a source of 0 dB at 2 m in the open has half the amplitude of its sound, and arrives 2
+/// m / (343 m/s) later. `--gain` makes it louder. The same call gives the same bytes.
 #[test]
 fn distance_makes_soft_and_late() {
     let folder = tempfile::tempdir().unwrap();
@@ -113,10 +114,10 @@ fn distance_makes_soft_and_late() {
     let (report, wav) = render("a.wav", &[]);
     let (_, again) = render("b.wav", &[]);
     assert_eq!(std::fs::read(&wav).unwrap(), std::fs::read(&again).unwrap());
-    // 10 m / 2 m.
+    // The level of a distance of 2 m relative to 10 m.
     assert!((levels(&report)[0] - 13.979).abs() < 0.01);
     let [left, right] = read_stereo(&wav);
-    // In front: both channels have √½ of ½.
+    // A source in front has a gain of √½ in each channel, times ½ for its distance.
     let noise = 0.25 / 3.0_f64.sqrt();
     for samples in [&left, &right] {
         let level = rms(&samples[RATE / 10..]);
@@ -125,7 +126,7 @@ fn distance_makes_soft_and_late() {
             "{level}"
         );
     }
-    // 279.9 samples: sinc functions start 8 samples earlier.
+    // The delay is 279.9 samples. The interpolating sinc function starts 8 samples earlier.
     let silent = left.iter().position(|sample| sample.abs() > 0.02).unwrap();
     assert!((278..=282).contains(&silent), "{silent}");
     let (louder, wav) = render("c.wav", &["--gain", "6"]);
@@ -133,7 +134,7 @@ fn distance_makes_soft_and_late() {
     assert_eq!(louder["gain_db"], 6.0);
 }
 
-/// Protects several sources: each plays its own sound, and is printed with its name.
+/// Protects several sources: each plays its own sound, and is listed with its name.
 #[test]
 fn each_source_plays_its_own() {
     let folder = tempfile::tempdir().unwrap();
@@ -174,7 +175,7 @@ fn each_source_plays_its_own() {
     assert!((crossings(&right[middle]) - 1000.0).abs() <= 5.0);
 }
 
-/// Protects from options without effect, and from unknown names.
+/// Protects users from options without an effect, and from unknown names.
 #[test]
 fn what_makes_no_sense_is_refused() {
     let base = ["render", "open-field", "-o", "x.wav"];
@@ -199,7 +200,7 @@ fn what_makes_no_sense_is_refused() {
     }
 }
 
-/// Protects users who type an option of the balance: a note states its effect on the sound.
+/// Protects users who type an option of the balance: a note states how it changes the sound.
 #[test]
 fn a_balance_that_an_option_chose_is_told() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! `echomarch study` as a user types it: shards, jobs, interruptions, joining, maps, bad input.
+//! `echomarch study` on the command line: shards, jobs, interruptions, joining, maps, invalid input.
 
 use crate::common::Random;
 use crate::common::cli::{argument, command, contents, json, refuse, stderr, stdout, succeed};
@@ -9,7 +9,7 @@ use std::process::Stdio;
 use std::thread::sleep;
 use std::time::Duration;
 
-/// 400 small frames over two scenes.
+/// A study of 400 small frames over two scenes.
 const SMALL: &str = r#"Study(
     scenes: [Scene(of: "corner"), Scene(of: "hall.ron", values: {"width": Range(from: 8, to: 12, count: 3)})],
     listeners: Grid(from: (-3, 0, 2), to: (3, 0, 6), counts: (5, 1, 5)),
@@ -26,7 +26,7 @@ const HALL: &str = r#"Scene(
     listener: Listener(position: (0, 0, 5), radius: 1),
 )"#;
 
-/// A study file in a folder of its own, with its scene.
+/// Writes a study file and its scene to a folder, and returns the file's path.
 fn study(folder: &Path, text: &str) -> String {
     std::fs::write(folder.join("hall.ron"), HALL).unwrap();
     let file = folder.join("study.ron");
@@ -34,7 +34,7 @@ fn study(folder: &Path, text: &str) -> String {
     argument(&file).to_owned()
 }
 
-/// The tables in a folder of results.
+/// The tables in a results folder.
 fn tables(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let files = contents(folder).into_iter();
     let names = files.filter_map(|(path, bytes)| {
@@ -45,7 +45,7 @@ fn tables(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
 }
 
 /// Protects the tables from depending on how a study is divided and run: in one process, as shards in any order, with
-/// several jobs, and again with no work left.
+/// several jobs, and in a second run without remaining work.
 #[test]
 fn a_study_is_the_same_however_it_was_cut() {
     let folder = tempfile::tempdir().unwrap();
@@ -83,14 +83,14 @@ fn a_study_is_the_same_however_it_was_cut() {
     assert!(tables(&jobs) == expected);
 }
 
-/// Returns the number of lines in a working file: its first line and its rows.
+/// Returns the number of lines in a working file, including its header line.
 fn lines_of(work: &Path) -> usize {
     let bytes = std::fs::read(work).unwrap_or_default();
     bytes.iter().filter(|byte| **byte == b'\n').count()
 }
 
-/// Protects hours of work: a study that is killed at 20 random moments and continued ends with the same bytes, as does
-/// its shard.
+/// Protects hours of work: a study that is killed at 20 random moments and then continued ends with the same bytes. The
+/// same holds for its shard.
 #[test]
 fn a_study_that_is_killed_ends_with_the_same_bytes() {
     const KILLS: usize = 20;
@@ -122,7 +122,7 @@ fn a_study_that_is_killed_ends_with_the_same_bytes() {
         program.kill().unwrap();
         program.wait().unwrap();
         match has_ended {
-            // It ended before it could be killed: its bytes are compared, and it starts again.
+            // The process ended before it could be killed. Its bytes are compared, and the study starts again.
             true => {
                 assert!(tables(&killed) == tables(&whole));
                 std::fs::remove_dir_all(&killed).unwrap();
@@ -136,7 +136,7 @@ fn a_study_that_is_killed_ends_with_the_same_bytes() {
     assert!(bytes(&killed) == bytes(&whole));
 }
 
-/// Protects against two processes on one shard, and children that outlive their parent.
+/// Protects against two processes on one shard, and against child processes that outlive their parent.
 #[cfg(unix)]
 #[test]
 fn jobs_end_with_who_started_them() {
@@ -161,17 +161,18 @@ fn jobs_end_with_who_started_them() {
         "{}",
         stderr(&busy)
     );
-    // Killed by the system: no handler runs.
+    // The system kills the process, so no signal handler runs.
     program.kill().unwrap();
     program.wait().unwrap();
     for work in works {
-        // The lock is released with the process.
+        // The lock is released when the process ends.
         let file = std::fs::File::open(&work).unwrap();
         file.lock().unwrap();
     }
 }
 
-/// Protects from shards that are damaged or of another study: the error names each, and no table is written.
+/// Protects against shards that are damaged or belong to another study: the error names each of them, and no table is
+/// written.
 #[test]
 fn damaged_and_strange_shards_are_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -217,7 +218,7 @@ const TINY: &str = r#"Study(
     settings: All(waves: [64], iterations: [1]),
 )"#;
 
-/// Protects tables from shards with correct checksums and impossible numbers: each is named by file, line and column,
+/// Protects tables from shards with valid checksums but impossible numbers: the error contains file, line and column,
 /// and no table is written.
 #[test]
 fn forged_shards_are_refused() {
@@ -252,7 +253,7 @@ fn forged_shards_are_refused() {
         refuse(&join, &told);
         refuse(&["study", &file, "-o", &to, "-q"], &told);
         assert_eq!(contents(&out).len(), 1);
-        // A working file is refused alike.
+        // A working file with the same content is also refused.
         let work = out.join("shards/00001-of-00001.work");
         std::fs::rename(&shard, &work).unwrap();
         refuse(
@@ -336,7 +337,7 @@ fn strange_working_files_are_left_alone() {
         std::fs::remove_dir_all(&out).unwrap();
         assert!(contents(folder.path()) == before, "{number}");
     }
-    // Several processes inspect it.
+    // Several processes inspect the working file.
     let out = place("out");
     std::fs::create_dir_all(out.join("shards")).unwrap();
     let pipe = out.join("shards/00002-of-00002.work");
@@ -353,8 +354,8 @@ fn strange_working_files_are_left_alone() {
     );
 }
 
-/// Protects files outside the folder of results: the program follows no link under a name that it chooses. The folder
-/// itself may be a link, since the user names it.
+/// Protects files outside the results folder: the program follows no link whose name it chooses itself. The results
+/// folder may be a link, because the user names it.
 #[cfg(unix)]
 #[test]
 fn results_stay_in_their_folder() {
@@ -380,7 +381,7 @@ fn results_stay_in_their_folder() {
     refuse(&all, "shards: it is a symbolic link");
     assert!(contents(&folder.path().join("elsewhere")).is_empty());
     std::fs::remove_file(out.join("shards")).unwrap();
-    // The target of a hard link keeps its bytes.
+    // A file that is hard-linked into the folder keeps its bytes.
     std::fs::hard_link(&victim, out.join("study.csv")).unwrap();
     let link = folder.path().join("link");
     symlink(&out, &link).unwrap();
@@ -390,7 +391,8 @@ fn results_stay_in_their_folder() {
     assert!(!folder.path().join("absent").exists());
 }
 
-/// Protects maps: a picture of a column over a grid of listeners, and an error without a grid.
+/// Protects maps: the program draws a picture of a column over a grid of listeners, and reports an error without a
+/// grid.
 #[test]
 fn a_grid_of_listeners_is_a_map() {
     let folder = tempfile::tempdir().unwrap();
@@ -458,7 +460,7 @@ fn a_grid_of_listeners_is_a_map() {
     );
 }
 
-/// Protects the count: the number of points is printed without computing points or writing files.
+/// Protects `--count`: it prints the number of points without computing points or writing files.
 #[test]
 fn points_and_time_are_told_before() {
     let folder = tempfile::tempdir().unwrap();
@@ -472,7 +474,7 @@ fn points_and_time_are_told_before() {
     assert!(contents(folder.path()) == before);
 }
 
-/// Protects from typing errors: exit code 2 and one sentence.
+/// Protects users who mistype arguments: the program exits with code 2 and prints one sentence.
 #[test]
 fn what_cannot_be_is_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -499,7 +501,7 @@ fn what_cannot_be_is_refused() {
     assert!(stderr(&output).contains("K from 1 to N"));
     let bad = study(folder.path(), &SMALL.replace("seeds:", "seed:"));
     refuse(&["study", &bad, "--count"], "study.ron:5:");
-    // A study that its own table would overwrite.
+    // A study file that the study's own table would overwrite.
     let own = folder.path().join("study.csv");
     std::fs::write(&own, SMALL).unwrap();
     refuse(

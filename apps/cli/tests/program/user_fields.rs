@@ -1,12 +1,11 @@
-//! Fields of users on the command line: files that change, and the printed shader.
+//! Users' fields on the command line: watched files, and the printed shader.
 
 use crate::common::cli::{command, json, stdout, succeed};
 use crate::common::field_files::{BALL, SCENE, write};
 use std::io::{BufRead, BufReader};
 use std::process::Stdio;
 
-/// Protects the loop of writing a field and listening: errors are reported, and the next good
-/// state is traced.
+/// Protects the cycle of editing a field and tracing it: errors are reported, and the next valid state is traced.
 #[test]
 fn a_watched_scene_is_traced_with_every_change() {
     let folder = tempfile::tempdir().unwrap();
@@ -21,7 +20,7 @@ fn a_watched_scene_is_traced_with_every_change() {
         .unwrap();
     let mut printed = BufReader::new(running.stdout.take().unwrap()).lines();
     let mut told = BufReader::new(running.stderr.take().unwrap()).lines();
-    // Each change waits for the result of the previous one, however long that takes.
+    // Each change waits for the result of the previous change, however long it takes.
     let mut wait_for = |part: &str| printed.find(|line| line.as_ref().unwrap().contains(part));
     assert!(wait_for("scene: 1000 waves").is_some());
     write(folder.path(), "float field(vec3 p) {\n    return foo;\n}");
@@ -48,7 +47,7 @@ fn a_watched_scene_is_traced_with_every_change() {
     );
 }
 
-/// Protects the output of `shader`: the compiled text, including the user's text.
+/// Protects the output of `shader`: it is the complete shader text, including the user's text.
 #[test]
 fn the_shader_is_printed() {
     let folder = tempfile::tempdir().unwrap();

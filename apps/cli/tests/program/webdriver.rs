@@ -1,5 +1,5 @@
-//! Drives a headless Chromium over the WebDriver protocol (W3C 2018), as far as the tests need it. Needs the Debian
-//! packages `chromium` and `chromium-driver`.
+//! Controls a headless Chromium with the WebDriver protocol (W3C 2018), as far as the tests need it. It requires the
+//! Debian packages `chromium` and `chromium-driver`.
 
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Read, Write};
@@ -8,27 +8,27 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Longest wait before a test gives up: no machine is this slow.
+/// Maximum wait before a test fails. It exceeds the time that any machine needs.
 const TIMEOUT: Duration = Duration::from_secs(300);
 
-/// The protocol's JSON key for a reference to an element.
+/// The JSON key for an element reference in the protocol.
 const ELEMENT: &str = "element-6066-11e4-a52e-4f735466cecf";
 
-/// The driver's process, ended on drop.
+/// The driver's process. Dropping it ends the process.
 pub struct Driver {
     process: Child,
     port: u16,
 }
 
-/// One browser with one window, closed on drop.
+/// A browser with one window. Dropping it closes the browser.
 pub struct Browser<'a> {
     driver: &'a Driver,
     session: String,
 }
 
 impl Driver {
-    /// Starts the driver. Chromedriver requests the same free port on IPv4 and IPv6, and ends if another program uses
-    /// one of the two; it is then started again.
+    /// Starts the driver. Chromedriver requests the same free port on IPv4 and IPv6, and exits if another program uses
+    /// one of them. It is then started again.
     pub fn start() -> Driver {
         const STARTS: usize = 8;
         let mut said = String::new();
@@ -41,7 +41,7 @@ impl Driver {
         panic!("chromedriver failed to start {STARTS} times; its last output: {said}");
     }
 
-    /// Starts the driver once; the error is the driver's output before it ended.
+    /// Starts the driver once. The error is the output of the driver before it exited.
     fn start_once() -> Result<Driver, String> {
         let mut process = Command::new("chromedriver")
             .arg("--port=0")
@@ -64,7 +64,7 @@ impl Driver {
         Err(said.join("\n"))
     }
 
-    /// Opens a browser without graphics that keeps its data in `profile` and its downloads in `downloads`.
+    /// Opens a browser without GPU acceleration, which keeps its data in `profile` and its downloads in `downloads`.
     pub fn open(&self, profile: &Path, downloads: &Path) -> Browser<'_> {
         self.open_with(profile, downloads, &["--disable-gpu"])
     }
@@ -102,7 +102,7 @@ impl Driver {
         }
     }
 
-    /// Sends one request and returns the `value` of the response. Panics with the driver's message on an error.
+    /// Sends one request and returns the `value` of the response. An error causes a panic with the driver's message.
     fn ask(&self, method: &str, path: &str, body: Option<&Value>) -> Value {
         let body = body.map(Value::to_string).unwrap_or_default();
         let mut stream = TcpStream::connect(("127.0.0.1", self.port)).unwrap();
@@ -156,7 +156,7 @@ impl Browser<'_> {
         self.ask("POST", "/url", Some(&json!({ "url": url })));
     }
 
-    /// Runs a script in every page loaded from now on, before the page's own.
+    /// Runs a script in every page that is loaded later, before the scripts of that page.
     pub fn before_load(&self, script: &str) {
         let command = json!({
             "cmd": "Page.addScriptToEvaluateOnNewDocument",
@@ -171,7 +171,7 @@ impl Browser<'_> {
         found[ELEMENT].as_str().unwrap().to_owned()
     }
 
-    /// Clicks as a user does: on a visible, uncovered element.
+    /// Clicks a visible, uncovered element, as a user does.
     pub fn click(&self, css: &str) {
         let element = self.element(css);
         self.ask(
@@ -181,7 +181,7 @@ impl Browser<'_> {
         );
     }
 
-    /// Clicks at an offset from the middle of an element, in pixels to the right and down.
+    /// Clicks at an offset from the centre of an element, in pixels to the right and down.
     pub fn click_at(&self, css: &str, right: i32, down: i32) {
         let origin = json!({ ELEMENT: self.element(css) });
         let actions = json!({ "actions": [{
@@ -195,7 +195,7 @@ impl Browser<'_> {
         self.ask("POST", "/actions", Some(&actions));
     }
 
-    /// Presses keys one after the other, wherever the focus is.
+    /// Presses keys one after the other, at the current focus.
     pub fn press(&self, keys: &str) {
         let strokes = keys
             .chars()
@@ -205,7 +205,7 @@ impl Browser<'_> {
         self.ask("POST", "/actions", Some(&actions));
     }
 
-    /// Holds a key for `time`, wherever the focus is.
+    /// Holds a key for `time`, at the current focus.
     pub fn hold(&self, key: &str, time: Duration) {
         let actions = json!({ "actions": [{ "type": "key", "id": "keys", "actions": [
             { "type": "keyDown", "value": key },
@@ -215,13 +215,13 @@ impl Browser<'_> {
         self.ask("POST", "/actions", Some(&actions));
     }
 
-    /// Types into an element; for a file field, `text` is a path.
+    /// Types into an element. For a file field, `text` is a path.
     pub fn type_into(&self, css: &str, text: &str) {
         let path = format!("/element/{}/value", self.element(css));
         self.ask("POST", &path, Some(&json!({ "text": text })));
     }
 
-    /// Runs a function's body and returns its result.
+    /// Runs the body of a function and returns its result.
     pub fn run(&self, script: &str) -> Value {
         let call = json!({ "script": script, "args": [] });
         self.ask("POST", "/execute/sync", Some(&call))
@@ -256,7 +256,7 @@ impl Browser<'_> {
 }
 
 impl Drop for Browser<'_> {
-    /// Closes the browser as a user does, so that it saves its data. After a failed test the driver's response is
+    /// Closes the browser as a user does, so that it saves its data. After a failed test, the driver's response is
     /// ignored.
     fn drop(&mut self) {
         if !std::thread::panicking() {

@@ -1,10 +1,10 @@
-//! Options, sounds and output paths that are refused.
+//! Options, sounds and output paths that the program refuses.
 
 use super::{SCENE, folder, refusal};
 use crate::common::cli::{argument, json, refused, stderr};
 use std::path::Path;
 
-/// Returns the program's message for invalid arguments: one line, followed by the reference to the help.
+/// Returns the program's message for invalid arguments. The message is one line, followed by the reference to the help.
 fn usage_refusal(folder: &Path, arguments: &[&str]) -> String {
     let output = refused(folder, arguments);
     let lines: Vec<&str> = stderr(&output).lines().collect();
@@ -14,8 +14,8 @@ fn usage_refusal(folder: &Path, arguments: &[&str]) -> String {
     line.strip_prefix("error: ").unwrap().to_owned()
 }
 
-/// Protects the GPU and the user's time: each setting outside its range is refused before tracing,
-/// with the range and the value.
+/// Protects the GPU and the user's time: each setting outside its range is refused before tracing. The message contains
+/// the range and the value.
 #[test]
 fn settings_out_of_range_are_refused() {
     let folder = folder();
@@ -64,7 +64,7 @@ fn settings_out_of_range_are_refused() {
     }
 }
 
-/// Protects `render` from lengths and rates that give no sound or never end.
+/// Protects `render` from lengths and rates that give no sound or an endless sound.
 #[test]
 fn lengths_and_rates_out_of_range_are_refused() {
     let folder = folder();
@@ -81,8 +81,7 @@ fn lengths_and_rates_out_of_range_are_refused() {
     }
 }
 
-/// Protects options with a fixed list of words: the error names an unknown word, and gives the
-/// list.
+/// Protects options with a fixed list of words: the error contains the unknown word and the list.
 #[test]
 fn unknown_words_are_refused_with_those_there_are() {
     let folder = folder();
@@ -104,8 +103,8 @@ fn unknown_words_are_refused_with_those_there_are() {
     }
 }
 
-/// Protects named values: for an unknown value the error lists the scene's values, for an invalid
-/// one it states the resulting number, and the program stops before it draws or traces.
+/// Protects named values: the error for an unknown name lists the scene's values, and the error for an invalid value
+/// contains the resulting number. The program stops before it draws or traces.
 #[test]
 fn values_that_cannot_be_set_are_refused() {
     let folder = folder();
@@ -174,9 +173,8 @@ fn sounds_that_cannot_be_played_are_refused() {
     }
 }
 
-/// Protects the user's time and files: a path that cannot be written is refused before tracing. (A
-/// folder of mode 0 would not stop a test that runs as root; a file in place of a folder stops
-/// everyone.)
+/// Protects the user's time and files: an output path that cannot be written is refused before tracing. The test uses a
+/// file in place of a folder, because a folder of mode 0 would not stop a test that runs as root.
 #[test]
 fn places_that_cannot_be_written_are_refused() {
     let folder = folder();
@@ -191,7 +189,7 @@ fn places_that_cannot_be_written_are_refused() {
             let start = format!("cannot write {place}: ");
             assert!(sentence.starts_with(&start), "{sentence}");
         }
-        // Neither a device nor a folder nor a scene has the required ending.
+        // A device, a folder and a scene file all lack the required extension.
         for place in ["/dev/null", ".", "scene.ron"] {
             let sentence = refusal(folder.path(), &[command, &[place]].concat());
             assert!(
@@ -212,12 +210,12 @@ fn places_that_cannot_be_written_are_refused() {
     );
 }
 
-/// Protects a finished file: a run that fails midway leaves the older file unchanged.
+/// Protects an older output file: a run that fails midway leaves it unchanged.
 #[test]
 fn a_refused_run_leaves_an_older_file() {
     let folder = folder();
     std::fs::write(folder.path().join("old.wav"), b"old").unwrap();
-    // The GPU is opened only after the path has been found writable.
+    // The program opens the GPU only after it has checked that the path is writable.
     refusal(
         folder.path(),
         &["render", "corner", "-o", "old.wav", "--gpu", "99"],
@@ -232,8 +230,8 @@ fn a_refused_run_leaves_an_older_file() {
     );
 }
 
-/// Protects users who type an option of another command, or one option twice: the sentence states
-/// what to do, and no tip is misleading.
+/// Protects users who type an option of another command, or the same option twice: the message states what to do, and
+/// clap's misleading tip is absent.
 #[test]
 fn options_that_are_not_there_are_told_what_helps() {
     let folder = folder();
@@ -286,7 +284,7 @@ fn options_that_are_not_there_are_told_what_helps() {
     assert!(!stderr(&said).contains("as a value"));
 }
 
-/// Protects users who ask for a window without frames, or for a law that has no effect.
+/// Protects users who request a window without frames, or a panning law that has no effect.
 #[cfg(feature = "demo")]
 #[test]
 fn a_window_of_no_frames_is_refused() {
@@ -304,7 +302,7 @@ fn a_window_of_no_frames_is_refused() {
     }
 }
 
-/// Protects scripts: help that cannot be written is an error, as for all other output.
+/// Protects scripts: a failure to write the help is an error, as for all other output.
 #[cfg(target_os = "linux")]
 #[test]
 fn output_that_cannot_be_written_is_told() {

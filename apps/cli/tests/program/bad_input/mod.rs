@@ -1,5 +1,5 @@
-//! Unusable input gives one sentence that states the mistake and its position, and exit code 2, and
-//! changes no file. Input that is only odd gives a warning and a result.
+//! Invalid input causes one sentence that states the mistake and its position, and exit code 2. It changes no file.
+//! Unusual but valid input causes a warning and a result.
 
 mod arguments;
 mod scene_files;
@@ -26,7 +26,7 @@ fn folder() -> TempDir {
     folder
 }
 
-/// Runs the program, which must refuse the arguments itself, and returns the one line that it prints.
+/// Runs the program, which must refuse the arguments itself. Returns the one line that it prints.
 fn refusal(folder: &Path, arguments: &[&str]) -> String {
     let output = refused(folder, arguments);
     let lines: Vec<&str> = stderr(&output).lines().collect();

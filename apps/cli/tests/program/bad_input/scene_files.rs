@@ -2,13 +2,13 @@
 
 use super::{SCENE, folder, refusal};
 
-/// Returns the error for a scene file with the content `text`.
+/// Returns the error message for a scene file with the content `text`.
 fn scene_refusal(text: &str) -> String {
     let folder = folder();
     let file = folder.path().join("scene.ron");
     std::fs::write(&file, text).unwrap();
     let trace = refusal(folder.path(), &["trace", "scene.ron"]);
-    // `render` refuses the same scene in the same way before it creates a WAV.
+    // `render` must refuse the same scene with the same message, before it creates a WAV file.
     let render = refusal(folder.path(), &["render", "scene.ron", "-o", "out.wav"]);
     assert_eq!(trace, render);
     trace
@@ -18,11 +18,11 @@ fn scene_refusal(text: &str) -> String {
 struct Spoilt {
     /// Text that occurs once in [`SCENE`].
     text: &'static str,
-    /// Its replacement.
+    /// The replacement of that text.
     with: &'static str,
-    /// Line, counted from 1.
+    /// Line of the error, counted from 1.
     line: usize,
-    /// Text that the program's sentence must contain.
+    /// Text that the error message must contain.
     says: &'static str,
 }
 
@@ -89,8 +89,8 @@ const SPOILT: [Spoilt; 18] = [
     spoilt("(0, 5, 0)", "(0, 5)", 5, ""),
 ];
 
-/// Protects the author of a scene: for any mistake in the file, the sentence names the file, the
-/// line, a column within that line, and the field or the number.
+/// Protects the author of a scene: for each of these mistakes, the message contains the file, the line, a column within
+/// that line, and the field or the number.
 #[test]
 fn a_scene_file_is_refused_at_its_line() {
     for Spoilt {
@@ -115,27 +115,27 @@ fn a_scene_file_is_refused_at_its_line() {
     }
 }
 
-/// Protects line and column themselves: they point to where the syntax breaks. Columns count
-/// characters, so that a name in another script does not shift them.
+/// Protects the line and the column: they are the position at which the syntax breaks. Columns count characters, so
+/// that a name in another script does not shift them.
 #[test]
 fn broken_syntax_is_refused_at_its_line_and_column() {
     let cases = [
-        // Two numbers without a comma: at the second one.
+        // Two numbers without a comma: the error is at the second number.
         ("(0, 5, 0)", "(0, 5 0)", "scene.ron:5:36: "),
-        // A bracket of the wrong kind: right after the preceding colon.
+        // A bracket of the wrong kind: the error is just after the preceding colon.
         (
             "position: (0, 5, 0)",
             "position: [0, 5, 0]",
             "scene.ron:5:29: ",
         ),
-        // An unknown field: at its name.
+        // An unknown field: the error is at its name.
         ("position: (0, 0, -9)", "colour: 3", "scene.ron:3:43: "),
         (
             "shape: S",
             "name: \"Kügelchen\", colour: 3, shape: S",
             "scene.ron:3:36: ",
         ),
-        // A file that breaks off: right after its last text.
+        // A file that ends too early: the error is just after its last text.
         ("radius: 1),\n)\n", "radius: 1),\n", "scene.ron:6:56: "),
     ];
     for (text, with, start) in cases {
@@ -145,7 +145,7 @@ fn broken_syntax_is_refused_at_its_line_and_column() {
     assert!(scene_refusal("").starts_with("scene.ron:1:1: "));
 }
 
-/// Protects errors about a scene as a whole: the sentence names the scene.
+/// Protects errors about a scene as a whole: the message contains the name of the scene.
 #[test]
 fn a_scene_without_surfaces_is_refused() {
     let surface = "\n        Surface(shape: Sphere(radius: 1), position: (0, 0, -9)),\n    ";
@@ -154,7 +154,8 @@ fn a_scene_without_surfaces_is_refused() {
     assert!(sentence.contains("\"scene\" has no surfaces"), "{sentence}");
 }
 
-/// Protects users who mistype a scene: built-in names are listed, files are named with the cause.
+/// Protects users who mistype a scene's name: the message lists the built-in names. For a missing file, it contains the
+/// file and the cause.
 #[test]
 fn scenes_that_are_not_there_are_refused() {
     let folder = folder();
@@ -175,7 +176,7 @@ fn scenes_that_are_not_there_are_refused() {
     );
 }
 
-/// Protects scenes that refer to files: the error for a missing file contains its path.
+/// Protects scenes that refer to files: the error for a missing file contains the path of that file.
 #[test]
 fn files_of_a_scene_that_are_missing_are_refused() {
     let shapes = [

@@ -1,4 +1,4 @@
-//! Odd scenes, and marches that reach the step limit, give a warning and a result.
+//! Unusual scenes, and marches that reach the step limit, cause a warning and a result.
 
 use super::{SCENE, folder};
 use crate::common::cli::{argument, json, stderr, stdout, succeed};
@@ -28,7 +28,7 @@ fn warnings(text: &str) -> Vec<String> {
     lines.map(str::to_owned).collect()
 }
 
-/// Protects scenes that are odd on purpose: they run, and a warning names the oddity.
+/// Protects scenes that are unusual on purpose: they are traced, and a warning names the unusual property.
 #[test]
 fn odd_places_are_warned_of() {
     assert_eq!(warnings(SCENE), Vec::<String>::new());
@@ -48,11 +48,10 @@ fn odd_places_are_warned_of() {
     assert!(listener_in_wall[0].contains("listener's centre is 1 m inside surface 1"));
 }
 
-/// Protects the GPU from hanging: a march of more than 4096 steps ends, is counted and reported. A
-/// wave that starts h = 0.01 m above a plane and descends at a slope s multiplies its height by
-/// 1 − s with every step, and so is below 1e-6 m after ln(10⁴)/s = 9.2/s steps: too many for slopes
-/// under 0.0022, which 0.0022/2 of all start directions have, 74 of 65,536. With the thesis' own
-/// minimum distance of 0.1 m such a wave hits at once.
+/// Protects the GPU from hanging: a march of more than 4096 steps ends, and is counted and reported. A wave that starts
+/// h = 0.01 m above a plane and descends at a slope s multiplies its height by 1 − s with every step. It is below 1e-6
+/// m after ln(10⁴)/s = 9.2/s steps, which exceeds the limit for slopes below 0.0022. A share of 0.0022/2 of all start
+/// directions has such a slope: 74 of 65,536. With the thesis' own minimum distance of 0.1 m, such a wave hits at once.
 #[test]
 fn marches_without_end_are_given_up_and_counted() {
     let (_folder, file) = scene_file(
@@ -68,12 +67,12 @@ Scene(
     let grazing = [once.as_slice(), &["--min-distance", "1e-6"]].concat();
     let report = json(&grazing);
     let step_limit_reached = report["step_limit_reached"].as_u64().unwrap();
-    // Five standard errors of a count of about 74: √74 = 8.6.
+    // The bounds are five standard errors of a count of 74: √74 = 8.6.
     assert!(
         (31..=117).contains(&step_limit_reached),
         "{step_limit_reached}"
     );
-    // Waves that reached the step limit are dead, as are those that fly into the sky: about half.
+    // The dead waves are those that reached the step limit and those that travel into the sky: about half.
     let dead = report["dead"].as_u64().unwrap();
     assert!(dead > 30_000 && dead < 36_000, "{dead}");
     let output = succeed(&grazing);
@@ -83,7 +82,7 @@ Scene(
     assert_eq!(json(&once)["step_limit_reached"], 0);
 }
 
-/// Protects the step limit for marched fields: waves fly far between endless tori.
+/// Protects the step limit for marched fields: the waves travel far between tori that repeat endlessly.
 #[test]
 fn the_step_limit_of_fields_is_told() {
     let (_folder, file) = scene_file(
@@ -116,7 +115,7 @@ Scene(
     assert!(stderr(&output).contains(&told), "{}", stderr(&output));
 }
 
-/// Protects against a hang in a scene without walls: marches end even with the smallest minimum distances.
+/// Protects against an endless march in a scene without walls: marches end even with the smallest minimum distances.
 #[test]
 fn the_least_minimum_distance_ends() {
     for metres in ["1e-6", "1e-30"] {

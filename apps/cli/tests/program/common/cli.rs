@@ -1,4 +1,4 @@
-//! The program, run as a user runs it.
+//! Runs the program on the command line.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ pub fn command() -> Command {
     Command::new(env!("CARGO_BIN_EXE_echomarch"))
 }
 
-/// Runs the program with both outputs redirected from the terminal.
+/// Runs the program with standard output and standard error redirected.
 pub fn echomarch(arguments: &[&str]) -> Output {
     command().args(arguments).output().unwrap()
 }
@@ -45,7 +45,7 @@ pub fn run_in(folder: &Path, arguments: &[&str]) -> Output {
     program.output().unwrap()
 }
 
-/// Runs the program in `folder` and requires that it refuses the input and leaves the folder unchanged.
+/// Runs the program in `folder`. The program must refuse the input and leave the folder unchanged.
 pub fn refused(folder: &Path, arguments: &[&str]) -> Output {
     let before = contents(folder);
     let output = run_in(folder, arguments);
@@ -56,7 +56,7 @@ pub fn refused(folder: &Path, arguments: &[&str]) -> Output {
     output
 }
 
-/// Returns the entries of a folder, with the bytes of regular files below a mebibyte.
+/// Returns the entries of a folder, with the contents of regular files smaller than one mebibyte.
 pub fn contents(folder: &Path) -> BTreeMap<PathBuf, Option<Vec<u8>>> {
     let entries = std::fs::read_dir(folder).unwrap();
     let paths = entries.map(|entry| entry.unwrap().path());

@@ -1,5 +1,5 @@
-//! The file manager's side of drag and drop on X11 (the XDND protocol, version 5): drops a file on
-//! a window without a mouse.
+//! The file manager's side of drag and drop on X11 (the XDND protocol, version 5). It drops a file on a window without
+//! a mouse.
 
 use std::path::Path;
 use x11rb::connection::Connection;
@@ -15,7 +15,7 @@ use x11rb::{COPY_DEPTH_FROM_PARENT, COPY_FROM_PARENT, CURRENT_TIME};
 /// Version of the protocol.
 const VERSION: u32 = 5;
 
-/// Drops a file on a window of a display, and returns once the window has accepted it.
+/// Drops a file on a window of a display. Returns once the window has accepted the file.
 pub fn drop_file(display: &str, window: &str, file: &Path) {
     let (connection, screen) = RustConnection::connect(Some(display)).unwrap();
     let root = connection.setup().roots[screen].root;
@@ -89,7 +89,7 @@ impl Hand {
         }
     }
 
-    /// Sends the file names when the window asks for them.
+    /// Sends the file names when the window requests them.
     fn answer(&self, selection: Atom, kind: Atom, list: &str) {
         let asked: SelectionRequestEvent = loop {
             if let Event::SelectionRequest(asked) = self.connection.wait_for_event().unwrap() {

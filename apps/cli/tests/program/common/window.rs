@@ -1,6 +1,6 @@
-//! Helpers that use the window as a user does: a virtual display, real key presses, pictures.
+//! Helpers that control the window as a user does, with a virtual display, real key presses and screenshots.
 //!
-//! They need Xvfb and xdotool (Debian packages of these names); without them the tests fail.
+//! They need Xvfb and xdotool, which are Debian packages of the same names. Without them the tests fail.
 
 use super::cli::command;
 use serde_json::Value;
@@ -14,10 +14,10 @@ use std::thread::sleep;
 use std::time::{Duration, Instant, SystemTime};
 use tempfile::TempDir;
 
-/// Allows one window at a time: several at once would react too slowly to keys.
+/// Allows only one window at a time. Several windows would react too slowly to keys.
 static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
 
-/// Longest wait before a test gives up: no machine is this slow.
+/// Maximum wait before a test fails. It exceeds the time that any machine needs.
 const TIMEOUT: Duration = Duration::from_secs(300);
 
 /// A virtual display, closed on drop.
@@ -31,7 +31,7 @@ impl Display {
     pub fn new() -> Display {
         let alone = ONE_AT_A_TIME.lock().unwrap_or_else(|e| e.into_inner());
         let mut server = Command::new("Xvfb")
-            // Without -noreset it restarts, and refuses clients, when the last window closes.
+            // Without -noreset, the server restarts and refuses clients when the last window closes.
             .args(["-noreset", "-displayfd", "1", "-screen", "0", "1280x800x24"])
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
@@ -47,7 +47,7 @@ impl Display {
         }
     }
 
-    /// Opens the window with these arguments, in a folder of its own.
+    /// Opens the window with these arguments, in a new folder.
     pub fn demo(&self, arguments: &[&str]) -> Demo<'_> {
         self.start(command(), arguments)
     }
@@ -61,7 +61,7 @@ impl Display {
         self.open(command)
     }
 
-    /// Opens the window with a complete command, in a folder of its own.
+    /// Opens the window with a complete command, in a new folder.
     pub fn open(&self, mut command: Command) -> Demo<'_> {
         let folder = tempfile::tempdir().unwrap();
         let mut child = command
@@ -95,7 +95,7 @@ impl Display {
         demo
     }
 
-    /// Kills the display server, as a crash would.
+    /// Kills the display server, to simulate a crash.
     pub fn end(&self) {
         let pid = self.server.id().to_string();
         let ended = Command::new("kill").args(["-9", &pid]).status().unwrap();
@@ -129,7 +129,7 @@ pub struct Demo<'a> {
 }
 
 impl Demo<'_> {
-    /// Gives the window the keyboard focus once it is open and has drawn.
+    /// Waits until the window is open and has drawn, then gives it the keyboard focus.
     fn focus(&self) {
         let window = self.window();
         self.wait_frames();
@@ -138,8 +138,8 @@ impl Demo<'_> {
     }
 
     /// Waits until the window has drawn the effects of all earlier actions. The first frame that begins after this call
-    /// may have polled its events earlier; the next two have not, and panels follow one frame later. Returns at once if
-    /// the window has closed.
+    /// may have polled its events before the call. The next two frames poll their events later, and panels follow one
+    /// frame later. Returns at once if the window has closed.
     pub fn wait_frames(&self) {
         let since_1970 = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
         let now = since_1970.unwrap().as_secs_f64();
@@ -156,7 +156,7 @@ impl Demo<'_> {
         }
     }
 
-    /// Waits until the program prints a frame for which `is_so` holds, and returns that frame.
+    /// Waits until the program prints a frame for which `is_so` returns true, and returns that frame.
     pub fn wait_until(&self, what: &str, mut is_so: impl FnMut(&Value) -> bool) -> Value {
         let end = Instant::now() + TIMEOUT;
         let mut last = Value::Null;
@@ -173,7 +173,7 @@ impl Demo<'_> {
         }
     }
 
-    /// Waits until `more` further frames of waves are heard.
+    /// Waits until `more` further frames of waves have been played.
     pub fn wait_traced(&self, more: u64) {
         self.wait_frames();
         let mut first = None;
@@ -218,8 +218,8 @@ impl Demo<'_> {
         self
     }
 
-    /// Holds a key down for `seconds` of the window's own clock, and for at least twenty frames: a slow window moves
-    /// less per frame than its frame time.
+    /// Holds a key down for `seconds` of the window's own clock, and for at least twenty frames. The minimum is needed
+    /// because the walking time of one frame is limited, so that a slow window moves less than its frame time.
     pub fn hold(&self, key: &str, seconds: f64) -> &Self {
         let mut begin = None;
         self.hold_until(key, "time to pass", |frame| {
@@ -230,7 +230,7 @@ impl Demo<'_> {
         })
     }
 
-    /// Holds a key down until `is_so` holds for a frame.
+    /// Holds a key down until `is_so` returns true for a frame.
     pub fn hold_until(&self, key: &str, what: &str, is_so: impl FnMut(&Value) -> bool) -> &Self {
         self.display.xdotool(&["keydown", key]);
         self.wait_frames();
@@ -244,9 +244,10 @@ impl Demo<'_> {
         self.folder.path().join(name)
     }
 
-    /// Closes the window with its key; returns the report and the last picture.
+    /// Closes the window with its key. Returns the report and the last screenshot.
     pub fn quit(mut self) -> (Value, Image, TempDir) {
-        // Does not wait for a frame: the report may exceed a pipe's buffer, and the program ends once it has been read.
+        // This function does not wait for a frame: the report may exceed the buffer of a pipe, and the program ends
+        // only after the report has been read.
         self.display.xdotool(&["key", "ctrl+q"]);
         let report = self.report();
         let picture = Image::open(&self.path("last.png"));
@@ -254,7 +255,7 @@ impl Demo<'_> {
         (report, picture, folder)
     }
 
-    /// Waits until the program has ended by itself; returns its exit code, its output and its messages.
+    /// Waits until the program has ended by itself. Returns its exit code, its output and its messages.
     pub fn ended(mut self) -> (Option<i32>, String, Vec<String>) {
         let output = self.child.take().unwrap().wait_with_output().unwrap();
         let printed = String::from_utf8(output.stdout).unwrap();
@@ -280,7 +281,7 @@ impl Drop for Demo<'_> {
     }
 }
 
-/// A picture of the window.
+/// A screenshot of the window.
 pub struct Image {
     pub width: u32,
     pixels: Vec<u8>,
@@ -307,12 +308,12 @@ impl Image {
         f64::from(warm) / f64::from(all)
     }
 
-    /// Returns the share of pixels that differ by more than a shade, in columns that panels do not cover.
+    /// Returns the share of pixels whose colour differs visibly, in columns that panels do not cover.
     pub fn difference(&self, other: &Image, columns: Range<u32>) -> f64 {
         self.difference_in(other, columns, 0..u32::MAX)
     }
 
-    /// Returns the share of pixels that differ by more than a shade, in these columns and rows.
+    /// Returns the share of pixels whose colour differs visibly, in these columns and rows.
     pub fn difference_in(&self, other: &Image, columns: Range<u32>, rows: Range<u32>) -> f64 {
         assert_eq!(self.pixels.len(), other.pixels.len());
         let pairs = self.pixels.chunks(4).zip(other.pixels.chunks(4));

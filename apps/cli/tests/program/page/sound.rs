@@ -1,12 +1,12 @@
-//! The page's sound: recorded from its own audio graph, stopped, with a refused text, and in browsers that lack a
-//! required feature.
+//! The page's sound: recorded from its own audio graph, stopped, played with a refused text, and played in browsers
+//! that lack a required feature.
 
 use super::{FLAGS, Stage, TIMEOUT, on_page, wait, write_text};
 use crate::webdriver::Browser;
 use std::time::{Duration, Instant};
 
-/// Levels in decibels of both channels over the last 32,768 samples played by the page (0.7 s at 48 kHz), recorded by
-/// its own audio graph.
+/// The levels of both channels in decibels over the last 32,768 samples (0.7 s at 48 kHz) that the page played,
+/// recorded from its own audio graph.
 const RECORD: &str = "
     const { context, output } = echomarch.sound();
     if (window.recorded !== context) {
@@ -27,7 +27,7 @@ const RECORD: &str = "
         return 10 * Math.log10(samples.reduce((sum, s) => sum + s * s, 0) / samples.length + 1e-12);
     });";
 
-/// Records for `seconds` seconds from now, and returns the levels at the end.
+/// Records for `seconds` seconds from this call on, and returns the final levels.
 fn levels(browser: &Browser, seconds: f64) -> [f64; 2] {
     browser.run(
         "if (window.recorders) window.since = echomarch.sound().context.currentTime; return 0",
@@ -44,14 +44,14 @@ fn levels(browser: &Browser, seconds: f64) -> [f64; 2] {
     }
 }
 
-/// A side of the listener.
+/// A side of the listener: left or right.
 #[derive(Clone, Copy, Debug)]
 enum Side {
     Left,
     Right,
 }
 
-/// Loads a page with a source 6 m to the right of a listener that looks along -z, and plays it.
+/// Loads a page with a source 6 m to the right of a listener that looks along -z, and starts the sound.
 fn play_at_the_right(stage: &Stage, browser: &Browser, listen: &str) {
     let link = format!(
         "#scene=open-field&waves=16384&listen={listen}&sound=noise&listener=0,0,0,0,0&source=6,0,-1"
@@ -64,14 +64,14 @@ fn play_at_the_right(stage: &Stage, browser: &Browser, listen: &str) {
     );
 }
 
-/// Turns the listener round, so that the source is at the left.
+/// Turns the listener by 180°, so that the source is at the left.
 fn turn_round(browser: &Browser) {
     browser.run("echomarch.page.stand(0, 0, 0, Math.PI, 0); return 0");
 }
 
-/// Waits until `side` is louder, and checks a recording for it.
+/// Waits until `side` is louder, then checks it in a recording.
 fn check_side(browser: &Browser, side: Side, what: &str) {
-    /// Smallest difference between the channels in decibels: a source at the side is panned by at least 10 dB.
+    /// Minimum difference between the channels in decibels. The pan of a source at the side differs by at least 10 dB.
     const LOUDER_DB: f64 = 6.0;
     let difference = |[left, right]: [f64; 2]| match side {
         Side::Left => left - right,
@@ -89,8 +89,8 @@ fn check_side(browser: &Browser, side: Side, what: &str) {
     assert!(difference(recorded) > LOUDER_DB, "{what}: {recorded:?}");
 }
 
-/// Protects the direction of sound: it comes from the side of the source, in full and as the balance alone, and changes
-/// when the listener turns round.
+/// Protects the direction of sound: it comes from the side of the source in full listening and with the balance, and
+/// changes when the listener turns around.
 #[test]
 #[ignore = "scripts/browser-test.sh builds the page first"]
 fn a_page_plays_the_source_where_it_is() {
@@ -104,8 +104,8 @@ fn a_page_plays_the_source_where_it_is() {
     });
 }
 
-/// Protects the sound while a text is edited: while it is invalid, another sound can be chosen and plays in the last
-/// good scene, and the listener's position still takes effect.
+/// Protects the sound while a text is edited: while the text is invalid, another sound can be chosen and plays in the
+/// last valid scene. The listener's position still takes effect.
 #[test]
 #[ignore = "scripts/browser-test.sh builds the page first"]
 fn a_refused_text_does_not_hold_up_the_ears() {
@@ -121,8 +121,8 @@ fn a_refused_text_does_not_hold_up_the_ears() {
     });
 }
 
-/// Protects from unused updates: the page makes none while the sound is stopped, and afterwards the listener's current
-/// position is heard.
+/// Protects the page from unnecessary updates: it makes none while the sound is stopped. When the sound is resumed, it
+/// corresponds to the listener's current position.
 #[test]
 #[ignore = "scripts/browser-test.sh builds the page first"]
 fn a_sound_that_was_stopped_goes_on_where_one_stands() {
@@ -152,8 +152,8 @@ fn a_sound_that_was_stopped_goes_on_where_one_stands() {
     });
 }
 
-/// Protects users who serve the page without encryption from unexplained silence: the page states what sound needs, and
-/// continues.
+/// Protects users who serve the page without encryption from unexplained silence: the page states what sound requires,
+/// and continues.
 #[test]
 #[ignore = "scripts/browser-test.sh builds the page first"]
 fn a_page_that_may_not_play_says_why() {
@@ -169,8 +169,8 @@ fn a_page_that_may_not_play_says_why() {
     assert_eq!(browser.errors(), Vec::<String>::new());
 }
 
-/// Protects sound in browsers that cannot trace in full: the page says so, plays the balance, and offers no other
-/// choice.
+/// Protects sound in browsers that cannot trace full listening: the page shows a message, plays the balance, and
+/// disables the other choice.
 #[test]
 #[ignore = "scripts/browser-test.sh builds the page first"]
 fn without_ears_the_balance_is_played() {

@@ -1,4 +1,4 @@
-//! Libraries named libEGL that are not EGL, and those that list no devices.
+//! Libraries named libEGL that lack EGL functions, and those that list no devices.
 #![cfg(target_os = "linux")]
 
 use crate::common::cli::{argument, command, json, stderr};
@@ -6,13 +6,13 @@ use std::path::Path;
 use std::process::{Command, Output};
 use tempfile::TempDir;
 
-/// The C file of a libEGL that forwards calls.
+/// The C source of a libEGL that forwards calls to the real one.
 const FORWARD: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),
     "/tests/program/strange_egl/forward.c"
 );
 
-/// A folder with a libEGL compiled from that C file.
+/// A folder with a libEGL compiled from that C source.
 fn library(source: &Path, definitions: &[String]) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     let made = Command::new("cc")
@@ -27,7 +27,7 @@ fn library(source: &Path, definitions: &[String]) -> TempDir {
     folder
 }
 
-/// Runs one frame of the program, which finds that library first.
+/// Traces one frame with the program, which finds that library first.
 fn trace(folder: &TempDir, arguments: &[&str]) -> Output {
     command()
         .args(["trace", "corner", "--waves", "1024", "--json"])
@@ -39,8 +39,8 @@ fn trace(folder: &TempDir, arguments: &[&str]) -> Output {
         .unwrap()
 }
 
-/// Protects from a stub that is found first, such as those shipped by browsers: one sentence, no crash, and the API
-/// that needs no EGL works.
+/// Protects users whose system finds an incomplete libEGL first, such as those shipped with browsers: the program
+/// prints one sentence and does not crash. The API that needs no EGL works.
 #[test]
 fn a_libegl_without_functions_is_told() {
     for text in [
@@ -65,7 +65,7 @@ fn a_libegl_without_functions_is_told() {
     }
 }
 
-/// Path of the machine's own libEGL.
+/// Path of the real libEGL of this machine.
 fn real_library() -> String {
     let known = Command::new("/sbin/ldconfig").arg("-p").output().unwrap();
     let known = String::from_utf8(known.stdout).unwrap();
@@ -74,8 +74,8 @@ fn real_library() -> String {
     path.trim().to_owned()
 }
 
-/// Protects drivers that list no devices: the surfaceless platform is used, or else the default display, with a surface
-/// if the driver needs one; the frame is the same.
+/// Protects drivers that list no devices: the program uses the surfaceless platform, or else the default display, with
+/// a surface if the driver needs one. The traced frame is the same.
 #[test]
 fn contexts_are_made_without_a_list_of_devices() {
     let arguments = ["trace", "corner", "--waves", "1024"];

@@ -1,5 +1,5 @@
-//! Users' GLSL written with malice or without knowledge: it is refused in one sentence or traced,
-//! and never ends the program, hangs it or fills its memory.
+//! Malicious or faulty users' GLSL: it is either refused in one sentence or traced. It never crashes the program, hangs
+//! it or exhausts its memory.
 
 use crate::common::cli::{argument, command, stderr};
 use crate::common::{builtin, context};
@@ -24,14 +24,14 @@ const SCENE: &str = "Scene(
 
 const BALL: &str = "float field(vec3 p) { return length(p) - 1.0; }\n";
 
-/// A division that compilers fold, and that faults.
+/// A division that compilers fold into a constant, and that causes a processor fault.
 const DIVISION: &str =
     "float field(vec3 p) { p.x += float((-2147483647 - 1) / -1); return length(p) - 1.0; }\n";
 
-/// Maximum data size of a process and of each of its children, in kibibytes.
+/// Maximum data size of a process and of each of its child processes, in kibibytes.
 const MEMORY: &str = "2000000";
 
-/// A ball of one metre, preceded by these statements.
+/// The field of a ball of one metre, preceded by these statements.
 fn before(statements: &str) -> String {
     format!("float field(vec3 p) {{ {statements} return length(p) - 1.0; }}\n")
 }
@@ -45,7 +45,7 @@ fn doubling(levels: usize) -> String {
     text + &format!("float field(vec3 p) {{ return 1.0 A{levels}; }}\n")
 }
 
-/// Functions that each call the previous one twice: compilers need seconds to inline them.
+/// A chain of functions that each call the previous one twice. Compilers need seconds to inline them.
 fn doubling_calls(start: &str) -> String {
     let call = |n: usize| {
         format!(
@@ -66,7 +66,7 @@ fn joined(count: usize, one: impl Fn(usize) -> String, between: &str) -> String 
     all.join(between)
 }
 
-/// Traces a scene with this field, within limits.
+/// Traces a scene with this field, with limited memory.
 fn trace(text: &str) -> Output {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("f.glsl"), text).unwrap();
@@ -93,7 +93,7 @@ fn refuses(text: &str, told: &str) {
     assert!(said.len() < 500, "{start}: {said}");
 }
 
-/// Requires one sentence or a frame, depending on the renderer.
+/// Requires either one sentence or a frame, depending on the renderer.
 fn refuses_or_traces(text: &str) {
     let output = trace(text);
     let said = stderr(&output);
@@ -105,7 +105,7 @@ fn refuses_or_traces(text: &str) {
     }
 }
 
-/// Protects the program from bad texts that are recognised before anything is compiled.
+/// Protects the program from invalid texts that are recognised before compilation.
 #[test]
 fn what_a_field_cannot_be_is_refused_by_name() {
     refuses(&before("discard;"), "'discard'");
@@ -114,7 +114,7 @@ fn what_a_field_cannot_be_is_refused_by_name() {
     refuses(&before("outOrigin = vec4(1.0);"), "outOrigin");
     refuses(&before("p.x += uMinDistance;"), "uMinDistance");
     refuses(&before("p.x += waveIndex();"), "waveIndex");
-    // Each of these changed the waves of other surfaces, or ended with a driver's log.
+    // Earlier, each of these declarations changed the waves of other surfaces, or ended with a driver's log.
     for declared in [
         "float dot(vec3 a, vec3 b) { return 0.0; }",
         "float step(float a, float b);",
@@ -152,8 +152,7 @@ fn what_a_field_cannot_be_is_refused_by_name() {
     refuses(&(globals + BALL), "");
 }
 
-/// Protects the program from drivers' compilers that crash, fill the memory or hang, and from
-/// endless loops.
+/// Protects the program from endless loops, and from drivers' compilers that crash, hang or exhaust the memory.
 #[test]
 fn what_dies_or_does_not_end_is_refused() {
     refuses(DIVISION, "SIGFPE");
@@ -165,7 +164,7 @@ fn what_dies_or_does_not_end_is_refused() {
         "for (int i = 0; i < 60000; ++i) for (int j = 0; j < 60000; ++j) p.x += sin(p.y) * 1e-9;",
         "for (int i = 0; i < 1000000000; ++i) p.x += sin(p.y + p.x) * 1e-9;",
         "while (p.x < 1e9) p.y += sin(p.x) * 1e-9;",
-        // A long loop only where waves land.
+        // This loop is long only at positions where waves hit the surface.
         "if (abs(length(p) - 1.0) < 0.001) for (int i = 0; i < 1000000000; ++i) p.x += sin(p.y + p.x) * 1e-12;",
     ] {
         refuses(&before(loops), "f.glsl: ");
@@ -190,7 +189,7 @@ fn what_dies_or_does_not_end_is_refused() {
     );
 }
 
-/// Protects the program whatever a driver does with these: it may accept them or not.
+/// Protects the program from texts that strain a compiler: a driver may accept or reject them.
 #[test]
 fn what_strains_a_compiler_ends_in_a_sentence_or_a_frame() {
     let minus = "- ".repeat(20_000);
@@ -233,7 +232,7 @@ fn what_strains_a_compiler_ends_in_a_sentence_or_a_frame() {
     }
 }
 
-/// Protects harmless texts from being refused.
+/// Protects harmless texts: they are not refused.
 #[test]
 fn what_is_harmless_is_traced() {
     for text in [
@@ -249,7 +248,7 @@ fn what_is_harmless_is_traced() {
     }
 }
 
-/// Protects pictures, which are drawn by separate programs.
+/// Protects pictures, which have shader programs of their own.
 #[test]
 fn pictures_are_refused_as_frames_are() {
     let folder = tempfile::tempdir().unwrap();
@@ -285,7 +284,7 @@ fn scene(text: &str) -> Scene {
     )
 }
 
-/// A command that logs each start in `log`, and continues once `go` exists.
+/// A command that logs each start in the file `log`, and continues once the file `go` exists.
 fn noting(folder: &Path) -> TrialCommand {
     let script = format!(
         "echo >> log; until [ -e go ]; do sleep 0.05; done; exec {} field-trial",
@@ -303,7 +302,7 @@ fn starts(folder: &Path) -> usize {
     log.map_or(0, |log| log.lines().count())
 }
 
-/// Returns the next change of the files, once the child has answered.
+/// Returns the next change of the files, after the child process has answered.
 fn settle(
     reloading: &mut Reloading,
     tracer: &mut Tracer,
@@ -317,9 +316,9 @@ fn settle(
     }
 }
 
-/// Protects programs that use the library: fields are refused until they choose how fields are tried, built-in
-/// scenes are not; a child's results are the same as this process' own; no field is tried twice; and following files
-/// never blocks. One test, since the choice applies to the whole process.
+/// Protects programs that use the library. Users' fields are refused until the program chooses how they are tried;
+/// built-in scenes are not refused. A child process gives the same results as this process. No field is tried twice,
+/// and watching files never blocks. This is one test, because the choice applies to the whole process.
 #[test]
 fn a_library_chooses_how_fields_are_tried() {
     let folder = tempfile::tempdir().unwrap();
@@ -348,7 +347,7 @@ fn a_library_chooses_how_fields_are_tried() {
     std::fs::write(folder.join("go"), "").unwrap();
     let mut tracer = Tracer::new(&context).unwrap();
     let tried = scene(BALL);
-    // The CPU's values of the field are in its samples.
+    // The CPU values of the field come from its samples.
     let values = |scene: &Scene| {
         let field = scene.user_fields().next().unwrap();
         let diagonal = (-10..=10).map(|step| DVec3::splat(0.1 * f64::from(step)));
@@ -377,7 +376,7 @@ fn a_library_chooses_how_fields_are_tried() {
         error.starts_with("f.glsl:1: ") && error.contains("one"),
         "{error}"
     );
-    // Built-in shapes need no child process.
+    // Built-in shapes need no trial in a child process.
     tracer
         .check(&Scene::builtin("menger").unwrap(), &settings)
         .unwrap();
@@ -436,8 +435,8 @@ mod window {
     use crate::common::window::Display;
     use std::path::PathBuf;
 
-    /// Protects users in a scene whose field changes into one that crashes: the window reports it,
-    /// and continues with the last good scene.
+    /// Protects users in a scene whose field changes into one that crashes: the window reports it, and continues with
+    /// the last valid scene.
     #[test]
     fn the_window_outlives_every_field() {
         let folder = tempfile::tempdir().unwrap();
@@ -467,7 +466,7 @@ mod window {
         assert_eq!(report["reread"].as_array().unwrap().len(), kills.len() + 1);
     }
 
-    /// A scene with this field, in a folder of its own within `folder`.
+    /// Writes a scene with this field to a new folder within `folder`.
     fn scene_with(folder: &Path, name: &str, text: &str) -> PathBuf {
         let folder = folder.join(name);
         std::fs::create_dir(&folder).unwrap();
@@ -477,9 +476,9 @@ mod window {
         scene
     }
 
-    /// Protects users from waiting for the trial of a chosen scene: the window continues with the
-    /// last good scene, says so, and shows the new one after its field was tried; or never, if it
-    /// is refused or another one is chosen meanwhile.
+    /// Protects users from waiting for the trial of a chosen scene: the window continues with the last valid scene and
+    /// shows a message. It shows the new scene after the trial, unless the scene is refused or another one is chosen
+    /// meanwhile.
     #[test]
     fn a_scene_that_is_chosen_is_tried_aside() {
         let folder = tempfile::tempdir().unwrap();
@@ -494,7 +493,7 @@ mod window {
             drop_file(&display.name, &window, scene);
             demo.wait_for(&format!("{} is being tried", scene.display()));
         };
-        // The trial ends after seconds, the window draws many frames per second.
+        // The trial takes seconds, in which the window draws many frames.
         let wait_tried = |scene: &Path| {
             let mut frames = 0;
             demo.wait_until("frames during the trial", |frame| {
@@ -510,7 +509,7 @@ mod window {
         let after = demo.wait_until("the end of the trial", |frame| frame["trying"].is_null());
         assert_eq!(after["scene"], "corner");
 
-        // It is last in the list of scenes, and the first follows it.
+        // The scene is the last in the list. The next scene is the first in the list.
         choose(&second);
         wait_tried(&second);
         display.xdotool(&["key", "n"]);

@@ -1,4 +1,4 @@
-//! Limits on the files that are read: their kind, their size, and their samples and pixels.
+//! Limits on input files: their kind, their size, and their number of samples and pixels.
 
 use super::{folder_with, refusal, scene};
 use crate::common::cli::{run_in, stderr};
@@ -7,7 +7,7 @@ use std::fs::File;
 use std::os::unix::fs::symlink;
 use std::process::Command;
 
-/// A PNG of these chunks.
+/// A PNG file that consists of these chunks.
 fn png(chunks: &[(&[u8; 4], &[u8])]) -> Vec<u8> {
     let mut file = b"\x89PNG\r\n\x1a\n".to_vec();
     for (name, data) in chunks {
@@ -30,7 +30,7 @@ fn head(width: u32, height: u32, depth: u8, colour: u8) -> Vec<u8> {
     head
 }
 
-/// Protects from waiting for pipes and from endless devices, wherever a file is given.
+/// Protects the program from waiting for pipes and from reading endless devices, for every option that takes a file.
 #[test]
 fn only_regular_files_are_read() {
     let folder = folder_with("Field(file: \"/dev/zero\", lipschitz: 1, size: (1, 1, 1))");
@@ -64,8 +64,8 @@ fn only_regular_files_are_read() {
     }
 }
 
-/// Protects the memory: a file that is too large is refused before it is read or decoded, and the
-/// message contains the limit.
+/// Protects the memory: a file that is too large is refused before it is read or decoded. The message contains the
+/// limit.
 #[test]
 fn large_files_are_refused_with_the_limit() {
     let folder = folder_with("HeightField(image: \"h.png\", size: (9, 2, 9))");
@@ -83,14 +83,14 @@ fn large_files_are_refused_with_the_limit() {
     };
     sparse("large.wav", &wav_header(1, 48_000, 8, 400 << 20), 400 << 20);
     assert!(render("large.wav").contains("larger than 268435456 bytes"));
-    // Within the limit on the file size, but too long.
+    // The file size is within its limit, but the sound is too long.
     sparse(
         "long.wav",
         &wav_header(1, 48_000, 8, 200 << 20),
         (200 << 20) + 44,
     );
     assert!(render("long.wav").contains("at most 33554432 are read"));
-    // Short, but too long after resampling.
+    // The file is short, but the sound is too long after resampling.
     sparse(
         "slow.wav",
         &wav_header(1, 1_000, 8, 1 << 20),
@@ -122,8 +122,7 @@ fn large_files_are_refused_with_the_limit() {
     assert!(said.contains("larger than 16777216 bytes"), "{said}");
 }
 
-/// Protects from pictures whose palette does not consist of whole colours, on which the decoder
-/// would panic.
+/// Protects the program from pictures with an incomplete last palette colour, on which the decoder would panic.
 #[test]
 fn a_broken_palette_is_refused() {
     let folder = folder_with("HeightField(image: \"h.png\", size: (9, 2, 9))");
@@ -142,7 +141,7 @@ fn a_broken_palette_is_refused() {
     }
 }
 
-/// Protects the resampler, which panics where its sums overflow.
+/// Protects the resampler, which would panic if its sums overflowed.
 #[test]
 fn samples_far_beyond_full_scale_are_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -155,7 +154,7 @@ fn samples_far_beyond_full_scale_are_refused() {
         let said = refusal(folder.path(), &arguments);
         assert!(said.contains("sample 7"), "{value}: {said}");
     }
-    // Integers written as floats.
+    // Integer samples in a file of the float format.
     std::fs::write(folder.path().join("v.wav"), float_wav(&[2e9, -2e9, 0.0])).unwrap();
     let few = ["--seconds", "0.05", "--waves", "64"];
     let output = run_in(folder.path(), &[&arguments[..], &few].concat());

@@ -1,5 +1,4 @@
-//! Untrusted files: their contents are read within limits and shown only as text, and the files are
-//! never overwritten.
+//! Untrusted files: their contents are read within limits and shown only as text. The files are never overwritten.
 #![cfg(unix)]
 
 mod fields;
@@ -28,8 +27,8 @@ fn folder_with(shape: &str) -> TempDir {
     folder
 }
 
-/// Runs the program in `folder`: it must refuse in one sentence, which is returned, and leave
-/// everything unchanged.
+/// Runs the program in `folder`. The program must refuse with one sentence, which is returned, and leave the folder
+/// unchanged.
 fn refusal(folder: &Path, arguments: &[&str]) -> String {
     let output = refused(folder, arguments);
     let said = stderr(&output);

@@ -1,9 +1,9 @@
-//! Names from files, in terminals, tables and pages.
+//! Names from files in terminals, tables and pages.
 
 use super::{answers, folder_with, refusal, scene};
 use crate::common::cli::{run_in, stderr, stdout};
 
-/// Protects terminals from names: of scenes, surfaces, values, files and answers.
+/// Protects terminals from control characters in the names of scenes, surfaces, values, files and answers.
 #[test]
 fn no_name_reaches_a_terminal_as_it_is() {
     let folder = folder_with("Plane");
@@ -46,7 +46,7 @@ fn no_name_reaches_a_terminal_as_it_is() {
         std::fs::write(folder.join("a.json"), file).unwrap();
         check_shown(&refusal(folder, &["localise", "score", "a.json"]));
     }
-    // The file's own name replaces the scene's.
+    // If a scene has no name, its file name is used.
     std::fs::write(folder.join("\u{1b}[31m\n.ron"), scene("Plane")).unwrap();
     let output = run_in(folder, &["trace", "\u{1b}[31m\n.ron", "--waves", "64"]);
     assert!(output.status.success());
@@ -65,7 +65,7 @@ fn check_shown(said: &str) {
     assert!(!said.contains(hidden), "{said:?}");
 }
 
-/// Protects readers from errors that fill the screen.
+/// Protects readers from error messages that fill the screen.
 #[test]
 fn messages_of_many_lines_are_cut() {
     let folder = tempfile::tempdir().unwrap();
@@ -94,8 +94,7 @@ fn no_csv_cell_is_a_formula() {
     }
 }
 
-/// Protects the form from names with a meaning in HTML: a script element opened inside a name would
-/// never end.
+/// Protects the form from names with a meaning in HTML. An unescaped name could open a script element that never ends.
 #[test]
 fn a_form_holds_names_as_data() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,11 +1,11 @@
-//! Outputs that would replace an input.
+//! Outputs that would replace an input file.
 
 use super::{answers, folder_with, refusal};
 use crate::common::wav::float_wav;
 use std::os::unix::fs::symlink;
 
-/// Protects inputs: no output of any subcommand replaces them, by their own name, another path, a
-/// symbolic or a hard link.
+/// Protects input files: no output of any subcommand replaces them, whether by the same name, another path, a symbolic
+/// link or a hard link.
 #[test]
 fn outputs_never_replace_inputs() {
     let folder = folder_with("Union(of: [HeightField(image: \"h.png\", size: (9, 2, 9)), Plane])");
@@ -78,7 +78,7 @@ fn outputs_never_replace_inputs() {
     assert_eq!(std::fs::read_dir(folder.join("out")).unwrap().count(), 3);
 }
 
-/// Protects answer files that are scored into their own folder.
+/// Protects answer files if the score is written into their own folder.
 #[test]
 fn a_score_never_replaces_answers() {
     let folder = tempfile::tempdir().unwrap();

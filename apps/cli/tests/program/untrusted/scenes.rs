@@ -1,10 +1,10 @@
-//! Scene files that would take long, or that become invalid while things move.
+//! Scene files that would take long to read or compile, or that become invalid during their motion.
 
 use super::{folder_with, refusal};
 use crate::common::cli::{run_in, stderr};
 
-/// Protects from scenes that are valid at their key frames and invalid between them: each
-/// subcommand refuses them, with the time.
+/// Protects users from scenes that are valid at their key frames but invalid between them: each subcommand refuses
+/// them, and the message contains the time.
 #[test]
 fn what_is_impossible_between_keys_is_refused_with_its_time() {
     let prism = "Prism(corners: [(0, 0), (1, 0), (0.5, Keys([(0, 1), (2, -1)]))], depth: 1)";
@@ -24,8 +24,8 @@ fn what_is_impossible_between_keys_is_refused_with_its_time() {
     }
 }
 
-/// Protects from files with very many key frames: each is read a few times, not once for each of
-/// the others.
+/// Protects the program from files with very many key frames: each key frame is read a constant number of times, not
+/// once for each other key frame.
 #[test]
 fn a_hundred_thousand_key_frames_are_read() {
     let keys: Vec<String> = (0..100_000).map(|n| format!("({n},1.{})", n % 7)).collect();
@@ -34,7 +34,7 @@ fn a_hundred_thousand_key_frames_are_read() {
     assert!(output.status.success(), "{}", stderr(&output));
 }
 
-/// Protects from scenes whose shader would take the driver minutes to compile, or crash it.
+/// Protects users from scenes whose shader would crash the driver or compile for minutes.
 #[test]
 fn what_compiles_for_minutes_is_refused() {
     let planes = "Plane), Surface(shape: ".repeat(600) + "Plane";
