@@ -1,5 +1,5 @@
-//! Plots the energy and its decay against time: the energy of each bin, the exact paths, each band's decay curve, and
-//! the direct sound.
+//! Plots the energy and its decay against time: the energy of each bin, the exact paths, the decay curve of each band,
+//! and the time of the direct sound.
 
 use super::plot::{Panel, Sheet, Stroke, builder, draw_legend, draw_line};
 use crate::report::PlotError;
@@ -26,8 +26,8 @@ const DEPTH_DB: f64 = 80.0;
 const ENERGY: RGBColor = RGBColor(150, 150, 150);
 const PATHS: RGBColor = RGBColor(213, 94, 0);
 
-/// Band colours from dark (low frequency) to light (high frequency) (viridis): neighbours can be told apart, and the
-/// order is visible.
+/// Band colours from dark (low frequency) to light (high frequency), from the palette viridis. Neighbouring bands can
+/// be distinguished, and the order is visible.
 const BAND_COLOURS: [RGBColor; BAND_COUNT] = [
     RGBColor(68, 1, 84),
     RGBColor(70, 50, 126),
@@ -46,15 +46,15 @@ struct Curves {
     /// The energy of each bin that is not empty, averaged over the bands.
     energy: Vec<(f64, f64)>,
     paths: Vec<(f64, f64)>,
-    /// The remaining energy relative to the total, including the energy after the end of the record as the figures
-    /// estimate it ([`Figures::cut_off`]).
+    /// The remaining energy relative to the total. The total includes the estimated energy after the end of the
+    /// response ([`Figures::cut_off`]).
     decay: [Vec<(f64, f64)>; BAND_COUNT],
 }
 
 /// The plot as SVG.
 ///
 /// # Errors
-/// When the drawing fails; the text contains the reason.
+/// If drawing fails. The error contains the reason.
 pub fn svg(title: &str, response: &Response) -> Result<String, PlotError> {
     let curves = Curves::of(response);
     let direct_s = response.direct().map(|path| path.delay_s);
@@ -111,8 +111,8 @@ fn plot_decay(
     draw_legend(&legend, &entries)
 }
 
-/// Groups adjacent bands with equal curves. Each group gets one line, because the last band's line would hide the
-/// others.
+/// Groups adjacent bands that have equal curves. Each group is drawn as one line, because the line of the last band
+/// would hide the others.
 fn equal_bands(decay: &[Vec<(f64, f64)>; BAND_COUNT]) -> Vec<Range<usize>> {
     let mut groups: Vec<Range<usize>> = Vec::new();
     for band in 0..BAND_COUNT {
@@ -198,7 +198,7 @@ impl Curves {
     }
 }
 
-/// The pieces' energies in decibels, averaged over the bands; empty pieces are left out.
+/// The energy of each piece in decibels, averaged over the bands. Empty pieces are excluded.
 fn in_db(pieces: impl Iterator<Item = (f64, Bands)>) -> Vec<(f64, f64)> {
     let mean = pieces.map(|(x, bands)| (x, bands::mean(&bands)));
     let heard = mean.filter(|(_, energy)| *energy > 0.0);
@@ -207,8 +207,8 @@ fn in_db(pieces: impl Iterator<Item = (f64, Bands)>) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// The energy remaining at each piece relative to the total, in decibels. The share `cut_off` of the total arrives
-/// after the last piece.
+/// The energy that remains at each piece relative to the total, in decibels. `cut_off` is the share of the total that
+/// arrives after the last piece.
 fn decay(pieces: &[(f64, Bands)], band: usize, cut_off: f64) -> Vec<(f64, f64)> {
     let told: f64 = pieces.iter().map(|(_, bands)| bands[band]).sum();
     let all = told / (1.0 - cut_off);
@@ -243,13 +243,13 @@ mod tests {
             assert!((db - level).abs() < 1e-9);
         }
         assert!(decay(&[(0.0, [0.0; BAND_COUNT])], 0, 0.0).is_empty());
-        // A record that ends after 99 % of the energy.
+        // A response that ends after 99 % of the energy has arrived.
         let curve = decay(&pieces[..2], 0, 0.01);
         let levels: Vec<f64> = curve.into_iter().map(|(_, db)| db).collect();
         assert!((levels[0] - 0.0).abs() < 1e-9 && (levels[1] + 10.0).abs() < 1e-9);
     }
 
-    /// Protects bands from being hidden by other bands with the same curve.
+    /// Protects a band from being hidden by another band with the same curve.
     #[test]
     fn equal_bands_are_one_line() {
         let curve = |db: f64| vec![(0.0, db)];

@@ -1,8 +1,7 @@
 //! The performance experiment: figures 11.1 to 11.4 of the thesis (section 4.2).
 //!
-//! For each table and number of waves, one warm-up frame is followed by `runs` frames on the same
-//! textures, with the profiles in turns. Times are medians. All runs use the same seed and
-//! therefore have the same counts.
+//! For each table and number of waves, one warm-up frame is followed by `runs` frames on the same textures. The frames
+//! of the profiles run in turns. Times are medians. All runs use the same seed, so they have the same counts.
 
 mod plot;
 mod report;
@@ -13,15 +12,15 @@ use echomarch::scene::Scene;
 use echomarch::tracer::{Counts, Frame, Milliseconds, Settings, Tracer};
 use serde::Serialize;
 
-/// Duration of a frame at 30 frames per second in milliseconds: the thesis' limit of real time.
+/// Duration of a frame at 30 frames per second in milliseconds: the thesis' criterion of real time.
 pub const FRAME_BUDGET_MS: f64 = 1000.0 / 30.0;
 
 /// The options of a run.
 #[derive(Clone, Debug)]
 pub struct FiguresOptions {
-    /// The profiles to compare; the tables set waves and iterations.
+    /// The profiles to compare. The tables set the numbers of waves and iterations.
     pub profiles: Vec<Settings>,
-    /// Maximum number of waves; rows with more waves are left out.
+    /// Maximum number of waves. Rows with more waves are omitted.
     pub max_waves: u32,
     /// Number of timed frames per row.
     pub runs: u32,
@@ -49,7 +48,7 @@ pub struct FigureTable {
     pub figure: &'static str,
     /// The scene's name.
     pub scene: &'static str,
-    /// Iterations of every wave.
+    /// Number of iterations of every wave.
     pub iterations: u32,
     /// The rows, ordered by number of waves, then by profile.
     pub rows: Vec<FigureRow>,
@@ -64,20 +63,19 @@ pub struct FigureRow {
     pub waves: u32,
     /// Median times over the runs.
     pub milliseconds: Milliseconds,
-    /// Number of waves with each fate.
+    /// Number of waves by final state.
     pub counts: Counts,
-    /// Share of all (wave, iteration) pairs whose march ended at distance 0.
+    /// Share of all iterations, over all waves, that ended at distance 0.
     pub zero_length_share: f64,
     /// The panning value.
     pub pan: f64,
-    /// The thesis' row.
+    /// The corresponding row of the thesis.
     pub thesis: ThesisRow,
 }
 
 impl FigureRow {
-    /// Difference between the listener hits and the thesis' hits in standard errors. Both counts
-    /// are counts of rare independent events, so the standard error of the difference is the root
-    /// of their sum.
+    /// Difference between the listener hits and the thesis' hits, in standard errors. Both are counts of rare
+    /// independent events, so the standard error of the difference is the root of their sum.
     pub fn standard_errors(&self) -> f64 {
         let ours = self.counts.listener_hits as f64;
         let thesis = self.thesis.listener_hits as f64;

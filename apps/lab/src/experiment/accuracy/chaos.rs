@@ -1,18 +1,17 @@
-//! Separates chaos from error.
+//! Distinguishes chaos from error.
 //!
 //! # Theory
-//! Two rays that start close together separate in proportion to the length of their flight. A
-//! convex mirror makes them separate exponentially: a flight of length l between mirrors of radius
-//! r multiplies the separation by about 1 + 2 l / (r cos θ) (Sinai 1970, dispersing billiards). No
-//! arithmetic of finite precision can follow such a wave for long: past the wave's *horizon* an
-//! end-point error depends on the precision, not on the algorithm.
+//! Two rays that start close together separate in proportion to the length of their flight. Convex mirrors make them
+//! separate exponentially: a flight of length l between mirrors of radius r multiplies the separation by about
+//! 1 + 2 l / (r cos θ) (Sinai 1970, dispersing billiards). No arithmetic of finite precision can follow such a ray for
+//! long. Past the ray's *horizon*, the error of its end point depends on the precision, not on the algorithm.
 //!
 //! # Method
-//! Pairs of exact waves, started a billionth of a radian apart, are followed as long as both meet
-//! the same surfaces. The growth is the factor by which the separation grows from one curved
-//! surface to the next, as the geometric mean over all pairs and all such flights; reflections at
-//! flat mirrors count as part of the flight. The horizon is the number of such flights after which
-//! one rounding error of a position in `f32` has grown to a centimetre.
+//! Pairs of exact waves start with an angle of a billionth of a radian between them, and are traced while both meet the
+//! same surfaces. The growth is the factor by which the separation grows from one curved surface to the next, as the
+//! geometric mean over all pairs and all such flights. Reflections at flat mirrors count as part of a flight. The
+//! horizon is the number of such flights after which one rounding error of a position in `f32` has grown to one
+//! centimetre.
 
 use super::report::{Chaos, ChaosStep};
 use echomarch::geometry::{ExactScene, PathVertex};
@@ -20,19 +19,19 @@ use echomarch::scene::{Node, Scene};
 use glam::{DVec3, Vec3};
 use std::f64::consts::TAU;
 
-/// Angle between the waves of a pair, in radians.
+/// Angle between the two waves of a pair, in radians.
 const APART: f64 = 1e-9;
 
-/// The rounding error of a position in `f32` in a room, in metres.
+/// Rounding error of a position in `f32` in a room, in metres.
 const ROUNDING: f64 = 1e-6;
 
-/// The smallest end-point error that counts as an error, in metres.
+/// Minimum end-point error that is noticed, in metres.
 const NOTICED: f64 = 0.01;
 
-/// Maximum number of curved surfaces that get a line of their own in the report.
+/// Maximum number of curved surfaces that are listed in the report.
 const STEPS: usize = 8;
 
-/// Sums of logarithms at the n-th curved surface.
+/// Sums of logarithms at the n-th curved surface of a path.
 #[derive(Clone, Copy, Default)]
 struct Sums {
     pairs: u64,
@@ -41,7 +40,7 @@ struct Sums {
     growth: f64,
 }
 
-/// Follows a pair for each of `directions` from the scene's source.
+/// Traces a pair of waves from the scene's source for each of `directions`.
 pub fn measure(scene: &Scene, exact: &ExactScene, directions: &[Vec3], iterations: u32) -> Chaos {
     let start = scene.sources[0].position.as_dvec3();
     let mut sums = vec![Sums::default(); iterations as usize];
@@ -70,7 +69,7 @@ pub fn measure(scene: &Scene, exact: &ExactScene, directions: &[Vec3], iteration
     }
 }
 
-/// Number of curved surfaces after which an error with this growth becomes noticeable.
+/// The number of curved surfaces after which an error with this growth is noticed.
 fn horizon(growth: f64) -> Option<f64> {
     (growth > 1.0).then(|| (NOTICED / ROUNDING).ln() / growth.ln())
 }
@@ -101,7 +100,7 @@ fn is_curved(scene: &Scene, object: u32) -> bool {
     })
 }
 
-/// A unit vector perpendicular to `direction`; its angle about `direction` depends on the index.
+/// Returns a unit vector perpendicular to `direction`. Its angle about `direction` depends on the index.
 fn across(direction: DVec3, index: usize) -> DVec3 {
     let (u, v) = direction.any_orthonormal_pair();
     let (sin, cos) = (TAU * (index as f64 * 0.618_033_988_749_895).fract()).sin_cos();
@@ -131,7 +130,7 @@ mod tests {
     use super::*;
     use crate::experiment::accuracy::directions::lattice;
 
-    /// Protects the distinction between chaos and error: flat walls cause no chaos, pillars do.
+    /// Protects the distinction between chaos and error: flat walls cause no chaos, but pillars do.
     #[test]
     fn errors_grow_at_pillars_alone() {
         let of = |name: &str| {
@@ -147,8 +146,7 @@ mod tests {
         assert!(obstacles.horizon.unwrap() > 0.5);
     }
 
-    /// Protects the arithmetic of the horizon: a growth by ten per hit takes four hits for four
-    /// decades.
+    /// Protects the arithmetic of the horizon: with a growth of ten per hit, four decades take four hits.
     #[test]
     fn the_horizon_is_where_rounding_shows() {
         assert!((horizon(10.0).unwrap() - 4.0).abs() < 1e-12);

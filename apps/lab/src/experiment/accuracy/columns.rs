@@ -1,4 +1,4 @@
-//! The columns of the tables of rows and of targets.
+//! The columns of the table of settings and of the table of targets.
 
 use super::report::{AccuracyReport, Row, SceneReport, Target, WaveErrors};
 use crate::columns;
@@ -12,7 +12,7 @@ pub(super) struct Line<'a> {
 }
 
 impl report::Row for Line<'_> {
-    /// Times are in milliseconds, distances in metres; programs get shares from 0 to 1.
+    /// Times are in milliseconds and distances in metres. In CSV and JSON, shares are numbers from 0 to 1.
     fn columns() -> Vec<Column<Self>> {
         columns! { line: Line;
             ("scene") => &line.scene.scene;

@@ -1,4 +1,4 @@
-//! Directions for the limit of many waves, and the rate at which an error falls towards this limit.
+//! Start directions for the limit of many waves, and the rate at which an error approaches this limit.
 
 use super::report::{Slope, SlopePoint};
 use echomarch::internals::sampling;
@@ -8,9 +8,9 @@ use std::f64::consts::PI;
 
 /// A spherical Fibonacci lattice of `count` unit vectors, computed in `f64` and rounded at the end.
 ///
-/// `turned`: whether to rotate the lattice by half a turn about (1, 1, 1). The rotation moves the
-/// poles and so gives a different lattice; about an axis through the equator it would not, because
-/// of the lattice's symmetry.
+/// If `turned` is true, the lattice is rotated by half a turn about (1, 1, 1). This rotation moves the poles and so
+/// gives a different lattice. A half turn about an axis through the equator would not, because of the symmetry of the
+/// lattice.
 pub fn lattice(count: u64, turned: bool) -> Vec<Vec3> {
     let turn = match turned {
         true => DQuat::from_axis_angle(DVec3::ONE.normalize(), PI),
@@ -20,13 +20,13 @@ pub fn lattice(count: u64, turned: bool) -> Vec<Vec3> {
     all.map(|direction| (turn * direction).as_vec3()).collect()
 }
 
-/// Minimum number of heard waves for a point to count. With fewer heard waves the error is
-/// determined by frames that hear nothing and answer 0.
+/// Minimum number of heard waves for a point to count. With fewer heard waves, the error is dominated by frames in
+/// which no wave is heard and the panning is 0.
 const LEAST_HEARD: f64 = 10.0;
 
-/// Returns the exponent with which the errors fall, and its standard error, from the least-squares
-/// line through the logarithms. Points that are not `fitted` are left out. The exponent is `None`
-/// for fewer than two points, the standard error for fewer than three.
+/// Returns the exponent with which the errors fall, and its standard error, from a least-squares line through the
+/// logarithms. Points that are not `fitted` are excluded. The exponent is `None` for fewer than two points, and the
+/// standard error for fewer than three.
 pub fn slope(points: &[SlopePoint]) -> (Option<f64>, Option<f64>) {
     let shown = points.iter().filter(|point| point.fitted);
     let logs: Vec<(f64, f64)> = shown
@@ -49,8 +49,8 @@ pub fn slope(points: &[SlopePoint]) -> (Option<f64>, Option<f64>) {
     (Some(slope), error)
 }
 
-/// Returns the points (waves, error) and the line through the points with enough heard waves;
-/// `heard` is the share of all waves that are heard.
+/// Returns the points (waves, error), and the line through the points with enough heard waves. `heard` is the share of
+/// all waves that are heard.
 pub fn fitted(directions: Directions, errors: &[(u32, f64)], heard: f64) -> Slope {
     let point = |&(waves, rms): &(u32, f64)| {
         let heard = heard * f64::from(waves);
@@ -94,9 +94,9 @@ mod tests {
         }
     }
 
-    /// Protects the exponents' uncertainty: the logarithms 0, 1, 0 in steps of ln 10 have a level
-    /// line. The squared deviations from the line sum to 2/3, with 1 degree of freedom; along x
-    /// they sum to 2 (ln 10)².
+    /// Protects the uncertainty of the exponents. The logarithms 0, 1, 0 in steps of ln 10 have a horizontal line. The
+    /// squared deviations from the line add up to 2/3, with 1 degree of freedom. The squared deviations along x add up
+    /// to 2 (ln 10)².
     #[test]
     fn the_standard_error_is_that_of_least_squares() {
         let points = [(1, 0.0), (10, 1.0), (100, 0.0)];
@@ -109,7 +109,7 @@ mod tests {
         assert!((fit.standard_error.unwrap() - error).abs() < 1e-12);
     }
 
-    /// Protects the exponents from numbers of waves at which hardly any wave is heard.
+    /// Protects the exponents from numbers of waves at which almost no wave is heard.
     #[test]
     fn points_that_hear_too_little_are_left_out() {
         let fit = fit(
@@ -121,8 +121,8 @@ mod tests {
         assert!((fit.slope.unwrap() + 0.5).abs() < 1e-12);
     }
 
-    /// Protects the limit from an uneven lattice: the vectors' mean is 0, and the mean square of
-    /// each coordinate is a third.
+    /// Protects the limit from an uneven lattice: the mean of the vectors is 0, and the mean square of each coordinate
+    /// is 1/3.
     #[test]
     fn lattices_cover_the_sphere_evenly() {
         for turned in [false, true] {

@@ -1,4 +1,4 @@
-//! The report for people.
+//! The report as a document for people.
 
 use super::columns::Line;
 use super::recommend::ITERATIONS as COMPARED_ITERATIONS;
@@ -7,21 +7,24 @@ use super::{SurfaceCounts, plot::plot_svg};
 use crate::report::{Document, PlotError, Report, Table, significant};
 
 const LEGEND: &str = "\
-    frame: median time of a frame. M/s: millions of waves × iterations a second. eval/flight: \
-    evaluations in a flight of a wave, of the distance and, in hybrid and march, of all fields \
-    that are marched, without those for the normal at its end; where surfaces lie in cells, of those in the cell. status, sequence: share of \
-    the waves compared that end otherwise than the exact ones, or meet other surfaces. end: metres from the exact wave's end (median, 99 %, largest); \
-    within: the same, 99 % and largest, of waves within the horizon of chaos. Hits: heard, less \
-    those of the exact waves, by order of reflection, without waves that thesis hears after they \
-    died. limit bias: the mean less the limit of many waves; twin bias: against the exact \
-    panning of the same waves; ± twin: its standard error; spread: over the seeds; rms: root of the mean square error from \
-    the limit, MSE = (mean − limit)² + spread²; efficiency: 1 / (MSE × seconds).";
+    frame: median time of a frame. M/s: millions of waves × iterations per second. eval/flight: \
+    distance evaluations per flight of a wave. In hybrid and march they count the evaluations of \
+    each marched field, without those for the normal at the end; with surfaces in cells, those of \
+    the fields in the cell. status, sequence: share of the compared waves whose final status, or \
+    whose sequence of surfaces, differs from that of the exact waves. end: distance from the exact \
+    wave's end in metres (median, 99 %, maximum); within: the same (99 %, maximum) for waves within \
+    the horizon of chaos. Hits: heard waves minus heard exact waves, by order of reflection, \
+    without waves that thesis hears after they died. limit bias: the mean minus the limit of many \
+    waves; twin bias: the mean minus the exact panning of the same start directions; ± twin: its \
+    standard error; spread: standard deviation over the seeds; rms: root of the mean square error \
+    relative to the limit, MSE = (mean − limit)² + spread²; efficiency: 1 / (MSE × seconds).";
 
-const SAMPLED: &str = "the exact waves follow samples of a user's text: the errors below are those of the samples, too";
+const SAMPLED: &str = "the exact waves are traced in samples of a user's field: the errors below include those of the samples";
 
 const RESPONSES: &str = "\
-    A room of 8 × 3 × 5 m whose walls absorb 0.1 to 0.43 by band, against image sources: the largest \
-    error of the bands that have the figure. Just noticed are 5 % in T30 and EDT, 1 dB in C80 and G.";
+    Compared with image sources, in a room of 8 × 3 × 5 m whose walls absorb 0.1 to 0.43 by band: the \
+    largest error of the bands that have the figure. Just noticeable differences are 5 % for T30 and \
+    EDT, and 1 dB for C80 and G.";
 
 impl AccuracyReport {
     fn lines<'a>(&'a self, scene: &'a SceneReport) -> impl Iterator<Item = Line<'a>> {
@@ -41,7 +44,7 @@ impl Report for AccuracyReport {
         let mut document = Document::default();
         document.heading(1, "Speed against error");
         document.paragraph(format!(
-            "{} (times: {}, median of {}; {:.0} s in all)",
+            "{} (times: {}, median of {}; {:.0} s in total)",
             self.renderer, self.clock, self.seeds, self.seconds
         ));
         for scene in &self.scenes {
@@ -83,10 +86,10 @@ fn compared(scene: &SceneReport) -> String {
     let rows = || scene.rows.iter();
     let waves = rows().map(|row| row.waves.compared).max().unwrap_or(0);
     let seeds = rows().map(|row| row.panning.twin_seeds).max().unwrap_or(0);
-    format!("compared one by one: {waves} waves a row at most; twin bias: of {seeds} seeds")
+    format!("compared wave by wave: at most {waves} waves per row; twin bias: from {seeds} seeds")
 }
 
-/// The numbers of surfaces in cells and of marched surfaces.
+/// The numbers of surfaces, of those in cells, and of those that are marched.
 fn surfaces(counts: SurfaceCounts) -> String {
     let SurfaceCounts {
         all,
@@ -99,14 +102,14 @@ fn surfaces(counts: SurfaceCounts) -> String {
         told += &format!(", {in_cells} in cells");
     }
     if marched > 0 {
-        told += &format!(", {marched} marched by hybrid too");
+        told += &format!(", {marched} marched, also by hybrid");
     }
     told
 }
 
 fn limit(limit: &Limit) -> String {
     format!(
-        "{} iterations, exactly: pan {:+.5} ± {:.5}, {:.3} % of the waves heard ({} directions)",
+        "{} iterations, exact waves: pan {:+.5} ± {:.5}, {:.3} % of the waves heard ({} directions)",
         limit.iterations,
         limit.pan,
         limit.uncertainty,
@@ -140,12 +143,12 @@ fn chaos(scene: &SceneReport) -> Vec<String> {
     let beyond: Vec<String> = beyond.collect();
     vec![
         format!(
-            "chaos: separations in metres a radian at the 1st, 2nd … curved surface: {}",
+            "chaos: separations in metres per radian at the 1st, 2nd … curved surface: {}",
             steps.join(", ")
         ),
         format!(
-            "chaos: × {growth:.1} a curved hit; f32 rounding is 1 cm after {:.1} of them; waves \
-             past that horizon: {} iterations",
+            "chaos: growth × {growth:.1} per curved hit; f32 rounding reaches 1 cm after {:.1} such hits; \
+             waves past that horizon: {} iterations",
             horizon.unwrap_or(f64::INFINITY),
             beyond.join(", ")
         ),
@@ -160,12 +163,15 @@ fn slope(slope: &Slope) -> String {
     let left_out: Vec<String> = left_out.map(|point| point.waves.to_string()).collect();
     let left_out = match left_out.is_empty() {
         true => String::new(),
-        false => format!("; not fitted, next to none heard: {}", left_out.join(", ")),
+        false => format!(
+            "; not fitted, because almost no wave is heard: {}",
+            left_out.join(", ")
+        ),
     };
     let law = match (slope.slope, slope.standard_error) {
         (Some(power), Some(error)) => format!("∝ waves^({power:.2} ± {error:.2})"),
         (Some(power), None) => format!("∝ waves^{power:.2}"),
-        (None, _) => "follows no law".to_owned(),
+        (None, _) => "no power law fitted".to_owned(),
     };
     format!(
         "hybrid, {} directions: rms panning error {law} ({}{left_out})",

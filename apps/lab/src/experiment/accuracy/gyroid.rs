@@ -1,7 +1,7 @@
-//! A scene with a user's text of which the exact function is known.
+//! A scene with a user's field whose exact function is known.
 //!
-//! The exact reference knows other users' texts only by samples: the errors measured with them are those of the
-//! samples, which are thousands of times larger than those of the waves.
+//! The exact reference knows other users' fields only from samples. The errors measured with them are mostly the errors
+//! of the samples, which are thousands of times larger than the errors of the waves.
 
 use echomarch::scene::shape::{Room, User};
 use echomarch::scene::{Listener, Scene, Source, Surface, UserField};
@@ -13,20 +13,20 @@ pub const GYROID: &str = "gyroid";
 
 const TEXT: &str = include_str!("gyroid.glsl");
 
-/// Full size in metres of the field's box.
+/// Full size of the field's box, in metres.
 const SIZE: Vec3 = Vec3::new(10.0, 6.0, 10.0);
 
-/// Above the greatest growth of the value, which is √3.
+/// Larger than the maximum gradient of the value, which is √3.
 const LIPSCHITZ: f32 = 2.0;
 
-/// The function of the text in `f64`. The text's numbers are exact in both precisions.
+/// The function of the GLSL text in `f64`. The numbers in the text are exact in both precisions.
 fn value(p: DVec3) -> f64 {
     let (q, walls) = (1.25 * p, 0.25);
     let [x, y, z] = q.to_array().map(f64::sin_cos);
     ((x.0 * y.1 + y.0 * z.1 + z.0 * x.1).abs() - walls) / 1.25
 }
 
-/// A gyroid that stands in a room, as a user's text.
+/// A gyroid in a room, as a user's field.
 pub fn gyroid() -> Scene {
     let field = UserField::new("gyroid.glsl", TEXT.to_owned(), SIZE, LIPSCHITZ);
     let field = Arc::new(field.with_exact_value(value));
@@ -42,7 +42,8 @@ pub fn gyroid() -> Scene {
 mod tests {
     use super::*;
 
-    /// Protects the scene: it is valid, its text is a user's without a gradient, and its stated growth is a bound.
+    /// Protects the scene: it is valid, its shape is a user's field without a gradient function, and the stated
+    /// Lipschitz constant is an upper bound.
     #[test]
     fn the_gyroid_is_a_text_of_stated_growth() {
         let scene = gyroid();

@@ -1,4 +1,4 @@
-//! Compares each wave with its exact twin.
+//! Compares each wave with the exact wave of the same start direction (its twin).
 
 use super::report::{Chaos, Quantiles, WaveErrors};
 use super::truth::Truth;
@@ -10,8 +10,8 @@ use glam::Vec3;
 
 /// Compares the waves of `settings` with exact waves that have the same start directions.
 ///
-/// End points are taken from an unchanged frame; the surfaces met are read back after each
-/// iteration of a second frame.
+/// The end points come from an unchanged frame. The sequences of surfaces come from a second frame, which is read back
+/// after each iteration.
 ///
 /// # Errors
 /// Errors of [`Tracer::frame`].
@@ -31,7 +31,7 @@ pub fn wave_errors(
     Ok(WaveErrors { flights, ..errors })
 }
 
-/// The objects that each wave met before it died, was heard or reached its last iteration.
+/// The objects that each wave hits before it dies, is heard or reaches its last iteration.
 fn objects_met(states: &[Vec<Wave>]) -> Vec<Vec<u32>> {
     let waves = states.first().map_or(0, Vec::len);
     let mut met: Vec<Vec<u32>> = vec![Vec::new(); waves];
@@ -51,12 +51,13 @@ fn objects_met(states: &[Vec<Wave>]) -> Vec<Vec<u32>> {
     met
 }
 
-/// The status rounded to a whole number; 0 if it is within the thesis' margin (figure 8) around the listener's status.
+/// The status rounded to a whole number. It is 0 if the status is within the thesis' margin (figure 8) around the
+/// listener's status.
 fn status(wave: &Wave) -> i32 {
     match wave.fate() {
         Fate::Listener => 0,
         Fate::Dead => -1,
-        // Waves that are not finite are also counted separately.
+        // Waves that are not finite also have a count of their own.
         Fate::Travelling | Fate::NotFinite => wave.status.round() as i32,
     }
 }
@@ -126,8 +127,8 @@ mod tests {
         assert_eq!(Quantiles::of(Vec::new()), Quantiles::default());
     }
 
-    /// Protects surface sequences from marches after a wave's end: the thesis goes on marching dead
-    /// waves.
+    /// Protects the sequences of surfaces from marches after a wave's end: the thesis' algorithm continues to march
+    /// dead waves.
     #[test]
     fn nothing_is_met_after_the_end() {
         let states = [0.5, 2.0, -1.0, 1.0].map(|status| vec![wave(status)]);

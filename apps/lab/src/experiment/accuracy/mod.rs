@@ -4,20 +4,20 @@
 //! Every [`Case`] (settings with a name) runs in every scene and yields a [`Row`]:
 //!
 //! - *Waves*: each wave is compared with the exact wave ([`ExactScene`](crate::geometry::ExactScene), closed form in
-//!   `f64`) that has the same start direction: status, surfaces met, metres between the end points. At most
-//!   [`Plan::compared_waves`] waves of seed 1 are compared; further waves have the same distribution. A wave whose
-//!   exact twin dies has no end point and no error. A wave that dies although its twin survives counts with its own end
-//!   point.
-//! - *Panning*: over at least 16 seeds, compared with the same start directions followed exactly (twin bias) and with
-//!   the limit of many waves (limit bias, mean square error, efficiency). A frame without arrivals answers 0, and this
-//!   answer counts.
-//! - *Speed*: medians of the same frames, run in turns with all other cases of the same number of waves, after one
-//!   warm-up frame each. Evaluations of the distance are counted in a further frame and divided by the flights of its
-//!   waves. The thesis goes on marching dead waves; their flights and evaluations count.
+//!   `f64`) that has the same start direction, its *twin*: final status, surfaces met, distance between the end points
+//!   in metres. At most [`Plan::compared_waves`] waves of seed 1 are compared; further waves have the same distribution.
+//!   If the twin dies, the wave has no end point and no error. If the wave dies but its twin survives, the wave counts
+//!   with its own end point.
+//! - *Panning*: over at least 16 seeds, the panning is compared with that of the twins (twin bias), and with the limit
+//!   of many waves (limit bias, mean square error, efficiency). A frame without arrivals has the panning 0, which
+//!   counts.
+//! - *Speed*: medians of the same frames. The frames of all cases with the same number of waves run in turns, after one
+//!   warm-up frame for each case. Evaluations of the distance are counted in an additional frame, and divided by the
+//!   flights of its waves. The thesis' algorithm continues to march dead waves; their flights and evaluations count.
 //!
-//! The limit is the exact panning over two Fibonacci lattices of directions; half of the difference between the
-//! lattices is the uncertainty. The header of `chaos` explains how chaos is separated from error, and the header of
-//! `panning_error` defines efficiency.
+//! The limit is the exact panning over two Fibonacci lattices of directions. Half of the difference between the
+//! lattices is its uncertainty. The documentation of `chaos` explains how chaos is distinguished from error, and the
+//! documentation of `panning_error` defines the efficiency.
 //!
 //! # Deviations from the thesis
 //! Sjöberg (2011) measures only time and judges the sound by ear.
@@ -75,7 +75,7 @@ pub struct AccuracyOptions {
 }
 
 impl AccuracyOptions {
-    /// Changes one setting at a time; takes some four minutes for the default scenes on two cores.
+    /// Changes one setting at a time. The default scenes take about four minutes on two cores.
     pub fn quick(scenes: Vec<Scene>) -> AccuracyOptions {
         AccuracyOptions {
             plans: scenes.into_iter().map(Plan::quick).collect(),
@@ -87,7 +87,7 @@ impl AccuracyOptions {
         }
     }
 
-    /// Runs all combinations of settings; takes hours.
+    /// Runs all combinations of settings, which takes hours.
     pub fn full(scenes: Vec<Scene>) -> AccuracyOptions {
         AccuracyOptions {
             plans: scenes.into_iter().map(Plan::full).collect(),
@@ -211,17 +211,17 @@ fn run_scene(
     })
 }
 
-/// Returns the exact panning, in `f64`, of the waves that a frame of `scene` starts with these settings.
+/// Returns the exact panning, in `f64`, of the waves that start in a frame of `scene` with these settings.
 ///
 /// # Errors
 /// Errors of [`Tracer::frame`].
 pub fn exact_pan(tracer: &mut Tracer, scene: &Scene, settings: &Settings) -> Result<f64, Error> {
-    // The limit of many waves is not needed here.
+    // This function needs no limit of many waves.
     let mut truth = Truth::new(scene, 0)?;
     truth.pan_of_twins(tracer, settings, settings.iterations)
 }
 
-/// Groups the indices of the cases by number of waves: a change of the number of waves creates new textures, and the
+/// Groups the indices of the cases by number of waves. A change of the number of waves creates new textures, and their
 /// creation time would be measured.
 fn by_waves(cases: &[Case]) -> Vec<Vec<usize>> {
     let mut groups: Vec<(u32, Vec<usize>)> = Vec::new();

@@ -1,15 +1,15 @@
-//! Compares the panning of many frames with the panning of the exact geometry: biases, spread and efficiency. Also
-//! reports the times of the same frames.
+//! Compares the panning of many frames with the panning of the exact geometry: biases, spread and efficiency. It also
+//! returns the times of the same frames.
 //!
 //! # Theory
 //! A frame's panning is a Monte Carlo estimate. Its mean square error relative to the limit of many waves is MSE =
-//! (mean − limit)² + spread²; more waves reduce only the second term. (Over n frames the spread is estimated with n − 1
-//! and the error is a plain mean, so that spread² enters the error with the factor (n − 1) ÷ n.) The first term is the
-//! square of the *limit bias*, which is only known to within spread ÷ √n. The *twin bias* is the difference from the
-//! exact panning of the same start directions: it is free of their randomness and depends only on the tracing. The
-//! value of a frame is its *efficiency*, 1 ÷ (mean square error × time). The efficiency does not change with the number
-//! of waves while the spread of independent directions dominates (Veach 1997, section 2.4.1), and falls with the number
-//! of waves once bias dominates.
+//! (mean − limit)² + spread²; more waves reduce only the second term. (Over n frames, the spread is estimated with n −
+//! 1 and the error is a plain mean, so spread² enters the error with the factor (n − 1) ÷ n.) The first term is the
+//! square of the *limit bias*, which is known only to within spread ÷ √n. The *twin bias* is the difference from the
+//! exact panning of the same start directions. It does not contain their randomness, and depends only on the tracing.
+//! The *efficiency* of a setting is 1 ÷ (mean square error × time). The efficiency is independent of the number of
+//! waves while the spread of independent directions dominates (Veach 1997, section 2.4.1). It falls with the number of
+//! waves once bias dominates.
 
 use super::report::{PanningError, Speed};
 use super::sweep::Case;
@@ -27,8 +27,8 @@ pub struct Frames {
     exact_pans: Vec<f64>,
 }
 
-/// Runs cases with the same number of waves in turns, one frame per seed, after one warm-up frame per case. The turns
-/// spread disturbances of the machine equally over all cases.
+/// Runs cases with the same number of waves in turns, with one frame per seed, after one warm-up frame for each case.
+/// Running in turns spreads disturbances of the machine equally over all cases.
 ///
 /// # Errors
 /// Errors of [`Tracer::frame`].
@@ -164,7 +164,7 @@ pub fn sum_error(tracer: &mut Tracer, truth: &Truth, settings: &Settings) -> Res
 mod tests {
     use super::*;
 
-    /// Protects the four errors of a panning value from being mixed up.
+    /// Protects the four errors of a panning value: they are not confused with each other.
     #[test]
     fn biases_spread_and_error_are_told_apart() {
         let frames = Frames {

@@ -1,10 +1,9 @@
 //! The cases to run in each scene.
 //!
-//! For a few basic shapes the exact reference evaluates a handful of formulas per flight. For a field it marches in
-//! `f64` with several hundred evaluations, which takes a hundred times as long; many surfaces are slow too. Scenes with
-//! a slow reference get the short sweep, with fewer directions for the limit, fewer waves compared one by one, and
-//! fewer seeds for the twin bias. The report states the resulting uncertainty beside each figure.
-//! one, and seeds of the twin bias. The uncertainty of each figure is then stated beside it.
+//! For basic shapes, the exact reference evaluates a few formulas per flight. For a field, it marches in `f64` with
+//! several hundred evaluations, which takes a hundred times as long. It is also slow for many surfaces. Scenes with a
+//! slow reference get the short sweep: fewer directions for the limit, fewer waves compared one by one, and fewer seeds
+//! for the twin bias. The report states the resulting uncertainty beside each figure.
 
 use super::gyroid::GYROID;
 use super::sweep::{Case, full, quick, short};
@@ -14,15 +13,15 @@ use echomarch::scene::{Scene, Surface};
 /// The scenes of the thesis' tables, on which the targets are based.
 pub const ROOMS: [&str; 2] = ["corner", "obstacles"];
 
-/// The default scenes: the thesis' rooms, a scene of marched fields, one with a user's text, and a scene with cells.
-/// All but [`GYROID`] are built in.
+/// The default scenes: the thesis' rooms, a scene of marched fields, one with a user's field, and one with cells. All
+/// except [`GYROID`] are built in.
 pub const DEFAULT_SCENES: [&str; 5] = [ROOMS[0], ROOMS[1], "cave", GYROID, "glasshouse"];
 
-/// Exponents of the numbers of waves (powers of two) for the slope of the panning error.
+/// Exponents of two for the numbers of waves at which the slope of the panning error is measured.
 const SLOPE_POWERS: std::ops::RangeInclusive<u32> = 10..=18;
 const SHORT_SLOPE_POWERS: std::ops::RangeInclusive<u32> = 10..=14;
 
-/// Maximum number of waves of a row that are compared one by one.
+/// Maximum number of waves in a row that are compared one by one.
 const COMPARED: u32 = 65_536;
 const SHORT_COMPARED: u32 = 8192;
 
@@ -30,10 +29,10 @@ const SHORT_COMPARED: u32 = 8192;
 const CHAOS_PAIRS: u64 = 16_384;
 const SHORT_CHAOS_PAIRS: u64 = 1024;
 
-/// Number of directions for the limit of many waves when the exact reference is slow.
+/// Number of directions for the limit of many waves, if the exact reference is slow.
 const SHORT_LIMIT_DIRECTIONS: u64 = 200_000;
 
-/// Number of seeds for the twin bias when the exact reference is slow.
+/// Number of seeds for the twin bias, if the exact reference is slow.
 const SHORT_TWIN_SEEDS: u32 = 4;
 
 /// A scene with its cases.
@@ -45,18 +44,18 @@ pub struct Plan {
     pub cases: Vec<Case>,
     /// Number of directions for the limit of many waves.
     pub limit_directions: u64,
-    /// Maximum number of waves of a row that are compared one by one.
+    /// Maximum number of waves in a row that are compared one by one.
     pub compared_waves: u32,
-    /// Maximum number of seeds for the twin bias; the first seeds are used.
+    /// Maximum number of seeds for the twin bias. The first seeds are used.
     pub twin_seeds: u32,
     /// Number of wave pairs for measuring chaos.
     pub chaos_pairs: u64,
-    /// Numbers of waves for the slope of the panning error.
+    /// The numbers of waves at which the slope of the panning error is measured.
     pub slope_waves: Vec<u32>,
 }
 
 impl Plan {
-    /// Changes one setting at a time, with the short sweep if the exact reference is slow.
+    /// Changes one setting at a time. Uses the short sweep if the exact reference is slow.
     pub fn quick(scene: Scene) -> Plan {
         if is_slow(&scene) {
             return Plan::short(scene);
@@ -94,7 +93,7 @@ impl Plan {
     }
 }
 
-/// Returns every second power of two in a range of exponents.
+/// Returns two to the power of every second exponent in a range.
 fn counts(powers: std::ops::RangeInclusive<u32>) -> Vec<u32> {
     powers.step_by(2).map(|power| 1 << power).collect()
 }
@@ -110,7 +109,7 @@ mod tests {
     use super::super::{SurfaceCounts, gyroid};
     use super::*;
 
-    /// Protects the default run: its scenes are of the kinds that the documentation states.
+    /// Protects the default run: its scenes have the properties that the documentation states.
     #[test]
     fn the_default_scenes_are_of_every_kind() {
         let scenes = DEFAULT_SCENES.map(|name| match name {

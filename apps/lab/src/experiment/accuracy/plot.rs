@@ -1,5 +1,5 @@
-//! Plots error against time: two plots with logarithmic axes per scene, with a colour and a Pareto
-//! front for each profile.
+//! Plots error against time: two plots with logarithmic axes for each scene, with a colour and a Pareto front for each
+//! profile.
 
 use super::recommend::{ITERATIONS, comparable, pareto_front};
 use super::report::{AccuracyReport, Row, SceneReport};
@@ -27,14 +27,13 @@ const COLOURS: [(Profile, RGBColor); 3] = [
 const FRONT: RGBColor = RGBColor(60, 60, 60);
 const FRONT_LINE: Stroke = Stroke::solid(FRONT, 1);
 
-/// A row's point (milliseconds and error), and the radius of its dot, which depends on the number
-/// of waves.
+/// The point of a row (milliseconds and error), and the radius of its dot. The radius depends on the number of waves.
 type Dot = (Point, i32);
 
 /// The report as an SVG picture: a row of two plots for each scene.
 ///
 /// # Errors
-/// When the drawing fails; the text contains the reason.
+/// If drawing fails. The error contains the reason.
 pub(super) fn plot_svg(report: &AccuracyReport) -> Result<String, PlotError> {
     let title = format!(
         "Speed against error, {ITERATIONS} iterations, {} (larger dots: more waves)",
@@ -84,7 +83,7 @@ fn plot(
     let x = LogAxis::around(all.iter().map(|point| point.0));
     let y = LogAxis::around(all.iter().map(|point| point.1));
     let place = |point: Point| (point.0, y.place(point.1));
-    let axes = ["milliseconds a frame", what];
+    let axes = ["milliseconds per frame", what];
     let mut chart = chart(panel, &scene.scene, [x, y], axes)?;
     let front = pareto_front(&all);
     let stairs = steps(&front, x.end()).into_iter().map(place).collect();
@@ -99,7 +98,7 @@ fn plot(
     Ok(())
 }
 
-/// The points of the [`comparable`] rows of a profile; rows without a time are left out.
+/// The points of the [`comparable`] rows of a profile. Rows without a time are excluded.
 fn dots(scene: &SceneReport, profile: Profile, error: impl Fn(&Row) -> f64) -> Vec<Dot> {
     let name = profile.to_string();
     comparable(&scene.rows)
@@ -116,7 +115,7 @@ fn radius(waves: u32) -> i32 {
         .clamp(2.0, 9.0) as i32
 }
 
-/// The Pareto front as steps: between two points the earlier point is the best available.
+/// The Pareto front as steps: between two points, the earlier point is the best one available.
 fn steps(front: &[Point], end: f64) -> Vec<Point> {
     let mut stairs = Vec::new();
     for (index, &point) in front.iter().enumerate() {

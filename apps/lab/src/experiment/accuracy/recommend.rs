@@ -1,13 +1,12 @@
-//! The recommended setting: the fastest row whose error is at most the stated error.
+//! The recommended setting: the fastest row whose error does not exceed the stated error.
 
 use super::report::{Recommendation, Row};
 
-/// The number of iterations at which rows are compared. Each number of iterations has its own
-/// panning limit.
+/// The number of iterations at which rows are compared. The panning limit differs between numbers of iterations.
 pub const ITERATIONS: u32 = 8;
 
-/// The rows used for recommendations, plots and targets. Rows without hits are left out: they
-/// answer 0, which is near the truth only by chance.
+/// The rows used for recommendations, plots and targets. Rows without hits are excluded: their panning is 0, which is
+/// close to the truth only by chance.
 pub fn comparable(rows: &[Row]) -> impl Iterator<Item = &Row> {
     rows.iter().filter(|row| {
         let hears = row.waves.hits.iter().any(|&hits| hits > 0);
@@ -37,8 +36,8 @@ fn recommended(row: &Row) -> Recommendation {
     }
 }
 
-/// The points (time, error) that no other point beats in both coordinates, sorted by time; the
-/// errors therefore decrease.
+/// The points (time, error) that no other point beats in both coordinates. They are sorted by increasing time, and
+/// therefore by decreasing error.
 pub fn pareto_front(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let mut sorted = points.to_vec();
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
@@ -78,7 +77,7 @@ mod tests {
         }
     }
 
-    /// Protects the recommendation from rows without hits and from unnecessarily slow rows.
+    /// Protects the recommendation: it is neither a row without hits nor an unnecessarily slow row.
     #[test]
     fn the_fastest_good_row_that_hears_is_recommended() {
         let deaf = row("deaf", 0, 1.0, 0.001);
@@ -96,7 +95,7 @@ mod tests {
         assert_eq!(label(fastest(&[longer], 0.02)), None);
     }
 
-    /// Protects the front: it contains every point that no other point beats, and no other points.
+    /// Protects the Pareto front: it contains exactly the points that no other point beats.
     #[test]
     fn the_front_holds_what_nothing_beats() {
         let points = [(2.0, 1.0), (1.0, 3.0), (3.0, 1.0), (2.0, 2.0), (4.0, 0.5)];

@@ -17,7 +17,7 @@ pub struct AccuracyReport {
     pub seeds: u32,
     /// Wall-clock time of the whole run, in seconds.
     pub seconds: f64,
-    /// Upper bound on the panning error of [`SceneReport::recommendation`].
+    /// Maximum panning error of [`SceneReport::recommendation`].
     pub stated_error: f64,
     /// The scenes, in the requested order.
     pub scenes: Vec<SceneReport>,
@@ -27,8 +27,8 @@ pub struct AccuracyReport {
     pub responses: Vec<ResponseRow>,
 }
 
-/// An impulse response compared with image sources: the largest error of each figure over the bands, `None` if no band
-/// has the figure.
+/// An impulse response compared with image sources. Each error is the largest over the bands; `None` if no band has the
+/// figure.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ResponseRow {
     /// Name of the profile.
@@ -37,9 +37,9 @@ pub struct ResponseRow {
     pub waves: u32,
     /// Median time of a response, in milliseconds.
     pub milliseconds: f64,
-    /// Error of the reverberation time, as a share.
+    /// Relative error of the reverberation time.
     pub t30_error: Option<f64>,
-    /// Error of the early decay time, as a share.
+    /// Relative error of the early decay time.
     pub edt_error: Option<f64>,
     /// Error of clarity, in decibels.
     pub c80_error_db: Option<f64>,
@@ -54,28 +54,28 @@ pub struct ResponseRow {
 pub struct SceneReport {
     /// The scene's name.
     pub scene: String,
-    /// The numbers of its surfaces by kind of intersection.
+    /// The numbers of surfaces by kind of intersection.
     pub surfaces: SurfaceCounts,
-    /// Whether the exact waves follow samples of a user's text. The errors are then those of the samples, too.
+    /// Whether the exact waves are traced in samples of a user's field. The errors then include those of the samples.
     pub reference_is_sampled: bool,
-    /// The panning in the limit of many waves, by iterations.
+    /// The panning in the limit of many waves, for each number of iterations.
     pub limits: Vec<Limit>,
     /// The growth of errors at curved surfaces.
     pub chaos: Chaos,
     /// One row per setting.
     pub rows: Vec<Row>,
-    /// The fall of the panning error with the number of waves.
+    /// The decrease of the panning error with the number of waves.
     pub slopes: Vec<Slope>,
-    /// The fastest row whose error is at most the stated error.
+    /// The fastest row whose error does not exceed the stated error.
     pub recommendation: Option<Recommendation>,
     /// The row with the smallest panning error.
     pub best: Option<Recommendation>,
 }
 
-/// The exact geometry's panning, from two lattices of directions.
+/// The panning of the exact geometry, from two lattices of directions.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Limit {
-    /// Iterations of every wave.
+    /// Number of iterations of every wave.
     pub iterations: u32,
     /// Number of directions in both lattices together.
     pub directions: u64,
@@ -90,9 +90,9 @@ pub struct Limit {
 /// Exponential growth of small errors, measured on exact waves.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Chaos {
-    /// Number of pairs of waves followed.
+    /// Number of pairs of waves that were traced.
     pub pairs: u64,
-    /// Iterations of each wave.
+    /// Number of iterations of each wave.
     pub iterations: u32,
     /// Number of pairs whose two waves met the same surfaces.
     pub same_sequence: u64,
@@ -112,7 +112,7 @@ pub struct ChaosStep {
     pub curved_hits: u32,
     /// Number of pairs that reached the surface.
     pub pairs: u64,
-    /// Geometric mean of the pairs' separation divided by their initial angle, in metres per radian.
+    /// Geometric mean of the separation of a pair divided by its initial angle, in metres per radian.
     pub separation: f64,
     /// Geometric mean of the growth of the separation since the previous curved surface.
     pub growth: Option<f64>,
@@ -121,7 +121,7 @@ pub struct ChaosStep {
 /// One setting in one scene.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
-    /// The difference from the profile's defaults.
+    /// The difference of the settings from the profile's defaults.
     pub label: String,
     /// The values of the swept settings.
     pub case: CaseReport,
@@ -159,9 +159,9 @@ pub struct Speed {
     pub total_ms: f64,
     /// Time of the frame's march passes, in milliseconds.
     pub march_ms: f64,
-    /// Millions of waves × iterations per second of whole frames.
+    /// Throughput of whole frames, in millions of waves × iterations per second.
     pub million_per_second: f64,
-    /// Evaluations of the distance ÷ flights of waves; those for normals count only in the thesis.
+    /// Evaluations of the distance ÷ flights of waves. Evaluations for normals count only in `thesis`.
     pub evaluations_per_flight: f64,
     /// Number of frames over which the medians are taken.
     pub frames: u32,
@@ -172,8 +172,8 @@ pub struct Speed {
 pub struct WaveErrors {
     /// Number of compared waves.
     pub compared: u64,
-    /// Number of flights of these waves: a wave makes one an iteration until it is heard or dead. The thesis goes on
-    /// marching dead waves; these flights count.
+    /// Number of flights of these waves. A wave makes one flight per iteration until it is heard or dead. The thesis'
+    /// algorithm continues to march dead waves, and these flights also count.
     pub flights: u64,
     /// Share of waves whose final status differs.
     pub status_differs: f64,
@@ -183,14 +183,14 @@ pub struct WaveErrors {
     pub not_finite: u64,
     /// Distances between the end points in metres, over all waves with an exact end point.
     pub end: Quantiles,
-    /// As `end`, but only for waves that meet no more curved surfaces than the horizon.
+    /// The distances of `end`, only for waves that meet at most as many curved surfaces as the horizon.
     pub end_within_horizon: Quantiles,
     /// Share of waves that meet more curved surfaces than the horizon.
     pub beyond_horizon: f64,
-    /// Number of waves heard after 0, 1, 2 … reflections, before they died. Waves that `thesis` hears after their death
-    /// (it goes on marching dead waves) count in its panning, but not here.
+    /// Number of waves heard after 0, 1, 2 … reflections. Waves that `thesis` hears after their death count in its
+    /// panning, but not here. (This profile continues to march dead waves.)
     pub hits: Vec<u64>,
-    /// As `hits`, for the exact waves.
+    /// The same numbers for the exact waves.
     pub exact_hits: Vec<u64>,
 }
 
@@ -221,7 +221,7 @@ impl Quantiles {
     }
 }
 
-/// The panning over the seeds.
+/// The panning over all seeds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct PanningError {
     /// Mean over the seeds.
@@ -230,30 +230,30 @@ pub struct PanningError {
     pub limit_bias: f64,
     /// Mean difference from the exact panning of the same start directions.
     pub twin_bias: f64,
-    /// Number of seeds in the twin bias; the first seeds are used.
+    /// Number of seeds in the twin bias. The first seeds are used.
     pub twin_seeds: u32,
     /// Standard error of the twin bias.
     pub twin_bias_error: f64,
     /// Standard deviation over the seeds, estimated with n − 1.
     pub spread: f64,
-    /// Root of the mean square difference from the limit.
+    /// Root mean square difference from the limit.
     pub rms: f64,
     /// 1 ÷ (mean square difference from the limit × seconds per frame).
     pub efficiency: f64,
-    /// Relative difference of the loudness summed on the GPU from that summed on the CPU; `None` for rows that do not
-    /// sum on the GPU.
+    /// Relative difference between the arrivals summed on the GPU and those summed on the CPU; `None` for rows that do
+    /// not sum on the GPU.
     pub sum_error: Option<f64>,
 }
 
-/// The fall of the panning error for one set of directions.
+/// The decrease of the panning error for one set of directions.
 #[derive(Clone, Debug, Serialize)]
 pub struct Slope {
     /// Name of the directions.
     pub directions: String,
-    /// The points, by number of waves.
+    /// The points, sorted by number of waves.
     pub points: Vec<SlopePoint>,
-    /// Exponent of the number of waves, fitted to the points: −0.5 for independent directions. `None` for fewer than
-    /// two fitted points.
+    /// Exponent of the number of waves, fitted to the points. It is −0.5 for independent directions; `None` for fewer
+    /// than two fitted points.
     pub slope: Option<f64>,
     /// Standard error of the exponent; `None` for fewer than three fitted points.
     pub standard_error: Option<f64>,
@@ -268,7 +268,7 @@ pub struct SlopePoint {
     pub rms: f64,
     /// Expected number of heard waves, computed from the limit's share of heard waves.
     pub heard: f64,
-    /// Whether the exponent is fitted through this point: true for at least 10 heard waves.
+    /// Whether the fit includes this point. It does if at least 10 heard waves are expected.
     pub fitted: bool,
 }
 
@@ -288,13 +288,13 @@ pub struct Recommendation {
 /// One of the project's own targets.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Target {
-    /// The measured quantity, and its scene and profile.
+    /// The measured quantity, with its scene and profile.
     pub what: String,
     /// The measured value.
     pub measured: f64,
-    /// The bound; `None` for a figure that is only reported.
+    /// The bound; `None` for a figure without a target.
     pub bound: Option<f64>,
-    /// Whether the bound is a minimum rather than a maximum.
+    /// Whether the bound is a minimum instead of a maximum.
     pub at_least: bool,
     /// Whether the measured value satisfies the bound; `None` without a bound.
     pub met: Option<bool>,

@@ -1,9 +1,9 @@
 //! Compares impulse responses with image sources: the error of their figures, and the computation time.
 //!
-//! The test room has 8 × 3 × 5 m, an absorption that differs by wall and band (0.1 to 0.43), and 4,096 to 262,144
-//! waves. Each error is the largest over the bands that have the figure; the other bands are counted. The errors are
-//! compared with the just noticeable differences: 5 % in reverberation times, 1 dB in clarity and strength (ISO
-//! 3382-1:2009, annex A, table A.1).
+//! The test room measures 8 × 3 × 5 m, has an absorption that differs by wall and band (0.1 to 0.43), and is traced
+//! with 4,096 to 262,144 waves. Each error is the largest over the bands that have the figure; the number of these
+//! bands is reported. The errors are compared with the just noticeable differences: 5 % in reverberation times, 1 dB in
+//! clarity and strength (ISO 3382-1:2009, annex A, table A.1).
 
 use super::report::{AccuracyReport, ResponseRow};
 use crate::columns;
@@ -30,10 +30,10 @@ const PROFILES: [Profile; 2] = [Profile::Hybrid, Profile::March];
 /// Number of runs per case; the median time is reported. The first run includes shader compilation.
 const RUNS: usize = 4;
 
-/// Length of the record in seconds: the time of a 60 dB decay and a quarter more.
+/// Length of the response in seconds: the time of a decay by 60 dB, plus a quarter.
 const SECONDS: f64 = 1.2;
 
-/// Just noticeable differences: of times as a share, of levels in decibels.
+/// Just noticeable differences: relative for times, in decibels for levels.
 const NOTICED_TIME: f64 = 0.05;
 const NOTICED_DB: f64 = 1.0;
 
@@ -52,7 +52,7 @@ fn room() -> Scene {
     Scene::shoebox(SIZE, &absorption(), source, listener)
 }
 
-/// The exact figures, from image sources.
+/// The exact figures, computed from image sources.
 fn truth(speed: f64) -> Result<Figures, Error> {
     let [size, source, listener] = [SIZE, SOURCE, LISTENER].map(|v| v.as_dvec3());
     let Some(exact) = ShoeboxEnergies::new(size, source, listener, &absorption()) else {
@@ -141,10 +141,10 @@ impl Row for &ResponseRow {
 
 type Figure = fn(&ResponseRow) -> Option<f64>;
 
-/// A line of the plot: name, colour, and the error that it shows.
+/// A line of the plot: its name, its colour, and the error that it shows.
 type Drawn = (&'static str, RGBColor, Figure);
 
-/// Plots the errors of times and of levels against milliseconds, with the just noticeable differences.
+/// Plots the errors of times and of levels against milliseconds, with lines at the just noticeable differences.
 pub(super) fn plot(
     [left, right, legend]: [&Panel; 3],
     report: &AccuracyReport,
@@ -189,7 +189,7 @@ fn panel(
     let all: Vec<Point> = lines.iter().flat_map(|line| points(line.2)).collect();
     let x = LogAxis::around(all.iter().map(|point| point.0));
     let y = LogAxis::around(all.iter().map(|point| point.1).chain([noticed]));
-    let axes = ["milliseconds a response", what];
+    let axes = ["milliseconds per response", what];
     let mut chart = chart(panel, "responses of a room", [x, y], axes)?;
     let first = rows.iter().map(|row| row.milliseconds);
     let from = first.fold(x.end(), f64::min);

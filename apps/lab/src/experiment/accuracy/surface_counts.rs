@@ -1,4 +1,4 @@
-//! Counts a scene's surfaces that lie in cells, and its marched surfaces.
+//! Counts the surfaces of a scene, those in cells, and those that are marched.
 
 use echomarch::internals::shader::{Layout, Lists, is_marched};
 use echomarch::scene::Scene;
@@ -11,7 +11,7 @@ pub struct SurfaceCounts {
     pub all: usize,
     /// Number of surfaces in cells.
     pub in_cells: usize,
-    /// Number of surfaces without a closed form, to which `hybrid` also has to march.
+    /// Number of surfaces without a closed form, which are marched even in `hybrid`.
     pub marched: usize,
 }
 

@@ -1,9 +1,8 @@
 //! The settings to run.
 //!
-//! The quick sweep changes one setting at a time from each profile's defaults. The full sweep
-//! combines all settings that change the result; at the default waves and iterations it also
-//! combines the settings that should change only the speed. The short sweep is a part of the quick
-//! sweep, for scenes with a slow exact reference.
+//! The quick sweep changes one setting at a time from each profile's defaults. The full sweep combines all settings
+//! that change the result. At the default numbers of waves and iterations, it also combines the settings that should
+//! change only the speed. The short sweep is a part of the quick sweep, for scenes with a slow exact reference.
 
 use super::report::CaseReport;
 use echomarch::scene::Scene;
@@ -12,7 +11,7 @@ use echomarch::tracer::{Algorithm, Budget, Directions, Profile, Settings};
 /// Minimum distances in metres.
 pub const MIN_DISTANCES: [f32; 6] = [1e-4, 1e-3, 1e-2, 0.03, 0.1, 0.3];
 
-/// Minimum distance in metres at which the thesis' algorithm traces most waves correctly.
+/// Minimum distance in metres with which the thesis' algorithm traces most waves correctly.
 pub const CAREFUL: f32 = 1e-3;
 
 /// Numbers of iterations, with the default in the middle.
@@ -21,10 +20,10 @@ pub const ITERATIONS: [u32; 3] = [4, 8, 16];
 /// Number of waves in each profile's defaults, and in rows that change another setting.
 pub const BASE_WAVES: u32 = 65_536;
 
-/// As [`BASE_WAVES`], for the quick sweep: with 16 seeds per row, more waves would take too long.
+/// The same number for the quick sweep. With 16 seeds per row, more waves would take too long.
 pub const QUICK_WAVES: u32 = 32_768;
 
-/// As [`BASE_WAVES`], for the short sweep.
+/// The same number for the short sweep.
 pub const SHORT_WAVES: u32 = 16_384;
 
 /// Number of waves of `thesis` in the short sweep of a scene with surfaces in cells.
@@ -33,7 +32,7 @@ const SHORT_THESIS_WAVES: u32 = 1024;
 /// Settings with a name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
-    /// The difference from the profile's defaults, in words.
+    /// The difference from the profile's defaults, as text.
     pub label: String,
     /// The settings.
     pub settings: Settings,
@@ -58,7 +57,7 @@ impl Case {
         Case { label, settings }
     }
 
-    /// The case as it appears in the report of a scene.
+    /// The description of the case in the report of a scene.
     pub fn report(&self, scene: &Scene) -> CaseReport {
         let settings = &self.settings;
         let min_distance = match &settings.algorithm {
@@ -110,9 +109,9 @@ pub fn quick() -> Vec<Case> {
     named(cases)
 }
 
-/// Changes one setting at a time, limited to settings that affect marched fields or cells in
-/// particular. If surfaces lie in cells, a wave of `thesis` takes about thirty times as long as a
-/// wave of `hybrid`, so `thesis` runs only with its defaults and few waves.
+/// Changes one setting at a time, only among the settings that affect marched fields or cells in particular. If
+/// surfaces are in cells, a wave of `thesis` takes about thirty times as long as a wave of `hybrid`. `thesis` therefore
+/// runs only with its defaults and few waves.
 pub fn short(in_cells: bool) -> Vec<Case> {
     let mut cases = Vec::new();
     for profile in Profile::ALL {
@@ -162,7 +161,7 @@ pub fn full() -> Vec<Case> {
     named(cases)
 }
 
-/// Cleans up the labels, and removes cases that repeat an earlier computation.
+/// Completes the labels, and removes cases that repeat an earlier computation.
 fn named(cases: Vec<Case>) -> Vec<Case> {
     let mut kept: Vec<Case> = Vec::new();
     for mut case in cases {
@@ -233,18 +232,18 @@ fn options_together(base: &Case) -> Vec<Case> {
     cases
 }
 
-/// Switches from the profile's default (all iterations in one pass, or one iteration per pass) to
-/// the alternative.
+/// Switches to the alternative of the profile's default, which is either all iterations in one pass or one iteration
+/// per pass.
 fn other_passes(base: &Case) -> Case {
     match base.settings.iterations_per_pass {
         1 => base.but("fused", |s| {
             s.iterations_per_pass = Settings::MAX_ITERATIONS
         }),
-        _ => base.but("a pass an iteration", |s| s.iterations_per_pass = 1),
+        _ => base.but("one iteration per pass", |s| s.iterations_per_pass = 1),
     }
 }
 
-/// Sets every option that can make a profile's defaults faster or better without making them worse.
+/// Sets every option that may make a profile's defaults faster or more accurate without a disadvantage.
 fn every(base: &Case) -> Case {
     base.but("GPU sum, fibonacci", |s| {
         s.sum_on_gpu = true;
@@ -285,8 +284,8 @@ mod tests {
         }
     }
 
-    /// Protects "fused" from claiming more than the tracer does: the tracer decides how many
-    /// iterations fit into a pass, depending on the scene.
+    /// Protects the label "fused": it must agree with the tracer, which decides how many iterations fit into a pass of
+    /// the scene.
     #[test]
     fn fused_is_what_runs_in_one_pass() {
         let corner = Scene::builtin("corner").unwrap();

@@ -13,17 +13,17 @@ use echomarch::scene::Scene;
 use echomarch::tracer::{Profile, Settings, ThesisOptions, Tracer};
 use glam::Vec3;
 
-/// Number of waves for the targets for single waves and for speed.
+/// Number of waves for the targets on single waves and on speed.
 const WAVES: u32 = 262_144;
 
-/// Number of waves for the target for hits by order.
+/// Number of waves for the target on hits by order.
 const MANY_WAVES: u32 = 1 << 20;
 
 /// Number of timed frames per profile.
 const FRAMES: usize = 5;
 
-/// Measures all targets in the thesis' rooms and the shoebox. The targets for efficiency use the
-/// default rows of `scenes`.
+/// Measures all targets in the thesis' rooms and the shoebox. The targets on efficiency use the default rows of
+/// `scenes`.
 ///
 /// # Errors
 /// Errors of [`Tracer::frame`].
@@ -65,8 +65,8 @@ impl Target {
     }
 }
 
-/// Compares the number of waves heard in each iteration with the image sources. Successive frames
-/// have one iteration more each.
+/// Compares the number of waves heard in each iteration with the image sources. Each frame has one iteration more than
+/// the previous frame.
 fn hits_by_order(tracer: &mut Tracer, waves: u32) -> Result<Target, Error> {
     let scene = Scene::builtin("shoebox")?;
     let settings = Settings::hybrid().with_waves(waves);
@@ -84,7 +84,9 @@ fn hits_by_order(tracer: &mut Tracer, waves: u32) -> Result<Target, Error> {
     let pairs = by_order.zip(exact.iter().flatten());
     let worst = pairs.map(|(hits, &images)| hits.abs_diff(images)).max();
     Ok(Target::at_most(
-        format!("hybrid, shoebox, {waves} waves: hits off the image sources' in any order"),
+        format!(
+            "hybrid, shoebox, {waves} waves: largest difference of hits from the image sources', over all orders"
+        ),
         worst.map_or(f64::NAN, |worst| worst as f64),
         2.0,
     ))
@@ -101,7 +103,7 @@ fn single_waves(tracer: &mut Tracer, corner: &Scene) -> Result<Vec<Target>, Erro
     let not_finite = (hybrid.not_finite + march.not_finite) as f64;
     let bounds = [
         (
-            "hybrid, corner: waves of another status, %",
+            "hybrid, corner: waves with a wrong final status, %",
             100.0 * hybrid.status_differs,
             0.05,
         ),
@@ -116,7 +118,7 @@ fn single_waves(tracer: &mut Tracer, corner: &Scene) -> Result<Vec<Target>, Erro
             1e-2,
         ),
         (
-            "march, corner: waves of another status, %",
+            "march, corner: waves with a wrong final status, %",
             100.0 * march.status_differs,
             0.1,
         ),
@@ -126,7 +128,7 @@ fn single_waves(tracer: &mut Tracer, corner: &Scene) -> Result<Vec<Target>, Erro
             1e-5,
         ),
         (
-            "hybrid and march, corner: waves that end nowhere (NaN)",
+            "hybrid and march, corner: waves without a finite end (NaN)",
             not_finite,
             0.0,
         ),
@@ -135,7 +137,7 @@ fn single_waves(tracer: &mut Tracer, corner: &Scene) -> Result<Vec<Target>, Erro
     Ok(targets.into())
 }
 
-/// Times whole frames, in turns with the thesis' algorithm at its careful minimum distance.
+/// Times whole frames, in turns with the thesis' algorithm at the minimum distance [`CAREFUL`].
 fn speeds(tracer: &mut Tracer, corner: &Scene) -> Result<Vec<Target>, Error> {
     let careful = Settings::new(ThesisOptions::default().with_min_distance(CAREFUL));
     let runs = [Settings::hybrid(), Settings::march(), careful]
@@ -151,7 +153,7 @@ fn speeds(tracer: &mut Tracer, corner: &Scene) -> Result<Vec<Target>, Error> {
     }
     let [hybrid, march, thesis] = times.map(median);
     let what = |profile: Profile| {
-        format!("{profile}, corner: waves·iterations/s over those of thesis at {CAREFUL} m")
+        format!("{profile}, corner: waves·iterations/s relative to thesis at {CAREFUL} m")
     };
     Ok(vec![
         Target::at_least(what(Profile::Hybrid), thesis / hybrid, 8.0),
@@ -171,13 +173,13 @@ fn efficiencies(scene: &SceneReport) -> Option<Target> {
     let hybrid = default_row(scene, Profile::Hybrid)?.panning.efficiency;
     let thesis = default_row(scene, Profile::Thesis)?.panning.efficiency;
     Some(Target::at_least(
-        format!("hybrid, {}: efficiency over that of thesis", scene.scene),
+        format!("hybrid, {}: efficiency relative to thesis", scene.scene),
         hybrid / thesis,
         30.0,
     ))
 }
 
-/// The comparison with the thesis' algorithm at its best settings, reported without a bound.
+/// The comparison with the thesis' algorithm at its best settings. It has no bound.
 fn against_the_best_thesis(scene: &SceneReport) -> Option<Target> {
     let hybrid = default_row(scene, Profile::Hybrid)?;
     let name = Profile::Thesis.to_string();
@@ -186,7 +188,7 @@ fn against_the_best_thesis(scene: &SceneReport) -> Option<Target> {
     let best = thesis.max_by(by_efficiency)?;
     Some(Target {
         what: format!(
-            "hybrid, {}: efficiency over the best of thesis ({}, {} waves)",
+            "hybrid, {}: efficiency relative to the best of thesis ({}, {} waves)",
             scene.scene, best.label, best.case.waves
         ),
         measured: hybrid.panning.efficiency / best.panning.efficiency,
@@ -200,7 +202,7 @@ fn against_the_best_thesis(scene: &SceneReport) -> Option<Target> {
 mod tests {
     use super::*;
 
-    /// Protects `met`: it is true exactly when the value satisfies the bound.
+    /// Protects `met`: it is true if and only if the value satisfies the bound.
     #[test]
     fn targets_are_held_against_their_bounds() {
         assert_eq!(Target::at_most("", 2.0, 2.0).met, Some(true));

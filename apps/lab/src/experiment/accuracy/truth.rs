@@ -10,11 +10,11 @@ use glam::Vec3;
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// Number of directions traced at a time, limited by memory.
+/// Number of directions that are traced at a time. It limits the memory.
 const PART: usize = 1 << 20;
 
-/// The parameters of start directions: their set, the number of waves, the seed. Every profile gets
-/// the same directions from them.
+/// The parameters of start directions: their set, the number of waves, the seed. They give the same directions for
+/// every profile.
 type Start = (Directions, u32, u32);
 
 /// A scene with its exact results.
@@ -25,23 +25,22 @@ pub struct Truth<'a> {
     pub exact: ExactScene,
     /// Number of directions for the limits.
     limit_directions: u64,
-    /// Limits by number of iterations, from 0 to the largest requested number.
+    /// The limits for each number of iterations, from 0 to the largest requested number.
     limits: Vec<Limit>,
-    /// Panning of the twins, by number of iterations.
+    /// The panning of the twins, by number of iterations.
     twins: HashMap<Start, Vec<f64>>,
     /// The exact waves, by start directions and number of iterations.
     followed: HashMap<(Start, u32), Rc<[ExactWave]>>,
 }
 
-/// Sums over the sides of the arrivals, by the iteration of arrival.
+/// The sums of the sides of all arrivals, by iteration of arrival.
 struct Arrivals {
     sides: Vec<f64>,
     heard: Vec<u64>,
 }
 
 impl<'a> Truth<'a> {
-    /// Creates an empty cache for `scene`; limits will be computed with `limit_directions`
-    /// directions.
+    /// Creates an empty cache for `scene`. Limits will be computed with `limit_directions` directions.
     ///
     /// # Errors
     /// [`Error::Scene`] for an invalid scene.
@@ -62,8 +61,8 @@ impl<'a> Truth<'a> {
         self.exact.trace_all(start, directions, iterations)
     }
 
-    /// Returns the exact waves for the start directions `starts` of these settings. They are traced
-    /// only once and shared by settings with the same start directions.
+    /// Returns the exact waves for the start directions `starts` of these settings. They are traced only once, and are
+    /// shared by all settings with the same start directions.
     pub fn twins(&mut self, settings: &Settings, starts: &[Vec3]) -> Rc<[ExactWave]> {
         let key = (start(settings), settings.iterations);
         if let Some(known) = self.followed.get(&key) {
@@ -74,9 +73,8 @@ impl<'a> Truth<'a> {
         waves
     }
 
-    /// Computes the limits of many waves for all numbers of iterations up to `most`, at the cost of
-    /// a single limit; the results equal those of [`Truth::limit`]. Each of the two lattices has
-    /// half of the directions.
+    /// Computes the limits of many waves for all numbers of iterations up to `most`, in the time of a single limit. The
+    /// results equal those of [`Truth::limit`]. Each of the two lattices has half of the directions.
     pub fn find_limits(&mut self, most: u32) {
         let half = (self.limit_directions / 2).max(1);
         let [upright, turned] = [false, true].map(|t| self.arrivals(&lattice(half, t), most));
@@ -94,7 +92,7 @@ impl<'a> Truth<'a> {
         self.limits = (0..=most).map(limit).collect();
     }
 
-    /// Returns the limit of many waves; traces it unless [`Truth::find_limits`] has computed it.
+    /// Returns the limit of many waves. Traces it if [`Truth::find_limits`] has not computed it.
     pub fn limit(&mut self, iterations: u32) -> Limit {
         if self.limits.len() <= iterations as usize {
             self.find_limits(iterations);
@@ -104,7 +102,7 @@ impl<'a> Truth<'a> {
 
     /// Returns the exact panning of the waves that the GPU starts with these settings.
     ///
-    /// `most`: the largest number of iterations that will be requested with these waves.
+    /// `most` is the largest number of iterations that will be requested for these waves.
     ///
     /// # Errors
     /// Errors of [`Tracer::frame`].
@@ -166,7 +164,7 @@ fn start(settings: &Settings) -> Start {
     (settings.directions, settings.waves, settings.seed)
 }
 
-/// The start directions of these settings, which are the same for every profile.
+/// The start directions for these settings. They are the same for every profile.
 fn start_directions(
     tracer: &mut Tracer,
     scene: &Scene,

@@ -1,16 +1,16 @@
-//! The report's conclusions, as sentences.
+//! The conclusions of the report, as sentences.
 
 use super::change::Change;
 use super::surfaces::{SurfaceRow, Verdict};
 use super::{CostReport, OptionRow};
 
-/// Noise of the number of heard waves, in percent, above which the noise hides audible changes.
+/// Noise of the number of heard waves, in percent, above which it hides audible changes.
 const MUCH_NOISE: f64 = 5.0;
 
 pub(super) fn sentences(report: &CostReport) -> Vec<String> {
     if report.noise.heard <= 0.0 {
         return vec![
-            "Nothing is heard in the complete scene, so surfaces to leave out cannot be found; \
+            "Nothing is heard in the complete scene, so the report cannot tell which surfaces can be left out; \
              the times are valid."
                 .to_owned(),
         ];
@@ -19,8 +19,8 @@ pub(super) fn sentences(report: &CostReport) -> Vec<String> {
     all.extend(of_options(report));
     if report.noise.heard_percent > MUCH_NOISE {
         all.push(format!(
-            "Only {:.0} waves are heard (another seed changes this by {:.0} %): more --waves would \
-             help.",
+            "Only {:.0} waves are heard (another seed changes this by {:.0} %): use more --waves for a \
+             clearer result.",
             report.noise.heard, report.noise.heard_percent
         ));
     }
@@ -75,7 +75,7 @@ fn of_surfaces(report: &CostReport) -> String {
     }
 }
 
-/// Returns the name capitalised, to begin a sentence.
+/// Returns the name with a capital first letter, for the beginning of a sentence.
 fn capitalised(name: &str) -> String {
     let mut letters = name.chars();
     let first = letters.next().map(|c| c.to_ascii_uppercase());
@@ -89,8 +89,7 @@ fn in_words(change: Change) -> String {
     )
 }
 
-/// Returns a sentence about the options that save time without an audible change; `None` if no
-/// option does.
+/// Returns a sentence about the options that save time without an audible change; `None` if there are none.
 fn of_options(report: &CostReport) -> Option<String> {
     let saves =
         |row: &&OptionRow| row.within_noise && row.total.beyond_noise && row.total.saved_ms > 0.0;

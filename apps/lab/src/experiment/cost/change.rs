@@ -1,4 +1,4 @@
-//! Compares the effect of a change on the sound with the effect of another seed.
+//! Compares the audible effect of a change with the effect of another seed.
 
 use crate::stats::mean;
 use echomarch::tracer::{Frame, Panning};
@@ -13,20 +13,19 @@ pub struct Size {
     pub rms: f64,
 }
 
-/// The audible change between frames of the same waves.
+/// The audible change between frames with the same start directions.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Change {
-    /// Change of the share of waves heard, in percent of the previous share.
+    /// Change of the share of heard waves, in percent of the share before the change.
     pub heard_percent: Size,
     /// Change of the panning value (−1 to 1).
     pub pan: Size,
-    /// Change of the level in dB at the ear with the larger change, with equal energy for every
-    /// heard wave; `None` if an ear falls silent or begins to hear.
+    /// Change of the level in dB, at the ear with the larger change; every heard wave has the same energy. `None` if an
+    /// ear becomes silent or is no longer silent.
     pub level_db: Option<Size>,
 }
 
-/// The effect of another seed on the complete scene: the root mean square difference between two
-/// seeds.
+/// The effect of another seed on the complete scene: the root mean square difference between the frames of two seeds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Noise {
     /// Number of seeds.
@@ -37,8 +36,8 @@ pub struct Noise {
     pub heard_percent: f64,
     /// Noise of the panning value.
     pub pan: f64,
-    /// Noise of the level at the worse ear, in dB; `None` if an ear hears nothing with some seed:
-    /// every level change is then within the noise.
+    /// Noise of the level in dB, at the ear with the larger noise. `None` if an ear hears nothing with some seed; every
+    /// change of the level is then within the noise.
     pub level_db: Option<f64>,
 }
 
@@ -53,8 +52,7 @@ impl Size {
 }
 
 impl Change {
-    /// The change between pairs of frames with these numbers of waves; `None` if no wave is heard
-    /// before the change.
+    /// The change between pairs of frames with these numbers of waves; `None` if no wave is heard before the change.
     pub(super) fn of(base: (&[Frame], u32), changed: (&[Frame], u32)) -> Option<Change> {
         let shares = |(frames, waves): (&[Frame], u32)| -> Vec<f64> {
             frames.iter().map(|f| heard(f) / f64::from(waves)).collect()
@@ -136,7 +134,8 @@ fn level(before: &Panning, after: &Panning, gain: f64) -> Option<f64> {
     })
 }
 
-/// The root mean square difference between two values of this distribution: √2 standard deviations.
+/// The root mean square difference between two independent values of this distribution, which is √2 standard
+/// deviations.
 fn of_two(values: impl Iterator<Item = f64> + Clone) -> f64 {
     let count = values.clone().count() as f64;
     if count < 2.0 {
@@ -158,7 +157,7 @@ mod tests {
         frame
     }
 
-    /// Protects the measures: signs, units, and that halving the number of waves does not halve the
+    /// Protects the measures: their signs and units. Also checks that half the number of waves does not halve the
     /// sound.
     #[test]
     fn changes_are_taken_by_the_share_of_waves() {
@@ -172,8 +171,7 @@ mod tests {
         assert!((less.level_db.unwrap().mean + 10.0).abs() < 1e-12);
     }
 
-    /// Protects the limiting cases: the silence of an ear exceeds any noise, and a silent scene has
-    /// no change.
+    /// Protects the limiting cases: a change to silence at one ear exceeds any noise, and a silent scene has no change.
     #[test]
     fn silence_is_no_number() {
         let (base, silent) = ([frame(5.0, 5.0)], [frame(0.0, 0.0)]);

@@ -6,13 +6,14 @@ use crate::report::{Cell, Column, Document, Report, Row, Table};
 use echomarch::internals::fields_cost::FieldsCost;
 
 const LEGEND: &str = "\
-    Each row changes one thing: a surface is left out, an option is set. met: waves that meet \
-    the surface. saves: the time that the change saves of a frame (negative: it costs), the median \
-    of the pairs ± half the distance between their quartiles; noise: within the noise of the \
-    clock. heard: the change of the waves heard; pan; level: at the ear with the larger change \
-    (silence: one ear hears nothing); each the root mean square of a single frame. A change is not \
-    heard if another seed changes all three as much. Two things that can each be left out may be \
-    heard together. Absorption is ignored: a frame carries no energy.";
+    Each row changes one thing: a surface is left out, or an option is set. met: waves that meet \
+    the surface. saves: the time of a frame that the change saves (negative: the change costs \
+    time), as the median of the pairs ± half the distance between their quartiles; noise: within \
+    the noise of the clock. heard: the change of the number of heard waves. level: the change at \
+    the ear with the larger change (silence: one ear hears nothing). heard, pan and level are root \
+    mean squares for a single frame. A change is inaudible if another seed changes all three as \
+    much. Two surfaces or options that can each be left out alone may be audible together. \
+    Absorption is ignored, because a frame carries no energy.";
 
 /// A row of the table.
 struct Line<'a> {
@@ -29,9 +30,9 @@ struct Line<'a> {
 
 /// The audible effect in a row.
 enum Heard<'a> {
-    /// The effect of another seed.
+    /// The audible effect of another seed.
     Noise(&'a Noise),
-    /// The effect of a change; `None` if it cannot be estimated.
+    /// The audible effect of a change; `None` if it cannot be estimated.
     Change(Option<&'a Change>),
 }
 
@@ -80,7 +81,7 @@ impl<'a> Line<'a> {
         }
     }
 
-    /// The change in words.
+    /// The change as text.
     fn change(&self) -> String {
         if self.verdict.is_none() {
             return "another seed".to_owned();
@@ -216,7 +217,7 @@ impl Report for CostReport {
         let mut document = Document::default();
         document.paragraph(format!(
             "{}: {} waves, {} iterations, profile {}, {} directions, seeds from {}. {} (times: {}, \
-             median of {} pairs). With everything a frame takes {:.2} ms, and {:.1} waves are heard.",
+             median of {} pairs). With all surfaces a frame takes {:.2} ms, and {:.1} waves are heard.",
             self.scene,
             self.waves,
             self.iterations,
@@ -233,9 +234,9 @@ impl Report for CostReport {
             document.paragraph(of_fields(fields));
         }
         document.table(self.lines());
-        let mut legend = format!("{LEGEND} met is of {} waves.", self.followed);
+        let mut legend = format!("{LEGEND} met is out of {} waves.", self.followed);
         if self.surfaces.iter().any(|row| row.leaves_cells) {
-            legend += " *: without it the others no longer lie in cells, and are unrolled.";
+            legend += " *: without this surface the others are no longer in cells, but unrolled.";
         }
         document.paragraph(legend);
         document.paragraph(shader(&self.shader));
@@ -248,7 +249,7 @@ impl Report for CostReport {
     }
 }
 
-/// The cost of the marched surfaces together, with the spread of the pairs.
+/// The cost of all marched surfaces together, with the spread of the pairs.
 fn of_fields(fields: &FieldsCost) -> String {
     let surfaces = match fields.surfaces {
         1 => "1 marched surface".to_owned(),

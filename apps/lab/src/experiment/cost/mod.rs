@@ -1,11 +1,11 @@
-//! The cost of each surface and option, and the error from leaving it out.
+//! Measures the cost of each surface and option, and the error caused by leaving it out.
 //!
-//! Everything is measured in pairs of a complete frame and a frame with one change. The two frames
-//! of a pair run in turns, with the same waves; each run has its own seed. The saving is the median
-//! of the pairs' differences. The audible change is compared with the effect of another seed: a
-//! smaller change is inaudible, because every frame contains that much noise.
+//! Everything is measured in pairs of a complete frame and a frame with one change. The two frames of a pair run in
+//! turns and have the same start directions; each pair has its own seed. The saving is the median of the differences
+//! between the frames of a pair. The audible change is compared with the effect of another seed. A smaller change is
+//! inaudible, because every frame contains that much noise.
 //!
-//! The marched surfaces together are measured as the window measures them (`FieldsCost`).
+//! The cost of all marched surfaces together is measured as in the window (`FieldsCost`).
 
 mod advice;
 mod change;
@@ -59,7 +59,7 @@ pub struct CostReport {
     pub waves: u32,
     /// Iterations of every wave.
     pub iterations: u32,
-    /// The first seed; each run uses the next one.
+    /// The first seed. Each run uses the next seed.
     pub seed: u32,
     /// Name of the start directions.
     pub directions: String,
@@ -73,22 +73,22 @@ pub struct CostReport {
     pub noise: Noise,
     /// The cost of the marched surfaces together; `None` for a scene without them.
     pub fields: Option<FieldsCost>,
-    /// Number of waves followed to find which surfaces they meet.
+    /// Number of waves traced to find which surfaces they meet.
     pub followed: u32,
-    /// Whether surfaces are grouped by kind, because there are too many for one row each.
+    /// Whether the rows group surfaces by kind, because there are too many for one row each.
     pub by_kind: bool,
     /// The rows of the surfaces, in the order of the scene.
     pub surfaces: Vec<SurfaceRow>,
-    /// The rows of the settings, with one setting changed in each.
+    /// The rows of the settings. Each row changes one setting.
     pub options: Vec<OptionRow>,
-    /// The contents of the scene's shader.
+    /// The contents of the scene's march shader.
     pub shader: ShaderReport,
     /// The conclusions, as sentences.
     pub advice: Vec<String>,
 }
 
-/// Measures a scene in its present state, with these settings. `progress` receives the number of
-/// completed rows and the total.
+/// Measures a scene in its current state, with these settings. `progress` receives the number of completed rows and the
+/// total.
 ///
 /// # Errors
 /// Errors of [`Tracer::frame`].
@@ -99,7 +99,7 @@ pub fn measure(
     options: &CostOptions,
     progress: &mut dyn FnMut(u64, u64),
 ) -> Result<CostReport, Error> {
-    // Traces a whole frame first, so that an invalid scene fails before anything is changed.
+    // Traces a whole frame first, so that an invalid scene fails before the measurements begin.
     tracer.frame(scene, settings)?;
     let rows = surfaces::rows(scene);
     let variants = options::variants(settings);
@@ -112,7 +112,7 @@ pub fn measure(
     let base = Case { scene, settings };
     let runs = options.runs.max(1);
     let control = pair(tracer, base, base, runs)?;
-    // The control pair has no difference, so it is always within noise.
+    // The control pair has no change, so its difference is always within the noise.
     let (march, total_time) = (control.march(f64::INFINITY), control.total(f64::INFINITY));
     let seeded = seeded_frames(tracer, base)?;
     let noise = Noise::of(&seeded, settings.waves);
@@ -154,11 +154,11 @@ pub fn measure(
     Ok(report)
 }
 
-/// The reference that every row is compared with.
+/// The complete scene and settings, with which every row is compared.
 struct Bench<'a> {
     base: Case<'a>,
     runs: u32,
-    /// The noise of the clock for the march and the whole frame.
+    /// Noise of the clock for the march and for the whole frame, in percent.
     control_percent: f64,
     control_total_percent: f64,
     noise: &'a Noise,

@@ -1,4 +1,4 @@
-//! The cost or saving of each option, with one option changed at a time.
+//! Measures the cost or saving of each option, with one option changed at a time.
 
 use super::Bench;
 use super::change::Change;
@@ -7,10 +7,10 @@ use echomarch::Error;
 use echomarch::tracer::{MARCHES_PER_PASS, Profile, Settings, Tracer};
 use serde::Serialize;
 
-/// One setting changed.
+/// A row in which one setting is changed.
 #[derive(Clone, Debug, Serialize)]
 pub struct OptionRow {
-    /// The change, written like the command line option if there is one.
+    /// The change, in the form of the command-line option if there is one.
     pub name: String,
     /// The march time saved by the change.
     pub march: Timing,
@@ -18,7 +18,7 @@ pub struct OptionRow {
     pub total: Timing,
     /// The audible change; `None` if no wave is heard before the change.
     pub change: Option<Change>,
-    /// Whether the effect of another seed is at least as large.
+    /// Whether the audible effect of another seed is at least as large.
     pub within_noise: bool,
 }
 
@@ -28,8 +28,8 @@ pub(super) struct Variant {
     settings: Settings,
 }
 
-/// The variants of the requested settings. Invalid variants are left out, and variants whose effect
-/// is below the noise of a busy processor (docs/cost.md).
+/// The variants of the requested settings. Invalid variants are excluded, and so are variants whose effect is below the
+/// noise of a busy processor (docs/cost.md).
 pub(super) fn variants(asked: &Settings) -> Vec<Variant> {
     let mut all = Vec::new();
     let mut add = |name: &str, settings: Settings| {
@@ -95,7 +95,7 @@ pub(super) fn measure(
 mod tests {
     use super::*;
 
-    /// Protects the rows: each differs from the requested settings, and can be traced.
+    /// Protects the rows: each variant differs from the requested settings, and can be traced.
     #[test]
     fn every_variant_is_another_and_valid() {
         for profile in Profile::ALL {

@@ -1,4 +1,4 @@
-//! Repeated pairs of frames, and the differences between their times.
+//! Repeated pairs of frames, and the differences between the times of their frames.
 
 use crate::stats::{median, quantiles};
 use echomarch::Error;
@@ -13,7 +13,7 @@ pub(super) struct Case<'a> {
     pub settings: &'a Settings,
 }
 
-/// Frames of two cases, run by run; both frames of a run have the same seed.
+/// The frames of two cases, by run. Both frames of a run have the same seed.
 pub(super) struct Pair {
     pub base: Vec<Frame>,
     pub changed: Vec<Frame>,
@@ -26,17 +26,17 @@ pub struct Timing {
     pub base_ms: f64,
     /// Median time with the change, in milliseconds.
     pub changed_ms: f64,
-    /// Median of the differences per run, in milliseconds; negative if the change costs time.
+    /// Median of the differences of all runs, in milliseconds; negative if the change costs time.
     pub saved_ms: f64,
     /// `saved_ms` in percent of `base_ms`.
     pub saved_percent: f64,
-    /// Half the distance between the quartiles of the differences, in milliseconds.
+    /// Half of the interquartile range of the differences, in milliseconds.
     pub spread_ms: f64,
     /// Whether the difference exceeds both its spread and the noise of the clock.
     pub beyond_noise: bool,
 }
 
-/// Runs both cases in turns; the case that runs first alternates.
+/// Runs both cases in turns. The case that runs first alternates.
 pub(super) fn pair(
     tracer: &mut Tracer,
     base: Case,
@@ -45,8 +45,7 @@ pub(super) fn pair(
 ) -> Result<Pair, Error> {
     tracer.frame(base.scene, base.settings)?;
     tracer.frame(changed.scene, changed.settings)?;
-    // A different number of waves needs new textures, and memory pages are allocated at their first
-    // use.
+    // A different number of waves needs new textures, whose memory is allocated at their first use.
     let warms = base.settings.waves != changed.settings.waves;
     let mut frame = |case: Case, run: u32| {
         let seed = case.settings.seed.wrapping_add(run);
@@ -73,7 +72,7 @@ pub(super) fn pair(
 }
 
 impl Pair {
-    /// Timing of the march passes; `control_percent` is the timing noise, from the control pair.
+    /// Timing of the march passes. `control_percent` is the noise of the clock, from the control pair.
     pub fn march(&self, control_percent: f64) -> Timing {
         self.timing(|m| m.march, control_percent)
     }
@@ -126,7 +125,7 @@ fn half_between_quartiles(values: Vec<f64>) -> f64 {
 mod tests {
     use super::half_between_quartiles;
 
-    /// Protects the figure that decides whether a saving is noise.
+    /// Protects the figure that decides whether a saving is within the noise.
     #[test]
     fn the_spread_is_half_of_the_middle_half() {
         assert_eq!(half_between_quartiles(vec![5.0, 1.0, 3.0, 2.0, 4.0]), 1.0);

@@ -5,20 +5,20 @@ use echomarch::scene::{Node, Scene, Surface};
 use echomarch::tracer::{Pass, Settings, shader_text};
 use serde::Serialize;
 
-/// The march pass of a scene as the compiler sees it: without comments, empty lines and parts
-/// excluded by preprocessor conditions.
+/// The march shader of a scene after preprocessing: without comments, empty lines and parts excluded by preprocessor
+/// conditions.
 #[derive(Clone, Debug, Serialize)]
 pub struct ShaderReport {
     /// Number of lines.
     pub lines: usize,
     /// Number of functions.
     pub functions: usize,
-    /// Number of lines for a scene of one plane: the minimum.
+    /// Number of lines for a scene of one plane, which is the minimum.
     pub least_lines: usize,
     /// Number of functions for a scene of one plane.
     pub least_functions: usize,
-    /// Shapes and operators that have functions in the shader text. Operators that only move points
-    /// (`Translate`, `Rotate` and similar) are written inline and have no functions.
+    /// Shapes and operators that have functions in the shader. Operators that only move points (`Translate`, `Rotate`
+    /// and similar ones) are written inline and have no functions.
     pub features: Vec<Feature>,
     /// Functions that are never called.
     pub unused_functions: Vec<String>,
@@ -31,17 +31,17 @@ pub struct Feature {
     pub name: String,
     /// Whether the scene contains the shape or operator.
     pub in_scene: bool,
-    /// The shapes and operators in the scene that call its functions.
+    /// The shapes and operators in the scene that call these functions.
     pub called_by: Vec<String>,
 }
 
-/// Prefixes in the names of shapes' and operators' functions.
+/// Prefixes in the names of the functions of shapes and operators.
 const PREFIXES: [&str; 6] = ["sd", "gd", "hit", "project", "gradient", "op"];
 
-/// Suffixes that may follow the shape's or operator's name.
+/// Suffixes that may follow the name of the shape or operator.
 const SUFFIXES: [&str; 2] = ["Directed", "Cap"];
 
-/// Function names, without their prefix, that belong to neither a shape nor an operator.
+/// Function names, without their prefix, that belong to no shape or operator.
 const HELPERS: [&str; 9] = [
     "Ball", "Chord", "Circle", "Corner", "Group", "Kind", "Listener", "OfKind", "OntoKind",
 ];
@@ -54,8 +54,8 @@ const OTHERWISE: [(&str, &str); 4] = [
     ("bend", "Bend"),
 ];
 
-/// Pairs of a shape and another shape or operator that calls its functions: a rounded box calls a
-/// box, repeated copies call a union.
+/// Pairs of a shape and another shape or operator that calls its functions. For example, a rounded box calls the
+/// functions of a box.
 const CALLERS: [(&str, &str); 5] = [
     ("Box", "RoundedBox"),
     ("Box", "HeightField"),
@@ -65,7 +65,7 @@ const CALLERS: [(&str, &str); 5] = [
 ];
 
 impl ShaderReport {
-    /// Analyses the scene's march pass; needs no renderer.
+    /// Analyses the scene's march shader. No OpenGL context is needed.
     pub fn of(scene: &Scene, settings: &Settings) -> ShaderReport {
         let text = code(&shader_text(scene, settings, Pass::March));
         let mut least = scene.clone();
@@ -82,7 +82,7 @@ impl ShaderReport {
         }
     }
 
-    /// Names of shapes and operators in the text that the scene does not need.
+    /// Names of shapes and operators that are in the shader but not needed by the scene.
     pub fn unneeded(&self) -> Vec<&str> {
         let is_unneeded = |f: &&Feature| !f.in_scene && f.called_by.is_empty();
         let unneeded = self.features.iter().filter(is_unneeded);
@@ -90,12 +90,12 @@ impl ShaderReport {
     }
 }
 
-/// The lines of code in a shader text; all lines if the text cannot be parsed.
+/// The lines of code in a shader; all lines if the text cannot be parsed.
 fn code(text: &str) -> Vec<String> {
     code_lines(text).unwrap_or_else(|_| text.lines().map(str::to_owned).collect())
 }
 
-/// The names and numbers in a line.
+/// The identifiers and numbers in a line.
 fn words(line: &str) -> impl Iterator<Item = &str> {
     line.split(|c: char| !(c.is_ascii_alphanumeric() || c == '_'))
 }
@@ -148,7 +148,7 @@ fn feature(function: &str) -> Option<&str> {
     }
 }
 
-/// Names of the functions that a shader text defines, one per definition.
+/// Names of the functions that a shader defines, one for each definition.
 fn defined(lines: &[String]) -> Vec<String> {
     let mut functions = Vec::new();
     let mut depth = 0_i64;
@@ -192,8 +192,7 @@ fn unused(lines: &[String], functions: &[String]) -> Vec<String> {
 mod tests {
     use super::*;
 
-    /// Protects the table of features: functions of shapes and operators are distinguished from
-    /// helpers.
+    /// Protects the table of features: functions of shapes and operators are distinguished from other functions.
     #[test]
     fn functions_are_told_by_their_names() {
         let of = [
@@ -211,7 +210,7 @@ mod tests {
         }
     }
 
-    /// Protects the count of functions, and the detection of unused ones.
+    /// Protects the count of functions, and the detection of unused functions.
     #[test]
     fn definitions_are_counted_and_dead_ones_found() {
         let text = "float a(vec3 p) { return p.x; }\nfloat b(\n vec3 p) {\n float c = a(p);\n \

@@ -1,4 +1,4 @@
-//! The cost of each surface, the waves that meet it, and the audible change when it is left out.
+//! Measures the cost of each surface, the waves that meet it, and the audible change without it.
 
 use super::Bench;
 use super::change::Change;
@@ -10,10 +10,10 @@ use echomarch::scene::Scene;
 use echomarch::tracer::Tracer;
 use serde::Serialize;
 
-/// Maximum number of surfaces measured one by one; larger scenes are measured by kind of shape.
+/// Maximum number of surfaces that are measured one by one. Larger scenes are measured by kind of surface.
 pub const MOST_SURFACES: usize = 32;
 
-/// Maximum number of waves followed, and of states read back.
+/// Maximum number of waves traced with all their states, and maximum number of states read back.
 const MOST_FOLLOWED: u32 = 16_384;
 const MOST_STATES: u32 = 1 << 21;
 
@@ -22,22 +22,21 @@ const MOST_STATES: u32 = 1 << 21;
 pub struct SurfaceRow {
     /// The row's name, for use in a sentence.
     pub name: String,
-    /// The surfaces' numbers, counted from 1.
+    /// The numbers of the surfaces, counted from 1.
     pub surfaces: Vec<usize>,
-    /// Number of followed waves that met one of these surfaces.
+    /// Number of traced waves that met one of these surfaces.
     pub met: u32,
-    /// `met` in percent of the followed waves.
+    /// `met` in percent of the traced waves.
     pub met_percent: f64,
-    /// Number of shader lines saved by leaving the surfaces out; `None` if no surface would be
-    /// left.
+    /// Number of shader lines saved without the surfaces; `None` if no surface would remain.
     pub lines: Option<i64>,
-    /// March time saved by leaving the surfaces out; `None` if no surface would be left.
+    /// March time saved without the surfaces; `None` if no surface would remain.
     pub march: Option<Timing>,
-    /// Time of the whole frame saved by leaving the surfaces out.
+    /// Time of the whole frame saved without the surfaces; `None` if no surface would remain.
     pub total: Option<Timing>,
-    /// The audible change; `None` also if no wave is heard in the complete scene.
+    /// The audible change; also `None` if no wave is heard in the complete scene.
     pub change: Option<Change>,
-    /// Whether too few surfaces remain to be put into cells.
+    /// Whether the remaining surfaces are too few to be put into cells.
     pub leaves_cells: bool,
     /// Whether the surfaces can be left out.
     pub verdict: Verdict,
@@ -47,17 +46,17 @@ pub struct SurfaceRow {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// The effect of another seed is at least as large.
+    /// The effect of another seed is at least as large as the change.
     CanBeLeftOut,
     /// The change is audible.
     IsHeard,
-    /// The scene would have no surface.
+    /// No surface would remain in the scene.
     LeavesNothing,
     /// No wave is heard in the complete scene, so surfaces cannot be judged.
     NothingHeard,
 }
 
-/// The rows: each with its name and the indices of its surfaces.
+/// The rows, each with its name and the indices of its surfaces.
 pub(super) fn rows(scene: &Scene) -> Vec<(String, Vec<usize>)> {
     let surfaces = scene.surfaces.iter().enumerate();
     if scene.surfaces.len() <= MOST_SURFACES {
@@ -85,8 +84,8 @@ pub(super) struct Met {
     by_row: Vec<u32>,
 }
 
-/// Follows the waves of a frame, or fewer if there are too many, and counts which surfaces the
-/// waves meet.
+/// Traces the waves of a frame, or fewer if there are too many, and counts the waves that meet the surfaces of each
+/// row.
 pub(super) fn met(
     tracer: &mut Tracer,
     base: Case,
@@ -108,7 +107,8 @@ pub(super) fn met(
         seen.fill(false);
         for state in states.iter().skip(1) {
             let status = state.get(wave).map_or(-1.0, |wave| wave.status.round());
-            // A surface's number counts from 1; dead, heard and unmoved waves have no surface.
+            // Surface numbers start at 1. A status of 0 or less belongs to a dead, heard or unmoved wave and to no
+            // surface.
             let number = status.max(0.0) as usize;
             if let Some(&row) = number.checked_sub(1).and_then(|index| row_of.get(index)) {
                 seen[row] = true;
@@ -121,7 +121,7 @@ pub(super) fn met(
     Ok(Met { followed, by_row })
 }
 
-/// Measures every row: leaves out the surfaces of one row at a time.
+/// Measures every row: the surfaces of one row at a time are left out.
 pub(super) fn measure(
     tracer: &mut Tracer,
     bench: &Bench,

@@ -15,8 +15,8 @@ const SHEET: Sheet = Sheet {
 /// Width of a plot in pixels; the legend fills the remaining width.
 const PLOT_WIDTH: u32 = 510;
 
-/// Line styles: the thesis' two machines are grey, measured profiles are coloured. Later lines are
-/// drawn over earlier ones, so later lines are thinner or dashed to keep the earlier lines visible.
+/// Line styles. The two machines of the thesis are grey, and the measured profiles are coloured. Later lines are drawn
+/// over earlier ones. They are thinner or dashed, so that the earlier lines stay visible.
 const MOBILE: Stroke = Stroke::new(RGBColor(185, 185, 185), 7, None);
 const DESKTOP: Stroke = Stroke::new(RGBColor(110, 110, 110), 7, None);
 const BUDGET: Stroke = Stroke::new(RGBColor(204, 121, 167), 1, Some((12, 4)));
@@ -36,7 +36,7 @@ struct Curve {
 /// The report as an SVG picture: a row of two plots for each table, and the legend.
 ///
 /// # Errors
-/// When the drawing fails; the text contains the reason.
+/// If drawing fails. The error contains the reason.
 pub(super) fn plot_svg(report: &FiguresReport) -> Result<String, PlotError> {
     let title = format!("Figures 11.1 to 11.4, on {}", report.renderer);
     SHEET.svg(&title, report.tables.len(), |rows| {
@@ -44,7 +44,7 @@ pub(super) fn plot_svg(report: &FiguresReport) -> Result<String, PlotError> {
             let (times, rest) = row.split_horizontally(PLOT_WIDTH);
             let (hits, legend) = rest.split_horizontally(PLOT_WIDTH);
             let (of_times, of_hits) = (times_of(table), hits_of(table));
-            plot(&times, table, "milliseconds a frame", &of_times)?;
+            plot(&times, table, "milliseconds per frame", &of_times)?;
             plot(&hits, table, "waves at the listener", &of_hits)?;
             draw_legend(&legend, &entries(&of_times))?;
         }
@@ -74,8 +74,7 @@ fn times_of(table: &FigureTable) -> Vec<Curve> {
     curves
 }
 
-/// The curves of hits, with one curve for the thesis, which has the same counts on both of its
-/// machines.
+/// The curves of hits. The thesis has one curve, because its counts are the same on both machines.
 fn hits_of(table: &FigureTable) -> Vec<Curve> {
     let hits = |row: &FigureRow| row.thesis.listener_hits as f64;
     let mut curves = vec![thesis_curve(table, "printed", DESKTOP, hits)];
@@ -94,7 +93,7 @@ fn thesis_curve(
         .iter()
         .map(|r| (f64::from(r.waves), value(r)))
         .collect();
-    // Every profile's row repeats the thesis' row.
+    // The row of the thesis is repeated for every profile.
     points.dedup();
     Curve {
         label: label.to_owned(),

@@ -5,9 +5,9 @@ use super::{FigureRow, FigureTable, FiguresReport};
 use crate::columns;
 use crate::report::{Column, Document, PlotError, Report, Row, Table};
 
-const LEGEND: &str = "init to read: median times of the parts of a frame; frame: of all of it. hits: \
+const LEGEND: &str = "init to read: median times of the parts of a frame; frame: of the whole frame. hits: \
     waves that reached the listener. zero: share of all iterations that end at distance 0. step \
-    limit: marches that reached it. se: difference of the hits from the thesis' in standard \
+    limit: marches that reached the step limit. se: difference of the hits from the thesis' in standard \
     errors, √(ours + thesis).";
 
 /// A row of the report, with its table.

@@ -1,7 +1,7 @@
-//! A test person's answers as saved by the form: JSON, from a complete or an interrupted session.
+//! The answers of a test subject as saved by the form, in JSON, from a complete or an interrupted session.
 //!
-//! A file is either read completely or rejected with an error that names the problem. A trial
-//! without an answer counts as unanswered.
+//! A file is either read completely, or rejected with an error that states the problem. A trial without an answer
+//! counts as unanswered.
 
 use super::observer::Side;
 use crate::text::{check_name, in_a_line};
@@ -13,16 +13,16 @@ use std::path::{Path, PathBuf};
 /// Maximum number of trials in a form.
 pub const MOST_TRIALS: usize = 999;
 
-/// The value of `format` in a file of answers.
+/// The value of `format` in an answer file.
 pub const FORMAT: &str = "echomarch-localise-answers";
 
-/// The only version that is read. Since version 2 each person has a separate order of trials.
+/// The only version that is accepted. Since version 2, each session has its own order of trials.
 pub const VERSION: u32 = 2;
 
-/// Maximum size of a file of answers in bytes; a form of 999 trials makes about one megabyte.
+/// Maximum size of an answer file in bytes. A form of 999 trials gives about one megabyte.
 const LARGEST_FILE: u64 = 16 << 20;
 
-/// The largest confidence value, which means certain; 1 means a guess.
+/// The highest confidence, which means certain. The lowest is 1, a guess.
 pub const MOST_CONFIDENT: u32 = 5;
 
 /// The saved answers of one person in one session, possibly merged from several saves.
@@ -33,7 +33,7 @@ pub struct Session {
     pub format: String,
     /// [`VERSION`].
     pub version: u32,
-    /// The form's identifier, equal for all people with the same form.
+    /// The form's identifier, which is the same for all people with that form.
     pub experiment: String,
     /// The session's identifier, chosen by the form when the session began.
     pub session: String,
@@ -43,11 +43,10 @@ pub struct Session {
     pub started: String,
     /// Time of saving, in ISO 8601.
     pub saved: String,
-    /// The seed from which the page computed the order of the trials; none in files from before the
-    /// seed was saved.
+    /// The seed from which the page computed the order of the trials; `None` in files saved before seeds were stored.
     #[serde(default)]
     pub order_seed: Option<u32>,
-    /// The trials' numbers, in the order in which the person heard them.
+    /// The numbers of the trials, in the order in which the person heard them.
     pub order: Vec<u32>,
     /// Every trial of the form, ordered by number.
     pub trials: Vec<TrialAnswer>,
@@ -61,7 +60,7 @@ pub struct TrialAnswer {
     pub number: u32,
     /// The sound that was played.
     pub stimulus: StimulusInfo,
-    /// The answer; none if the trial is unanswered.
+    /// The answer; `None` if the trial is unanswered.
     pub answer: Option<Answer>,
 }
 
@@ -71,7 +70,7 @@ pub struct TrialAnswer {
 pub struct StimulusInfo {
     /// Name of the scene.
     pub scene: String,
-    /// The listener's turn in the world, in degrees.
+    /// The rotation of the listener in the world, in degrees.
     pub yaw_deg: f64,
     /// Name of the sound.
     pub sound: String,
@@ -89,11 +88,11 @@ pub struct StimulusInfo {
     pub pan: f64,
     /// Number of waves that arrived.
     pub hits: u64,
-    /// The direction of the source in degrees, positive to the right of the gaze, −180 … 180.
+    /// The azimuth of the source in degrees, positive to the right of the gaze, −180 … 180.
     pub source_azimuth_deg: f64,
-    /// The lateral angle of the source in degrees, −90 … 90; it determines the levels.
+    /// The lateral angle of the source in degrees, −90 … 90. It determines the levels.
     pub source_lateral_deg: f64,
-    /// The [`Observer`](super::Observer)'s answer to the same sound, in degrees.
+    /// The answer of the [`Observer`](super::Observer) to the same sound, in degrees.
     pub observer_lateral_deg: f64,
 }
 
@@ -105,7 +104,7 @@ pub struct Answer {
     pub right_m: f64,
     /// The position clicked in the plan, in metres ahead of the listener.
     pub ahead_m: f64,
-    /// The direction of the click in degrees, positive to the right of the gaze, −180 … 180.
+    /// The azimuth of the click in degrees, positive to the right of the gaze, −180 … 180.
     pub azimuth_deg: f64,
     /// The side that the person chose.
     pub side: Side,
@@ -113,13 +112,13 @@ pub struct Answer {
     pub confidence: u32,
     /// Number of times the sound was played.
     pub plays: u32,
-    /// Seconds from the first playback to the answer, counted only while the trial was shown.
+    /// Seconds from the first playback to the answer, without the time in which the trial was not shown.
     pub seconds: f64,
     /// Time of the answer, in ISO 8601.
     pub answered: String,
 }
 
-/// Error when a file of answers cannot be used.
+/// The reason why an answer file cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum AnswersError {
@@ -133,7 +132,7 @@ pub enum AnswersError {
     },
     /// The file is not JSON, or has missing or unknown fields.
     #[error(
-        "{} holds no answers of the form: {}",
+        "{} contains no answers of the form: {}",
         path.display(),
         in_a_line(&source.to_string())
     )]
@@ -143,7 +142,7 @@ pub enum AnswersError {
         /// The error of the JSON reader.
         source: serde_json::Error,
     },
-    /// The file has another type or version.
+    /// The file has another format or version.
     #[error(
         "{} is {format:?}, version {version}: answers are {FORMAT:?}, version {VERSION}",
         path.display()
@@ -151,9 +150,9 @@ pub enum AnswersError {
     Format {
         /// The file.
         path: PathBuf,
-        /// The type that it declares.
+        /// The format that the file declares.
         format: String,
-        /// Its version.
+        /// The version that the file declares.
         version: u32,
     },
     /// A value is invalid.
@@ -161,12 +160,12 @@ pub enum AnswersError {
     Bad {
         /// The file.
         path: PathBuf,
-        /// The field, the value found, and the valid values.
+        /// The field, its value, and the valid values.
         what: String,
     },
     /// Two files of one session contradict each other.
     #[error(
-        "{} and {} are of one session ({session}) and differ in trial {number}: give one of them",
+        "{} and {} are of one session ({session}) and differ in trial {number}: give only one of them",
         first.display(),
         second.display()
     )]
@@ -234,7 +233,9 @@ impl Session {
         order.sort_unstable();
         if !order.iter().copied().eq(1..=self.trials.len() as u32) {
             let count = self.trials.len();
-            return Err(format!("order must hold each of 1 to {count} once"));
+            return Err(format!(
+                "order must contain each number from 1 to {count} once"
+            ));
         }
         if self.session.is_empty() {
             return Err("session must not be empty".to_owned());
@@ -243,7 +244,7 @@ impl Session {
             let number = trial.number;
             if number as usize != index + 1 {
                 let place = index + 1;
-                return Err(format!("trial {number} stands in the place of {place}"));
+                return Err(format!("trial {number} is in the place of trial {place}"));
             }
             let told = |what: String| format!("trial {number}: {what}");
             trial.stimulus.check().map_err(told)?;
@@ -290,7 +291,7 @@ impl Answer {
         if self.right_m.hypot(self.ahead_m) <= LEAST_M {
             return Err("the click lies at the listener".to_owned());
         }
-        // Numbers are saved with fewer digits than they are computed with, so allow for rounding.
+        // Numbers are saved with fewer digits than they are computed with, so this tolerance allows for rounding.
         const ROUNDING_DEG: f64 = 1.0;
         let clicked = self.right_m.atan2(self.ahead_m).to_degrees();
         let off = (clicked - self.azimuth_deg).rem_euclid(360.0);

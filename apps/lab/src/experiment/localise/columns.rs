@@ -1,4 +1,4 @@
-//! The columns of the observer's report and of the people's report.
+//! The columns of the report on the observer model, and of the report on people.
 
 use super::report::{Cell as RoomCell, LocaliseReport, OpenDirection, OpenReport};
 use super::score::Group;
@@ -6,12 +6,12 @@ use super::statistics::{ErrorFigures, Figure, Share};
 use crate::columns;
 use crate::report::{Cell, Column, Row};
 
-/// The sides, of sources and of answers.
+/// The names of the sides, for sources and for answers.
 const SIDES: [&str; 3] = ["left", "centre", "right"];
 const SAID: [&str; 4] = ["left", "centre", "right", "nothing"];
 
-/// One line of the observer's report: a direction in the open, or a sound and setting in a room.
-/// Angles in degrees, positive to the right; shares from 0 to 1 for programs.
+/// One line of the report on the observer model: a direction in the open, or a sound and setting in a room. Angles are
+/// in degrees, positive to the right. In CSV and JSON, shares are numbers from 0 to 1.
 #[derive(Default)]
 pub(super) struct Line<'a> {
     /// `open` (all around the listener), `alike` (three sources with the same levels) or `room`.
@@ -130,7 +130,7 @@ pub(super) fn figure(figure: Option<Figure>, rough: bool) -> Cell {
     })
 }
 
-/// A figure of errors: its name, whether it has a sign, and the function that returns its value.
+/// A figure of errors: its name, whether it is signed, and the function that returns its value.
 type Pick = (&'static str, bool, fn(&ErrorFigures) -> Option<Figure>);
 
 const FIGURES: [Pick; 4] = [
@@ -140,8 +140,8 @@ const FIGURES: [Pick; 4] = [
     ("spread", false, |error| error.spread),
 ];
 
-/// The columns of errors; people get one figure per heading. `…_rough` is 1 if the intervals are
-/// computed from too few answers to be called 95 % intervals.
+/// The columns of errors. Tables for people have one column per figure. `…_rough` is 1 if the intervals are computed
+/// from too few answers to be 95 % intervals.
 fn errors<R>(
     of: &str,
     headings: &[&str],
@@ -170,8 +170,8 @@ fn errors<R>(
     columns
 }
 
-/// The columns of a confusion table, which counts trials. Programs get one column per pair of sides
-/// (`said_right_when_left` and so on), people get one column per side of the source.
+/// The columns of a confusion table, which counts trials. CSV and JSON have one column per pair of sides
+/// (`said_right_when_left` and so on). Tables for people have one column per side of the source.
 fn confusion<R, const N: usize>(
     said: [&str; N],
     first: &str,
@@ -198,8 +198,8 @@ fn confusion<R, const N: usize>(
     columns
 }
 
-/// A property that distinguishes groups: its name, its heading, and the function that returns its
-/// value, which is empty in a group of all values.
+/// A property that distinguishes groups: its name, its heading, and the function that returns its value. The value is
+/// empty in a group over all values.
 type Kind = (&'static str, &'static str, fn(&Group) -> Cell);
 
 const KINDS: [Kind; 6] = [
@@ -249,7 +249,7 @@ impl Row for &Group {
     }
 }
 
-/// The spread of people's answers; empty if too few people answered for an interval.
+/// The spread of people's answers; empty if too few people answered for a confidence interval.
 fn spread(group: &Group) -> Cell {
     let error = group.source.as_ref();
     let spread = error.and_then(|error| error.spread);

@@ -22,10 +22,10 @@ impl Report for LocaliseReport {
         let mut document = Document::default();
         document.heading(1, "Localisation by an observer");
         document.paragraph(format!(
-            "{}, panning law {}, {} seeds for each setting and facing, {:.0} s. Angles in \
-             degrees, positive to the right; errors are medians of the absolute. Intervals: \
-             percentile bootstrap, {} drawings, {}. An angle of up to {}° is in the centre. \
-             Trials in which nothing is heard are in no error.",
+            "{}, panning law {}, {} seeds for each setting and facing, {:.0} s. Angles are in \
+             degrees, positive to the right; errors are medians of the absolute errors. Intervals: \
+             percentile bootstrap, {} resamples, {}. The centre reaches to {}° on either side. \
+             Trials in which no wave is heard are in no error.",
             self.renderer,
             self.law,
             self.seeds,
@@ -64,12 +64,12 @@ impl Report for LocaliseReport {
     }
 }
 
-/// Describes the intervals in words.
+/// Describes the confidence intervals.
 fn intervals(report: &LocaliseReport) -> String {
     match report.rough {
         true => format!("rough: fewer than {LEAST_DRAWN} seeds"),
         false => format!(
-            "{:.0} % (~: rough, fewer than {LEAST_DRAWN} heard answers to a truth)",
+            "{:.0} % (~: rough, fewer than {LEAST_DRAWN} heard answers per truth)",
             100.0 * report.confidence
         ),
     }
@@ -82,7 +82,7 @@ fn tell_left_out(report: &LocaliseReport, document: &mut Document) {
     let told = |&(waves, iterations): &(u32, u32)| format!("{waves} × {iterations}");
     let told: Vec<String> = report.left_out.iter().map(told).collect();
     document.paragraph(format!(
-        "Left out, more than {MOST_WORK} waves × iterations: {}.",
+        "Omitted, because they have more than {MOST_WORK} waves × iterations: {}.",
         told.join(", ")
     ));
 }
@@ -90,14 +90,15 @@ fn tell_left_out(report: &LocaliseReport, document: &mut Document) {
 fn tell_open(report: &LocaliseReport, document: &mut Document) {
     document.heading(2, "In the open");
     document.paragraph(
-        "The source stands around the listener of open-field; with 1 iteration only the straight path \
-         is heard, with more also the ground, from below, where there is one. The observer knows how \
-         far the source is, which no person does; the blind one does not, and assumes that it is far.",
+        "The source is placed around the listener of open-field. With 1 iteration only the direct path \
+         is heard; with more iterations the ground is also heard, from below, if there is one. The \
+         observer knows the distance of the source, which no person does. The blind observer does not \
+         know it, and assumes a distant source.",
     );
     document.table(&report.open);
     document.paragraph(
-        "Ahead, behind and above: three sources 30° beside the median plane, and the mean answers \
-         to them.",
+        "Ahead, behind and above: three sources 30° from the median plane, and the mean answers to \
+         them.",
     );
     let alike = report.open.iter().flat_map(|open| {
         let directions = open.alike.iter();
@@ -207,11 +208,12 @@ impl Row for FacingLimit<'_> {
 fn tell_plateaus(report: &LocaliseReport, document: &mut Document) {
     document.heading(2, "Where more stops helping");
     document.paragraph(format!(
-        "From: the smallest count from which on the figure is within the upper end of the largest \
-         count's interval, or within {AUDIBLE_DEG}° of it, which is the least turn that people \
-         notice ahead (Mills 1958). \"Not by\": only the largest count itself is, so it may go on \
-         getting better. A count at which half of the trials hear nothing does not qualify. \
-         Least: the count with the smallest figure. The first sound; the rest in the JSON file."
+        "From: the smallest count from which on the figure is within the upper end of the interval at \
+         the largest count, or within {AUDIBLE_DEG}° of the figure there, which is the smallest angle \
+         that people notice ahead (Mills 1958). \"Not by\": only the largest count itself satisfies \
+         this, so a larger count may be better. A count at which half of the trials hear nothing does \
+         not qualify. Least: the count with the smallest figure. The table shows the first sound; the \
+         JSON file has all sounds."
     ));
     document.table(shown_plateaus(report));
 }
@@ -240,13 +242,13 @@ impl Row for &Plateau {
     }
 }
 
-/// Explains trials without arrivals: the sound is then heard in the middle, wherever the source is.
+/// Explains trials without arrivals: their sound is in the middle, wherever the source is.
 fn tell_unheard(report: &LocaliseReport, document: &mut Document) {
     document.heading(2, "What is heard at all");
     document.paragraph(
-        "Waves that arrive, mean of the trials, and the share of trials in which none does: the \
-         sound then stays in the middle, wherever the source is. Printed: figures 11.1 to 11.4 of \
-         the thesis.",
+        "The mean number of waves that arrive in a trial, and the share of trials in which none \
+         arrives. The sound of such a trial is in the middle, wherever the source is. Printed: figures \
+         11.1 to 11.4 of the thesis.",
     );
     let mut rows = Vec::new();
     for table in &THESIS_TABLES {
@@ -307,20 +309,20 @@ impl Row for Arrivals {
 fn tell_limits_of_levels(report: &LocaliseReport, document: &mut Document) {
     document.heading(2, "What levels cannot distinguish");
     document.list(vec![
-        "Front from back, above from the height of the ears: the answers are the same (above). \
-         Truth and answer are lateral angles, folded to the front."
+        "Front from back, and above from the height of the ears: the answers are the same (see above). \
+         Truths and answers are lateral angles, folded to the front."
             .to_owned(),
         format!(
-            "One sound from another: the answers differ by {:.1e}° at most, since the gains \
+            "One sound from another: the answers differ by at most {:.1e}°, because the gains \
              are the same at every frequency.",
             report.largest_difference_of_sounds_deg
         ),
-        "A source in the middle from silence: when no wave arrives the sound goes on, in the \
+        "A source in the middle from silence: if no wave arrives, the sound continues in the \
          middle."
             .to_owned(),
-        "Where a hidden source is: what arrives comes from the openings and walls. The error of \
-         the converged panning of hybrid from the source is the panning's, not that of too few \
-         waves."
+        "The position of a hidden source: its sound arrives from openings and walls. The difference \
+         between the converged panning of hybrid and the source is a property of the panning, and not \
+         caused by too few waves."
             .to_owned(),
     ]);
 }
@@ -337,10 +339,10 @@ impl Report for ScoreReport {
         }
         document.table(&self.groups);
         document.paragraph(format!(
-            "Errors: median absolute, in degrees, of the click's azimuth folded to the front, with \
-             its interval: 95 %, by a bootstrap over people; it and the spread need {LEAST_DRAWN} \
-             people. Observer: what it answers to the same sounds, by their levels alone. Silent: \
-             no wave was heard, and the sound was in the middle."
+            "Errors: median absolute error, in degrees, of the click's azimuth folded to the front, \
+             with its 95 % interval from a bootstrap over people. The interval and the spread need \
+             {LEAST_DRAWN} people. Observer: the answers of the observer model to the levels of the \
+             same sounds. Silent: no wave was heard, and the sound was in the middle."
         ));
         document
     }

@@ -1,5 +1,5 @@
-//! Turns the listener of a scene, and computes the sound it hears: one frame is traced, and the same mixer as in
-//! playback mixes the sound.
+//! Rotates the listener of a scene and computes the sound at the listener. One frame is traced, and the sound is mixed
+//! by the same mixer as in playback.
 
 use super::observer::{Levels, Observer, azimuth_deg};
 use echomarch::Error;
@@ -8,16 +8,16 @@ use echomarch::scene::Scene;
 use echomarch::tracer::{Settings, TraceError, Tracer};
 use glam::DVec3;
 
-/// Angle of the side facings from the middle, in degrees, for scenes whose own source is close to the middle.
+/// Angle between the side facings and the middle in degrees, for scenes whose own source is close to the middle.
 const BESIDE_DEG: f64 = 45.0;
 
 /// Maximum length of a trial's sound, in seconds.
 const MOST_SECONDS: f64 = 600.0;
 
-/// Length of the fades in seconds: long enough to avoid clicks at the ends of a sound.
+/// Length of the fades, in seconds. It avoids clicks at the ends of a sound.
 const FADE_S: f64 = 0.01;
 
-/// Returns the scene three times, with its source to the left, ahead and to the right. Only the listener turns.
+/// Returns the scene three times, with its source to the left, ahead and to the right. Only the listener is rotated.
 ///
 /// The side angle is that of the scene's own source, so that one of the three scenes is the unchanged scene. If the
 /// source is near the middle, ahead or behind, the side angle is 45°. Motion is removed, so that all positions are
@@ -55,13 +55,13 @@ pub fn standing(scene: &Scene) -> Scene {
     still
 }
 
-/// Returns the scene with its source at an azimuth (degrees, positive to the right of the gaze) and `metres` from the
-/// listener, at the height of the ears.
+/// Returns the scene with its source at an azimuth (degrees, positive to the right of the gaze), at a distance of
+/// `metres` from the listener, and at the height of the ears.
 pub fn source_at(scene: &Scene, azimuth_deg: f64, metres: f64) -> Scene {
     source_towards(scene, (azimuth_deg, 0.0), metres)
 }
 
-/// As [`source_at`], with an elevation above the ears in degrees after the azimuth.
+/// Like [`source_at`], with an elevation above the ears in degrees after the azimuth.
 pub fn source_towards(
     scene: &Scene,
     (azimuth_deg, elevation_deg): (f64, f64),
@@ -76,8 +76,8 @@ pub fn source_towards(
     placed
 }
 
-/// Returns the scene with every surface lowered until it reflects no sound to the listener. The surfaces stay, because
-/// a scene needs at least one.
+/// Returns the scene with every surface lowered until it reflects no sound to the listener. The surfaces are not
+/// removed, because a scene needs at least one.
 pub fn without_ground(scene: &Scene) -> Scene {
     const METRES: f32 = 1000.0;
     let mut bare = scene.clone();
@@ -97,11 +97,11 @@ pub struct LoadedSound {
 }
 
 impl LoadedSound {
-    /// Loads the first `seconds` of a sound, faded at both ends.
+    /// Loads the first `seconds` of a sound, with fades at both ends.
     ///
     /// # Errors
-    /// [`Error::Audio`] for a sound that cannot be loaded; [`Error::Trace`] for a length that is not positive or
-    /// exceeds ten minutes.
+    /// [`Error::Audio`] if the sound cannot be loaded; [`Error::Trace`] if the length is not positive or exceeds ten
+    /// minutes.
     pub fn new(spec: &SoundSpec, seconds: f64) -> Result<LoadedSound, Error> {
         if !(seconds > 0.0 && seconds <= MOST_SECONDS) {
             return Err(Error::from(TraceError::BadSetting {
@@ -126,7 +126,7 @@ impl LoadedSound {
         Ok(LoadedSound { name, mono })
     }
 
-    /// Both channels, interleaved, at one panning value.
+    /// Both channels, interleaved, for one panning value.
     pub fn mixed(&self, pan: f64, law: PanningLaw) -> Vec<f32> {
         let mut stereo = vec![0.0; 2 * self.mono.len()];
         let mixed = Mixer::new(law).mix(&self.mono, pan as f32, &mut stereo);
@@ -156,7 +156,7 @@ pub fn listen(tracer: &mut Tracer, scene: &Scene, settings: &Settings) -> Result
     })
 }
 
-/// Traces one frame, renders the sound, and returns the observer's answer to the samples, in degrees.
+/// Traces one frame, renders the sound, and returns the answer of the observer model to the samples, in degrees.
 ///
 /// # Errors
 /// Errors of [`Tracer::frame`].
@@ -178,7 +178,7 @@ pub fn observe(
 pub struct Converged {
     /// The panning value.
     pub pan: f64,
-    /// The standard error of the panning value, from the frames' scatter; 0 for one frame.
+    /// The standard error of the panning value, from the scatter of the frames; 0 for one frame.
     pub uncertainty: f64,
     /// Share of waves that are heard.
     pub heard: f64,
@@ -194,7 +194,7 @@ pub fn converge(
     iterations: u32,
     (waves, frames): (u32, u32),
 ) -> Result<Converged, Error> {
-    // Far from the seeds of the trials, so that no directions repeat.
+    // This seed is far from the seeds of the trials, so that no directions are used twice.
     const FIRST_SEED: u32 = 1_000_001;
     let mut settings = Settings::hybrid()
         .with_waves(waves)
@@ -225,7 +225,7 @@ mod tests {
     use super::*;
     use crate::experiment::localise::observer::lateral_deg;
 
-    /// Protects the true directions: one facing is the scene itself, and the three are mirror images.
+    /// Protects the true directions: one facing is the scene itself, and the two side facings are mirror images.
     #[test]
     fn a_scene_is_faced_in_three_ways() {
         for name in ["corner", "obstacles"] {
@@ -251,13 +251,13 @@ mod tests {
             let away = (placed.sources[0].position - scene.listeners[0].position).length();
             assert!((away - 5.0).abs() < 1e-5, "{away}");
         }
-        // A raised source, with the same lateral angle as a source 30 degrees to the side at ear height.
+        // A source above ear height, with the same lateral angle as a source at ear height and 30 degrees to the side.
         let raised = source_towards(&scene, (45.0, 45.0), 5.0);
         assert!((azimuth_deg(&raised) - 45.0).abs() < 1e-3);
         assert!((lateral_deg(&raised) - 30.0).abs() < 1e-3);
     }
 
-    /// Protects a loudspeaker from clicks: a sound begins and ends with silence.
+    /// Protects against clicks: a sound begins and ends with silence.
     #[test]
     fn sounds_fade_at_both_ends() {
         let spec = "noise".parse().unwrap();

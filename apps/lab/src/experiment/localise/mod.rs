@@ -1,28 +1,25 @@
-//! The thesis' second experiment: localisation of the source, by an observer and by people.
+//! The thesis' second experiment: localisation of the source, by an observer model and by people.
 //!
-//! Sjöberg (2011, section 4.1 and the beginning of 4.3) sketches a psychometric experiment: two
-//! scenes, two sounds between 200 and 1000 Hz, fixed positions, a listener whose gaze is that of
-//! the screen, headphones, a form with questions about the position of the source, several numbers
-//! of waves and iterations. The copy of the thesis that this port is based on ends before the form
-//! and the results.
+//! Sjöberg (2011, section 4.1 and the beginning of 4.3) sketches a psychometric experiment: two scenes, two sounds
+//! between 200 and 1000 Hz, fixed positions, a listener that faces the screen, headphones, a form with questions about
+//! the position of the source, and several numbers of waves and iterations. The copy of the thesis that this port is
+//! based on ends before the form and the results.
 //!
 //! # Method
-//! - *For machines*: an [`Observer`] answers only from the levels of the rendered channels. [`run`]
-//!   measures its error in the open, where the observer must be right, and in rooms, for each
-//!   sound, profile, number of waves and number of iterations, over several seeds and three facings
-//!   ([`facings`]). Every answer is compared with two truths: the *source*, which is the lateral
-//!   angle of the straight path to the source; and the *limit*, which is the observer's answer to
-//!   the converged panning of `hybrid` after the same number of iterations. A trial without
-//!   arrivals has no answer and is counted separately.
-//! - *For people*: [`form`] writes the sounds and a page that plays the sounds and records the
-//!   answers; [`score`] evaluates the answers.
+//! - *Observer model*: an [`Observer`] answers only from the levels of the rendered channels. [`run`] measures its error
+//!   in the open, where its answers must be right, and in rooms. It does so for each sound, profile, number of waves and
+//!   number of iterations, over several seeds and three facings ([`facings`]). Every answer is compared with two truths:
+//!   the *source*, which is the lateral angle of the direct path to the source; and the *limit*, which is the observer's
+//!   answer to the converged panning of `hybrid` after the same number of iterations. A trial without arrivals has no
+//!   answer, and is counted separately.
+//! - *People*: [`form`] writes the sounds and a page that plays the sounds and records the answers; [`score`] evaluates
+//!   the answers.
 //!
-//! The header of [`observer`] explains the theory, the header of [`statistics`] the intervals.
+//! The documentation of [`observer`] explains the theory, and that of [`statistics`] the confidence intervals.
 //!
 //! # Deviations from the thesis
-//! The listener also faces two other directions, so that the source is left, ahead and right. The
-//! observer is an addition. The questions of the thesis' form are not known, so the form here is a
-//! new one.
+//! The listener also faces two other directions, so that the source is left, ahead and right. The observer model is an
+//! addition. The questions of the thesis' form are not known, so this form is a new one.
 
 mod answers;
 mod columns;
@@ -63,8 +60,8 @@ use echomarch::tracer::{Profile, Settings};
 /// Distance of the source in the open field, in metres.
 pub const OPEN_DISTANCE_M: f64 = 5.0;
 
-/// Maximum product of waves and iterations in a setting: 1,048,576 waves for 8 iterations, the
-/// largest in the thesis.
+/// Maximum product of waves and iterations in a setting: 1,048,576 waves with 8 iterations, which is the largest in the
+/// thesis.
 pub const MOST_WORK: u64 = 8 << 20;
 
 /// A setting for the open field.
@@ -87,14 +84,14 @@ pub struct LocaliseOptions {
     pub profiles: Vec<Profile>,
     /// Numbers of waves.
     pub waves: Vec<u32>,
-    /// Numbers of iterations. Settings with more than [`MOST_WORK`] are left out and listed in the
+    /// Numbers of iterations. Settings with more than [`MOST_WORK`] waves × iterations are omitted, and listed in the
     /// report.
     pub iterations: Vec<u32>,
     /// Number of frames per setting and facing, each with a different seed.
     pub seeds: u32,
-    /// The panning law, from panning values to levels.
+    /// The panning law.
     pub law: PanningLaw,
-    /// Length of the sound that the observer hears, in seconds.
+    /// Length of the sound for the observer model, in seconds.
     pub sound_seconds: f64,
     /// Number of waves and number of frames for the converged panning.
     pub limit: (u32, u32),
@@ -105,8 +102,8 @@ pub struct LocaliseOptions {
 }
 
 impl LocaliseOptions {
-    /// The thesis' scenes, sounds and numbers of waves, with iterations around its 4 and 8. A run
-    /// takes some minutes on two cores.
+    /// The thesis' scenes, sounds and numbers of waves, with numbers of iterations around its 4 and 8. A run takes some
+    /// minutes on two cores.
     pub fn new(scenes: Vec<Scene>, sounds: Vec<SoundSpec>) -> LocaliseOptions {
         let case = |settings, ground| OpenCase { settings, ground };
         let straight = |profile| case(Settings::new(profile).with_iterations(1), true);
@@ -130,7 +127,7 @@ impl LocaliseOptions {
         }
     }
 
-    /// The same with few settings and seeds: seconds.
+    /// The same with few settings and seeds, which takes seconds.
     #[must_use]
     pub fn quick(self) -> LocaliseOptions {
         LocaliseOptions {
@@ -142,13 +139,12 @@ impl LocaliseOptions {
         }
     }
 
-    /// Pairs of waves and iterations, sorted by waves: a different number of waves needs different
-    /// textures.
+    /// Pairs of waves and iterations, sorted by waves, because a different number of waves needs different textures.
     fn counts(&self) -> impl Iterator<Item = (u32, u32)> {
         pairs(&self.waves, &self.iterations)
     }
 
-    /// Settings that are not run because they exceed [`MOST_WORK`] waves × iterations.
+    /// Settings that are omitted because they exceed [`MOST_WORK`] waves × iterations.
     pub fn left_out(&self) -> Vec<(u32, u32)> {
         let is_large = |&(waves, iterations): &(u32, u32)| too_large(waves, iterations);
         self.counts().filter(is_large).collect()
@@ -163,7 +159,7 @@ impl LocaliseOptions {
         )
     }
 
-    /// Number of steps that [`run`] reports as the total.
+    /// Number of steps of a run, which [`run`] reports as the total.
     fn steps(&self) -> u64 {
         const FACINGS: u64 = 3;
         let cells = self.settings().len() as u64;
@@ -171,7 +167,7 @@ impl LocaliseOptions {
     }
 }
 
-/// Every number of waves with every number of iterations.
+/// All combinations of the numbers of waves and of iterations.
 fn pairs(waves: &[u32], iterations: &[u32]) -> impl Iterator<Item = (u32, u32)> {
     let of = |&waves| iterations.iter().map(move |&count| (waves, count));
     waves.iter().flat_map(of)
@@ -193,5 +189,5 @@ fn too_large(waves: u32, iterations: u32) -> bool {
 /// The thesis' two scenes.
 pub const ROOMS: [&str; 2] = ["corner", "obstacles"];
 
-/// Two sounds with most of their energy between 200 and 1000 Hz, one speech and one not.
+/// Two sounds with most of their energy between 200 and 1000 Hz. One of them is speech.
 pub const SOUNDS: [&str; 2] = ["speech", "sine:500"];

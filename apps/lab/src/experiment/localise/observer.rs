@@ -1,15 +1,13 @@
-//! The simulated observer: estimates a direction from the levels of two channels.
+//! The observer model: estimates a direction from the levels of two channels.
 //!
 //! # Theory
-//! For each wave that arrives at the point **n** of the unit sphere about the listener, the final
-//! pass adds (1 ∓ side) / 2 to the two channels, where side = **n** · right. The panning value is
-//! therefore the mean side of all arrivals.
+//! For each wave that arrives at the point **n** of the unit sphere around the listener, the final pass adds (1 ∓ side)
+//! / 2 to the two channels, where side = **n** · right. The panning value is therefore the mean side of all arrivals.
 //!
-//! Consider a point source in the open, at the distance *D* from a listener of radius *R*. Only the
-//! arrival that points straight back at the source lies in the source's direction **u**. The
-//! arrivals cover a cap about **u**, evenly about its axis, so that the mean of **n** is *m* **u**,
-//! where *m* is the mean of **n** · **u**. With *k* = *R*/*D*, a wave that leaves at the angle *α*
-//! to the axis arrives where
+//! Consider a point source in the open, at the distance *D* from a listener of radius *R*. The point of the sphere
+//! nearest to the source lies in the source's direction **u**. The arrivals cover a cap around **u** that is symmetric
+//! about this axis, so that the mean of **n** is *m* **u**, where *m* is the mean of **n** · **u**. With *k* = *R*/*D*,
+//! a wave that leaves the source at the angle *α* to the axis arrives where
 //!
 //! **n** · **u** = (sin² *α* + cos *α* √(*k*² − sin² *α*)) / *k*.
 //!
@@ -18,25 +16,24 @@
 //!
 //! *m*(*k*) = [(1 − *c*) − (1 − *c*³)/3 + *k*³/3] / [*k* (1 − *c*)],
 //!
-//! which is about 2/3 + *k*/2 for a far source, and 1 for a source that touches the listener. The
-//! *lateral angle* λ of a source is the angle between its direction and the median plane: sin λ =
-//! **u** · right. The panning value of the source is *m* sin λ. The observer computes the panning
-//! value from the channels' levels by the panning law, and answers λ = asin(pan / *m*).
+//! which is about 2/3 + *k*/2 for a distant source, and 1 for a source that touches the listener. The *lateral angle* λ
+//! of a source is the angle between its direction and the median plane: sin λ = **u** · right. The panning value of the
+//! source is *m* sin λ. The observer computes the panning value from the levels of the channels by the panning law, and
+//! answers λ = asin(pan / *m*).
 //!
 //! # Limits of the observer
-//! Two levels contain only one number. Front and back have the same levels, and so do above and
-//! below: only the lateral angle can be determined, which for a source at the height of the ears is
-//! the azimuth folded to the front. The observer knows *R* and the true straight distance *D*. A
-//! test person does not know *D*, because the source is not in the picture. The *blind* observer
-//! ([`Observer::blind`]) does not know *D* either and assumes a distant source, *m* = 2/3; a near
+//! Two levels contain only one number. Front and back have the same levels, and so do above and below. Only the lateral
+//! angle can be determined. For a source at the height of the ears, it is the azimuth folded to the front. The observer
+//! knows *R* and the true distance *D*. A test subject does not know *D*, because the source is not in the picture. The
+//! *blind* observer ([`Observer::blind`]) does not know *D* either, and assumes a distant source, *m* = 2/3. A near
 //! source then seems further to the side than it is. Neither observer knows the reflections.
 
 use echomarch::audio::PanningLaw;
 use echomarch::scene::Scene;
 use glam::DVec3;
 
-/// Bound of the centre in degrees: smaller lateral angles to either side are in the centre. The
-/// value is more than twice the accuracy of a few degrees that the observer must have.
+/// Limit of the centre in degrees: smaller lateral angles to either side are in the centre. The value is more than
+/// twice the required accuracy of the observer, which is a few degrees.
 pub const CENTRE_DEG: f64 = 15.0;
 
 /// Levels of the two channels, as root mean squares relative to full scale.
@@ -64,7 +61,7 @@ impl Levels {
         }
     }
 
-    /// The panning value that gives these levels under the law, −1 … 1; 0 for silence.
+    /// The panning value, −1 … 1, that gives these levels under the law; 0 for silence.
     pub fn pan(&self, law: PanningLaw) -> f64 {
         let sum = self.left + self.right;
         if sum.is_nan() || sum <= 0.0 {
@@ -79,7 +76,7 @@ impl Levels {
     }
 }
 
-/// A direction at the resolution that two levels allow.
+/// A direction, as accurately as two levels determine it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Side {
@@ -116,7 +113,7 @@ impl Side {
     }
 }
 
-/// The observer. It knows both the listener's radius and the source's distance, or neither.
+/// The observer model. It knows either both the listener's radius and the source's distance, or neither.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observer {
     mean_side: f64,
@@ -133,7 +130,7 @@ impl Observer {
         }
     }
 
-    /// An observer that does not know the distance; its *m* is that of a far source.
+    /// An observer that does not know the distance. Its *m* is that of a distant source.
     pub fn blind(law: PanningLaw) -> Observer {
         Observer {
             mean_side: mean_side(0.0),
@@ -141,7 +138,7 @@ impl Observer {
         }
     }
 
-    /// *m*: the panning value of a source in the open, straight to the side.
+    /// *m*: the panning value of a source in the open, exactly to the side.
     pub fn mean_side(&self) -> f64 {
         self.mean_side
     }
@@ -151,21 +148,21 @@ impl Observer {
         (pan / self.mean_side).clamp(-1.0, 1.0).asin().to_degrees()
     }
 
-    /// The observer's answer to the levels, in degrees; the middle for silence.
+    /// The observer's answer to the levels, in degrees; 0 for silence.
     pub fn answer_deg(&self, levels: Levels) -> f64 {
         self.lateral_deg(levels.pan(self.law))
     }
 }
 
-/// *m*(*k*) of the module's header, where `ratio` is *k*: the listener's radius divided by the
-/// distance of the source. Returns 1 for a source on or in the listener.
+/// *m*(*k*) of the module documentation, where `ratio` is *k*: the listener's radius divided by the distance of the
+/// source. Returns 1 for a source on or inside the listener's sphere.
 pub fn mean_side(ratio: f64) -> f64 {
     let k = ratio;
     if k.is_nan() || k >= 1.0 {
         return 1.0;
     }
     if k < 1e-4 {
-        // For small k the closed form is a difference of nearly equal numbers, so use the series.
+        // For small k, the closed form is a difference of nearly equal numbers, so a series is used.
         return 2.0 / 3.0 + 0.5 * k;
     }
     let c = (1.0 - k * k).sqrt();
@@ -180,8 +177,8 @@ pub fn direct_distance(scene: &Scene) -> f64 {
     to_source(scene).length()
 }
 
-/// The direction of the source from the listener in the horizontal plane, in degrees: 0 ahead, 90
-/// to the right, −180 … 180. A source straight above or below counts as ahead.
+/// The azimuth of the source from the listener in degrees: 0 ahead, 90 to the right, −180 … 180. A source exactly above
+/// or below counts as ahead.
 pub fn azimuth_deg(scene: &Scene) -> f64 {
     let (right, ahead) = horizontal_axes(scene);
     let to_source = to_source(scene);
@@ -191,21 +188,21 @@ pub fn azimuth_deg(scene: &Scene) -> f64 {
         .to_degrees()
 }
 
-/// The angle between the straight path to the source and the median plane, in degrees from −90
-/// (left) to 90 (right). For a source at the height of the ears, this is the azimuth folded to the
-/// front. 0 for a source at the listener's centre.
+/// The angle between the direct path to the source and the median plane, in degrees from −90 (left) to 90 (right). For
+/// a source at the height of the ears, it is the azimuth folded to the front. It is 0 for a source at the listener's
+/// centre.
 pub fn lateral_deg(scene: &Scene) -> f64 {
     let (right, _) = horizontal_axes(scene);
     let sine = to_source(scene).normalize_or_zero().dot(right);
     sine.clamp(-1.0, 1.0).asin().to_degrees()
 }
 
-/// Folds an azimuth in degrees to the front, as levels cannot distinguish front and back.
+/// Folds an azimuth in degrees to the front, because levels cannot distinguish front and back.
 pub fn folded_deg(azimuth_deg: f64) -> f64 {
     azimuth_deg.to_radians().sin().asin().to_degrees()
 }
 
-/// The listener's horizontal directions right and ahead, without its pitch.
+/// The listener's horizontal directions right and ahead, independent of the pitch.
 pub fn horizontal_axes(scene: &Scene) -> (DVec3, DVec3) {
     let (sin, cos) = f64::from(scene.listeners[0].yaw).sin_cos();
     (DVec3::new(cos, 0.0, sin), DVec3::new(sin, 0.0, -cos))
@@ -220,8 +217,8 @@ mod tests {
     use super::*;
     use echomarch::audio::Mixer;
 
-    /// Protects the closed form from errors: the test compares it with a sum over rays that shares
-    /// only the geometry.
+    /// Protects the closed form from errors: the test compares it with a sum over waves that uses only the same
+    /// geometry.
     #[test]
     fn the_mean_side_is_that_of_rays_on_a_sphere() {
         for ratio in [1e-3, 0.0838, 0.4, 0.9] {
@@ -244,7 +241,7 @@ mod tests {
         assert_eq!(mean_side(1.0), 1.0);
     }
 
-    /// Protects the conversion from levels back to the panning value, for both laws and any sound.
+    /// Protects the conversion of levels to the panning value, for both laws and any sound.
     #[test]
     fn levels_tell_the_pan_again() {
         for law in [PanningLaw::Linear, PanningLaw::ConstantPower] {
@@ -262,7 +259,7 @@ mod tests {
         }
     }
 
-    /// Protects the fold: it moves directions behind to the front, and keeps the side.
+    /// Protects the folding: it moves directions from behind to the front, and keeps the side.
     #[test]
     fn azimuths_fold_to_the_front() {
         for (azimuth, folded) in [(0.0, 0.0), (180.0, 0.0), (135.0, 45.0), (-100.0, -80.0)] {

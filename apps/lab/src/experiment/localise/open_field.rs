@@ -1,5 +1,5 @@
-//! The observer in the open: directions in which the observer must be right, and directions that
-//! levels cannot distinguish.
+//! The observer model in the open: directions in which its answers must be right, and directions that levels cannot
+//! distinguish.
 
 use super::listen::{source_towards, without_ground};
 use super::observer::{Observer, lateral_deg};
@@ -12,8 +12,8 @@ use echomarch::Error;
 use echomarch::scene::Scene;
 use echomarch::tracer::Settings;
 
-/// Azimuth and elevation in degrees of three sources with the same lateral angle, 30°: ahead,
-/// behind, and raised (sin 45° · cos 45° = sin 30°).
+/// Azimuth and elevation, in degrees, of three sources with the same lateral angle, 30°: ahead, behind, and above (sin
+/// 45° · cos 45° = sin 30°).
 const ALIKE: [(f64, f64); 3] = [(30.0, 0.0), (150.0, 0.0), (45.0, 45.0)];
 
 /// The answers to sources in one or more directions, each paired with the true angle.

@@ -1,19 +1,19 @@
-//! Finds the number of waves or iterations beyond which a larger number does not help.
+//! Finds the number of waves or iterations beyond which a larger number gives no improvement.
 //!
-//! A number is as good as the largest number if its figure is at most the larger of two bounds. One
-//! is the upper end of the interval at the largest number. The other is the figure at the largest
-//! number plus [`AUDIBLE_DEG`], since a smaller difference is inaudible. The plateau begins at the
-//! smallest number from which on all numbers are as good as the largest. If only the largest number
-//! satisfies this, the beginning of the plateau is unknown.
+//! A number is as good as the largest number if its figure does not exceed the larger of two bounds. The first bound is
+//! the upper end of the confidence interval at the largest number. The second bound is the figure at the largest number
+//! plus [`AUDIBLE_DEG`], because a smaller difference is inaudible. The plateau begins at the smallest number from
+//! which on all numbers are as good as the largest. If only the largest number satisfies this, the beginning of the
+//! plateau is unknown.
 
 use super::report::{Cell, Plateau, SceneReport};
 use super::statistics::Figure;
 
-/// The minimum audible angle ahead, in degrees (Mills 1958): the smallest change of direction of a
-/// tone of 250 to 1000 Hz that people notice with real ears. Levels alone allow no smaller angle.
+/// The minimum audible angle ahead, in degrees (Mills 1958): the smallest change of direction of a tone of 250 to 1000
+/// Hz that people notice in natural hearing. Levels alone allow no smaller angle.
 pub const AUDIBLE_DEG: f64 = 1.0;
 
-/// An axis: its name, and functions that return a cell's number on this axis and on the other axis.
+/// An axis: its name, and the functions that return a cell's number on this axis and on the other axis.
 type Axis = (&'static str, fn(&Cell) -> u32, fn(&Cell) -> u32);
 
 const WAVES: Axis = ("waves", |cell| cell.waves, |cell| cell.iterations);
@@ -26,8 +26,8 @@ const SOURCE: Measure = ("source", |cell| Some(cell.source?.median_abs));
 const LIMIT: Measure = ("limit", |cell| Some(cell.limit?.median_abs));
 const SPREAD: Measure = ("spread", |cell| cell.source?.spread);
 
-/// The combinations of axis and figure to examine. The limit is not examined as a function of iterations,
-/// because each number of iterations has its own limit.
+/// The combinations of axis and figure to examine. The limit is not examined along iterations, because each number of
+/// iterations has its own limit.
 const LOOKS: [(Axis, Measure); 5] = [
     (WAVES, SOURCE),
     (WAVES, LIMIT),
@@ -36,11 +36,11 @@ const LOOKS: [(Axis, Measure); 5] = [
     (ITERATIONS, SPREAD),
 ];
 
-/// The share of unheard trials from which on a number of waves or iterations has no figure.
+/// Share of unheard trials from which on a number of waves or iterations has no figure.
 const MOST_UNHEARD: f64 = 0.5;
 
-/// The plateaus of every scene, sound and profile, over the number of waves and over the number of iterations: one
-/// plateau for each value of the other number, if at least three steps were measured.
+/// The plateaus of every scene, sound and profile, along the number of waves and along the number of iterations. There
+/// is one plateau for each value of the other number, if at least three steps were measured.
 pub fn find(scenes: &[SceneReport]) -> Vec<Plateau> {
     let mut found = Vec::new();
     for scene in scenes {
@@ -109,13 +109,12 @@ fn along(scene: &str, cells: &[&Cell], axis: &Axis, measure: &Measure) -> Vec<Pl
 struct Step {
     /// Number of waves or iterations.
     count: u32,
-    /// The figure; none if too many trials were unheard.
+    /// The figure; `None` if too many trials were unheard.
     figure: Option<Figure>,
 }
 
-/// The smallest number from which on every figure is as good as the figure at the largest number.
-/// `steps` are sorted by number; a step without a figure ends the plateau. None if the largest
-/// number has no figure.
+/// The smallest number from which on every figure is as good as the figure at the largest number; `None` if the largest
+/// number has no figure. `steps` are sorted by number. A step without a figure interrupts the plateau.
 fn plateau(steps: &[Step]) -> Option<u32> {
     let last = steps.last()?.figure?;
     let high = last.interval_deg.map_or(last.deg, |[_, high]| high);
@@ -146,8 +145,8 @@ mod tests {
         Step { count, figure }
     }
 
-    /// Protects the plateau: a small number that is good by chance does not begin a plateau, and
-    /// silence ends a plateau.
+    /// Protects the plateau: a small number that is good by chance does not begin a plateau, and a step in which
+    /// nothing is heard interrupts it.
     #[test]
     fn the_plateau_begins_where_all_that_follow_are_as_good() {
         let mut steps = [5.5, 9.0, 6.9, 5.0].map(|deg| step(0, deg, 2.0));
@@ -162,8 +161,7 @@ mod tests {
         assert_eq!(plateau(&[]), None);
     }
 
-    /// Protects a plateau from being missed only because the last interval is narrower than the
-    /// audible angle.
+    /// Protects against a missed plateau if the last confidence interval is narrower than the audible angle.
     #[test]
     fn what_nobody_hears_is_as_good() {
         let steps = |third| [step(1, 4.0, 0.1), step(2, third, 0.1), step(4, 0.2, 0.1)];

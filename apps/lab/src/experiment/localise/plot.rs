@@ -1,6 +1,6 @@
-//! Plots the report: first the open field, then each room's errors against waves and iterations, with a colour for each
-//! profile and bars for the medians' intervals. A point is hollow if at least half of its trials hear nothing, and
-//! missing if all of them hear nothing.
+//! Plots the report: first the open field, then the errors of each room against waves and iterations. Each profile has
+//! a colour, and bars show the confidence intervals of the medians. A point is hollow if at least half of its trials
+//! hear nothing, and missing if all of them hear nothing.
 
 use super::report::{Cell, LocaliseReport, SceneReport};
 use super::report_contents::{first_sound, measured};
@@ -20,19 +20,20 @@ const PLOTS_WIDTH: u32 = 1230;
 
 const COLOURS: [(&str, RGBColor); 3] = [("thesis", THESIS), ("march", MARCH), ("hybrid", HYBRID)];
 
-/// The line style of a profile. All three profiles often have the same errors. So the narrow dashed line of `thesis` is
-/// drawn over the line of `hybrid`, and that over the wide line of `march`; points and bars stand side by side.
+/// The line style of a profile. All three profiles often have the same errors. The lines are therefore drawn over each
+/// other in different widths: `march` wide, `hybrid` narrower, and `thesis` narrow and dashed. Points and bars are
+/// placed side by side.
 struct Look {
     profile: &'static str,
     /// Line width in pixels.
     width: u32,
-    /// Length of a dash and of the gap after it in pixels.
+    /// Lengths of a dash and of the following gap, in pixels.
     dash: Option<(i32, i32)>,
     /// Horizontal offset of points and bars, as a share of the panel's width.
     beside: f64,
 }
 
-/// The styles in drawing order, the lowest first.
+/// The styles in drawing order: the lowest layer comes first.
 const LOOKS: [Look; 3] = [
     Look {
         profile: "march",
@@ -72,21 +73,21 @@ impl Look {
 const GROUND: RGBColor = RGBColor(120, 120, 120);
 const BARE: RGBColor = RGBColor(204, 121, 167);
 
-/// Number of iterations in the panels whose x axis is the number of waves; the largest measured number if this one was
-/// not measured.
+/// Number of iterations in the panels along the number of waves. If it was not measured, the largest measured number is
+/// used.
 const ITERATIONS: u32 = 8;
-/// Number of waves in the panels whose x axis is the number of iterations; the largest measured number if this one was
-/// not measured.
+/// Number of waves in the panels along the number of iterations. If it was not measured, the largest measured number is
+/// used.
 const WAVES: u32 = 65_536;
 
-/// Share of unheard trials from which on a point is drawn hollow.
+/// Share of unheard trials from which on a point is hollow.
 const HOLLOW: f64 = 0.5;
 
-/// A number of waves or iterations or an azimuth, and the error there.
+/// A number of waves or iterations, or an azimuth, with the error there.
 #[derive(Clone, Copy)]
 struct Point {
     x: f64,
-    /// None without hits, which leaves a gap in the line.
+    /// `None` if nothing was heard, which leaves a gap in the line.
     error: Option<Figure>,
     is_hollow: bool,
 }
@@ -118,7 +119,7 @@ struct Line {
 /// The report as an SVG plot.
 ///
 /// # Errors
-/// When the drawing fails; the text contains the reason.
+/// If drawing fails. The error contains the reason.
 pub(super) fn plot_svg(report: &LocaliseReport) -> Result<String, PlotError> {
     let interval = match report.rough {
         true => format!("rough interval (fewer than {LEAST_DRAWN} seeds)"),
@@ -144,7 +145,7 @@ fn plot_open(row: &Panel, report: &LocaliseReport) -> Result<(), PlotError> {
             (_, true) => (" with the ground", GROUND),
             (_, false) => (", more iterations, no ground", BARE),
         };
-        // Further lines of the same profile get a colour of their own.
+        // Further lines of the same profile have their own colour.
         let look = Look::of(if heard.is_empty() { &open.profile } else { "" });
         let points = open.azimuths.iter();
         let points = points.map(|at| Point::new(at.azimuth_deg, at.error, 0.0));
@@ -237,7 +238,7 @@ fn entries(lines: &[Line]) -> Vec<(String, Stroke)> {
     shown.map(entry).collect()
 }
 
-/// Draws one panel. `by_powers`: whether the x axis is logarithmic, one step per doubling.
+/// Draws one panel. If `by_powers` is true, the x axis is logarithmic with one step per doubling.
 fn plot_lines(
     panel: &Panel,
     caption: &str,
@@ -283,7 +284,7 @@ fn plot_lines(
         .iter()
         .filter(|line| !line.points.is_empty())
         .collect();
-    // A wide line is visible on both sides of a narrow line drawn over it, and any line is visible between dashes.
+    // A wide line is visible on both sides of a narrow line drawn over it, and every line is visible between dashes.
     shown.sort_by_key(|line| (line.dash.is_some(), std::cmp::Reverse(line.width)));
     for line in shown {
         let beside = line.beside * (most - least + 2.0 * margin);
@@ -294,7 +295,7 @@ fn plot_lines(
 
 type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
-/// Draws the medians, connected except over gaps, and their intervals as bars.
+/// Draws the medians as a line with gaps, and their confidence intervals as bars.
 fn draw_line(chart: &mut Chart, line: &Line, place: impl Fn(f64) -> f64) -> Result<(), PlotError> {
     let (colour, width) = (line.colour, line.width);
     let stroke = colour.stroke_width(width);

@@ -1,4 +1,4 @@
-//! The results of the observer experiment, as plain data.
+//! The results of the experiment with the observer model, as plain data.
 
 use super::statistics::{ErrorFigures, Figure, Share};
 use serde::Serialize;
@@ -6,15 +6,15 @@ use serde::Serialize;
 /// The results of the whole experiment.
 #[derive(Clone, Debug, Serialize)]
 pub struct LocaliseReport {
-    /// The renderer's name in OpenGL.
+    /// The OpenGL renderer's name.
     pub renderer: String,
-    /// Name of the panning law, from panning values to levels.
+    /// Name of the panning law.
     pub law: String,
     /// Number of frames per setting and facing, each with a different seed.
     pub seeds: u32,
     /// Duration of the run, in seconds.
     pub seconds: f64,
-    /// The nominal coverage of the intervals; see `rough`.
+    /// The nominal coverage of the confidence intervals; see `rough`.
     pub confidence: f64,
     /// Whether there are too few seeds for intervals of that coverage.
     pub rough: bool,
@@ -24,12 +24,11 @@ pub struct LocaliseReport {
     pub centre_deg: f64,
     /// Settings of the rooms that were too large to run, as pairs of waves and iterations.
     pub left_out: Vec<(u32, u32)>,
-    /// The results of the observer in the open, where the observer must be right.
+    /// The results in the open, where the answers of the observer must be right.
     pub open: Vec<OpenReport>,
     /// The results in the rooms.
     pub scenes: Vec<SceneReport>,
-    /// For each figure, the number of waves or iterations beyond which a larger number does not
-    /// help.
+    /// For each figure, the number of waves or iterations beyond which a larger number gives no improvement.
     pub plateaus: Vec<Plateau>,
     /// The largest difference between the answers to two sounds with the same panning value, in
     /// degrees.
@@ -43,8 +42,8 @@ pub struct OpenReport {
     pub profile: String,
     /// Number of waves.
     pub waves: u32,
-    /// Number of iterations: 1 gives only the straight path, more iterations also include
-    /// reflections from the ground if there is one.
+    /// Number of iterations. One iteration gives only the direct path. More iterations include reflections from the
+    /// ground, if there is one.
     pub iterations: u32,
     /// Whether there is a reflecting ground.
     pub ground: bool,
@@ -54,7 +53,7 @@ pub struct OpenReport {
     pub mean_side: f64,
     /// *m* of the observer that does not know the distance.
     pub blind_mean_side: f64,
-    /// The errors over all azimuths; none without hits.
+    /// The errors over all azimuths; `None` if no wave was heard.
     pub all: Option<ErrorFigures>,
     /// The errors over all azimuths of the observer that does not know the distance.
     pub blind: Option<ErrorFigures>,
@@ -73,9 +72,9 @@ pub struct OpenDirection {
     pub elevation_deg: f64,
     /// Lateral angle of the source in degrees, which determines the levels.
     pub lateral_deg: f64,
-    /// The mean answer, in degrees; none without hits.
+    /// The mean answer, in degrees; `None` if no wave was heard.
     pub answer_deg: Option<f64>,
-    /// The errors of the answers; none without hits.
+    /// The errors of the answers; `None` if no wave was heard.
     pub error: Option<ErrorFigures>,
     /// The errors of the observer that does not know the distance.
     pub blind: Option<ErrorFigures>,
@@ -86,7 +85,7 @@ pub struct OpenDirection {
 pub struct SceneReport {
     /// The room's name.
     pub scene: String,
-    /// Straight distance from the listener to the source, in metres.
+    /// Distance from the listener to the source, in metres.
     pub distance_m: f64,
     /// The listener's radius, in metres.
     pub radius_m: f64,
@@ -101,13 +100,13 @@ pub struct SceneReport {
 /// One facing of the listener.
 #[derive(Clone, Debug, Serialize)]
 pub struct FacingReport {
-    /// The listener's turn in the world, in degrees.
+    /// The rotation of the listener in the world, in degrees.
     pub yaw_deg: f64,
     /// Azimuth of the source in degrees, positive to the right of the gaze.
     pub azimuth_deg: f64,
     /// Lateral angle of the source in degrees, which determines the levels.
     pub lateral_deg: f64,
-    /// The converged panning of `hybrid`, one entry per number of iterations.
+    /// The converged panning of `hybrid`, for each number of iterations.
     pub limits: Vec<LimitReport>,
 }
 
@@ -139,23 +138,23 @@ pub struct Cell {
     pub iterations: u32,
     /// Number of trials: facings × seeds.
     pub trials: u32,
-    /// Share of the trials in which no wave arrived. These trials count only in the hits and in the
-    /// last column of the confusion table.
+    /// Share of the trials in which no wave arrived. These trials count only in `hits` and in the last column of the
+    /// confusion table.
     pub unheard: f64,
     /// Number of waves that arrived, averaged over the trials.
     pub hits: f64,
-    /// Errors relative to the straight direction of the source; none without hits.
+    /// Errors relative to the true direction of the source; `None` if no wave was heard.
     pub source: Option<ErrorFigures>,
     /// Errors relative to the converged panning of `hybrid` after the same number of iterations.
     pub limit: Option<ErrorFigures>,
-    /// Numbers of trials: one row per side of the source, one column per side answered (both left,
-    /// centre, right). The last column counts trials in which no wave was heard.
+    /// Numbers of trials, with one row per side of the source and one column per answered side, in the order left,
+    /// centre, right. A further last column counts trials in which no wave was heard.
     pub confusion: [[u32; 4]; 3],
-    /// Share of the heard trials with the right side answered; none without hits.
+    /// Share of the heard trials in which the answered side was right; `None` if no wave was heard.
     pub side_right: Option<Share>,
 }
 
-/// The number of waves or iterations beyond which a larger number does not help.
+/// The number of waves or iterations beyond which a larger number gives no improvement.
 #[derive(Clone, Debug, Serialize)]
 pub struct Plateau {
     /// Name of the scene.
@@ -164,30 +163,28 @@ pub struct Plateau {
     pub sound: String,
     /// Name of the profile.
     pub profile: String,
-    /// The figure: the median error relative to the `source` (the straight direction) or to the
-    /// `limit` (the converged panning), or the `spread`.
+    /// The name of the figure: the median error relative to the `source` (the true direction) or to the `limit` (the
+    /// converged panning), or the `spread`.
     pub of: &'static str,
     /// The number that varies: `waves` or `iterations`.
     pub along: &'static str,
     /// The other number, which is fixed.
     pub fixed: u32,
-    /// The smallest number from which on every figure is as good as the figure at the largest
-    /// number: within the upper end of its interval or within the audible angle of it, and with
-    /// more than half of the trials heard. None if the largest number has no such figure. The
-    /// largest number itself if no smaller number qualifies; the beginning of the plateau is then
-    /// unknown.
+    /// The smallest number from which on every figure is as good as the figure at the largest number. A figure is as
+    /// good if more than half of the trials are heard and it is within the upper end of the interval or within the
+    /// audible angle. `None` if the largest number has no such figure. If no smaller number qualifies, `count` is the
+    /// largest number, and the beginning of the plateau is unknown.
     pub count: Option<u32>,
-    /// The number with the smallest figure, among numbers with more than half of their trials
-    /// heard.
+    /// The number with the smallest figure, among those numbers with which more than half of the trials are heard.
     pub least: Option<u32>,
     /// The largest number measured.
     pub largest: u32,
-    /// The figure at the largest number, in degrees; none without hits.
+    /// The figure at the largest number, in degrees; `None` if no wave was heard.
     pub there: Option<Figure>,
 }
 
 impl Plateau {
-    /// The plateau's number in words: the number, `not by` and the largest number, or `none`.
+    /// The number of the plateau as text: the number, `not by` and the largest number, or `none`.
     pub fn told(&self) -> String {
         match self.count {
             None => "none".to_owned(),

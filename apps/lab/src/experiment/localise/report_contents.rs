@@ -2,12 +2,12 @@
 
 use super::report::{Cell, LocaliseReport, Plateau, SceneReport};
 
-/// Numbers of iterations (those of the thesis) for the plateaus over the number of waves, if they were measured.
+/// Numbers of iterations (those of the thesis) for the plateaus along the number of waves, if they were measured.
 const ITERATIONS: [u32; 2] = [4, 8];
-/// Number of waves for the plateaus over the number of iterations, if it was measured.
+/// Number of waves for the plateaus along the number of iterations, if it was measured.
 const WAVES: u32 = 65_536;
 
-/// The rows of the first sound; the rows of other sounds differ only by rounding.
+/// The rows of the first sound. The rows of other sounds differ only by rounding errors.
 pub(super) fn first_sound(scene: &SceneReport) -> impl Iterator<Item = &Cell> {
     let first = scene.cells.first().map(|cell| cell.sound.as_str());
     scene
@@ -16,8 +16,8 @@ pub(super) fn first_sound(scene: &SceneReport) -> impl Iterator<Item = &Cell> {
         .filter(move |cell| Some(cell.sound.as_str()) == first)
 }
 
-/// The number to show in a panel or table: the wanted number if it was measured, otherwise the
-/// largest measured number; none without measurements.
+/// The number to show in a panel or table: `wanted` if it was measured, otherwise the largest measured number. `None`
+/// if nothing was measured.
 pub(super) fn measured(scene: &SceneReport, wanted: u32, count: fn(&Cell) -> u32) -> Option<u32> {
     let counts = || scene.cells.iter().map(count);
     counts()
@@ -25,8 +25,8 @@ pub(super) fn measured(scene: &SceneReport, wanted: u32, count: fn(&Cell) -> u32
         .or_else(|| counts().max())
 }
 
-/// The plateaus of the first sound at the thesis' numbers of iterations and at many waves, with the
-/// profiles side by side.
+/// The plateaus of the first sound at the thesis' numbers of iterations and at one number of waves, with the profiles
+/// side by side.
 pub(super) fn shown_plateaus(report: &LocaliseReport) -> Vec<&Plateau> {
     let mut shown = Vec::new();
     for scene in &report.scenes {

@@ -1,11 +1,11 @@
 //! Scores the answers of test subjects against the source's position and lateral angle.
 //!
-//! A click on the plan can have any azimuth, but levels determine only the lateral angle. So the error is computed from
-//! the azimuth folded to the front, and the number of clicks behind is reported separately. Intervals and spread are
-//! computed over persons ([`figures_of_people`]), because one person's answers are not independent. Sounds in which no
-//! wave was heard form a separate group: they are heard in the middle, wherever their source is. Several files of one
-//! session count as one session. Answers are locked once given, so later files only add answers to earlier files; two
-//! files that contradict each other are rejected.
+//! A click on the plan can have any azimuth, but levels determine only the lateral angle. The error is therefore
+//! computed from the azimuth folded to the front, and the number of clicks behind is reported separately. Confidence
+//! intervals and spread are computed over persons ([`figures_of_people`]), because the answers of one person are not
+//! independent. Sounds in which no wave was heard form a separate group, because they are in the middle wherever their
+//! source is. Several files of one session count as one session. Answers are locked once given, so that later files
+//! only add answers to earlier files. Two files that contradict each other are rejected.
 
 use super::answers::{Answer, AnswersError, Session, StimulusInfo, TrialAnswer};
 use super::observer::{Side, folded_deg};
@@ -26,7 +26,7 @@ pub struct ScoreReport {
     pub notes: Vec<String>,
 }
 
-/// A session's files, identifiers and counts.
+/// The files of a session, its identifiers and its counts.
 #[derive(Clone, Debug, Serialize)]
 pub struct SessionLine {
     /// The files from which the session was read.
@@ -46,39 +46,40 @@ pub struct SessionLine {
 /// The figures of one group of answers.
 #[derive(Clone, Debug, Serialize)]
 pub struct Group {
-    /// Name of the scene; empty in a group of all scenes.
+    /// Name of the scene; empty in a group over all scenes.
     pub scene: String,
-    /// Name of the sound; empty in a group of all sounds.
+    /// Name of the sound; empty in a group over all sounds.
     pub sound: String,
-    /// Name of the panning law; empty in a group of all laws.
+    /// Name of the panning law; empty in a group over all laws.
     pub law: String,
-    /// Name of the profile; empty in a group of all profiles.
+    /// Name of the profile; empty in a group over all profiles.
     pub profile: String,
-    /// Number of waves; none in a group of all numbers.
+    /// Number of waves; `None` in a group over all numbers.
     pub waves: Option<u32>,
-    /// Number of iterations; none in a group of all numbers.
+    /// Number of iterations; `None` in a group over all numbers.
     pub iterations: Option<u32>,
     /// Whether at least one wave was heard in these sounds.
     pub heard: bool,
     /// Number of answers.
     pub answers: usize,
-    /// Number of persons, distinguished by their codes; each session without a code counts as a person.
+    /// Number of persons, distinguished by their codes. Each session without a code counts as one person.
     pub people: usize,
     /// Errors of the folded clicks relative to the lateral angle of the source.
     pub source: Option<ErrorFigures>,
     /// Errors of the folded clicks relative to the observer's answers to the same sounds.
     pub observer: Option<ErrorFigures>,
-    /// Numbers of answers: one row per side of the source, one column per side ticked (both left, centre, right).
+    /// Numbers of answers, with one row per side of the source and one column per chosen side, in the order left,
+    /// centre, right.
     pub confusion: [[u32; 3]; 3],
-    /// Share of answers whose ticked side is the side of the click.
+    /// Share of answers in which the chosen side is the side of the click.
     pub side_is_clicked: f64,
-    /// Share of clicks that are behind.
+    /// Share of clicks behind the listener.
     pub clicked_behind: f64,
     /// Mean confidence, 1 to 5.
     pub confidence: f64,
 }
 
-/// A session, and the files that it was merged from.
+/// A session and the files from which it was merged.
 struct Merged {
     files: Vec<PathBuf>,
     session: Session,
@@ -92,7 +93,7 @@ struct Answered<'a> {
     answer: &'a Answer,
 }
 
-/// Reads and scores files of answers.
+/// Reads and scores answer files.
 ///
 /// # Errors
 /// [`AnswersError`] for the first file that cannot be used.
@@ -138,7 +139,7 @@ pub fn score(files: &[PathBuf]) -> Result<ScoreReport, AnswersError> {
     })
 }
 
-/// Adds a note that answers to different forms are pooled if their settings are equal.
+/// Adds a note if the answers are to different forms: answers with equal settings are pooled.
 fn note_experiments(sessions: &[SessionLine], notes: &mut Vec<String>) {
     let mut forms: Vec<&str> = sessions.iter().map(|of| of.experiment.as_str()).collect();
     forms.sort_unstable();
@@ -235,7 +236,7 @@ fn key(of: &StimulusInfo) -> (&str, &str, &str, &str, u32, u32) {
     (names.0, names.1, names.2, names.3, of.waves, of.iterations)
 }
 
-/// One stimulus of each kind, in sorted order.
+/// One stimulus of each kind, sorted.
 fn kinds<'a>(all: &[Answered<'a>]) -> Vec<&'a StimulusInfo> {
     let mut kinds: Vec<&StimulusInfo> = all.iter().map(|of| of.stimulus).collect();
     kinds.sort_by(|a, b| key(a).cmp(&key(b)));
@@ -255,7 +256,7 @@ fn people<'a>(answers: &[Answered<'a>]) -> Vec<Vec<Answered<'a>>> {
     people
 }
 
-/// The figures of the answers of one kind, or of all answers; none without answers.
+/// The figures of the answers of one kind, or of all answers; `None` if there are no answers.
 fn group(answers: &[Answered], kind: Option<&StimulusInfo>) -> Option<Group> {
     let first = answers.first()?;
     let people = people(answers);

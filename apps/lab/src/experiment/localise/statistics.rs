@@ -1,21 +1,19 @@
 //! Statistics of answers: median, bias, spread, and their uncertainty.
 //!
-//! Intervals are percentile bootstrap intervals (Efron 1979): the answers are resampled with
-//! replacement, [`RESAMPLES`] times with a fixed seed, and the interval of each figure contains the
-//! middle 95 % of the resampled figures. The method makes no assumption about the errors'
-//! distribution, which is far from normal: answers are limited to ±90°, and each truth has its own
-//! bias. The resampled units are those that are drawn at random:
+//! Confidence intervals are percentile bootstrap intervals (Efron 1979). The answers are resampled with replacement,
+//! [`RESAMPLES`] times with a fixed seed. The interval of each figure contains the middle 95 % of the resampled
+//! figures. The method makes no assumption about the distribution of the errors, which is far from normal: answers are
+//! limited to ±90°, and each truth has its own bias. The resampled units are those that vary at random:
 //!
-//! - for the observer, the seeds: each truth keeps its measured number of answers, so that the
-//!   interval covers the randomness of the waves, not the choice of truths ([`figures`]);
-//! - for test subjects, the persons, each with all of their answers, because the answers of one person are
-//!   not independent ([`figures_of_people`]). The choice of truths is not covered here either.
+//! - for the observer model, the seeds: each truth keeps its measured number of answers, so that the interval covers the
+//!   randomness of the waves, but not the choice of truths ([`figures`]);
+//! - for test subjects, the persons, each with all of their answers, because the answers of one person are not
+//!   independent ([`figures_of_people`]). The choice of truths is not covered here either.
 //!
-//! Resampling narrows a spread by √((*n* − 1)/*n*), so the resampled spread is widened by the
-//! inverse factor. With [`LEAST_DRAWN`] seeds the interval of a bias contains the true value in 92
-//! of 100 simulated cases and the interval of a spread in 83; with 2 seeds, in 75 and 70 (see the
-//! test below). So an interval from fewer than five seeds is marked as rough instead of being
-//! called a 95 % interval. With fewer than five persons no interval is reported.
+//! Resampling narrows a spread by √((*n* − 1)/*n*), so the resampled spread is multiplied by the inverse factor. With
+//! [`LEAST_DRAWN`] seeds, the interval of a bias contains the true value in 92 of 100 simulated cases, and the interval
+//! of a spread in 83. With 2 seeds, the numbers are 75 and 70. An interval from fewer than five seeds is therefore
+//! marked as rough, and is not called a 95 % interval. With fewer than five persons, no interval is reported.
 
 use crate::stats::{mean, median, quantiles};
 use echomarch::internals::sampling::Random;
@@ -35,8 +33,7 @@ pub const LEAST_DRAWN: usize = 5;
 pub struct Figure {
     /// The figure, in degrees.
     pub deg: f64,
-    /// The ends of the figure's interval, in degrees; none if there were too few answers to
-    /// resample.
+    /// The ends of the confidence interval, in degrees; `None` if there were too few answers to resample.
     pub interval_deg: Option<[f64; 2]>,
 }
 
@@ -49,13 +46,12 @@ pub struct ErrorFigures {
     pub median_abs: Figure,
     /// Mean error: positive for answers too far to the right.
     pub bias: Figure,
-    /// Mean error away from the middle, over truths to either side: negative for answers that are
-    /// pulled towards the middle. None if all truths are in the middle.
+    /// Mean error away from the middle, over truths on either side: negative for answers that are pulled towards the
+    /// middle. `None` if all truths are in the middle.
     pub outward_bias: Option<Figure>,
-    /// Standard deviation from the mean answer to the same truth. None if no truth has two answers.
+    /// Standard deviation from the mean answer to the same truth; `None` if no truth has two answers.
     pub spread: Option<Figure>,
-    /// Whether the intervals are computed from fewer than [`LEAST_DRAWN`] answers per truth and are
-    /// therefore too narrow.
+    /// Whether the intervals are computed from fewer than [`LEAST_DRAWN`] answers per truth. They are then too narrow.
     pub rough: bool,
 }
 
@@ -74,7 +70,7 @@ impl Pair {
     }
 }
 
-/// The figures without their intervals.
+/// The figures without their confidence intervals.
 #[derive(Clone, Copy)]
 struct Point {
     median_abs: f64,
@@ -83,7 +79,7 @@ struct Point {
     spread: Option<f64>,
 }
 
-/// The figures of an observer's answers, resampled separately for each truth; none without answers.
+/// The figures of the observer model's answers, resampled separately for each truth; `None` if there are no answers.
 pub fn figures(pairs: &[Pair]) -> Option<ErrorFigures> {
     let strata = by_truth(pairs);
     let fewest = strata.iter().map(Vec::len).min()?;
@@ -100,8 +96,8 @@ pub fn figures(pairs: &[Pair]) -> Option<ErrorFigures> {
     })
 }
 
-/// The figures of people's answers, resampled over persons; `people` has one entry per person. No
-/// intervals for fewer than [`LEAST_DRAWN`] persons; none without answers.
+/// The figures of people's answers, resampled over persons; `None` if there are no answers. `people` has one entry per
+/// person. There are no intervals for fewer than [`LEAST_DRAWN`] persons.
 pub fn figures_of_people(people: &[Vec<Pair>]) -> Option<ErrorFigures> {
     let all: Vec<Pair> = people.iter().flatten().copied().collect();
     if all.is_empty() {
@@ -118,7 +114,7 @@ pub fn figures_of_people(people: &[Vec<Pair>]) -> Option<ErrorFigures> {
     Some(together(all.len(), &point(&by_truth(&all)), &drawings))
 }
 
-/// Resamples the items with replacement, keeping their number.
+/// Resamples the items with replacement. The number of items stays the same.
 fn drawn<T: Clone>(items: &[T], random: &mut Random) -> Vec<T> {
     let one = |_| items[random.below(items.len())].clone();
     (0..items.len()).map(one).collect()
@@ -152,7 +148,7 @@ fn together(answers: usize, found: &Point, drawings: &[Point]) -> ErrorFigures {
     }
 }
 
-/// The middle 95 % of the values; none without values.
+/// The middle 95 % of the values; `None` if there are no values.
 fn interval(values: Vec<f64>) -> Option<[f64; 2]> {
     let tail = 0.5 * (1.0 - CONFIDENCE);
     (!values.is_empty()).then(|| quantiles(values, [tail, 1.0 - tail]))
@@ -185,7 +181,7 @@ fn point(strata: &[Vec<Pair>]) -> Point {
     }
 }
 
-/// Root of the mean variance of the answers to one truth, over truths with at least two answers.
+/// Root of the mean variance of the answers to one truth, over the truths with at least two answers.
 fn spread(strata: &[Vec<Pair>]) -> Option<f64> {
     let variances = strata.iter().filter(|of| of.len() > 1).map(|of| {
         let middle = mean(of.iter().map(|pair| pair.answer_deg)).unwrap_or(0.0);
@@ -195,8 +191,8 @@ fn spread(strata: &[Vec<Pair>]) -> Option<f64> {
     mean(variances).map(f64::sqrt)
 }
 
-/// A share of trials, with its interval (Wilson 1927, 95 %), which is also valid for few trials and
-/// for shares of 0 and 1. The interval assumes independent trials.
+/// A share of trials with its confidence interval (Wilson 1927, 95 %). The interval is also valid for few trials and
+/// for shares of 0 and 1. It assumes independent trials.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Share {
     /// The share, 0 … 1.
@@ -206,9 +202,9 @@ pub struct Share {
 }
 
 impl Share {
-    /// The share of `count` in `all`; none if `all` is 0.
+    /// The share of `count` in `all`; `None` if `all` is 0.
     pub fn of(count: u32, all: u32) -> Option<Share> {
-        // A normal distribution has 95 % of its values within this number of standard deviations.
+        // 95 % of the values of a normal distribution are within this number of standard deviations.
         const DEVIATIONS: f64 = 1.959_964;
         let (n, z2) = (f64::from(all), DEVIATIONS * DEVIATIONS);
         let share = f64::from(count) / n;
@@ -253,7 +249,7 @@ mod tests {
         assert_eq!(figures(&[]), None);
     }
 
-    /// Protects a reader from a meaningless interval: a single answer to a truth cannot be
+    /// Protects the reader from a meaningless interval: if a truth has only one answer, its answers cannot be
     /// resampled.
     #[test]
     fn one_answer_a_truth_has_no_interval() {
@@ -264,8 +260,7 @@ mod tests {
         assert_eq!(figures(&[pair(0.0, 3.0)]).unwrap().outward_bias, None);
     }
 
-    /// Protects the interval: it is the middle of many answers, wide for few answers, and
-    /// reproducible.
+    /// Protects the interval: it is narrow for many answers, wide for few answers, and reproducible.
     #[test]
     fn intervals_narrow_with_more_values() {
         let ramp = |count: u32| -> Vec<Pair> {
@@ -280,7 +275,7 @@ mod tests {
             high - low
         };
         assert!(width(11) > 2.0 * width(1001));
-        // Truths with different biases and no random error, so the interval has zero width.
+        // These truths have different biases and no random error, so the interval has zero width.
         let sure = [vec![pair(10.0, 11.0); 5], vec![pair(20.0, 29.0); 5]].concat();
         let sure = figures(&sure).unwrap();
         assert_eq!(sure.median_abs.interval_deg, Some([5.0, 5.0]));

@@ -1,4 +1,4 @@
-//! Encodes data for a page (16-bit WAV, base64, data URLs), and computes a form's fingerprint.
+//! Encodes the data of a page (16-bit WAV, base64, data URLs), and computes the fingerprint of a form.
 
 use super::Trial;
 use base64::prelude::{BASE64_STANDARD, Engine};
@@ -7,10 +7,10 @@ use echomarch::internals::sampling::fnv_of_bytes;
 use hound::{SampleFormat, WavSpec, WavWriter};
 use std::io::{self, Cursor};
 
-/// Encodes interleaved samples as a 16-bit stereo WAV; samples beyond full scale are clipped.
+/// Encodes interleaved samples as a 16-bit stereo WAV file. Samples beyond full scale are clipped.
 ///
 /// # Errors
-/// A left sample without a right sample.
+/// An error occurs if a left sample has no right sample.
 pub fn wav_16(interleaved: &[f32]) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     write_wav_16(&mut bytes, interleaved).map_err(wav_to_io)?;
@@ -37,10 +37,10 @@ pub fn data_url(kind: &str, bytes: &[u8]) -> String {
     format!("data:{kind};base64,{}", BASE64_STANDARD.encode(bytes))
 }
 
-/// A fingerprint of 16 hexadecimal digits, which differs between forms with different trials or a
-/// different order of trials (FNV-1a over the trials as JSON).
+/// A fingerprint of 16 hexadecimal digits (FNV-1a over the trials as JSON). It differs between forms with different
+/// trials or a different order of trials.
 pub fn fingerprint(trials: &[Trial]) -> String {
-    // Trials are plain data, so writing them as JSON cannot fail.
+    // The trials are plain data, so their conversion to JSON cannot fail.
     let text = serde_json::to_vec(trials).unwrap_or_default();
     format!("{:016x}", fnv_of_bytes(&text))
 }
@@ -49,7 +49,7 @@ pub fn fingerprint(trials: &[Trial]) -> String {
 mod tests {
     use super::*;
 
-    /// Protects every picture and sound of the page; the examples are from the standard.
+    /// Protects every picture and sound of the page. The examples are from RFC 4648.
     #[test]
     fn base64_is_that_of_the_standard() {
         let examples = [
@@ -71,7 +71,7 @@ mod tests {
         assert_eq!(samples.unwrap(), [16_384, -16_384, 32_767, -32_767]);
     }
 
-    /// Protects forms that were handed out: the same sounds give the same bytes.
+    /// Protects forms that were distributed: the same sounds give the same bytes.
     #[test]
     fn a_wav_has_the_shortest_header() {
         let mut expected = b"RIFF\x2c\0\0\0WAVEfmt \x10\0\0\0\x01\0\x02\0".to_vec();

@@ -1,5 +1,5 @@
-// The form shows one session at a time. Input for a trial is stored immediately, under the
-// session's key; a locked answer is never replaced.
+// The form shows one session at a time. Input for a trial is stored at once, under the key of the session. A locked
+// answer is never replaced.
 (() => {
   const { data, trials, newDraft, azimuth, isBeside, isObject, isAnswer, isSession, orderOf } = form;
   const prefix = `echomarch-localise:${data.experiment}:`;
@@ -22,7 +22,7 @@
     byId("warning").hidden = text === "";
   };
 
-  // Sessions from before order seeds were saved got their order from the session's name.
+  // Sessions from before order seeds were stored have an order that was computed from the session's name.
   const seedOf = ({ order_seed: seed }) => (seed === undefined ? null : seed);
 
   const read = (key) => {
@@ -39,7 +39,7 @@
     warn("This browser cannot store answers: save a file before you close the page.");
   };
 
-  // Stored answers take precedence: an answer given in any tab is locked.
+  // Stored answers take precedence, because an answer given in any tab is locked.
   const store = () => {
     const stored = read(session.session);
     if (isSession(stored)) {
@@ -153,7 +153,7 @@
   const seconds = () =>
     draft.seconds + (since === null ? 0 : (performance.now() - since) / 1000);
 
-  // Stores the input for the shown trial unless that is locked; also called before leaving it.
+  // Stores the input for the shown trial unless the trial is locked. Also called before leaving the trial.
   const keep = () => {
     if (session && draft && !answerOf(place)) {
       session.drafts[session.order[place]] = { ...draft, seconds: seconds() };
@@ -199,7 +199,7 @@
     return made;
   };
 
-  // Metres: x to the listener's right, y down the plan (against the gaze).
+  // Coordinates in metres: x to the listener's right, y down the plan, which is against the gaze.
   const drawPlan = (plan) => {
     const svg = byId("plan");
     const [x, y] = [plan.min[0], -plan.max[1]];
@@ -254,7 +254,7 @@
   const pressOnPlan = (event) => {
     const steps = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
     const step = steps[event.key];
-    // With a modifier key these keys belong to the browser (previous page, next word).
+    // With a modifier key, these keys belong to the browser (previous page, next word).
     if (!step || event.altKey || event.ctrlKey || event.metaKey) {
       return;
     }
@@ -320,7 +320,7 @@
     return `The mark is ${Math.abs(azimuth(spot)).toFixed(0)}° to the ${side} of your gaze.`;
   };
 
-  // Updates only changed text, since screen readers read updates aloud.
+  // Updates a text only if it has changed, because screen readers read every update aloud.
   const say = (id, text) => {
     if (byId(id).textContent !== text) {
       byId(id).textContent = text;
@@ -361,7 +361,8 @@
     goOn();
   };
 
-  // Asks before answers are lost that exist only in this page, or form a complete set not handed in.
+  // Asks for confirmation if closing the page would lose answers that exist only in this page, or a complete set of
+  // answers that has not been saved.
   const warnOfLoss = (event) => {
     if (session && answered(session) > session.saved && (!isKept || isComplete())) {
       event.preventDefault();
@@ -399,7 +400,7 @@
     byId("saved").textContent = `Saved as ${link.download} among your downloads.`;
   };
 
-  // Returns the session of a file if its trials and answers have the format of saved files.
+  // Returns the session in a file, if its trials and answers have the format of saved files.
   const sessionOf = (file) => {
     const { session: name, participant, started, order } = file;
     const answers = {};
@@ -431,14 +432,14 @@
     try {
       const file = JSON.parse(await chosenFile.text());
       if (!isObject(file) || file.format !== data.format || file.version !== data.version) {
-        throw new Error("it holds no answers of this kind of form");
+        throw new Error("it contains no answers of this kind of form");
       }
       if (file.experiment !== data.experiment) {
         throw new Error("it belongs to another form");
       }
       enter(sessionOf(file));
     } catch (error) {
-      warn(`${chosenFile.name} cannot be taken up: ${error.message}`);
+      warn(`${chosenFile.name} cannot be loaded: ${error.message}`);
     }
     byId("load").value = "";
   };

@@ -1,11 +1,10 @@
 "use strict";
-// The data of a form, and the checks of answers, drafts and sessions. The program that reads the
-// answers makes the same checks.
+// The data of a form, and the validity checks of answers, drafts and sessions. The program that reads the answers makes
+// the same checks.
 const form = (() => {
   const data = JSON.parse(document.getElementById("data").textContent);
   const trials = new Map(data.trials.map((trial) => [trial.number, trial]));
-  // Input for a trial that is not locked. Seconds count from the first playback, while the trial
-  // is shown.
+  // Input for a trial that is not locked. `seconds` counts from the first playback, only while the trial is shown.
   const newDraft = () => ({ spot: null, side: null, confidence: null, plays: 0, seconds: 0 });
 
   const isText = (value) => typeof value === "string";
@@ -49,8 +48,8 @@ const form = (() => {
     && areOf(value.answers, isAnswer) && areOf(value.drafts, isDraft)
     && Number.isInteger(value.saved);
 
-  // A session's order: the trials sorted by a hash of trial, form and order seed (FNV-1a with the
-  // final mixing step of MurmurHash3).
+  // The order of a session: the trials sorted by a hash of trial, form and order seed (FNV-1a with the final mixing
+  // step of MurmurHash3).
   const rank = (text) => {
     let hash = 0x811c9dc5;
     for (const letter of text) {

@@ -1,17 +1,17 @@
 //! The experiment with test subjects: a page that plays the sounds and records the answers.
 //!
-//! One HTML file contains everything: the sounds (16 bits), a plan and a view for each facing, and
-//! the data to be saved with every answer. The page works without a network. The plan has the gaze
-//! upwards, as the listener faces the screen, and does not show the source. The view is lit from
-//! behind the listener, so that the light does not reveal the source.
+//! One HTML file contains everything: the sounds (16 bits), a plan and a view for each facing of the listener, and the
+//! data to be saved with every answer. The page works without a network. The gaze points upwards on the plan, as the
+//! listener faces the screen, and the plan does not show the source. The view is lit from behind the listener, so that
+//! the light does not reveal the source.
 //!
-//! Trials are numbered in an order that depends only on the form's seed and the number of trials,
-//! so that a number reveals nothing about its trial. The page computes a session's order from the
-//! form's seed and an order seed: the order seed is the form's ([`FormOptions::order_seed`]) or
-//! else drawn for each session. Both the order and the order seed are saved with the answers.
-//! Answers are locked once given. The folder of the page also contains the same sounds as WAV files
-//! (16 bits, which every browser plays), named by the trials' numbers, and `experiment.json`, which
-//! describes all trials.
+//! The numbers of the trials depend only on the form's seed and the number of trials, so that a number reveals nothing
+//! about its trial. The page computes the order of a session from the form's seed and an order seed. The order seed is
+//! either the form's ([`FormOptions::order_seed`]) or random for each session. Both the order and the order seed are
+//! saved with the answers. Answers are locked once given.
+//!
+//! The folder of the page also contains the same sounds as WAV files (16 bits, which every browser can play), named by
+//! the numbers of the trials, and `experiment.json`, which describes all trials.
 
 mod encode;
 mod page;
@@ -32,11 +32,11 @@ use serde::Serialize;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Maximum size of the sounds embedded in the page, in bytes of 16-bit WAV; larger sets stay in
-/// separate files.
+/// Maximum size of the sounds embedded in the page, in bytes of 16-bit WAV. Larger sets of sounds stay in separate
+/// files.
 const MOST_EMBEDDED: usize = 48 << 20;
 
-/// The contents of the form: every combination of the values below, with each facing of each scene.
+/// The contents of the form: every combination of the following values, with each facing of each scene.
 #[derive(Clone, Debug)]
 pub struct FormOptions {
     /// The rooms.
@@ -49,14 +49,13 @@ pub struct FormOptions {
     pub waves: Vec<u32>,
     /// Numbers of iterations.
     pub iterations: Vec<u32>,
-    /// Seed of the trials' numbers, the sessions' orders, and the waves' start directions.
+    /// Seed of the trial numbers, of the session orders, and of the waves' start directions.
     pub seed: u32,
-    /// Seed of the order of the trials, the same for every session; if none, each session draws its
-    /// own.
+    /// Seed of the order of the trials, used in every session; `None` for a random order in each session.
     pub order_seed: Option<u32>,
     /// Length of each sound in seconds.
     pub seconds: f64,
-    /// The panning law, from panning values to levels.
+    /// The panning law.
     pub law: PanningLaw,
 }
 
@@ -72,7 +71,7 @@ impl FormOptions {
 /// One trial.
 #[derive(Clone, Debug, Serialize)]
 pub struct Trial {
-    /// The trial's number, from 1, independent of its position in a session's order.
+    /// The trial's number, from 1. It is independent of the trial's position in the order of a session.
     pub number: usize,
     /// The sound and its setting.
     pub stimulus: StimulusInfo,
@@ -87,10 +86,9 @@ pub struct Trial {
 pub struct Form {
     /// The form's identifier, which differs between forms with different trials.
     pub experiment: String,
-    /// Seed of the trials' numbers, the sessions' orders, and the waves' start directions.
+    /// Seed of the trial numbers, of the session orders, and of the waves' start directions.
     pub seed: u32,
-    /// Seed of the order of the trials, the same for every session; if none, each session draws its
-    /// own.
+    /// Seed of the order of the trials, used in every session; `None` for a random order in each session.
     pub order_seed: Option<u32>,
     /// The trials, ordered by number.
     pub trials: Vec<Trial>,
@@ -116,8 +114,7 @@ struct Key<'a> {
 /// the total.
 ///
 /// # Errors
-/// [`Error::Audio`] for a sound that cannot be loaded, [`Error::Picture`] and errors of
-/// [`Tracer::frame`].
+/// [`Error::Audio`] for a sound that cannot be loaded, [`Error::Picture`], and errors of [`Tracer::frame`].
 pub fn build(
     tracer: &mut Tracer,
     options: &FormOptions,
@@ -171,7 +168,7 @@ pub fn build(
     })
 }
 
-/// The stimuli of one frame with every sound.
+/// The stimuli of one frame, with every sound.
 fn stimuli_of(
     tracer: &mut Tracer,
     room: &Scene,
@@ -199,7 +196,7 @@ fn stimuli_of(
     Ok(sounds.iter().map(stimulus).collect())
 }
 
-/// Error when a form cannot be written.
+/// The reason why a form cannot be written.
 #[derive(Debug, thiserror::Error)]
 pub enum WriteError {
     /// The folder already contains files, which are not overwritten.
@@ -216,11 +213,10 @@ pub enum WriteError {
     Output(#[from] OutputError),
 }
 
-/// Creates the folder, and checks that it is empty and writable. To be called before the form is
-/// built.
+/// Creates the folder, and checks that it is empty and writable. Call it before the form is built.
 ///
 /// # Errors
-/// [`WriteError`] with the folder.
+/// [`WriteError`], which contains the folder.
 pub fn prepare(folder: &Path) -> Result<(), WriteError> {
     echomarch::internals::file_output::prepare_folder(folder)?;
     let cannot_list = |source: io::Error| OutputError::new(folder, source);
@@ -237,7 +233,7 @@ impl Form {
     /// The page as HTML.
     ///
     /// # Errors
-    /// A sound that is not a WAV.
+    /// An error occurs if a sound cannot be encoded as WAV.
     pub fn html(&self) -> io::Result<String> {
         page::html(self)
     }
@@ -245,7 +241,7 @@ impl Form {
     /// Writes the page, the sounds and `experiment.json` into an empty folder.
     ///
     /// # Errors
-    /// Returns [`WriteError`], before anything is written if the folder is not empty.
+    /// [`WriteError`]. If the folder is not empty, nothing is written.
     pub fn write(&self, folder: &Path) -> Result<(), WriteError> {
         prepare(folder)?;
         let sounds = folder.join("sounds");
@@ -265,7 +261,7 @@ impl Form {
         write_inside(&folder.join("experiment.json"), |out| {
             Ok(serde_json::to_writer_pretty(out, &key)?)
         })?;
-        // The page is written last, so that it exists only when all files that it needs exist.
+        // The page is written last, so that it exists only if all the files that it needs exist.
         write_inside(&folder.join("form.html"), |out| {
             out.write_all(self.html()?.as_bytes())
         })?;

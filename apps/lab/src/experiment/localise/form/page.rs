@@ -1,4 +1,4 @@
-//! Assembles the page from its text, style and script, with the form's data inserted.
+//! Assembles the page from its HTML, style and script, and inserts the data of the form.
 
 use super::Form;
 use super::encode::{data_url, wav_16};

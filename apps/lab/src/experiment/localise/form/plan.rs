@@ -1,5 +1,5 @@
-//! The pictures beside a person's answer: the room from above with the gaze upwards, and the view
-//! along the gaze. Neither picture shows the source.
+//! The two pictures for a person's answer: the room from above with the gaze upwards, and the view along the gaze.
+//! Neither picture shows the source.
 
 use super::super::observer::horizontal_axes;
 use echomarch::Error;
@@ -13,17 +13,17 @@ use image::{ExtendedColorType, ImageEncoder, Rgba};
 /// Width of a plan in pixels.
 const WIDTH: u32 = 560;
 
-/// Colour of solids; the lines around them and the white air follow.
+/// Colours of solids, of their outlines, and of the air.
 const SOLID: [f64; 3] = [205.0, 211.0, 219.0];
 const LINE: [f64; 3] = [70.0, 78.0, 88.0];
 const AIR: [f64; 3] = [255.0, 255.0, 255.0];
 /// Colour of the area outside the drawn part of the world.
 const OUTSIDE: [f64; 3] = [232.0, 234.0, 237.0];
 
-/// Half of the outline's width, in pixels.
+/// Half of the width of an outline, in pixels.
 const HALF_LINE: f64 = 1.3;
 
-/// The pictures of one facing. Lengths are in metres from the listener, with x to the right and y
+/// The pictures for one facing of the listener. Lengths are in metres from the listener, with x to the right and y
 /// ahead.
 #[derive(Debug)]
 pub struct Plan {
@@ -40,14 +40,14 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Draws the plan at the height of the ears, and the view.
+    /// Draws the plan at the height of the ears, and draws the view.
     ///
     /// # Errors
     /// [`Error::Picture`], [`Error::Gpu`] and [`Error::Scene`].
     pub fn new(context: &Context, scene: &Scene) -> Result<Plan, Error> {
         let listener = &scene.listeners[0];
         let mut seen = unlit(scene);
-        // The bounds would reveal the source if they depended on it.
+        // The bounds must not depend on the source, because they would reveal its position.
         let lamp = std::mem::replace(&mut seen.sources[0], Source::at(listener.position));
         let bounds = Bounds::of(&seen, listener.position.y);
         seen.sources[0] = lamp;
@@ -69,8 +69,8 @@ impl Plan {
     }
 }
 
-/// Returns the scene with its source replaced by a lamp over the listener's shoulder, so that the
-/// light does not reveal the source.
+/// Returns the scene with its source replaced by a lamp behind and above the listener, so that the light does not
+/// reveal the source.
 fn unlit(scene: &Scene) -> Scene {
     let listener = &scene.listeners[0];
     let behind = listener.up() - listener.forward();
@@ -79,7 +79,7 @@ fn unlit(scene: &Scene) -> Scene {
     unlit
 }
 
-/// The rectangle of the listener's horizontal plane that contains these bounds of the world.
+/// The smallest rectangle in the listener's horizontal plane that contains these bounds of the world.
 fn seen_by(scene: &Scene, bounds: Bounds) -> (DVec2, DVec2) {
     let (right, ahead) = horizontal_axes(scene);
     let listener = scene.listeners[0].position.as_dvec3();
@@ -99,7 +99,7 @@ fn seen_by(scene: &Scene, bounds: Bounds) -> (DVec2, DVec2) {
     })
 }
 
-/// Draws the cut through the scene; the area outside the world's `bounds` is grey.
+/// Draws the cut through the scene. The area outside `bounds` is grey.
 fn draw(scene: &Scene, bounds: Bounds, min: DVec2, max: DVec2) -> RgbaImage {
     let (right, ahead) = horizontal_axes(scene);
     let listener = scene.listeners[0].position.as_dvec3();
