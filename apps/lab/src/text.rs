@@ -5,10 +5,10 @@ pub use echomarch::internals::text::{check_name, in_a_line};
 use echomarch::internals::text::{is_hidden, spelled_out};
 use std::borrow::Cow;
 
-/// Maximum lines of a message.
+/// Maximum number of lines in a message.
 const MOST_LINES: usize = 10;
 
-/// Maximum characters of a message.
+/// Maximum number of characters in a message.
 const MOST_CHARACTERS: usize = 1000;
 
 /// Like [`in_a_line`], but keeps line ends and tabs.
@@ -16,8 +16,8 @@ pub fn in_lines(text: &str) -> Cow<'_, str> {
     spelled_out(text, |c| c == '\n' || c == '\t')
 }
 
-/// Like [`in_lines`], but cut to 10 lines and 1,000 characters. Lines after the first are indented,
-/// so that each looks like a part of the message.
+/// Like [`in_lines`], but shortened to 10 lines and 1,000 characters. Lines after the first are indented, so that they
+/// are recognisable as parts of the message.
 pub fn message(text: &str) -> String {
     let text = in_lines(text.trim_end());
     let lines: Vec<&str> = text.lines().collect();
@@ -29,7 +29,7 @@ pub fn is_showable(text: &str) -> bool {
     text.len() <= MOST_CHARACTERS && matches!(in_lines(text), Cow::Borrowed(_))
 }
 
-/// Keeps the first and the last lines, because the error is at the start or at the end.
+/// Keeps the first and the last lines, because the cause is usually at the start or at the end.
 fn cut_lines(lines: &[&str]) -> Vec<String> {
     const LAST: usize = 2;
     let whole = |lines: &[&str]| -> Vec<String> { lines.iter().map(|&l| l.to_owned()).collect() };
@@ -47,7 +47,7 @@ fn cut_lines(lines: &[&str]) -> Vec<String> {
 /// Keeps the first and the last characters.
 fn cut_characters(text: &str) -> String {
     const LAST: usize = 300;
-    /// Characters reserved for the note that replaces the cut part.
+    /// Number of characters reserved for the note in place of the removed part.
     const BETWEEN: usize = 50;
     let count = text.chars().count();
     if count <= MOST_CHARACTERS {
@@ -60,7 +60,7 @@ fn cut_characters(text: &str) -> String {
     format!("{begin} … ({left_out} characters left out) … {end}")
 }
 
-/// JSON for a terminal, with invisible characters as JSON escapes (`\u…`).
+/// JSON for a terminal. Invisible characters are written as JSON escapes (`\u…`).
 pub fn json(text: &str) -> Cow<'_, str> {
     if !text.chars().any(|c| c != '\n' && is_hidden(c)) {
         return Cow::Borrowed(text);
@@ -76,8 +76,8 @@ pub fn json(text: &str) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// A JSON record in one line, for a program that reads standard error. It is escaped like [`json`]
-/// and at most as long as a message; a longer record is replaced by its length.
+/// A JSON record in one line, for a program that reads standard error. It is escaped like [`json`] and at most as long
+/// as a message. A longer record is replaced by its length.
 pub fn json_record(text: &str) -> Cow<'_, str> {
     let shown = json(text);
     match shown.chars().count() {
@@ -88,8 +88,8 @@ pub fn json_record(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// JSON for a `script` element, without characters that have a meaning in HTML. A JSON reader gets
-/// the same value.
+/// JSON for a `script` element, in which characters with a meaning in HTML are escaped. A JSON reader gets the same
+/// value.
 pub fn json_in_html(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
     for c in text.chars() {
@@ -110,8 +110,7 @@ fn push_json(json: &mut String, c: char) {
     }
 }
 
-/// Text for a CSV cell: one line, with an apostrophe before text that a spreadsheet would read as a
-/// formula.
+/// Text for a CSV cell, in one line. An apostrophe precedes text that a spreadsheet would interpret as a formula.
 pub fn csv_cell(text: &str) -> String {
     let text = in_a_line(text);
     match text.trim_start().chars().next() {
@@ -120,7 +119,7 @@ pub fn csv_cell(text: &str) -> String {
     }
 }
 
-/// Text for Markdown, including a table's cell: it cannot create a tag, a link or a column.
+/// Text for Markdown, also in a table cell. It cannot create a tag, a link or a column.
 pub fn markdown(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
     for c in in_a_line(text).chars() {
@@ -138,7 +137,7 @@ pub fn markdown(text: &str) -> String {
 mod tests {
     use super::*;
 
-    /// Protects terminals: only line ends and tabs remain of the characters that move the cursor.
+    /// Protects terminals: of the characters that move the cursor, only line ends and tabs remain.
     #[test]
     fn lines_stay() {
         assert_eq!(in_lines("a\n\tb\u{1b}"), "a\n\tb\\u{1b}");
@@ -157,8 +156,8 @@ mod tests {
         assert_eq!(message("one\ntwo"), "one\n  two");
     }
 
-    /// Protects pages: a text cannot end the script element or begin another one, and a JSON reader
-    /// gets the text back unchanged.
+    /// Protects pages: a text cannot end the script element or begin another one, and a JSON reader restores the same
+    /// text.
     #[test]
     fn json_within_a_page_is_the_same_json() {
         let text = "<!--<script>\u{2028}&\u{202e}𝄞 é";
@@ -171,8 +170,8 @@ mod tests {
         assert_eq!(serde_json::from_str::<String>(&shown).unwrap(), text);
     }
 
-    /// Protects readers of a window's records: each record is JSON in one line, does not move the
-    /// cursor, and is at most as long as a message.
+    /// Protects programs that read the window's records: each record is JSON in one line, does not move the cursor, and
+    /// is at most as long as a message.
     #[test]
     fn records_are_short_json() {
         let record = |name: &str| serde_json::json!({ "scene": name }).to_string();
@@ -188,7 +187,7 @@ mod tests {
         }
     }
 
-    /// Protects spreadsheets from running a scene's name as a formula.
+    /// Protects spreadsheets from interpreting a scene's name as a formula.
     #[test]
     fn cells_are_no_formulas() {
         for formula in ["=1+1", "+1", "-1", "@x", " =1", "\u{3000}=x", "＝1"] {

@@ -192,7 +192,7 @@ fn damaged_and_strange_shards_are_refused() {
     refuse(&join, "00002-of-00002.shard: it is cut off");
     refuse(
         &["study", &file, "-o", &to, "-q"],
-        "remove it to compute it anew",
+        "remove it to compute it again",
     );
     let mut changed = bytes.clone();
     changed[bytes.len() / 2] ^= 1;
@@ -494,7 +494,7 @@ fn what_cannot_be_is_refused() {
     refuse(&with(&["--jobs", "0"]), "--jobs must be 1 to 1024");
     refuse(
         &with(&["-q", "--shard", "1/2", "--require-renderer", "Voodoo"]),
-        "\"Voodoo\" is demanded",
+        "\"Voodoo\" is required",
     );
     let output = command().args(with(&["--shard", "3/2"])).output().unwrap();
     assert_eq!(output.status.code(), Some(2));

@@ -1,8 +1,8 @@
 //! The thesis' experiments, repeated and compared with the thesis' own figures.
 //!
-//! An experiment takes a [`Tracer`](crate::Tracer), runs its cases in an order that is fair to all
-//! of them, and returns plain data. The other files of an experiment convert this data to a
-//! [`Report`](crate::report::Report) and SVG.
+//! An experiment uses a [`Tracer`](crate::Tracer), runs its cases in an order that gives them equal conditions, and
+//! returns plain data. The other files of an experiment convert this data to a [`Report`](crate::report::Report) and to
+//! SVG.
 
 pub mod accuracy;
 pub mod cost;

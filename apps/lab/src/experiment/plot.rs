@@ -1,6 +1,6 @@
-//! Common parts of the experiments' plots: a sheet of rows, the profiles' colours, charts with two
-//! logarithmic axes (whole decades, one number notation, a line for zero), lines that stay
-//! distinguishable where they overlap, and a legend.
+//! Common parts of the plots: a sheet of rows, the colours of the profiles, a legend, charts with two logarithmic axes
+//! (whole decades, a single number notation, a line for zero), and line styles that stay distinguishable where lines
+//! overlap.
 
 use crate::report::PlotError;
 use plotters::coord::Shift;
@@ -11,12 +11,12 @@ pub(super) type Panel<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 pub(super) type Chart<'a, 'b> =
     ChartContext<'a, SVGBackend<'b>, Cartesian2d<LogCoord<f64>, LogCoord<f64>>>;
 
-/// The profiles' colours, distinguishable also for colour-blind readers (Okabe and Ito).
+/// The colours of the profiles. Colour-blind readers can also distinguish them (Okabe and Ito).
 pub(super) const THESIS: RGBColor = RGBColor(213, 94, 0);
 pub(super) const MARCH: RGBColor = RGBColor(0, 114, 178);
 pub(super) const HYBRID: RGBColor = RGBColor(0, 200, 140);
 
-/// Size of a plot with a title and equal rows below the title, in pixels.
+/// Size of a plot in pixels. It has a title above rows of equal height.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sheet {
     pub width: u32,
@@ -25,10 +25,10 @@ pub(super) struct Sheet {
 }
 
 impl Sheet {
-    /// The plot as SVG; `draw` fills the rows.
+    /// Returns the plot as SVG. `draw` fills the rows.
     ///
     /// # Errors
-    /// When the drawing fails; the text contains the reason.
+    /// If drawing fails. The error contains the reason.
     pub fn svg(
         self,
         title: &str,
@@ -54,8 +54,8 @@ impl Sheet {
 /// A point of a chart: a number of waves or a time, and a value.
 pub(super) type Point = (f64, f64);
 
-/// A logarithmic axis from one power of ten to another. Zero has no logarithm, so it gets a
-/// separate line one decade below the smallest value.
+/// A logarithmic axis between two powers of ten. Zero has no logarithm, so it has a separate position one decade below
+/// the smallest power.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LogAxis {
     low: f64,
@@ -64,7 +64,7 @@ pub(super) struct LogAxis {
 }
 
 impl LogAxis {
-    /// An axis of the decades that contain these values, at least one decade.
+    /// An axis over the decades that contain these values. It has at least one decade.
     pub fn around(values: impl Iterator<Item = f64> + Clone) -> LogAxis {
         let positive = values.clone().filter(|value| *value > 0.0);
         let least = positive.clone().fold(f64::INFINITY, f64::min);
@@ -83,7 +83,7 @@ impl LogAxis {
         }
     }
 
-    /// The axis position of zero, whether or not zero occurs.
+    /// The axis position of zero, whether or not zero occurs in the data.
     fn zero(self) -> f64 {
         self.low / 10.0
     }
@@ -92,8 +92,7 @@ impl LogAxis {
         if self.has_zero { self.zero() } else { self.low }
     }
 
-    /// The axis range, extended slightly at both ends because rounding would drop the outermost
-    /// labels.
+    /// The axis range. It is extended slightly at both ends, because rounding would remove the outermost labels.
     fn range(self) -> std::ops::Range<f64> {
         const HAIR: f64 = 1.001;
         self.start() / HAIR..self.high * HAIR
@@ -109,7 +108,7 @@ impl LogAxis {
         if value > 0.0 { value } else { self.zero() }
     }
 
-    /// The label of an axis position: a power of ten or 0; empty at other positions.
+    /// The label of an axis position: a power of ten or 0. Other positions have an empty label.
     fn tick(self, value: f64) -> String {
         if self.has_zero && value < 0.5 * self.low {
             return "0".to_owned();
@@ -144,7 +143,7 @@ pub(super) struct Stroke {
     pub colour: RGBColor,
     /// Line width in pixels; 0 for a dot without a line.
     pub width: u32,
-    /// Length of a dash and of the gap after it in pixels; none for a solid line.
+    /// Lengths of a dash and of the following gap, in pixels; `None` for a solid line.
     pub dash: Option<(i32, i32)>,
 }
 
@@ -163,7 +162,7 @@ impl Stroke {
     }
 }
 
-/// A chart builder with margins, a caption and room for labels.
+/// A chart builder with margins, a caption and space for labels.
 pub(super) fn builder<'a, 'b>(
     panel: &'a Panel<'b>,
     caption: &str,
@@ -178,7 +177,7 @@ pub(super) fn builder<'a, 'b>(
     builder
 }
 
-/// An empty chart with its axes; if zero occurs, a grey band separates it from the rest.
+/// An empty chart with its axes. If zero occurs, a grey band separates its position from the others.
 pub(super) fn chart<'a, 'b>(
     panel: &'a Panel<'b>,
     caption: &str,
@@ -251,7 +250,7 @@ pub(super) fn draw_legend(panel: &Panel, entries: &[(String, Stroke)]) -> Result
 mod tests {
     use super::*;
 
-    /// Protects axes: whole decades, zero a decade below, one notation of numbers.
+    /// Protects axes: they have whole decades, zero one decade below, and a single number notation.
     #[test]
     fn an_axis_ends_at_powers_of_ten_and_has_room_for_zero() {
         let of = |values: &[f64]| LogAxis::around(values.iter().copied());

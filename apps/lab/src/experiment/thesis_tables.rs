@@ -1,6 +1,6 @@
 //! The tables of the thesis, figures 11.1 to 11.4, as printed there.
 
-/// Numbers of waves of the rows in every table.
+/// The numbers of waves in the rows of every table.
 pub const WAVE_COUNTS: [u32; 8] = [64, 256, 1024, 4096, 16_384, 65_536, 262_144, 1_048_576];
 
 /// One of the four tables.
@@ -10,7 +10,7 @@ pub struct ThesisTable {
     pub figure: &'static str,
     /// Name of the built-in scene.
     pub scene: &'static str,
-    /// Iterations of every wave.
+    /// Number of iterations of every wave.
     pub iterations: u32,
     /// The rows, one for each of [`WAVE_COUNTS`].
     pub rows: [ThesisRow; 8],
@@ -35,8 +35,8 @@ const fn row(mobile_ms: f64, desktop_ms: f64, listener_hits: u64) -> ThesisRow {
     }
 }
 
-/// The four tables, in the order of the thesis. The thesis says to ignore the mobile times at
-/// 1,048,576 waves, as a fault of that machine.
+/// The four tables, in the order of the thesis. The thesis attributes the mobile times at 1,048,576 waves to a fault of
+/// that machine, and says that they should be ignored.
 pub const THESIS_TABLES: [ThesisTable; 4] = [
     ThesisTable {
         figure: "11.1",

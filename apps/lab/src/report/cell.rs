@@ -1,4 +1,4 @@
-//! A table cell, formatted for people and for programs.
+//! A cell of a table, formatted for people or as data (CSV, JSON).
 
 use crate::text::csv_cell;
 use serde::{Serialize, Serializer};
@@ -16,7 +16,7 @@ pub enum Cell {
     Flag(bool),
     /// Text.
     Text(String),
-    /// A number with its interval. `rough` marks an interval computed from too few values.
+    /// A number with its confidence interval. `rough` marks an interval that was computed from too few values.
     Interval {
         value: f64,
         ends: Option<[f64; 2]>,
@@ -24,10 +24,10 @@ pub enum Cell {
     },
 }
 
-/// How a column's numbers are written for people. Programs always get every digit.
+/// The notation of a column's numbers in tables for people. CSV and JSON always contain every digit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Notation {
-    /// The shortest digits that read back as the same number.
+    /// The shortest digits that restore the same number.
     Plain,
     /// A fixed number of decimals.
     Fixed(usize),
@@ -52,8 +52,8 @@ impl Notation {
     }
 }
 
-/// Formats a number with the given number of significant digits: as a plain decimal from 0.01 to
-/// 1000, otherwise with a power of ten.
+/// Formats a number with the given number of significant digits: as a decimal number from 0.01 to 1000, otherwise with
+/// a power of ten.
 pub fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 {
         return "0".to_owned();
@@ -67,7 +67,7 @@ pub fn significant(value: f64, digits: usize) -> String {
     format!("{value:.decimals$}")
 }
 
-/// The text for a missing value.
+/// The text of a missing value.
 const NOTHING: &str = "—";
 
 impl Cell {
@@ -76,8 +76,8 @@ impl Cell {
         Cell::Text(text.into())
     }
 
-    /// The cell as text for people, without the characters that [`crate::text::in_a_line`] hides.
-    /// It is not yet escaped for any format.
+    /// The cell as text for people. Characters that [`crate::text::in_a_line`] escapes are escaped, but the text is not
+    /// yet escaped for a format such as Markdown.
     pub fn for_people(&self, notation: Notation) -> String {
         match self {
             Cell::None => NOTHING.to_owned(),
@@ -101,7 +101,7 @@ impl Cell {
         }
     }
 
-    /// The cell as text for a CSV file: empty without a value, with numbers as in JSON.
+    /// The cell as text for a CSV file. A missing value is empty, and numbers are written as in JSON.
     pub fn for_csv(&self) -> String {
         match self {
             Cell::None => String::new(),
@@ -155,7 +155,7 @@ impl From<f64> for Cell {
 }
 
 impl From<f32> for Cell {
-    /// Converts to the `f64` that has the same shortest decimal form as the `f32`.
+    /// Converts to the `f64` with the same shortest decimal form as the `f32`.
     fn from(number: f32) -> Cell {
         let decimal = number.to_string().parse();
         Cell::Number(decimal.unwrap_or(f64::from(number)))
@@ -196,7 +196,7 @@ impl<T: Into<Cell>> From<Option<T>> for Cell {
 mod tests {
     use super::*;
 
-    /// Protects numbers that people compare: the number of digits does not depend on their size,
+    /// Protects numbers that people compare: the number of significant digits does not depend on the size of a number,
     /// and only these two notations occur.
     #[test]
     fn significant_digits_are_counted() {
@@ -214,7 +214,7 @@ mod tests {
         assert_eq!(significant(4.4e-8, 1), "4e-8");
     }
 
-    /// Protects intervals, and the distinction between a missing value and a zero in every format.
+    /// Protects confidence intervals, and the distinction between a missing value and zero in every format.
     #[test]
     fn cells_are_written_for_people_and_programs() {
         let of = |ends, rough| Cell::Interval {

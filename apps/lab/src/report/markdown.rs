@@ -5,8 +5,7 @@ use super::table::Table;
 use crate::text::markdown as escaped;
 
 impl Document {
-    /// The document as Markdown. Text is escaped, so that it cannot create a tag, a link or a
-    /// column.
+    /// The document as Markdown. The text is escaped, so that it cannot create a tag, a link or a column.
     pub fn markdown(&self) -> String {
         let heading = |marks: &str, text: &str| format!("{marks} {}", escaped(text));
         self.written(escaped, heading, Table::markdown) + "\n"

@@ -1,10 +1,10 @@
-//! Reports: experiment results, with each column described once.
+//! Reports: the results of experiments as tables and documents.
 //!
-//! A [`Table`] has columns and rows. Each column is described once, beside the type of the rows:
-//! its name for programs, its heading for people, its unit, its notation, and the function that
-//! returns a row's cell. CSV, JSON, Markdown and terminal text are written from this description. A
-//! [`Document`] holds the text around tables. CSV and JSON contain every digit of a number;
-//! terminal text and Markdown contain the significant digits, with the unit in the heading.
+//! A [`Table`] has columns and rows. Each column is described once, beside the type of the rows. The description
+//! contains the column's name in CSV and JSON, its heading in tables for people, its unit, its notation, and the
+//! function that returns the cell of a row. CSV, JSON, Markdown and terminal text are written from this description. A
+//! [`Document`] contains tables and the text around them. CSV and JSON contain every digit of a number. Terminal text
+//! and Markdown contain the significant digits, with the unit in the heading.
 
 mod cell;
 mod markdown;
@@ -16,36 +16,35 @@ pub use table::{Column, Row, Table};
 
 use serde::Serialize;
 
-/// Maximum number of characters in a line for a terminal.
+/// Maximum number of characters in a line of terminal text.
 const WIDTH: usize = 100;
 
-/// The results of an experiment: data for [`Serialize`], and the texts and tables made from this
-/// data.
+/// The results of an experiment: data for [`Serialize`], and the texts and tables made from this data.
 pub trait Report: Serialize {
     /// Name of the report's files, without extension.
     const NAME: &'static str;
     /// Whether the report has a plot.
     const HAS_PLOT: bool = false;
 
-    /// The whole report for people.
+    /// The whole report as a document for people.
     fn document(&self) -> Document;
 
-    /// All rows as a table, for CSV.
+    /// All rows as one table, for CSV.
     fn table(&self) -> Table;
 
-    /// The plot as SVG; empty for a report without a plot.
+    /// The plot as SVG; an empty text for a report without a plot.
     ///
     /// # Errors
-    /// When the drawing fails; the text contains the reason.
+    /// If drawing fails. The error contains the reason.
     fn plot_svg(&self) -> Result<String, PlotError> {
         Ok(String::new())
     }
 }
 
-/// Error when a plot cannot be drawn.
+/// The reason why a plot cannot be drawn.
 pub type PlotError = Box<dyn std::error::Error + Send + Sync>;
 
-/// Headings, paragraphs, lists and tables, in order. The text is plain: each format escapes it.
+/// Headings, paragraphs, lists and tables, in order. The stored text is plain. Each output format escapes it.
 #[derive(Clone, Debug, Default)]
 pub struct Document {
     blocks: Vec<Block>,
@@ -66,7 +65,7 @@ impl Document {
         self.blocks.push(Block::Heading(level, text.into()));
     }
 
-    /// Adds a paragraph; the writer breaks the text into lines.
+    /// Adds a paragraph. The output format breaks the text into lines.
     pub fn paragraph(&mut self, text: impl Into<String>) {
         self.blocks.push(Block::Paragraph(text.into()));
     }
@@ -104,9 +103,8 @@ impl Document {
     }
 }
 
-/// Breaks a text at its spaces into lines of [`WIDTH`] characters. The first line begins with
-/// `mark`, the others with spaces of the same width. A word that is too long gets one or more lines
-/// of its own.
+/// Breaks a text at its spaces into lines of at most [`WIDTH`] characters. The first line begins with `mark`, the other
+/// lines with spaces of the same width. A word that is too long for a line is split.
 fn wrapped(text: &str, mark: &str) -> String {
     let indent = mark.chars().count();
     let mut lines = Vec::new();
@@ -162,7 +160,7 @@ mod tests {
         }
     }
 
-    /// Protects every format: each shows the columns intended for it, and all show the same value.
+    /// Protects every format: each shows its own columns, and all show the same values.
     #[test]
     fn a_table_is_written_in_every_format() {
         let table = Table::of([Pair("a|b", Some(2.25)), Pair("=c", None)]);
@@ -180,7 +178,7 @@ mod tests {
         assert_eq!(table.markdown(), expected);
     }
 
-    /// Protects documents: blocks are separated, and text is escaped where the format needs it.
+    /// Protects documents: blocks are separated, and text is escaped if the format requires it.
     #[test]
     fn a_document_is_escaped_and_broken_into_lines() {
         let mut document = Document::default();

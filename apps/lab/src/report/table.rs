@@ -1,11 +1,11 @@
-//! Tables: columns described once, rows of typed cells.
+//! Tables of columns that are described once, and rows of typed cells.
 
 use super::cell::{Cell, Notation};
 use serde::ser::{SerializeMap, SerializeSeq};
 use serde::{Serialize, Serializer};
 use std::io::{self, Write};
 
-/// A type whose values are rows of a table.
+/// A type whose values are the rows of a table.
 pub trait Row: Sized {
     /// The columns, in order.
     fn columns() -> Vec<Column<Self>>;
@@ -16,13 +16,13 @@ pub trait Row: Sized {
 pub struct Head {
     /// The column's name in CSV and JSON; `None` for a column shown only to people.
     pub name: Option<String>,
-    /// The column's heading on a terminal and in Markdown; `None` for a column only for programs.
+    /// The column's heading on a terminal and in Markdown; `None` for a column of CSV and JSON only.
     pub heading: Option<String>,
     /// The unit of the numbers, shown after the heading.
     pub unit: &'static str,
     /// Whether the cells are text: left-aligned, and wrapped if long.
     pub is_text: bool,
-    /// Whether programs get two more cells with the ends of an interval.
+    /// Whether CSV and JSON have two more cells with the ends of a confidence interval.
     pub is_interval: bool,
     /// The notation of the column's numbers.
     pub notation: Notation,
@@ -60,7 +60,7 @@ impl<R> Column<R> {
         }
     }
 
-    /// Creates a column for people and programs: its name for programs, its heading for people.
+    /// Creates a column with a name in CSV and JSON, and a heading in tables for people.
     pub fn new<C: Into<Cell>>(
         name: &str,
         heading: &str,
@@ -73,12 +73,12 @@ impl<R> Column<R> {
         )
     }
 
-    /// Creates a column only for programs.
+    /// Creates a column of CSV and JSON only.
     pub fn for_programs<C: Into<Cell>>(name: &str, cell: impl Fn(&R) -> C + 'static) -> Column<R> {
         Column::with(Some(name), None, Box::new(move |row| cell(row).into()))
     }
 
-    /// Creates a column only for people.
+    /// Creates a column that is shown only to people.
     pub fn for_people<C: Into<Cell>>(heading: &str, cell: impl Fn(&R) -> C + 'static) -> Column<R> {
         Column::with(None, Some(heading), Box::new(move |row| cell(row).into()))
     }
@@ -116,7 +116,7 @@ impl<R> Column<R> {
         self.notation(Notation::Signed(digits))
     }
 
-    /// Sets shares from 0 to 1 in percent, with a fixed number of decimals.
+    /// Shows shares from 0 to 1 in percent, with a fixed number of decimals.
     #[must_use]
     pub fn percent(self, digits: usize) -> Column<R> {
         self.notation(Notation::Percent(digits)).unit("%")
@@ -134,9 +134,9 @@ impl<R> Column<R> {
     }
 }
 
-/// Returns the columns of a row type, in order, each with an expression for a row's cell: `("name") => cell` for
-/// programs, `(_, "heading") => cell` for people, `("name", "heading") => cell` for both. Methods of [`Column`] follow
-/// after a comma; `..columns` adds further columns.
+/// Returns the columns of a row type, in order. Each column has an expression for the cell of a row: `("name") => cell`
+/// is a column of CSV and JSON, `(_, "heading") => cell` is a column for people, and `("name", "heading") => cell` is
+/// both. Methods of [`Column`] follow after a comma. `..columns` adds further columns.
 #[macro_export]
 macro_rules! columns {
     ($row:ident: $kind:ty; $($items:tt)*) => {{
@@ -166,8 +166,8 @@ macro_rules! columns {
     };
 }
 
-/// Columns and rows, written as CSV, JSON (by [`Serialize`], as a list of objects with the columns' names as keys),
-/// Markdown or terminal text.
+/// Columns and rows, written as CSV, as JSON (with [`Serialize`], as a list of objects whose keys are the columns'
+/// names), as Markdown or as terminal text.
 #[derive(Clone, Debug)]
 pub struct Table {
     pub(super) heads: Vec<Head>,
@@ -188,8 +188,8 @@ impl Table {
         }
     }
 
-    /// The columns' names for programs, in order. An interval has three names: `NAME` for its value, `NAME_low` and
-    /// `NAME_high` for its ends.
+    /// The columns' names in CSV and JSON, in order. A confidence interval has three names: `NAME` for its value,
+    /// `NAME_low` and `NAME_high` for its ends.
     pub fn names(&self) -> Vec<String> {
         let names = |head: &Head| -> Vec<String> {
             let Some(name) = &head.name else {
@@ -219,11 +219,11 @@ impl Table {
         cells
     }
 
-    /// Writes the table as CSV. The first line has the columns' names, a missing value is an empty cell, numbers have
-    /// enough digits to be read back exactly, and no text can begin a spreadsheet formula.
+    /// Writes the table as CSV. The first line contains the columns' names, and a missing value is an empty cell.
+    /// Numbers have enough digits to be restored exactly, and no text can begin a spreadsheet formula.
     ///
     /// # Errors
-    /// Returns the errors of `out`.
+    /// The errors of `out`.
     pub fn write_csv(&self, out: &mut dyn Write) -> io::Result<()> {
         let mut writer = csv::Writer::from_writer(out);
         writer.write_record(self.names())?;

@@ -1,11 +1,11 @@
-//! Documents and tables for a terminal: paragraphs in lines of [`WIDTH`](super::WIDTH) characters, tables at their full
-//! width.
+//! Documents and tables for a terminal. Paragraphs have lines of at most [`WIDTH`](super::WIDTH) characters; tables
+//! have their full width.
 
 use super::table::Table;
 use super::{Document, wrapped};
 use comfy_table::{CellAlignment, ColumnConstraint, Width, presets};
 
-/// Maximum width of a column of text in characters; longer text is broken into lines.
+/// Maximum width of a text column, in characters. Longer text is broken into lines.
 const WIDEST_TEXT: u16 = 40;
 
 impl Document {
@@ -55,8 +55,8 @@ mod tests {
         }
     }
 
-    /// Protects names from being broken, and terminals from long sentences in cells: each line ends with the column of
-    /// numbers, and all lines have the same width.
+    /// Protects names from being broken, and terminals from long lines: each line ends with the column of numbers, and
+    /// all lines have the same width.
     #[test]
     fn words_are_broken_into_lines_and_names_are_not() {
         for words in ["word ".repeat(60), "x".repeat(300)] {

@@ -1,7 +1,7 @@
-//! The axes of a study: its numbers, positions and seeds, computed one by one.
+//! The axes of a study: numbers, positions and seeds. Their values are computed one by one.
 //!
-//! Only the settings are stored as a list. The values on all other axes are computed when
-//! requested, so that a study of 10⁹ points takes no more memory than a study of ten.
+//! Only the settings are stored as a list. The values on all other axes are computed when they are needed. A study of
+//! 10⁹ points therefore takes no more memory than a study of ten points.
 
 use super::file::{Numbers, Places, Seeds};
 use glam::{DVec3, Vec3};
@@ -29,7 +29,7 @@ impl Numbers {
     }
 }
 
-/// The position of an index within a range of `count` values, from 0 to 1; both ends are exact.
+/// The position of an index within `count` values, from 0 to 1. Both ends are exact.
 fn share(index: u64, count: u64) -> f64 {
     index as f64 / count.saturating_sub(1).max(1) as f64
 }
@@ -43,7 +43,7 @@ fn between(from: f64, to: f64, index: u64, count: u64) -> f64 {
 }
 
 impl Places {
-    /// Number of positions; none if the number exceeds `u64`.
+    /// Number of positions; `None` if it exceeds `u64`.
     pub fn len(&self) -> Option<u64> {
         match self {
             Places::AsInScene => Some(1),
@@ -55,8 +55,7 @@ impl Places {
         }
     }
 
-    /// The position at an index, from 0, in metres; none if the axis keeps the scene's own
-    /// position.
+    /// The position at an index, from 0, in metres; `None` if the axis keeps the position in the scene.
     pub fn get(&self, index: u64) -> Option<Vec3> {
         match self {
             Places::AsInScene => None,
@@ -75,7 +74,7 @@ impl Places {
     }
 }
 
-/// The point of a polyline at a share of its length.
+/// The point of a polyline at the given share of its length.
 fn on_path(through: &[[f32; 3]], share: f64) -> Vec3 {
     let points: Vec<DVec3> = through
         .iter()
@@ -107,7 +106,7 @@ impl Seeds {
     pub fn get(&self, index: u64) -> u32 {
         match self {
             Seeds::List(list) => list[index as usize],
-            // The checks of the study ensure that the last seed fits into `u32`.
+            // The checks of the study ensure that the last seed fits `u32`.
             Seeds::Range { from, .. } => from.wrapping_add(index as u32),
         }
     }
@@ -117,7 +116,7 @@ impl Seeds {
 mod tests {
     use super::*;
 
-    /// Protects the ends of ranges, and the order of grids: x changes first, y last.
+    /// Protects the ends of ranges, and the order of grids: x changes fastest, y slowest.
     #[test]
     fn axes_meet_their_ends_and_grids_are_in_order() {
         let range = Numbers::Range {

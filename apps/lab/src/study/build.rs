@@ -1,4 +1,4 @@
-//! Builds a study from the content of its file: loads the scenes and counts the points.
+//! Builds a study from the content of its file: loads its scenes and counts its points.
 
 use super::check::{Checker, MOST_POINTS};
 use super::columns::ResponseColumns;
@@ -49,13 +49,13 @@ pub(super) fn study(
     check_settings(&study, checker)?;
     count(&mut study, checker)?;
     study.hash = hash::of(file, &study, folder).map_err(|(path, source)| {
-        // The file was readable a moment ago.
+        // The file was readable when the study was read.
         StudyError::Unreadable { path, source }
     })?;
     Ok(study)
 }
 
-/// Loads every scene, and tries the values of its named values.
+/// Loads every scene, and tests the numbers of its named values.
 fn scenes(
     file: &StudyFile,
     checker: &Checker,
@@ -91,12 +91,12 @@ fn load(said: &SceneFile, folder: &Path) -> Result<Scene, SceneError> {
     Ok(of_first_pair(Scene::load_in(&said.of, folder)?))
 }
 
-/// Maximum number of values of an axis that are tried before work begins. On longer axes the ends
-/// and some values between them are tried.
+/// Maximum number of values of an axis that are tested before work begins. On longer axes, the ends and some values
+/// between them are tested.
 const MOST_TRIED: u64 = 16;
 
-/// Sets each named value to the numbers of its axis, with all other values as in the file, so that
-/// values that the scene rejects are reported before the first point.
+/// Sets each named value to the numbers of its axis, while all other values are those of the scene file. Values that
+/// the scene rejects are thereby reported before the first point.
 fn try_values(scene: &Scene, said: &SceneFile) -> Result<(), SceneError> {
     for (name, numbers) in &said.values {
         let tried = numbers.len().min(MOST_TRIED);
@@ -170,7 +170,7 @@ fn kept(said: &Keep) -> Kept {
     }
 }
 
-/// Checks that every case can be traced and, if responses are kept, supports responses.
+/// Checks that every case can be traced. If responses are kept, also checks that every case supports responses.
 fn check_settings(study: &Study, checker: &Checker) -> Result<(), StudyError> {
     for case in &study.settings {
         if let Err(error) = case.settings.validate() {

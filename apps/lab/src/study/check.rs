@@ -1,4 +1,4 @@
-//! Checks the content of a study file: each field against its valid range, before any work.
+//! Checks the content of a study file before any work: each field must be within its valid range.
 
 use super::StudyError;
 use super::file::{
@@ -11,33 +11,33 @@ use echomarch::response::ResponseSettings;
 use echomarch::tracer::Settings;
 use std::fmt::Display;
 
-/// Maximum number of points of a study: 10⁹ points take years on one core, and point numbers up to this maximum are
-/// exact in every table.
+/// Maximum number of points in a study. 10⁹ points take years on one core, and point numbers up to this maximum are
+/// exact in every table format.
 pub(super) const MOST_POINTS: u64 = 1_000_000_000_000;
 
 /// Maximum number of values on one axis.
 const MOST_ON_AXIS: u64 = 1_000_000_000;
 
-/// Maximum coordinate of a source or a listener in metres, equal to the limit in scene files.
+/// Maximum coordinate of a source or a listener, in metres. It equals the limit in scene files.
 const FARTHEST_M: f32 = 1e6;
 
-/// The latest time on a path, in seconds: a day.
+/// Maximum time on a path, in seconds: one day.
 const LATEST_S: f64 = 86_400.0;
 
-/// The shortest response in seconds: a time bin.
+/// Minimum length of a response, in seconds: one time bin.
 const SHORTEST_S: f64 = 1e-3;
 
-/// The longest bin of an echogram in milliseconds, as in [`Echogram::BINS_S`](crate::response::Echogram::BINS_S).
+/// Maximum length of an echogram bin, in milliseconds, as in [`Echogram::BINS_S`](crate::response::Echogram::BINS_S).
 const LONGEST_BIN_MS: u32 = 100;
 
-/// Reports invalid fields, with the name of the file.
+/// Creates errors for invalid fields, with the name of the file.
 pub(super) struct Checker<'a> {
     /// The name of the file in error messages.
     pub origin: &'a str,
 }
 
 impl Checker<'_> {
-    /// Checks every field that can be checked without the scenes.
+    /// Checks every field whose check does not need the scenes.
     pub fn check(&self, file: &StudyFile) -> Result<(), StudyError> {
         if let Err(why) = check_name(&file.name) {
             return self.bad("name", format!("a name that can be shown ({why})"), "it");
@@ -135,7 +135,7 @@ impl Checker<'_> {
         }
     }
 
-    /// Checks a range: its ends must be equal for a count of 1, and different for a larger count.
+    /// Checks the ends of a range. They must be equal for a count of 1, and different for a larger count.
     fn ends(&self, place: &str, are_equal: bool, count: u64) -> Result<(), StudyError> {
         let is_right = are_equal == (count == 1);
         let must = "1 where from and to are equal, else 2 or more";

@@ -1,4 +1,4 @@
-//! The columns of a study's tables: first those that identify a point, then those of its results.
+//! The columns of a study's tables. The first columns identify a point, and the others contain its results.
 
 use super::file::{FigureName, ResponseFile};
 use super::{Kept, Study};
@@ -6,17 +6,17 @@ use crate::report::Cell;
 use echomarch::bands::BANDS_HZ;
 use echomarch::response::{BandFigures, Gap, Response};
 
-/// Maximum of all times in the results, in seconds: a record has at most 60 s, and a decay time is three times the
+/// Maximum of all times in the results, in seconds. A response has at most 60 s, and a decay time is three times the
 /// evaluated part of the decay.
 const LONGEST_S: f64 = 3600.0;
 
-/// Maximum of all levels in the results, in decibels: the ratio of two 64-bit numbers has at most 6,320 dB.
+/// Maximum of all levels in the results, in decibels. The ratio of two 64-bit numbers is at most 6,320 dB.
 const LOUDEST_DB: f64 = 6400.0;
 
-/// Largest error as a multiple of the figure's range: Student's t widens an error by a factor of up to 6.4.
+/// Maximum error as a multiple of the figure's range. Student's t widens an error by a factor of up to 6.4.
 const ERROR_TO_RANGE: f64 = 10.0;
 
-/// Rounding error by which a share or a time may exceed its limits.
+/// Rounding error by which a share or a time may exceed its limit.
 const ROUNDING: f64 = 1e-9;
 
 /// A column of the joined tables.
@@ -24,7 +24,7 @@ const ROUNDING: f64 = 1e-9;
 pub(super) struct Column {
     pub name: String,
     pub kind: Kind,
-    /// The permitted numbers of the cells; in a text, of each number in it.
+    /// The permitted numbers in the cells of the column. In a text cell, they are the permitted numbers of the list.
     pub range: Range,
 }
 
@@ -70,12 +70,12 @@ pub(super) enum Kind {
     Whole,
     /// Numbers of 64 bits.
     Real,
-    /// Text; in results, numbers separated by spaces.
+    /// Text. In results, it is a list of numbers separated by spaces.
     Text,
 }
 
 impl Column {
-    /// Creates a column that may hold every finite number.
+    /// Creates a column that may contain every finite number.
     pub(super) fn new(name: impl Into<String>, kind: Kind) -> Column {
         Column::within(name, kind, Range::ANY)
     }
@@ -96,12 +96,12 @@ pub(super) struct ResponseColumns {
     /// Indices into [`BANDS_HZ`].
     bands: Vec<usize>,
     errors: bool,
-    /// Number of bins of the traced echogram (1 ms each) that are summed into one bin of the table.
+    /// Number of bins of the traced echogram (1 ms each) that are summed to one bin of the table.
     echogram_bins: Option<usize>,
 }
 
 impl ResponseColumns {
-    /// The columns that a checked study requests.
+    /// The columns that a valid study requests.
     pub fn of(said: &ResponseFile) -> ResponseColumns {
         let place = |hz: &u32| BANDS_HZ.iter().position(|band| *band == f64::from(*hz));
         ResponseColumns {
@@ -112,7 +112,7 @@ impl ResponseColumns {
         }
     }
 
-    /// Figure and band of each pair of columns (value and error), in order.
+    /// The figure and the band of each pair of columns (value and error), in order.
     fn pairs(&self) -> impl Iterator<Item = (FigureName, usize)> {
         let figures = self.figures.iter();
         figures.flat_map(|figure| self.bands.iter().map(|band| (*figure, *band)))
@@ -182,12 +182,14 @@ impl ResponseColumns {
     }
 }
 
-/// Name of the column that states why figures of a band are empty in a row: [`Gap::code`], or 0 if they are not empty.
+/// Name of the column that states why the figures of a band are empty in a row. It contains [`Gap::code`], or 0 if they
+/// are not empty.
 fn gap_column(band_hz: f64) -> String {
     format!("gap_{band_hz}")
 }
 
-/// Name of the column that states why cells of the given column are empty; none if the column does not hold a figure.
+/// Name of the column that states why the cells of the given column are empty; `None` if the column does not contain a
+/// figure.
 pub(super) fn gap_column_of(column: &str) -> Option<String> {
     let name = column.strip_suffix("_error").unwrap_or(column);
     let (figure, band) = name.rsplit_once('_')?;
@@ -196,7 +198,7 @@ pub(super) fn gap_column_of(column: &str) -> Option<String> {
         .then(|| gap_column(band.parse().unwrap_or_default()))
 }
 
-/// The energy densities of all arrivals in 1/m², summed over `bins` bins of the echogram each.
+/// The energy densities of all arrivals in 1/m². Each is the sum over `bins` bins of the echogram.
 fn energies(response: &Response, bins: usize) -> Vec<echomarch::bands::Bands> {
     let echogram = &response.echogram;
     let mut energies = vec![echomarch::bands::Bands::default(); echogram.bins().div_ceil(bins)];
@@ -215,7 +217,7 @@ fn energies(response: &Response, bins: usize) -> Vec<echomarch::bands::Bands> {
 }
 
 impl FigureName {
-    /// Name of the figure's column, without the band.
+    /// Name of the figure's column, without the suffix for the band.
     fn column(self) -> &'static str {
         BandFigures::NAMES[self as usize]
     }
@@ -239,14 +241,14 @@ impl FigureName {
 }
 
 impl Kept {
-    /// The columns of the results. Counts of waves are at most `waves`, counts of marches at most `marches`.
+    /// The columns of the results. Counts of waves are at most `waves`, and counts of marches are at most `marches`.
     fn columns(&self, waves: u64, marches: u64) -> Vec<Column> {
         let mut columns = Vec::new();
         let waves = Range::new(0.0, waves as f64);
         let marches = Range::new(0.0, marches as f64);
         let pan = Range::new(-1.0, 1.0);
         if self.pan {
-            // A wave adds 1 to the sum of the two channels.
+            // Each wave adds 1 to the sum of the two channels.
             let ranges = [("left", waves), ("right", waves), ("pan", pan)];
             columns.extend(ranges.map(|(name, range)| Column::within(name, Kind::Real, range)));
         }
@@ -273,14 +275,14 @@ impl Kept {
 }
 
 impl Study {
-    /// The names of all named values, each once, in alphabetical order.
+    /// The names of all named values in alphabetical order, without duplicates.
     pub(super) fn value_names(&self) -> Vec<&str> {
         let names = self.variants.iter().flat_map(|axis| axis.values.keys());
         let names: std::collections::BTreeSet<&str> = names.map(String::as_str).collect();
         names.into_iter().collect()
     }
 
-    /// The columns that identify a point; the first column is the point's number.
+    /// The columns that identify a point. The first column is the point's number.
     pub(super) fn point_columns(&self) -> Vec<Column> {
         let mut columns = vec![
             Column::new("point", Kind::Whole),

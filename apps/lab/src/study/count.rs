@@ -1,4 +1,4 @@
-//! Estimates the cost of a study from a short sample: points, time, bytes.
+//! Estimates the size and cost of a study from a short sample: points, time, bytes.
 
 use super::work::row;
 use super::{Study, StudyError, Worker, lines};
@@ -6,10 +6,10 @@ use echomarch::internals::sampling::GOLDEN_GAMMA;
 use serde::Serialize;
 use std::time::{Duration, Instant};
 
-/// Maximum number of points of a sample.
+/// Maximum number of points in a sample.
 const MOST_SAMPLED: u64 = 64;
 
-/// Minimum number of points of a sample, however long they take: a standard error needs two.
+/// Minimum number of points in a sample, however long they take. A standard error needs at least two.
 const LEAST_SAMPLED: u64 = 3;
 
 /// Maximum time of a sample, including warm-up.
@@ -21,35 +21,35 @@ const LONGEST: Duration = Duration::from_secs(20);
 pub struct Estimate {
     /// Number of points of the study.
     pub points: u64,
-    /// Number of points computed for the estimate, spread over the study.
+    /// Number of points computed for the estimate. They are spread over the study.
     pub sampled: u64,
-    /// Wall-clock seconds per point: the mean of the sample.
+    /// Wall-clock time per point in seconds: the mean of the sample.
     pub seconds_a_point: f64,
-    /// Standard error of the seconds per point, including the differences between points.
+    /// Standard error of the time per point, including the differences between points.
     pub seconds_a_point_error: f64,
-    /// Processor seconds per point, summed over the cores; none if the system does not report processor time.
+    /// Processor time per point in seconds, summed over the cores; `None` if the system does not report it.
     pub core_seconds_a_point: Option<f64>,
-    /// Bytes per point in a shard.
+    /// Number of bytes per point in a shard.
     pub shard_bytes_a_point: f64,
-    /// Bytes per point in the joined CSV.
+    /// Number of bytes per point in the joined CSV.
     pub csv_bytes_a_point: f64,
 }
 
 impl Estimate {
-    /// Wall-clock seconds of the whole study, in one process on this machine.
+    /// Wall-clock time of the whole study in seconds, in one process on this machine.
     pub fn seconds(&self) -> f64 {
         self.seconds_a_point * self.points as f64
     }
 
-    /// Number of points that a core computes in an hour; none if the system reports no processor time.
+    /// Number of points per core and hour; `None` if the system does not report processor time.
     pub fn points_a_core_hour(&self) -> Option<f64> {
         let seconds = self.core_seconds_a_point.filter(|seconds| *seconds > 0.0)?;
         Some(3600.0 / seconds)
     }
 }
 
-/// Computes each point of a sample twice, and times the second computation: a scene's shaders are compiled only once,
-/// whatever the number of points. The results are discarded.
+/// Computes each point of a sample twice, and times the second computation. The first computation compiles the shaders
+/// of the scene, which happens only once in a study. The results are discarded.
 ///
 /// # Errors
 /// [`StudyError::Point`] for a point that cannot be computed.
@@ -95,9 +95,9 @@ pub fn estimate(worker: &mut Worker) -> Result<Estimate, StudyError> {
     })
 }
 
-/// The index of a sample point: every point of a small study, otherwise spread evenly. The multiples of 2⁶⁴ divided by
-/// the golden ratio, as shares of 2⁶⁴, are spread evenly for any number of multiples (D. E. Knuth, *The Art of Computer
-/// Programming* 3, section 6.4).
+/// The index of a sample point. A small study is sampled at every point, a larger one at evenly spread points. The
+/// multiples of 2⁶⁴ divided by the golden ratio, as shares of 2⁶⁴, are evenly spread for any number of multiples (D. E.
+/// Knuth, *The Art of Computer Programming* 3, section 6.4).
 fn sampled(study: &Study, number: u64) -> u64 {
     if study.points <= MOST_SAMPLED {
         return number;

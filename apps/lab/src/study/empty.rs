@@ -5,7 +5,7 @@ use echomarch::response::Gap;
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 
-/// The number of cells of a column that are empty for one reason.
+/// The number of empty cells of a column for one reason.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct EmptyCells {
@@ -17,7 +17,7 @@ pub struct EmptyCells {
     pub cells: u64,
 }
 
-/// The reason reported for an empty cell if no column states the reason.
+/// The reason reported for an empty cell if there is no column that states it.
 const NOT_DEFINED: &str = "not defined";
 
 /// Counts empty cells, row by row.
@@ -29,7 +29,7 @@ pub(super) struct EmptyCount {
 }
 
 impl EmptyCount {
-    /// Creates a count of zero for rows of these columns.
+    /// Creates a counter for rows of these columns.
     pub fn new(columns: Vec<Column>) -> EmptyCount {
         let place = |column: &Column| {
             let gap = gap_column_of(&column.name)?;
@@ -51,7 +51,7 @@ impl EmptyCount {
         }
     }
 
-    /// The reason why a column's cell is empty in a row.
+    /// The reason why the cell of a column is empty in a row.
     pub fn reason(&self, at: usize, cells: &[impl AsRef<str>]) -> Option<Gap> {
         let gap = (*self.gaps.get(at)?)?;
         let code = cells.get(gap)?.as_ref().parse().ok()?;
@@ -70,7 +70,7 @@ impl EmptyCount {
     }
 }
 
-/// The counts as JSON: per column, each reason with its number of cells.
+/// The counts as JSON: for each column, the reasons with their numbers of cells.
 pub(super) fn json(cells: &[EmptyCells]) -> Value {
     let mut columns = Map::new();
     for EmptyCells { column, why, cells } in cells {
@@ -89,7 +89,7 @@ mod tests {
     use super::super::columns::Kind;
     use super::*;
 
-    /// Protects readers of a table from empty cells without a reason.
+    /// Protects readers of a table: every empty cell has a reason.
     #[test]
     fn empty_cells_are_counted_by_reason() {
         let names = [

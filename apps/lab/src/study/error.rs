@@ -6,7 +6,7 @@ use echomarch::internals::file_output::OutputError;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Error when a study cannot be run or joined.
+/// The reason why a study cannot be run or joined.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StudyError {
@@ -24,7 +24,7 @@ pub enum StudyError {
     /// A field of the study file is invalid.
     #[error("{origin}: {place} must be {must}, not {value}")]
     BadField {
-        /// The file path, or the name that stands for it.
+        /// The path of the file, or a name that represents it.
         origin: String,
         /// The field, such as `scenes[1].values."width"`, counted from 1.
         place: String,
@@ -36,9 +36,9 @@ pub enum StudyError {
     /// A scene of the study cannot be used.
     #[error("{origin}: {place}: {source}")]
     Scene {
-        /// The file path, or the name that stands for it.
+        /// The path of the file, or a name that represents it.
         origin: String,
-        /// The field of the study.
+        /// The field of the study that contains the scene.
         place: String,
         /// The scene's error.
         source: Box<echomarch::scene::SceneError>,
@@ -46,9 +46,9 @@ pub enum StudyError {
     /// A point cannot be computed.
     #[error("point {index} ({what}): {source}")]
     Point {
-        /// Its number, counted from 0.
+        /// The point's number, counted from 0.
         index: u64,
-        /// Its scene, settings and other axes.
+        /// The point's scene, settings and other axes.
         what: String,
         /// The reason.
         source: Box<echomarch::Error>,
@@ -64,28 +64,28 @@ pub enum StudyError {
         /// The reason.
         why: String,
     },
-    /// Another process works on the shard.
+    /// Another process is computing the shard.
     #[error("shard {shard} is being worked on by another process: {} is locked", path.display())]
     Busy {
         /// The shard.
         shard: Shard,
-        /// Its working file.
+        /// The working file of the shard.
         path: PathBuf,
     },
-    /// The shards do not make up the whole study.
+    /// The shards do not form the whole study.
     #[error("the shards in {} are not joined: {}", folder.display(), problems.join("; "))]
     NotWhole {
         /// The folder of the shards.
         folder: PathBuf,
-        /// The reason for every shard that is missing or wrong.
+        /// One reason for every shard that is missing or rejected.
         problems: Vec<String>,
     },
     /// The renderer is not the required one.
-    #[error("the renderer is {renderer:?}, and {wanted:?} is demanded")]
+    #[error("the renderer is {renderer:?}, but {wanted:?} is required")]
     OtherRenderer {
         /// Name of the renderer found.
         renderer: String,
-        /// The text that the renderer's name must contain.
+        /// The text that the name of the renderer must contain.
         wanted: String,
     },
     /// A map cannot be drawn.
@@ -105,7 +105,7 @@ impl StudyError {
         OutputError::new(path, source).into()
     }
 
-    /// Whether the input caused the error (the program then exits with 2, else with 1).
+    /// Whether the error was caused by the input. The program then exits with 2, otherwise with 1.
     pub fn is_bad_input(&self) -> bool {
         match self {
             StudyError::Point { source, .. } => source.is_bad_input(),

@@ -1,7 +1,7 @@
 //! The content of a study file (RON), and its canonical form for hashing.
 //!
-//! Omitted fields have defaults. `check` checks the values by field and range; the reader reports syntax errors and
-//! unknown names with line and column. See `docs/clusters.md`.
+//! Omitted fields have defaults. `check` checks the range of every field. The reader reports syntax errors and unknown
+//! names with line and column. See `docs/clusters.md`.
 
 use super::StudyError;
 use crate::text::in_a_line;
@@ -15,10 +15,10 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// Maximum size of a study file in bytes: a list of 20,000 positions is 1 MiB.
+/// Maximum size of a study file, in bytes. A list of 20,000 positions takes 1 MiB.
 const LARGEST_FILE: u64 = 4 << 20;
 
-/// Maximum nesting depth of the text: a study is five deep.
+/// Maximum nesting depth of the text. A study has a depth of five.
 const DEEPEST: usize = 32;
 
 /// The content of a study file.
@@ -35,7 +35,7 @@ pub(super) struct StudyFile {
     pub sources: Places,
     #[serde(default)]
     pub listeners: Places,
-    /// Radius of every listener in metres; without it, each scene's own radius is used.
+    /// Radius of every listener, in metres; `None` to keep the radius in each scene.
     #[serde(default)]
     pub listener_radius: Option<f32>,
     #[serde(default)]
@@ -50,7 +50,7 @@ pub(super) struct StudyFile {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(rename = "Scene", deny_unknown_fields)]
 pub(super) struct SceneFile {
-    /// A built-in scene, or a file in the study's folder.
+    /// A built-in scene, or a file relative to the study's folder.
     pub of: String,
     #[serde(default)]
     pub values: BTreeMap<String, Numbers>,
@@ -61,13 +61,13 @@ pub(super) struct SceneFile {
 #[serde(rename = "form of numbers", deny_unknown_fields)]
 pub(super) enum Numbers {
     List(Vec<f64>),
-    /// `count` numbers with equal differences, including both ends.
+    /// `count` numbers with equal differences. Both ends are included.
     Range {
         from: f64,
         to: f64,
         count: u64,
     },
-    /// `count` numbers with equal ratios, including both ends.
+    /// `count` numbers with equal ratios. Both ends are included.
     Geometric {
         from: f64,
         to: f64,
@@ -83,13 +83,13 @@ pub(super) enum Places {
     #[default]
     AsInScene,
     List(Vec<[f32; 3]>),
-    /// A lattice between two corners: x changes first, then z, then y.
+    /// A grid between two corners. x changes fastest, then z, then y.
     Grid {
         from: [f32; 3],
         to: [f32; 3],
         counts: [u64; 3],
     },
-    /// `count` positions at equal distances along a polyline, including both ends.
+    /// `count` positions at equal distances along a polyline. Both ends are included.
     Path {
         through: Vec<[f32; 3]>,
         count: u64,
@@ -176,7 +176,7 @@ pub(super) struct Keep {
     pub pan: bool,
     #[serde(default = "yes")]
     pub counts: bool,
-    /// The panning of the same waves, followed exactly on the CPU.
+    /// The panning of the same waves, traced exactly on the CPU.
     #[serde(default)]
     pub exact: bool,
     #[serde(default)]
@@ -204,13 +204,13 @@ pub(super) struct ResponseFile {
     pub bands_hz: Vec<u32>,
     #[serde(default)]
     pub errors: bool,
-    /// Time for which waves are followed; without it, waves are followed until all bands have fallen by 60 dB.
+    /// Time over which waves are traced; `None` to trace until all bands have decayed by 60 dB.
     #[serde(default)]
     pub seconds: Option<f64>,
     /// Maximum number of reflections of exact paths.
     #[serde(default)]
     pub order: Option<u32>,
-    /// Length of the echogram's bins in milliseconds; without it no echogram is kept.
+    /// Length of the echogram bins in milliseconds; `None` to keep no echogram.
     #[serde(default)]
     pub echogram_ms: Option<u32>,
 }
@@ -229,7 +229,7 @@ pub(super) enum FigureName {
     G,
 }
 
-/// A whole number, in any form that the command line accepts: `65536`, `65_536`, `1e6`.
+/// A whole number in any form that the command line accepts: `65536`, `65_536`, `1e6`.
 struct Count(u32);
 
 impl<'de> Deserialize<'de> for Count {
@@ -304,7 +304,7 @@ fn usual_figures() -> Vec<FigureName> {
     vec![FigureName::G, FigureName::T30, FigureName::C80]
 }
 
-/// The bands over which ISO 3382-1 (annex A) averages a hall's figures.
+/// The bands over which ISO 3382-1 (annex A) averages the figures of a hall.
 fn usual_bands() -> Vec<u32> {
     vec![500, 1000]
 }
@@ -338,12 +338,12 @@ impl StudyFile {
         StudyFile::from_ron(&text, &path.display().to_string())
     }
 
-    /// Reads a study from RON text; `origin` names it in errors.
+    /// Reads a study from RON text. `origin` is its name in errors.
     pub fn from_ron(text: &str, origin: &str) -> Result<StudyFile, StudyError> {
         let options = ron::Options::default()
             .with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME)
             .with_recursion_limit(DEEPEST);
-        // Some editors put a byte-order mark before the text.
+        // Some editors write a byte-order mark before the text.
         let text = text.trim_start_matches('\u{feff}');
         options.from_str(text).map_err(|error| {
             let message = in_a_line(&sentence(text, &error, STUDY)).into_owned();
@@ -353,7 +353,7 @@ impl StudyFile {
     }
 }
 
-/// The path of a scene file; none for a built-in scene.
+/// The path of a scene file; `None` for a built-in scene.
 pub(super) fn scene_file(of: &str, folder: &Path) -> Option<PathBuf> {
     (!Scene::BUILTIN_NAMES.contains(&of)).then(|| folder.join(of))
 }

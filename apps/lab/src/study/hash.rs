@@ -1,4 +1,4 @@
-//! The hash of a study: over everything that determines its results, except program and renderer.
+//! The hash of a study. It covers everything that determines the results, except the program and the renderer.
 
 use super::Study;
 use super::file::{StudyFile, scene_file};
@@ -7,16 +7,15 @@ use echomarch::scene::{Scene, bases_of};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 
-/// The prefix of the hashed data; changes when points are numbered or computed differently.
+/// The prefix of the hashed data. It must change if points are numbered or computed differently.
 const KIND: &str = "echomarch study 1";
 
-/// Maximum size of a scene file in bytes; the scene was loaded earlier with a lower limit.
+/// Maximum size of a scene file, in bytes. The scene was loaded earlier with a lower limit.
 const LARGEST_FILE: u64 = 64 << 20;
 
-/// Returns the hash as hexadecimal digits. In this order, the hash covers the study's canonical
-/// text (with all defaults, without layout) and, for each scene, its file, its bases, and the
-/// contents of the files that they name. Each part is preceded by its length, so that different
-/// parts cannot give the same data.
+/// Returns the hash as hexadecimal digits. The hash covers, in this order, the study's canonical text (with all
+/// defaults, without layout) and, for each scene, its file, its base scenes, and the contents of the files that they
+/// name. Each part is preceded by its length, so that different parts cannot give the same data.
 pub(super) fn of(
     file: &StudyFile,
     study: &Study,
@@ -46,16 +45,15 @@ pub(super) fn of(
     Ok(hex(&hash.finalize()))
 }
 
-/// The study as JSON, with fields in the order of their types and numbers in their shortest form.
-/// The folders of the scenes are left out; the scenes' names are included, because the rows contain
-/// them.
+/// The study as JSON. Its fields are in the order of their types, and its numbers have their shortest form. The folders
+/// of the scenes are excluded. The names of the scenes are included, because the rows contain them.
 fn canonical(file: &StudyFile) -> Vec<u8> {
     let mut file = file.clone();
     for scene in &mut file.scenes {
         let name = Path::new(&scene.of).file_name();
         scene.of = name.map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     }
-    // A type with only plain fields, lists and maps of text can always be serialised.
+    // Plain fields, lists and maps can always be serialised.
     serde_json::to_vec(&file).unwrap_or_default()
 }
 

@@ -11,7 +11,7 @@ use echomarch::scene::Scene;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// Maximum number of shards named in one message.
+/// Maximum number of shards listed in one message.
 const MOST_NAMED: usize = 12;
 
 /// The result of joining.
@@ -20,7 +20,7 @@ const MOST_NAMED: usize = 12;
 pub struct Joined {
     /// Number of rows in the tables.
     pub points: u64,
-    /// Number of shards joined.
+    /// Number of joined shards.
     pub shards: u32,
     /// Name of the renderer of all joined shards.
     pub renderer: String,
@@ -30,14 +30,14 @@ pub struct Joined {
     pub empty: Vec<EmptyCells>,
 }
 
-/// Joins the shards in a folder. Writes the tables there in the order of the study: `study.csv`, with the feature
-/// `parquet` also `study.parquet`, and their description `study.json`. The output bytes do not depend on the number of
-/// shards or on the machines that computed them. `progress` receives the number of completed steps and the total: each
-/// point is first checked, then written.
+/// Joins the shards in a folder. The tables are written to the same folder, in the order of the study: `study.csv`,
+/// with the feature `parquet` also `study.parquet`, and their description `study.json`. The bytes of the tables do not
+/// depend on the number of shards or on the machines that computed them. `progress` receives the number of completed
+/// steps and the total. Each point is one step of checking and one step of writing.
 ///
 /// # Errors
-/// [`StudyError::NotWhole`] names every shard that is missing, doubled, damaged, or of another study,
-/// version or renderer; [`StudyError::Output`].
+/// [`StudyError::NotWhole`] with every shard that is missing, duplicated, damaged, or of another study, version or
+/// renderer; [`StudyError::Output`].
 pub fn join(
     study: &Study,
     folder: &Path,
@@ -63,10 +63,10 @@ pub fn join(
     })
 }
 
-/// The file of a whole shard, with its header or the reason why it is rejected.
+/// The path of a whole shard, with its header or the reason why it is rejected.
 type Found = (PathBuf, Result<Header, String>);
 
-/// Returns every file that is named like a shard, in the order of the names.
+/// Returns every file with the name of a shard, in the order of the names.
 fn found(
     study: &Study,
     folder: &Path,
@@ -89,7 +89,7 @@ fn found(
     Ok(read.collect())
 }
 
-/// Returns the shards in order and their renderer, if the shards make up the study.
+/// Returns the shards in order, and their renderer. Fails if the shards do not form the study.
 fn chosen(
     study: &Study,
     folder: &Path,
@@ -99,7 +99,7 @@ fn chosen(
     let headers = || found.iter().filter_map(|(_, header)| header.as_ref().ok());
     let of = most_common(headers().filter(ours).map(|header| header.of));
     let renderer = most_common(headers().filter(ours).map(|header| header.renderer.clone()));
-    // Without a shard of this study, use the most common shard count of the other files.
+    // If there is no shard of this study, use the most common shard count of the other files.
     let of = of.or_else(|| most_common(headers().map(|header| header.of)));
     let (of, renderer) = (of.unwrap_or(1), renderer.unwrap_or_default());
     let mut problems = Vec::new();
@@ -120,9 +120,7 @@ fn chosen(
                     Some(other) => {
                         let other = other.file_name().unwrap_or_default().to_string_lossy();
                         let number = header.shard;
-                        Some(format!(
-                            "shard {number}/{of} is there twice, also as {other}"
-                        ))
+                        Some(format!("shard {number}/{of} exists twice, also as {other}"))
                     }
                 })
             }
@@ -150,7 +148,7 @@ fn chosen(
     })
 }
 
-/// Returns advice for a folder that contains shards of several shard counts.
+/// Returns advice for a folder with shards of several shard counts.
 fn several_counts(of: impl Iterator<Item = u32>) -> Option<String> {
     let counts: BTreeSet<u32> = of.collect();
     let counts: Vec<String> = counts.iter().map(u32::to_string).collect();
@@ -162,9 +160,9 @@ fn several_counts(of: impl Iterator<Item = u32>) -> Option<String> {
     })
 }
 
-/// Returns the reason for rejecting an undamaged shard; none if it is accepted.
+/// Returns the reason for rejecting an undamaged shard; `None` if it is accepted.
 fn refusal(study: &Study, of: u32, renderer: &str, header: &Header) -> Option<String> {
-    // The header was valid, and so are the shard's numbers.
+    // The header was checked, so the shard's numbers are valid.
     let shard = Shard::new(header.shard, header.of).ok()?;
     let expected = Header::new(study, shard, renderer);
     header.differs(&expected).or_else(|| {
@@ -173,7 +171,7 @@ fn refusal(study: &Study, of: u32, renderer: &str, header: &Header) -> Option<St
     })
 }
 
-/// Returns the most common value, and the smallest of equally common values.
+/// Returns the most common value. Of equally common values, returns the smallest.
 fn most_common<T: Ord>(values: impl Iterator<Item = T>) -> Option<T> {
     let mut counts: BTreeMap<T, usize> = BTreeMap::new();
     for value in values {
@@ -184,7 +182,7 @@ fn most_common<T: Ord>(values: impl Iterator<Item = T>) -> Option<T> {
     first.map(|(value, _)| value)
 }
 
-/// Lists the numbers of the missing shards, with consecutive numbers as ranges.
+/// Lists the numbers of the missing shards. Consecutive numbers are written as ranges.
 fn missing_text(missing: &[u32], of: u32) -> String {
     let mut ranges: Vec<(u32, u32)> = Vec::new();
     for &number in missing {

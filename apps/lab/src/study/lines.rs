@@ -1,7 +1,7 @@
-//! The lines of a shard's file, each with a checksum, and the content of its first and last lines.
+//! The lines of a shard file, each with a checksum, and the contents of its first and last lines.
 //!
 //! A line is a text without tabs, then a tab, then the first 8 hexadecimal digits of the text's SHA-256. A truncated or
-//! changed line can therefore be detected without the other lines. The last line of a whole shard is `end` and the
+//! changed line can therefore be detected without the other lines. The last line of a whole shard is `end` with the
 //! SHA-256 of all preceding bytes.
 
 use super::hash::hex;
@@ -10,24 +10,25 @@ use crate::text::in_a_line;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-/// Bytes of a line's checksum. It misses 1 in 4·10⁹ damaged lines, but the hash in the last line detects these too.
+/// Number of bytes in a line's checksum. It misses 1 in 4·10⁹ damaged lines, but the hash in the last line also detects
+/// these.
 const CHECKED_BYTES: usize = 4;
 
-/// The beginning of a shard's first line.
+/// The beginning of the first line of a shard.
 const FORMAT: &str = "echomarch shard 1";
 
-/// Maximum length of a renderer's name and version in characters, and of a first line with them in bytes. Drivers'
-/// names have some dozens of characters and appear in messages and tables.
+/// Maximum length of a renderer's name and version, in characters, and maximum length of a first line, in bytes. The
+/// names of drivers have a few dozen characters, and appear in messages and tables.
 const LONGEST_RENDERER: usize = 500;
 const LONGEST_HEADER: usize = 4096;
 
-/// The beginning of a whole shard's last line.
+/// The beginning of the last line of a whole shard.
 const END: &str = "end ";
 
-/// Maximum length of a line in bytes: enough for a 60 s echogram with bins of 1 ms in all bands.
+/// Maximum length of a line, in bytes. It is enough for a 60 s echogram with bins of 1 ms in all bands.
 pub(super) const LONGEST_LINE: usize = 16 << 20;
 
-/// The content of a shard's first line, as JSON.
+/// The content of the first line of a shard, as JSON.
 #[derive(Clone, Debug, Deserialize, PartialEq, Eq, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Header {
@@ -44,7 +45,7 @@ pub(super) struct Header {
 }
 
 impl Header {
-    /// Creates the header of a study's shard that is computed on a renderer.
+    /// Creates the header of a shard that is computed on the given renderer.
     pub fn new(study: &Study, shard: Shard, renderer: &str) -> Header {
         let renderer = in_a_line(renderer);
         Header {
@@ -58,7 +59,7 @@ impl Header {
         }
     }
 
-    /// Parses the text of a first line, if it has exactly the form that the program writes.
+    /// Parses the text of a first line. Returns `None` unless it has exactly the form that the program writes.
     pub fn parse(text: &str) -> Option<Header> {
         if text.len() > LONGEST_HEADER {
             return None;
@@ -80,11 +81,11 @@ impl Header {
 
     /// The text of the first line.
     pub fn text(&self) -> String {
-        // A type with only text and numbers can always be serialised.
+        // Text and numbers can always be serialised.
         serde_json::to_string(self).unwrap_or_default()
     }
 
-    /// Describes the first difference between `self` and `expected`, if any.
+    /// Describes the first difference between `self` and `expected`; `None` if there is none.
     pub fn differs(&self, expected: &Header) -> Option<String> {
         let differs = |what: &str, found: &str, wanted: &str| {
             (found != wanted).then(|| format!("it is of {what} {found:?}, not {wanted:?}"))
@@ -93,7 +94,9 @@ impl Header {
         let another = differs("study", &self.study, &expected.study);
         another
             .map(|why| {
-                format!("{why}: the study has another text or name now, so use another folder")
+                format!(
+                    "{why}: the text or the name of the study has changed, so use another folder"
+                )
             })
             .or_else(|| differs("version", &self.version, &expected.version))
             .or_else(|| differs("renderer", &self.renderer, &expected.renderer))
@@ -102,12 +105,12 @@ impl Header {
     }
 }
 
-/// The line that stores `text` with its checksum; `text` contains neither tabs nor line ends.
+/// The line that stores `text` with its checksum. `text` must not contain tabs or line ends.
 pub(super) fn line(text: &str) -> String {
     format!("{text}\t{}\n", checksum(text))
 }
 
-/// The text of a line without its line end; none if the checksum is wrong.
+/// The text of a line without its line end; `None` if the checksum is wrong.
 pub(super) fn text_of(line: &[u8]) -> Option<&str> {
     let line = std::str::from_utf8(line).ok()?;
     let (text, found) = line.rsplit_once('\t')?;
@@ -118,7 +121,7 @@ fn checksum(text: &str) -> String {
     hex(&Sha256::digest(text.as_bytes())[..CHECKED_BYTES])
 }
 
-/// The text of the last line; `before` is the hash of all preceding bytes.
+/// The text of the last line. `before` is the hash of all preceding bytes.
 pub(super) fn end_text(before: Sha256) -> String {
     format!("{END}{}", hex(&before.finalize()))
 }

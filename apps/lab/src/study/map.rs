@@ -1,4 +1,4 @@
-//! Maps: pictures of one column of a joined study whose listeners form a lattice on a plane.
+//! Maps: pictures of one column of a joined study whose listeners form a grid on a plane.
 
 use super::columns::{Column, Kind};
 use super::empty::EmptyCount;
@@ -16,22 +16,22 @@ use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Maximum number of maps drawn of one column; further maps can be drawn from the table.
+/// Maximum number of maps of one column. Further maps can be drawn from the table.
 const MOST_MAPS: u64 = 100;
 
-/// Maximum number of positions in a map: with more positions than pixels, some would be invisible.
+/// Maximum number of positions in a map. With more positions than pixels, some would be invisible.
 const MOST_PLACES: u64 = 4_000_000;
 
-/// Width of a map's plan in pixels.
+/// Width of the plan in a map, in pixels.
 const WIDTH: u32 = 800;
 
 /// Draws maps of a column of the joined table in `folder`, one for every combination of scene, time, settings and
-/// source. The file is `map-COLUMN.png`, or `map-COLUMN-1.png` and so on for several maps. A position shows the mean
-/// over its seeds. Returns the written files.
+/// source. The file is `map-COLUMN.png`, or `map-COLUMN-1.png` and so on for several maps. The colour of a position is
+/// the mean over its seeds. Returns the paths of the files.
 ///
 /// # Errors
-/// [`StudyError::NoMap`] for a study whose listeners are not a lattice along x and z, and for a column without numbers;
-/// [`StudyError::Output`]; errors of the renderer.
+/// [`StudyError::NoMap`] if the study's listeners are not a grid along x and z, or if the column has no numbers;
+/// [`StudyError::Output`]; errors of OpenGL.
 pub fn draw_map(
     worker: &mut Worker,
     folder: &Path,
@@ -86,14 +86,14 @@ fn files(study: &Study, lattice: &Lattice, folder: &Path, column: &Column) -> Ve
 
 /// The numbers shown in a map.
 struct Numbers {
-    /// The number at each position; none if the position is empty.
+    /// The number at each position; `None` if the position is empty.
     values: Vec<Option<f64>>,
     /// Number of empty cells, by reason.
     gaps: BTreeMap<Gap, u64>,
 }
 
 impl Numbers {
-    /// The end of the map's title: the number of empty positions, and the reasons.
+    /// The end of the map's title: the number of empty positions and the reasons.
     fn empty(&self) -> String {
         let empty = self.values.iter().filter(|value| value.is_none()).count();
         if empty == 0 {
@@ -147,7 +147,7 @@ fn draw(
     })
 }
 
-/// A lattice of listeners along x and z.
+/// A grid of listeners along x and z.
 struct Lattice {
     ends: [Vec3; 2],
     counts: [u32; 2],
@@ -183,10 +183,10 @@ impl Lattice {
     }
 }
 
-/// Checks before long work that maps of these columns can be drawn.
+/// Checks, before long work, that maps of these columns can be drawn.
 ///
 /// # Errors
-/// The errors of [`draw_map`] that follow from the study itself.
+/// The errors of [`draw_map`] that depend only on the study.
 pub fn check_maps(study: &Study, columns: &[String]) -> Result<(), StudyError> {
     if columns.is_empty() {
         return Ok(());
@@ -197,7 +197,7 @@ pub fn check_maps(study: &Study, columns: &[String]) -> Result<(), StudyError> {
         .try_for_each(|column| numbers_column(study, column).map(drop))
 }
 
-/// Checks that the files of these maps can be written in the folder, which must exist.
+/// Checks that the files of these maps can be written to the folder, which must exist.
 pub fn check_map_files(study: &Study, folder: &Path, columns: &[String]) -> Result<(), StudyError> {
     for column in columns {
         let (lattice, (_, column)) = (Lattice::of(study)?, numbers_column(study, column)?);
@@ -208,7 +208,7 @@ pub fn check_map_files(study: &Study, folder: &Path, columns: &[String]) -> Resu
     Ok(())
 }
 
-/// The index of a number column among all columns of the joined table.
+/// The index of a column of numbers among all columns of the joined table.
 fn numbers_column(study: &Study, name: &str) -> Result<(usize, Column), StudyError> {
     let points = study.point_columns().len();
     let found = study.found_columns();
@@ -227,7 +227,7 @@ fn numbers_column(study: &Study, name: &str) -> Result<(usize, Column), StudyErr
     }
 }
 
-/// The title of a map of the column: `G at 1000 Hz`, `pan`.
+/// The title of a map of the column, such as `G at 1000 Hz` or `pan`.
 fn title(column: &str) -> String {
     let words: Vec<&str> = column.split('_').collect();
     let band = words.last().filter(|last| last.parse::<u32>().is_ok());
@@ -243,13 +243,13 @@ fn has_sides(column: &str) -> bool {
     column.split('_').any(|word| word == "pan")
 }
 
-/// The viridis colour map: dark blue for the smallest number, yellow for the largest.
+/// The colour map viridis: dark blue for the smallest number, yellow for the largest.
 fn viridis(share: f64) -> [u8; 3] {
     let colour = ViridisRGB::get_color(share);
     [colour.0, colour.1, colour.2]
 }
 
-/// A two-sided colour map: blue for the left, pale yellow for 0, red for the right.
+/// A diverging colour map: blue for the left, pale yellow for 0, red for the right.
 fn two_sided(share: f64) -> [u8; 3] {
     const LEFT: [f64; 3] = [69.0, 117.0, 180.0];
     const MIDDLE: [f64; 3] = [255.0, 255.0, 191.0];
@@ -274,7 +274,7 @@ fn unit(column: &str) -> &'static str {
 mod tests {
     use super::*;
 
-    /// Protects the reader of a map: its title, and the meaning of its colours as sides.
+    /// Protects the reader of a map: its title, and the assignment of colours to sides.
     #[test]
     fn maps_are_titled_and_sides_coloured() {
         for (column, told) in [

@@ -1,19 +1,20 @@
-//! Studies: sweeps and maps of any size, divided into shards that any machine can compute, and joined afterwards.
+//! Studies: sweeps and maps of any size. A study is divided into shards, which any machine can compute and which are
+//! joined afterwards.
 //!
-//! A [`Study`] is a file (RON) that lists scenes with named values, times, positions of source and listener, settings
-//! and seeds, and the results to keep. Its *points* are all combinations of these values, numbered from 0 in a fixed
-//! order: the seed changes first, then the listener, the source, the settings, the time, the named values, the scene.
-//! All callers compute a point with the same function ([`Worker`]).
+//! A [`Study`] is a RON file that lists scenes with named values, times, positions of source and listener, settings and
+//! seeds, and the results to keep. Its *points* are all combinations of these values. They are numbered from 0 in a
+//! fixed order: the seed changes fastest, then the listener, the source, the settings, the time, the named values, and
+//! the scene. All callers compute a point with the same function ([`Worker`]).
 //!
 //! # Shards
-//! Points are assigned to shards in blocks of [`BLOCK`] in round-robin order, so that the work is balanced. A [`Shard`]
-//! is one file with one line per point. During the computation the file has a different name, grows by one point at a
-//! time, and can be continued after any interruption; the complete file gets its final name. [`join`](join()) combines
-//! the shards, and rejects damaged shards and shards of another study, version or renderer.
+//! Points are assigned to shards in blocks of [`BLOCK`] in round-robin order, which balances the work. A [`Shard`] is
+//! one file with one line per point. During the computation the file has a temporary name and grows by one point at a
+//! time. It can be continued after any interruption, and gets its final name when it is complete. [`join`](join())
+//! combines the shards. It rejects damaged shards, and shards of another study, version or renderer.
 //!
 //! # Determinism
-//! On one renderer a point's result depends only on the study. Rows contain no time, machine or order of computation,
-//! so the joined tables have the same bytes however the study was divided and run.
+//! On one renderer, the result of a point depends only on the study. Rows contain no time, machine name or order of
+//! computation. The joined tables therefore have the same bytes, however the study was divided and run.
 
 mod axes;
 mod build;
@@ -59,8 +60,8 @@ use file::{Numbers, Places, Seeds};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Number of consecutive points assigned to a shard at a time: small, so that cheap and expensive parts of a study are
-/// balanced, but more than one, so that consecutive points of a shard share a scene.
+/// Number of consecutive points that are assigned to a shard at a time. It is small, so that shards have equal shares
+/// of the expensive parts of a study. It is larger than one, so that consecutive points of a shard share a scene.
 pub const BLOCK: u64 = 16;
 
 /// A study that has been read and checked.
@@ -76,7 +77,7 @@ pub struct Study {
     listener_radius: Option<f32>,
     seeds: Seeds,
     keep: Kept,
-    /// Number of points per variant of a scene.
+    /// Number of points for each variant of a scene.
     each: u64,
     points: u64,
 }
@@ -91,7 +92,7 @@ struct SceneAxis {
     end: u64,
 }
 
-/// Settings, with a name if they are a case of the accuracy experiment.
+/// Settings. They have a label if they are a case of the accuracy experiment.
 #[derive(Clone, Debug)]
 struct Case {
     label: Option<String>,
@@ -108,7 +109,7 @@ struct Kept {
 }
 
 impl Study {
-    /// Reads a study file, and the scenes that the file names from the folder of the file.
+    /// Reads a study file and its scenes. The paths of the scenes are relative to the folder of the study file.
     ///
     /// ```no_run
     /// use echomarch_lab::study::{Shard, Study, Worker, compute, join};
@@ -139,15 +140,15 @@ impl Study {
         self.points
     }
 
-    /// SHA-256 as hexadecimal digits over everything that determines the results, except program and renderer: the
-    /// content of the study, and the texts of its scenes and their files. Layout, comments and the folders of the files
-    /// are excluded.
+    /// SHA-256, as hexadecimal digits, over everything that determines the results except the program and the renderer:
+    /// the content of the study, and the texts of its scenes and their files. Layout, comments and the folders of the
+    /// files are excluded.
     pub fn hash(&self) -> &str {
         &self.hash
     }
 }
 
-/// The renderer's name and version, which must be equal in all shards to be joined.
+/// The name and version of the renderer. They must be equal in all shards to be joined.
 pub fn renderer_of(tracer: &Tracer) -> String {
     let context = tracer.context();
     format!("{}; {}", context.renderer(), context.version())

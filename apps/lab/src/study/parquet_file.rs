@@ -1,4 +1,4 @@
-//! A joined study as a Parquet file: plain nullable columns, in row groups.
+//! A joined study as a Parquet file with plain nullable columns in row groups.
 
 use super::StudyError;
 use super::columns::{Column, Kind};
@@ -16,13 +16,13 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Number of rows kept in memory and written as one group.
+/// Number of rows that are kept in memory and written as one row group.
 const ROWS_IN_GROUP: usize = 1 << 16;
 
-/// The creator named in the file; it omits the machine and the time.
+/// The creator recorded in the file. It does not contain the machine or the time.
 const CREATED_BY: &str = concat!("echomarch ", env!("CARGO_PKG_VERSION"));
 
-/// A Parquet file that is written row by row, and gets its final name when complete.
+/// A Parquet file that is written row by row. It gets its final name when it is complete.
 pub(super) struct ParquetFile {
     path: PathBuf,
     part: PartFile,
@@ -31,8 +31,7 @@ pub(super) struct ParquetFile {
     rows: usize,
 }
 
-/// The unwritten values of a column: the values that exist, and for each row whether it has a value
-/// (1) or not (0).
+/// The unwritten values of a column: the existing values, and for each row 1 if it has a value or 0 if not.
 enum Values {
     Whole(Vec<i64>, Vec<i16>),
     Real(Vec<f64>, Vec<i16>),
@@ -69,7 +68,7 @@ impl ParquetFile {
         })
     }
 
-    /// Adds a row of cells, in the form of CSV.
+    /// Adds a row of cells in the form of CSV.
     pub fn row(&mut self, cells: Vec<String>) -> Result<(), StudyError> {
         for (column, cell) in self.columns.iter_mut().zip(cells) {
             if !column.push(cell) {
@@ -134,7 +133,7 @@ impl Values {
         }
     }
 
-    /// Adds a cell; returns false if the cell does not fit this column.
+    /// Adds a cell. Returns false if the cell does not fit this column.
     fn push(&mut self, cell: String) -> bool {
         fn add<T, E>(
             values: &mut Vec<T>,
@@ -210,7 +209,7 @@ mod tests {
     use parquet::record::Field;
     use std::fs::File;
 
-    /// Protects the Parquet file: it has the numbers of the CSV, and null for each empty cell.
+    /// Protects the Parquet file: it has the numbers of the CSV file, and null for each empty cell.
     #[test]
     fn the_table_is_read_back() {
         let study = read(SMALL).unwrap();

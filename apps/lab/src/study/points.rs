@@ -1,16 +1,16 @@
-//! Points: converts an index to the scene, positions and settings.
+//! Converts the index of a point to its scene, positions and settings.
 
 use super::{SceneAxis, Study};
 use crate::report::Cell;
 use echomarch::scene::{Scene, SceneError};
 use glam::Vec3;
 
-/// A point of a study, as indices on the study's axes.
+/// A point of a study, as indices on the axes of the study.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Point {
     /// The point's index, from 0.
     pub index: u64,
-    /// The index of the scene variant (a scene with values of its named values) among all variants.
+    /// The index of the scene variant among all variants. A variant is a scene with numbers for its named values.
     pub variant: u64,
     pub time: u64,
     pub case: usize,
@@ -51,17 +51,17 @@ impl Study {
         &self.variants[at]
     }
 
-    /// The position of the source; none if the study keeps the scene's own position.
+    /// The position of the source; `None` if the study keeps the position in the scene.
     pub(super) fn source_of(&self, point: &Point) -> Option<Vec3> {
         self.sources.get(point.source)
     }
 
-    /// The position of the listener; none if the study keeps the scene's own position.
+    /// The position of the listener; `None` if the study keeps the position in the scene.
     pub(super) fn listener_of(&self, point: &Point) -> Option<Vec3> {
         self.listeners.get(point.listener)
     }
 
-    /// The cells of [`Study::point_columns`]; `posed` is the scene in its state at the point.
+    /// The cells of [`Study::point_columns`]. `posed` is the scene in its state at the point.
     pub(super) fn point_cells(&self, point: &Point, posed: &Scene) -> Vec<Cell> {
         let axis = self.axis_of(point.variant);
         let case = &self.settings[point.case];
@@ -92,7 +92,7 @@ impl Study {
         cells
     }
 
-    /// A variant's scene at a given time, before the study's positions are set.
+    /// The scene of a variant at a given time, before the positions of the study are set.
     pub(super) fn posed(&self, variant: u64, time: u64) -> Result<Scene, SceneError> {
         let axis = self.axis_of(variant);
         let mut scene = axis.scene.clone();
@@ -140,7 +140,7 @@ impl Study {
 }
 
 impl SceneAxis {
-    /// The named values of a variant of this scene; the last value changes fastest.
+    /// The named values of a variant of this scene. The last value changes fastest.
     fn values_at(&self, variant: u64) -> Vec<(&str, f32)> {
         let mut rest = variant - self.first;
         let mut values: Vec<(&str, f32)> = Vec::new();

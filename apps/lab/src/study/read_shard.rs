@@ -1,4 +1,4 @@
-//! Reads whole shards: first the whole file is checked, then the rows are read in order.
+//! Reads whole shards. First the whole file is checked, then its rows are read in order.
 
 use super::lines::{Header, LONGEST_LINE, end_text, is_end, text_of};
 use super::row_form::RowForm;
@@ -9,15 +9,14 @@ use std::collections::VecDeque;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
-/// Maximum size of a shard in bytes.
+/// Maximum size of a shard, in bytes.
 const LARGEST_FILE: u64 = 1 << 44;
 
-/// Number of rows read from a shard at a time: a few blocks, so that 10,000 shards fit into memory.
+/// Number of rows that are read from a shard at a time. It is a few blocks, so that 10,000 shards fit into memory.
 const ROWS_AT_A_TIME: u64 = 4 * BLOCK;
 
-/// Checks every line of a whole shard and, if the shard belongs to this study, every cell. Returns
-/// the header, or the reason why the shard is rejected. `progress` receives the number of checked
-/// points.
+/// Checks every line of a whole shard. If the shard belongs to this study, every cell is also checked. Returns the
+/// header, or the reason why the shard is rejected. `progress` receives the number of checked points.
 pub(super) fn verify(
     path: &Path,
     study: &Study,
@@ -29,7 +28,7 @@ pub(super) fn verify(
     let first = lines.next()?.ok_or("it is empty")?;
     let header = Header::parse(first).ok_or("it is not a shard of a study")?;
     let shard = Shard::new(header.shard, header.of).map_err(|error| error.to_string())?;
-    // Rows of another study or version have another form, and such a shard is not joined anyway.
+    // Rows of another study or version have another form. Such a shard is not joined, so its rows are not checked.
     let is_ours = header.study == study.hash && header.version == VERSION;
     let form = is_ours.then(|| RowForm::of(study));
     hash.update(&lines.bytes);
@@ -97,18 +96,18 @@ impl<R: BufRead> Lines<R> {
     }
 }
 
-/// The rows of a shard, in order. The file is open only during a read, because a process may be
-/// limited to fewer open files than there are shards.
+/// The rows of a shard, in order. The file is open only during a read, because the system may allow fewer open files
+/// than there are shards.
 pub(super) struct Rows {
     path: PathBuf,
-    /// Offset of the next line.
+    /// Offset of the next line, in bytes.
     offset: u64,
     /// Rows that have been read but not yet returned.
     ready: VecDeque<String>,
 }
 
 impl Rows {
-    /// Creates a reader of a verified shard's rows.
+    /// Creates a reader of the rows of a verified shard.
     pub fn of(path: PathBuf) -> Rows {
         Rows {
             path,
@@ -120,7 +119,7 @@ impl Rows {
     /// Returns the next row, which must belong to this point.
     ///
     /// # Errors
-    /// Returns an error when the file has changed since it was verified.
+    /// An error occurs if the file has changed since it was verified.
     pub fn next(&mut self, form: &RowForm, point: u64) -> io::Result<String> {
         if self.ready.is_empty() {
             self.read()?;

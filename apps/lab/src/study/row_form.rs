@@ -1,33 +1,33 @@
-//! The form of a shard's rows: the permitted cells of a study's columns, spelled as the program writes them.
+//! The form of a shard's rows: the permitted cells of the study's columns, spelled as the program writes them.
 //!
-//! A checksum detects damage, but anyone can compute a checksum. So each cell is parsed by its column's type, and a row
-//! is accepted only if its cells, written again, give the same text. This rejects numbers that are not finite or
-//! outside the column's range, other spellings, and text in a column of numbers.
+//! A checksum detects damage, but anyone can compute a checksum. Each cell is therefore parsed by the type of its
+//! column. A row is accepted only if its cells give the same text when they are written again. This rejects numbers
+//! that are not finite or outside the column's range, other spellings, and text in a column of numbers.
 
 use super::Study;
 use super::columns::{Column, Kind, Range};
 use crate::report::Cell;
 
-/// Maximum length of a number in characters: the longest shortest form is `-2.2250738585072014e-308`.
+/// Maximum length of a number, in characters. The longest of all shortest forms is `-2.2250738585072014e-308`.
 const LONGEST_NUMBER: usize = 24;
 
-/// Maximum number of characters of a rejected cell shown in a message.
+/// Maximum number of characters of a rejected cell that a message shows.
 const SHOWN: usize = 40;
 
-/// The columns of a row in a study's shards.
+/// The columns of a row in the shards of a study.
 pub(super) struct RowForm {
     columns: Vec<Column>,
 }
 
 impl RowForm {
-    /// Creates the form of a study's rows.
+    /// Creates the form of the rows of a study.
     pub fn of(study: &Study) -> RowForm {
         RowForm {
             columns: study.found_columns(),
         }
     }
 
-    /// Rejects a text that is not a row of this point, and returns the reason.
+    /// Rejects a text that is not a row of this point. Returns the reason.
     pub fn check(&self, text: &str, point: u64) -> Result<(), String> {
         let mut cells = text.split(',');
         if cells.next() != Some(point.to_string().as_str()) {
@@ -47,7 +47,8 @@ impl RowForm {
         Ok(())
     }
 
-    /// Whether a text is the beginning of a row of this point: complete cells, and possibly an incomplete number.
+    /// Whether a text is the beginning of a row of this point: complete cells, possibly followed by an incomplete
+    /// number.
     pub fn is_begun(&self, text: &str, point: u64) -> bool {
         let index = point.to_string();
         let Some((first, rest)) = text.split_once(',') else {
@@ -81,7 +82,7 @@ impl Column {
         }
     }
 
-    /// Whether a text is the beginning of a valid cell of this column, whose last number may be cut off.
+    /// Whether a text is the beginning of a valid cell of this column. Its last number may be truncated.
     fn takes_beginning(&self, cell: &str) -> bool {
         let (before, last) = match self.kind {
             Kind::Text => cell
@@ -95,9 +96,9 @@ impl Column {
             && last.chars().all(is_of_number)
     }
 
-    /// Describes the column's valid cells, for a message.
+    /// Describes the valid cells of the column, for a message.
     fn what(&self) -> String {
-        // The rounding tolerance is not shown.
+        // The message does not include the rounding tolerance.
         let [least, most] = [self.range.least, self.range.most].map(|end| end.round() + 0.0);
         let number = match self.kind {
             Kind::Whole => "a whole number",
@@ -130,19 +131,19 @@ fn is_real(text: &str, range: Range) -> bool {
     range.holds(number) && Cell::from(number).for_csv() == text
 }
 
-/// The text; none if it is too long for a number.
+/// The text; `None` if it is too long for a number.
 fn bounded(text: &str) -> Option<&str> {
     (text.len() <= LONGEST_NUMBER).then_some(text)
 }
 
 impl Range {
-    /// Whether the range contains a finite number; false for numbers that are not finite.
+    /// Whether a number is within the range; false for numbers that are not finite.
     fn holds(self, number: f64) -> bool {
         (self.least..=self.most).contains(&number)
     }
 }
 
-/// A cell as shown in a message, with long cells shortened.
+/// A cell as shown in a message. Long cells are shortened.
 fn shown(cell: &str) -> String {
     let begin: String = cell.chars().take(SHOWN).collect();
     match begin.len() < cell.len() {
@@ -156,7 +157,7 @@ mod tests {
     use super::*;
     use crate::study::tests::read;
 
-    /// A study with a column of each kind: left, right, pan, six counts, figures and their errors, a gap, an echogram.
+    /// A study with a column of each kind: left, right, pan, six counts, figures with their errors, a gap, an echogram.
     fn form() -> RowForm {
         let study = "Study(scenes: [Scene(of: \"corner\")], settings: All(waves: [64], iterations: [2]), \
                      keep: Keep(response: Response(figures: [t30, d50, g], bands_hz: [1000], errors: true, \
@@ -192,7 +193,8 @@ mod tests {
         cells.join(",")
     }
 
-    /// Protects tables from impossible numbers and from text in place of numbers; each error names the column.
+    /// Protects tables from impossible numbers, and from text in place of numbers. Each error contains the name of the
+    /// column.
     #[test]
     fn a_row_holds_what_its_columns_can_hold() {
         let form = form();
@@ -269,7 +271,7 @@ mod tests {
         assert!(form.check(&with(18, "0.5,0.5"), 7).is_err());
     }
 
-    /// Protects results from an interruption, which may cut a row at any byte, and from other data at the end of a
+    /// Protects results from an interruption, which may truncate a row at any byte, and from other data at the end of a
     /// file.
     #[test]
     fn a_row_may_be_cut_anywhere() {

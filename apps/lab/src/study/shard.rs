@@ -1,14 +1,14 @@
-//! Shards: their points, and the paths of their files.
+//! Shards: their points and the paths of their files.
 
 use super::BLOCK;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-/// Maximum number of shards of a study: more files would burden a cluster's disks.
+/// Maximum number of shards in a study. More files would overload the file system of a cluster.
 pub const MOST_SHARDS: u32 = 10_000;
 
-/// The folder of the shards, within the folder of the study's results.
+/// The folder of the shards, within the results folder of the study.
 const FOLDER: &str = "shards";
 
 /// File name extensions of a whole shard and of a shard in progress.
@@ -22,7 +22,7 @@ pub struct Shard {
     of: u32,
 }
 
-/// Text or numbers that do not name a shard.
+/// A text, or two numbers, that do not identify a shard.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("a shard must be K/N with K from 1 to N and N at most {most}, not {said:?}")]
 #[non_exhaustive]
@@ -66,7 +66,7 @@ impl Shard {
         (1..=of).map(move |number| Shard { number, of })
     }
 
-    /// The number of points in this shard, of `all` points of the study.
+    /// The number of points in this shard, if the study has `all` points.
     pub fn points(self, all: u64) -> u64 {
         let (number, of) = (u64::from(self.number), u64::from(self.of));
         let (whole, rest) = (all / BLOCK, all % BLOCK);
@@ -75,7 +75,7 @@ impl Shard {
         blocks * BLOCK + if has_rest { rest } else { 0 }
     }
 
-    /// The index in the study of this shard's point number `place`.
+    /// Converts the index of a point in this shard to its index in the study.
     pub(super) fn point(self, place: u64) -> u64 {
         let block = place / BLOCK * u64::from(self.of) + u64::from(self.number - 1);
         block * BLOCK + place % BLOCK
@@ -125,7 +125,7 @@ pub(super) fn folder_of(folder: &Path) -> PathBuf {
     folder.join(FOLDER)
 }
 
-/// Whether a file is named like a whole shard, of any number.
+/// Whether a file has the name of a whole shard, with any number.
 pub(super) fn is_whole(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending == WHOLE)
 }
@@ -134,7 +134,7 @@ pub(super) fn is_whole(path: &Path) -> bool {
 mod tests {
     use super::*;
 
-    /// Protects every point from being computed twice or not at all, and the names of shards.
+    /// Protects the assignment of points: every point is in exactly one shard. Also checks the file names of shards.
     #[test]
     fn points_are_dealt_out_once() {
         for all in [0, 1, 15, 16, 17, 100, 2000] {

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 /// The file that describes the tables.
 const NOTE: &str = "study.json";
 
-/// Tables that are written row by row, and get their final names when complete.
+/// Tables that are written row by row. They get their final names when they are complete.
 pub(super) struct Tables<'a> {
     study: &'a Study,
     folder: &'a Path,
@@ -34,7 +34,7 @@ impl<'a> Tables<'a> {
         folder: &'a Path,
         renderer: &'a str,
     ) -> Result<Tables<'a>, StudyError> {
-        // The description is written last, so that it exists only when all files are written.
+        // The description is written last, so that it exists only if all files were written.
         check_inside(&folder.join(NOTE))?;
         let csv_path = folder.join("study.csv");
         let failed = |source| StudyError::output(&csv_path, source);
@@ -62,8 +62,7 @@ impl<'a> Tables<'a> {
         })
     }
 
-    /// Adds a row: the cells that identify a point, and the point's results as written in its
-    /// shard.
+    /// Adds a row: the cells that identify a point, and the results of the point as written in its shard.
     pub fn row(&mut self, point: &[Cell], found: &str) -> Result<(), StudyError> {
         let cells = point.iter().map(Cell::for_csv);
         let found = found.split(',').map(str::to_owned);
@@ -81,7 +80,7 @@ impl<'a> Tables<'a> {
         Ok(())
     }
 
-    /// Gives the files their final names; returns their paths and the counts of empty cells.
+    /// Gives the files their final names. Returns their paths and the counts of empty cells.
     pub fn finish(self) -> Result<(Vec<PathBuf>, Vec<EmptyCells>), StudyError> {
         let empty = self.empty.cells();
         let Tables { csv, csv_path, .. } = self;
@@ -113,7 +112,7 @@ impl<'a> Tables<'a> {
     }
 }
 
-/// The description of the tables, which does not depend on the shards.
+/// The description of the tables. It does not depend on the shards.
 fn about(study: &Study, renderer: &str) -> Vec<(&'static str, String)> {
     vec![
         ("name", study.name.clone()),

@@ -1,4 +1,4 @@
-//! Tests of reading and joining studies without a renderer: the shards are made up by the tests.
+//! Tests of reading and joining studies without OpenGL. The tests write the shards themselves.
 
 use super::build::study as build;
 use super::check::Checker;
@@ -10,7 +10,7 @@ use super::{Shard, Study, StudyError, join};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 
-/// 60 points, each with three numbers.
+/// A study of 60 points, each with three numbers.
 pub(super) const SMALL: &str = r#"Study(
     name: "small",
     scenes: [Scene(of: "corner"), Scene(of: "shoebox")],
@@ -21,7 +21,7 @@ pub(super) const SMALL: &str = r#"Study(
 
 const RENDERER: &str = "made up; 1.0";
 
-/// Reads a study from a text; its scenes are in `folder`.
+/// Reads a study from a text. Its scenes are in `folder`.
 fn read_in(text: &str, folder: &Path) -> Result<Study, StudyError> {
     let file = StudyFile::from_ron(text, "study")?;
     build(&file, &Checker { origin: "study" }, folder)
@@ -35,12 +35,12 @@ fn refusal(text: &str) -> String {
     read(text).expect_err(text).to_string()
 }
 
-/// A row whose numbers are computed from its point.
+/// A row whose numbers are computed from the index of its point.
 fn row(index: u64) -> String {
     format!("{index},{:?},0.5,-0.25", index as f64 / 3.0)
 }
 
-/// The text of a whole shard with the rows that `row` returns.
+/// The text of a whole shard, with the rows that `row` returns.
 fn made_up(header: &Header, row: fn(u64) -> String) -> String {
     let shard = Shard::new(header.shard, header.of).unwrap();
     let mut text = line(&header.text());
@@ -52,12 +52,12 @@ fn made_up(header: &Header, row: fn(u64) -> String) -> String {
     text + &line(&end)
 }
 
-/// Writes all `of` shards of a study into a new folder.
+/// Writes all `of` shards of a study to a new folder.
 pub(super) fn shards(study: &Study, of: u32) -> tempfile::TempDir {
     shards_of(study, of, row)
 }
 
-/// Writes all `of` shards of a study with the rows that `row` returns into a new folder.
+/// Writes all `of` shards of a study to a new folder, with the rows that `row` returns.
 pub(super) fn shards_of(study: &Study, of: u32, row: fn(u64) -> String) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     std::fs::create_dir(folder_of(folder.path())).unwrap();
@@ -75,7 +75,7 @@ fn joined(study: &Study, folder: &Path) -> Result<Vec<Vec<u8>>, String> {
     Ok(joined.files.iter().map(read).collect())
 }
 
-/// Protects the order of the points in every table: the seed changes fastest, the scene slowest.
+/// Protects the order of the points in every table: the seed changes fastest, and the scene slowest.
 #[test]
 fn points_are_in_the_order_of_the_axes() {
     let study = read(SMALL).unwrap();
@@ -152,7 +152,7 @@ const WRONG: &[(&str, &str)] = &[
     ),
 ];
 
-/// Protects the checks of a study: each error states the invalid field and its valid range.
+/// Protects the checks of a study: each error contains the invalid field and its valid range.
 #[test]
 fn every_field_is_checked() {
     let with = |more: &str| format!("Study(scenes: [Scene(of: \"corner\")], {more})");
@@ -174,7 +174,7 @@ fn every_field_is_checked() {
     );
 }
 
-/// Protects the errors of a malformed study: they show the correct form, without Rust terms.
+/// Protects the errors of a malformed study: they contain the correct form, without Rust terms.
 #[test]
 fn a_study_is_refused_in_its_own_words() {
     let with = |more: &str| format!("Study(scenes: [Scene(of: \"corner\")], {more})");
@@ -215,8 +215,7 @@ fn a_study_is_refused_in_its_own_words() {
     }
 }
 
-/// Protects counts: a study accepts every form of the command line, and all forms give the same
-/// study.
+/// Protects counts: a study accepts every form that the command line accepts, and all forms give the same study.
 #[test]
 fn counts_are_written_as_on_the_command_line() {
     let hash = |waves: &str| {
@@ -229,8 +228,8 @@ fn counts_are_written_as_on_the_command_line() {
     assert_ne!(hash("10000"), hash("1e5"));
 }
 
-/// Protects from joining shards that do not belong together: the hash changes with everything that
-/// determines the results, and with nothing else.
+/// Protects against joining shards that do not belong together: the hash changes with everything that determines the
+/// results, and with nothing else.
 #[test]
 fn the_hash_is_of_what_decides_the_results() {
     let hash = |text: &str| read(text).unwrap().hash().to_owned();
@@ -249,7 +248,7 @@ fn the_hash_is_of_what_decides_the_results() {
     ] {
         assert_ne!(hash(&SMALL.replace(from, to)), small, "{to}");
     }
-    // The hash covers the text of a scene file, whatever its folder, and the text of its base.
+    // The hash covers the text of a scene file, independent of its folder, and the text of its base scene.
     let text = SMALL.replace("corner", "mine.ron");
     let mine = |base: &str| {
         let folder = tempfile::tempdir().unwrap();
@@ -271,8 +270,7 @@ fn the_hash_is_of_what_decides_the_results() {
     assert_ne!(mine("a"), mine("b"));
 }
 
-/// Protects the tables: any number of shards gives the same bytes, whatever the order of their
-/// files.
+/// Protects the tables: any number of shards gives the same bytes, in any order of their files.
 #[test]
 fn any_number_of_shards_joins_to_the_same_bytes() {
     let study = read(SMALL).unwrap();
@@ -307,8 +305,7 @@ fn refused(study: &Study, change: &dyn Fn(&Path)) -> String {
     said
 }
 
-/// Protects from incomplete results: the error names every shard that is missing, doubled, or not
-/// of this study.
+/// Protects against incomplete results: the error lists every shard that is missing, duplicated, or not of this study.
 #[test]
 fn shards_that_do_not_belong_are_named() {
     let study = read(SMALL).unwrap();
@@ -331,10 +328,7 @@ fn shards_that_do_not_belong_are_named() {
                 let copy = folder_of(folder).join("copy.shard");
                 std::fs::copy(second(folder), copy).unwrap();
             },
-            &[
-                "copy.shard: shard 2/4 is there twice",
-                "00002-of-00004.shard",
-            ],
+            &["copy.shard: shard 2/4 exists twice", "00002-of-00004.shard"],
         ),
         (
             &|folder| rewrite(folder, study.hash(), "0123"),

@@ -1,10 +1,11 @@
 //! Computes a shard in a working file, which can be continued after any interruption.
 //!
-//! Results are kept point by point: each line is written at once, and the file is synchronised with the disk once a
-//! second. A killed process loses the point in progress; a failing machine loses the points of the last second. The
-//! first line identifies the shard. An incomplete last line is the trace of an interruption and is dropped. Any other
+//! Results are stored point by point. Each line is written at once, and the file is synchronised with the disk once per
+//! second. A killed process loses the current point. If the machine fails, the points of the last second are lost.
+//!
+//! The first line identifies the shard. An incomplete last line is caused by an interruption, and is removed. Any other
 //! defect is an error, and the file is left unchanged (`work_place.rs` decides which files are opened). When all points
-//! are complete, the last line is added and the file is renamed; it lies in the same folder under both names.
+//! are complete, the last line is added and the file is renamed within its folder.
 
 use super::lines::{Header, LONGEST_LINE, end_text, is_end, line, text_of};
 use super::read_shard::verify;
@@ -20,16 +21,15 @@ use std::io::{self, BufRead, BufReader, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Time between two synchronisations of the file with the disk.
+/// Interval between two synchronisations of the file with the disk.
 const BETWEEN_SYNCS: Duration = Duration::from_secs(1);
 
-/// Computes the missing points of a shard, in the folder of the study's results. A complete shard is only checked.
-/// `progress` receives the number of the shard's completed points, beginning with those completed earlier.
+/// Computes the missing points of a shard in the results folder of the study. A complete shard is only checked.
+/// `progress` receives the number of completed points of the shard, including those completed earlier.
 ///
 /// # Errors
-/// [`StudyError::Point`] for a point that cannot be computed; [`StudyError::BadShard`] for a file of another
-/// study, version or renderer, or one that is damaged; [`StudyError::Busy`];
-/// [`StudyError::Output`].
+/// [`StudyError::Point`] if a point cannot be computed; [`StudyError::BadShard`] if the file is damaged, or of another
+/// study, version or renderer; [`StudyError::Busy`]; [`StudyError::Output`].
 pub fn compute(
     worker: &mut Worker,
     shard: Shard,
@@ -69,7 +69,7 @@ fn fill(
     work.finish(whole)
 }
 
-/// The text of a point's line: the point's index and its results, as in CSV.
+/// The text of a point's line: the index of the point and its results, as in CSV.
 pub(super) fn row(index: u64, found: &[Cell]) -> String {
     let mut text = index.to_string();
     for cell in found {
@@ -83,7 +83,7 @@ pub(super) fn row(index: u64, found: &[Cell]) -> String {
 fn check_whole(path: &Path, study: &Study, expected: &Header) -> Result<(), StudyError> {
     let refused = |why: String| StudyError::BadShard {
         path: path.to_owned(),
-        why: format!("{why}; remove it to compute it anew"),
+        why: format!("{why}; remove it to compute it again"),
     };
     let found = verify(path, study, &mut |_| ()).map_err(refused)?;
     found
@@ -91,7 +91,7 @@ fn check_whole(path: &Path, study: &Study, expected: &Header) -> Result<(), Stud
         .map_or(Ok(()), |why| Err(refused(why)))
 }
 
-/// The file of a shard in progress, positioned at the file's end.
+/// The file of a shard in progress. The write position is at the end of the file.
 struct WorkFile {
     file: File,
     path: PathBuf,
@@ -130,7 +130,7 @@ impl WorkFile {
         Ok(work)
     }
 
-    /// Truncates the file to its first `kept` bytes, and seeks to its end.
+    /// Truncates the file to its first `kept` bytes, and moves to its end.
     fn cut(&mut self, kept: u64) -> io::Result<()> {
         if self.file.metadata()?.len() > kept {
             self.file.set_len(kept)?;
@@ -138,7 +138,7 @@ impl WorkFile {
         self.file.seek(SeekFrom::Start(kept)).map(drop)
     }
 
-    /// Reads all whole lines, and returns their length in bytes. The file is not changed.
+    /// Reads all complete lines, and returns their length in bytes. The file is not changed.
     fn read_back(&mut self, header: &Header) -> Result<u64, StudyError> {
         let file = self.file.try_clone();
         let mut reader = BufReader::new(file.map_err(|source| self.failed(source))?);
@@ -179,8 +179,8 @@ impl WorkFile {
         }
     }
 
-    /// Checks the last line of a complete shard that was not renamed, and that no data follows it. The last line is
-    /// written again when the file gets its final name.
+    /// Checks the last line of a complete shard that was not renamed, and checks that no data follows it. The last line
+    /// is written again when the file gets its final name.
     fn read_end(&self, text: &str, mut reader: impl Read) -> Result<(), StudyError> {
         if !is_end(text) || text != end_text(self.hash.clone()) {
             return Err(self.refused("its last line does not match the rest"));
@@ -192,8 +192,8 @@ impl WorkFile {
         }
     }
 
-    /// Whether the bytes after all whole lines are the beginning of the next line, left by an interruption. After a
-    /// failure of the machine, zeros may replace bytes that were not on the disk yet.
+    /// Whether the bytes after all complete lines are the beginning of the next line, left by an interruption. After a
+    /// failure of the machine, zeros may replace bytes that had not been written to the disk.
     fn is_begun(&self, bytes: &[u8], lines: u64, header: &Header) -> bool {
         let zeros = bytes.iter().rev().take_while(|byte| **byte == 0).count();
         let Ok(text) = std::str::from_utf8(&bytes[..bytes.len() - zeros]) else {
@@ -203,8 +203,8 @@ impl WorkFile {
             return false;
         }
         match lines {
-            // A file with an incomplete first line is continued only if it belongs to this user; an empty file has no
-            // data to lose.
+            // A file with an incomplete first line is continued only if it belongs to this user. An empty file contains
+            // no data that could be lost.
             1 => {
                 let is_ours = text.is_empty() || is_of_this_user(&self.file);
                 line(&header.text()).starts_with(text) && is_ours
@@ -226,7 +226,7 @@ impl WorkFile {
     fn refused(&self, why: &str) -> StudyError {
         StudyError::BadShard {
             path: self.path.clone(),
-            why: format!("{why}; remove it to begin the shard anew"),
+            why: format!("{why}; remove it to begin the shard again"),
         }
     }
 
@@ -265,7 +265,7 @@ impl WorkFile {
             .sync_all()
             .and_then(|()| std::fs::rename(&self.path, whole));
         renamed.map_err(|source| StudyError::output(whole, source))?;
-        // The rename is synchronised as well, if the folder can be opened.
+        // The rename is also synchronised with the disk, if the folder can be opened.
         if let Some(folder) = whole.parent().and_then(|folder| File::open(folder).ok()) {
             folder
                 .sync_all()
@@ -284,7 +284,7 @@ mod tests {
     use super::*;
     use crate::study::tests::read;
 
-    /// Protects results from an interruption at any byte: the file can be continued and ends with the same bytes. Any
+    /// Protects results from an interruption at any byte: the file can be continued, and ends with the same bytes. Any
     /// other defect is an error, and the file is left unchanged.
     #[test]
     fn a_shard_is_gone_on_with_after_any_byte() {
@@ -331,7 +331,7 @@ mod tests {
                 .to_string()
                 .contains("renderer \"made up\", not \"another\"")
         );
-        // A process at work locks out all others.
+        // While a process has the file open, all other processes are locked out.
         let working = WorkFile::open(&study, shard, folder, &header).unwrap();
         let refused = WorkFile::open(&study, shard, folder, &header)
             .err()

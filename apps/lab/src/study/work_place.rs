@@ -1,8 +1,8 @@
-//! Decides which files the program works on: only files that it created, under the exact names that it gave them.
+//! Decides which files the program writes to: only files that it created itself, under their original names.
 //!
-//! A folder of results may contain anything: symbolic links, hard links, pipes, files of other programs. The program
-//! never writes to any of these. An existing file is opened without following links and locked; before a byte is
-//! written, the file is inspected and its first line is read.
+//! A results folder may contain anything: symbolic links, hard links, pipes, files of other programs. The program never
+//! writes to any of these. It opens an existing file without following links, and locks it. Before it writes a byte, it
+//! inspects the file and reads the first line.
 
 use super::{Shard, StudyError};
 use echomarch::internals::plain_file;
@@ -13,8 +13,8 @@ use std::path::Path;
 /// Maximum number of attempts to open a file that another process repeatedly creates and removes.
 const MOST_TRIES: u32 = 10;
 
-/// Opens or creates a working file; fails if another process has locked it. A file system without locks gives no such
-/// protection.
+/// Opens or creates a working file. Fails if another process has locked the file. On a file system without locks, there
+/// is no protection against other processes.
 pub(super) fn locked(shard: Shard, path: &Path) -> Result<File, StudyError> {
     let failed = |source| StudyError::output(path, source);
     let file = opened(path).map_err(failed)?;
@@ -28,7 +28,7 @@ pub(super) fn locked(shard: Shard, path: &Path) -> Result<File, StudyError> {
         Err(TryLockError::Error(error)) if error.kind() == ErrorKind::Unsupported => (),
         Err(TryLockError::Error(source)) => return Err(failed(source)),
     }
-    // The file may have been completed and renamed between opening and locking.
+    // Another process may have completed and renamed the file after it was opened here and before it was locked.
     let copy = file.try_clone().and_then(same_file::Handle::from_file);
     let copy = copy.map_err(failed)?;
     match same_file::Handle::from_path(path) {
@@ -47,7 +47,7 @@ pub(super) fn locked(shard: Shard, path: &Path) -> Result<File, StudyError> {
     Ok(file)
 }
 
-/// Opens the file with exactly this name, or creates one.
+/// Opens the file with exactly this name, or creates it.
 fn opened(path: &Path) -> io::Result<File> {
     let options = || {
         let mut options = File::options();
@@ -68,7 +68,7 @@ fn opened(path: &Path) -> io::Result<File> {
     Err(refused)
 }
 
-/// Whether the name exists, even as a dangling link.
+/// Whether the name exists, even as a dangling symbolic link.
 pub(super) fn is_there(path: &Path) -> bool {
     std::fs::symlink_metadata(path).is_ok()
 }
@@ -81,7 +81,7 @@ pub(super) fn is_of_this_user(file: &File) -> bool {
     file.metadata().is_ok_and(|about| about.uid() == user)
 }
 
-/// Whether a file belongs to the user who runs this program. The owner is unknown on this system, so every file that
+/// Whether a file belongs to the user who runs this program. This system does not report the owner, so every file that
 /// can be opened is accepted.
 #[cfg(not(target_os = "linux"))]
 pub(super) fn is_of_this_user(_: &File) -> bool {

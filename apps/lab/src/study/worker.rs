@@ -14,7 +14,7 @@ pub struct Worker<'a> {
     pub(super) study: &'a Study,
     tracer: Tracer,
     renderer: String,
-    /// A variant's scene at a given time, kept until a point needs a different one.
+    /// The scene of a variant at a given time. It is kept until a point needs another one.
     posed: Option<((u64, u64), Scene)>,
 }
 
@@ -29,12 +29,12 @@ impl<'a> Worker<'a> {
         }
     }
 
-    /// Name and version of the renderer, as written in shards.
+    /// The name and version of the renderer, as written in shards.
     pub fn renderer(&self) -> &str {
         &self.renderer
     }
 
-    /// The tracer, for other drawing.
+    /// The tracer, for drawing maps.
     pub fn tracer(&mut self) -> &mut Tracer {
         &mut self.tracer
     }
@@ -56,8 +56,8 @@ impl<'a> Worker<'a> {
             _ => study.posed(point.variant, point.time)?,
         };
         let (_, scene) = self.posed.insert((key, scene));
-        // Replaces the positions of the previous point: an axis sets its position either in all
-        // points or in none.
+        // This replaces the positions of the previous point. An axis sets its position either for all points or for
+        // none.
         if let Some(position) = study.source_of(point) {
             scene.sources[0].position = position;
         }

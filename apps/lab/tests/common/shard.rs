@@ -1,5 +1,5 @@
-//! Recomputes the checksums of a shard's file. Anybody can do so, so correct checksums do not prove
-//! correct numbers.
+//! Recomputes the checksums of a shard file. Anyone can do so, and correct checksums therefore do not prove correct
+//! numbers.
 
 use sha2::{Digest, Sha256};
 
@@ -7,8 +7,8 @@ fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// Returns the file with correct checksums in all lines, and a correct last line if it begins with
-/// `end `. Text that is not UTF-8 and bytes after the last line end stay unchanged.
+/// Returns the file with correct checksums in all lines. A last line that begins with `end ` is also corrected. Text
+/// that is not UTF-8, and bytes after the last line end, stay unchanged.
 pub fn with_sums(file: &[u8]) -> Vec<u8> {
     let Ok(text) = std::str::from_utf8(file) else {
         return file.to_vec();

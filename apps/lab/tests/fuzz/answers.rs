@@ -1,4 +1,4 @@
-//! Answer files as saved by the form and by the window.
+//! Answer files in the formats of the form and of the window.
 
 use super::Target;
 use super::scratch::with_file;
@@ -17,7 +17,7 @@ const STIMULUS: &str = r#"{"scene": "corner", "yaw_deg": 0.0, "sound": "sine:500
 const ANSWER: &str = r#"{"right_m": 1.0, "ahead_m": 1.0, "azimuth_deg": 45.0, "side": "right",
     "confidence": 3, "plays": 1, "seconds": 2.5, "answered": "2026-01-01T00:00:01.000Z"}"#;
 
-/// The target with corrupted answer files of the form and the window.
+/// The fuzz target of corrupted answer files from the form and the window.
 pub fn target() -> Target {
     let whole = format!(
         r#"{{"format": "echomarch-localise-answers", "version": 2, "experiment": "2600acb3",

@@ -1,5 +1,4 @@
-//! Untrusted studies, shards and answers: valid files, corrupted by a seeded generator as in the library's
-//! `tests/fuzz`.
+//! Untrusted studies, shards and answers: a seeded generator corrupts valid files, as in the library's `tests/fuzz`.
 
 #[path = "../../../../tests/fuzz/driver.rs"]
 mod driver;
@@ -21,7 +20,7 @@ mod study_folder;
 use driver::fuzz;
 use target::Target;
 
-/// Protects from untrusted study files.
+/// Protects the program from untrusted study files.
 #[test]
 fn studies() {
     fuzz(&study::target());
@@ -33,13 +32,14 @@ fn shards() {
     fuzz(&study_folder::shards());
 }
 
-/// Protects the other files of a results folder, and the targets of its links, when an interrupted shard is continued.
+/// Protects the other files of a results folder, and the targets of links in it, when an interrupted shard is
+/// continued.
 #[test]
 fn work_files() {
     fuzz(&study_folder::work_files());
 }
 
-/// Protects from untrusted answers.
+/// Protects the program from untrusted answer files.
 #[test]
 fn answers() {
     fuzz(&answers::target());

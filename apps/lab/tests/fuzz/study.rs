@@ -1,4 +1,4 @@
-//! Study files, and the scene files that they name.
+//! Study files and the scene files that they name.
 
 use super::Target;
 use super::scratch::with_file;
@@ -82,7 +82,7 @@ const ROOM: &[u8] =
     Value(\"v\", 0.6)), position: (0, -2, 0))], source: Source(position: (-3, 1, 1)), listener: \
     Listener(position: (3, 1, 1), radius: 1))";
 
-/// The target with corrupted study files.
+/// The fuzz target of corrupted study files.
 pub fn target() -> Target {
     Target {
         name: "study",
@@ -92,7 +92,7 @@ pub fn target() -> Target {
     }
 }
 
-/// Reads a study; an accepted study has points, each in exactly one shard.
+/// Reads a study. An accepted study must have points, each in exactly one shard.
 pub fn one(data: &[u8]) {
     with_file("room.ron", ROOM, |_| ());
     with_file("study.ron", data, |path| match Study::from_file(path) {

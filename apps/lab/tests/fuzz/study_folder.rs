@@ -1,4 +1,4 @@
-//! Folders of results: untrusted shards and working files, with checksums either unchanged or corrected.
+//! Results folders with untrusted shards and working files, whose checksums are either unchanged or corrected.
 
 use super::Target;
 use super::shard_file::with_sums;
@@ -39,7 +39,7 @@ struct Place {
     folder: tempfile::TempDir,
     worker: Worker<'static>,
     study: &'static Study,
-    /// Bytes of both shards, as the program writes them.
+    /// The bytes of both shards, as the program writes them.
     whole: [Vec<u8>; 2],
 }
 
@@ -48,7 +48,7 @@ impl Place {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let file = folder.path().join("study.ron");
         std::fs::write(&file, STUDY).expect("a file");
-        // Each thread leaks one study, which lives as long as the process.
+        // Each thread leaks one study, which stays valid until the process ends.
         let study: &Study = Box::leak(Box::new(Study::from_file(&file).expect("a study")));
         let context = Context::headless(&Default::default()).expect("OpenGL");
         let mut worker = Worker::new(study, Tracer::new(&context).expect("a tracer"));
@@ -66,7 +66,7 @@ impl Place {
         }
     }
 
-    /// Creates a new folder of results with these files among its shards.
+    /// Creates a new results folder, with these files among its shards.
     fn out(&self, files: &[(&str, &[u8])]) -> PathBuf {
         let out = self.folder.path().join("out");
         std::fs::remove_dir_all(&out).expect("the folder");
@@ -82,7 +82,7 @@ thread_local! {
     static PLACE: RefCell<Place> = RefCell::new(Place::new());
 }
 
-/// The files of a folder with their bytes, ordered by name.
+/// The files of a folder with their contents, sorted by name.
 fn contents(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     let entries = std::fs::read_dir(folder).expect("a folder").flatten();
     let files = entries
@@ -104,7 +104,7 @@ fn corpus() -> Vec<Vec<u8>> {
     })
 }
 
-/// The target with corrupted whole shards.
+/// The fuzz target of corrupted whole shards.
 pub fn shards() -> Target {
     Target {
         name: "shards",
@@ -117,8 +117,8 @@ pub fn shards() -> Target {
     }
 }
 
-/// Joins a corrupted shard with a valid one: a table holds only finite numbers, and a rejected shard leaves no file
-/// behind.
+/// Joins a corrupted shard with a valid one. A table must contain only finite numbers, and a rejected shard must leave
+/// no other file.
 fn join_one(data: &[u8]) {
     PLACE.with_borrow(|place| {
         let second = place.whole[1].as_slice();
@@ -141,7 +141,7 @@ fn join_one(data: &[u8]) {
     });
 }
 
-/// Checks the last nine columns of a table, which are results: three numbers and six counts of 4 waves.
+/// Checks the last nine columns of a table, which contain results: three numbers, and six counts of 4 waves.
 fn check_table(table: &str) {
     let rows: Vec<&str> = table.lines().skip(1).collect();
     assert_eq!(rows.len(), 20);
@@ -157,7 +157,7 @@ fn check_table(table: &str) {
     }
 }
 
-/// The target with corrupted working files.
+/// The fuzz target of corrupted working files.
 pub fn work_files() -> Target {
     Target {
         name: "work_files",
@@ -172,8 +172,8 @@ pub fn work_files() -> Target {
     }
 }
 
-/// Continues a corrupted working file: a rejected file stays unchanged, and an accepted file becomes a shard with all
-/// lines.
+/// Continues a corrupted working file. A rejected file must stay unchanged, and an accepted file must become a shard
+/// with all lines.
 fn work_one(data: &[u8]) {
     PLACE.with_borrow_mut(|place| {
         let out = place.out(&[("00001-of-00002.work", data)]);
@@ -196,8 +196,8 @@ fn work_one(data: &[u8]) {
     });
 }
 
-/// Places an untrusted file as a symbolic or a hard link under each name that the program uses: the file keeps its
-/// bytes whatever is computed and joined.
+/// Places an untrusted file as a symbolic or a hard link under each name that the program uses. The file must keep its
+/// bytes, whatever is computed and joined.
 #[cfg(unix)]
 fn links_lead_nowhere(data: &[u8]) {
     PLACE.with_borrow_mut(|place| {

@@ -1,5 +1,5 @@
-//! The accuracy experiment at small sizes: its files, and its figures compared with independent
-//! ones. These tests fail without GL.
+//! The accuracy experiment with few waves: its files, and its figures compared with independent ones. These tests fail
+//! without OpenGL.
 
 use echomarch::geometry::ShoeboxImages;
 use echomarch::gl::{Context, ContextOptions};
@@ -19,7 +19,7 @@ fn tracer() -> Tracer {
     Tracer::new(&context).unwrap()
 }
 
-/// A report with only a few frames, which takes a moment.
+/// A report with only a few frames, which is quickly computed.
 fn report(scene: &str, settings: &[Settings]) -> AccuracyReport {
     let case = |settings: &Settings| Case {
         label: settings.profile().to_string(),
@@ -56,7 +56,7 @@ fn rows(report: &AccuracyReport) -> &[Row] {
     &report.scenes[0].rows
 }
 
-/// Hits by order in the experiment equal those of image sources, which the experiment does not use.
+/// The hits by order in the experiment equal those of image sources, which the experiment does not use.
 #[test]
 fn hits_by_order_are_those_of_the_image_sources() {
     let settings = Settings::hybrid().with_waves(WAVES);
@@ -95,7 +95,7 @@ fn the_corner_is_right_but_for_the_thesis() {
     assert_eq!((chaos.growth, chaos.horizon), (None, None));
 }
 
-/// Pillars make paths chaotic: the report has a growth, a horizon, and waves beyond the horizon.
+/// Pillars make paths chaotic, so the report has a growth, a horizon, and waves beyond the horizon.
 #[test]
 fn obstacles_have_a_horizon() {
     let settings = Settings::hybrid().with_waves(4096).with_iterations(16);
@@ -107,9 +107,9 @@ fn obstacles_have_a_horizon() {
     assert!(waves.end_within_horizon.p99 <= waves.end.p99);
 }
 
-/// Marched fields, a user's text and surfaces in cells are as accurate as rooms: each wave meets the same surfaces
-/// as its exact twin, except where rounding decides; no wave is lost, and `eval` reports the
-/// evaluations of the march.
+/// Marched fields, a user's field and surfaces in cells are as accurate as rooms. Each wave meets the same surfaces as
+/// its exact twin, except where rounding decides. No wave is lost, and the report contains the evaluations of the
+/// march.
 #[test]
 fn marched_fields_and_cells_are_right() {
     for (scene, marches) in [("cave", true), (GYROID, true), ("glasshouse", false)] {
@@ -134,8 +134,7 @@ fn marched_fields_and_cells_are_right() {
     }
 }
 
-/// The CSV has the stated columns and one line per row, the plot is an SVG, and each row states its
-/// options.
+/// The CSV file has the stated columns and one line per row, the plot is an SVG, and each row states its options.
 #[test]
 fn a_report_becomes_csv_and_svg() {
     let summed = Settings::hybrid().with_waves(1024).with_sum_on_gpu(true);

@@ -1,4 +1,4 @@
-//! The hard cases: `hybrid` and `march` pass all of them, and the faithful `thesis` fails its known failures.
+//! The hard cases: `hybrid` and `march` pass all of them, and `thesis` fails in the known cases.
 
 use echomarch::gl::{Api, Context, ContextOptions};
 use echomarch::{Profile, Tracer};
@@ -30,7 +30,7 @@ fn assert_right(report: &VerifyReport) {
     }
 }
 
-/// Known faults of the thesis' algorithm, as expected failures: name of the case, and reason of the failure.
+/// Known faults of the thesis' algorithm, as expected failures: the name of the case, and the reason for the failure.
 const THESIS_FAILS: [(&str, &str); 17] = [
     ("normal-incidence", "waves are caught in the wall they met"),
     ("grazing-89.9", "the wave is given up after 300 of 573 m"),
@@ -66,8 +66,8 @@ const THESIS_FAILS: [(&str, &str); 17] = [
     ("open-field", "hits lie 0.1 m early"),
 ];
 
-/// Checks the share of heard waves where it is known without a reference: 0 behind a wall, however thin, and 1 for a
-/// source within the listener.
+/// Checks the share of heard waves in cases in which it is known without a reference: it is 0 behind a wall, however
+/// thin, and 1 for a source inside the listener's sphere.
 fn assert_heard(report: &VerifyReport) {
     for case in &report.cases {
         let through_a_wall = case.name.starts_with("thin-wall");
@@ -79,8 +79,8 @@ fn assert_heard(report: &VerifyReport) {
     }
 }
 
-/// Protects the promise of the crate: the two profiles recommended to users give the right answers in all hard cases.
-/// Also protects the port: `thesis` must fail the cases that the thesis' algorithm gets wrong.
+/// Protects a promise of the crate: the two profiles recommended to users give the right answers in all hard cases.
+/// Also protects the port: `thesis` must fail in the cases that the thesis' algorithm gets wrong.
 #[test]
 fn hybrid_and_march_pass_every_hard_case() {
     let report = report(Api::Gl, verify::all());
@@ -94,7 +94,7 @@ fn hybrid_and_march_pass_every_hard_case() {
     }
 }
 
-/// Protects the other APIs, with cases that depend on a single rounding.
+/// Protects the other APIs, with cases whose result depends on a single rounding.
 #[test]
 fn the_other_apis_pass_hard_cases_too() {
     let prefixes = [

@@ -1,7 +1,7 @@
 //! The last rows of the thesis' four tables, at 1,048,576 waves.
 //!
-//! The thesis' scenes are lost; ours are a reconstruction that reproduces the thesis' tables. This
-//! test detects every change of the scenes or the algorithm.
+//! The original scenes of the thesis are not available. The built-in scenes are a reconstruction that reproduces the
+//! thesis' tables. This test detects every significant change of the scenes or the algorithm.
 
 use crate::common::{builtin, thesis, tracer};
 use echomarch_lab::experiment::THESIS_TABLES;
@@ -9,10 +9,10 @@ use echomarch_lab::experiment::THESIS_TABLES;
 const WAVES: u32 = 1_048_576;
 const SEEDS: [u32; 2] = [1, 2011];
 
-/// Protects the reconstruction: our counts equal the thesis' counts within four standard errors.
-/// Both are counts of rare independent events, whose variance is their mean, so one standard error
-/// is √(thesis + ours). Figure 11.3 of the thesis has a count of 0, so ours may be at most three:
-/// the upper end of the 95 % interval for a count of 0.
+/// Protects the reconstruction: the counts equal the thesis' counts within four standard errors. Both are counts of
+/// rare independent events, whose variance is their mean, so one standard error is √(thesis + ours). Figure 11.3 of the
+/// thesis has a count of 0. The count there may be at most three, which is the upper end of the 95 % interval for a
+/// count of 0.
 #[test]
 fn counts_are_those_of_the_thesis() {
     let expected = [6760, 13402, 0, 84];
@@ -38,10 +38,10 @@ fn counts_are_those_of_the_thesis() {
     }
 }
 
-/// Protects the fault that makes the thesis profile faithful: passes of zero length, 43 % of all
-/// passes at 4 iterations and 66 % at 8, according to an independent model. The model's shares are
-/// whole per cents, rounded by up to 0.5. The bound of 1 leaves another 0.5 for the model's own
-/// normals.
+/// Protects the fault of the thesis' algorithm that the profile `thesis` reproduces: passes of zero length. According
+/// to an independent model, they are 43 % of all passes at 4 iterations and 66 % at 8. The shares of the model are
+/// rounded to whole percentages, which is an error of up to 0.5. The bound of 1 leaves another 0.5 for the different
+/// normals of the model.
 #[test]
 fn most_passes_in_the_corner_are_of_zero_length() {
     let mut tracer = tracer();

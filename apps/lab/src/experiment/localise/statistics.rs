@@ -283,16 +283,15 @@ mod tests {
         assert_eq!(figures(&ramp(11)), figures(&ramp(11)));
     }
 
-    /// The share of runs in which the intervals of bias and spread contain the true values: three
-    /// truths with different biases, normal noise of 1°, `answers` answers each.
+    /// The share of runs in which the intervals of bias and spread contain the true values. Each run has three truths
+    /// with different biases, normal noise of 1°, and `answers` answers per truth.
     fn coverage(answers: usize) -> [f64; 2] {
         const RUNS: u64 = 300;
         let mut held = [0.0; 2];
         for run in 0..RUNS {
             let mut random = Random::new(run);
             let mut uniform = || random.below(1 << 20) as f64 / f64::from(1 << 20);
-            // Irwin–Hall: the sum of twelve uniform numbers is nearly normal except in its far
-            // tails.
+            // Irwin–Hall: the sum of twelve uniform numbers is nearly normal, except in its far tails.
             let mut noise = || (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
             let mut pairs = Vec::new();
             for (truth, bias) in [(-48.0, 20.0), (0.0, 1.0), (48.0, -9.0)] {
@@ -310,10 +309,9 @@ mod tests {
         held
     }
 
-    /// Protects the documented meaning of the intervals: with five answers per truth they contain a
-    /// bias in about 92 % of runs and a spread in 83 %. With two answers the shares are far lower,
-    /// which is why such intervals are called rough. The tolerance is three standard errors of 300
-    /// runs.
+    /// Protects the documented meaning of the intervals: with five answers per truth, they contain the bias in about 92
+    /// % of the runs and the spread in 83 %. With two answers the shares are far lower, so such intervals are called
+    /// rough. The tolerance is three standard errors of 300 runs.
     #[test]
     fn five_answers_make_an_interval_and_two_do_not() {
         let [bias, spread] = coverage(LEAST_DRAWN);
@@ -322,8 +320,7 @@ mod tests {
         assert!(rough < 0.83, "{rough}");
     }
 
-    /// Protects people's intervals: a person who answers often still counts once, and a few persons
-    /// give no interval.
+    /// Protects people's intervals: a person with many answers still counts once, and a few persons give no interval.
     #[test]
     fn persons_are_drawn_and_not_their_answers() {
         let person = |bias: f64, answers: usize| vec![pair(0.0, bias); answers];
@@ -341,7 +338,7 @@ mod tests {
         assert_eq!(figures_of_people(&[Vec::new()]), None);
     }
 
-    /// Protects the share's interval: it matches a worked example and stays within 0 … 1.
+    /// Protects the confidence interval of a share: it matches a worked example and stays within 0 … 1.
     #[test]
     fn shares_have_wilsons_interval() {
         let half = Share::of(5, 10).unwrap();

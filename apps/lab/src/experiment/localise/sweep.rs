@@ -1,4 +1,4 @@
-//! Runs the observer on all scenes and settings.
+//! Runs the observer model on all scenes and settings.
 
 use super::listen::{LoadedSound, converge, facings, listen};
 use super::observer::{Levels, Observer, Side, azimuth_deg, direct_distance, lateral_deg};
@@ -21,9 +21,9 @@ pub(super) struct Run<'a> {
     progress: &'a mut dyn FnMut(u64, u64),
 }
 
-/// The answers to one frame.
+/// The observer's answers to one frame.
 pub(super) struct Answers {
-    /// One answer per sound, in degrees, of the observer that knows the distance.
+    /// One answer per sound, in degrees, by the observer that knows the distance.
     pub(super) told: Vec<f64>,
     /// The answer to the first sound by the observer that does not know the distance.
     pub(super) blind: Option<f64>,
@@ -94,7 +94,7 @@ impl Run<'_> {
         (self.progress)(self.done, self.options.steps());
     }
 
-    /// The answers to one frame.
+    /// Traces one frame, and returns the observer's answers to it.
     pub(super) fn hear(&mut self, scene: &Scene, settings: &Settings) -> Result<Answers, Error> {
         let law = self.options.law;
         let heard = listen(self.tracer, scene, settings)?;
@@ -123,7 +123,7 @@ impl Run<'_> {
         for settings in self.options.settings() {
             let mut trials = Vec::new();
             for (index, (facing, report)) in scenes.iter().zip(&reports).enumerate() {
-                // Each trial has its own seed, so no trial repeats the waves of another.
+                // Each trial has its own seed, so that no two trials use the same waves.
                 let first = 1 + index as u32 * self.options.seeds;
                 for seed in first..first + self.options.seeds {
                     let seeded = settings.clone().with_seed(seed);
@@ -175,19 +175,19 @@ impl Run<'_> {
 }
 
 impl FacingReport {
-    /// The answer to the converged panning after the given number of iterations, in degrees; the
-    /// middle if it was not computed.
+    /// The observer's answer to the converged panning after the given number of iterations, in degrees; 0 if that
+    /// panning was not computed.
     fn limit_deg(&self, iterations: u32) -> f64 {
         let of = self.limits.iter().find(|of| of.iterations == iterations);
         of.map_or(0.0, |of| of.lateral_deg)
     }
 }
 
-/// The index of a confusion table's last column, for trials without hits.
+/// Index of the last column of a confusion table, which counts trials without hits.
 const NOTHING: usize = 3;
 
-/// The figures of one sound in one setting. Silence does not count as an answer: as the middle, it
-/// would be right for a source ahead.
+/// The figures of one sound in one setting. Silence does not count as an answer. If it counted as the middle, it would
+/// be right for a source ahead.
 fn cell(sound: &str, settings: &Settings, trials: &[Trial], index: usize) -> Cell {
     let heard = || trials.iter().filter(|trial| trial.hits > 0);
     let errors = |truth: fn(&Trial) -> f64| {

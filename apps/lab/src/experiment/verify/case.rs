@@ -1,30 +1,30 @@
-//! A hard case: a scene or input, and its requirements.
+//! A hard case: a scene or an input, and the requirements on its result.
 
 use echomarch::Error;
 use echomarch::scene::Scene;
 use echomarch::tracer::{Settings, Tracer};
 use glam::{DVec3, Vec3};
 
-/// A hard case: the scene or input, and the requirements on its result.
+/// A hard case: a scene or an input, and the requirements on its result.
 #[derive(Clone, Debug)]
 pub struct Case {
     /// The case's name on the command line.
     pub name: String,
-    /// The difficulty, in words.
+    /// The difficulty, as text.
     pub hard: &'static str,
-    /// The exact answer in words.
+    /// The exact answer, as text.
     pub exact: String,
     /// The check.
     pub check: Check,
 }
 
-/// The check of a case.
+/// The check that decides whether a profile passes the case.
 #[derive(Clone, Debug)]
 pub enum Check {
     /// Waves compared with their exact end points.
     Waves(Box<WaveCheck>),
-    /// Input that must be rejected with a typed error, each with a description of the expected
-    /// error. A profile gets only the input that applies to its settings.
+    /// Input that must be rejected with a typed error. Each entry has a description, a scene and settings. A profile
+    /// only gets the entries for its own settings.
     Refused(Vec<(&'static str, Scene, Settings)>),
     /// Energies of arrivals.
     Energies(EnergyCheck),
@@ -33,13 +33,13 @@ pub enum Check {
 /// Energies of arrivals, compared with known values.
 #[derive(Clone, Copy, Debug)]
 pub struct EnergyCheck {
-    /// The accepted error, in words.
+    /// The accepted error, as text.
     pub(super) bound: &'static str,
-    /// Traces the energies, and judges them.
+    /// Traces the energies, and compares them with the known values.
     pub(super) judge: fn(&mut Tracer, &Settings) -> Result<Verdict, Error>,
 }
 
-/// The result of a judgement of energies.
+/// The result of a comparison of energies.
 #[derive(Clone, Debug)]
 pub(super) struct Verdict {
     pub passed: bool,
@@ -51,10 +51,10 @@ pub(super) struct Verdict {
 pub struct WaveCheck {
     /// The scene.
     pub scene: Scene,
-    /// The same world for the judge: library trees describe in `f64` the surfaces that users' texts
-    /// describe in `scene`.
+    /// The same scene for the reference. It uses shapes of the library, evaluated in `f64`, in place of the users'
+    /// fields of `scene`.
     pub truth: Option<Box<Scene>>,
-    /// The directions in which the waves leave the source, along world axes.
+    /// The directions in which the waves leave the source, in world axes.
     pub directions: Vec<Vec3>,
     /// Number of flights of each wave.
     pub iterations: u32,
@@ -65,14 +65,14 @@ pub struct WaveCheck {
 /// The accepted error of an answer.
 #[derive(Clone, Debug)]
 pub enum Bound {
-    /// The accepted error is the effect that rounding errors of the start have on the exact wave.
+    /// The accepted error is the effect of a rounding error in the start of the exact wave.
     Spread {
-        /// Share of the waves that may have another answer, because they hit edges that none of the
-        /// few computed starts hits.
+        /// Share of the waves that may have another answer. Such waves hit edges that none of the few displaced starts
+        /// hits.
         exceptions: f64,
     },
-    /// The accepted error is a share of the scene's extent, or of the path if the path is longer,
-    /// from planted answers, with one answer per wave.
+    /// The accepted error is a share of the scene's extent, or of the path if the path is longer. The answers are known
+    /// in advance, one for each wave.
     Planted {
         /// The share.
         share: f64,
@@ -84,14 +84,14 @@ pub enum Bound {
 /// An answer that is known in advance.
 #[derive(Clone, Debug)]
 pub struct Planted {
-    /// The objects met, in order: 0 the listener, n the n-th surface.
+    /// The objects that the wave hits, in order: 0 is the listener, n is the n-th surface.
     pub objects: Vec<u32>,
     /// Position of the wave after its last flight, in world metres.
     pub end: DVec3,
 }
 
 impl Case {
-    /// Creates a case that is judged by the spread of exact waves, without exceptions.
+    /// Creates a case that accepts the spread of displaced exact waves, without exceptions.
     pub(super) fn spread(
         name: impl Into<String>,
         hard: &'static str,
@@ -114,7 +114,7 @@ impl Case {
         }
     }
 
-    /// Requires answers known in advance, reached within `share` of the extent.
+    /// Requires answers that are known in advance, within `with_share` of the extent.
     pub(super) fn planted(mut self, with_share: f64, with_answers: Vec<Planted>) -> Case {
         if let Check::Waves(waves) = &mut self.check {
             waves.bound = Bound::Planted {
@@ -133,7 +133,7 @@ impl Case {
         self
     }
 
-    /// Lets the judge use another description of the same world.
+    /// Gives the reference another description of the same scene.
     pub(super) fn judged_by(mut self, other: Scene) -> Case {
         if let Check::Waves(waves) = &mut self.check {
             waves.truth = Some(Box::new(other));

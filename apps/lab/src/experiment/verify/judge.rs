@@ -9,40 +9,39 @@ use echomarch::scene::Scene;
 use echomarch::tracer::{Fate, Profile, Wave};
 use glam::{DVec3, Vec3};
 
-/// A scene, with the scales by which its waves are judged.
+/// The exact geometry of a scene, with the lengths to which errors are compared.
 pub(super) struct Judge {
     exact: ExactScene,
     start: DVec3,
     iterations: u32,
-    /// Largest distance from the listener within the scene, in metres.
+    /// Largest distance between the listener and a point of the scene, in metres.
     extent: f64,
-    /// Half a unit in the last place of a world coordinate, in metres: the error of reading a
-    /// position back as `f32`.
+    /// Half a unit in the last place of a world coordinate, in metres: the error when a position is read back as `f32`.
     world_rounding: f64,
 }
 
-/// The answer of an exact wave.
+/// The result of one wave, traced or exact.
 #[derive(Clone, Copy, Debug)]
 struct Answer {
     status: i32,
     sequence: u64,
     end: DVec3,
-    /// Whether `end` is a valid position: the thesis does not keep the position of a dead wave.
+    /// Whether `end` is a valid position. The thesis' algorithm does not keep the position of a dead wave.
     placed: bool,
 }
 
 /// The verdict on one wave.
 enum Verdict {
-    /// A right answer, with the distance from the nearest right answer: in metres, and as a share
-    /// of the extent, or of the path if the path is longer.
+    /// A right answer. The distance from the nearest right answer is in metres, and as a share of the extent, or of the
+    /// path if the path is longer.
     Right(f64, f64),
-    /// A wrong answer, with the distance from the exact end in metres if both waves have an end.
+    /// A wrong answer. The distance from the exact end is in metres; `None` if one of the waves has no end.
     Off(Option<f64>),
 }
 
 impl Judge {
     /// # Errors
-    /// An invalid scene.
+    /// Fails for an invalid scene.
     pub fn new(scene: &Scene, iterations: u32) -> Result<Judge, echomarch::Error> {
         let ear = scene.listeners[0].position.as_dvec3();
         let reach = |surface: &echomarch::Surface| {
@@ -66,7 +65,7 @@ impl Judge {
         })
     }
 
-    /// Judges the states at the start and after each iteration.
+    /// Judges the states of the waves at the start and after each iteration.
     pub fn judge(&self, states: &[Vec<Wave>], bound: &Bound, by: Profile) -> ProfileResult {
         let waves = states[0].len();
         let mut result = ProfileResult {
@@ -99,10 +98,10 @@ impl Judge {
             Bound::Spread { exceptions } => (exceptions * waves as f64) as usize,
             Bound::Planted { .. } => 0,
         };
-        // If every end counts as right, waves must still be alive, and the number of heard waves
-        // must agree with another draw of the same chaos. Two independent counts differ by a
-        // standard deviation of the root of their sum, and by more than four times that once in 16
-        // 000 draws.
+        // If every end counts as right, waves must still not be lost, and the number of heard waves must agree with
+        // that of another sample of the same chaotic paths. The standard deviation of the difference between two
+        // independent counts is the root of their sum. A difference of more than four standard deviations occurs in one
+        // of 16 000 samples.
         let no_ends = matches!(bound, Bound::Spread { exceptions } if *exceptions >= 1.0);
         let heard = result.heard as f64;
         let exactly = result.heard_exactly as f64;
@@ -116,7 +115,7 @@ impl Judge {
         result
     }
 
-    /// Checks the requirements that are independent of the right answer.
+    /// Checks the requirements that do not depend on the right answer.
     fn sanity(&self, path: &[Wave], result: &mut ProfileResult) {
         let mut depth = 0.0_f64;
         for wave in path {
@@ -157,8 +156,7 @@ impl Judge {
         }
     }
 
-    /// Judges by the spread: right answers are those of exact waves that start with a rounding
-    /// error.
+    /// Judges by the spread: the right answers are those of exact waves whose start is displaced by a rounding error.
     fn by_spread(&self, given: &Answer, direction: Vec3) -> Verdict {
         let direction = direction.as_dvec3();
         let answers: Vec<Answer> = self
@@ -198,9 +196,9 @@ impl Judge {
         Verdict::Off(both_end.then(|| answers[0].end.distance(given.end)))
     }
 
-    /// The start itself, then starts displaced by a whole, half and quarter rounding error, in
-    /// position and in direction: the result for a tangent line depends on the root of the
-    /// displacement.
+    /// The start itself, and starts that are displaced by a whole, a half and a quarter of the rounding error in
+    /// position and direction. Several displacements are needed, because the result for a tangent line depends on the
+    /// root of the displacement.
     fn starts(&self, direction: DVec3) -> impl Iterator<Item = (DVec3, DVec3)> {
         let (start, extent) = (self.start, self.extent);
         let aside = direction.any_orthonormal_vector();
@@ -217,13 +215,13 @@ impl Judge {
             .chain(shares.into_iter().flat_map(off))
     }
 
-    /// The extent, or the distance from the source to this end if that is larger, in metres.
+    /// The extent in metres, or the distance between the source and this end if it is larger.
     fn reach(&self, end: DVec3) -> f64 {
         self.extent.max(end.distance(self.start))
     }
 
-    /// The maximum distance of the exact waves from planted answers, as a share of the extent, or
-    /// of the path if the path is longer; infinite if a wave hits other objects.
+    /// The maximum distance between the exact waves and the answers known in advance, as a share of the extent, or of
+    /// the path if the path is longer. It is infinite if a wave hits other objects.
     pub fn exact_against(&self, directions: &[Vec3], answers: &[Planted]) -> f64 {
         let off = |(direction, answer): (&Vec3, &Planted)| {
             let direction = direction.as_dvec3();
@@ -246,8 +244,7 @@ fn planted(answer: &Planted) -> Answer {
     }
 }
 
-/// The answer contained in the states of a wave. The wave hits an object in each iteration until it
-/// is heard or dies.
+/// The answer that the states of a wave contain. The wave hits an object in each iteration until it is heard or dies.
 fn given(path: &[Wave], by: Profile) -> Answer {
     let mut objects = Vec::new();
     for pair in path.windows(2) {

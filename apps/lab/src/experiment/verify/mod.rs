@@ -1,32 +1,35 @@
-//! The hard cases: scenes that a faulty tracer is most likely to get wrong, each with its exact answer.
+//! The hard cases: scenes in which a faulty tracer most likely fails, each with its exact answer.
 //!
 //! # Method
 //! A [`Case`] is a scene, and the directions in which waves leave its source: either a few directions aimed at the
-//! difficulty, or a lattice of thousands. The GPU follows the waves with every profile, and every state of every wave
-//! is read back. The judge is [`ExactScene`](crate::geometry::ExactScene), which solves each flight in `f64`, in closed
-//! form where possible, and shares no code with the shaders. The judge cannot read a user's text: for such a case it
-//! uses a second scene, in which a tree of the library describes the same surface. Some answers are *planted*, that is,
-//! written by hand (normal and grazing incidence, edges and vertices of a room, sources in a solid and in the
-//! listener); the judge's own answers are compared with them too.
-//! # Which answers are right
-//! Positions and directions are `f32`, so a start is only known up to a rounding error, and so is every point of the
-//! path. A wave is right if an exact wave whose start is displaced by a few rounding errors ([`START_ROUNDING`]) hits
-//! the same objects in the same order and ends at the same point. The tolerance of the end point is twice the spread of
-//! the displaced waves, plus a share of the scene's extent ([`END_ROUNDING`]), plus a unit in the last place of a world
-//! coordinate, which is the error of reading back as `f32`. A dead wave ends at its last position; only the thesis does
-//! not keep this position. For a wave that hits a plane wall the tolerance is narrow. Near an edge, or after a few
-//! round pillars, it is as wide as the problem is ill-posed: a ray into an edge may be mirrored by either face. Cases
-//! with a planted answer have a fixed bound instead. Where chaos makes the ends meaningless, no wave may be lost, and
-//! the number of heard waves must be within chance.
+//! difficulty, or a lattice of thousands. The GPU traces the waves with every profile, and every state of every wave is
+//! read back. The judge compares them with the reference [`ExactScene`](crate::geometry::ExactScene), which solves each
+//! flight in `f64`, in closed form where possible, and shares no code with the shaders. The reference cannot evaluate
+//! users' GLSL. For such a case it uses a second scene, in which a tree of library shapes describes the same surface.
+//! Some answers are *planted*, that is, written by hand: normal and grazing incidence, edges and vertices of a room,
+//! sources in a solid and in the listener. The reference is also compared with these answers.
 //!
-//! In every case, all numbers in all states must be finite, no wave may be in a solid, every direction must keep its
-//! length of 1, and no march may reach the step limit.
+//! # Which answers are right
+//! Positions and directions are `f32`, so a start is only known to within a rounding error, and so is every point of
+//! the path. A wave is right if an exact wave whose start is displaced by a few rounding errors ([`START_ROUNDING`])
+//! hits the same objects in the same order and ends at the same point. The tolerance of the end point is twice the
+//! spread of the displaced waves, plus a share of the scene's extent ([`END_ROUNDING`]), plus one unit in the last
+//! place of a world coordinate, which is the error of the read-back as `f32`. A dead wave ends at its last position;
+//! only the thesis' algorithm does not keep this position.
+//!
+//! For a wave that hits a plane wall, the tolerance is narrow. Near an edge, or after a few round pillars, it is as
+//! wide as the problem is ill-posed. For example, either face may reflect a ray into an edge. Cases with a planted
+//! answer have a fixed bound instead. In cases where chaos makes the end points meaningless, no wave may be lost, and
+//! the number of heard waves must agree within random variation.
+//!
+//! In every case, all numbers in all states must be finite, no wave may be inside a solid, every direction must keep
+//! its length of 1, and no march may reach the step limit.
 //!
 //! Energies of arrivals are compared with known properties: energy is conserved, bands do not mix, and source and
-//! listener are interchangeable. The profile `thesis` carries no energy and fails these cases.
+//! listener can be exchanged. The profile `thesis` carries no energy, so it fails these cases.
 //!
 //! # Cost
-//! Some hundred cases with three profiles take a minute on llvmpipe, mostly for compiling shaders.
+//! About a hundred cases with three profiles take one minute on llvmpipe, mostly for shader compilation.
 
 mod case;
 mod cases;

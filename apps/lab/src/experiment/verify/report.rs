@@ -20,11 +20,11 @@ pub struct VerifyReport {
 pub struct CaseReport {
     /// The case's name.
     pub name: String,
-    /// The difficulty, in words.
+    /// The difficulty, as text.
     pub hard: String,
-    /// The exact answer in words.
+    /// The exact answer, as text.
     pub exact: String,
-    /// The bound in words.
+    /// The bound, as text.
     pub bound: String,
     /// The results, in the order of [`Profile::ALL`].
     pub results: Vec<ProfileResult>,
@@ -39,30 +39,30 @@ pub struct ProfileResult {
     pub passed: bool,
     /// Number of traced waves; 0 for input that must be rejected.
     pub waves: usize,
-    /// Number of waves without a right answer: other objects, or an end outside the bound.
+    /// Number of waves without a right answer: they hit other objects, or their end is outside the bound.
     pub off: usize,
-    /// Number of wrong waves that are dead although the exact wave is not.
+    /// Number of wrong waves that are dead although the exact wave is not dead.
     pub lost: usize,
     /// Number of heard waves.
     pub heard: usize,
-    /// Number of waves that are heard in the exact answer.
+    /// Number of exact waves that are heard.
     pub heard_exactly: usize,
-    /// Median distance in metres of the wrong waves from the exact end, over waves where both have
-    /// an end.
+    /// Median distance in metres between the ends of the wrong waves and of the exact waves, over waves for which both
+    /// ends exist.
     pub median_off: f64,
-    /// Largest distance of a right wave from the nearest right answer, in metres.
+    /// Largest distance between a right wave and its nearest right answer, in metres.
     pub error: f64,
     /// The largest such distance as a share of the scene's extent.
     pub relative_error: f64,
-    /// Number of states with a number that is NaN or infinite.
+    /// Number of states that contain a NaN or an infinite number.
     pub not_finite: usize,
-    /// Number of waves that were in a solid after some iteration.
+    /// Number of waves that were inside a solid after some iteration.
     pub inside: usize,
-    /// The largest depth in a solid, in metres.
+    /// The largest depth inside a solid, in metres.
     pub deepest: f64,
     /// Number of marches that reached the step limit.
     pub step_limit_reached: u64,
-    /// Largest difference of a direction's length from 1.
+    /// Largest difference between the length of a direction and 1.
     pub length_error: f64,
     /// Number of marches that ended at distance 0.
     pub zero_length_passes: u64,
@@ -71,7 +71,7 @@ pub struct ProfileResult {
 }
 
 impl ProfileResult {
-    /// The verdict and its figures in words.
+    /// The verdict and its figures, as text.
     pub fn verdict(&self) -> String {
         let verdict = if self.passed { "ok" } else { "fails" };
         let mut all = vec![verdict.to_owned()];
@@ -121,7 +121,7 @@ impl CaseReport {
         self.results.iter().find(|result| result.profile == name)
     }
 
-    /// Whether every profile that must pass the case passes it.
+    /// Whether `hybrid` and `march` pass the case. `thesis` need not pass.
     pub fn passed(&self) -> bool {
         [Profile::Hybrid, Profile::March]
             .iter()
@@ -130,7 +130,7 @@ impl CaseReport {
 }
 
 impl VerifyReport {
-    /// Number of cases that this profile passes.
+    /// Number of cases that the given profile passes.
     pub fn passes(&self, profile: Profile) -> usize {
         let of = |case: &&CaseReport| case.of(profile).is_some_and(|result| result.passed);
         self.cases.iter().filter(of).count()
@@ -180,13 +180,13 @@ impl Report for VerifyReport {
             passes.join(", ")
         ));
         document.paragraph(format!(
-            "spread: within twice what a start {START_ROUNDING:.1e} off (of the extent, and in \
-             radians) does to the exact end, and {END_ROUNDING:.1e} of the extent, plus a unit in \
-             the last place of a world coordinate, which reading back as f32 costs. error: the \
-             largest among right waves, as a share of the extent or, if that is longer, of the \
-             way. off: waves with other objects or an end outside the bound; lost: dead, and \
-             should not be; heard of: of those that should be heard; median: of distances from \
-             the exact end."
+            "spread: within twice the effect that a start {START_ROUNDING:.1e} off (of the extent, and \
+             in radians) has on the exact end, plus {END_ROUNDING:.1e} of the extent, plus one unit in \
+             the last place of a world coordinate, which is the error of the read-back as f32. error: \
+             the largest error of right waves, as a share of the extent or, if it is longer, of the \
+             path. off: waves that hit other objects or end outside the bound; lost: waves that are \
+             dead but should not be; heard of: heard waves out of those that should be heard; median: \
+             median distance from the exact end."
         ));
         document
     }

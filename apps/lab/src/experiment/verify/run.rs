@@ -10,7 +10,7 @@ use echomarch::tracer::{Profile, Settings, Tracer};
 /// Runs the cases. `progress` receives the number of completed cases and the total.
 ///
 /// # Errors
-/// [`Error::Gpu`] when the renderer fails. A failed case is not an error.
+/// [`Error::Gpu`] if OpenGL fails. A failed case is not an error.
 pub fn run(
     tracer: &mut Tracer,
     cases: &[Case],
@@ -30,7 +30,7 @@ pub fn run(
 /// Runs one case.
 ///
 /// # Errors
-/// As [`run`].
+/// The errors of [`run`].
 pub fn run_case(tracer: &mut Tracer, case: &Case) -> Result<CaseReport, Error> {
     let results = match &case.check {
         Check::Refused(inputs) => Profile::ALL.map(|p| refusals(tracer, p, inputs)).into(),
@@ -71,12 +71,12 @@ impl WaveCheck {
         let states = tracer.trace_directions(&self.scene, &settings, &self.directions)?;
         let mut result = judge.judge(&states, &self.bound, profile);
         result.profile = profile.to_string();
-        // The planted answers also check the judge.
+        // The planted answers also check the reference.
         if let Bound::Planted { share, answers } = &self.bound {
             let reference = judge.exact_against(&self.directions, answers);
             if reference > *share {
                 result.passed = false;
-                result.note = format!("the reference itself is {reference:e} off");
+                result.note = format!("the reference itself has an error of {reference:e}");
             }
         }
         Ok(result)
@@ -145,6 +145,6 @@ fn in_words(check: &Check) -> String {
             "no bound on ends: no NaN, no solid, length 1, none lost, same number heard".to_owned()
         }
         Bound::Spread { exceptions } => format!("spread, except {} %", 100.0 * exceptions),
-        Bound::Planted { share, .. } => format!("{share:.0e} of extent or way"),
+        Bound::Planted { share, .. } => format!("{share:.0e} of extent or path"),
     }
 }

@@ -1,4 +1,4 @@
-//! Touching boxes, turned together in a closed room, and surfaces in cells. Both near the listener
+//! Touching boxes that are rotated together in a closed room, and surfaces in cells. Each is tested near the listener
 //! and far away.
 
 use super::super::Case;
@@ -29,7 +29,7 @@ pub fn cases() -> Vec<Case> {
     ]
 }
 
-/// Boxes, enough of them to be put into cells.
+/// Enough boxes to be put into cells.
 fn bricks() -> Vec<Surface> {
     let size = Vec3::new(1.0, 0.5, 0.75);
     let place = |i: i32| Vec3::new((i % 4 - 2) as f32, (i / 4 % 4 - 2) as f32, (i / 16) as f32);
@@ -37,7 +37,7 @@ fn bricks() -> Vec<Surface> {
     (0..32).map(brick).collect()
 }
 
-/// A case of boxes that share faces, turned as a whole.
+/// A case of boxes that share faces, rotated as a whole.
 fn touching(name: &str, blocks: Vec<Surface>, away: f32) -> Case {
     let turn = Quat::from_euler(EulerRot::XYZEx, 0.62, -1.13, 0.37);
     let turned = blocks.into_iter().map(|block| {
@@ -52,7 +52,7 @@ fn touching(name: &str, blocks: Vec<Surface>, away: f32) -> Case {
     )
 }
 
-/// A case of forty copies of one shape on a spiral, without contact.
+/// A case of forty copies of one shape on a spiral. The copies do not touch.
 fn cells(name: &str, shape: Node, away: f32) -> Case {
     const GOLDEN_ANGLE: f32 = 2.399_963_2;
     let surface = |i: usize| {

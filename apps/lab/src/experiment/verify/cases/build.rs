@@ -24,7 +24,7 @@ pub fn block(x: f32, y: f32, z: f32) -> Surface {
     Surface::new(Node::Cuboid(Cuboid { size }))
 }
 
-/// A listener that no wave reaches, in the solid around the hall.
+/// A listener that no wave reaches, inside the solid around the hall.
 pub fn listener_outside() -> Listener {
     Listener::at(Vec3::new(16.5, 0.0, 0.0), 0.5)
 }
@@ -33,7 +33,7 @@ pub fn listener_outside() -> Listener {
 pub fn builtin(name: &str) -> Scene {
     match Scene::builtin(name) {
         Ok(scene) => scene,
-        // A test reads every built-in scene, so this cannot fail.
+        // A test loads every built-in scene, so this call cannot fail.
         Err(error) => unreachable!("{error}"),
     }
 }
@@ -44,8 +44,8 @@ pub fn aims(from: Vec3, at: &[Vec3]) -> Vec<Vec3> {
     at.iter().map(aim).collect()
 }
 
-/// Directions in an even lattice over the sphere, with heights in equal steps and azimuths by the
-/// golden angle.
+/// An even lattice of directions over the sphere. The heights have equal steps, and the azimuths increase by the golden
+/// angle.
 pub fn lattice(count: u32) -> Vec<Vec3> {
     const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
     let direction = |index: u32| {

@@ -23,7 +23,7 @@ fn shoebox() -> Case {
     )
 }
 
-/// A pillar in a hall; every reflection at the pillar multiplies errors by about 10.
+/// A pillar in a hall. Every reflection at the pillar multiplies errors by about 10.
 fn pillar() -> echomarch::Scene {
     let pillar = Surface::new(Node::Cylinder(Cylinder { radius: 3.0 }));
     let surfaces = vec![hall(), pillar];
@@ -47,7 +47,7 @@ fn sinai() -> Case {
     )
 }
 
-/// 200 flights, beyond the horizon: no end is right or wrong, but no wave may be lost.
+/// 200 flights go far beyond the horizon, so the end point of a wave cannot be judged. No wave may be lost, however.
 fn sinai_at_length() -> Case {
     Case::spread(
         "sinai-billiard-200",
@@ -60,7 +60,7 @@ fn sinai_at_length() -> Case {
     .but_for(1.0)
 }
 
-/// Two rows of pillars, which waves hit again and again.
+/// Two rows of pillars, between which waves are reflected many times.
 fn stadium() -> Case {
     let mut surfaces = vec![hall()];
     for x in [-10.0, -5.0, 0.0, 5.0, 10.0] {

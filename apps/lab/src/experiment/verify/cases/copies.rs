@@ -6,10 +6,10 @@ use echomarch::scene::shape::{Cuboid, Sphere};
 use echomarch::scene::{Listener, Shape, Surface};
 use glam::Vec3;
 
-/// Number of flights of each wave: small, because balls multiply errors.
+/// Number of flights of each wave. It is small, because reflections at balls multiply errors.
 const ITERATIONS: u32 = 2;
 
-/// Number of waves of a case: small, because the exact march past copies takes long.
+/// Number of waves in a case. It is small, because the exact march past copies takes long.
 const WAVES: u32 = 128;
 
 pub fn cases() -> Vec<Case> {
@@ -34,7 +34,7 @@ pub fn cases() -> Vec<Case> {
     ]
 }
 
-/// A repetition about the origin, with room, source and listener at a given position.
+/// A repetition about the origin, with a room, a source and a listener around the position `place`.
 fn in_a_room(name: &str, hard: &'static str, field: Shape, place: Vec3) -> Case {
     let surfaces = vec![Surface::new(field), room(30.0, 16.0, 30.0).at(place)];
     let listener = Listener::at(place + Vec3::new(-5.0, 1.0, 5.0), 0.5);

@@ -1,4 +1,4 @@
-//! Edges and vertices, hit from inside and outside.
+//! Edges and vertices that waves hit from inside and from outside.
 
 use super::super::{Case, Planted};
 use super::build::{aims, block, builtin, hall, listener_outside, scene};
@@ -56,9 +56,9 @@ fn concave_vertex() -> Case {
     .planted(1e-6, answers)
 }
 
-/// The positions of waves in the hall after `flights` flights. The room is unfolded into a grid of
-/// its mirror images, in which the path is straight and each plane of the grid ends a flight. The
-/// order of walls hit simultaneously does not matter.
+/// The positions of waves in the hall after `flights` flights. The room is unfolded into a grid of its mirror images,
+/// in which the path is straight and every plane of the grid ends a flight. If a wave hits several walls
+/// simultaneously, their order does not matter.
 fn unfolded(source: Vec3, directions: &[Vec3], flights: usize) -> Vec<Planted> {
     let half = DVec3::new(15.0, 10.0, 15.0);
     let start = source.as_dvec3();
@@ -168,7 +168,7 @@ fn turned_vertex() -> Case {
     )
 }
 
-/// A block standing in the hall.
+/// A block in the hall.
 fn standing(turn: Quat) -> Vec<Surface> {
     vec![hall(), block(2.0, 4.0, 6.0).turned(turn)]
 }

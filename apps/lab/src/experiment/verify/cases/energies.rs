@@ -1,4 +1,4 @@
-//! Known energies of arrivals: a scene without absorption conserves them, full absorption leaves none.
+//! Known energies of arrivals: without absorption the energy is conserved, and with full absorption none remains.
 
 use super::super::case::{EnergyCheck, Verdict};
 use super::super::{Case, Check};
@@ -18,8 +18,8 @@ const WAVES: u32 = 1 << 16;
 /// Number of reflections over which energy must be conserved.
 const CONSERVED: u32 = 200;
 
-/// Maximum difference between two draws of waves in standard deviations; larger differences occur in one case in 16
-/// 000.
+/// Maximum difference between two independent samples of waves, in standard deviations. Larger differences occur in one
+/// of 16 000 cases.
 const DEVIATIONS: f64 = 4.0;
 
 type Judge = fn(&mut Tracer, &Settings) -> Result<Verdict, Error>;
@@ -80,9 +80,9 @@ pub fn cases() -> Vec<Case> {
 /// The arrivals of a traced scene.
 struct Heard {
     energy: Bands,
-    /// Length of the longest path in metres.
+    /// Length of the longest path, in metres.
     longest_m: f64,
-    /// The number of equal arrivals that would have the same noise.
+    /// The number of equal arrivals with the same noise.
     effective: f64,
     counts: ArrivalCounts,
 }
@@ -93,7 +93,7 @@ fn heard(
     settings: &Settings,
     iterations: u32,
 ) -> Result<Heard, Error> {
-    /// Length of the record in seconds: long enough for all iterations.
+    /// Length of the response in seconds, which is enough for all iterations.
     const SECONDS: f64 = 100.0;
     const BIN_S: f64 = 0.1;
     let how = ArrivalSettings::new(SECONDS).with_iterations(iterations);
@@ -116,7 +116,7 @@ fn heard(
     })
 }
 
-/// A room with a block and a ball in it, all with one material.
+/// A room with a block and a ball, all with the same material.
 fn furnished(material: Material) -> Scene {
     let ball = Surface::new(Sphere { radius: 1.0 }).at(Vec3::new(-2.0, -0.5, 2.0));
     let cabinet = block(1.0, 2.0, 1.5).at(Vec3::new(2.0, -1.0, -2.0));
@@ -142,7 +142,7 @@ fn verdict(off: f64, bound: f64) -> Verdict {
     }
 }
 
-/// The largest relative difference between two energies, over the bands.
+/// The largest relative difference between two energies over all bands.
 fn apart(found: &Bands, expected: &Bands) -> f64 {
     let shares = found.iter().zip(expected).map(|(a, b)| (a / b - 1.0).abs());
     shares.fold(0.0, f64::max)
@@ -170,7 +170,7 @@ fn silenced(tracer: &mut Tracer, settings: &Settings) -> Result<Verdict, Error> 
 }
 
 fn independent(tracer: &mut Tracer, settings: &Settings) -> Result<Verdict, Error> {
-    /// Bands that are compared with a scene of their own.
+    /// The bands that are each compared with a scene of their own.
     const HELD: [usize; 3] = [0, 3, 7];
     const ITERATIONS: u32 = 50;
     let all = heard(tracer, &furnished(by_band()), settings, ITERATIONS)?;
@@ -194,7 +194,7 @@ fn at_wall(tracer: &mut Tracer, settings: &Settings) -> Result<Verdict, Error> {
 }
 
 /// The mean energy density of a source above a plane through the origin and of its mirror image, over the upper half of
-/// a ball about the origin.
+/// a ball around the origin.
 fn mean_over_half(source: DVec3, radius: f64) -> f64 {
     const STEPS: i32 = 40;
     let image = source * DVec3::new(1.0, -1.0, 1.0);

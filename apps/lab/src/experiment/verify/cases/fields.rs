@@ -1,4 +1,4 @@
-//! Marched fields: solids behind grazed surfaces, steep ground, distant listeners.
+//! Marched fields: solids behind surfaces that waves graze, steep ground, distant listeners.
 
 use super::super::Case;
 use super::build::{lattice, scene};
@@ -7,8 +7,7 @@ use echomarch::scene::{HeightImage, Listener, Node, Scene, Shape, Surface};
 use glam::{UVec2, Vec3};
 use std::sync::Arc;
 
-/// One flight, so that only its end is compared: at a crease the direction of reflection depends on
-/// rounding.
+/// Number of flights. Only one end is compared, because the direction of reflection at a crease depends on rounding.
 const ITERATIONS: u32 = 1;
 
 pub fn cases() -> Vec<Case> {
@@ -53,7 +52,7 @@ fn before_a_slab(name: &str, field: Shape, listener: Vec3) -> Case {
     )
 }
 
-/// A field that rays from the source graze, 14 m before a wide slab.
+/// A field that rays from the source graze, 14 m in front of a wide slab.
 pub(super) fn slab_behind(name: &str, field: Shape, listener: Vec3) -> Scene {
     let slab = Shape::from(Node::RoundedBox(RoundedBox {
         size: Vec3::new(200.0, 200.0, 0.5),
@@ -67,7 +66,7 @@ pub(super) fn slab_behind(name: &str, field: Shape, listener: Vec3) -> Scene {
     scene(name, surfaces, Vec3::ZERO, Listener::at(listener, 1.0))
 }
 
-/// A case of ground from a height image, heard from beside the ground.
+/// A case of ground from a height image, with the listener beside the ground.
 fn over_ground(name: &str, size: Vec3, far: f32) -> Case {
     const SIDE: u32 = 24;
     let height = |index: u32| {
@@ -77,7 +76,7 @@ fn over_ground(name: &str, size: Vec3, far: f32) -> Case {
     let heights = (0..SIDE * SIDE).map(height).collect();
     let image = match HeightImage::new("steps", UVec2::splat(SIDE), heights) {
         Ok(image) => Arc::new(image),
-        // A test builds every case, so this cannot fail.
+        // A test builds every case, so this call cannot fail.
         Err(error) => unreachable!("{error}"),
     };
     let ground = Surface::new(Shape::from(Node::HeightField(HeightField { image, size })));

@@ -1,4 +1,4 @@
-//! Walls hit at normal and at grazing incidence.
+//! Walls that waves hit at normal and at grazing incidence.
 
 use super::super::{Case, Planted};
 use super::build::{hall, listener_outside, scene};
@@ -14,7 +14,7 @@ pub fn cases() -> Vec<Case> {
     cases
 }
 
-/// Waves back and forth between two parallel walls.
+/// Waves that travel back and forth between two parallel walls.
 fn normal() -> Case {
     let source = Vec3::new(-8.0, 1.0, -8.0);
     let directions = [
@@ -29,7 +29,7 @@ fn normal() -> Case {
     let start = source.as_dvec3();
     let answer = |direction: &Vec3| {
         let axis = direction.as_dvec3();
-        // After an even number of flights the wave is at the wall behind its start.
+        // After an even number of flights, the wave is at the wall behind its start.
         let end = start * (DVec3::ONE - axis.abs()) - half * axis;
         Planted {
             objects: vec![1; 8],
@@ -79,7 +79,7 @@ fn grazing(degrees: f64) -> Case {
     .planted(1e-6, answers)
 }
 
-/// Grazing incidence between walls, which reflect the wave back.
+/// Grazing incidence between walls that reflect the wave back.
 fn grazing_in_a_room() -> Case {
     let source = Vec3::new(-14.0, -9.9, 1.0);
     let directions = [89.9, 89.99, 89.999]

@@ -63,7 +63,7 @@ const THESIS: [Spoil<ThesisOptions>; 3] = [
 
 type Input = (&'static str, Scene, Settings);
 
-/// Invalid scenes, to be rejected by every profile.
+/// Invalid scenes, which every profile must reject.
 fn of_scenes(spoils: &[Spoil<Scene>]) -> Vec<Input> {
     for_every_profile(spoils, |spoil, settings| {
         let mut scene = builtin("corner");
@@ -72,8 +72,7 @@ fn of_scenes(spoils: &[Spoil<Scene>]) -> Vec<Input> {
     })
 }
 
-/// Invalid settings: common settings for every profile, and a profile's own settings only for that
-/// profile.
+/// Invalid settings. Every profile must reject the common ones, and each profile must reject its own.
 fn of_settings() -> Vec<Input> {
     let mut inputs = for_every_profile(&SHARED, |spoil, mut settings| {
         spoil(&mut settings);

@@ -22,7 +22,7 @@ fn in_wall() -> Case {
     )
 }
 
-/// A free-standing wall that almost touches the listener's sphere.
+/// A free-standing wall very close to the listener's sphere.
 fn behind_a_screen() -> Case {
     let listener = Listener::at(Vec3::new(6.0, 0.0, 2.0), 1.0);
     let screen = block(0.02, 8.0, 8.0).at(Vec3::new(4.95, 0.0, 2.0));

@@ -19,7 +19,7 @@ mod users;
 
 use super::Case;
 
-/// Returns every hard case, in the order of the table.
+/// Returns every hard case, in the order of the report.
 pub fn all() -> Vec<Case> {
     [
         incidence::cases,
@@ -47,7 +47,7 @@ pub fn all() -> Vec<Case> {
 mod tests {
     use super::all;
 
-    /// Protects `--case`: names are unique.
+    /// Protects `--case`: the names of the cases are unique.
     #[test]
     fn names_are_unique() {
         let mut names: Vec<String> = all().into_iter().map(|case| case.name).collect();

@@ -1,4 +1,4 @@
-//! Scenes that waves can leave.
+//! Open scenes, which waves can leave.
 
 use super::super::Case;
 use super::build::{builtin, lattice, scene};
@@ -32,8 +32,8 @@ fn pillars() -> Case {
     )
 }
 
-/// Waves along the ground and straight up. The world's origin is in the listener, because the
-/// thesis moves its dead waves to the origin.
+/// Waves along the ground and straight up. The world's origin is inside the listener's sphere, because the thesis'
+/// algorithm moves dead waves to the origin.
 fn horizon() -> Case {
     let ground = Surface::new(Node::Plane(Plane)).at(Vec3::Y * -3.0);
     let ball = Surface::new(Node::Sphere(Sphere { radius: 1.0 })).at(Vec3::new(6.0, -2.0, 0.0));

@@ -1,4 +1,4 @@
-//! The thesis' scenes scaled down, scaled up, and moved away.
+//! The thesis' scenes, scaled down, scaled up, or moved away from the origin.
 
 use super::super::Case;
 use super::build::{builtin, lattice};
@@ -43,8 +43,7 @@ fn scaled(name: &str, exponent: i32) -> Case {
 }
 
 fn moved(name: &str, exponent: i32) -> Case {
-    // Offsets are whole multiples of the coarsest unit in the last place, so that the scene stays
-    // exact.
+    // The offsets are whole multiples of the largest unit in the last place, so that the scene stays exact.
     let by = Vec3::new(1.0, -1.0, 1.0) * 10_f32.powi(exponent);
     let mut scene = builtin(name);
     scene.sources[0].position += by;

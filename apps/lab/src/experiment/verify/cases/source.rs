@@ -59,7 +59,7 @@ pub fn cases() -> Vec<Case> {
     ]
 }
 
-/// The answers for waves that stay at the source and hit these objects there.
+/// The answers for waves that hit these objects at the source itself.
 fn at_source(objects: &[u32], source: Vec3) -> Vec<Planted> {
     let answer = Planted {
         objects: objects.into(),
@@ -72,7 +72,7 @@ fn case(name: &str, hard: &'static str, exact: &str, scene: Scene) -> Case {
     Case::spread(name, hard, exact, scene, lattice(WAVES), 4)
 }
 
-/// A hall with a block about the origin, a ball and a listener.
+/// A hall with a block around the origin, a ball and a listener.
 fn in_hall(source: Vec3) -> Scene {
     let ball = Surface::new(Node::Sphere(Sphere { radius: 2.0 })).at(Vec3::new(-6.0, 0.0, -6.0));
     let surfaces = vec![hall(), block(2.0, 4.0, 6.0), ball];

@@ -15,7 +15,7 @@ pub fn cases() -> Vec<Case> {
     ]
 }
 
-/// Lines at the shape's radius, and at slightly and very slightly smaller and larger distances.
+/// Lines at a distance equal to the shape's radius, and at slightly smaller and larger distances.
 fn tangents(name: &str, shape: Node) -> Case {
     let source = Vec3::new(-12.0, 0.0, 0.0);
     let aside = |share: f64| {

@@ -19,7 +19,7 @@ pub fn cases() -> Vec<Case> {
     ]
 }
 
-/// A wall from floor to ceiling through the whole hall, which no wave can pass.
+/// A wall through the whole hall, from floor to ceiling, which no wave can pass.
 fn thin_wall(thickness: f32, hard: &'static str) -> Case {
     let wall = block(thickness, 20.0, 30.0);
     let listener = Listener::at(Vec3::new(8.0, 0.0, 0.0), 2.0);

@@ -1,5 +1,5 @@
-//! Users' fields in small and in large boxes. The judge uses a library tree for each text: an
-//! independent description of the same surface.
+//! Users' fields in small and in large boxes. The reference uses shapes of the library that describe the same surface
+//! independently.
 
 use super::super::Case;
 use super::build::{lattice, room, scene};
@@ -9,25 +9,25 @@ use echomarch::scene::{Listener, Node, Scene, Shape, Surface, UserField};
 use glam::{EulerRot, Quat, Vec3};
 use std::sync::Arc;
 
-/// Number of flights: to the field, away from it, and the next flight.
+/// Number of flights: to the field, away from the field, and one more.
 const ITERATIONS: u32 = 3;
 
-/// The difficulty of a text without a gradient.
+/// The difficulty of a field without a gradient function.
 const VALUES: &str = "the user's text returns only values, as coarse as the text's own rounding";
 
-/// The difficulty of a text with a gradient.
+/// The difficulty of a field with a gradient function.
 const STATED: &str = "the normal comes from the user's text, at edges too";
 
-/// The exact answer: the judge's reference.
+/// The exact answer, from the reference.
 const TREE: &str = "the answer of a library tree that describes the same surface";
 
-/// A surface in two descriptions.
+/// A surface in two descriptions: GLSL, and shapes of the library.
 struct Statement {
-    /// The user's text.
+    /// The GLSL text.
     text: &'static str,
-    /// The maximum growth of the text's value per metre, in a cube of the given size.
+    /// The maximum gradient of the field's value, in a cube of the given size.
     lipschitz: fn(f32) -> f32,
-    /// A library tree that describes the same surface.
+    /// A tree of library shapes that describes the same surface.
     tree: Shape,
 }
 
@@ -39,8 +39,7 @@ fn ball() -> Statement {
     }
 }
 
-/// An offset to coordinates of ten times the radius, where the rounding error is ten times as
-/// large.
+/// An offset to coordinates of ten times the radius, where the rounding error is ten times as large.
 const AWAY: Vec3 = Vec3::new(10.0, -4.0, 8.0);
 
 fn ball_away() -> Statement {
@@ -62,15 +61,14 @@ fn torus() -> Statement {
     }
 }
 
-/// The torus as a difference of squares: the value is not a distance, and grows much more steeply
-/// far away.
+/// The torus as a difference of squares. Its value is not a distance, and its gradient is much larger far away.
 fn torus_squared() -> Statement {
     Statement {
         text: "float field(vec3 p) {
             float beside = length(p.xz) - 1.2;
             return beside * beside + p.y * p.y - 0.4 * 0.4;
         }",
-        // Twice the largest distance from a corner of the cube to the ring.
+        // Twice the largest distance between a corner of the cube and the ring.
         lipschitz: |size| 3f32.sqrt() * size,
         ..torus()
     }
@@ -92,7 +90,8 @@ fn blend() -> Statement {
     }
 }
 
-/// A slope cut off by its cube. Waves do not spread at the slope, so its bound is the smallest.
+/// A plane slope that ends at its cube. Displaced waves do not spread at the slope, so the accepted error is the
+/// smallest of all cases.
 fn slope(size: f32) -> Statement {
     let normal = Vec3::new(0.36, 0.8, -0.48);
     let half_space = Shape::from(Node::HalfSpace(HalfSpace {
@@ -109,7 +108,7 @@ fn slope(size: f32) -> Statement {
     }
 }
 
-/// A solid box; normals from differences would round its edges.
+/// A solid box. Normals from finite differences would round its edges.
 fn brick() -> Statement {
     Statement {
         text: "const vec3 HALF = vec3(1.0, 0.6, 0.8);
@@ -133,7 +132,7 @@ fn brick() -> Statement {
     }
 }
 
-/// The blend, with its gradient in the text.
+/// The blend with a gradient function in its GLSL text.
 fn blend_stated() -> Statement {
     Statement {
         text: "const vec3 A = vec3(-0.5, 0.0, 0.0), B = vec3(0.7, 0.3, 0.2);
@@ -188,8 +187,8 @@ pub fn cases() -> Vec<Case> {
     ]
 }
 
-/// Puts the text and the tree into a cube of this size, turned and away from the centre of a room;
-/// `moved` is an offset along the field's own axes.
+/// Puts the GLSL field and the tree into a cube of this size, which is rotated and away from the centre of a room.
+/// `moved` is an offset in the axes of the field.
 fn in_a_room(
     name: &str,
     hard: &'static str,
@@ -201,14 +200,14 @@ fn in_a_room(
     twice(name, hard, statement, box_size, ITERATIONS, world)
 }
 
-/// The torus, grazed by rays from the source, in front of a wide slab. Only one flight, because
-/// chaos begins after the torus.
+/// The torus in front of a wide slab, grazed by rays from the source. The case has only one flight, because paths are
+/// chaotic after the torus.
 fn before_a_slab(name: &str, listener: Vec3) -> Case {
     let world = |field: Shape| slab_behind(name, field, listener);
     twice(name, VALUES, &torus_squared(), 4.0, 1, world)
 }
 
-/// Creates the case of a user's text, which the judge compares with the tree.
+/// Creates the case of a user's field. The reference uses the tree.
 fn twice(
     name: &str,
     hard: &'static str,
