@@ -46,7 +46,7 @@ fn touching(name: &str, blocks: Vec<Surface>, away: f32) -> Case {
     });
     in_a_room(
         name,
-        "faces of several boxes lie in one plane, within rounding",
+        "faces of several boxes are in one plane, within rounding errors",
         turned.collect(),
         away,
     )
@@ -75,7 +75,7 @@ fn in_a_room(name: &str, hard: &'static str, surfaces: Vec<Surface>, away: f32) 
     Case::spread(
         name,
         hard,
-        "no wave is lost, and none goes through",
+        "no wave is lost, and none passes through a surface",
         scene(name, surfaces, Vec3::new(-8.0, 1.0, -6.0), listener),
         lattice(4096),
         3,

@@ -15,8 +15,8 @@ fn shoebox() -> Case {
     scene.listeners = vec![Listener::at(Vec3::new(5.9, 2.9, 7.9), 0.05)];
     Case::spread(
         "shoebox-200",
-        "200 reflections: directions lose their length, ends drift",
-        "at a wall after some 1500 m, direction of length 1",
+        "200 reflections: direction lengths and end points may drift",
+        "at a wall after about 1500 m, direction of length 1",
         scene,
         lattice(1024),
         200,
@@ -51,8 +51,8 @@ fn sinai() -> Case {
 fn sinai_at_length() -> Case {
     Case::spread(
         "sinai-billiard-200",
-        "200 flights, far beyond any prediction",
-        "no end is wrong; no wave in the pillar, directions of length 1",
+        "200 flights, far beyond the horizon of prediction",
+        "every end is accepted; no wave in the pillar, directions of length 1",
         pillar(),
         lattice(1024),
         200,
@@ -73,7 +73,7 @@ fn stadium() -> Case {
     Case::spread(
         "pillar-rows",
         "a passage between pillars 1 m apart: chaos within four reflections",
-        "no end is wrong; no wave in a pillar, directions of length 1",
+        "every end is accepted; no wave in a pillar, directions of length 1",
         scene("pillars", surfaces, Vec3::new(-12.5, 1.0, 0.5), listener),
         lattice(1024),
         50,

@@ -21,13 +21,13 @@ pub fn cases() -> Vec<Case> {
     vec![
         in_a_room(
             "endless-boxes",
-            "turned boxes without end, which a wave flies past up to a wall",
+            "an infinite grid of rotated boxes, which a wave passes up to a wall",
             turned.repeat(Vec3::new(2.0, 2.25, 2.5), [0; 3]),
             Vec3::ZERO,
         ),
         in_a_room(
             "endless-balls-far",
-            "balls without end whose origin is 300 km from the listener",
+            "an infinite grid of balls whose origin is 300 km from the listener",
             ball.repeat(Vec3::new(2.0, 0.0, 2.0), [0; 3]),
             Vec3::new(3e5, 0.0, -2e5),
         ),

@@ -32,8 +32,8 @@ fn concave_edge() -> Case {
     let answers = unfolded(source, &directions, 4);
     Case::spread(
         "concave-edge",
-        "a ray into the edge of two walls meets both at once",
-        "both mirror it, in any order: it comes back parallel to itself",
+        "a ray into the edge of two walls hits both simultaneously",
+        "both reflect it, in any order: it returns parallel to its path",
         scene("hall", vec![hall()], source, listener_outside()),
         directions,
         4,
@@ -47,8 +47,8 @@ fn concave_vertex() -> Case {
     let answers = unfolded(source, &directions, 6);
     Case::spread(
         "concave-vertex",
-        "a ray into the corner of three walls meets all three at once",
-        "all three mirror it: it comes back the way it came",
+        "a ray into the corner of three walls hits all three simultaneously",
+        "all three reflect it: it returns along its path",
         scene("hall", vec![hall()], source, listener_outside()),
         directions,
         6,
@@ -97,8 +97,8 @@ fn flush_edge() -> Case {
     let directions = aims(scene.sources[0].position, &points);
     Case::spread(
         "flush-edge",
-        "a block stands against a wall: a ray into the seam must not slip in between",
-        "wall and block mirror it, in any order",
+        "a block touches a wall: a ray into the seam must not pass between them",
+        "wall and block reflect it, in any order",
         scene,
         directions,
         6,
@@ -122,7 +122,7 @@ fn convex_edge() -> Case {
     Case::spread(
         "convex-edge",
         "a ray onto the edge of a block belongs to neither face",
-        "either face mirrors it, or it just passes",
+        "either face reflects it, or it just passes",
         scene(
             "block",
             standing(Quat::IDENTITY),
@@ -139,7 +139,7 @@ fn convex_vertex() -> Case {
     Case::spread(
         "convex-vertex",
         "a ray onto the vertex of a block belongs to none of its faces",
-        "any of the faces mirrors it, or it just passes",
+        "any of the faces reflects it, or it just passes",
         scene(
             "block",
             standing(Quat::IDENTITY),
@@ -160,8 +160,8 @@ fn turned_vertex() -> Case {
     let points: Vec<Vec3> = points.into_iter().map(|p| turn * p).collect();
     Case::spread(
         "turned-edges",
-        "edges and vertices of a turned block",
-        "any face mirrors it, or it just passes",
+        "edges and vertices of a rotated block",
+        "any face reflects it, or it just passes",
         scene("block", standing(turn), source, listener_outside()),
         aims(source, &points),
         4,

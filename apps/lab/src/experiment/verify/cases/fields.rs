@@ -46,8 +46,8 @@ pub fn cases() -> Vec<Case> {
 fn before_a_slab(name: &str, field: Shape, listener: Vec3) -> Case {
     spread(
         name,
-        "a step at a graze may be longer than the way to the slab behind",
-        "no wave passes the slab",
+        "a march step at a grazed surface may exceed the distance to the slab behind it",
+        "no wave passes through the slab",
         slab_behind(name, field, listener),
     )
 }
@@ -84,7 +84,7 @@ fn over_ground(name: &str, size: Vec3, far: f32) -> Case {
     let listener = Listener::at(Vec3::new(far, 0.9 * size.y + 0.1 * far, 0.0), 0.02 * size.x);
     spread(
         name,
-        "over steep ground the field's value is a poor measure of the distance",
+        "over steep ground the field's value is a poor estimate of the distance",
         "no wave passes through the ground",
         scene(name, vec![ground], source, listener),
     )

@@ -39,8 +39,8 @@ fn normal() -> Case {
     let answers = directions.iter().map(answer).collect();
     Case::spread(
         "normal-incidence",
-        "the wave comes back the way it came: an offset along it leads into the wall",
-        "8 flights to and fro, at the wall behind the start",
+        "the wave returns along its path: an offset along the path leads into the wall",
+        "8 flights back and forth, at the wall behind the start",
         scene("hall", vec![hall()], source, listener_outside()),
         directions.into(),
         8,
@@ -70,7 +70,7 @@ fn grazing(degrees: f64) -> Case {
     let listener = Listener::at(Vec3::Y * 3.0, 0.5);
     Case::spread(
         format!("grazing-{degrees}"),
-        "the distance shrinks far slower than the wave flies: thousands of steps, or a hit too early",
+        "the distance shrinks far more slowly than the wave advances: thousands of steps, or an early hit",
         format!("1 m of height is gone after {:.0} m", angle.tan()),
         scene("ground", vec![ground], source, listener),
         directions,
@@ -92,7 +92,7 @@ fn grazing_in_a_room() -> Case {
         .collect();
     Case::spread(
         "grazing-in-a-room",
-        "the wave creeps along a wall and is mirrored at those ahead",
+        "the wave travels close along a wall and is reflected by the walls ahead",
         "16 flights between walls",
         scene("hall", vec![hall()], source, listener_outside()),
         directions,

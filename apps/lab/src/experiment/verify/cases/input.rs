@@ -114,17 +114,17 @@ pub fn cases() -> Vec<Case> {
     vec![
         refused(
             "zero-volume",
-            "surfaces and listeners of no size",
+            "surfaces and listeners without a size",
             of_scenes(&ZERO_VOLUME),
         ),
         refused(
             "not-finite",
-            "positions, sizes and turns that are not numbers",
+            "positions, sizes and rotations that are not finite",
             of_scenes(&NOT_FINITE),
         ),
         refused(
             "senseless-settings",
-            "constants that no march can end with",
+            "constants with which no march can end",
             of_settings(),
         ),
     ]

@@ -14,8 +14,8 @@ fn in_wall() -> Case {
     let source = Vec3::new(-8.0, 1.0, 2.0);
     Case::spread(
         "listener-in-wall",
-        "the listener's sphere reaches through a wall",
-        "heard by the part of it that is in the room",
+        "the listener's sphere extends through a wall",
+        "heard by the part of the sphere inside the room",
         scene("hall", vec![hall()], source, listener),
         lattice(4096),
         6,
@@ -29,8 +29,8 @@ fn behind_a_screen() -> Case {
     let source = Vec3::new(-8.0, 1.0, 2.0);
     Case::spread(
         "listener-behind-screen",
-        "a screen of 2 cm stands 4 cm before the listener",
-        "heard by way of the walls alone",
+        "a screen of 2 cm is 4 cm in front of the listener's sphere",
+        "heard only over the walls",
         scene("screen", vec![hall(), screen], source, listener),
         lattice(4096),
         6,
@@ -42,8 +42,8 @@ fn in_corridor() -> Case {
     let source = Vec3::new(-18.0, 0.2, 0.1);
     Case::spread(
         "listener-fills-corridor",
-        "the listener's sphere is wider than the corridor that it stands in",
-        "every wave that comes along is heard",
+        "the listener's sphere is wider than its corridor",
+        "every wave that travels along the corridor is heard",
         scene("corridor", vec![room(40.0, 2.0, 2.0)], source, listener),
         lattice(1024),
         64,

@@ -13,7 +13,7 @@ pub fn cases() -> Vec<Case> {
 fn field() -> Case {
     Case::spread(
         "open-field",
-        "nothing above the ground: half of the waves meet nothing, ever",
+        "nothing above the ground: half of the waves never hit anything",
         "dead, and stays dead",
         builtin("open-field"),
         lattice(1024),
@@ -24,7 +24,7 @@ fn field() -> Case {
 fn pillars() -> Case {
     Case::spread(
         "open-pillars",
-        "pillars, a turned wall and a ball under the open sky",
+        "pillars, a rotated wall and a ball under the open sky",
         "dead after a few reflections, or heard",
         builtin("open-pillars"),
         lattice(2048),
@@ -49,7 +49,7 @@ fn horizon() -> Case {
     let source = Vec3::new(3.0, 0.0, 5.0);
     Case::spread(
         "horizon",
-        "waves along the ground and straight up; the world's origin in the listener",
+        "waves along the ground and straight up; the world's origin in the listener's sphere",
         "dead, and stays dead",
         scene("meadow", vec![ground, ball], source, listener),
         directions,

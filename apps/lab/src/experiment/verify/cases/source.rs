@@ -13,32 +13,32 @@ pub fn cases() -> Vec<Case> {
     vec![
         case(
             "source-on-wall",
-            "the source lies exactly on a wall of the room",
-            "waves into the wall are mirrored after 0 m, all others fly off",
+            "the source is exactly on a wall of the room",
+            "waves into the wall are reflected after 0 m, all others leave",
             in_hall(Vec3::new(-15.0, 0.0, 3.0)),
         ),
         case(
             "source-on-block",
-            "the source lies exactly on the face of a block",
-            "waves into the block are mirrored after 0 m, all others fly off",
+            "the source is exactly on the face of a block",
+            "waves into the block are reflected after 0 m, all others leave",
             in_hall(Vec3::new(1.0, 0.5, 0.5)),
         ),
         case(
             "source-on-ball",
-            "the source lies on a ball, as well as numbers allow",
-            "waves into the ball are mirrored after 0 m, all others fly off",
+            "the source is on a ball, as exactly as f32 allows",
+            "waves into the ball are reflected after 0 m, all others leave",
             in_hall(Vec3::new(-6.0, 0.0, -4.0)),
         ),
         case(
             "source-in-wall",
-            "the source is 0.5 m within the solid of a block",
+            "the source is 0.5 m inside a solid block",
             "no sound leaves a solid: all waves are dead",
             in_hall(Vec3::new(0.5, 0.0, 0.0)),
         )
         .planted(1e-6, at_source(&[], Vec3::new(0.5, 0.0, 0.0))),
         case(
             "source-outside",
-            "the source is outside of the room",
+            "the source is outside the room",
             "no sound leaves a solid: all waves are dead",
             in_hall(Vec3::new(-15.5, 0.0, 0.0)),
         )
@@ -46,12 +46,12 @@ pub fn cases() -> Vec<Case> {
         case(
             "source-near-wall",
             "the source is within the minimum distance of a wall (0.05 of 0.1 m)",
-            "waves fly off from where they are",
+            "waves leave from the source's position",
             in_hall(Vec3::new(-14.95, 0.0, 3.0)),
         ),
         case(
             "source-in-listener",
-            "the source is within the listener's sphere",
+            "the source is inside the listener's sphere",
             "every wave arrives after 0 m, at the source",
             in_hall(Vec3::new(10.0, 0.5, 8.5)),
         )

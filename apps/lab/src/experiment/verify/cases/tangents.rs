@@ -39,8 +39,8 @@ fn tangents(name: &str, shape: Node) -> Case {
         .collect();
     Case::spread(
         name,
-        "a line that touches: the square root of the solution is 0",
-        "past it, or mirrored by a tiny angle",
+        "a tangent line: the square root in the solution is 0",
+        "passes, or is reflected at a tiny angle",
         scene(
             "hall",
             vec![hall(), Surface::new(shape)],

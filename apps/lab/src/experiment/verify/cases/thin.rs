@@ -12,9 +12,12 @@ pub fn cases() -> Vec<Case> {
         thin_wall(0.0001, "a wall of a tenth of a millimetre"),
         gap(
             0.05,
-            "two walls closer than the minimum distance: the source in the gap",
+            "two walls closer than the minimum distance, with the source in the gap",
         ),
-        gap(0.001, "two walls a millimetre apart: the source in the gap"),
+        gap(
+            0.001,
+            "two walls a millimetre apart, with the source in the gap",
+        ),
         mouth(0.05),
     ]
 }
@@ -70,7 +73,7 @@ fn mouth(width: f32) -> Case {
     Case::spread(
         "mouth-of-a-gap",
         "rays into a gap narrower than the minimum distance",
-        "most go in and are mirrored to and fro",
+        "most enter and are reflected back and forth",
         scene("slot", blocks(width), source, listener),
         aims(source, &points),
         32,

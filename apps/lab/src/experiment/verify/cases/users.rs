@@ -13,13 +13,13 @@ use std::sync::Arc;
 const ITERATIONS: u32 = 3;
 
 /// The difficulty of a field without a gradient function.
-const VALUES: &str = "the user's text returns only values, as coarse as the text's own rounding";
+const VALUES: &str = "the user's field returns only values, with the rounding errors of its GLSL";
 
 /// The difficulty of a field with a gradient function.
-const STATED: &str = "the normal comes from the user's text, at edges too";
+const STATED: &str = "the normal comes from the user's GLSL, also at edges";
 
 /// The exact answer, from the reference.
-const TREE: &str = "the answer of a library tree that describes the same surface";
+const TREE: &str = "the answer of library shapes that describe the same surface";
 
 /// A surface in two descriptions: GLSL, and shapes of the library.
 struct Statement {
