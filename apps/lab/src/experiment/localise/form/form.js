@@ -101,7 +101,7 @@
       const button = document.createElement("button");
       button.type = "button";
       button.className = "continue";
-      button.textContent = "Go on";
+      button.textContent = "Continue";
       button.addEventListener("click", () => enter(one));
       const code = one.participant || "no code";
       const text = ` ${code}, begun ${one.started.slice(0, 16).replace("T", " ")}: `
@@ -331,7 +331,7 @@
     const locked = answerOf(place);
     const open = locked ? [] : missing();
     byId("lock").disabled = open.length > 0;
-    byId("lock").textContent = locked ? "Go on" : "Lock the answer and go on";
+    byId("lock").textContent = locked ? "Continue" : "Lock the answer and continue";
     const still = open.length > 0 ? `Still to do: ${open.join(", ")}.` : "";
     say("missing", locked ? "This answer is locked." : still);
     const times = draft.plays === 1 ? "time" : "times";
