@@ -50,7 +50,7 @@ fn ungrouped(said: &str) -> Result<String, String> {
     };
     for (at, _) in said.match_indices('_') {
         if !is_digit(at.checked_sub(1)) || !is_digit(Some(at + 1)) {
-            return Err("an underscore must stand between two digits".to_owned());
+            return Err("an underscore must be between two digits".to_owned());
         }
     }
     Ok(said.replace('_', ""))

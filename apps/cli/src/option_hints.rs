@@ -48,16 +48,16 @@ fn of_option(command: &str, typed: &str) -> Option<&'static str> {
             "trace writes no file with -o: use --json > FILE.json, or --dump-waves FILE.csv"
         }
         ("trace", "--source" | "--listener") => {
-            "trace takes the first source and the first listener; --levels reports every pair, and impulse a chosen one"
+            "trace uses the first source and the first listener; --levels reports every pair, and impulse a chosen pair"
         }
         ("slice", "--source" | "--listener") => {
-            "slice takes the first source and the first listener: reorder them in the scene file"
+            "slice uses the first source and the first listener: reorder them in the scene file"
         }
         ("impulse", "--iterations" | "--iterations-per-pass") => {
-            "impulse has no count of iterations: waves are followed for --seconds"
+            "impulse has no number of iterations: waves are traced for --seconds"
         }
         ("view", "--waves" | "--iterations" | "--profile" | "--seed") => {
-            "view follows no waves: it draws what the listener sees"
+            "view traces no waves: it draws what the listener sees"
         }
         _ => return None,
     })

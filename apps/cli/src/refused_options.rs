@@ -49,13 +49,13 @@ const IGNORED: &[Ignored] = &[
         command: &["slice"],
         options: &["waves"],
         when: |given| !is_given(given, "heard_paths"),
-        because: "--paths sets how many waves are followed",
+        because: "--paths sets the number of traced waves",
     },
     Ignored {
         command: &["slice"],
         options: &["iterations_per_pass", "sum_on_gpu"],
         when: always,
-        because: "paths are followed one iteration at a time, and nothing is summed",
+        because: "paths are traced one iteration at a time, and nothing is summed",
     },
     Ignored {
         command: &["slice"],
@@ -68,7 +68,7 @@ const IGNORED: &[Ignored] = &[
             "max_distance",
         ],
         when: |given| !is_given(given, "paths") && !is_given(given, "heard_paths"),
-        because: "no waves are followed without --paths or --heard-paths",
+        because: "no waves are traced without --paths or --heard-paths",
     },
     Ignored {
         command: &["demo"],

@@ -12,7 +12,7 @@ const FADE_S = 0.02;
 // Returns the reason why this browser cannot play sound; "" if it can.
 function lacking() {
   if (!isSecureContext) {
-    return "browsers play it over https:// or from localhost alone, and this address is neither";
+    return "browsers play sound only over https:// or from localhost, and this address is neither";
   }
   if (typeof AudioWorkletNode === "undefined") return "this browser has no AudioWorklet";
   return "";

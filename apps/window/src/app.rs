@@ -95,7 +95,7 @@ pub(super) struct App {
     /// The minimum number of waves while the number adapts to the frame time.
     pub least_waves: u32,
     pub fields: Fields,
-    /// Whether the cost of the present scene's fields must be measured.
+    /// Whether the cost of the current scene's fields must be measured.
     pub fields_are_due: bool,
     pub latency: Latency,
     pub recorder: Recorder,

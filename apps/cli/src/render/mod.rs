@@ -161,7 +161,7 @@ impl Arguments {
 /// Returns the error for an option of the balance that has no effect in full listening, with the reason.
 pub(super) fn no_effect_in_full(option: &str) -> BadInput {
     let why = match option {
-        "--law" => "where each arrival is panned with constant power",
+        "--law" => "which pans each arrival with constant power",
         "--profile thesis" => "because the thesis' waves end at the listener and carry no energy",
         "--iterations" => "which traces waves for as long as they are audible",
         _ => "which does not trace frames for the balance",

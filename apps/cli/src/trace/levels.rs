@@ -66,9 +66,9 @@ pub fn print(heard: &Heard) -> anyhow::Result<()> {
         return print::line(&format!("{of}: not heard"));
     };
     let from = match one_sided < LEAST_ONE_SIDED {
-        true => "on the whole from all sides".to_owned(),
+        true => "mean direction undefined (from all sides)".to_owned(),
         false => format!(
-            "on the whole from azimuth {azimuth:+.0}°, elevation {elevation:+.0}° ({:.0} % one-sided)",
+            "mean direction azimuth {azimuth:+.0}°, elevation {elevation:+.0}° ({:.0} % one-sided)",
             100.0 * one_sided
         ),
     };

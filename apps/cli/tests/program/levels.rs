@@ -58,7 +58,7 @@ fn levels_are_told_where_they_are_asked_for() {
     let output = succeed(&["trace", "corner", "--levels", "--waves", "4096"]);
     let text = stdout(&output);
     assert!(text.contains("source 1, listener 1: G "), "{text}");
-    assert!(text.contains(" ms, on the whole from "), "{text}");
+    assert!(text.contains(" ms, mean direction "), "{text}");
     let without: Value = json(&["trace", "corner", "--waves", "4096"]);
     assert!(without.get("levels").is_none());
     refuse(

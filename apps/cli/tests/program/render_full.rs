@@ -182,7 +182,7 @@ fn what_makes_no_sense_is_refused() {
     for (more, says) in [
         (
             &["--listen", "full", "--law", "linear"][..],
-            "--law has no effect on --listen full, where each arrival is panned with constant power: use --listen balance",
+            "--law has no effect on --listen full, which pans each arrival with constant power: use --listen balance",
         ),
         (&["--listen", "balance", "--gain", "3"], "--listen full"),
         (

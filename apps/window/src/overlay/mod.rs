@@ -93,7 +93,7 @@ impl Room {
 
 /// State that the panels show but do not change.
 pub struct HudState<'a> {
-    /// The scene in its present state.
+    /// The scene in its current state.
     pub world: &'a World,
     /// The scene files that the user can choose.
     pub files: &'a [String],

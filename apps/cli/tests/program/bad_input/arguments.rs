@@ -239,7 +239,7 @@ fn options_that_are_not_there_are_told_what_helps() {
         (&["trace", "corner", "-o", "x"][..], "--dump-waves FILE.csv"),
         (
             &["impulse", "corner", "--iterations", "4"],
-            "followed for --seconds",
+            "traced for --seconds",
         ),
         (
             &["slice", "corner", "--listener", "2"],

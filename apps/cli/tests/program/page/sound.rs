@@ -164,7 +164,7 @@ fn a_page_that_may_not_play_says_why() {
     browser.visit(&stage.address.replace("127.0.0.1", "page.test"));
     wait(&browser, "return window.echomarch?.page.frame().length > 0");
     browser.click("#play");
-    browser.wait_for("#message", "https:// or from localhost alone");
+    browser.wait_for("#message", "only over https:// or from localhost");
     assert_eq!(browser.text("#play"), "Play sound");
     assert_eq!(browser.errors(), Vec::<String>::new());
 }

@@ -1,5 +1,5 @@
-/* A libEGL that passes all calls on to the one at REAL, and answers for the extensions itself: those of EGL are
-   CLIENT, of a display DISPLAY. */
+/* A libEGL that forwards all calls to the library at the path REAL. Only the lists of extensions are its own: CLIENT
+   lists the client extensions, DISPLAY those of a display. */
 #include <dlfcn.h>
 #include <stddef.h>
 

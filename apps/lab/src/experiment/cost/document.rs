@@ -41,7 +41,7 @@ impl<'a> Line<'a> {
         Line {
             scene: &report.scene,
             section: "noise",
-            name: "everything, beside itself; another seed",
+            name: "complete scene, compared with itself and with another seed",
             march: Some(&report.control),
             total: Some(&report.control_total),
             met: None,

@@ -289,7 +289,7 @@ impl Answer {
         // A click at the listener has no direction.
         const LEAST_M: f64 = 0.001;
         if self.right_m.hypot(self.ahead_m) <= LEAST_M {
-            return Err("the click lies at the listener".to_owned());
+            return Err("the click is at the listener".to_owned());
         }
         // Numbers are saved with fewer digits than they are computed with, so this tolerance allows for rounding.
         const ROUNDING_DEG: f64 = 1.0;
@@ -298,7 +298,7 @@ impl Answer {
         if off.min(360.0 - off) > ROUNDING_DEG {
             let azimuth = self.azimuth_deg;
             return Err(format!(
-                "azimuth_deg is {azimuth}, but the click lies at {clicked:.1}"
+                "azimuth_deg is {azimuth}, but the click is at {clicked:.1}"
             ));
         }
         if !(1..=MOST_CONFIDENT).contains(&self.confidence) {
