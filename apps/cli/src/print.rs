@@ -36,7 +36,7 @@ pub fn json(value: &impl Serialize) -> anyhow::Result<()> {
     writeln!(std::io::stdout(), "{}", text::json(&json)).map_err(unwritten)
 }
 
-/// A progress bar on standard error. It is shown only on a terminal and without `--quiet`.
+/// A progress bar on standard error. The bar is shown only on a terminal and without `--quiet`.
 pub fn progress(quiet: bool, total: u64, unit: &str) -> ProgressBar {
     let target = if quiet {
         ProgressDrawTarget::hidden()

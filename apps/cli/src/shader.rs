@@ -56,7 +56,7 @@ enum Which {
     Slice,
 }
 
-/// Runs the subcommand. It opens no OpenGL context, because it only prints the text of the shader.
+/// Runs the subcommand. The subcommand opens no OpenGL context, because it only prints the text of the shader.
 pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
     let scene = common.scene(&arguments.scene)?;
     if let Some(path) = &arguments.output {

@@ -99,7 +99,8 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<()> {
 /// Minimum number of waves in one frame of the search for heard waves. A smaller frame takes equally long.
 const LEAST_SEARCHED: u32 = 4096;
 
-/// Maximum number of waves traced in the search for heard waves. They take half a minute without a graphics card.
+/// Maximum number of waves traced in the search for heard waves. Without a graphics card, this search takes half a
+/// minute.
 const MOST_TRACED: u64 = 1 << 22;
 
 /// Prints a note if fewer heard waves were found than requested.

@@ -28,7 +28,7 @@ Examples:
 
 Study files, Slurm, GNU parallel: docs/clusters.md.";
 
-/// Maximum number of processes in one run. It exceeds the number of processor cores of any common machine.
+/// Maximum number of processes in one run. The limit exceeds the number of processor cores of any common machine.
 const MOST_JOBS: u32 = 1024;
 
 /// Arguments of `study`.

@@ -52,8 +52,8 @@ pub struct Arguments {
         value_name = "N",
         conflicts_with = "watch", value_parser = count::<u32>)]
     repeat: u32,
-    /// Print level, delay and direction for each source and listener. They are computed as in `impulse` with this
-    /// number of waves, which takes some hundred times as long as a frame
+    /// Print level, delay and direction for each source and listener. The computation is that of `impulse` with this
+    /// number of waves, which takes about a hundred times as long as a frame
     #[arg(long, conflicts_with = "watch")]
     levels: bool,
     /// Trace again whenever the scene file or a file that it names changes, until Ctrl-C

@@ -76,8 +76,8 @@ pub fn json(text: &str) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// A JSON record in one line, for a program that reads standard error. It is escaped like [`json`] and at most as long
-/// as a message. A longer record is replaced by its length.
+/// A JSON record in one line, for a program that reads standard error. The record is escaped like [`json`] and at most
+/// as long as a message. A longer record is replaced by its length.
 pub fn json_record(text: &str) -> Cow<'_, str> {
     let shown = json(text);
     match shown.chars().count() {
@@ -119,7 +119,7 @@ pub fn csv_cell(text: &str) -> String {
     }
 }
 
-/// Text for Markdown, also in a table cell. It cannot create a tag, a link or a column.
+/// Text for Markdown, also in a table cell, that cannot create a tag, a link or a column.
 pub fn markdown(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
     for c in in_a_line(text).chars() {

@@ -1,4 +1,4 @@
-// A worker with its own canvas. It traces full listening and sends the responses to the mix.
+// A worker with its own canvas, which traces full listening and sends the responses to the mix.
 
 import init, { EarsOfPage } from "./pkg/echomarch_browser.js";
 

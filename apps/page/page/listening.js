@@ -1,5 +1,5 @@
-// The page's sound. It starts and stops the sound, sends the choices and the state of the scene to the workers, and
-// stores the messages of the workers.
+// The page's sound. This class starts and stops the sound, sends the choices and the state of the scene to the workers,
+// and stores the messages of the workers.
 
 import { Sound } from "./sound.js";
 

@@ -10,7 +10,7 @@ let mix = null;
 // The number of the scene that is played.
 let playing = 0;
 let choices = { listen: "full", volume: 0.5, profile: "hybrid", pan: 0 };
-// Responses that the mix could not accept yet, by source. They are passed to the mix after the next block.
+// Responses that the mix could not accept yet, by source. These responses are passed to the mix after the next block.
 const waiting = new Map();
 
 // Calls a function. An exception ends the sound, and its message is sent to the page.

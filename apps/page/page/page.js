@@ -18,7 +18,7 @@ const ADAPT_EVERY = 20;
 // scale is raised.
 const SHORT_MS = 22;
 const LONG_MS = 40;
-// Maximum time that passes in the scene between two pictures, in milliseconds. It prevents a jump after a delay.
+// Maximum time that passes in the scene between two pictures, in milliseconds. The limit prevents a jump after a delay.
 const LONGEST_MS = 250;
 // The ratios of the picture's resolution to the canvas' that can be chosen.
 const SCALES = [0.15, 0.2, 0.3, 0.4, 0.55, 0.75, 1];
@@ -316,7 +316,8 @@ function show() {
   $("size").textContent = `${canvas.width} × ${canvas.height}, at ${share} % while anything moves`;
 }
 
-// Returns the link for the choices. It includes the positions of listener and source if the user has changed them.
+// Returns the link for the choices. The link includes the positions of listener and source if the user has changed
+// them.
 function address() {
   const placed = page.placed_source();
   return link.write({

@@ -19,8 +19,8 @@ function lacking() {
 }
 
 export class Sound {
-  // Starts the sound. It must be called from a click handler, because browsers play no sound before a click. `told`
-  // receives the name of a part ("mix", "ears", "player") and its message.
+  // Starts the sound. This function must be called from a click handler, because browsers play no sound before a click.
+  // `told` receives the name of a part ("mix", "ears", "player") and its message.
   static async start(told) {
     const why = lacking();
     if (why) throw new Error(why);

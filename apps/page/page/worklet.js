@@ -1,6 +1,6 @@
 // Plays blocks of samples in the browser's audio thread, and requests further blocks.
 
-// Number of buffered frames. They last 85 ms at 48 kHz, the time in which a delayed worker can catch up.
+// Number of buffered frames. The buffered frames last 85 ms at 48 kHz, the time in which a delayed worker can catch up.
 const AHEAD = 4096;
 // Number of frames in a request.
 const BLOCK = 512;

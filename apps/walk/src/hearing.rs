@@ -19,17 +19,16 @@ const MOST_WAVES: u32 = 16_384;
 /// arrivals, and the late part sounds rough.
 const LEAST_LATE_WAVES: u32 = 1024;
 
-/// Number of waves in the first trace of a scene with marched fields, whose duration is unknown. It is also the minimum
-/// number of waves in a trace that takes longer than [`LONGEST_LOOK_S`]. 64 waves fill eight vectors of a software
-/// renderer.
+/// Number of waves in the first trace of a scene with marched fields, whose duration is unknown. The same number is the
+/// minimum in a trace that takes longer than [`LONGEST_LOOK_S`]. 64 waves fill eight vectors of a software renderer.
 const LEAST_WAVES: u32 = 64;
 
 /// Maximum duration, in seconds, of a trace with more than the minimum number of waves. If a trace would take longer, a
 /// rough late part and missing echoes are preferable to the sound of a place that the listener has left.
 const LONGEST_LOOK_S: f64 = 1.0;
 
-/// Length, in seconds, of the first response of a scene with marched fields. It is also the minimum length in an
-/// expensive scene. It contains the first echoes of a room.
+/// Length, in seconds, of the first response of a scene with marched fields. The same length is the minimum in an
+/// expensive scene. A response of this length contains the first echoes of a room.
 const FIRST_LENGTH_S: f64 = 0.25;
 
 /// Typical number of waves in an estimate of the response length.
@@ -258,7 +257,8 @@ impl Hearing {
             .is_some_and(|cost| foreseen(cost) <= LONGEST_ESTIMATE_S)
     }
 
-    /// Length of the responses, in seconds. It is estimated every few seconds, unless the estimate would take too long.
+    /// Length of the responses, in seconds. The length is estimated every few seconds, unless the estimate would take
+    /// too long.
     fn length_s(&mut self, scene: &Scene, settings: &Settings) -> Result<f64, Error> {
         if !self.allows_estimate() {
             return Ok(self.cost.map_or(FIRST_LENGTH_S, length_of_dear));

@@ -9,7 +9,7 @@
 //! | `hearing` | full listening |
 //! | `ears`, `mix` | for the page: full listening as plain numbers, and its mix in blocks of samples |
 //!
-//! No code here uses a window, a clock or a thread. Its inputs are a [`MoveInput`] and a time step in seconds.
+//! No code here uses a window, a clock or a thread. The inputs are a [`MoveInput`] and a time step in seconds.
 
 mod ears;
 mod hearing;

@@ -150,7 +150,8 @@ impl Voices {
 }
 
 impl Mix {
-    /// Creates a mix for a scene's sources with the sample rate `rate_hz`. It is silent until it receives a response.
+    /// Creates a mix for a scene's sources with the sample rate `rate_hz`. The mix is silent until it receives a
+    /// response.
     ///
     /// # Errors
     /// The errors of [`Sound::load`], and [`ResponseError::BadRate`](echomarch::response::ResponseError::BadRate).

@@ -28,7 +28,7 @@ const AT_MOST: Duration = Duration::from_millis(2);
 /// the pictures.
 const LONGEST_SEARCH: Duration = Duration::from_millis(10);
 
-/// The paths shown. They are cached until the scene or the settings change.
+/// The paths shown, which are cached until the scene or the settings change.
 #[derive(Default)]
 pub struct Paths {
     states: Vec<Vec<Wave>>,

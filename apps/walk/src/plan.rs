@@ -24,7 +24,7 @@ const EDGE: (f32, f32) = (196.0, 30.0);
 const FIRST_HUE: f32 = 1.25;
 const NEXT_HUE: f32 = 2.399_963_2;
 
-/// The plan. It is cached until the scene changes.
+/// The plan, which is cached until the scene changes.
 #[derive(Default)]
 pub struct Cut {
     of: Option<CutOf>,

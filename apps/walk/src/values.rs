@@ -4,7 +4,8 @@ use echomarch::picture::Bounds;
 use echomarch::scene::{NamedValue, Quantity, Scene};
 use std::ops::RangeInclusive;
 
-/// Factor by which a length may grow or shrink. It is a guess, because the size at which surfaces collide is unknown.
+/// Factor by which a length may grow or shrink. The factor is a guess, because the size at which surfaces collide is
+/// unknown.
 const LENGTHS: f32 = 4.0;
 /// A half turn, in degrees.
 const HALF_TURN: f32 = 180.0;

@@ -10,7 +10,7 @@ use echomarch::scene::Scene;
 use echomarch::tracer::{Fate, Frame, Settings, Tracer};
 use glam::Vec3;
 
-/// A walk through a scene on one context. It advances time, traces waves, and draws the picture and the plan. The
+/// A walk through a scene on one context. A visit advances time, traces waves, and draws the picture and the plan. The
 /// caller calls [`pass`](Visit::pass), [`trace`](Visit::trace) and [`draw`](Visit::draw) once per picture.
 ///
 /// ```
@@ -218,9 +218,9 @@ impl Visit {
         Ok(self.world.set(name, value)?)
     }
 
-    /// Traces waves for about `milliseconds`. It continues the current frame, or begins a new one if the scene or the
-    /// settings have changed since the last frame. Returns the frame once it is finished. Returns `None` while nothing
-    /// changes, because a new frame would equal the last one.
+    /// Traces waves for about `milliseconds`. The call continues the current frame, or begins a new one if the scene or
+    /// the settings have changed since the last frame. Returns the frame once it is finished. Returns `None` while
+    /// nothing changes, because a new frame would equal the last one.
     ///
     /// # Errors
     /// The errors of [`Tracer::frame`]. After an error the next call begins a new frame.

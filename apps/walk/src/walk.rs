@@ -19,12 +19,12 @@ const TURNING: f32 = 1.6;
 const STEEPEST: f32 = FRAC_PI_2 - 0.05;
 /// Step of the finite differences that approximate the gradient, in metres.
 const DIFFERENCE: f32 = 0.005;
-/// Tolerance of the distance [`BODY`] and margin of a correction, in metres. It covers rounding errors, and fields
-/// whose value changes more slowly than the true distance.
+/// Tolerance of the distance [`BODY`] and margin of a correction, in metres. The margin covers rounding errors, and
+/// fields whose value changes more slowly than the true distance.
 const MARGIN: f32 = 1e-3;
 /// Maximum number of corrections of one step. A corner of three walls needs three.
 const CORRECTIONS: usize = 6;
-/// Maximum walking time in one frame, in seconds. It prevents a jump after a delayed frame.
+/// Maximum walking time in one frame, in seconds. The limit prevents a jump after a delayed frame.
 const LONGEST: f32 = 0.1;
 
 /// The requested movement. Each component is between −1 and 1.
@@ -167,8 +167,8 @@ fn outwards(scene: &Scene, point: Vec3) -> Vec3 {
     Vec3::new(along(Vec3::X), along(Vec3::Y), along(Vec3::Z)).normalize_or_zero()
 }
 
-/// The position of an object that a listener carries. It is in front of the listener, outside the listener's sphere if
-/// the walls allow.
+/// The position of an object that a listener carries. The object is in front of the listener, outside the listener's
+/// sphere if the walls allow.
 pub fn carried(scene: &Scene, listener: &Listener) -> Vec3 {
     let gaze = listener.forward();
     let reach = listener.radius + 0.8;
@@ -218,7 +218,7 @@ mod tests {
     }
 
     /// Protects walls. The block of the corner scene begins at z = 0, x = 0. Even after running against it for a long
-    /// time, the eye stays outside. It slides along the wall if the walker meets the wall at an angle.
+    /// time, the eye stays outside. The eye slides along the wall if the walker meets the wall at an angle.
     #[test]
     fn walls_stop_a_walker_who_slides_along() {
         let at_the_wall = MoveInput {

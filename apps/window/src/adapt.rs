@@ -40,8 +40,8 @@ const FULL: f64 = 0.92;
 /// Share of the target time that the predicted time may fill after the cost is raised.
 const ROOM: f64 = 0.80;
 
-/// Minimum measured time, in milliseconds, from which the time of a whole frame of waves is predicted. It equals three
-/// parts of a frame at 30 frames per second.
+/// Minimum measured time, in milliseconds, from which the time of a whole frame of waves is predicted. The value equals
+/// three parts of a frame at 30 frames per second.
 const ENOUGH_MS: f64 = 40.0;
 
 /// The recent measurements for one setting whose values form a ladder of increasing cost.
@@ -90,7 +90,7 @@ impl Control {
         chosen
     }
 
-    /// Clears the measurements. They are invalid after a change of any setting.
+    /// Clears the measurements, which are invalid after a change of any setting.
     pub fn forget(&mut self) {
         self.whole.clear();
         self.part.clear();
@@ -142,7 +142,7 @@ impl WaveTime {
     }
 }
 
-/// The first frames of waves of a scene. Their time decides the number of waves.
+/// The first frames of waves of a scene, whose time decides the number of waves.
 ///
 /// The first part of the first frame includes shader compilation, so its time is not counted. If that part was the
 /// whole frame, a second frame is measured. If a frame takes many parts, its time is predicted from the first few.
@@ -282,7 +282,7 @@ mod tests {
     }
 
     /// Protects the frame rate in expensive scenes, and the number of waves in cheap scenes. The chosen number fits the
-    /// frame time, or else the maximum wait of one second. It never exceeds the requested number.
+    /// frame time, or else the maximum wait of one second. The chosen number never exceeds the requested number.
     #[test]
     fn the_number_of_waves_follows_the_measured_rate() {
         assert_eq!(fitting(0.1, 65_536), 65_536);

@@ -40,7 +40,7 @@ const FIRST_SCALE: f32 = 0.4;
 pub(super) struct Stage {
     pub view: View,
     pub tracer: Tracer,
-    /// Traces the waves whose paths are shown. Their number differs from the number of waves in a frame.
+    /// Traces the waves whose paths are shown. The number of these waves differs from the number in a frame.
     pub path_tracer: Tracer,
     pub window: DemoWindow,
 }
@@ -50,7 +50,7 @@ pub(super) struct App {
     pub options: DemoOptions,
     pub choices: Choices,
     pub world: World,
-    /// The previous scene. It is kept until the current scene has been drawn once.
+    /// The previous scene, kept until the current scene has been drawn once.
     pub previous: Option<Before>,
     /// The most recently chosen scene, until it is ready to be shown.
     pub coming: Option<Coming>,
@@ -259,8 +259,8 @@ impl App {
     }
 
     /// Handles a key press or release. If `is_synthetic` is true, the key was already down when the window received the
-    /// keyboard focus. Such a press triggers no action, because it was meant for another window. A held movement key
-    /// does move the listener.
+    /// keyboard focus. A synthetic press triggers no action, because it was meant for another window. A held movement
+    /// key does move the listener.
     fn key(&mut self, event: &KeyEvent, is_synthetic: bool) {
         let PhysicalKey::Code(key) = event.physical_key else {
             return;

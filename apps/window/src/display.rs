@@ -1,4 +1,4 @@
-//! The connection to the X server. It breaks if the server stops or the network fails.
+//! The connection to the X server, which breaks if the server stops or the network fails.
 //!
 //! By default, Xlib then ends the process (`XIOError`), and winit panics where it expects a reply. This module lets
 //! Xlib continue with the broken connection (`XSetIOErrorExitHandler`, from libX11 1.7 on). With an older libX11 the

@@ -10,11 +10,11 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::thread::{self, JoinHandle};
 
-/// Number of waves in a measured frame. It is a small share of a normal frame, but fills the vector units of a software
-/// renderer.
+/// Number of waves in a measured frame. The number is a small share of a normal frame, but fills the vector units of a
+/// software renderer.
 const WAVES: u32 = 1024;
 
-/// Number of measured pairs of frames. Their median is not affected by one pair that other work delayed.
+/// Number of measured pairs of frames. The median of three pairs is not affected by one pair that other work delayed.
 const RUNS: u32 = 3;
 
 /// A measurement in progress. Dropping it ends the thread after its current frame.

@@ -184,7 +184,7 @@ impl App {
             self.part_traced(spent, share);
         }
         if stage.window.gl.context().is_software() {
-            // On a graphics card, the card measures the time. It is read when the frame is collected.
+            // On a graphics card, the card measures the time. The time is read when the frame is collected.
             times.waves += milliseconds(tracing);
         }
         Ok(())

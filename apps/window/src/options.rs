@@ -5,8 +5,8 @@ use echomarch::auralisation::Listen;
 use echomarch::tracer::Settings;
 use std::path::PathBuf;
 
-/// The default scene. Its initial view shows many near and far objects. (In `corner` and `obstacles` the listener faces
-/// a wall, as in the thesis.)
+/// The default scene. The initial view of this scene shows many near and far objects. (In `corner` and `obstacles` the
+/// listener faces a wall, as in the thesis.)
 pub const OPENING_SCENE: &str = "open-pillars";
 
 /// The initial options of the window. The user can change every choice in the window.
@@ -14,8 +14,8 @@ pub const OPENING_SCENE: &str = "open-pillars";
 pub struct DemoOptions {
     /// Built-in scene or scene file.
     pub scene: String,
-    /// Named values of the scene, in the units of its file. They are also applied to scenes opened later that have
-    /// values with the same names.
+    /// Named values of the scene, in the units of its file. The values are also applied to scenes opened later that
+    /// have values with the same names.
     pub values: Vec<(String, f32)>,
     /// The settings of the waves.
     pub settings: Settings,
@@ -57,7 +57,7 @@ pub struct DemoOptions {
     pub help: bool,
     /// Whether GL errors are queried after every frame. Debug builds always query them.
     pub check_gl: bool,
-    /// Returns whether the window must close. It is called in every frame.
+    /// Returns whether the window must close. The function is called in every frame.
     pub is_asked_to_end: fn() -> bool,
     /// Receives a line of JSON for every frame, for programs that control the window.
     pub log_frames: Option<fn(&str)>,

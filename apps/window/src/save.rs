@@ -13,8 +13,8 @@ use std::path::{Path, PathBuf};
 /// Maximum number of file names that are tried.
 const NAMES_AT_MOST: u32 = 9999;
 
-/// Maximum change of an angle, in radians, caused by storing it in rounded degrees. It is one rounding of `f32` at ten
-/// turns.
+/// Maximum change of an angle, in radians, caused by storing it in rounded degrees. The value is one rounding of `f32`
+/// at ten turns.
 const ROUNDING: f32 = 1e-5;
 
 /// The reason why a scene could not be saved.
@@ -334,7 +334,7 @@ mod tests {
         listeners: [Listener(name: "a", radius: 1, position: (0, 0, 5)), Listener(radius: 0.5, yaw: 33)])"#;
 
     /// Protects everything that was not moved by hand: further sources and listeners, names, levels, materials and air.
-    /// They may come from the base or from an intermediate file.
+    /// These properties may come from the base or from an intermediate file.
     #[test]
     fn sound_is_saved_as_it_is_heard() {
         let folder = tempfile::tempdir().unwrap();

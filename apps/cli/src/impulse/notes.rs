@@ -7,7 +7,7 @@ use super::pairs::NamedPair;
 use echomarch::response::{HeardPath, Response};
 use echomarch::scene::{Pair, Scene, Surface, Warning};
 
-/// The note on a scene in which nothing absorbs. It is printed before tracing, which takes long if sound does not
+/// The note on a scene in which nothing absorbs. The note is printed before tracing, which takes long if sound does not
 /// decay.
 const NOTHING_ABSORBS: &str = "note: no surface absorbs in this scene: where sound cannot leave it, it does not decay, and figures will be missing; give its surfaces a material (docs/scene-format.md)";
 
@@ -22,8 +22,8 @@ struct Note {
     text: String,
 }
 
-/// Returns the notes on a response for the JSON output. They include the note on surfaces without a material. The text
-/// output prints that note when the scene is loaded.
+/// Returns the notes on a response for the JSON output. The notes include the one on surfaces without a material, which
+/// the text output prints when the scene is loaded.
 pub fn texts(pair: Pair, response: &Response) -> Vec<String> {
     let notes = all(pair, response).into_iter().map(|note| note.text);
     let of_scene = pair.scene().warnings().into_iter();

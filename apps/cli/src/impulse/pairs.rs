@@ -5,7 +5,7 @@ use echomarch::scene::{Pair, Scene, SceneError};
 
 /// A source and a listener of a scene, with their names.
 pub struct NamedPair<'a> {
-    /// Their names, or their numbers from 1.
+    /// The names of the source and the listener, or their numbers from 1.
     pub source: String,
     pub listener: String,
     pub pair: Pair<'a>,

@@ -11,7 +11,8 @@ use echomarch_lab::experiment::cost::{
 };
 use echomarch_lab::report::Report;
 
-/// The only function without a caller. It is in a file that every pass includes as a whole, and compilers remove it.
+/// The only function without a caller. The function is in a file that every pass includes as a whole, and compilers
+/// remove the function.
 const UNCALLED: [&str; 1] = ["reachedListener"];
 
 const RUNS: CostOptions = CostOptions { runs: 2 };
@@ -48,8 +49,8 @@ fn a_ball_behind_a_wall_can_be_left_out_and_the_room_not() {
         };
         assert_eq!(ball.verdict, Verdict::CanBeLeftOut);
         assert_eq!(ball.met, 0);
-        // If the ball is in the direction of a wave, the march may approach the wall in other steps. Its end then
-        // differs by a rounding error.
+        // If the ball is in the direction of a wave, the march may approach the wall in other steps. The end of the
+        // march then differs by a rounding error.
         let rounding = if profile == Profile::March { 1e-7 } else { 0.0 };
         assert!(ball.change.unwrap().pan.rms <= rounding);
         assert_eq!(room.verdict, Verdict::IsHeard);

@@ -113,7 +113,7 @@ fn named_values_are_set_by_option_and_slider() {
         set.and_then(|pair| pair[1].as_f64())
     };
     demo.wait_until("60°", |frame| value(frame, "door") == Some(60.0));
-    // The slider of "width" is below that of "door". It ranges from a quarter of 2 m to four times 2 m.
+    // The slider of "width" is below that of "door". The slider ranges from a quarter of 2 m to four times 2 m.
     let window = demo.window();
     display.xdotool(&["mousemove", "--window", &window, "870", "110"]);
     demo.wait_frames();
@@ -215,7 +215,7 @@ fn a_quick_click_on_a_panel_captures_no_mouse() {
 }
 
 /// Protects users who never choose a number of waves: the number adapts to the frame time, down to a minimum, until the
-/// user chooses one. It adapts again after T.
+/// user chooses one. After T, the number adapts again.
 #[test]
 fn the_number_of_waves_follows_the_time_until_it_is_chosen() {
     let display = Display::new();

@@ -28,7 +28,7 @@ fn keys_walk_and_walls_stop() {
     assert!((x - 10.0).abs() < 1e-3 && z > 8.2, "{x} {z}");
     assert!(before.difference(&after, MIDDLE) > 0.05);
 
-    // The face of the block is at z = 0. It is the only obstacle straight ahead.
+    // The face of the block, at z = 0, is the only obstacle straight ahead.
     let demo = display.demo(&["corner"]);
     demo.display.xdotool(&["keydown", "shift"]);
     let (mut before, mut still) = (f64::NAN, 0);

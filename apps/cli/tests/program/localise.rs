@@ -67,8 +67,8 @@ fn by_the_straight_way_a_source_in_the_open_is_found_to_less_than_5_degrees() {
     }
 }
 
-/// Protects the same criterion with the default 8 iterations, in a field without a ground. It shows that the ground
-/// causes the failure of the criterion, and not the iterations.
+/// Protects the same criterion with the default 8 iterations, in a field without a ground. This result shows that the
+/// ground causes the failure of the criterion, and not the iterations.
 #[test]
 fn without_a_ground_the_defaults_find_a_source_to_less_than_5_degrees() {
     let field = without_ground(&builtin("open-field"));

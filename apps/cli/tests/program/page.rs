@@ -16,11 +16,12 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
-/// Maximum wait before a test fails. It exceeds the time that any machine needs.
+/// Maximum wait before a test fails. The limit exceeds the time that any machine needs.
 const TIMEOUT: Duration = Duration::from_secs(300);
 
-/// Maximum difference of a count of 65,536 waves between two renderers. Their rounding differs, so that about 120 waves
-/// (in `cave`, docs/portability.md) end elsewhere. Gains and losses of a count nearly cancel: √120 is 11.
+/// Maximum difference of a count of 65,536 waves between two renderers. The rounding of two renderers differs, so that
+/// about 120 waves (in `cave`, docs/portability.md) end elsewhere. Gains and losses of a count nearly cancel: √120 is
+/// 11.
 const MAY_DIFFER: u64 = 16;
 
 /// SwiftShader, which Chromium includes, and a clock instead of a sound card. The sound may start without a click.

@@ -122,7 +122,8 @@ fn a_study_that_is_killed_ends_with_the_same_bytes() {
         program.kill().unwrap();
         program.wait().unwrap();
         match has_ended {
-            // The process ended before it could be killed. Its bytes are compared, and the study starts again.
+            // The process ended before it could be killed. The bytes of its tables are compared, and the study starts
+            // again.
             true => {
                 assert!(tables(&killed) == tables(&whole));
                 std::fs::remove_dir_all(&killed).unwrap();

@@ -1,5 +1,5 @@
-//! Controls a headless Chromium with the WebDriver protocol (W3C 2018), as far as the tests need it. It requires the
-//! Debian packages `chromium` and `chromium-driver`.
+//! Controls a headless Chromium with the WebDriver protocol (W3C 2018), as far as the tests need it. The Debian
+//! packages `chromium` and `chromium-driver` are required.
 
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Read, Write};
@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Maximum wait before a test fails. It exceeds the time that any machine needs.
+/// Maximum wait before a test fails. The limit exceeds the time that any machine needs.
 const TIMEOUT: Duration = Duration::from_secs(300);
 
 /// The JSON key for an element reference in the protocol.
@@ -28,7 +28,7 @@ pub struct Browser<'a> {
 
 impl Driver {
     /// Starts the driver. Chromedriver requests the same free port on IPv4 and IPv6, and exits if another program uses
-    /// one of them. It is then started again.
+    /// one of them. The driver is then started again.
     pub fn start() -> Driver {
         const STARTS: usize = 8;
         let mut said = String::new();

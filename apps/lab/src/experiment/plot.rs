@@ -16,7 +16,7 @@ pub(super) const THESIS: RGBColor = RGBColor(213, 94, 0);
 pub(super) const MARCH: RGBColor = RGBColor(0, 114, 178);
 pub(super) const HYBRID: RGBColor = RGBColor(0, 200, 140);
 
-/// Size of a plot in pixels. It has a title above rows of equal height.
+/// Size of a plot in pixels. A plot has a title above rows of equal height.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sheet {
     pub width: u32,
@@ -64,7 +64,7 @@ pub(super) struct LogAxis {
 }
 
 impl LogAxis {
-    /// An axis over the decades that contain these values. It has at least one decade.
+    /// An axis over the decades that contain these values, with at least one decade.
     pub fn around(values: impl Iterator<Item = f64> + Clone) -> LogAxis {
         let positive = values.clone().filter(|value| *value > 0.0);
         let least = positive.clone().fold(f64::INFINITY, f64::min);
@@ -92,7 +92,7 @@ impl LogAxis {
         if self.has_zero { self.zero() } else { self.low }
     }
 
-    /// The axis range. It is extended slightly at both ends, because rounding would remove the outermost labels.
+    /// The axis range. The range is extended slightly at both ends, because rounding would remove the outermost labels.
     fn range(self) -> std::ops::Range<f64> {
         const HAIR: f64 = 1.001;
         self.start() / HAIR..self.high * HAIR

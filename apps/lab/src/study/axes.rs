@@ -1,4 +1,4 @@
-//! The axes of a study: numbers, positions and seeds. Their values are computed one by one.
+//! The axes of a study: numbers, positions and seeds. The values of an axis are computed one by one.
 //!
 //! Only the settings are stored as a list. The values on all other axes are computed when they are needed. A study of
 //! 10⁹ points therefore takes no more memory than a study of ten points.

@@ -18,7 +18,7 @@ pub(super) const MOST_POINTS: u64 = 1_000_000_000_000;
 /// Maximum number of values on one axis.
 const MOST_ON_AXIS: u64 = 1_000_000_000;
 
-/// Maximum coordinate of a source or a listener, in metres. It equals the limit in scene files.
+/// Maximum coordinate of a source or a listener, in metres. Scene files have the same limit.
 const FARTHEST_M: f32 = 1e6;
 
 /// Maximum time on a path, in seconds: one day.
@@ -135,7 +135,7 @@ impl Checker<'_> {
         }
     }
 
-    /// Checks the ends of a range. They must be equal for a count of 1, and different for a larger count.
+    /// Checks the ends of a range. The ends must be equal for a count of 1, and different for a larger count.
     fn ends(&self, place: &str, are_equal: bool, count: u64) -> Result<(), StudyError> {
         let is_right = are_equal == (count == 1);
         let must = "1 where from and to are equal, else 2 or more";

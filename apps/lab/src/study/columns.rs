@@ -182,8 +182,8 @@ impl ResponseColumns {
     }
 }
 
-/// Name of the column that states why the figures of a band are empty in a row. It contains [`Gap::code`], or 0 if they
-/// are not empty.
+/// Name of the column that states why the figures of a band are empty in a row. The column contains [`Gap::code`], or 0
+/// if the figures are not empty.
 fn gap_column(band_hz: f64) -> String {
     format!("gap_{band_hz}")
 }

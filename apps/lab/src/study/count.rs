@@ -21,7 +21,7 @@ const LONGEST: Duration = Duration::from_secs(20);
 pub struct Estimate {
     /// Number of points of the study.
     pub points: u64,
-    /// Number of points computed for the estimate. They are spread over the study.
+    /// Number of points, spread over the study, that were computed for the estimate.
     pub sampled: u64,
     /// Wall-clock time per point in seconds: the mean of the sample.
     pub seconds_a_point: f64,

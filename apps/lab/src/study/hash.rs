@@ -1,4 +1,4 @@
-//! The hash of a study. It covers everything that determines the results, except the program and the renderer.
+//! The hash of a study. The hash covers everything that determines the results, except the program and the renderer.
 
 use super::Study;
 use super::file::{StudyFile, scene_file};
@@ -7,7 +7,7 @@ use echomarch::scene::{Scene, bases_of};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 
-/// The prefix of the hashed data. It must change if points are numbered or computed differently.
+/// The prefix of the hashed data. The prefix must change if points are numbered or computed differently.
 const KIND: &str = "echomarch study 1";
 
 /// Maximum size of a scene file, in bytes. The scene was loaded earlier with a lower limit.
@@ -45,8 +45,8 @@ pub(super) fn of(
     Ok(hex(&hash.finalize()))
 }
 
-/// The study as JSON. Its fields are in the order of their types, and its numbers have their shortest form. The folders
-/// of the scenes are excluded. The names of the scenes are included, because the rows contain them.
+/// The study as JSON. The fields are in the order of their types, and numbers have their shortest form. The folders of
+/// the scenes are excluded. The names of the scenes are included, because the rows contain them.
 fn canonical(file: &StudyFile) -> Vec<u8> {
     let mut file = file.clone();
     for scene in &mut file.scenes {

@@ -10,8 +10,8 @@ use crate::text::in_a_line;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-/// Number of bytes in a line's checksum. It misses 1 in 4·10⁹ damaged lines, but the hash in the last line also detects
-/// these.
+/// Number of bytes in a line's checksum. The checksum misses 1 in 4·10⁹ damaged lines, but the hash in the last line
+/// also detects these.
 const CHECKED_BYTES: usize = 4;
 
 /// The beginning of the first line of a shard.
@@ -25,7 +25,7 @@ const LONGEST_HEADER: usize = 4096;
 /// The beginning of the last line of a whole shard.
 const END: &str = "end ";
 
-/// Maximum length of a line, in bytes. It is enough for a 60 s echogram with bins of 1 ms in all bands.
+/// Maximum length of a line, in bytes. The limit is enough for a 60 s echogram with bins of 1 ms in all bands.
 pub(super) const LONGEST_LINE: usize = 16 << 20;
 
 /// The content of the first line of a shard, as JSON.

@@ -2,7 +2,7 @@
 //! joined afterwards.
 //!
 //! A [`Study`] is a RON file that lists scenes with named values, times, positions of source and listener, settings and
-//! seeds, and the results to keep. Its *points* are all combinations of these values. They are numbered from 0 in a
+//! seeds, and the results to keep. Its *points* are all combinations of these values. Points are numbered from 0 in a
 //! fixed order: the seed changes fastest, then the listener, the source, the settings, the time, the named values, and
 //! the scene. All callers compute a point with the same function ([`Worker`]).
 //!
@@ -60,8 +60,9 @@ use file::{Numbers, Places, Seeds};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Number of consecutive points that are assigned to a shard at a time. It is small, so that shards have equal shares
-/// of the expensive parts of a study. It is larger than one, so that consecutive points of a shard share a scene.
+/// Number of consecutive points that are assigned to a shard at a time. The block is small, so that shards have equal
+/// shares of the expensive parts of a study. The block is larger than one, so that consecutive points of a shard share
+/// a scene.
 pub const BLOCK: u64 = 16;
 
 /// A study that has been read and checked.
@@ -92,7 +93,7 @@ struct SceneAxis {
     end: u64,
 }
 
-/// Settings. They have a label if they are a case of the accuracy experiment.
+/// Settings, with a label if they are a case of the accuracy experiment.
 #[derive(Clone, Debug)]
 struct Case {
     label: Option<String>,
@@ -148,7 +149,7 @@ impl Study {
     }
 }
 
-/// The name and version of the renderer. They must be equal in all shards to be joined.
+/// The name and version of the renderer, which must be equal in all shards to be joined.
 pub fn renderer_of(tracer: &Tracer) -> String {
     let context = tracer.context();
     format!("{}; {}", context.renderer(), context.version())

@@ -19,10 +19,10 @@ use std::sync::Arc;
 /// Number of rows that are kept in memory and written as one row group.
 const ROWS_IN_GROUP: usize = 1 << 16;
 
-/// The creator recorded in the file. It does not contain the machine or the time.
+/// The creator recorded in the file, without the machine and the time.
 const CREATED_BY: &str = concat!("echomarch ", env!("CARGO_PKG_VERSION"));
 
-/// A Parquet file that is written row by row. It gets its final name when it is complete.
+/// A Parquet file that is written row by row, and gets its final name when it is complete.
 pub(super) struct ParquetFile {
     path: PathBuf,
     part: PartFile,

@@ -12,7 +12,8 @@ use std::path::{Path, PathBuf};
 /// Maximum size of a shard, in bytes.
 const LARGEST_FILE: u64 = 1 << 44;
 
-/// Number of rows that are read from a shard at a time. It is a few blocks, so that 10,000 shards fit into memory.
+/// Number of rows that are read from a shard at a time. The number is only a few blocks, so that 10,000 shards fit into
+/// memory.
 const ROWS_AT_A_TIME: u64 = 4 * BLOCK;
 
 /// Checks every line of a whole shard. If the shard belongs to this study, every cell is also checked. Returns the
@@ -28,7 +29,8 @@ pub(super) fn verify(
     let first = lines.next()?.ok_or("it is empty")?;
     let header = Header::parse(first).ok_or("it is not a shard of a study")?;
     let shard = Shard::new(header.shard, header.of).map_err(|error| error.to_string())?;
-    // Rows of another study or version have another form. Such a shard is not joined, so its rows are not checked.
+    // Rows of another study or version have another form. A shard with such rows is not joined, so its rows are not
+    // checked.
     let is_ours = header.study == study.hash && header.version == VERSION;
     let form = is_ours.then(|| RowForm::of(study));
     hash.update(&lines.bytes);

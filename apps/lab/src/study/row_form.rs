@@ -82,7 +82,7 @@ impl Column {
         }
     }
 
-    /// Whether a text is the beginning of a valid cell of this column. Its last number may be truncated.
+    /// Whether a text is the beginning of a valid cell of this column, whose last number may be truncated.
     fn takes_beginning(&self, cell: &str) -> bool {
         let (before, last) = match self.kind {
             Kind::Text => cell

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 /// The file that describes the tables.
 const NOTE: &str = "study.json";
 
-/// Tables that are written row by row. They get their final names when they are complete.
+/// Tables that are written row by row, and get their final names when they are complete.
 pub(super) struct Tables<'a> {
     study: &'a Study,
     folder: &'a Path,
@@ -112,7 +112,7 @@ impl<'a> Tables<'a> {
     }
 }
 
-/// The description of the tables. It does not depend on the shards.
+/// The description of the tables, which does not depend on the shards.
 fn about(study: &Study, renderer: &str) -> Vec<(&'static str, String)> {
     vec![
         ("name", study.name.clone()),

@@ -21,7 +21,7 @@ pub(super) const SMALL: &str = r#"Study(
 
 const RENDERER: &str = "made up; 1.0";
 
-/// Reads a study from a text. Its scenes are in `folder`.
+/// Reads a study from a text. The scenes of the study are in `folder`.
 fn read_in(text: &str, folder: &Path) -> Result<Study, StudyError> {
     let file = StudyFile::from_ron(text, "study")?;
     build(&file, &Checker { origin: "study" }, folder)

@@ -1,8 +1,8 @@
 //! Decides which files the program writes to: only files that it created itself, under their original names.
 //!
 //! A results folder may contain anything: symbolic links, hard links, pipes, files of other programs. The program never
-//! writes to any of these. It opens an existing file without following links, and locks it. Before it writes a byte, it
-//! inspects the file and reads the first line.
+//! writes to any of these. The program opens an existing file without following links, and locks it. Before it writes a
+//! byte, it inspects the file and reads the first line.
 
 use super::{Shard, StudyError};
 use echomarch::internals::plain_file;

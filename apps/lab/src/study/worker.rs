@@ -14,7 +14,7 @@ pub struct Worker<'a> {
     pub(super) study: &'a Study,
     tracer: Tracer,
     renderer: String,
-    /// The scene of a variant at a given time. It is kept until a point needs another one.
+    /// The scene of a variant at a given time, kept until a point needs another scene.
     posed: Option<((u64, u64), Scene)>,
 }
 

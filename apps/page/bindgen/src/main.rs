@@ -1,8 +1,8 @@
 //! `bindgen FILE.wasm FOLDER` writes the WebAssembly module for the page, and the JavaScript that loads it, into a
 //! folder.
 //!
-//! It does the same as `wasm-bindgen --target web`. As a member of the workspace, it always has the same version as the
-//! `wasm-bindgen` crate that the module was built with.
+//! The program does the same as `wasm-bindgen --target web`. As a member of the workspace, it always has the same
+//! version as the `wasm-bindgen` crate that the module was built with.
 
 use anyhow::{Context, bail};
 use wasm_bindgen_cli_support::Bindgen;

@@ -11,10 +11,10 @@ use egui::{
 };
 use glam::Vec3;
 
-/// Height of the plan's box, in points. It is the same for every scene.
+/// Height of the plan's box, in points. The height is the same for every scene.
 const HEIGHT: f32 = 210.0;
 
-/// The plan. Its texture is cached until the scene changes.
+/// The plan, whose texture is cached until the scene changes.
 #[derive(Default)]
 pub struct Plan {
     texture: Option<TextureHandle>,

@@ -20,7 +20,7 @@ pub const LINE_INNER: f32 = 8.0;
 pub const LABEL: f32 = 58.0;
 /// Width of a slider, in points.
 const SLIDER: f32 = 66.0;
-/// Width of the number beside a slider, in points. It has space for seven digits.
+/// Width of the number beside a slider, in points, with space for seven digits.
 const NUMBER: f32 = 62.0;
 /// Height of a row, in points.
 pub const ROW: f32 = 15.0;

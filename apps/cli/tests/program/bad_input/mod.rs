@@ -1,5 +1,5 @@
-//! Invalid input causes one sentence that states the mistake and its position, and exit code 2. It changes no file.
-//! Unusual but valid input causes a warning and a result.
+//! Invalid input causes one sentence that states the mistake and its position, and exit code 2. Invalid input changes
+//! no file. Unusual but valid input causes a warning and a result.
 
 mod arguments;
 mod scene_files;

@@ -49,9 +49,10 @@ fn odd_places_are_warned_of() {
 }
 
 /// Protects the GPU from hanging: a march of more than 4096 steps ends, and is counted and reported. A wave that starts
-/// h = 0.01 m above a plane and descends at a slope s multiplies its height by 1 − s with every step. It is below 1e-6
-/// m after ln(10⁴)/s = 9.2/s steps, which exceeds the limit for slopes below 0.0022. A share of 0.0022/2 of all start
-/// directions has such a slope: 74 of 65,536. With the thesis' own minimum distance of 0.1 m, such a wave hits at once.
+/// h = 0.01 m above a plane and descends at a slope s multiplies its height by 1 − s with every step. The height is
+/// below 1e-6 m after ln(10⁴)/s = 9.2/s steps, which exceeds the limit for slopes below 0.0022. A share of 0.0022/2 of
+/// all start directions has such a slope: 74 of 65,536. With the thesis' own minimum distance of 0.1 m, such a wave
+/// hits at once.
 #[test]
 fn marches_without_end_are_given_up_and_counted() {
     let (_folder, file) = scene_file(

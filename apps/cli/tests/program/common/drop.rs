@@ -1,5 +1,5 @@
-//! The file manager's side of drag and drop on X11 (the XDND protocol, version 5). It drops a file on a window without
-//! a mouse.
+//! The file manager's side of drag and drop on X11 (the XDND protocol, version 5). This module drops a file on a window
+//! without a mouse.
 
 use std::path::Path;
 use x11rb::connection::Connection;

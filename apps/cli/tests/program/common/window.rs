@@ -1,6 +1,6 @@
 //! Helpers that control the window as a user does, with a virtual display, real key presses and screenshots.
 //!
-//! They need Xvfb and xdotool, which are Debian packages of the same names. Without them the tests fail.
+//! The helpers need Xvfb and xdotool, which are Debian packages of the same names. Without them the tests fail.
 
 use super::cli::command;
 use serde_json::Value;
@@ -17,7 +17,7 @@ use tempfile::TempDir;
 /// Allows only one window at a time. Several windows would react too slowly to keys.
 static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
 
-/// Maximum wait before a test fails. It exceeds the time that any machine needs.
+/// Maximum wait before a test fails. The limit exceeds the time that any machine needs.
 const TIMEOUT: Duration = Duration::from_secs(300);
 
 /// A virtual display, closed on drop.

@@ -1,5 +1,5 @@
-//! Malicious or faulty users' GLSL: it is either refused in one sentence or traced. It never crashes the program, hangs
-//! it or exhausts its memory.
+//! Malicious or faulty users' GLSL: it is either refused in one sentence or traced. Users' GLSL never crashes the
+//! program, hangs it or exhausts its memory.
 
 use crate::common::cli::{argument, command, stderr};
 use crate::common::{builtin, context};
@@ -477,8 +477,8 @@ mod window {
     }
 
     /// Protects users from waiting for the trial of a chosen scene: the window continues with the last valid scene and
-    /// shows a message. It shows the new scene after the trial, unless the scene is refused or another one is chosen
-    /// meanwhile.
+    /// shows a message. After the trial the window shows the new scene, unless the scene is refused or another scene is
+    /// chosen meanwhile.
     #[test]
     fn a_scene_that_is_chosen_is_tried_aside() {
         let folder = tempfile::tempdir().unwrap();

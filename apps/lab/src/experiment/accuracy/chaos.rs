@@ -100,7 +100,7 @@ fn is_curved(scene: &Scene, object: u32) -> bool {
     })
 }
 
-/// Returns a unit vector perpendicular to `direction`. Its angle about `direction` depends on the index.
+/// Returns a unit vector perpendicular to `direction`. The angle of the vector about `direction` depends on the index.
 fn across(direction: DVec3, index: usize) -> DVec3 {
     let (u, v) = direction.any_orthonormal_pair();
     let (sin, cos) = (TAU * (index as f64 * 0.618_033_988_749_895).fract()).sin_cos();

@@ -51,8 +51,8 @@ fn objects_met(states: &[Vec<Wave>]) -> Vec<Vec<u32>> {
     met
 }
 
-/// The status rounded to a whole number. It is 0 if the status is within the thesis' margin (figure 8) around the
-/// listener's status.
+/// The status rounded to a whole number. The result is 0 if the status is within the thesis' margin (figure 8) around
+/// the listener's status.
 fn status(wave: &Wave) -> i32 {
     match wave.fate() {
         Fate::Listener => 0,

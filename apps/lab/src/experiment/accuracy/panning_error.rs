@@ -1,5 +1,5 @@
-//! Compares the panning of many frames with the panning of the exact geometry: biases, spread and efficiency. It also
-//! returns the times of the same frames.
+//! Compares the panning of many frames with the panning of the exact geometry: biases, spread and efficiency. The times
+//! of the same frames are also returned.
 //!
 //! # Theory
 //! A frame's panning is a Monte Carlo estimate. Its mean square error relative to the limit of many waves is MSE =

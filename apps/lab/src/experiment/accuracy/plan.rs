@@ -1,9 +1,9 @@
 //! The cases to run in each scene.
 //!
 //! For basic shapes, the exact reference evaluates a few formulas per flight. For a field, it marches in `f64` with
-//! several hundred evaluations, which takes a hundred times as long. It is also slow for many surfaces. Scenes with a
-//! slow reference get the short sweep: fewer directions for the limit, fewer waves compared one by one, and fewer seeds
-//! for the twin bias. The report states the resulting uncertainty beside each figure.
+//! several hundred evaluations, which takes a hundred times as long. The reference is also slow for many surfaces.
+//! Scenes with a slow reference get the short sweep: fewer directions for the limit, fewer waves compared one by one,
+//! and fewer seeds for the twin bias. The report states the resulting uncertainty beside each figure.
 
 use super::gyroid::GYROID;
 use super::sweep::{Case, full, quick, short};

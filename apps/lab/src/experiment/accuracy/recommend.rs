@@ -36,8 +36,8 @@ fn recommended(row: &Row) -> Recommendation {
     }
 }
 
-/// The points (time, error) that no other point beats in both coordinates. They are sorted by increasing time, and
-/// therefore by decreasing error.
+/// The points (time, error) that no other point beats in both coordinates. The points are sorted by increasing time,
+/// and therefore by decreasing error.
 pub fn pareto_front(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let mut sorted = points.to_vec();
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));

@@ -252,8 +252,8 @@ pub struct Slope {
     pub directions: String,
     /// The points, sorted by number of waves.
     pub points: Vec<SlopePoint>,
-    /// Exponent of the number of waves, fitted to the points. It is −0.5 for independent directions; `None` for fewer
-    /// than two fitted points.
+    /// Exponent of the number of waves, fitted to the points. The exponent is −0.5 for independent directions, and
+    /// `None` for fewer than two fitted points.
     pub slope: Option<f64>,
     /// Standard error of the exponent; `None` for fewer than three fitted points.
     pub standard_error: Option<f64>,
@@ -268,7 +268,7 @@ pub struct SlopePoint {
     pub rms: f64,
     /// Expected number of heard waves, computed from the limit's share of heard waves.
     pub heard: f64,
-    /// Whether the fit includes this point. It does if at least 10 heard waves are expected.
+    /// Whether the fit includes this point, that is, whether at least 10 heard waves are expected.
     pub fitted: bool,
 }
 

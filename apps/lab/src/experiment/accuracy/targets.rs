@@ -179,7 +179,7 @@ fn efficiencies(scene: &SceneReport) -> Option<Target> {
     ))
 }
 
-/// The comparison with the thesis' algorithm at its best settings. It has no bound.
+/// The comparison with the thesis' algorithm at its best settings. This comparison has no bound.
 fn against_the_best_thesis(scene: &SceneReport) -> Option<Target> {
     let hybrid = default_row(scene, Profile::Hybrid)?;
     let name = Profile::Thesis.to_string();

@@ -10,11 +10,11 @@ use glam::Vec3;
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// Number of directions that are traced at a time. It limits the memory.
+/// Number of directions that are traced at a time. This number limits the required memory.
 const PART: usize = 1 << 20;
 
-/// The parameters of start directions: their set, the number of waves, the seed. They give the same directions for
-/// every profile.
+/// The parameters of start directions: their set, the number of waves, the seed. The same parameters give the same
+/// directions for every profile.
 type Start = (Directions, u32, u32);
 
 /// A scene with its exact results.
@@ -61,8 +61,8 @@ impl<'a> Truth<'a> {
         self.exact.trace_all(start, directions, iterations)
     }
 
-    /// Returns the exact waves for the start directions `starts` of these settings. They are traced only once, and are
-    /// shared by all settings with the same start directions.
+    /// Returns the exact waves for the start directions `starts` of these settings. These waves are traced only once,
+    /// and are shared by all settings with the same start directions.
     pub fn twins(&mut self, settings: &Settings, starts: &[Vec3]) -> Rc<[ExactWave]> {
         let key = (start(settings), settings.iterations);
         if let Some(known) = self.followed.get(&key) {
@@ -164,7 +164,7 @@ fn start(settings: &Settings) -> Start {
     (settings.directions, settings.waves, settings.seed)
 }
 
-/// The start directions for these settings. They are the same for every profile.
+/// The start directions for these settings, which are the same for every profile.
 fn start_directions(
     tracer: &mut Tracer,
     scene: &Scene,

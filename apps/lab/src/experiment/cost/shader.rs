@@ -27,7 +27,7 @@ pub struct ShaderReport {
 /// A shape or an operator with functions in the shader text.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Feature {
-    /// Its name in scene files.
+    /// The name of the shape or operator in scene files.
     pub name: String,
     /// Whether the scene contains the shape or operator.
     pub in_scene: bool,

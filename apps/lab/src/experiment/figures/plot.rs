@@ -16,7 +16,7 @@ const SHEET: Sheet = Sheet {
 const PLOT_WIDTH: u32 = 510;
 
 /// Line styles. The two machines of the thesis are grey, and the measured profiles are coloured. Later lines are drawn
-/// over earlier ones. They are thinner or dashed, so that the earlier lines stay visible.
+/// over earlier ones. Later lines are thinner or dashed, so that the earlier lines stay visible.
 const MOBILE: Stroke = Stroke::new(RGBColor(185, 185, 185), 7, None);
 const DESKTOP: Stroke = Stroke::new(RGBColor(110, 110, 110), 7, None);
 const BUDGET: Stroke = Stroke::new(RGBColor(204, 121, 167), 1, Some((12, 4)));

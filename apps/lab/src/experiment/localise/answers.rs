@@ -90,7 +90,7 @@ pub struct StimulusInfo {
     pub hits: u64,
     /// The azimuth of the source in degrees, positive to the right of the gaze, −180 … 180.
     pub source_azimuth_deg: f64,
-    /// The lateral angle of the source in degrees, −90 … 90. It determines the levels.
+    /// The lateral angle of the source, which determines the levels, in degrees, −90 … 90.
     pub source_lateral_deg: f64,
     /// The answer of the [`Observer`](super::Observer) to the same sound, in degrees.
     pub observer_lateral_deg: f64,

@@ -14,7 +14,7 @@ const BESIDE_DEG: f64 = 45.0;
 /// Maximum length of a trial's sound, in seconds.
 const MOST_SECONDS: f64 = 600.0;
 
-/// Length of the fades, in seconds. It avoids clicks at the ends of a sound.
+/// Length of the fades that avoid clicks at the ends of a sound, in seconds.
 const FADE_S: f64 = 0.01;
 
 /// Returns the scene three times, with its source to the left, ahead and to the right. Only the listener is rotated.

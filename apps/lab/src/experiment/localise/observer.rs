@@ -113,7 +113,7 @@ impl Side {
     }
 }
 
-/// The observer model. It knows either both the listener's radius and the source's distance, or neither.
+/// The observer model, which knows either both the listener's radius and the source's distance, or neither.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observer {
     mean_side: f64,
@@ -130,7 +130,7 @@ impl Observer {
         }
     }
 
-    /// An observer that does not know the distance. Its *m* is that of a distant source.
+    /// An observer that does not know the distance, and uses the *m* of a distant source.
     pub fn blind(law: PanningLaw) -> Observer {
         Observer {
             mean_side: mean_side(0.0),
@@ -189,8 +189,8 @@ pub fn azimuth_deg(scene: &Scene) -> f64 {
 }
 
 /// The angle between the direct path to the source and the median plane, in degrees from −90 (left) to 90 (right). For
-/// a source at the height of the ears, it is the azimuth folded to the front. It is 0 for a source at the listener's
-/// centre.
+/// a source at the height of the ears, it is the azimuth folded to the front. A source at the listener's centre has the
+/// angle 0.
 pub fn lateral_deg(scene: &Scene) -> f64 {
     let (right, _) = horizontal_axes(scene);
     let sine = to_source(scene).normalize_or_zero().dot(right);

@@ -51,7 +51,8 @@ pub struct ErrorFigures {
     pub outward_bias: Option<Figure>,
     /// Standard deviation from the mean answer to the same truth; `None` if no truth has two answers.
     pub spread: Option<Figure>,
-    /// Whether the intervals are computed from fewer than [`LEAST_DRAWN`] answers per truth. They are then too narrow.
+    /// Whether the intervals are too narrow, because they are computed from fewer than [`LEAST_DRAWN`] answers per
+    /// truth.
     pub rough: bool,
 }
 
@@ -192,7 +193,7 @@ fn spread(strata: &[Vec<Pair>]) -> Option<f64> {
 }
 
 /// A share of trials with its confidence interval (Wilson 1927, 95 %). The interval is also valid for few trials and
-/// for shares of 0 and 1. It assumes independent trials.
+/// for shares of 0 and 1. The interval assumes independent trials.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Share {
     /// The share, 0 … 1.

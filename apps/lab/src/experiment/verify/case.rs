@@ -51,7 +51,7 @@ pub(super) struct Verdict {
 pub struct WaveCheck {
     /// The scene.
     pub scene: Scene,
-    /// The same scene for the reference. It uses shapes of the library, evaluated in `f64`, in place of the users'
+    /// The same scene for the reference. This scene has library shapes, evaluated in `f64`, in place of the users'
     /// fields of `scene`.
     pub truth: Option<Box<Scene>>,
     /// The directions in which the waves leave the source, in world axes.
@@ -67,8 +67,8 @@ pub struct WaveCheck {
 pub enum Bound {
     /// The accepted error is the effect of a rounding error in the start of the exact wave.
     Spread {
-        /// Share of the waves that may have another answer. Such waves hit edges that none of the few displaced starts
-        /// hits.
+        /// Share of the waves that may have another answer, because they hit edges that none of the few displaced
+        /// starts hits.
         exceptions: f64,
     },
     /// The accepted error is a share of the scene's extent, or of the path if the path is longer. The answers are known

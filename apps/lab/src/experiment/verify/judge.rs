@@ -221,7 +221,7 @@ impl Judge {
     }
 
     /// The maximum distance between the exact waves and the answers known in advance, as a share of the extent, or of
-    /// the path if the path is longer. It is infinite if a wave hits other objects.
+    /// the path if the path is longer. The result is infinite if a wave hits other objects.
     pub fn exact_against(&self, directions: &[Vec3], answers: &[Planted]) -> f64 {
         let off = |(direction, answer): (&Vec3, &Planted)| {
             let direction = direction.as_dvec3();

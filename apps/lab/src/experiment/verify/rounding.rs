@@ -1,8 +1,8 @@
 //! Tolerances for rounding errors.
 
 /// Maximum displacement of a start that still counts as the same start: a share of the scene's extent for the position,
-/// and radians for the direction. It is eight units in the last place of an `f32`, which is the error of one flight and
-/// one reflection.
+/// and radians for the direction. The value is eight units in the last place of an `f32`, which is the error of one
+/// flight and one reflection.
 pub const START_ROUNDING: f64 = 8.0 * f32::EPSILON as f64;
 
 /// Additional error of an end point, as a share of the scene's extent.

@@ -37,8 +37,8 @@ pub fn data_url(kind: &str, bytes: &[u8]) -> String {
     format!("data:{kind};base64,{}", BASE64_STANDARD.encode(bytes))
 }
 
-/// A fingerprint of 16 hexadecimal digits (FNV-1a over the trials as JSON). It differs between forms with different
-/// trials or a different order of trials.
+/// A fingerprint of 16 hexadecimal digits (FNV-1a over the trials as JSON). The fingerprint differs between forms with
+/// different trials or a different order of trials.
 pub fn fingerprint(trials: &[Trial]) -> String {
     // The trials are plain data, so their conversion to JSON cannot fail.
     let text = serde_json::to_vec(trials).unwrap_or_default();

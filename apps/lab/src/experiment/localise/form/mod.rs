@@ -71,7 +71,7 @@ impl FormOptions {
 /// One trial.
 #[derive(Clone, Debug, Serialize)]
 pub struct Trial {
-    /// The trial's number, from 1. It is independent of the trial's position in the order of a session.
+    /// The trial's number, from 1. The number is independent of the trial's position in the order of a session.
     pub number: usize,
     /// The sound and its setting.
     pub stimulus: StimulusInfo,

@@ -6,10 +6,10 @@ use echomarch::scene::shape::{Cuboid, Sphere};
 use echomarch::scene::{Listener, Shape, Surface};
 use glam::Vec3;
 
-/// Number of flights of each wave. It is small, because reflections at balls multiply errors.
+/// Number of flights of each wave. The number is small, because reflections at balls multiply errors.
 const ITERATIONS: u32 = 2;
 
-/// Number of waves in a case. It is small, because the exact march past copies takes long.
+/// Number of waves in a case. The number is small, because the exact march past copies takes long.
 const WAVES: u32 = 128;
 
 pub fn cases() -> Vec<Case> {

@@ -61,7 +61,8 @@ fn torus() -> Statement {
     }
 }
 
-/// The torus as a difference of squares. Its value is not a distance, and its gradient is much larger far away.
+/// The torus as a difference of squares. The value of this field is not a distance, and its gradient is much larger far
+/// away.
 fn torus_squared() -> Statement {
     Statement {
         text: "float field(vec3 p) {
