@@ -151,8 +151,8 @@ impl Hearing {
         })
     }
 
-    /// Whether a new trace is due. This is the case if the scene has changed since the last trace, if a new player
-    /// waits, if the late part is missing, or if the last trace had far fewer waves than its time limit allows.
+    /// Whether a new trace is due. A trace is due if the scene has changed since the last trace, if a new player waits,
+    /// if the late part is missing, or if the last trace had far fewer waves than its time limit allows.
     pub fn is_new(&self, scene: &Scene, settings: &Settings, is_waited_for: bool) -> bool {
         let is_another = self.scene.as_ref() != Some(scene);
         let early = self.early_waves.min(settings.waves);

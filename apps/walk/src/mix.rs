@@ -100,7 +100,7 @@ impl HeardMessage {
 /// of one sound.
 ///
 /// After a change of the scene, the sound, the listening mode or the panning law, the old sound fades out before the
-/// new one fades in. This avoids clicks.
+/// new one fades in, which avoids clicks.
 #[derive(Debug)]
 pub struct Mix {
     rate_hz: u32,

@@ -23,8 +23,8 @@
 //!
 //! The walk, the picture, the plan and its paths are shared with the browser page: see [`echomarch_walk`].
 //!
-//! Threads: the picture is drawn and the waves are traced on the thread that calls [`run`]. That thread must be the
-//! main thread of the process. Full listening is traced on its own thread, with its own context.
+//! Threads: the picture is drawn and the waves are traced on the thread that calls [`run`], which must be the main
+//! thread of the process. Full listening is traced on its own thread, with its own context.
 
 mod actions;
 mod adapt;

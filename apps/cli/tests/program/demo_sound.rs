@@ -152,8 +152,8 @@ fn what_is_heard_is_recorded() {
     // Nothing moves, so the gains are constant from the first frame of waves to the final fade.
     let wanted = *traced(&report).last().unwrap();
     let is_right = |window: &[f64; 2]| error_db(*window, wanted) < 0.5;
-    // Both channels play the same noise, so their balance is exact. The initial balance of 0 dB ends when the balance
-    // is closer to the traced one. The interval with the glide is skipped.
+    // The two channels play the same noise, so their balance is exact. The initial balance of 0 dB ends when the
+    // balance is closer to the traced one. The interval with the glide is skipped.
     let balance_db = |window: &[f64; 2]| 20.0 * (window[0] / window[1]).log10();
     let has_arrived = |window: &[f64; 2]| balance_db(window) / balance_db(&wanted) > 0.5;
     let first = heard.iter().position(has_arrived).unwrap() + 1;

@@ -49,8 +49,8 @@ fn errors_in(
 }
 
 /// Protects the acceptance criterion of the observer model. With 65,536 waves of the default profile and only the
-/// direct path (1 iteration), the median error in the open is below 5° for every sound. The same holds for each single
-/// azimuth.
+/// direct path (1 iteration), the median error in the open is below 5° for every sound. The error is also below 5° for
+/// each single azimuth.
 #[test]
 fn by_the_straight_way_a_source_in_the_open_is_found_to_less_than_5_degrees() {
     let field = builtin("open-field");

@@ -65,7 +65,7 @@ fn answers_are_scored() {
 }
 
 /// Protects confidence intervals: they are based on people, not on answers. Five people give an interval, however few
-/// answers each has. One person in five sessions gives none.
+/// answers each has. One person in five sessions gives no interval.
 #[test]
 fn intervals_are_those_of_people() {
     let folder = tempfile::tempdir().unwrap();

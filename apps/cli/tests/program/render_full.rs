@@ -85,7 +85,7 @@ fn a_source_behind_a_wall_is_heard_by_its_echo() {
 }
 
 /// Protects loudness and delay: a source of 0 dB at 2 m in the open has half the amplitude of its sound, and arrives 2
-/// m / (343 m/s) later. `--gain` makes it louder. The same call gives the same bytes.
+/// m / (343 m/s) later. `--gain` makes it louder. A repeated call gives the same bytes.
 #[test]
 fn distance_makes_soft_and_late() {
     let folder = tempfile::tempdir().unwrap();

@@ -89,8 +89,8 @@ fn lines_of(work: &Path) -> usize {
     bytes.iter().filter(|byte| **byte == b'\n').count()
 }
 
-/// Protects hours of work: a study that is killed at 20 random moments and then continued ends with the same bytes. The
-/// same holds for its shard.
+/// Protects hours of work: a study that is killed at 20 random moments and then continued ends with the same bytes in
+/// its tables and its shard.
 #[test]
 fn a_study_that_is_killed_ends_with_the_same_bytes() {
     const KILLS: usize = 20;

@@ -74,7 +74,7 @@ pub struct FigureRow {
 }
 
 impl FigureRow {
-    /// Difference between the listener hits and the thesis' hits, in standard errors. Both are counts of rare
+    /// Difference between the listener hits and the thesis' hits, in standard errors. Hits are counts of rare
     /// independent events, so the standard error of the difference is the root of their sum.
     pub fn standard_errors(&self) -> f64 {
         let ours = self.counts.listener_hits as f64;

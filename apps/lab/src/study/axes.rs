@@ -29,7 +29,7 @@ impl Numbers {
     }
 }
 
-/// The position of an index within `count` values, from 0 to 1. Both ends are exact.
+/// The position of an index within `count` values, from 0 to 1, where 0 and 1 are exact.
 fn share(index: u64, count: u64) -> f64 {
     index as f64 / count.saturating_sub(1).max(1) as f64
 }

@@ -61,13 +61,13 @@ pub(super) struct SceneFile {
 #[serde(rename = "form of numbers", deny_unknown_fields)]
 pub(super) enum Numbers {
     List(Vec<f64>),
-    /// `count` numbers with equal differences. Both ends are included.
+    /// `count` numbers with equal differences, including both ends.
     Range {
         from: f64,
         to: f64,
         count: u64,
     },
-    /// `count` numbers with equal ratios. Both ends are included.
+    /// `count` numbers with equal ratios, including both ends.
     Geometric {
         from: f64,
         to: f64,
@@ -89,7 +89,7 @@ pub(super) enum Places {
         to: [f32; 3],
         counts: [u64; 3],
     },
-    /// `count` positions at equal distances along a polyline. Both ends are included.
+    /// `count` positions at equal distances along a polyline, including both ends.
     Path {
         through: Vec<[f32; 3]>,
         count: u64,

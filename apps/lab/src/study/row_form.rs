@@ -1,8 +1,8 @@
 //! The form of a shard's rows: the permitted cells of the study's columns, spelled as the program writes them.
 //!
 //! A checksum detects damage, but anyone can compute a checksum. Each cell is therefore parsed by the type of its
-//! column. A row is accepted only if its cells give the same text when they are written again. This rejects numbers
-//! that are not finite or outside the column's range, other spellings, and text in a column of numbers.
+//! column. A row is accepted only if its cells give the same text when they are written again. The comparison rejects
+//! numbers that are not finite or outside the column's range, other spellings, and text in a column of numbers.
 
 use super::Study;
 use super::columns::{Column, Kind, Range};

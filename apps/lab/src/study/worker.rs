@@ -56,8 +56,8 @@ impl<'a> Worker<'a> {
             _ => study.posed(point.variant, point.time)?,
         };
         let (_, scene) = self.posed.insert((key, scene));
-        // This replaces the positions of the previous point. An axis sets its position either for all points or for
-        // none.
+        // The assignment replaces the position of the previous point. An axis sets its position either for all points
+        // or for none.
         if let Some(position) = study.source_of(point) {
             scene.sources[0].position = position;
         }

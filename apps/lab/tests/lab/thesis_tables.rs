@@ -9,7 +9,7 @@ use echomarch_lab::experiment::THESIS_TABLES;
 const WAVES: u32 = 1_048_576;
 const SEEDS: [u32; 2] = [1, 2011];
 
-/// Protects the reconstruction: the counts equal the thesis' counts within four standard errors. Both are counts of
+/// Protects the reconstruction: the counts equal the thesis' counts within four standard errors. Hits are counts of
 /// rare independent events, whose variance is their mean, so one standard error is √(thesis + ours). Figure 11.3 of the
 /// thesis has a count of 0. The count there may be at most three, which is the upper end of the 95 % interval for a
 /// count of 0.

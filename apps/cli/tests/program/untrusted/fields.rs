@@ -318,7 +318,7 @@ fn settle(
 
 /// Protects programs that use the library. Users' fields are refused until the program chooses how they are tried;
 /// built-in scenes are not refused. A child process gives the same results as this process. No field is tried twice,
-/// and watching files never blocks. This is one test, because the choice applies to the whole process.
+/// and watching files never blocks. All of this is one test, because the choice applies to the whole process.
 #[test]
 fn a_library_chooses_how_fields_are_tried() {
     let folder = tempfile::tempdir().unwrap();

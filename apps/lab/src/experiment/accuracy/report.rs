@@ -190,7 +190,7 @@ pub struct WaveErrors {
     /// Number of waves heard after 0, 1, 2 … reflections. Waves that `thesis` hears after their death count in its
     /// panning, but not here. (This profile continues to march dead waves.)
     pub hits: Vec<u64>,
-    /// The same numbers for the exact waves.
+    /// Number of exact waves heard after 0, 1, 2 … reflections.
     pub exact_hits: Vec<u64>,
 }
 

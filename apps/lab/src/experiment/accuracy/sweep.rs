@@ -20,10 +20,10 @@ pub const ITERATIONS: [u32; 3] = [4, 8, 16];
 /// Number of waves in each profile's defaults, and in rows that change another setting.
 pub const BASE_WAVES: u32 = 65_536;
 
-/// The same number for the quick sweep. With 16 seeds per row, more waves would take too long.
+/// Number of waves in the defaults of the quick sweep. With 16 seeds per row, more waves would take too long.
 pub const QUICK_WAVES: u32 = 32_768;
 
-/// The same number for the short sweep.
+/// Number of waves in the defaults of the short sweep.
 pub const SHORT_WAVES: u32 = 16_384;
 
 /// Number of waves of `thesis` in the short sweep of a scene with surfaces in cells.

@@ -67,7 +67,7 @@ pub struct CostReport {
     pub runs: u32,
     /// March times of the complete frame compared with itself: the noise of the clock.
     pub control: Timing,
-    /// The same comparison for the time of the whole frame.
+    /// Total times of the complete frame compared with itself.
     pub control_total: Timing,
     /// The effect of another seed.
     pub noise: Noise,

@@ -127,7 +127,7 @@ impl LocaliseOptions {
         }
     }
 
-    /// The same with few settings and seeds, which takes seconds.
+    /// Reduces the options to few settings and seeds, which take seconds.
     #[must_use]
     pub fn quick(self) -> LocaliseOptions {
         LocaliseOptions {
