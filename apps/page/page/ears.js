@@ -42,7 +42,7 @@ function begin(data) {
   const canvas = typeof OffscreenCanvas === "undefined" ? null : new OffscreenCanvas(1, 1);
   const gl = canvas?.getContext("webgl2", { antialias: false, depth: false, alpha: false });
   if (!gl) throw new Error("this browser has no WebGL 2 in workers");
-  canvas.addEventListener("webglcontextlost", () => fail("the graphics driver has taken the ears' context away"));
+  canvas.addEventListener("webglcontextlost", () => fail("the graphics driver has discarded the context for full listening"));
   ears = new EarsOfPage(gl, data.rate);
   mix.onmessage = ({ data: played }) => guarded(() => follow(played));
 }
@@ -79,7 +79,7 @@ function look() {
   } catch (error) {
     // The trace would fail again until the scene changes.
     refused = latest;
-    tellTrouble(`The sound in full stays as it was: ${error.message}`);
+    tellTrouble(`Full listening is unchanged: ${error.message}`);
   }
   const now = performance.now();
   // Pauses for the duration of the trace, because the picture needs the graphics card too.

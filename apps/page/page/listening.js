@@ -124,7 +124,7 @@ export class Listening {
     if (part === "ears") {
       this.hasEars = false;
       this.sources = [];
-      this.messages.say("ears", `Only the balance can be heard, not the sound in full: ${why}.`);
+      this.messages.say("ears", `Only the balance can be heard, without full listening: ${why}.`);
       this.showListen();
       this.hear();
       return;

@@ -74,7 +74,7 @@ function play({ scene, text, name, sound }) {
     // The ears get the scene from the mix, so that no response arrives before the mix can play it.
     ears.postMessage({ scene, text, name });
   } catch (error) {
-    trouble = `The sound stays as it was: ${error.message}`;
+    trouble = `The sound is unchanged: ${error.message}`;
   }
   postMessage({ answered: scene, playing, trouble });
 }

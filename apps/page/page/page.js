@@ -119,7 +119,7 @@ function trace(wanted) {
     state.waves = wanted.waves;
     state.iterations = wanted.iterations;
   }
-  messages.say("settings", why && `The waves stay as they were: ${why}.`);
+  messages.say("settings", why && `The settings are unchanged: ${why}.`);
   showSettings();
   return !why;
 }
@@ -272,7 +272,7 @@ function loop(now) {
   } catch (error) {
     if (gl.isContextLost()) return;
     if (error.message.startsWith(PANICKED)) {
-      messages.say("picture", `The page has stopped, load it again: ${error.message}`);
+      messages.say("picture", `The page has stopped; reload it: ${error.message}`);
       return;
     }
     messages.say("picture", `This picture cannot be drawn: ${error.message}`);
@@ -410,7 +410,7 @@ async function begin() {
     return;
   }
   canvas.addEventListener("webglcontextlost", () => {
-    messages.say("picture", "The graphics driver has taken the context away: load the page again.");
+    messages.say("picture", "The graphics driver has discarded the WebGL context: reload the page.");
   });
   await init();
   page = new Page(gl, builtIn(), state.scene);
